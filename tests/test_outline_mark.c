@@ -3,15 +3,18 @@
  * Outlines that are shown and that are there: pixels of panes against the voxels of a plain list,
  * and what of a session is taken up to be corrected.
  */
-#include "show/voxel_facts.h"
+#include "program/programs.h"
 #include "session/paint.h"
 #include "show/panes.h"
 #include "tests/interpreting.h"
 
 static struct interpreter interp;
+static struct pilot_interpreter pilot = {.interp = &interp};
+static struct pilot_host host;
 
 static void begin(void)
 {
+    pilot_host_fill(&host);
     begin_interpreter(&interp);
     must(&interp, "open synth:geom:32x32x32");
     must(&interp, "cross 12,14,9");
@@ -100,13 +103,12 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
 }
 
 /* What is taken up at a place: its marker, or -1 for nothing; and its corners. */
-static int find(unsigned label, unsigned axis, const uint32_t place[3], size_t *corners)
+static int find(unsigned label, enum pilot_pane pane, const uint32_t place[3], size_t *corners)
 {
     struct polyline line = {0};
     struct buf words = {0};
     uint32_t marker = 99;
-    const bool found =
-        outline_facts_find(&line, &marker, interp.session, label, axis, place, &words);
+    const bool found = host.outline(&pilot, label, pane, place, &line, &marker, &words);
     *corners = line.count;
     CHECK(words.length > 0);
     polyline_release(&line);
@@ -120,44 +122,45 @@ STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
                           far[3] = {31, 31, 9};
     size_t corners;
     begin();
-    CHECK_INT(find(1, 2, here, &corners), -1); /* nothing has the label */
+    CHECK_INT(find(1, PILOT_AXIAL, here, &corners), -1); /* nothing has the label */
     must(&interp, "seed 12,14,9 1 radius=4");
     must(&interp, "seed 2,2,2 0");
     must(&interp, "run");
-    CHECK_INT(find(1, 2, here, &corners), 0);
+    CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 0);
     CHECK(corners > 3);
     must(&interp, "outline 6,8,9 1 to=18,8,9 to=18,20,9 to=6,20,9");
-    CHECK_INT(find(1, 2, here, &corners), 3);
+    CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 3);
     CHECK_INT(corners, 4);
-    CHECK_INT(find(1, 2, beside, &corners), 3); /* near it */
-    CHECK(find(1, 2, far, &corners) <= 0);
-    CHECK(find(1, 2, below, &corners) <= 0); /* in another slice */
-    CHECK(find(1, 1, here, &corners) <= 0);
-    CHECK(find(2, 2, here, &corners) <= 0); /* of another label */
+    CHECK_INT(find(1, PILOT_AXIAL, beside, &corners), 3); /* near it */
+    CHECK(find(1, PILOT_AXIAL, far, &corners) <= 0);
+    CHECK(find(1, PILOT_AXIAL, below, &corners) <= 0); /* in another slice */
+    CHECK(find(1, PILOT_CORONAL, here, &corners) <= 0);
+    CHECK(find(2, PILOT_AXIAL, here, &corners) <= 0); /* of another label */
     must(&interp, "outline 7,8,9 1 to=18,8,9 to=18,20,9");
-    CHECK_INT(find(1, 2, here, &corners), 5); /* the latest */
+    CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 5); /* the latest */
     must(&interp, "undo");
-    CHECK_INT(find(1, 2, here, &corners), 3);
+    CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 3);
     interpreter_release(&interp);
 }
 
 STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
 {
     struct buf words = {0};
-    unsigned axis = 9;
+    enum pilot_pane pane;
     uint32_t place[3];
     begin();
     must(&interp, "finish relax");
-    CHECK(!outline_facts_next(&axis, place, interp.session, 0, 1, &words));
-    CHECK(!outline_facts_next(&axis, place, interp.session, 1, 1, &words));
+    CHECK(!host.doubt(&pilot, 0, 1, &pane, place, &words));
+    CHECK(!host.doubt(&pilot, 1, 1, &pane, place, &words));
     CHECK_HAS(buf_text(&words), "no slice has anything in doubt of label 1");
     must(&interp, "seed 12,14,9 1 radius=4");
     must(&interp, "seed 2,2,2 0 radius=2");
     must(&interp, "run");
     buf_clear(&words);
-    CHECK(outline_facts_next(&axis, place, interp.session, 1, 1, &words));
+    CHECK(host.doubt(&pilot, 1, 1, &pane, place, &words));
     CHECK_HAS(buf_text(&words), " in doubt");
-    const unsigned first = axis;
+    const enum pilot_pane first = pane;
+    const unsigned axis = PILOT_SAGITTAL - pane; /* that the slice lies across */
     const uint32_t at = place[axis];
     struct buf line = {0}; /* an outline there */
     const unsigned across = (axis + 1) % 3, along = (axis + 2) % 3;
@@ -171,8 +174,8 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     }
     must(&interp, buf_text(&line));
     must(&interp, "run");
-    for (size_t rank = 1; outline_facts_next(&axis, place, interp.session, 1, rank, &words); rank++)
-        CHECK(axis != first || place[axis] != at);
+    for (unsigned rank = 1; host.doubt(&pilot, 1, rank, &pane, place, &words); rank++)
+        CHECK(pane != first || place[axis] != at);
     buf_release(&line);
     buf_release(&words);
     interpreter_release(&interp);

@@ -24,7 +24,6 @@
 #include "show/draw.h"
 #include "show/label_report.h"
 #include "show/slicing.h"
-#include "show/voxel_facts.h"
 
 /* ---- landmarks ---- */
 
@@ -607,7 +606,7 @@ static enum err hint_slices(const struct act *act)
     for (size_t i = 0; i < count; i++) {
         uint32_t at[3] = {0};
         buf_printf(out, "%zu  ", i + 1);
-        voxel_facts_write_doubt(out, session, &slice[i]);
+        label_report_write_doubt(out, session, &slice[i]);
         if (doubtful_place(at, &labels, label, &slice[i]))
             buf_printf(out, ", at %u,%u,%u", at[0], at[1], at[2]);
         buf_add_char(out, '\n');

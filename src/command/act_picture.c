@@ -652,7 +652,8 @@ enum err act_slice(const struct act *act)
                          "N: expected one of the %s slices 0..%u, not %lld; nothing has changed",
                          act_text(act, "PLANE"), count - 1, (long long)act_number(act, "N"));
     if (act_has(act, "N"))
-        slicing_move(act->session, plane, (uint32_t)act_number(act, "N"), slices->cross);
+        slices->cross[slice_axis(session_scene(act->session), plane)] =
+            (uint32_t)act_number(act, "N");
     if (act_has(act, "zoom")) {
         magnify(slices, SLICE_TIMES_ONE, NULL);
         slices->zoom = act_text(act, "zoom") ? 0 : (uint32_t)act_number(act, "zoom");

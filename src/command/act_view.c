@@ -347,8 +347,7 @@ enum { SLAB_NONE = 3 }; /* the choice after these */
 /* ", feet to head": the patient's sides, from slice 0 of a plane on; nothing where nobody knows. */
 static void write_sides(char out[24], const struct session *session, enum slice_plane plane)
 {
-    uint32_t first[3] = {0};
-    slicing_move(session, plane, 0, first);
+    static const uint32_t first[3] = {0};
     const bool turned = slice_index(session_scene(session), plane, first) > 0;
     if (session_scene(session)->sides_unknown)
         *out = '\0';
@@ -382,11 +381,8 @@ enum err act_clip(const struct act *act)
                          "there are %s slices 0-%u%s, not %u; the view is unchanged", name,
                          count - 1, sides, range[1]);
     const int axis = slice_axis(scene, plane);
-    uint32_t a[3] = {0}, b[3] = {0};
-    slicing_move(act->session, plane, range[0], a);
-    slicing_move(act->session, plane, range[1], b);
-    cut->first[axis] = a[axis] < b[axis] ? a[axis] : b[axis];
-    cut->last[axis] = a[axis] < b[axis] ? b[axis] : a[axis];
+    cut->first[axis] = range[0] < range[1] ? range[0] : range[1];
+    cut->last[axis] = range[0] < range[1] ? range[1] : range[0];
     if (cut->first[axis] == 0 && cut->last[axis] == scene->grid.size[axis] - 1)
         cut->last[axis] = UINT32_MAX;
     return act_go(act);

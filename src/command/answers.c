@@ -14,7 +14,7 @@
 #include "session/tally.h"
 #include "show/export_picture.h"
 #include "show/slicing.h"
-#include "show/window.h"
+#include "show/draw.h"
 
 /* ---- labels ---- */
 
@@ -366,15 +366,11 @@ static bool write_cut(struct buf *out, const struct session *session)
     const char *between = "";
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const int axis = slice_axis(scene, plane);
-        uint32_t last[3] = {0};
         if (cut->first[axis] == 0 && cut->last[axis] == UINT32_MAX)
             continue;
         const uint32_t end = scene->grid.size[axis] - 1;
-        last[axis] = cut->last[axis] < end ? cut->last[axis] : end;
-        const uint32_t a = slicing_number(session, plane, cut->first),
-                       b = slicing_number(session, plane, last);
         buf_printf(out, "%sall but %s slices %u-%u", between, slice_name(scene, plane),
-                   a < b ? a : b, a < b ? b : a);
+                   cut->first[axis], cut->last[axis] < end ? cut->last[axis] : end);
         between = ", ";
     }
     if (cut->planes) {
@@ -394,7 +390,8 @@ void act_write_slices(struct buf *out, struct session *session)
     buf_printf(out, "through %u,%u,%u: ", s->cross[0], s->cross[1], s->cross[2]);
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
         buf_printf(out, "%s %u%s", slice_name(session_scene(session), plane),
-                   slicing_number(session, plane, s->cross), plane < SLICE_SAGITTAL ? ", " : "; ");
+                   s->cross[slice_axis(session_scene(session), plane)],
+                   plane < SLICE_SAGITTAL ? ", " : "; ");
     buf_printf(out, "window %s%s %s, ", s->has_window ? "" : "auto: ", least, most);
     if (s->times != SLICE_TIMES_ONE)
         buf_printf(out, "magnified %g, ", s->times / 1000.0);

@@ -17,8 +17,10 @@
 #include "journal/golden.h"
 #include "journal/journal.h"
 #include "journal/record.h"
-#include "program/console.h"
 #include "command/trust.h"
+#include "session/tally.h"
+#include "show/decorating.h"
+#include "show/draw.h"
 #include "tui/cells.h"
 
 enum err begin_by_options(struct interpreter *interp, const struct options *o, struct fault *fault)
@@ -233,4 +235,40 @@ enum err begin_one(void *context, const char *journal, struct fault *fault)
 {
     const struct options *o = context;
     return begin_confined(o, journal, o->out, fault);
+}
+
+/* ---- pictures ---- */
+
+unsigned shown_hues(uint32_t hue[256], const struct session *session)
+{
+    unsigned count = 0;
+    uint8_t lightest[3];
+    background_at(lightest, session_outlook(session)->background, 0, 1);
+    if (lightest[0] | lightest[1] | lightest[2])
+        hue[count++] = (uint32_t)lightest[0] << 16 | (uint32_t)lightest[1] << 8 | lightest[2];
+    for (unsigned label = 1; label < 256; label++) {
+        const uint8_t *rgb = session_kept(session)->palette.rgb[label];
+        if (session_kept(session)->visible[label] && session_tally(session)->voxels[label])
+            hue[count++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
+    }
+    return count;
+}
+
+struct image_view shown_picture(struct interpreter *interp, bool smooth)
+{
+    static uint32_t hue[256];
+    const struct canvas *shown = &interp->shown;
+    const struct rendition *r = session_frame(interp->session);
+    struct image_view view = {.width = r->width, .height = r->height, .rgba = r->rgba};
+    if (!shown->rgba && r->rgba) /* without memory for it, over black */
+        session_show_frame(&interp->shown, interp->session, NULL);
+    if (shown->rgba)
+        view = (struct image_view){
+            .width = shown->width, .height = shown->height, .rgba = shown->rgba};
+    if (session_has_scene(interp->session) && session_count_labels(interp->session, NULL) == OK) {
+        view.hue = hue;
+        view.hues = shown_hues(hue, interp->session);
+    }
+    view.smooth = smooth;
+    return view;
 }

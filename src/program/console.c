@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "program/console.h"
+#include "program/program.h"
 
 #include <poll.h>
 #include <signal.h>

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "command/files.h"
 #include "engine/forest.h"
@@ -206,20 +207,6 @@ void lesson_add_keys(struct buf *out)
 
 /* ---- looked at ---- */
 
-enum err lesson_find(const struct interpreter *interp, struct fault *fault)
-{
-    struct buf path = {0};
-    enum err err = interpreter_find_file(interp, LESSON_SCENE, &path, fault);
-    if (!err)
-        err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
-    buf_release(&path);
-    return err ? fault_set(fault, err,
-                           "the lesson takes the head " LESSON_SCENE " and its brain " LESSON_TRUTH
-                           ", which are not here: they come with Debian's package mricron-data, or "
-                           "lie in a folder that IFTTY_SCENES names")
-               : OK;
-}
-
 enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, struct fault *fault)
 {
     const struct map_place place = session_map_place(interp->session, false);
@@ -236,12 +223,6 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
     volume_release(&map);
     buf_release(&path);
     return err;
-}
-
-void lesson_release(struct lesson *lesson)
-{
-    free(lesson->truth);
-    *lesson = (struct lesson){0};
 }
 
 /* Slice by slice, so that what differs is known of each; nothing once `interpolate` has
@@ -291,4 +272,37 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits)
     if (lesson->of != of)
         count(lesson, &labels);
     lesson->of = of;
+}
+
+/* ---- the program ---- */
+
+/* ERR_IO where the scene or the truth is not here: before a terminal is taken. */
+static enum err find_files(const struct interpreter *interp, struct fault *fault)
+{
+    struct buf path = {0};
+    enum err err = interpreter_find_file(interp, LESSON_SCENE, &path, fault);
+    if (!err)
+        err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
+    buf_release(&path);
+    return err ? fault_set(fault, err,
+                           "the lesson takes the head " LESSON_SCENE " and its brain " LESSON_TRUTH
+                           ", which are not here: they come with Debian's package mricron-data, or "
+                           "lie in a folder that IFTTY_SCENES names")
+               : OK;
+}
+
+enum err run_tutorial(const struct options *o, struct fault *fault)
+{
+    struct lesson lesson = {0};
+    struct interpreter interp;
+    if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO))
+        return fault_set(fault, ERR_USAGE, "the lesson takes a terminal");
+    enum err err = interpreter_init(&interp, fault);
+    if (!err)
+        err = find_files(&interp, fault);
+    interpreter_release(&interp);
+    if (!err)
+        err = prompt_run(o, &lesson, fault);
+    free(lesson.truth);
+    return err;
 }

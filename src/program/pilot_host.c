@@ -2,75 +2,176 @@
 #include "program/programs.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "command/execute.h"
+#include "engine/hints.h"
+#include "engine/margin.h"
+#include "engine/measure.h"
 #include "render/rendition.h"
-#include "show/label_report.h"
-#include "show/voxel_facts.h"
+#include "render/slice.h"
+#include "session/doubtful.h"
+#include "session/markers.h"
 #include "session/session.h"
 #include "session/state.h"
+#include "session/tally.h"
 #include "show/draw.h"
+#include "show/label_report.h"
 #include "show/panes.h"
-#include "show/window.h"
 #include "tui/pilot/pilot_keys.h"
 
 _Static_assert((int)PILOT_AXIAL == (int)PANE_AXIAL && (int)PILOT_CORONAL == (int)PANE_CORONAL &&
                    (int)PILOT_SAGITTAL == (int)PANE_SAGITTAL &&
                    (int)PILOT_RENDITION == (int)PANE_RENDITION,
                "the pilot's panes are those that are shown");
-_Static_assert((int)PILOT_KNOWN == (int)VOXEL_FACTS && (int)PILOT_SUMS == (int)FACT_SUMS &&
-                   (int)PILOT_INTENSITY == (int)FACT_INTENSITY,
-               "what is known of a voxel are its facts");
+
+enum {
+    CORNERS_LEAST = 3,
+    OUTLINE_NEAR = 8, /* voxels between a place and an outline that is found from there */
+};
 
 static struct session *session_of(void *context)
 {
     return ((struct pilot_interpreter *)context)->interp->session;
 }
 
+static uint32_t cell_at(const struct session *session, const uint32_t p[3])
+{
+    return grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
+}
+
 /* ---- facts ---- */
 
-static enum pilot_labels shown_labels(const struct session *session)
+/* The label above 0 of which the last edit changed most voxels; 0 for none. */
+static unsigned changed_most(const struct session *session)
 {
-    if (!session_shows_finished(session))
-        return PILOT_FOREST;
-    return session_is_rough(session) ? PILOT_ROUGH : PILOT_FINISHED;
+    const uint64_t *before, *voxels = session_shown_voxels(session, &before);
+    uint64_t most = 0;
+    unsigned found = 0;
+    for (unsigned label = 1; before && label < 256; label++) {
+        const uint64_t now = voxels[label], was = before[label];
+        const uint64_t change = now > was ? now - was : was - now;
+        found = change > most ? label : found;
+        most = change > most ? change : most;
+    }
+    return found;
+}
+
+/* The label of a voxel as pictures show it, with its size. In the background: the label that the
+ * last edit changed most. */
+static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *session, uint32_t at)
+{
+    const struct cell *cell = session_scene(session)->cell + at;
+    const unsigned label = session_shown_label(session, at), changed = changed_most(session);
+    const unsigned measured = label ? label : changed;
+    const uint64_t *before, *voxels = session_shown_voxels(session, &before);
+    struct buf name = {0};
+    label_report_write_name(&name, session, label);
+    const size_t number = strcspn(buf_text(&name), " ");
+    if (cell->flags & CELL_OUTSIDE) {
+        buf_add_text(&fact[PILOT_HERE], "outside the region of interest");
+    } else if (cell_is_reached(cell)) {
+        buf_printf(&fact[PILOT_HERE], "here %.*s", (int)number, buf_text(&name));
+        buf_add_text(&fact[PILOT_NAME], buf_text(&name) + number);
+    } else {
+        buf_add_text(&fact[PILOT_HERE], "no label");
+    }
+    if (!label && changed) {
+        buf_add_text(&fact[PILOT_VOLUME], "changed ");
+        label_report_write_name(&fact[PILOT_VOLUME], session, changed);
+    }
+    if (measured && voxels) {
+        buf_add_char(&fact[PILOT_VOLUME], ' ');
+        label_report_write_extent(&fact[PILOT_VOLUME], session, voxels[measured]);
+        label_report_write_change(&fact[PILOT_CHANGE], session, voxels[measured],
+                                  before ? before[measured] : 0);
+    }
+    if (label != cell->label) {
+        buf_add_text(&fact[PILOT_IN_FOREST], "in the forest ");
+        label_report_write_name(&fact[PILOT_IN_FOREST], session, cell->label);
+    }
+    fact->failed |= name.failed;
+    buf_release(&name);
+}
+
+static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
+                        const uint32_t place[3], bool knows_sums)
+{
+    const uint32_t at = cell_at(session, place);
+    const struct geometry *geometry = session_geometry(session);
+    const unsigned label = session_shown_label(session, at);
+    struct label_sums sums;
+    double mm[3];
+    geometry_point(geometry, place, mm);
+    write_labels(fact, session, at);
+    buf_add_text(&fact[PILOT_INTENSITY], "intensity ");
+    levels_write(&fact[PILOT_INTENSITY], geometry, session_levels(session),
+                 session_scene(session)->cell[at].intensity);
+    if (geometry_has_place(geometry))
+        buf_printf(&fact[PILOT_MM], "%.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
+    else if (geometry->orientation == ORIENTATION_UNKNOWN)
+        buf_add_text(&fact[PILOT_MM], "orientation unknown");
+    else if (geometry->orientation == ORIENTATION_TOLD)
+        buf_add_text(&fact[PILOT_MM], "sides as told by the user");
+    if (knows_sums && label && session_sum_shown(session, label, &sums, NULL) == OK && sums.voxels)
+        label_report_write_sums(&fact[PILOT_SUMS], &sums, geometry);
+}
+
+/* True while all that is planted is of one label above 0. */
+static bool has_one_label(const struct session *session)
+{
+    const struct markers *markers = session_markers(session);
+    int found = 0;
+    for (size_t i = 0; i < markers->count; i++) {
+        const int label = markers->marker[i].label;
+        if (markers->marker[i].stands && (label <= 0 || (found && label != found)))
+            return false;
+        found = markers->marker[i].stands ? label : found;
+    }
+    return found > 0;
 }
 
 static bool facts(void *context, struct pilot_facts *out)
 {
+    static const uint32_t first[3] = {0};
     const struct pilot_interpreter *pilot = context;
     struct session *session = session_of(context);
-    struct buf fact[VOXEL_FACTS] = {{0}};
+    struct buf fact[PILOT_KNOWN] = {{0}};
     if (!session_has_scene(session))
         return false;
+    const struct scene *scene = session_scene(session);
     const struct outlook *outlook = session_outlook(session);
     const struct slice_settings *s = &outlook->slices;
     const struct rendition *frame = session_frame(session); /* the panel's (session_draw_fitting) */
     *out = (struct pilot_facts){.waiting = session_pendings(session),
-                                .intensity = voxel_facts_intensity(session, s->cross),
+                                .intensity =
+                                    levels_value(session_geometry(session), session_levels(session),
+                                                 scene->cell[cell_at(session, s->cross)].intensity),
                                 .zoom = session_fitting_view(session).zoom,
                                 .times = s->times,
                                 .frame_width = frame->depth ? frame->width : outlook->view.width,
                                 .frame_height = frame->depth ? frame->height : outlook->view.height,
                                 .overlay = s->overlay,
                                 .has_object = panes_have_object(session),
-                                .takes_all = panes_have_one_label(session),
-                                .shows = shown_labels(session),
+                                .takes_all = has_one_label(session),
+                                .shows = !session_shows_finished(session) ? PILOT_FOREST
+                                         : session_is_rough(session)      ? PILOT_ROUGH
+                                                                          : PILOT_FINISHED,
                                 .has_finish = session_kept(session)->finish.count > 0};
     out->fits_itself = session_fits_itself(session, out->middle);
     window_values(out->window, session);
-    for (enum pane pane = PANE_AXIAL; pane < PANE_RENDITION; pane++) {
-        const struct pane_slice slice = panes_slice(session, pane);
-        out->size[pane] = session_scene(session)->grid.size[pane];
-        out->place[pane] = s->cross[pane];
-        out->axis[pane] = slice.axis;
-        out->index[pane] = slice.number;
-        out->counts_down[pane] = slice.counts_down;
-        out->plane[pane] = slice.plane;
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
+        out->size[plane] = scene->grid.size[plane];
+        out->place[plane] = s->cross[plane];
+        out->axis[plane] = (unsigned)slice_axis(scene, plane);
+        out->index[plane] = s->cross[out->axis[plane]];
+        out->counts_down[plane] = slice_index(scene, plane, first) != 0;
+        out->plane[plane] = slice_name(scene, plane);
     }
-    voxel_facts_write(fact, session, s->cross, !pilot->onlooker);
-    for (enum voxel_fact i = FACT_HERE; i < VOXEL_FACTS; i++) {
+    write_voxel(fact, session, s->cross, !pilot->onlooker);
+    for (enum pilot_known i = PILOT_HERE; i < PILOT_KNOWN; i++) {
         snprintf(out->known[i], PILOT_KNOWN_BYTES, "%s", buf_text(fact + i));
         buf_release(fact + i);
     }
@@ -82,6 +183,8 @@ static void move(void *context, const int64_t by[3], uint32_t place[3])
     panes_move(session_of(context), by, place);
 }
 
+/* ---- labels and their seeds ---- */
+
 static void label(void *context, unsigned number, struct buf *out)
 {
     label_report_write_name(out, session_of(context), number);
@@ -92,58 +195,211 @@ static bool is_hidden(void *context, unsigned number)
     return !session_kept(session_of(context))->visible[number];
 }
 
+/* A voxel in the middle of those that a marker decides about; CELL_NONE where others cover it. */
+static uint32_t middle_of(const struct markers *markers, uint32_t number)
+{
+    const struct marker *marker = markers->marker + number - 1;
+    for (size_t i = 0; i < marker->voxels; i++) {
+        const size_t at = (marker->voxels / 2 + i) % marker->voxels;
+        const uint32_t cell = markers->cover[marker->first + at].cell;
+        if (markers_at(markers, cell) == number)
+            return cell;
+    }
+    return CELL_NONE;
+}
+
+/* In the order in which they were planted. */
 static bool seed(void *context, unsigned number, int64_t by, uint32_t place[3])
 {
-    return voxel_facts_next_seed(session_of(context), number, by, place);
+    const struct session *session = session_of(context);
+    const struct markers *markers = session_markers(session);
+    const uint32_t here = cell_at(session, session_outlook(session)->slices.cross);
+    int64_t count = 0, at = by > 0 ? -1 : 0;
+    uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
+    for (uint32_t n = 1; cell && n <= markers->count; n++) {
+        const struct marker *marker = markers->marker + n - 1;
+        if (!marker->stands || marker->label != (int)number)
+            continue;
+        const uint32_t middle = middle_of(markers, n);
+        if (middle == here && (by > 0 || at == 0)) /* of two at one place, the further one */
+            at = count;
+        if (middle != CELL_NONE)
+            cell[count++] = middle;
+    }
+    if (count > 0)
+        grid_find(&session_scene(session)->grid, cell[((at + by) % count + count) % count], place);
+    free(cell);
+    return count > 0;
 }
 
 static bool centre(void *context, unsigned number, uint32_t place[3])
 {
-    return voxel_facts_centre(session_of(context), number, place);
+    struct session *session = session_of(context);
+    return session_count_labels(session, NULL) == OK &&
+           session_tally(session)->voxels[number] > 0 &&
+           centre_of_label(session_scene(session), number, place);
 }
 
-static bool why(void *context, const uint32_t place[3], struct pilot_way *way, struct buf *out)
+static bool why(void *context, const uint32_t place[3], struct pilot_way *out, struct buf *words)
 {
-    struct voxel_why *found = &((struct pilot_interpreter *)context)->why;
-    if (!voxel_why_find(found, session_of(context), place, out))
+    struct way *way = &((struct pilot_interpreter *)context)->way;
+    const struct session *session = session_of(context);
+    const struct forest *forest = session_forest(session);
+    const struct grid *grid = &session_scene(session)->grid;
+    const uint32_t cell = cell_at(session, place);
+    const struct cell *at = session_scene(session)->cell + cell;
+    struct rival rival = {.exists = false};
+    struct fault fault;
+    if (!cell_is_reached(at)) {
+        buf_add_text(words, "no seed reaches this voxel");
         return false;
-    *way =
-        (struct pilot_way){.label = found->label, .next = found->next, .has_edge = found->has_edge};
-    memcpy(way->root, found->root, sizeof way->root);
-    memcpy(way->edge, found->edge, sizeof way->edge);
+    }
+    enum err err = way_find(way, forest, cell, &fault);
+    if (!err && forest_arcs(forest)->kind != ARC_POLARITY)
+        err = rival_find(&rival, forest, cell, &fault);
+    if (err) {
+        buf_printf(words, "error: %s", fault.text);
+        return false;
+    }
+    const size_t steps = way->count - 1;
+    *out = (struct pilot_way){.label = at->label,
+                              .next = rival.exists ? rival.label : 0,
+                              .has_edge = way->edge != CELL_NONE};
+    grid_find(grid, key_root(at->key), out->root);
+    buf_add_text(words, "label ");
+    label_report_write_name(words, session, at->label);
+    buf_printf(words, ", cost %u, %zu step%s", key_cost(at->key), steps, plural(steps));
+    if (out->has_edge) {
+        grid_find(grid, way->edge, out->edge);
+        buf_printf(words, ", strongest edge %u,%u,%u", out->edge[0], out->edge[1], out->edge[2]);
+    }
+    if (rival.exists) {
+        buf_add_text(words, "; next ");
+        label_report_write_name(words, session, rival.label);
+        buf_printf(words, " at %u", rival.cost);
+    }
     return true;
 }
 
 static unsigned hints(void *context)
 {
-    return voxel_facts_hints(session_of(context));
+    const struct hint_list *found;
+    return session_find_hints(session_of(context), &found, NULL, NULL) == OK
+               ? (unsigned)found->count
+               : 0;
+}
+
+static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)
+{
+    struct held *found = &((struct pilot_interpreter *)context)->held;
+    const struct session *session = session_of(context);
+    uint32_t seed[3];
+    if (session_find_held(found, session, cell_at(session, place), tree, NULL) != OK)
+        return false;
+    if (found->marker) {
+        buf_printf(out, "marker %u: %s%zu tree%s, ", found->marker,
+                   found->has_more ? "at least " : "", found->trees, plural(found->trees));
+    } else {
+        grid_find(&session_scene(session)->grid, found->seed, seed);
+        buf_printf(out, "the tree of the seed at %u,%u,%u: ", seed[0], seed[1], seed[2]);
+    }
+    if (found->has_more)
+        buf_printf(out, "more than %d voxels", HELD_MOST);
+    else
+        buf_printf(out, "%zu voxel%s", found->voxels, plural(found->voxels));
+    if (found->waits)
+        buf_printf(out, ", %zu seed%s wait%s", found->waits, plural(found->waits),
+                   found->waits == 1 ? "s" : "");
+    buf_add_text(out, ", label ");
+    label_report_write_name(out, session, found->label);
+    return true;
+}
+
+/* ---- outlines ---- */
+
+/* True for a line in the slice across `axis` that is around the place or near it. */
+static bool is_near(const struct polyline *line, unsigned axis, const uint32_t place[3])
+{
+    for (unsigned a = 0; a < 3; a++) {
+        int64_t first = INT64_MAX, last = -1;
+        const int64_t near = a == axis ? 0 : OUTLINE_NEAR;
+        for (size_t i = 0; i < line->count; i++) {
+            first = line->corner[i][a] < first ? line->corner[i][a] : first;
+            last = line->corner[i][a] > last ? line->corner[i][a] : last;
+        }
+        if (place[a] < first - near || place[a] > last + near)
+            return false;
+    }
+    return line->count >= CORNERS_LEAST;
+}
+
+/* Find the latest marker whose contour is near the place; 0 for none. */
+static uint32_t find_marker(struct polyline *line, const struct session *session, unsigned number,
+                            unsigned axis, const uint32_t place[3])
+{
+    const struct grid *grid = &session_scene(session)->grid;
+    const struct markers *markers = session_markers(session);
+    for (uint32_t n = (uint32_t)markers->count; n > 0; n--) {
+        const struct marker *marker = markers->marker + n - 1;
+        uint32_t first[3];
+        line->count = 0;
+        if (!marker->stands || marker->joined || marker->label != (int)number || !marker->voxels)
+            continue;
+        grid_find(grid, markers->cover[marker->first].cell, first);
+        if (first[axis] == place[axis] && /* else no contour of it lies in the slice */
+            contour_of_marker(line, grid, markers, n, NULL) == OK && is_near(line, axis, place))
+            return n;
+    }
+    line->count = 0;
+    return 0;
 }
 
 static bool outline(void *context, unsigned number, enum pilot_pane pane, const uint32_t place[3],
                     struct polyline *line, uint32_t *marker, struct buf *out)
 {
     struct session *session = session_of(context);
-    return outline_facts_find(line, marker, session, number,
-                              panes_slice(session, (enum pane)pane).axis, place, out);
+    const unsigned axis = (unsigned)slice_axis(session_scene(session), (enum slice_plane)pane);
+    struct labels labels;
+    *marker = find_marker(line, session, number, axis, place);
+    if (*marker) {
+        buf_printf(out, "the outline of marker %u", *marker);
+        return true;
+    }
+    const bool found =
+        session_labels(session, session_shows_finished(session), &labels, NULL) == OK &&
+        contour_of_label(line, &labels, number, axis, place, NULL) == OK &&
+        line->count >= CORNERS_LEAST;
+    buf_add_text(out, found ? "the border of label " : "in this slice there is nothing of label ");
+    label_report_write_name(out, session, number);
+    return found;
 }
 
 static bool doubt(void *context, unsigned number, unsigned rank, enum pilot_pane *pane,
                   uint32_t place[3], struct buf *out)
 {
     struct session *session = session_of(context);
-    unsigned axis;
-    if (!outline_facts_next(&axis, place, session, number, rank, out))
+    struct doubtful_slice slice[DOUBTFUL_MOST];
+    struct labels labels;
+    struct fault why;
+    size_t count = 0;
+    if (number == 0) {
+        buf_add_text(out, "the background has no outline: choose a label first");
         return false;
-    *pane = PILOT_AXIAL;
-    while (panes_slice(session, (enum pane) * pane).axis != axis)
-        ++*pane;
+    }
+    enum err err = doubtful_find(slice, &count, session, number, &why);
+    if (!err)
+        err = session_labels(session, session_shows_finished(session), &labels, &why);
+    if (err) {
+        buf_add_text(out, why.text);
+        return false;
+    }
+    if (rank > count || !doubtful_place(place, &labels, number, &slice[rank - 1])) {
+        buf_printf(out, "no%s slice has anything in doubt of label ", rank > 1 ? " further" : "");
+        label_report_write_name(out, session, number);
+        return false;
+    }
+    *pane = (enum pilot_pane)label_report_write_doubt(out, session, &slice[rank - 1]);
     return true;
-}
-
-static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)
-{
-    struct pilot_interpreter *pilot = context;
-    return voxel_facts_find_held(&pilot->held, session_of(context), place, tree, out);
 }
 
 /* ---- the picture ---- */
@@ -165,7 +421,7 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .heat = wish->heat && !pilot->onlooker,
                                .within_ns = wish->within_ns,
                                .held = wish->marks_held ? &pilot->held : NULL,
-                               .way = wish->marks_way ? &pilot->why.way : NULL,
+                               .way = wish->marks_way ? &pilot->way : NULL,
                                .former = pilot->former,
                                .pixel = wish->marks_pixel ? wish->pixel : NULL,
                                .corner = wish->corner,
@@ -249,15 +505,27 @@ static bool ahead(void *context, const struct pilot_wish *wish, unsigned number,
     return true;
 }
 
+static bool find_voxel(const struct session *session, uint32_t cell, uint32_t place[3])
+{
+    if (cell != CELL_NONE)
+        grid_find(&session_scene(session)->grid, cell, place);
+    return cell != CELL_NONE;
+}
+
 static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t place[3],
                      enum pilot_pane *pane)
 {
-    const struct pilot_interpreter *pilot = context;
-    enum pane found;
-    const bool shows =
-        panes_voxel_at(&pilot->panes, session_of(context), column, row, place, &found);
-    *pane = (enum pilot_pane)found;
-    return shows;
+    const struct panes *panes = &((struct pilot_interpreter *)context)->panes;
+    const struct canvas *canvas = &panes->canvas;
+    *pane = PILOT_RENDITION;
+    for (enum pilot_pane a = PILOT_AXIAL; a < PILOT_RENDITION && canvas->rgba; a++) {
+        const struct mosaic_box *box = &panes->panel.layout.box[a];
+        if (column - box->left < box->width && row - box->top < box->height)
+            *pane = a;
+    }
+    return canvas->rgba && column < canvas->width && row < canvas->height &&
+           find_voxel(session_of(context), canvas->cell[(size_t)row * canvas->stride + column],
+                      place);
 }
 
 static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
@@ -270,13 +538,30 @@ static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32
 
 static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t pixel[2])
 {
-    const struct pilot_interpreter *pilot = context;
-    panes_frame_pixel(&pilot->panes, session_of(context), column, row, pixel);
+    const struct panes *panes = &((struct pilot_interpreter *)context)->panes;
+    const struct rendition *r = session_frame(session_of(context));
+    const uint32_t size[2] = {r->width, r->height}, wanted[2] = {column, row};
+    if (!panes->canvas.rgba || !session_rendered(session_of(context)))
+        return;
+    for (int i = 0; i < 2; i++) {
+        uint32_t low = 0, high = size[i];
+        while (high - low > 1) {
+            const uint32_t middle = low + (high - low) / 2;
+            const struct mosaic_point at =
+                mosaic_point_of(panes->canvas.width, panes->canvas.height, &panes->panel.choice, r,
+                                i ? 0 : middle, i ? middle : 0);
+            *((i ? at.row : at.column) <= wanted[i] ? &low : &high) = middle;
+        }
+        pixel[i] = low;
+    }
 }
 
 static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_t place[3])
 {
-    return panes_voxel_of_frame(session_of(context), column, row, place);
+    const struct session *session = session_of(context);
+    const struct rendition *r = session_frame(session);
+    return session_rendered(session) && column < r->width && row < r->height &&
+           find_voxel(session, r->cell[(size_t)row * r->width + column], place);
 }
 
 /* ---- while a command is carried out ---- */
@@ -381,5 +666,5 @@ void pilot_host_fill(struct pilot_host *host)
 void pilot_interpreter_release(struct pilot_interpreter *pilot)
 {
     panes_release(&pilot->panes);
-    voxel_why_release(&pilot->why);
+    way_release(&pilot->way);
 }

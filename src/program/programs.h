@@ -8,12 +8,11 @@
 #include "base/buf.h"
 #include "command/interpreter.h"
 #include "engine/labels.h"
+#include "engine/way.h"
 #include "image/volume_format.h"
 #include "journal/replay.h"
-#include "program/console.h"
 #include "program/program.h"
 #include "show/panes.h"
-#include "show/voxel_facts.h"
 #include "tui/picture/image_view.h"
 #include "tui/pilot/host.h"
 #include "tui/pilot/pilot_keys.h"
@@ -172,12 +171,8 @@ struct lesson {
     bool has_name;
 };
 
-/* ERR_IO where the scene or the truth is not here: before a terminal is taken. */
-enum err lesson_find(const struct interpreter *interp, struct fault *fault);
-
 /* The truth, on the grid of the session's scene: ERR_INPUT where that is another one. */
 enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, struct fault *fault);
-void lesson_release(struct lesson *lesson);
 
 /* Looks at what there is: at labels that have settled, where they are to, which are waited for if
  * `waits`. */
@@ -206,7 +201,7 @@ struct pilot_interpreter {
     struct panes panes; /* the last picture, */
     struct raster_box slice[PANES_SLICES], beyond; /* and where slices are in it, and beyond */
     struct held held;      /* what was asked for last, until the next command, */
-    struct voxel_why why;  /* and the path that was */
+    struct way way;        /* and the path that was */
     const uint8_t *former; /* labels [cells] before what is shown has changed them, or NULL */
     uint32_t hue[256];
 

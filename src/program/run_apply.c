@@ -6,7 +6,6 @@
 #include "apply/apply.h"
 #include "base/file.h"
 #include "program/programs.h"
-#include "program/console.h"
 
 static struct procedure_source source_of(const struct options *o)
 {

@@ -10,7 +10,6 @@
 #include "base/mem.h"
 #include "image/image_helper.h"
 #include "program/programs.h"
-#include "program/console.h"
 #include "render/decoration.h"
 #include "show/comparison_picture.h"
 #include "session/map.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * `iftty info`: what a picture, a scene, a journal or this program is.
+ * `iftty info` describes a picture, a scene, a journal or this program. `iftty show` shows a
+ * picture. `iftty help` and `iftty --version`.
  *
  * OpenEXR is read by our own reader, and by the image helper where another program wrote what ours
  * does not take; all other pictures by the helper. A TIFF is a scene where `open` reads it, and a
@@ -9,25 +10,32 @@
  * that is torn, edited or damaged is described like any, and ERR_CHECK. Nothing a file says reaches
  * the terminal as it is.
  */
+#include <libdeflate.h>
+#include <nettle/version.h>
+#include <openexr_base.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include "base/file.h"
 #include "base/json.h"
 #include "base/version.h"
+#include "command/command.h"
 #include "command/interpreter.h"
 #include "base/confine.h"
+#include "image/coprocess.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
 #include "image/volume.h"
 #include "journal/journal.h"
 #include "program/programs.h"
-#include "program/console.h"
 #include "show/export_picture.h"
 #include "show/histogram.h"
 #include "session/semantics.h"
 #include "tui/cells.h"
+#include "tui/prompt/line_keys.h"
+#include "tui/prompt/repl.h"
 
 /* ---- facts ---- */
 
@@ -420,6 +428,81 @@ enum err run_info(const struct options *o, struct fault *fault)
         err = fault_memory(fault, "what a file is");
     if (!err || err == ERR_CHECK)
         fputs(buf_text(&text), stdout);
+    buf_release(&text);
+    return err;
+}
+
+/* ---- iftty show ---- */
+
+/* Fine, and silent, where standard output is no terminal. */
+enum err run_show(const struct options *o, struct fault *fault)
+{
+    struct image_helper *helper;
+    struct picture picture = {0};
+    enum err err = image_helper_new(&helper, NULL, fault);
+    if (!err)
+        err = image_helper_read(helper, o->word[0], &picture, fault);
+    if (!err) {
+        const struct image_view view = {.width = picture.width,
+                                        .height = picture.height,
+                                        .rgba = picture.rgba,
+                                        .smooth = o->smooth};
+        show_picture_once(o->graphics, &view);
+    }
+    picture_release(&picture);
+    image_helper_free(helper);
+    return err;
+}
+
+/* ---- iftty help and --version ---- */
+
+enum err run_help(const struct options *o, struct fault *fault)
+{
+    const char *name = o->words ? o->word[0] : NULL;
+    const struct command *command = name ? command_find(name) : NULL;
+    struct buf of_command = {0}, of_program = {0};
+    if (!name || command)
+        command_help(&of_command, command);
+    else if (strcmp(name, "keys") == 0)
+        line_keys_page(&of_command);
+    if (name && !program_add_help(&of_program, &program_table, name) && !of_command.length) {
+        struct near near = near_to(name);
+        command_try_names(&near);
+        program_try_names(&program_table, &near);
+        fault_set(fault, ERR_USAGE, "there is no command or program %s%s", name,
+                  near.count ? "" : "; see `iftty help` and `iftty --help`");
+        return near_append(&near, "", fault);
+    }
+    printf("%s%s%s", buf_text(&of_command), of_command.length && of_program.length ? "\n" : "",
+           buf_text(&of_program));
+    buf_release(&of_command);
+    buf_release(&of_program);
+    return OK;
+}
+
+enum err run_version(const struct options *o, struct fault *fault)
+{
+    static const char *const helpers[][2] = {{"iftty-image", "iftty-image"},
+                                             {"iftty-volume", "iftty-volume"},
+                                             {"iftty-register", "iftty-volume"}}; /* packages */
+    int exr[3];
+    const char *extra;
+    (void)o;
+    exr_get_library_version(&exr[0], &exr[1], &exr[2], &extra);
+    /* A version next to "deflate" in the binary is a copy of zlib to lintian. */
+    printf("iftty " PROGRAM_VERSION "\n"
+           "semantics %d of journals\n"
+           "OpenEXR %d.%d.%d, zlib %s, libdeflate %s, nettle %d.%d\n",
+           SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(), LIBDEFLATE_VERSION_STRING,
+           nettle_version_major(), nettle_version_minor());
+    struct buf text = {0};
+    for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++) {
+        buf_printf(&text, "%s: ", helpers[i][0]);
+        coprocess_add_versions(&text, helpers[i][0], helpers[i][1]);
+        buf_add_char(&text, '\n');
+    }
+    fputs(buf_text(&text), stdout);
+    const enum err err = text.failed ? fault_memory(fault, "versions") : OK;
     buf_release(&text);
     return err;
 }

@@ -14,7 +14,6 @@
 #include "image/picture_writer.h"
 #include "journal/journal.h"
 #include "program/programs.h"
-#include "program/console.h"
 #include "session/setting.h"
 #include "tui/pilot/pilot.h"
 #include "tui/pilot/pilot_keys.h"

@@ -9,7 +9,6 @@
 #include "command/script.h"
 #include "journal/journal.h"
 #include "program/programs.h"
-#include "program/console.h"
 #include "tui/prompt/repl.h"
 
 static void show_picture(void *context, struct interpreter *interp)

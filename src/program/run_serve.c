@@ -12,7 +12,6 @@
 #include "command/execute.h"
 #include "journal/journal.h"
 #include "program/programs.h"
-#include "program/console.h"
 #include "program/serve.h"
 #include "session/session.h"
 

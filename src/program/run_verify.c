@@ -10,7 +10,6 @@
 #include "base/scan.h"
 #include "journal/journal.h"
 #include "program/programs.h"
-#include "program/console.h"
 #include "verify/diff.h"
 #include "verify/first_difference.h"
 #include "verify/journals_below.h"

@@ -11,14 +11,430 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/command.h"
 #include "command/complete.h"
 #include "command/execute.h"
+#include "command/trust.h"
+#include "engine/forest.h"
+#include "engine/labels.h"
 #include "program/programs.h"
-#include "program/console.h"
+#include "show/label_report.h"
 #include "tui/pilot/pilot.h"
 #include "tui/prompt/repl.h"
+#include "verify/replay_file.h"
+
+enum { SEEDS_DRAWN_MOST = 1 << 18, LABELS_SAID_MOST = 6 };
+
+/* ---- the replay ---- */
+
+static size_t points(const struct watched *w)
+{
+    return session_has_scene(w->interp->session) ? w->interp->history.points : 0;
+}
+
+/* Comments are lines before the command of their record, and may be any bytes. */
+static void gather_comments(struct buf *comments, const char *bytes, const struct record *record)
+{
+    const char *at = bytes + record->offset, *end = bytes + record->command_offset;
+    while (at < end) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        const char *stop = feed ? feed : end;
+        at += at < stop && *at == '#';
+        at += at < stop && *at == ' ';
+        if (at < stop) {
+            buf_add(comments, at, (size_t)(stop - at));
+            buf_add_char(comments, '\n');
+        }
+        at = stop + 1;
+    }
+}
+
+/* Adds a step where the record has led to a new point; `comments` are those since the last step. */
+static enum err note_record(struct watched *w, const struct outlook *outlook, size_t before,
+                            struct buf *comments, struct fault *fault)
+{
+    const size_t now = points(w);
+    if (now < before || now < 2) /* another scene */
+        w->count = 0;
+    if (now < 2 || w->count == now - 1)
+        return OK;
+    if (!mem_grow(&w->step, &w->capacity, w->count + 1, sizeof *w->step))
+        return fault_memory(fault, "the steps of a journal");
+    w->step[w->count++] = (struct watched_step){*outlook, w->comments.length};
+    buf_add(&w->comments, buf_text(comments), strlen(buf_text(comments)) + 1);
+    buf_clear(comments);
+    return OK;
+}
+
+static enum err carry_out_all(struct watched *w, struct replay *replay, const char *bytes)
+{
+    struct buf comments = {0};
+    enum err err = OK;
+    while (!err && !replay->is_over) {
+        const struct outlook outlook = *session_outlook(w->interp->session);
+        const size_t before = points(w);
+        err = replay_next(replay, &w->why);
+        if (err || replay->is_over)
+            break;
+        gather_comments(&comments, bytes, &replay->record);
+        err = note_record(w, &outlook, before, &comments, &w->why);
+        w->end = w->interp->history.present;
+    }
+    if (points(w) <= w->count) /* the record that differs has opened another scene */
+        w->count = 0;
+    if (!err && (comments.failed || w->comments.failed))
+        err = fault_memory(&w->why, "the comments of a journal");
+    buf_release(&comments);
+    return err;
+}
+
+enum err watched_begin(struct watched *w, struct interpreter *interp, const char *path,
+                       struct fault *fault)
+{
+    struct replaying replaying = {.interp = interp};
+    const struct replay_host host = replay_file_host(&replaying);
+    const struct replay_options options = {0};
+    struct replay replay;
+    struct buf bytes = {0};
+    *w = (struct watched){.interp = interp};
+    enum err err = replay_file_begin(interp, path, &bytes, fault);
+    if (!err)
+        err = replay_begin(&replay, buf_text(&bytes), bytes.length, &host, &options, &w->report,
+                           fault);
+    if (!err) {
+        if (w->report.is_journal)
+            err = carry_out_all(w, &replay, buf_text(&bytes));
+        else
+            err = fault_set(&w->why, ERR_INPUT,
+                            "this is a script: `iftty run` makes a journal of it");
+        w->ended = replay_end(&replay, err, &w->why);
+        if (!w->count || err == ERR_CANCELLED || err == ERR_LIMIT || err == ERR_MEMORY)
+            err = w->ended ? fault_set(fault, w->ended, "%s", w->why.text)
+                           : fault_set(fault, ERR_INPUT,
+                                       "there is no step in this journal: nothing was planted");
+        else
+            err = OK;
+    }
+    interp->replayed_words = NULL;
+    buf_release(&bytes);
+    limits_rest(true);
+    return err;
+}
+
+void watched_release(struct watched *w)
+{
+    replay_report_release(&w->report);
+    buf_release(&w->comments);
+    free(w->step);
+    free(w->former);
+}
+
+/* ---- the gesture of a step ---- */
+
+/* The middle of the corners of a box or an outline; else the first place, as of a stroke. */
+static bool find_place(const struct call *call, uint32_t place[3])
+{
+    const struct parameter *p = call->command->parameter;
+    uint64_t sum[3] = {0}, count = 0;
+    for (int i = 0; p[i].type; i++) {
+        const struct value *value = call->value + i;
+        if (p[i].type == VALUE_POSITION && value->given && !p[i].keyed) {
+            for (int a = 0; a < 3; a++)
+                sum[a] += value->place[a];
+            count++;
+        } else if (p[i].type == VALUE_LINE && value->given && !p[i].optional) {
+            for (size_t c = 1; c < value->line->count; c++, count++) /* it begins with the place */
+                for (int a = 0; a < 3; a++)
+                    sum[a] += value->line->corner[c][a];
+        }
+    }
+    for (int a = 0; count && a < 3; a++)
+        place[a] = (uint32_t)(sum[a] / count);
+    return count > 0;
+}
+
+/* Reads the command of a step, by the names that labels had before. */
+static void read_gesture(struct watched *w, size_t step)
+{
+    const struct point *point = w->interp->history.point + step;
+    struct kept kept = kept_settings_get(w->interp->history.point[point->parent].settings);
+    struct call call;
+    w->command = NULL;
+    w->has_place = false;
+    w->label = -1;
+    if (command_parse_by(&call, point->command, w->interp->session, &kept, NULL) || !call.command)
+        return;
+    w->command = call.command;
+    w->has_place = find_place(&call, w->place);
+    const struct parameter *p = call.command->parameter;
+    for (int i = 0; p[i].type && w->label < 0; i++)
+        if (p[i].type == VALUE_LABEL && call.value[i].given && !p[i].keyed)
+            w->label = (int)call.value[i].number;
+    call_release(&call);
+}
+
+/* List the seeds that a step has planted or added to those that wait. The caller releases. */
+static enum err gesture_seeds(struct edits *seeds, const struct watched *w, size_t step,
+                              struct fault *fault)
+{
+    const struct point *after = w->interp->history.point + step,
+                       *before = w->interp->history.point + after->parent;
+    const struct edits *waits = &after->lists.pending;
+    const size_t waited = edits_count(&before->lists.pending), now = edits_count(waits);
+    const struct edit *edit = after->seeds ? after->after : edits_first(waits) + waited;
+    const size_t count = after->seeds ? after->seeds : now > waited ? now - waited : 0;
+    enum err err = OK;
+    *seeds = (struct edits){0};
+    if (count > SEEDS_DRAWN_MOST) /* more than can be seen */
+        return OK;
+    for (size_t i = 0; !err && i < count; i++)
+        if (edit[i].label != EDIT_ERASE)
+            err = edits_add(seeds, edit[i], fault);
+    if (err)
+        edits_release(seeds);
+    return err;
+}
+
+/* ---- showing ---- */
+
+/* Aims slices at a voxel; a magnified part stays only around the same voxel. */
+static void aim_at(struct slice_settings *slices, const uint32_t place[3])
+{
+    const bool is_there = memcmp(slices->cross, place, sizeof slices->cross) == 0;
+    slices->has_middle = is_there && slices->has_middle;
+    memcpy(slices->cross, place, sizeof slices->cross);
+    if (!slices->has_middle)
+        memset(slices->middle, 0, sizeof slices->middle);
+}
+
+/* Compute the view of a step: the viewer's own, or the journal's where that has changed. */
+static struct outlook outlook_of(struct watched *w, size_t step, bool is_drawn)
+{
+    static const uint32_t nowhere[3];
+    const struct outlook *recorded = &w->step[step ? step - 1 : 0].outlook;
+    struct outlook compared = *recorded, out = *session_outlook(w->interp->session);
+    compared.slices.has_middle = 0;
+    aim_at(&compared.slices, nowhere);
+    const bool follows = memcmp(&compared, &w->shown, sizeof compared) != 0;
+    const uint32_t *cross = recorded->slices.cross;
+    if (follows)
+        out = *recorded;
+    out.runs_by_itself = recorded->runs_by_itself;
+    out.slices.marks = is_drawn || recorded->slices.marks;
+    if (w->has_place || follows || memcmp(cross, w->cross, sizeof w->cross) != 0)
+        aim_at(&out.slices, w->has_place ? w->place : cross);
+    w->shown = compared;
+    memcpy(w->cross, cross, sizeof w->cross);
+    return out;
+}
+
+/* Goes to a point, with these lists in place of its own, or NULL. All or nothing. */
+static enum err go_to(struct watched *w, uint32_t point, const struct outlook *outlook,
+                      const struct edit_lists *lists, struct fault *fault)
+{
+    struct session *session = w->interp->session;
+    struct history *history = &w->interp->history;
+    const uint32_t present = history->present;
+    limits_rest(false);
+    session_mark(session);
+    enum err err = history_look(history, session, point, fault);
+    struct state state = *session_state(session);
+    state.outlook = *outlook;
+    if (lists)
+        state.lists = *lists;
+    if (!err)
+        err = session_go(session, &state, NULL, 0, fault);
+    if (err) {
+        session_rollback(session);
+        history->present = present;
+    } else {
+        session_settle(session);
+        watch_begin(session_watch(session));
+    }
+    limits_rest(true);
+    return err;
+}
+
+/* Copies the labels before a step that is drawn. */
+static enum err keep_former(struct watched *w, struct fault *fault)
+{
+    const struct scene *scene = session_scene(w->interp->session);
+    const struct labels labels = labels_of_forest(scene);
+    if (!w->former) {
+        w->cells = scene->grid.cells;
+        w->former = mem_array(w->cells, 1);
+    }
+    if (!w->former)
+        return fault_memory(fault, "the labels before a step");
+    labels_copy_row(&labels, (struct span){0, (uint32_t)w->cells}, w->former);
+    w->changed = 0;
+    memset(w->changes, 0, sizeof w->changes);
+    return OK;
+}
+
+static void count_changes(struct watched *w)
+{
+    enum { AT_ONCE = 4096 };
+    const struct labels labels = labels_of_forest(session_scene(w->interp->session));
+    uint8_t now[AT_ONCE];
+    for (size_t at = 0; at < w->cells; at += AT_ONCE) {
+        const size_t count = w->cells - at < AT_ONCE ? w->cells - at : AT_ONCE;
+        labels_copy_row(&labels, (struct span){(uint32_t)at, (uint32_t)(at + count)}, now);
+        for (size_t i = 0; i < count; i++) {
+            if (now[i] == w->former[at + i])
+                continue;
+            w->changed++;
+            w->changes[now[i]]++;
+            w->changes[w->former[at + i]]--;
+        }
+    }
+}
+
+enum err watched_draw(struct watched *w, size_t step, struct fault *fault)
+{
+    const struct history *history = &w->interp->history;
+    const struct watched was = *w;
+    struct edits seeds = {0};
+    read_gesture(w, step ? step : 1);
+    const struct point *after = history->point + (step ? step : 1);
+    struct edit_lists lists = history->point[after->parent].lists;
+    enum err err = step ? gesture_seeds(&seeds, w, step, fault) : OK;
+    if (edits_count(&seeds))
+        lists.pending = seeds;
+    if (step && w->command && w->command->flags & COMMAND_PLANTS) {
+        lists.eliminators = after->lists.eliminators;
+        lists.applied = 0;
+    }
+    const struct outlook outlook = outlook_of(w, step, step > 0);
+    if (!err)
+        err = go_to(w, after->parent, &outlook, &lists, fault);
+    edits_release(&seeds);
+    if (err) {
+        *w = was;
+        return err;
+    }
+    w->at = step;
+    w->is_drawn = step > 0;
+    return OK;
+}
+
+enum err watched_carry_out(struct watched *w, size_t step, struct fault *fault)
+{
+    const bool is_drawn = w->is_drawn && w->at == step;
+    enum err err = is_drawn ? OK : watched_draw(w, step, fault);
+    if (err || !step)
+        return err;
+    const struct outlook outlook = outlook_of(w, step, false);
+    err = keep_former(w, fault);
+    if (!err)
+        err = go_to(w, (uint32_t)step, &outlook, NULL, fault);
+    if (err)
+        return err;
+    count_changes(w);
+    w->is_drawn = false;
+    return OK;
+}
+
+const uint8_t *watched_former(const struct watched *w)
+{
+    return w->at && !w->is_drawn && w->changed ? w->former : NULL;
+}
+
+/* ---- words ---- */
+
+/* Whether the last state comes from this point. */
+static bool leads_on(const struct history *history, uint32_t end, size_t point)
+{
+    while (end > point)
+        end = history->point[end].parent;
+    return end == point;
+}
+
+void watched_title(struct buf *out, const struct watched *w)
+{
+    const struct history *history = &w->interp->history;
+    const struct point *point = history->point + w->at;
+    if (!w->at) {
+        buf_printf(out, "the beginning, before step 1 of %zu", w->count);
+        return;
+    }
+    buf_printf(out, "step %zu of %zu, record %zu: ", w->at, w->count, point->record);
+    buf_add_safe_excerpt(out, point->command, strlen(point->command));
+    if (leads_on(history, w->end, w->at))
+        return;
+    buf_add_text(out, point->branch == history->on ? "  (undone later)" : "  (on another branch)");
+}
+
+static void describe_drawn(struct buf *out, const struct watched *w)
+{
+    buf_add_text(out, "drawn, and not carried out yet");
+    if (w->has_place)
+        buf_printf(out, ": at %u,%u,%u", w->place[0], w->place[1], w->place[2]);
+    if (w->label >= 0) {
+        buf_add_text(out, w->has_place ? ", label " : ": label ");
+        label_report_write_name(out, w->interp->session, (unsigned)w->label);
+    }
+}
+
+void watched_describe(struct buf *out, const struct watched *w)
+{
+    const struct session *session = w->interp->session;
+    const size_t waits = session_pendings(session);
+    unsigned said = 0, more = 0;
+    if (w->is_drawn) {
+        describe_drawn(out, w);
+        return;
+    }
+    for (unsigned label = 0; w->at && label < 256; label++) {
+        const int64_t change = w->changes[label];
+        if (!change)
+            continue;
+        if (said == LABELS_SAID_MOST) {
+            more++;
+            continue;
+        }
+        buf_add_text(out, said++ ? ", " : "");
+        label_report_write_name(out, session, label);
+        buf_add_text(out, change > 0 ? " +" : " -");
+        label_report_write_extent(out, session, (uint64_t)(change > 0 ? change : -change));
+    }
+    if (more)
+        buf_printf(out, ", and %u labels more", more);
+    if (w->at && w->changed)
+        buf_printf(out, "%s%llu voxel%s changed", said ? "; " : "", (unsigned long long)w->changed,
+                   plural(w->changed));
+    else if (!waits && w->at)
+        buf_add_text(out, "no voxel has another label");
+    if (waits)
+        buf_printf(out, "%s%zu edit%s for a run", w->changed ? "; " : "", waits,
+                   waits == 1 ? " waits" : "s wait");
+}
+
+void watched_comments(struct buf *out, const struct watched *w)
+{
+    const char *at = w->at ? w->comments.data + w->step[w->at - 1].comments : "";
+    while (*at) {
+        const size_t n = strcspn(at, "\n");
+        buf_add_safe(out, at, n);
+        buf_add_char(out, '\n');
+        at += n + (at[n] == '\n');
+    }
+}
+
+void watched_verdict(struct buf *out, const struct watched *w)
+{
+    const struct replay_report *r = &w->report;
+    if (w->ended) {
+        buf_printf(out, "NOT verified: %s", w->why.text);
+        return;
+    }
+    buf_printf(out, "verified: %zu command%s carried out again, %zu result%s the same", r->executed,
+               plural(r->executed), r->compared, plural(r->compared));
+    if (r->is_torn)
+        buf_add_text(out, "; an unfinished record at the end was left alone");
+}
 
 struct watching {
     struct pilot_interpreter pilot; /* first, as programs.h wants it */

@@ -19,7 +19,6 @@
 #include "show/export_picture.h"
 #include "show/comparison.h"
 #include "show/slicing.h"
-#include "show/window.h"
 
 /* ---- colours ---- */
 
@@ -299,7 +298,8 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
         choice.place[plane] = place[plane];
         layout.box[plane] = mosaic_box(canvas->width, canvas->height, (enum mosaic_pane)plane);
         snprintf(title[plane], sizeof title[plane], "%s %u",
-                 slice_name(session_scene(session), plane), slicing_number(session, plane, place));
+                 slice_name(session_scene(session), plane),
+                 place[slice_axis(session_scene(session), plane)]);
         choice.title[plane] = title[plane];
     }
     return mosaic_draw(canvas, session_scene(session), NULL, &choice, &style, fault);

@@ -91,6 +91,18 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
 /* To be called from `show` of that watch: `draw` makes pictures, which the watch does not stop. */
 void session_show_refining(struct session *session, void (*draw)(void *context), void *context);
 
+/* ---- the window of greys ---- */
+
+/* Intensities that slices, and faces that are cut open, show as black and white; they differ. A
+ * scene whose values fall as intensities rise has the greater one first. */
+void window_of(int32_t window[2], struct session *session);
+
+/* The real values that are black and white; and in words: "0" and "142.5". */
+void window_values(double value[2], struct session *session);
+enum { WINDOW_WORDS_BYTES = 32 };
+void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
+                  struct session *session);
+
 /* ---- for the files of this room ---- */
 
 /* The pictures of the session, which are made where there are none. ERR_MEMORY. */

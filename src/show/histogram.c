@@ -4,6 +4,7 @@
 #include "engine/scene.h"
 #include "engine/weight_gradient.h"
 #include "image/geometry.h"
+#include "show/draw.h"
 
 static const char *const blocks[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 static const char *const ascii[] = {" ", ".", ".", ".", ":", ":", ":", "#", "#"};

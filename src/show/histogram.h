@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 #include "base/buf.h"
-#include "show/window.h"
+#include "session/session.h"
 
 enum { HISTOGRAM_BINS = 64 };
 

@@ -229,6 +229,25 @@ void label_report_write_change(struct buf *out, const struct session *session, u
     buf_add_char(out, ')');
 }
 
+enum slice_plane label_report_write_doubt(struct buf *out, const struct session *session,
+                                          const struct doubtful_slice *slice)
+{
+    const struct scene *scene = session_scene(session);
+    const uint64_t voxels = (slice->doubt + DOUBT_VOXEL / 2) / DOUBT_VOXEL;
+    enum slice_plane plane = SLICE_AXIAL;
+    while (slice_axis(scene, plane) != (int)slice->axis)
+        plane++;
+    if (!scene->sides_unknown)
+        buf_printf(out, "%s ", slice_name(scene, plane));
+    buf_printf(out, "%c=%u: ", "xyz"[slice->axis], slice -> at);
+    if (session_geometry(session)->spacing_unknown)
+        buf_printf(out, "%" PRIu64 " voxel%s", voxels, plural(voxels));
+    else
+        tally_write_volume(out, session_geometry(session), voxels);
+    buf_add_text(out, " in doubt");
+    return plane;
+}
+
 static void add_three(struct figures *figures, const char *const name[3], const double value[3])
 {
     for (int a = 0; a < 3; a++)

@@ -15,6 +15,8 @@
 #include "engine/label_stats.h"
 #include "image/geometry.h"
 #include "image/levels.h"
+#include "render/slice.h"
+#include "session/doubtful.h"
 #include "session/session.h"
 #include "session/state.h"
 
@@ -95,6 +97,10 @@ void label_report_write_extent(struct buf *out, const struct session *session, u
  * and are others now. */
 void label_report_write_change(struct buf *out, const struct session *session, uint64_t voxels,
                                uint64_t former);
+
+/* "coronal y=108: 1.2 ml in doubt", of a slice whose plane is returned. */
+enum slice_plane label_report_write_doubt(struct buf *out, const struct session *session,
+                                          const struct doubtful_slice *slice);
 
 /* An object with an object for each label that has voxels or is listed. */
 void label_report_write_json(struct buf *out, const struct label_report *report);

@@ -14,7 +14,6 @@
 #include "session/state.h"
 #include "session/tally.h"
 #include "show/draw.h"
-#include "show/window.h"
 
 static const uint8_t white[3] = {255, 255, 255}, yellow[3] = {230, 200, 90}, black[3] = {0, 0, 0},
                      ink[3] = {232, 232, 232};
@@ -297,19 +296,6 @@ bool panes_have_object(const struct session *session)
     return has;
 }
 
-bool panes_have_one_label(const struct session *session)
-{
-    const struct markers *markers = session_markers(session);
-    int found = 0;
-    for (size_t i = 0; i < markers->count; i++) {
-        const int label = markers->marker[i].label;
-        if (markers->marker[i].stands && (label <= 0 || (found && label != found)))
-            return false;
-        found = markers->marker[i].stands ? label : found;
-    }
-    return found > 0;
-}
-
 /* Known without colours: every second pixel of what is held, and oblique lines over what has
  * another label than before, between which it is seen what. */
 static bool is_hatched(const struct session *session, const struct panes_wish *wish, uint32_t cell,
@@ -454,26 +440,6 @@ bool panes_draw_beyond(struct panes *p, struct session *session, enum pane first
            slicing_draw_below(&p->beyond, session, &p->panel, b.plane, b.place, NULL) == OK;
 }
 
-/* ---- under its pixels ---- */
-
-bool panes_voxel_at(const struct panes *p, const struct session *session, uint32_t column,
-                    uint32_t row, uint32_t place[3], enum pane *pane)
-{
-    const struct canvas *canvas = &p->canvas;
-    *pane = PANE_RENDITION;
-    for (enum pane a = PANE_AXIAL; a < PANE_RENDITION && canvas->rgba; a++) {
-        const struct mosaic_box *box = &p->panel.layout.box[a];
-        if (column - box->left < box->width && row - box->top < box->height)
-            *pane = a;
-    }
-    if (!canvas->rgba || column >= canvas->width || row >= canvas->height)
-        return false;
-    const uint32_t cell = canvas->cell[(size_t)row * canvas->stride + column];
-    if (cell != CELL_NONE)
-        grid_find(&session_scene(session)->grid, cell, place);
-    return cell != CELL_NONE;
-}
-
 bool panes_pan(const struct panes *p, const struct session *session, enum pane pane,
                const int by[2], uint32_t middle[3], uint32_t place[3])
 {
@@ -482,43 +448,6 @@ bool panes_pan(const struct panes *p, const struct session *session, enum pane p
         return false;
     const struct slice_choice slice = slice_of(p, session, (enum slice_plane)pane);
     return slice_pan(session_scene(session), &slice, box->width, box->height, by, middle, place);
-}
-
-void panes_frame_pixel(const struct panes *p, const struct session *session, uint32_t column,
-                       uint32_t row, uint32_t pixel[2])
-{
-    const struct rendition *r = session_frame(session);
-    const uint32_t size[2] = {r->width, r->height}, wanted[2] = {column, row};
-    if (!p->canvas.rgba || !session_rendered(session))
-        return;
-    for (int i = 0; i < 2; i++) {
-        uint32_t low = 0, high = size[i];
-        while (high - low > 1) {
-            const uint32_t middle = low + (high - low) / 2;
-            const struct mosaic_point at =
-                mosaic_point_of(p->canvas.width, p->canvas.height, &p->panel.choice, r,
-                                i ? 0 : middle, i ? middle : 0);
-            if ((i ? at.row : at.column) <= wanted[i])
-                low = middle;
-            else
-                high = middle;
-        }
-        pixel[i] = low;
-    }
-}
-
-/* ---- of a session ---- */
-
-bool panes_voxel_of_frame(const struct session *session, uint32_t column, uint32_t row,
-                          uint32_t place[3])
-{
-    const struct rendition *r = session_frame(session);
-    if (!session_rendered(session) || column >= r->width || row >= r->height)
-        return false;
-    const uint32_t cell = r->cell[(size_t)row * r->width + column];
-    if (cell != CELL_NONE)
-        grid_find(&session_scene(session)->grid, cell, place);
-    return cell != CELL_NONE;
 }
 
 void panes_move(const struct session *session, const int64_t by[PANES_SLICES], uint32_t place[3])
@@ -531,16 +460,4 @@ void panes_move(const struct session *session, const int64_t by[PANES_SLICES], u
         index = index < 0 ? 0 : index >= count ? count - 1 : index;
         slice_move(scene, plane, (uint32_t)index, place);
     }
-}
-
-struct pane_slice panes_slice(const struct session *session, enum pane pane)
-{
-    static const uint32_t first[3] = {0};
-    const struct scene *scene = session_scene(session);
-    const enum slice_plane plane = (enum slice_plane)pane;
-    return (struct pane_slice){
-        .plane = slice_name(scene, plane),
-        .axis = (unsigned)slice_axis(scene, plane),
-        .number = slicing_number(session, plane, session_outlook(session)->slices.cross),
-        .counts_down = slicing_number(session, plane, first) != slice_index(scene, plane, first)};
 }

@@ -74,46 +74,20 @@ uint64_t panes_name_beyond(const struct panes *panes, struct session *session, e
 bool panes_draw_beyond(struct panes *panes, struct session *session, enum pane first,
                        unsigned number);
 
-/* The voxel that the picture shows at a pixel, and in which pane that is; false for none, with the
- * pane none the less. */
-bool panes_voxel_at(const struct panes *panes, const struct session *session, uint32_t column,
-                    uint32_t row, uint32_t place[3], enum pane *pane);
-
 /* The voxel in the middle of the slices of a pane, and the place of the cross-hair, once the
  * picture has gone on by so many eighths of it, {right, down}. False where it is shown to its
  * end. */
 bool panes_pan(const struct panes *panes, const struct session *session, enum pane pane,
                const int by[2], uint32_t middle[3], uint32_t place[3]);
 
-/* The rendition's own pixel, {column, row}, that the picture shows at one of its pixels, or the
- * last one before that; as it was where there is no rendition. */
-void panes_frame_pixel(const struct panes *panes, const struct session *session, uint32_t column,
-                       uint32_t row, uint32_t pixel[2]);
-
 /* ---- of a session, whatever is drawn ---- */
-
-/* The voxel under a pixel of the rendition, by its own columns and rows; false for none. */
-bool panes_voxel_of_frame(const struct session *session, uint32_t column, uint32_t row,
-                          uint32_t place[3]);
 
 /* The place that lies so many slices along each plane's count from the cross-hair; as far as the
  * scene goes. */
 void panes_move(const struct session *session, const int64_t by[PANES_SLICES], uint32_t place[3]);
 
-/* The slice of a pane through the cross-hair. */
-struct pane_slice {
-    const char *plane; /* what slices of that are called, "axial" or "z", */
-    unsigned axis;     /* the axis that they are counted along, 0 for x, */
-    uint32_t number;   /* and its number */
-    bool counts_down;  /* the next one towards head, front or right has a lower number */
-};
-struct pane_slice panes_slice(const struct session *session, enum pane pane);
-
 /* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */
 bool panes_have_object(const struct session *session);
-
-/* All that is planted is of one label above 0. */
-bool panes_have_one_label(const struct session *session);
 
 /* A colour of its own in the picture: that of heat. */
 #define PANES_HEAT_HUE 0xff4010u

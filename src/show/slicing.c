@@ -14,7 +14,6 @@
 #include "session/state.h"
 #include "show/draw.h"
 #include "show/export_picture.h"
-#include "show/window.h"
 
 /* ---- what is drawn ---- */
 
@@ -49,25 +48,13 @@ static bool list_marks(struct sketch *sketch, const struct session *session)
     return true;
 }
 
-uint32_t slicing_number(const struct session *session, enum slice_plane plane,
-                        const uint32_t place[3])
-{
-    return place[slice_axis(session_scene(session), plane)];
-}
-
-void slicing_move(const struct session *session, enum slice_plane plane, uint32_t number,
-                  uint32_t place[3])
-{
-    place[slice_axis(session_scene(session), plane)] = number;
-}
-
 /* "axial 90", and where that is in the world: "S 18.0 mm". A file may put the scene anywhere: what
  * is further off than tenths make sense of is "S 1e+18 mm". Of unknown orientation: "z 90". */
 static void write_title(char out[64], const struct session *session, enum slice_plane plane)
 {
     static const char side[3][2] = {{'I', 'S'}, {'P', 'A'}, {'L', 'R'}};
     const uint32_t *cross = session_outlook(session)->slices.cross;
-    const uint32_t index = slicing_number(session, plane, cross);
+    const uint32_t index = cross[slice_axis(session_scene(session), plane)];
     double point_mm[3];
     geometry_point(session_geometry(session), cross, point_mm);
     const double mm = point_mm[2 - plane];

@@ -18,14 +18,6 @@
 #define SLICE_KINDS SLICE_WORDS "|mosaic"
 enum slice_kind { SLICE_KIND_AXIAL, SLICE_KIND_CORONAL, SLICE_KIND_SAGITTAL, SLICE_KIND_MOSAIC };
 
-/* The number of the slice that goes through a voxel: the voxel's index along the axis that slices
- * of the plane are counted along. And the voxel at the same place of slice `number`,
- * which is below slice_count. */
-uint32_t slicing_number(const struct session *session, enum slice_plane plane,
-                        const uint32_t place[3]);
-void slicing_move(const struct session *session, enum slice_plane plane, uint32_t number,
-                  uint32_t place[3]);
-
 /* Draws a slice or a mosaic of labels (session_labels; NULL: those of the forest) as the settings
  * have it; the caller releases the canvas. A mosaic makes the rendition, if that is not up to date.
  * ERR_LIMIT for a mosaic of a view that is too small. */

@@ -8,7 +8,6 @@
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "program/console.h"
 #include "tests/bench/times.h"
 #include "tests/bench/effort_run.h"
 

@@ -15,7 +15,6 @@
 #include "base/json.h"
 #include "base/mem.h"
 #include "tests/bench/times.h"
-#include "program/console.h"
 #include "render/border.h"
 #include "session/session.h"
 #include "session/session_inside.h"

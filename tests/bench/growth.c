@@ -9,7 +9,6 @@
 #include "base/json.h"
 #include "base/mem.h"
 #include "tests/bench/times.h"
-#include "program/console.h"
 #include "render/border.h"
 #include "engine/forest.h"
 #include "engine/weight.h"

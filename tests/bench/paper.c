@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "program/console.h"
 #include "session/session_inside.h"
 #include "tests/bench/report.h"
 #include "command/interpreter.h"

@@ -14,7 +14,6 @@
 #include "base/mem.h"
 #include "command/files.h"
 #include "image/volume.h"
-#include "program/console.h"
 #include "apply/registration.h"
 #include "tests/deformed.h"
 

@@ -16,7 +16,6 @@
 #include "base/json.h"
 #include "base/mem.h"
 #include "tests/bench/times.h"
-#include "program/console.h"
 #include "command/execute.h"
 #include "command/interpreter.h"
 #include "engine/label_stats.h"
