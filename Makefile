@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# iftty: segment 3-D scenes by seeds, in a terminal.  `make help` lists what there is.
+# iftty: segment 3-D scenes by seeds, in a terminal.  `make help` lists the targets.
 
 CC       ?= cc
 CXX      ?= c++
@@ -11,51 +11,51 @@ BUILD    := $(if $(filter release,$(VARIANT)),build,build/$(VARIANT))
 
 PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev nettle-dev zlib1g-dev libdeflate-dev \
             openexr openimageio-tools
-# Without it, which is for amd64, arm64 and a few more, gzip files are read at a third of the speed.
+# Packaged for amd64, arm64 and a few more; without it gzip files are read at a third of the speed.
 INFLATER := libisal-dev
-# Of iftty-volume and iftty-register alone, which `make demo` does not wait for.
+# For iftty-volume and iftty-register alone; `make demo` does not wait for them.
 VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev libtiff-dev libexpat1-dev
 SCENES   := mricron-data
 LESSONS  := invesalius-examples insighttoolkit5-examples
-# What tests use; what is after this in a list of packages, is left out where it cannot be had.
+# Packages of tests. Those after this word in a list are left out where they do not exist.
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
                  python3-jsonschema python3-matplotlib \
                  teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev python3-tifffile \
                  libtiff-tools openssh-client \
                  bindfs fuse3 python3-pil python3-fonttools fonts-dejavu-extra \
                  man-db groff-base mandoc zsh fish
-# Debian 13 has what writes HEIC in a package of its own.
+# Debian 13 has the HEIC encoder in a separate package.
 HEIC           = $(shell apt-cache show libheif-plugin-x265 >/dev/null 2>&1 && \
                      echo libheif-plugin-x265)
 FORMATTER     := clang-format-14
 BARE_PACKAGES := autopkgtest debootstrap
 DEB_PACKAGES  := dpkg-dev debhelper lintian
 OCI_PACKAGES  := umoci crun
-# Of `make static`; for another machine, its compiler and what runs its programs.
+# For `make static`; for another machine, its cross compiler and an emulator.
 CROSS_amd64     := gcc-x86-64-linux-gnu
 CROSS_arm64     := gcc-aarch64-linux-gnu
 STATIC_PACKAGES  = dpkg-dev $(if $(filter-out $(NATIVE),$(ARCH)),$(CROSS_$(ARCH)) qemu-user-static)
-# Other versions of clang-tidy find other things.
+# Other versions of clang-tidy have other findings.
 ANALYSERS     := cppcheck clang-tidy-14
 
-# Other versions of clang-format put lines otherwise.
+# Other versions of clang-format format differently.
 FORMAT    = $(firstword $(shell which $(FORMATTER) 2>/dev/null) clang-format)
 FORMATTED = $(shell find src journal render tui tests examples -name '*.[ch]' -o -name '*.cc' \
                 -o -name '*.hh')
 
-# What makes an error harder to use, in code that reads the files of strangers. Sanitisers do more
-# of that, and -O0 has not what _FORTIFY_SOURCE needs.
+# Hardening of code that reads files of strangers. Sanitisers check more than that, and
+# _FORTIFY_SOURCE does not work with -O0.
 MACHINE   := $(shell $(CC) -dumpmachine 2>/dev/null)
 HARDENED   = $(if $(SANITISE)$(filter -O0,$(OPTIMISE)),,-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3) \
              -fstack-protector-strong -fstack-clash-protection -fPIE \
              $(if $(filter x86_64-%,$(MACHINE)),-fcf-protection)
 HARD_LINKS = -pie -Wl,-z,relro,-z,now,-z,noexecstack
 
-# The same bytes wherever the source lies (tests/test_reproducible.sh).
+# Reproducible in any folder (tests/test_reproducible.sh).
 ANYWHERE   = '-ffile-prefix-map=$(CURDIR)=.'
 
-# Warnings are errors where code is tested (.ci/run, `make tests`): other compilers have others.
-# Vectors go between static functions alone, so no ABI is at stake where a machine has none.
+# Warnings are errors where code is tested (.ci/run, `make tests`), since compilers differ in them.
+# Only static functions pass vectors, so no ABI is affected on machines without vector registers.
 WERROR   ?= $(if $(filter tests,$(MAKECMDGOALS)),-Werror)
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wvla -Wno-psabi \
             -Wno-enum-float-conversion $(WERROR)
@@ -74,8 +74,8 @@ OIIO_LIBS    = $(shell pkg-config --libs OpenImageIO 2>/dev/null)
 LIBS         = -lOpenEXRCore -lz -ldeflate $(if $(wildcard /usr/include/isa-l/igzip_lib.h),-lisal) \
                -lnettle -lm
 
-# `make static` for ARCH, of this machine or another: a compiler for it, and Debian's libraries for
-# it, below the build, where nothing of the machine is found (.package/libraries).
+# `make static` for ARCH, of this machine or another: its compiler, and Debian's libraries for it in
+# the build folder, so that no library of the machine is used (.package/libraries).
 NATIVE := $(shell dpkg --print-architecture 2>/dev/null)
 ARCH   ?= $(NATIVE)
 STATIC  = static$(if $(filter-out $(NATIVE),$(ARCH)),-$(ARCH))
@@ -91,14 +91,14 @@ EXR_CORE     = $(FROM)/libOpenEXRCore.a
 LIBS         = $(EXR_CORE) -lz -ldeflate -lnettle -lm
 endif
 
-# Debian has HDF5 without MPI beside others, by a name of its own.
+# Debian's name for HDF5 without MPI.
 HDF5          = $(shell pkg-config --exists hdf5-serial 2>/dev/null && echo hdf5-serial || \
                     echo hdf5)
-# ITK's names hold its version.
+# ITK's library names contain its version.
 ITK           = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
 ITK_IO        = NRRD Meta MINC PNG VTK GIPL HDF5 ImageBase
-# A sanitiser looks whether an object can be read by a pipe, which the helper may not make, and then
-# calls its type wrong.
+# UBSan's vptr check tests an object's memory by a pipe, which the confined helper may not create,
+# and then reports a wrong type.
 VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gdcm-*) \
                 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(HDF5) 2>/dev/null)) \
                 -fno-sanitize=vptr
@@ -111,7 +111,7 @@ REGISTER_FLAGS = -isystem /usr/include/$(ITK) -fno-sanitize=vptr
 REGISTER_LIBS = $(addsuffix $(ITK:ITK%=%),-lITKOptimizersv4 -lITKSmoothing -lITKTransform \
                   -lITKCommon -litkvnl_algo -litkvnl)
 
-# All helpers: how they are confined.
+# All helpers: confinement.
 CONFINED      = $(BUILD)/src/base/confine.o
 
 IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/helper/iftty-image.cc \
@@ -142,20 +142,20 @@ TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
 RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
              $(wildcard src/base/*.c src/engine/*.c src/image/*.c render/*.c))
 
-# ThreadSanitizer bears no other sanitizer beside it.
+# ThreadSanitizer cannot be combined with other sanitizers.
 ifeq ($(SANITISE),)
 TESTS += $(BUILD)/tests/test_team_racing $(BUILD)/tests/test_picture_writer_racing \
          $(BUILD)/tests/test_render_team_racing
 endif
 
-# Readers of what comes from outside, and bytes for them. libFuzzer has a main of its own.
+# Fuzz targets of the readers of outside data, and their corpora. libFuzzer has its own main.
 FUZZ          := $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
 FUZZ_SECONDS  ?= 60
 FUZZ_SANITISE := -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 FUZZ_REPLAYS  := $(FUZZ:%=$(BUILD)/tests/fuzz/fuzz_%)
 FUZZERS       := $(FUZZ:%=$(BUILD)/libfuzzer/fuzz_%)
 
-# What iftty is measured against. Debian's Python is the one that sees Debian's modules.
+# Programs that iftty is compared with. Debian's Python finds Debian's modules.
 PEER_PACKAGES := libinsighttoolkit5-dev libvigraimpex-dev python3-scipy python3-skimage
 PEERS_IN_C    := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/peers/*.c))
 ITK_JUDGE     := $(BUILD)/tests/peers/itk_compare
@@ -172,12 +172,12 @@ MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross
 # The helpers with a probe in place of their libraries.
 PROBES := $(addprefix $(BUILD)/tests/probe/iftty-,image volume register)
 
-# Engines for the scripts of examples/cohort, and what those take; and a head for bench-apply.
+# Workflow engines for the scripts of examples/cohort, their packages, and a head for bench-apply.
 COHORT_PACKAGES := snakemake slurm-wlm iproute2 python3-numpy python3-nibabel python3-scipy \
                    python3-pil
 HEAD_PACKAGES   := python3-numpy python3-nibabel python3-scipy insighttoolkit5-examples
 
-# Terminals, what they are shown on without a screen, and what looks at them and types.
+# Terminals, virtual displays, and tools for screenshots and keys.
 STAGED            := $(BUILD)/tests/terminals/paint $(BUILD)/tests/terminals/panel
 TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-dejavu-core foot \
                      sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
@@ -199,37 +199,38 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 HELPERS ?= image volume register
 all: $(BUILD)/iftty $(HELPERS:%=$(BUILD)/iftty-%)
 
-## test: install what is missing, build, run every test; ends with "N passed, N failed,
-##     N skipped"; JOBS=2 at once, one more than there are cores
+## test: install missing packages, build, run every test; ends with "N passed, N failed,
+##     N skipped"; JOBS=2 programs at once (default: cores plus one)
 test: all tests build/.packages-test
 	@tests/run.sh $(BUILD)
 
-## test-long: the property tests of forest, threads, rendition and cuts, ten times over (a million
-##     edits); 500 sessions killed at random moments; the mutation test in full; ten times the
-##     files with wrong bytes
+## test-long: ten times the rounds of the property tests of forest, threads, rendition and cuts (a
+##     million edits); 500 sessions killed at random moments; the whole mutation test; ten times
+##     the files with wrong bytes
 test-long: all tests build/.packages-test
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_team \
 	    test_team_racing test_bands test_render_team test_marker_sessions test_kill test_mutation.sh \
 	    test_fuzz.sh test_volumes.sh test_relax
 
-## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, threads, i386, ARM, s390x
+## test-matrix: compare the results of gcc and clang, -O0 to -O3, sanitisers, threads, i386, ARM and
+##     s390x
 test-matrix: all build/.packages-matrix
 	@tests/matrix/run.sh all $(BUILD)
 
-## test-matrix-short: the same of engine, render and journal, and of one example under threads
+## test-matrix-short: the same for engine, render and journal, and for one example under threads
 test-matrix-short: all build/.packages-matrix
 	@tests/matrix/run.sh short $(BUILD)
 
-## test-terminals: pictures, prompt and pilot in real terminals, by screenshot; WORD=kitty for some
+## test-terminals: test pictures, prompt and pilot in real terminals, by screenshot; WORD=kitty
 test-terminals: all $(STAGED) build/.packages-terminals
 	@$(PYTHON) -B tests/terminals/run.py $(BUILD) $(WORD)
 
-## test-cohort: a procedure for twelve subjects by Snakemake and by Slurm, with tasks that are
-##     killed; ten minutes
+## test-cohort: apply a procedure to twelve subjects by Snakemake and by Slurm, killing tasks; ten
+##     minutes
 test-cohort: all build/.packages-cohort
 	@LIMIT=900 tests/run.sh $(BUILD) cohort.sh
 
-## fuzz: have libFuzzer look for bytes that break a reader; FUZZ_SECONDS=60 each; FUZZ=journal: one
+## fuzz: run libFuzzer on the readers; FUZZ_SECONDS=60 each; FUZZ=journal: one of them
 fuzz: build/.packages-matrix
 	@$(MAKE) VARIANT=fuzz CC=clang OPTIMISE=-O1 SANITISE="$(FUZZ_SANITISE)" FUZZ="$(FUZZ)" fuzzers
 	@for name in $(FUZZ); do mkdir -p build/fuzz/corpus/$$name && \
@@ -237,74 +238,74 @@ fuzz: build/.packages-matrix
 	        -rss_limit_mb=4096 -print_final_stats=1 -artifact_prefix=build/fuzz/$$name- \
 	        build/fuzz/corpus/$$name tests/fuzz/corpus/$$name || exit 1; done
 
-## test-stress: the programs that depend on time, 20 times under a load of 12 busy processes
+## test-stress: run the programs that depend on time 20 times beside 12 busy processes
 test-stress: all tests build/.packages-test
 	@tests/stress.sh $(BUILD)
 
-## soak: 100 000 random commands by prompt, pilot and serve, with kills; some hours, in build/soak
+## soak: run 100 000 random commands by prompt, pilot and serve, with kills; hours; in build/soak
 soak: build/iftty
 	@rm -rf build/soak && python3 tests/soak.py build/iftty build/soak
 
-## test-bare: `make demo` and `make test` in a bare Debian 12 and in a bare Debian 13 with git, make
-##     and gcc alone; asks for root, and some GB in build/bare; SUITES=trixie: in that one
+## test-bare: run `make demo` and `make test` in a bare Debian 12 and a bare Debian 13 with git,
+##     make and gcc alone; needs root, and some GB in build/bare; SUITES=trixie: one of them
 SUITES ?= bookworm trixie
 test-bare: build/.packages-bare
 	@for suite in $(SUITES); do SUITE=$$suite tests/bare.sh build/bare-$$suite || exit 1; done
 
-## test-reproducible: what is committed, built in two folders, comes out as the same bytes:
-##     programs, the static file, packages; ten minutes
+## test-reproducible: build HEAD in two folders and compare the bytes of programs, static file and
+##     packages; ten minutes
 test-reproducible: build/.packages-deb build/.packages-static
 	@tests/reproducible.sh
 
-## check-format: is every file as .clang-format has it?  format: make it so
+## check-format: check every file against .clang-format.  format: apply .clang-format
 check-format: build/.packages-test
 	@$(FORMAT) --dry-run -Werror $(FORMATTED)
 format: build/.packages-test
 	@$(FORMAT) -i $(FORMATTED)
 
-## analyse: what cppcheck, the analyser of gcc and clang-tidy find, without what is explained
-##     (tests/analyse/exceptions.txt); eight minutes on two cores
+## analyse: run cppcheck, the analyser of gcc and clang-tidy; tests/analyse/exceptions.txt lists
+##     accepted findings; eight minutes on two cores
 analyse: build/.packages-analyse
 	@tests/analyse/run.sh build/analyse
 
-## compile_commands.json: how every file is compiled, for editors and analysers
+## compile_commands.json: write the compiler's command of each file, for editors and analysers
 compile_commands.json: Makefile | $(PACKAGES_STAMP)
 	@{ for file in $(filter %.c,$(FORMATTED)); do printf '%s {"directory": "%s", "file": "%s",\n' \
 	    "$${comma-[}" "$(CURDIR)" "$$file"; comma=,; printf '  "command": "%s"}\n' \
 	    "$(CC) $(ALL_CFLAGS) -c $$file"; done; echo ']'; } >$@
 
-## variants: build and test in a folder of their own, such as
+## variants: build and test another variant in its own folder, for example
 ##     make VARIANT=asan OPTIMISE=-O1 SANITISE="-fsanitize=address,undefined" test
 ##     make VARIANT=tsan OPTIMISE=-O1 SANITISE=-fsanitize=thread test
-##     (what a sanitiser cannot do is skipped, and named: tests/may_skip.txt)
+##     (stories that a sanitiser cannot run are skipped, by name: tests/may_skip.txt)
 ##     make VARIANT=debug OPTIMISE="-Og -g3" && gdb --args build/debug/iftty
 
-## tests: build the test programs, and those of bench-peers that need no other package
+## tests: build the test programs, and those of bench-peers that need no further package
 tests: $(BUILD)/share $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge \
        $(PEERS_IN_C) $(STAGED) $(ITK_JUDGE) $(PROBES)
 
-## install: build all, and install it with its manual, completions and examples, below
-##     PREFIX=/usr/local, staged in DESTDIR.  uninstall: takes all of it away
+## install: build and install the programs, manual, completions and examples below
+##     PREFIX=/usr/local, staged in DESTDIR.  uninstall: remove them
 install: all $(BUILD)/share
 	@.package/install $(BUILD) "$(DESTDIR)" "$(PREFIX)"
 uninstall:
 	@.package/install -u "$(DESTDIR)" "$(PREFIX)"
 
-## deb: Debian packages of what is committed, in build/deb: iftty, iftty-image, iftty-volume and
-##     iftty-doc; fails where lintian has an error or a warning
+## deb: build Debian packages of HEAD in build/deb: iftty, iftty-image, iftty-volume and iftty-doc;
+##     fails on an error or a warning of lintian
 deb: build/.packages-deb
 	@.package/deb build/deb
 
-## lint-deb: lint packages of what is committed, with the programs that are built; half a minute
+## lint-deb: lint packages of HEAD with the programs already built; half a minute
 lint-deb: all $(BUILD)/share build/.packages-deb
 	@.package/deb build/lint-deb $(BUILD)
 
-## test-deb: these packages in a bare Debian 12, whose apt installs and removes them; asks for root
+## test-deb: install and remove these packages by apt in a bare Debian 12; needs root
 test-deb: deb build/.packages-bare
 	@tests/packages.sh build/deb
 
-## static: one file that runs on any Linux, build/static/iftty, with its licences, and what is in it
-##     as iftty.spdx.json; ARCH=arm64: build/static-arm64.  test-static: where nothing else is
+## static: build one file that runs on any Linux, build/static/iftty, with its licences and its
+##     contents as iftty.spdx.json; ARCH=arm64: build/static-arm64.  test-static: test it
 static: $(FROM)/packages
 	@$(MAKE) VARIANT=$(STATIC) ARCH=$(ARCH) build/$(STATIC)/iftty
 	@.package/sbom build/$(STATIC) $(ARCH)
@@ -312,63 +313,63 @@ static: $(FROM)/packages
 test-static: all static build/.packages-test build/.packages-bare
 	@tests/static.sh $(BUILD) build/$(STATIC)
 
-## test-alike: the checkout's program, the installed one and the static file make the same
-##     journals, verify and continue each other's, and answer alike
+## test-alike: check that the program of the checkout, the installed one and the static file write
+##     the same journals, verify and continue each other's, and print the same answers
 test-alike: all $(BUILD)/share static build/.packages-test
 	@tests/release.sh $(BUILD) build/$(STATIC)
 
-## test-release: what a release needs besides `.ci/run`, one after the other: test-deb, test-static,
+## test-release: run the tests of a release that `.ci/run` does not: test-deb, test-static,
 ##     test-alike, test-bare; some hours
 test-release:
 	@for target in test-deb test-static test-alike test-bare; do $(MAKE) $$target || exit 1; done
 	@echo "test-release passed: packages, static file, bare Debian ($(SUITES))"
 
-## oci: the static file as a container image, build/oci/iftty-oci.tar, which podman and docker load.
-##     test-oci: it runs there, by crun; asks for root
+## oci: build a container image of the static file, build/oci/iftty-oci.tar, for podman and docker.
+##     test-oci: run it by crun; needs root
 oci: static build/.packages-oci
 	@.package/oci build/$(STATIC) $(ARCH) build/oci
 test-oci: all oci build/.packages-test
 	@tests/oci.sh $(BUILD) build/oci/iftty-oci.tar
 
-## demo: segment a brain by seeds, render it, replay and verify the journal
+## demo: segment a brain by seeds, render it, replay and verify its journal
 demo: $(BUILD)/iftty $(BUILD)/iftty-image
 	@examples/demo.sh $(BUILD)
 
-## remake-examples: after a change of pictures, examples/ and the journal of the present semantics
-##     in tests/journals anew, with their locks, if every other word stays; LET=print: but in those
+## remake-examples: recompute the pictures and results of examples/ and tests/journals after a
+##     change of pictures, if no other word changes; LET=print: allow it in these
 remake-examples: all
 	@tests/remake.sh $(BUILD) $(LET)
 
-## bench-peers: the same work by iftty, ITK, vigra, scipy and scikit-image; ROUNDS=5, JSON=FILE
+## bench-peers: compare iftty, ITK, vigra, scipy and scikit-image; ROUNDS=5, JSON=FILE
 bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
 ## bench-brain, bench-terminal, bench-paper, bench-growth, bench-render, bench-frames,
 ##     bench-journal, bench-keys, bench-looks, bench-effort, bench-register, bench-surface:
-##     ARGS=--help says which options
+##     measure; ARGS=--help lists options
 bench-keys bench-register: all
 bench-brain bench-terminal bench-paper bench-growth bench-render bench-frames bench-journal \
   bench-keys bench-looks bench-effort bench-register bench-surface: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
-## bench-apply: a procedure carried to other heads; ARGS="--seeds 5 elastic5"
+## bench-apply: measure a procedure on other heads; ARGS="--seeds 5 elastic5"
 bench-apply: all build/.packages-heads
 	@$(PYTHON) -B tests/bench/apply.py $(ARGS) $(BUILD)
 
-## bench-chafa: the pictures of `make bench-terminal` by chafa; ARGS=--json
+## bench-chafa: measure the pictures of `make bench-terminal` by chafa; ARGS=--json
 bench-chafa: all build/.packages-chafa
 	@$(PYTHON) -B tests/bench/chafa.py $(ARGS) $(BUILD)
 
-## bench-beside: the pictures of examples/ beside VTK's, in build/beside, and how far both are from
-##     the truth of shapes that are known; ARGS="--only brain", ARGS="--only truth"
+## bench-beside: draw the pictures of examples/ beside VTK's, in build/beside, and compare both with
+##     shapes of known surface; ARGS="--only brain", ARGS="--only truth"
 bench-beside: all build/.packages-beside
 	@$(PYTHON) -B tests/bench/beside.py $(ARGS) $(BUILD)
 
-## bench-series: how long a DICOM series of 400 slices takes to open; ARGS="--slices 100"
+## bench-series: measure the opening of a DICOM series of 400 slices; ARGS="--slices 100"
 bench-series: all build/.packages-test
 	@$(PYTHON) -B -W ignore tests/bench/series.py $(ARGS) $(BUILD)
 
-## bench-files: how long a large scene takes to open, and a surface to be saved; ARGS="--rounds 9"
+## bench-files: measure the opening of large scenes and the saving of surfaces; ARGS="--rounds 9"
 bench-files: all build/.packages-bench-files
 	@$(PYTHON) -B tests/bench/files.py $(ARGS) $(BUILD)
 
@@ -376,11 +377,11 @@ bench-files: all build/.packages-bench-files
 clean:
 	rm -rf build
 
-## help: this list
+## help: print this list
 help:
 	@sed -n 's/^## //p' $(MAKEFILE_LIST)
 
-# What is missing is installed once, by whoever may; otherwise the command to type is printed.
+# Install missing packages once, as root or by sudo; otherwise print the command to type.
 PACKAGES_STAMP := build/.packages
 packages: $(PACKAGES_STAMP)
 $(PACKAGES_STAMP): Makefile
@@ -392,7 +393,7 @@ $(BUILD)/iftty: $(BUILD)/src/main.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
 
-# Of the static file alone.
+# For the static file alone.
 $(BUILD)/iftty: $(EXR_CORE)
 EXR_PARTS = $(patsubst %.c,%.o,$(wildcard $(FROM)/openexr/OpenEXRCore/*.c))
 $(EXR_CORE): $(EXR_PARTS)
@@ -447,7 +448,7 @@ $(BUILD)/tests/probe/iftty-image: PROBE_LIBS = $(OIIO_LIBS)
 $(BUILD)/tests/probe/iftty-volume: PROBE_LIBS = $(VOLUME_LIBS)
 $(BUILD)/tests/probe/iftty-register: PROBE_LIBS = $(REGISTER_LIBS)
 
-# Pages of the manual and completions, generated from the tables, as they are below PREFIX/share.
+# Manual pages and completions, generated from the tables, in the layout of PREFIX/share.
 $(BUILD)/iftty-manual: $(BUILD)/src/program/manual.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
@@ -528,8 +529,8 @@ build/.packages-terminals: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(TERMINAL_PACKAGES) --
 	@touch $@
 
-# `make bench-peers` needs these, and tests that of ITK_JUDGE. The C++ ones are templates, and get
-# the options of a release.
+# For `make bench-peers`; tests use ITK_JUDGE. The C++ ones are templates and are compiled with the
+# options of a release.
 PEERS_STAMP  := build/.packages-peers
 $(PEERS_STAMP): Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(PEER_PACKAGES) $(SCENES) --
@@ -550,7 +551,7 @@ $(BUILD)/%.o: %.c | $(PACKAGES_STAMP)
 	$(say) "compile   $<"
 	$(Q)$(CC) $(ALL_CFLAGS) -c -o $@ $<
 
-# The threads' stories once more, under ThreadSanitizer.
+# The stories about threads under ThreadSanitizer.
 $(BUILD)/tests/%_racing: $(BUILD)/racing/tests/%.o $(RACING)
 	$(say) "link      $@"
 	$(Q)$(CC) -fsanitize=thread $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
