@@ -12,7 +12,6 @@
 #include "session/setting.h"
 #include "journal/journal.h"
 #include "command/command.h"
-#include "command/complete.h"
 #include "command/execute.h"
 #include "base/choice.h"
 #include "base/file.h"

@@ -671,9 +671,9 @@ static enum err resume(struct interpreter *interp, const char *path, bool slowly
 {
     begin_interpreter(interp);
     interp->is_read_only = true;
+    interp->resumes_in_full = slowly;
     fault = (struct fault){.text = ""};
-    return slowly ? interpreter_resume_in_full(interp, path, NULL, &fault)
-                  : interpreter_resume_journal(interp, path, NULL, &fault);
+    return interpreter_resume_journal(interp, path, NULL, &fault);
 }
 
 static void has_same_history(const struct history *a, const struct history *b)

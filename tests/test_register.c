@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "command/files.h"
 #include "command/interpreter.h"
 #include "image/volume.h"
 #include "apply/registration.h"

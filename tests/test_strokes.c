@@ -5,7 +5,7 @@
  */
 #include <stdlib.h>
 
-#include "command/complete.h"
+#include "command/command.h"
 #include "command/execute.h"
 #include "base/mem.h"
 #include "session/session.h"
@@ -19,7 +19,7 @@ static void resume(const char *journal)
     begin_interpreter(&interp);
     if (!CHECK(interpreter_resume_journal(&interp, place(journal), NULL, &fault) == OK))
         printf("#   %s\n", fault.text);
-    CHECK(!interp.resumed_in_full); /* what the records say of seeds was enough */
+    CHECK(!interp.resumes_in_full); /* what the records say of seeds was enough */
 }
 
 /* The journal says this of the last command. */

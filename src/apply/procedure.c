@@ -11,7 +11,6 @@
 #include "base/scan.h"
 #include "command/act.h"
 #include "command/command.h"
-#include "command/interpreter.h"
 #include "engine/finish.h"
 #include "engine/grid.h"
 #include "engine/scene.h"

@@ -150,6 +150,43 @@ const char *buf_text(const struct buf *b)
     return b->data ? b->data : "";
 }
 
+/* ---- arenas ---- */
+
+struct arena_item {
+    struct arena_item *before;
+    struct buf buf;
+};
+
+struct buf *arena_buf(struct arena *arena)
+{
+    struct arena_item *item = mem_new(sizeof *item);
+    if (!item) {
+        arena->none.failed = true;
+        return &arena->none;
+    }
+    item->before = arena->last;
+    arena->last = item;
+    return &item->buf;
+}
+
+bool arena_failed(const struct arena *arena)
+{
+    bool failed = arena->none.failed;
+    for (const struct arena_item *item = arena->last; item; item = item->before)
+        failed |= item->buf.failed;
+    return failed;
+}
+
+void arena_release(struct arena *arena)
+{
+    for (struct arena_item *item = arena->last, *before; item; item = before) {
+        before = item->before;
+        buf_release(&item->buf);
+        free(item);
+    }
+    *arena = (struct arena){0};
+}
+
 void buf_add_csv(struct buf *b, const char *text)
 {
     buf_add_char(b, '"');

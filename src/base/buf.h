@@ -61,4 +61,18 @@ void buf_release(struct buf *b);
 /* The content as a string; never NULL. */
 const char *buf_text(const struct buf *b);
 
+/*
+ * Buffers that live as long as one command. Their owner releases all of them at its end, and checks
+ * once whether one has failed: until then nothing that was made from them is kept. {0} is empty.
+ */
+struct arena {
+    struct arena_item *last;
+    struct buf none; /* in place of a buffer for which there is no memory: it has failed */
+};
+
+/* An empty buffer; never NULL. The caller does not release it. */
+struct buf *arena_buf(struct arena *arena);
+bool arena_failed(const struct arena *arena);
+void arena_release(struct arena *arena);
+
 #endif

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/safe.h"
-#include "command/files.h"
 #include "session/map.h"
 #include "show/label_loss.h"
 
@@ -16,28 +15,12 @@
 
 /* ---- by hand ---- */
 
-/* What `number` says, where it is given. */
-static enum err take_number(const struct act *act, size_t label)
-{
-    struct kept *kept = &act->next->kept;
-    const struct value *number = act_value(act, "number");
-    if (!number->given)
-        return OK;
-    if (label == 0)
-        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
-    for (unsigned other = 1; other < 256; other++)
-        if (other != label && kept->label_number[other] == number->number)
-            return fault_set(act->fault, ERR_USAGE, "number: %lld is that of label %u already",
-                             (long long)number->number, other);
-    kept->label_number[label] = (uint16_t)number->number;
-    return OK;
-}
-
 enum err act_label(const struct act *act)
 {
     struct kept *kept = &act->next->kept;
     const size_t label = (size_t)act_number(act, "LABEL");
     const char *name = act_text(act, "NAME");
+    const struct value *number = act_value(act, "number");
     if (!label_name_fits(name))
         return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected a name of at most %d bytes, with no = or \\ in it, no # "
@@ -46,9 +29,14 @@ enum err act_label(const struct act *act)
     for (size_t other = 0; other < 256; other++)
         if (other != label && strcmp(kept->label_name[other], name) == 0)
             return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other, name);
-    const enum err numbered = take_number(act, label);
-    if (numbered)
-        return numbered;
+    if (number->given && label == 0)
+        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
+    for (unsigned other = 1; number->given && other < 256; other++)
+        if (other != label && kept->label_number[other] == number->number)
+            return fault_set(act->fault, ERR_USAGE, "number: %lld is that of label %u already",
+                             (long long)number->number, other);
+    if (number->given)
+        kept->label_number[label] = (uint16_t)number->number;
     memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
     memcpy(kept->label_name[label], name, strlen(name));
     for (int k = 0; act_has(act, "COLOUR") && k < 3; k++)
@@ -69,7 +57,7 @@ enum err act_choose_regions(uint16_t **as, const struct act *act, const struct v
     return err;
 }
 
-enum { BESIDE_BYTES_MOST = 1 << 20 };
+enum { BESIDE_BYTES_MOST = 1 << 20, TABLE_BYTES_MOST = 16 << 20 };
 
 static void name_table(struct buf *out, const char *atlas)
 {
@@ -80,29 +68,27 @@ static void name_table(struct buf *out, const char *atlas)
 struct label_table atlas_table(const struct act *act, const char *path)
 {
     struct label_table table = {0};
-    struct buf name = {0}, text = {0};
-    name_table(&name, path);
-    if (!interpreter_is_wary(act->interp) && file_exists(buf_text(&name)) &&
-        file_read(&text, buf_text(&name), BESIDE_BYTES_MOST, NULL) == OK)
-        label_table_read(&table, buf_text(&text), text.length, NULL);
-    buf_release(&text);
-    buf_release(&name);
+    struct buf *name = act_buf(act), *text = act_buf(act);
+    name_table(name, path);
+    if (!interpreter_is_wary(act->interp) && file_exists(buf_text(name)) &&
+        file_read(text, buf_text(name), BESIDE_BYTES_MOST, NULL) == OK)
+        label_table_read(&table, buf_text(text), text->length, NULL);
     return table;
 }
 
 void atlas_advise_names(const struct act *act, const bool has[256])
 {
-    struct buf *out = &act->reply->text, path = {0}, name = {0};
+    struct buf *out = &act->reply->text, *path = act_buf(act), *name = act_buf(act);
     struct label_table table = {0};
     bool is_nameless = false;
     for (unsigned label = 1; label < 256; label++)
         is_nameless |= has[label] && !*session_kept(act->session)->label_name[label];
-    if (is_nameless && interpreter_find_file(act->interp, act_text(act, "FILE"), &path, NULL) == OK)
-        table = atlas_table(act, buf_text(&path));
+    if (is_nameless && interpreter_find_file(act->interp, act_text(act, "FILE"), path, NULL) == OK)
+        table = atlas_table(act, buf_text(path));
     if (table.count) {
-        name_table(&name, act_text(act, "FILE"));
+        name_table(name, act_text(act, "FILE"));
         buf_add_text(out, "their names: `label-file ");
-        buf_add_safe_text(out, buf_text(&name));
+        buf_add_safe_text(out, buf_text(name));
         if (act_has(act, "regions"))
             buf_printf(out, " regions=%s", act_text(act, "regions"));
         if (act_has(act, "as"))
@@ -110,47 +96,33 @@ void atlas_advise_names(const struct act *act, const bool has[256])
         buf_add_text(out, "`\n");
     }
     label_table_release(&table);
-    buf_release(&name);
-    buf_release(&path);
 }
 
 /* ---- out of a table ---- */
 
-enum { TABLE_BYTES_MOST = 16 << 20 };
-
-static enum err read_table(struct label_table *table, const struct act *act)
-{
-    const char *name = act_text(act, "FILE");
-    struct buf path = {0}, text = {0};
-    enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
-    if (!err)
-        err = file_read(&text, buf_text(&path), TABLE_BYTES_MOST, act->fault);
-    if (!err)
-        err = file_is_named(name, ".lut")
-                  ? label_table_read_lut(table, (const uint8_t *)text.data, text.length, act->fault)
-                  : label_table_read(table, buf_text(&text), text.length, act->fault);
-    buf_release(&text);
-    buf_release(&path);
-    return act_naming(name, err, act->fault);
-}
-
 enum err act_label_file(const struct act *act)
 {
+    const char *name = act_text(act, "FILE");
     struct label_table table = {0};
     struct label_tally tally;
     uint16_t *as = NULL;
+    struct buf *out = &act->reply->text, *path = act_buf(act), *text = act_buf(act);
     enum err err = act_choose_regions(&as, act, NULL);
+    if (err)
+        return err;
+    err = interpreter_find_file(act->interp, name, path, act->fault);
     if (!err)
-        err = read_table(&table, act);
+        err = file_read(text, buf_text(path), TABLE_BYTES_MOST, act->fault);
+    if (!err && file_is_named(name, ".lut"))
+        err = label_table_read_lut(&table, (const uint8_t *)text->data, text->length, act->fault);
+    else if (!err)
+        err = label_table_read(&table, buf_text(text), text->length, act->fault);
     if (!err)
-        err = act_naming(act_text(act, "FILE"),
-                         label_table_apply(&act->next->kept, &tally, &table, as, act->fault),
-                         act->fault);
+        err = label_table_apply(&act->next->kept, &tally, &table, as, act->fault);
     free(as);
     label_table_release(&table);
     if (err)
-        return err;
-    struct buf *out = &act->reply->text;
+        return act_naming(name, err, act->fault);
     buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),
                tally.colours, plural(tally.colours));
     if (tally.beyond && !act_has(act, "regions"))
@@ -222,17 +194,17 @@ enum err act_check_report(const struct act *act)
 enum err act_write_report(const struct act *act, const struct buf *text)
 {
     const enum file_mode mode = act_file_mode(act);
-    struct buf path = {0};
-    enum err err = text->failed ? fault_memory(act->fault, "a report")
-                                : interpreter_output_path(act->interp, act_text(act, "report"),
-                                                          &path, act->fault);
-    if (!err && path.length)
-        err = interpreter_will_write(act->interp, buf_text(&path), mode, act->fault);
-    if (!err && path.length)
-        err = file_write(buf_text(&path), buf_text(text), text->length, mode, act->fault);
-    if (!err && path.length)
-        act_write_file_line("wrote ", buf_text(&path), act->reply);
-    buf_release(&path);
+    struct buf *path = act_buf(act);
+    if (!act_has(act, "report"))
+        return OK;
+    enum err err = interpreter_output_path(act->interp, act_text(act, "report"), path, act->fault);
+    if (err || !path->length)
+        return err;
+    err = interpreter_will_write(act->interp, buf_text(path), mode, act->fault);
+    if (!err)
+        err = file_write(buf_text(path), buf_text(text), text->length, mode, act->fault);
+    if (!err)
+        act_write_file_line("wrote ", buf_text(path), act->reply);
     return err;
 }
 
@@ -250,12 +222,10 @@ enum err act_read_map(const struct act *act, struct volume *map)
 {
     const struct session *session = act->session;
     const struct map_place place = act_map_place(act);
-    struct buf path = {0};
-    enum err err = interpreter_find_file(act->interp, act_text(act, "FILE"), &path, act->fault);
-    if (!err)
-        err = map_read(map, buf_text(&path), &place, session_watch(session), act->fault);
-    buf_release(&path);
-    return err;
+    struct buf *path = act_buf(act);
+    const enum err err =
+        interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
+    return err ? err : map_read(map, buf_text(path), &place, session_watch(session), act->fault);
 }
 
 /* ---- labels ---- */
@@ -270,15 +240,6 @@ static enum err take(const struct act *act, bool finished, struct labels *labels
     if (!err)
         act_add_digest(act, "finished", session_finished_digest(session));
     return err;
-}
-
-/* The record says by itself what is handed on, whatever pictures show where it is replayed. */
-static void say_finished(const struct act *act, bool finished)
-{
-    struct call said = *act->call;
-    call_set(&said, "finished", !finished, finished ? "yes" : "no");
-    buf_clear(&act->reply->canonical);
-    command_write(&act->reply->canonical, &said);
 }
 
 enum err act_write_losses(struct interpreter *interp, const struct labels *labels, bool only_new,
@@ -306,8 +267,12 @@ enum err act_take_labels(const struct act *act, struct labels *labels)
                           session_kept(act->session)->finish.count > 0;
     const bool finished =
         as_shown ? session_shows_finished(act->session) : act_is_yes(act, "finished");
-    if (as_shown)
-        say_finished(act, finished);
+    if (as_shown) { /* the record says what is handed on, whatever is shown where it is replayed */
+        struct call said = *act->call;
+        call_set(&said, "finished", !finished, finished ? "yes" : "no");
+        buf_clear(&act->reply->canonical);
+        command_write(&act->reply->canonical, &said);
+    }
     const enum err err = take(act, finished, labels);
     if (err || !labels->finished || act->interp->mode != MODE_LIVE)
         return err;

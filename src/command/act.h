@@ -29,6 +29,12 @@ struct act {
     struct fault *fault;
 };
 
+/* An empty buffer that lives as long as the command. */
+static inline struct buf *act_buf(const struct act *act)
+{
+    return arena_buf(&act->interp->arena);
+}
+
 /* What the command was given for the parameter of this name, which it has in the table. */
 static inline const struct value *act_value(const struct act *act, const char *name)
 {
@@ -93,7 +99,8 @@ void act_note_file(const char *path, struct reply *reply);
 /* ERR_USAGE where `report`, if it is given, ends in neither .json nor .csv. */
 enum err act_check_report(const struct act *act);
 
-/* Writes the text to the file that `report` names, unless replay writes none, and says so. */
+/* Writes the text to the file that `report` names, if it is given and replay writes it, and says
+ * so. */
 enum err act_write_report(const struct act *act, const struct buf *text);
 
 /* The labels that a command saves or counts, once the edits that wait have been run: with

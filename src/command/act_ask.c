@@ -59,15 +59,6 @@ enum err act_landmark(const struct act *act)
 
 /* ---- the origin ---- */
 
-static enum err check_digest(const struct act *act, const char *key)
-{
-    const char *text = act_text(act, key);
-    return !text || scan_is_hex(text, SHA256_HEX - 1)
-               ? OK
-               : fault_set(act->fault, ERR_USAGE, "%s: expected the 64 digits of a SHA-256, not %s",
-                           key, text);
-}
-
 static enum err check_pull(const struct act *act)
 {
     const char *at = act_text(act, "pull");
@@ -108,17 +99,19 @@ enum err act_origin(const struct act *act)
     struct kept *kept = &act->next->kept;
     const char *procedure = act_text(act, "PROCEDURE");
     const bool is_none = strcmp(procedure, "none") == 0;
-    struct buf words = {0};
-    enum err err =
-        is_none || scan_is_hex(procedure, 32)
-            ? OK
-            : fault_set(act->fault, ERR_USAGE,
-                        "PROCEDURE: expected the 32 digits of a chain, or none, not %s", procedure);
     static const char *const digest[] = {"digest", "scene", "from"};
-    for (int i = 0; !err && i < 3; i++)
-        err = check_digest(act, digest[i]);
-    if (!err)
-        err = check_pull(act);
+    struct buf *words = act_buf(act);
+    if (!is_none && !scan_is_hex(procedure, 32))
+        return fault_set(act->fault, ERR_USAGE,
+                         "PROCEDURE: expected the 32 digits of a chain, or none, not %s",
+                         procedure);
+    for (int i = 0; i < 3; i++) {
+        const char *text = act_text(act, digest[i]);
+        if (text && !scan_is_hex(text, SHA256_HEX - 1))
+            return fault_set(act->fault, ERR_USAGE,
+                             "%s: expected the 64 digits of a SHA-256, not %s", digest[i], text);
+    }
+    enum err err = check_pull(act);
     memset(kept->origin_mm3, 0, sizeof kept->origin_mm3);
     if (!err)
         err = read_list(act, "volumes", kept->origin_mm3);
@@ -127,15 +120,14 @@ enum err act_origin(const struct act *act)
     if (err)
         return err;
     if (!is_none)
-        buf_printf(&words, "procedure %s", procedure);
+        buf_printf(words, "procedure %s", procedure);
     if (act_has(act, "by"))
-        buf_printf(&words, ", by %s", act_text(act, "by"));
+        buf_printf(words, ", by %s", act_text(act, "by"));
     if (act_has(act, "as"))
-        buf_printf(&words, ", as %s", act_text(act, "as"));
+        buf_printf(words, ", as %s", act_text(act, "as"));
     memset(kept->origin, 0, sizeof kept->origin);
-    if (words.length < sizeof kept->origin)
-        memcpy(kept->origin, buf_text(&words), words.length);
-    buf_release(&words);
+    if (words->length < sizeof kept->origin)
+        memcpy(kept->origin, buf_text(words), words->length);
     return act_go(act);
 }
 
@@ -486,15 +478,6 @@ static enum err find_hints(const struct act *act, const struct hint_list **hints
 
 /* ---- in words ---- */
 
-static void write_size(struct buf *out, const struct session *session, uint32_t voxels)
-{
-    buf_printf(out, "%u voxel%s", voxels, plural(voxels));
-    if (session_geometry(session)->spacing_unknown)
-        return;
-    buf_add_text(out, ", ");
-    tally_write_volume(out, session_geometry(session), voxels);
-}
-
 /* "3  at 93,40,61: 812 voxels, 0.81 ml; label 1 brain at a cost of 12, label 0 at 12, an edge of 2
  * between them; strongest edge into 90,41,60" */
 static enum err write_hint(const struct act *act, const struct hint *hint, size_t number)
@@ -505,8 +488,12 @@ static enum err write_hint(const struct act *act, const struct hint *hint, size_
     struct buf *out = &act->reply->text;
     struct way way = {0};
     const enum err err = way_find(&way, session_forest(session), hint->cell, act->fault);
-    buf_printf(out, "%zu  at %u,%u,%u: ", number, p.x, p.y, p.z);
-    write_size(out, session, hint->voxels);
+    buf_printf(out, "%zu  at %u,%u,%u: %u voxel%s", number, p.x, p.y, p.z, hint->voxels,
+               plural(hint->voxels));
+    if (!session_geometry(session)->spacing_unknown) {
+        buf_add_text(out, ", ");
+        tally_write_volume(out, session_geometry(session), hint->voxels);
+    }
     buf_add_text(out, "; label ");
     label_report_write_name(out, session, hint->label);
     buf_printf(out, " at a cost of %u, label ", cost);
@@ -562,8 +549,8 @@ static bool is_wanted(const struct act *act, const struct hint *hint)
 /* All of them. */
 static enum err write_report(const struct act *act, const struct hint_list *hints)
 {
-    struct buf text = {0};
-    struct json json = {.out = &text, .lines = 2};
+    struct buf *text = act_buf(act);
+    struct json json = {.out = text, .lines = 2};
     enum err err = OK;
     if (!act_has(act, "report"))
         return OK;
@@ -577,10 +564,7 @@ static enum err write_report(const struct act *act, const struct hint_list *hint
             err = add_hint(&json, act, hints->item + i, i + 1);
     json_end(&json);
     json_end(&json);
-    if (!err)
-        err = act_write_report(act, &text);
-    buf_release(&text);
-    return err;
+    return err ? err : act_write_report(act, text);
 }
 
 /* ---- the commands ---- */

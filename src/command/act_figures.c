@@ -7,7 +7,6 @@
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "command/files.h"
 #include "engine/forest.h"
 #include "show/comparison_picture.h"
 #include "show/label_report.h"
@@ -69,20 +68,6 @@ enum err act_write_counts(const struct act *act)
 
 /* ---- the answer ---- */
 
-static enum err write_report(const struct act *act, const struct label_report *report)
-{
-    struct buf text = {0};
-    if (!act_has(act, "report"))
-        return OK;
-    if (file_is_named(act_text(act, "report"), ".json"))
-        label_report_write_json(&text, report);
-    else
-        label_report_write_csv(&text, report);
-    const enum err err = act_write_report(act, &text);
-    buf_release(&text);
-    return err;
-}
-
 static void write_forest(const struct act *act)
 {
     const struct session *session = act->session;
@@ -103,6 +88,8 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
                        const struct labels *labels)
 {
     const struct session *session = act->session;
+    const char *file = act_text(act, "report");
+    struct buf *text = act_buf(act);
     struct counts counts;
     bool listed[256] = {false};
     const struct tally *tally = session_tally(session);
@@ -124,8 +111,12 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
     enum err err = count(&counts, act);
     for (unsigned label = 1; label < 256; label++)
         listed[label] = counts.voxels[label] || counts.seeds[label] || *report.label_name[label];
+    if (file && file_is_named(file, ".json"))
+        label_report_write_json(text, &report);
+    else if (file)
+        label_report_write_csv(text, &report);
     if (!err)
-        err = write_report(act, &report);
+        err = act_write_report(act, text);
     for (unsigned label = 0; !err && label < 256; label++) {
         if (labels->finished)
             counts.voxels[label] = (size_t)stats[label].sums.voxels;
@@ -204,20 +195,6 @@ static enum err take_map(struct compared *compared, bool listed[256], const stru
     return err;
 }
 
-static enum err write_comparison(const struct act *act, const struct comparison_report *report)
-{
-    struct buf text = {0};
-    if (!act_has(act, "report"))
-        return OK;
-    if (file_is_named(act_text(act, "report"), ".json"))
-        comparison_write_json(&text, report);
-    else
-        comparison_write_csv(&text, report);
-    const enum err err = act_write_report(act, &text);
-    buf_release(&text);
-    return err;
-}
-
 /* "picture": slices, through the place that is named, or the voxel where both are farthest apart,
  * or the cross-hair; or "surface". Nothing where it is not asked for. */
 static enum err write_picture(const struct act *act, const char *which,
@@ -228,22 +205,20 @@ static enum err write_picture(const struct act *act, const char *which,
     const uint32_t *place =
         act_has(act, "at") ? act_place(act, "at") : comparison_farthest(report->comparison, cross);
     struct picture picture = {0};
-    struct buf path = {0};
+    struct buf *path = act_buf(act);
     if (!act_has(act, which))
         return OK;
-    enum err err = interpreter_output_path(act->interp, act_text(act, which), &path, act->fault);
-    if (!err && path.length)
-        err = strcmp(which, "picture") == 0
-                  ? comparison_picture_draw(&picture, act->session, compared, report, place,
-                                            act->fault)
-                  : distance_picture_draw(&picture, act->session, compared, report, false,
-                                          act->fault);
-    if (!err && path.length)
+    enum err err = interpreter_output_path(act->interp, act_text(act, which), path, act->fault);
+    if (err || !path->length)
+        return err;
+    err = strcmp(which, "picture") == 0
+              ? comparison_picture_draw(&picture, act->session, compared, report, place, act->fault)
+              : distance_picture_draw(&picture, act->session, compared, report, false, act->fault);
+    if (!err)
         err = act_note_picture(act, labels, &picture);
-    if (!err && path.length)
-        err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
+    if (!err)
+        err = act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
     picture_release(&picture);
-    buf_release(&path);
     return err;
 }
 
@@ -258,7 +233,13 @@ static enum err answer_comparison(const struct act *act, const struct compared *
                                              session_kept(session)->label_name,
                                              session_geometry(session),
                                              listed};
-    enum err err = write_comparison(act, &report);
+    const char *file = act_text(act, "report");
+    struct buf *text = act_buf(act);
+    if (file && file_is_named(file, ".json"))
+        comparison_write_json(text, &report);
+    else if (file)
+        comparison_write_csv(text, &report);
+    enum err err = act_write_report(act, text);
     if (!err)
         err = write_picture(act, "picture", compared, labels, &report);
     if (!err)

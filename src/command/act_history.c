@@ -154,85 +154,72 @@ static enum err continue_in(const struct act *act, const char *path)
 {
     struct interpreter *interp = act->interp;
     struct fault *fault = act->fault;
-    struct buf former = {0}, goldens = {0};
-    enum err err = OK;
-    buf_add_text(&former, buf_text(&interp->home));
-    if (former.failed)
-        err = fault_memory(fault, "a path");
-    else if (file_exists(path)) /* said before anything is copied */
-        err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
-    if (!err)
-        err = take_goldens_along(&goldens, interp->journal, path, fault);
+    struct buf *former = act_buf(act), *goldens = act_buf(act);
+    struct buf *folder = act_buf(act), *former_folder = act_buf(act);
+    buf_add_text(former, buf_text(&interp->home));
+    file_folder(former_folder, buf_text(former));
+    file_folder(folder, path);
+    if (arena_failed(&interp->arena)) /* what follows is not taken back */
+        return fault_memory(fault, "a path");
+    if (file_exists(path)) /* said before anything is copied */
+        return fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
+    enum err err = take_goldens_along(goldens, interp->journal, path, fault);
     if (!err)
         err = interpreter_set_home(interp, path, fault);
     if (!err)
         err = journal_continue(interp->journal, path, fault);
-    if (!err) { /* Its records are copied byte for byte, and their names with them. */
-        struct buf folder[2] = {{0}, {0}};
-        file_folder(&folder[0], buf_text(&former));
-        file_folder(&folder[1], path);
-        if (!file_is_same(buf_text(&folder[0]), buf_text(&folder[1])))
-            buf_add_text(&act->reply->text,
-                         "what it has read so far it names as seen from its former "
-                         "folder; --scene FILE says where the scene is\n");
-        buf_release(&folder[0]);
-        buf_release(&folder[1]);
-    }
-    if (err && goldens.length)
-        folder_remove(buf_text(&goldens));
-    if (err && !former.failed)
-        interpreter_set_home(interp, buf_text(&former), NULL);
-    buf_release(&former);
-    buf_release(&goldens);
+    if (err && goldens->length)
+        folder_remove(buf_text(goldens));
+    if (err)
+        interpreter_set_home(interp, buf_text(former), NULL);
+    /* Its records are copied byte for byte, and their names with them. */
+    else if (!file_is_same(buf_text(former_folder), buf_text(folder)))
+        buf_add_text(&act->reply->text, "what it has read so far it names as seen from its former "
+                                        "folder; --scene FILE says where the scene is\n");
     return err;
 }
 
 /* The whole record so far in a new file, and what lies beside it: golden images, labels. */
-static enum err record_in(const struct act *act, const char *path)
+static enum err record_in(const struct act *act, const char *name)
 {
     struct interpreter *interp = act->interp;
+    struct buf *path = act_buf(act);
+    file_from_home(path, name);
+    if (path->failed)
+        return fault_memory(act->fault, "a path");
     if (interp->journal)
-        return continue_in(act, path);
+        return continue_in(act, buf_text(path));
     if (interp->unrecorded > 0)
         return fault_set(act->fault, ERR_USAGE,
                          "%zu command%s came before, without a journal; --journal FILE records "
                          "from the beginning",
                          interp->unrecorded, plural(interp->unrecorded));
-    return interpreter_create_journal(interp, path, act->fault);
-}
-
-static void write_journal(const struct interpreter *interp, struct reply *reply)
-{
-    if (!interp->journal) {
-        buf_add_text(&reply->text, "nothing is recorded yet\n");
-        return;
-    }
-    const char *path = journal_path(interp->journal);
-    buf_add_safe_text(&reply->text, path);
-    buf_printf(&reply->text, ", %zu record%s%s\n", journal_count(interp->journal),
-               plural(journal_count(interp->journal)),
-               journal_only_looks(interp->journal) ? ", read-only: nothing is written" : "");
-    interpreter_tell_lock(interp, &reply->text);
+    return interpreter_create_journal(interp, buf_text(path), act->fault);
 }
 
 enum err act_journal(const struct act *act)
 {
-    enum err err = OK;
-    if (act->interp->mode != MODE_LIVE)
+    struct interpreter *interp = act->interp;
+    struct buf *out = &act->reply->text;
+    if (interp->mode != MODE_LIVE)
         return fault_set(
             act->fault, ERR_INPUT,
             "`journal` is not for scripts of a journal: where it is stored is no part of it");
-    struct buf path = {0};
     if (act_has(act, "FILE")) {
-        file_from_home(&path, act_text(act, "FILE"));
-        err = path.failed ? fault_memory(act->fault, "a path") : record_in(act, buf_text(&path));
+        const enum err err = record_in(act, act_text(act, "FILE"));
+        if (err)
+            return fault_prefix(act->fault, err, "the journal stays where it was");
+        interp->new_journal = NULL;
     }
-    buf_release(&path);
-    if (err)
-        return fault_prefix(act->fault, err, "the journal stays where it was");
-    if (act_has(act, "FILE"))
-        act->interp->new_journal = NULL;
-    write_journal(act->interp, act->reply);
+    if (!interp->journal) {
+        buf_add_text(out, "nothing is recorded yet\n");
+        return OK;
+    }
+    buf_add_safe_text(out, journal_path(interp->journal));
+    buf_printf(out, ", %zu record%s%s\n", journal_count(interp->journal),
+               plural(journal_count(interp->journal)),
+               journal_only_looks(interp->journal) ? ", read-only: nothing is written" : "");
+    interpreter_tell_lock(interp, out);
     return OK;
 }
 

@@ -10,7 +10,6 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "command/act.h"
-#include "command/files.h"
 #include "command/golden_files.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
@@ -212,29 +211,28 @@ static enum err find_copy(struct buf *path, const struct act *act, const char *d
     const enum err err = golden_folder(path, buf_text(&interp->home), act->fault);
     buf_add_char(path, '/');
     label_copy_name(path, digest);
-    return err ? err : path->failed ? fault_memory(act->fault, "a path") : OK;
+    return err;
 }
 
 /* One that is there already has the same content. A journal opened read-only gets none. */
 static enum err keep_copy(const struct act *act, const struct volume *map, const char *digest)
 {
     struct interpreter *interp = act->interp;
-    struct buf path = {0};
+    struct buf *path = act_buf(act);
     struct golden_files files;
     const bool only_looks = interp->journal && journal_only_looks(interp->journal);
-    enum err err = find_copy(&path, act, digest);
-    if (!err && path.length && !only_looks && !file_exists(buf_text(&path))) {
-        err = golden_files_make(&files, buf_text(&interp->home), act->fault);
-        golden_files_close(&files);
-        if (!err)
-            err = interpreter_will_write(interp, buf_text(&path), FILE_KEEP, act->fault);
-        if (!err)
-            err = label_copy_write(buf_text(&path), map, session_geometry(act->session),
-                                   session_watch(act->session), act->fault);
-        if (!err)
-            act_write_file_line("copied to ", buf_text(&path), act->reply);
-    }
-    buf_release(&path);
+    enum err err = find_copy(path, act, digest);
+    if (err || !path->length || only_looks || file_exists(buf_text(path)))
+        return err;
+    err = golden_files_make(&files, buf_text(&interp->home), act->fault);
+    golden_files_close(&files);
+    if (!err)
+        err = interpreter_will_write(interp, buf_text(path), FILE_KEEP, act->fault);
+    if (!err)
+        err = label_copy_write(buf_text(path), map, session_geometry(act->session),
+                               session_watch(act->session), act->fault);
+    if (!err)
+        act_write_file_line("copied to ", buf_text(path), act->reply);
     return err;
 }
 
@@ -276,8 +274,6 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
             has[map->intensity[i]] = true;
     numbering_list(numbers, as, has, session_kept(act->session));
     free(has);
-    if (numbers->failed)
-        return fault_memory(act->fault, "the regions");
     const enum err err = numbers->length ? take_numbers(act, buf_text(numbers)) : OK;
     if (!err)
         numbering_translate(as, &act->next->kept);
@@ -345,49 +341,48 @@ static enum err read_copy(struct volume *map, const struct act *act, const char 
 static enum err read_recorded(struct volume *map, const struct act *act, const char *recorded)
 {
     const struct value *numbered = act_value(act, "numbers");
-    struct buf path = {0}, numbers = {0};
+    struct buf *path = act_buf(act), *numbers = act_buf(act);
     char digest[LABEL_COPY_DIGEST];
     if (!scan_is_hex(recorded, LABEL_COPY_DIGEST - 1))
         return fault_set(act->fault, ERR_USAGE,
                          "copy: expected %d digits 0-9a-f, as a journal has them, not %s",
                          LABEL_COPY_DIGEST - 1, recorded);
-    enum err err = find_copy(&path, act, recorded);
-    const bool has_copy = !err && path.length && file_exists(buf_text(&path));
+    enum err err = find_copy(path, act, recorded);
+    const bool has_copy = !err && path->length && file_exists(buf_text(path));
     if (!err)
-        err = has_copy ? read_copy(map, act, buf_text(&path)) : read_original(map, act, &numbers);
+        err = has_copy ? read_copy(map, act, buf_text(path)) : read_original(map, act, numbers);
     if (!err && has_copy && numbered->given)
         err = take_numbers(act, numbered->text);
-    if (err && !has_copy && path.length)
-        fault_prefix(act->fault, err, "there is no copy %s", buf_text(&path));
+    if (err && !has_copy && path->length)
+        fault_prefix(act->fault, err, "there is no copy %s", buf_text(path));
     if (!err)
         err = label_copy_digest(digest, map, session_watch(act->session), act->fault);
+    if (err)
+        return err;
     const bool same_numbers =
-        has_copy || strcmp(buf_text(&numbers), numbered->given ? numbered->text : "") == 0;
-    if (!err && (!same_numbers || strcmp(digest, recorded) != 0))
-        err = fault_set(act->fault, ERR_INPUT,
-                        "%s holds other labels than were recorded (%s, not %s); nothing was "
-                        "planted",
-                        has_copy ? buf_text(&path) : act_text(act, "FILE"), digest, recorded);
-    buf_release(&numbers);
-    buf_release(&path);
-    return err;
+        has_copy || strcmp(buf_text(numbers), numbered->given ? numbered->text : "") == 0;
+    return same_numbers && strcmp(digest, recorded) == 0
+               ? OK
+               : fault_set(act->fault, ERR_INPUT,
+                           "%s holds other labels than were recorded (%s, not %s); nothing was "
+                           "planted",
+                           has_copy ? buf_text(path) : act_text(act, "FILE"), digest, recorded);
 }
 
 /* The record says which labels they were: the command ends in copy=DIGEST. */
 static enum err read_new(struct volume *map, const struct act *act, char digest[LABEL_COPY_DIGEST])
 {
-    struct buf numbers = {0};
+    struct buf *numbers = act_buf(act);
     if (act_has(act, "numbers"))
         return fault_set(act->fault, ERR_USAGE,
                          "numbers: a journal has it beside copy=DIGEST; regions= chooses regions");
-    enum err err = read_original(map, act, &numbers);
+    enum err err = read_original(map, act, numbers);
     if (!err)
         err = label_copy_digest(digest, map, session_watch(act->session), act->fault);
-    if (!err && numbers.length)
-        buf_printf(&act->reply->canonical, " numbers=%s", buf_text(&numbers));
+    if (!err && numbers->length)
+        buf_printf(&act->reply->canonical, " numbers=%s", buf_text(numbers));
     if (!err)
         buf_printf(&act->reply->canonical, " copy=%s", digest);
-    buf_release(&numbers);
     return err;
 }
 

@@ -9,7 +9,6 @@
 
 #include "base/choice.h"
 #include "base/scan.h"
-#include "command/files.h"
 #include "journal/record.h"
 
 /* ---- what `open` is told ---- */
@@ -266,17 +265,16 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
 {
     struct session *session = act->session;
     struct watch *watch = session_watch(session);
-    struct buf path = {0};
+    struct buf *path = act_buf(act);
     struct fault unsaid = {0};
     choice->proof = proof;
     if (watch)
         watch->is_quiet = true;
-    if (!session_has_scene(session) && interpreter_find_outside(act->interp, name, &path))
-        session_open(session, buf_text(&path), choice, &unsaid);
+    if (!session_has_scene(session) && interpreter_find_outside(act->interp, name, path))
+        session_open(session, buf_text(path), choice, &unsaid);
     if (watch)
         watch->is_quiet = false;
     choice->proof = NULL;
-    buf_release(&path);
     return session_has_scene(session) ? OK : watch_fault(watch, act->fault);
 }
 
@@ -304,7 +302,7 @@ static void write_canonical(const struct act *act, bool has_weight)
 
 enum err act_open(const struct act *act)
 {
-    struct buf path = {0};
+    struct buf *path = act_buf(act);
     struct session *session = act->session;
     struct volume_choice choice;
     char proof[SHA256_HEX];
@@ -323,32 +321,29 @@ enum err act_open(const struct act *act)
         err = open_outside(act, name, &choice, proof);
     const bool is_open = session_has_scene(session) && !had_scene;
     if (!err && !is_open)
-        err = find_scene(act, name, by_proof, &path);
+        err = find_scene(act, name, by_proof, path);
     if (!err && !is_open)
-        err = session_open(session, buf_text(&path), &choice, act->fault);
+        err = session_open(session, buf_text(path), &choice, act->fault);
+    if (err)
+        return err;
     const bool is_private = act_is_yes(act, "private");
     /* What pictures say that it is called: the last part of the name that the command gives,
      * wherever the file was found. The name of a folder is often a patient's. */
-    const bool is_said = !is_private && !file_is_folder(buf_text(&path));
-    if (!err)
-        session_name_scene(session, is_said ? file_name(name) : "", is_private);
-    buf_release(&path);
-    if (!err)
-        write_canonical(act, has_weight);
-    if (!err)
-        write_scene(act);
-    if (!err)
-        write_orientation(act);
+    const bool is_said = !is_private && !file_is_folder(buf_text(path));
+    session_name_scene(session, is_said ? file_name(name) : "", is_private);
+    write_canonical(act, has_weight);
+    write_scene(act);
+    write_orientation(act);
     /* Where intensities are not exact: the ends of their scale, how many voxels are beyond each,
      * and a digest of the file's values that a level may stand for. */
-    const struct levels *levels = err ? NULL : session_levels(session);
+    const struct levels *levels = session_levels(session);
     if (levels)
         buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
                    levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
                    (unsigned long long)levels_digest(levels));
-    if (!err && *session_proof(session))
+    if (*session_proof(session))
         buf_printf(&act->reply->words, " sha256=%s", session_proof(session));
-    return err;
+    return OK;
 }
 
 enum err act_interpolate(const struct act *act)

@@ -9,7 +9,6 @@
 #include "base/hash.h"
 #include "base/least.h"
 #include "base/mem.h"
-#include "command/files.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
 #include "image/picture_writer.h"
@@ -62,7 +61,7 @@ struct spin {
     unsigned count, total, delay_ms; /* pictures of a turn, and of all */
     enum file_mode mode;
     struct image_movie movie; /* the file that the image helper has not finished */
-    struct buf name, path, first;
+    struct buf *name, *path, *first;
     uint64_t digest;
 };
 
@@ -83,7 +82,7 @@ static enum err finish_file(struct spin *spin)
 /* The next file, or the only one. */
 static enum err begin_file(struct spin *spin, const struct picture *like)
 {
-    const char *path = buf_text(&spin->path);
+    const char *path = buf_text(spin->path);
     struct interpreter *interp = spin->act->interp;
     struct fault *fault = spin->act->fault;
     const bool counts = spin->pattern.counts;
@@ -100,13 +99,13 @@ static enum err find_path(struct spin *spin, unsigned number)
 {
     const struct act *act = spin->act;
     const struct pattern *pattern = &spin->pattern;
-    buf_clear(&spin->name);
-    buf_add(&spin->name, pattern->name, pattern->before);
+    buf_clear(spin->name);
+    buf_add(spin->name, pattern->name, pattern->before);
     if (pattern->counts)
-        buf_printf(&spin->name, "%0*u%s", pattern->digits, number, pattern->rest);
-    if (spin->name.failed)
+        buf_printf(spin->name, "%0*u%s", pattern->digits, number, pattern->rest);
+    if (spin->name->failed) /* it would be cleared */
         return fault_memory(act->fault, "a file name");
-    return interpreter_output_path(act->interp, buf_text(&spin->name), &spin->path, act->fault);
+    return interpreter_output_path(act->interp, buf_text(spin->name), spin->path, act->fault);
 }
 
 /* A picture as the file, or part of one, that it is to be. The image helper compresses it while the
@@ -118,10 +117,10 @@ static enum err write_picture(struct spin *spin, unsigned number, const struct p
     enum err err = begins ? finish_file(spin) : OK;
     if (!err && begins)
         err = find_path(spin, number);
-    if (err || !spin->path.length)
+    if (err || !spin->path->length)
         return err;
     if (!is_helped(spin))
-        return act_write_now(act->interp, buf_text(&spin->path), spin->mode, picture, act->fault);
+        return act_write_now(act->interp, buf_text(spin->path), spin->mode, picture, act->fault);
     err = begins ? begin_file(spin, picture) : OK;
     return err ? err : image_movie_add(&spin->movie, picture, act->fault);
 }
@@ -178,14 +177,6 @@ static enum err draw_whole(struct spin *spin, struct picture *picture, uint64_t 
     return act_take_picture(spin->act, &spin->labels, spin->pattern.name, picture);
 }
 
-/* Right into a file. */
-static enum err draw_file(struct spin *spin, unsigned number, uint64_t *digest)
-{
-    enum err err = find_path(spin, number);
-    const struct drawn_file file = {buf_text(&spin->path), spin->mode, RENDER_ONCE, false};
-    return err ? err : act_draw_file(spin->act, &file, &spin->labels, digest);
-}
-
 static enum err show_turned(struct spin *spin, const struct view *from, unsigned number)
 {
     struct session *session = spin->act->session;
@@ -193,16 +184,20 @@ static enum err show_turned(struct spin *spin, const struct view *from, unsigned
     struct picture picture = {0};
     uint64_t digest = 0;
     enum err err = session_set_view(session, &view, spin->act->fault);
-    if (!err && spin->is_streamed)
-        err = draw_file(spin, number, &digest);
-    else if (!err && spin->takes_rows)
-        err = act_draw_picture(spin->act, &spin->labels, RENDER_ONCE, &picture, &digest);
-    else if (!err)
-        err = draw_whole(spin, &picture, &digest);
-    if (!err && !spin->is_streamed)
-        err = write_picture(spin, number, &picture);
-    if (!err && spin->path.length && (spin->pattern.counts || number + 1 == spin->total))
-        act_note_file(buf_text(&spin->path), spin->act->reply);
+    if (!err && spin->is_streamed) { /* right into a file */
+        err = find_path(spin, number);
+        const struct drawn_file file = {buf_text(spin->path), spin->mode, RENDER_ONCE, false};
+        if (!err)
+            err = act_draw_file(spin->act, &file, &spin->labels, &digest);
+    } else if (!err) {
+        err = spin->takes_rows
+                  ? act_draw_picture(spin->act, &spin->labels, RENDER_ONCE, &picture, &digest)
+                  : draw_whole(spin, &picture, &digest);
+        if (!err)
+            err = write_picture(spin, number, &picture);
+    }
+    if (!err && spin->path->length && (spin->pattern.counts || number + 1 == spin->total))
+        act_note_file(buf_text(spin->path), spin->act->reply);
     spin->digest += hash_mix_at(number, digest);
     picture_release(&picture);
     return err;
@@ -222,8 +217,8 @@ static enum err turn_around(struct spin *spin)
         err = fit_turns(spin, &from);
     if (!err)
         err = find_path(spin, 0);
-    buf_add_text(&spin->first, buf_text(&spin->path));
-    if (!err && spin->path.length &&
+    buf_add_text(spin->first, buf_text(spin->path));
+    if (!err && spin->path->length &&
         is_helped(spin)) /* it loads its libraries while one is drawn */
         err = image_helper_start(spin->act->interp->helper, fault);
     for (unsigned i = 0; i < spin->total && !err; i++) {
@@ -242,13 +237,13 @@ static enum err turn_around(struct spin *spin)
 static void write_outcome(const struct spin *spin, struct reply *reply)
 {
     act_add_digest(spin->act, "spin", spin->digest);
-    if (!spin->path.length)
+    if (!spin->path->length)
         return;
     buf_add_text(&reply->text, "wrote ");
-    buf_add_safe(&reply->text, buf_text(&spin->first), spin->first.length);
+    buf_add_safe_text(&reply->text, buf_text(spin->first));
     if (spin->pattern.counts) {
         buf_add_text(&reply->text, " to ");
-        buf_add_safe(&reply->text, buf_text(&spin->path), spin->path.length);
+        buf_add_safe_text(&reply->text, buf_text(spin->path));
         buf_add_char(&reply->text, '\n');
     } else {
         buf_printf(&reply->text, ", %u pictures\n", spin->total);
@@ -304,7 +299,10 @@ enum err act_spin(const struct act *act)
     struct spin spin = {.act = act,
                         .count = (unsigned)act_number(act, "N"),
                         .delay_ms = (unsigned)act_number_or(act, "delay", 100),
-                        .mode = act_file_mode(act)};
+                        .mode = act_file_mode(act),
+                        .name = act_buf(act),
+                        .path = act_buf(act),
+                        .first = act_buf(act)};
     enum err err = prepare(&spin);
     if (err)
         return err;
@@ -314,9 +312,6 @@ enum err act_spin(const struct act *act)
     if (!err)
         write_outcome(&spin, act->reply);
     image_movie_abandon(&spin.movie);
-    buf_release(&spin.name);
-    buf_release(&spin.path);
-    buf_release(&spin.first);
     return err;
 }
 
@@ -326,21 +321,17 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
                           struct picture *picture)
 {
     const struct journal *journal = act->interp->journal;
-    struct buf steps = {0}, name = {0};
+    struct buf *steps = act_buf(act), *name = act_buf(act);
     enum err err = OK;
-    finish_write(&steps, &session_kept(act->session)->finish);
+    finish_write(steps, &session_kept(act->session)->finish);
     if (journal)
-        golden_journal_name(&name, journal_path(journal));
-    if (steps.failed || name.failed)
-        err = fault_memory(act->fault, "a note on a picture");
-    if (!err && labels->finished)
-        err = picture_note(picture, "iftty:finish", buf_text(&steps), act->fault);
+        golden_journal_name(name, journal_path(journal));
+    if (labels->finished)
+        err = picture_note(picture, "iftty:finish", buf_text(steps), act->fault);
     if (!err && journal && !session_is_private(act->session))
-        err = picture_note(picture, "iftty:journal", buf_text(&name), act->fault);
+        err = picture_note(picture, "iftty:journal", buf_text(name), act->fault);
     if (!err && journal)
         err = picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
-    buf_release(&steps);
-    buf_release(&name);
     return err;
 }
 
@@ -456,14 +447,14 @@ enum err act_render_labels(const struct act *act, enum render_mode mode, struct 
 static enum err render_large(const struct act *act, const char *name, enum render_mode mode)
 {
     struct labels labels;
-    struct buf path = {0};
+    struct buf *path = act_buf(act);
     uint64_t digest = 0;
     enum err err = session_run(act->session, act->fault);
     if (!err)
         err = act_take_shown(act, &labels);
     if (!err)
-        err = interpreter_output_path(act->interp, name, &path, act->fault);
-    const char *to = buf_text(&path);
+        err = interpreter_output_path(act->interp, name, path, act->fault);
+    const char *to = buf_text(path);
     if (!err && (!*to || image_strips(to))) {
         const struct drawn_file file = {to, act_file_mode(act), mode,
                                         act_number(act, "layout") == 1};
@@ -478,7 +469,6 @@ static enum err render_large(const struct act *act, const char *name, enum rende
     }
     if (!err)
         act_add_digest(act, "picture", digest);
-    buf_release(&path);
     return err;
 }
 
@@ -491,16 +481,15 @@ static enum err render_whole(const struct act *act, enum render_mode mode)
     act_add_picture_digest(act);
     if (act_has(act, "FILE")) {
         struct picture picture;
-        struct buf path = {0};
-        err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
-        if (!err && path.length)
-            err = act_take_picture(act, &labels, act_text(act, "FILE"), &picture);
-        if (!err && path.length) {
-            picture.tiled = act_number(act, "layout") == 1;
-            err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
-        }
-        buf_release(&path);
-        return err;
+        struct buf *path = act_buf(act);
+        err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
+        if (err || !path->length)
+            return err;
+        err = act_take_picture(act, &labels, act_text(act, "FILE"), &picture);
+        if (err)
+            return err;
+        picture.tiled = act_number(act, "layout") == 1;
+        return act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
     }
     act->interp->shows_picture = true;
     const struct rendition *r = session_frame(act->session);
@@ -617,7 +606,7 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
 {
     struct picture picture = {0};
     struct labels labels;
-    struct buf path = {0};
+    struct buf *path = act_buf(act);
     if (act->interp->mode == MODE_SKIM)
         return OK;
     act_write_slices(&act->reply->text, act->session);
@@ -632,12 +621,10 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
     if (!err)
         err = act_take_slices(act, kind, &labels, &picture);
     if (!err)
-        err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
-    if (!err && path.length)
-        err = act_write_picture(act, buf_text(&path), act_file_mode(act), &picture);
-    else
-        picture_release(&picture);
-    buf_release(&path);
+        err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
+    if (!err && path->length)
+        return act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
+    picture_release(&picture);
     return err;
 }
 

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "command/files.h"
 #include "command/golden_files.h"
 #include "image/exr.h"
 #include "image/surface_file.h"
@@ -30,14 +29,13 @@ static struct golden_planes planes_of(const struct picture *p)
 }
 
 /* The image is gone: which file is to be restored, where its PNG shows that it was there. */
-static enum err refuse_missing(const char *name, const char *path, struct fault *fault)
+static enum err refuse_missing(struct interpreter *interp, const char *name, const char *path,
+                               struct fault *fault)
 {
-    struct buf png = {0};
-    buf_add(&png, path, strlen(path) - strlen("exr"));
-    buf_add_text(&png, "png");
-    const bool has_png = !png.failed && file_exists(buf_text(&png));
-    buf_release(&png);
-    return has_png
+    struct buf *png = arena_buf(&interp->arena);
+    buf_add(png, path, strlen(path) - strlen("exr"));
+    buf_add_text(png, "png");
+    return file_exists(buf_text(png))
                ? fault_set(fault, ERR_CHECK,
                            "golden image %s is missing: its PNG is there, but %s, which is what is "
                            "compared, is not; restore that file from a copy",
@@ -84,7 +82,7 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     bool leads_out = false;
     enum err err = file_exists(source)
                        ? read_golden(interp, &expected, actual, source, &leads_out, fault)
-                       : refuse_missing(name, source, fault);
+                       : refuse_missing(interp, name, source, fault);
     bool is_read = !err;
     if (is_read)
         err = compare_pictures(&expected, actual, interp, &difference, fault);
@@ -172,15 +170,14 @@ static enum err take_golden(const struct act *act, struct picture *picture)
 static enum err settle_golden(const struct act *act, const char *name, struct picture *picture)
 {
     struct interpreter *interp = act->interp;
-    struct buf path = {0};
-    enum err err = golden_path(&path, buf_text(&interp->home), name, act->fault);
+    struct buf *path = act_buf(act);
+    enum err err = golden_path(path, buf_text(&interp->home), name, act->fault);
     if (!err && interp->mode != MODE_LIVE)
-        err = compare_golden(interp, name, buf_text(&path), picture, act->fault);
+        err = compare_golden(interp, name, buf_text(path), picture, act->fault);
     else if (!err)
-        err = write_golden(interp, name, buf_text(&path), picture, act->fault);
+        err = write_golden(interp, name, buf_text(path), picture, act->fault);
     if (!err && interp->mode == MODE_LIVE)
-        act_write_file_line("stored as ", buf_text(&path), act->reply);
-    buf_release(&path);
+        act_write_file_line("stored as ", buf_text(path), act->reply);
     return err;
 }
 
@@ -326,19 +323,15 @@ static enum err write_surface(const struct act *act, const struct labels *labels
 {
     const struct session *session = act->session;
     struct volume_label label[256];
-    struct buf notes = {0};
+    struct buf *notes = act_buf(act);
     export_labels(label, session_kept(session));
     if (labels->finished) {
-        buf_add_text(&notes, "finished: ");
-        finish_write(&notes, &session_kept(session)->finish);
+        buf_add_text(notes, "finished: ");
+        finish_write(notes, &session_kept(session)->finish);
     }
     const struct surface_document document = {surface, session_geometry(session), label,
-                                              buf_text(&notes)};
-    const enum err err =
-        notes.failed ? fault_memory(act->fault, "a surface")
-                     : surface_write(path, how, &document, session_watch(session), act->fault);
-    buf_release(&notes);
-    return err;
+                                              buf_text(notes)};
+    return surface_write(path, how, &document, session_watch(session), act->fault);
 }
 
 /* What each surface has and encloses, and where it lies. */
@@ -387,16 +380,12 @@ enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES, SAVE_SURFACE };
 
 static enum err save_seeds(const struct act *act, const char *path, enum file_mode how)
 {
-    struct buf text = {0};
-    enum err err = OK;
+    struct buf *text = act_buf(act);
     if (!file_is_named(path, ".csv"))
         return fault_set(act->fault, ERR_USAGE, "cannot write %s: expected FILE.csv for seeds",
                          path);
-    err = export_seeds(&text, act->session, act->fault);
-    if (!err)
-        err = file_write(path, text.data, text.length, how, act->fault);
-    buf_release(&text);
-    return err;
+    const enum err err = export_seeds(text, act->session, act->fault);
+    return err ? err : file_write(path, text->data, text->length, how, act->fault);
 }
 
 static void tell_changed_names(const struct act *act, const struct label_writing *writing)
@@ -418,7 +407,7 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     enum label_table_format format;
     bool used[256];
     struct label_writing writing;
-    struct buf text = {0};
+    struct buf *text = act_buf(act);
     if (!label_table_ending(path, &format))
         return fault_set(act->fault, ERR_USAGE,
                          "cannot write %s: expected .txt or .label for ITK-SNAP, .ctab for "
@@ -435,14 +424,11 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
         used[l] = session_tally(act->session)->voxels[l] > 0 || *kept->label_name[l];
     if (!err)
         err = numbering_check(kept, used, act->fault);
-    label_table_write(&text, &writing, format, session_kept(act->session), used);
-    if (!err && text.failed)
-        err = fault_memory(act->fault, "the names of labels");
+    label_table_write(text, &writing, format, session_kept(act->session), used);
     if (!err)
-        err = file_write(path, text.data, text.length, how, act->fault);
+        err = file_write(path, text->data, text->length, how, act->fault);
     if (!err && writing.changed)
         tell_changed_names(act, &writing);
-    buf_release(&text);
     return err;
 }
 
@@ -544,7 +530,7 @@ enum err act_save(const struct act *act)
     const int64_t what = act_number(act, "MAP");
     const bool has_labels = what == MAP_LABELS || what == SAVE_SURFACE;
     struct coverage coverage = {0};
-    struct buf path = {0};
+    struct buf *path = act_buf(act);
     struct labels labels = {0};
     enum err err = check_parameters(act);
     if (!err)
@@ -552,19 +538,18 @@ enum err act_save(const struct act *act)
     if (!err && has_labels)
         err = act_take_labels(act, &labels);
     if (!err)
-        err = interpreter_output_path(act->interp, act_text(act, "FILE"), &path, act->fault);
-    if (!err && path.length) {
-        if (has_labels)
-            coverage = cover(act->session, &labels);
-        if (what == MAP_LABELS)
-            err = check_labels(act, &coverage);
-        if (!err)
-            err = save(act, &labels, buf_text(&path));
-        if (!err)
-            act_write_file_line("wrote ", buf_text(&path), act->reply);
-        if (!err)
-            warn(act, buf_text(&path), &coverage, labels.finished != NULL);
-    }
-    buf_release(&path);
-    return err;
+        err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
+    if (err || !path->length)
+        return err;
+    if (has_labels)
+        coverage = cover(act->session, &labels);
+    if (what == MAP_LABELS)
+        err = check_labels(act, &coverage);
+    if (!err)
+        err = save(act, &labels, buf_text(path));
+    if (err)
+        return err;
+    act_write_file_line("wrote ", buf_text(path), act->reply);
+    warn(act, buf_text(path), &coverage, labels.finished != NULL);
+    return OK;
 }

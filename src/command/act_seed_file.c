@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "command/files.h"
 #include "show/label_report.h"
 #include "show/label_table.h"
 #include "session/seed_file.h"
@@ -22,23 +21,21 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
 {
     const struct session *session = act->session;
     struct fault *fault = act->fault;
-    struct buf text = {0};
+    struct buf *text = act_buf(act);
     if (act_has(act, "regions|as|erode|each|generator|resample|volume|data"))
         return fault_set(
             fault, ERR_USAGE,
             "regions, as, erode, each, generator, resample, volume and data are for label maps, "
             "and %s is a list; nothing was planted",
             act_text(act, "FILE"));
-    enum err err = file_read(&text, path, LIST_BYTES_MOST, fault);
-    if (!err)
-        err = act_naming(act_text(act, "FILE"),
-                         seeds_from_list(seeds, buf_text(&text), text.length,
-                                         &session_scene(session)->grid,
-                                         session_kept(session)->label_name, label_of(act),
-                                         session_watch(session), fault),
-                         fault);
-    buf_release(&text);
-    return err;
+    const enum err err = file_read(text, path, LIST_BYTES_MOST, fault);
+    return err ? err
+               : act_naming(act_text(act, "FILE"),
+                            seeds_from_list(seeds, buf_text(text), text->length,
+                                            &session_scene(session)->grid,
+                                            session_kept(session)->label_name, label_of(act),
+                                            session_watch(session), fault),
+                            fault);
 }
 
 /* What the parameters say of regions, with the labels that they become, which the caller frees. */
@@ -175,22 +172,22 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
 
 enum err act_seed_file(const struct act *act)
 {
-    struct buf path = {0};
+    struct buf *path = act_buf(act);
     struct seeds seeds = {0};
     struct region_choice choice = {.label = label_of(act)}; /* all there is of a list */
     uint16_t *as = NULL;
     const char *name = act_text(act, "FILE");
-    enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
+    enum err err = interpreter_find_file(act->interp, name, path, act->fault);
     if (!err && file_is_named(name, ".csv"))
-        err = read_list(&seeds, act, buf_text(&path));
+        err = read_list(&seeds, act, buf_text(path));
     else if (!err) {
         err = choose_regions(&choice, &as, act);
         if (!err)
-            err = read_map(&seeds, act, &choice, buf_text(&path));
+            err = read_map(&seeds, act, &choice, buf_text(path));
     }
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     if (!err)
-        err = plant(act, &seeds, buf_text(&path), &choice, &planting);
+        err = plant(act, &seeds, buf_text(path), &choice, &planting);
     act_add_digest(act, "file", seeds_digest(&seeds));
     buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
@@ -199,6 +196,5 @@ enum err act_seed_file(const struct act *act)
         err = act_naming(name, act_write_planting(act, &planting), act->fault);
     free(as);
     seeds_release(&seeds);
-    buf_release(&path);
     return err;
 }

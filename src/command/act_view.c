@@ -10,7 +10,6 @@
 #include "base/choice.h"
 #include "base/least.h"
 #include "base/scan.h"
-#include "command/files.h"
 #include "command/near.h"
 #include "engine/roi.h"
 #include "engine/weight_gradient.h"
@@ -37,8 +36,8 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     struct fault *fault = act->fault;
     const struct map_place place = act_map_place(act);
     struct volume map = {0};
-    struct buf path = {0};
-    enum err err = interpreter_find_file(act->interp, name, &path, fault);
+    struct buf *path = act_buf(act);
+    enum err err = interpreter_find_file(act->interp, name, path, fault);
     if (err) {
         struct near near = near_to(name);
         near_try_choices(&near, WEIGHT_KINDS);
@@ -46,7 +45,7 @@ static enum err weigh_by_file(const struct act *act, const char *name)
         near_append(&near, "", fault);
     }
     if (!err)
-        err = map_read(&map, buf_text(&path), &place, session_watch(session), fault);
+        err = map_read(&map, buf_text(path), &place, session_watch(session), fault);
     if (!err)
         err = act_naming(name, map_to_weights(&map, session_watch(session), fault), fault);
     if (!err)
@@ -54,7 +53,6 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     if (!err)
         buf_add_text(&act->reply->text, map.notes);
     volume_release(&map);
-    buf_release(&path);
     return err;
 }
 

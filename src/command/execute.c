@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "command/execute.h"
 
+#include <stdio.h>
+
 #include "base/choice.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "command/act.h"
-#include "command/files.h"
 #include "command/golden_files.h"
 #include "command/trust.h"
 #include "engine/forest.h"
@@ -18,6 +19,8 @@
 #include "session/semantics.h"
 #include "show/draw.h"
 
+/* ---- resumed ---- */
+
 struct resume {
     struct interpreter *interp;
     size_t last;     /* number of the last record that has words of the forest; 0 for none */
@@ -28,21 +31,27 @@ struct resume {
 /* What records say of the forest. */
 #define FOREST_WORDS "forest|labels|seeds|pending"
 
-static bool has_forest_words(const char *words, struct buf *out)
+static void add_forest_words(struct buf *out, const char *words)
 {
     struct record_word word;
     struct choice key;
-    bool has = false;
     for (const char *at = FOREST_WORDS; choice_next(&key, &at);)
         if (record_word_find(words, key.word, key.length, &word)) {
-            has = true;
-            if (!out)
-                continue;
             buf_add_blank(out);
             buf_printf(out, "%.*s=%.*s", (int)key.length, key.word, (int)word.value_length,
                        word.value);
         }
-    return has;
+}
+
+static void add_digests(struct buf *words, const struct session *session)
+{
+    const struct forest *forest = session_forest(session);
+    buf_add_blank(words);
+    buf_printf(words, "forest=%016llx labels=%016llx seeds=%zu",
+               (unsigned long long)forest_digest(forest),
+               (unsigned long long)forest_label_digest(forest), forest_seeds(forest));
+    if (session_pendings(session))
+        buf_printf(words, " pending=%zu", session_pendings(session));
 }
 
 static enum err take_semantics(void *context, unsigned semantics, struct fault *fault)
@@ -54,8 +63,11 @@ static enum err take_semantics(void *context, unsigned semantics, struct fault *
 static void look_for_last(void *context, const struct record *record)
 {
     struct resume *resume = context;
-    if (has_forest_words(record->result, NULL))
+    struct buf words = {0};
+    add_forest_words(&words, record->result);
+    if (words.length)
         resume->last = record->number;
+    buf_release(&words);
 }
 
 /* Where the session catches up, the words are of the forest that all commands so far have made. */
@@ -70,7 +82,7 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
         err = session_catch_up(session, fault);
         buf_clear(&reply.words);
         if (!err)
-            execute_add_digests(&reply, session);
+            add_digests(&reply.words, session);
     }
     buf_add_text(words, buf_text(&reply.words));
     reply_release(&reply);
@@ -89,7 +101,7 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
 {
     struct record judged = *record;
     struct buf words = {0};
-    has_forest_words(record->result, &words);
+    add_forest_words(&words, record->result);
     judged.result = buf_text(&words);
     resume->catches_up = true;
     enum err err =
@@ -155,16 +167,16 @@ static void clear_away(struct interpreter *interp, const char *path, struct buf 
     buf_release(&folder);
 }
 
-static enum err resume(struct interpreter *interp, const char *path, enum interpreter_mode mode,
-                       struct buf *told, struct fault *fault)
+enum err interpreter_resume_journal(struct interpreter *interp, const char *path, struct buf *told,
+                                    struct fault *fault)
 {
     enum err err = interpreter_set_home(interp, path, fault);
-    interp->mode = mode;
+    interp->mode = interp->resumes_in_full ? MODE_RESUME : MODE_SKIM;
     if (!err)
         err = carry_out_again(interp, path, told, fault);
-    if (err == ERR_CHECK && mode == MODE_SKIM) {
+    if (err == ERR_CHECK && !interp->resumes_in_full) {
         interp->mode = MODE_RESUME; /* as if no command had been carried out */
-        interp->resumed_in_full = true;
+        interp->resumes_in_full = true;
         history_release(&interp->history);
         session_begin_again(interp->session);
         history_init(&interp->history);
@@ -188,30 +200,7 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
     return err ? fault_prefix(fault, err, "cannot resume %s", path) : OK;
 }
 
-enum err interpreter_resume_journal(struct interpreter *interp, const char *path, struct buf *told,
-                                    struct fault *fault)
-{
-    return resume(interp, path, MODE_SKIM, told, fault);
-}
-
-enum err interpreter_resume_in_full(struct interpreter *interp, const char *path, struct buf *told,
-                                    struct fault *fault)
-{
-    return resume(interp, path, MODE_RESUME, told, fault);
-}
-
 /* ---- carried out ---- */
-
-void execute_add_digests(struct reply *reply, const struct session *session)
-{
-    buf_add_blank(&reply->words);
-    buf_printf(&reply->words, "forest=%016llx labels=%016llx seeds=%zu",
-               (unsigned long long)forest_digest(session_forest(session)),
-               (unsigned long long)forest_label_digest(session_forest(session)),
-               forest_seeds(session_forest(session)));
-    if (session_pendings(session))
-        buf_printf(&reply->words, " pending=%zu", session_pendings(session));
-}
 
 /* How many edits wait that a command applies before anything else, so that it is about all that the
  * user has planted. One that is recorded does so whenever its record is carried
@@ -265,7 +254,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     if (!(command->flags & COMMAND_RECORDED)) /* what there is to record is a run */
         buf_clear(&reply->words);
     if (!err && edits)
-        execute_add_digests(reply, session);
+        add_digests(&reply->words, session);
     const bool edited = reports && (session_has_edited(session) || session_has_regrown(session));
     if (!err && edited)
         err = session_count_labels(session, fault);
@@ -274,10 +263,9 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
                       clock_ns() - begin);
     if (!err && edited && (command->flags & COMMAND_PLANTS || interp->applied))
         surprise_write(&reply->text, session, interp->applied ? NULL : command->name);
-    if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed ||
-                 reply->list.failed || reply->files.failed))
-        err = fault_memory(fault, "an answer");
-    return err;
+    const bool failed = reply->text.failed || reply->words.failed || reply->canonical.failed ||
+                        reply->list.failed || reply->files.failed || arena_failed(&interp->arena);
+    return failed ? fault_memory(fault, "a command") : err;
 }
 
 static enum err carry_out(struct interpreter *interp, const struct call *call, const char *line,
@@ -340,18 +328,15 @@ static enum err append(struct interpreter *interp, const char *command, const st
 static enum err record(struct interpreter *interp, const struct command *command,
                        struct reply *reply, struct fault *fault)
 {
-    struct buf run = {0};
+    char run[80];
+    snprintf(run, sizeof run, RUN_FOR "%s", command->name);
     const bool is_question = !(command->flags & COMMAND_RECORDED);
-    if (is_question)
-        buf_printf(&run, RUN_FOR "%s", command->name);
-    const char *line = buf_text(is_question ? &run : &reply->canonical);
-    enum err err = run.failed ? fault_memory(fault, "a record")
-                              : history_note(&interp->history, interp->session, line, fault);
+    const char *line = is_question ? run : buf_text(&reply->canonical);
+    enum err err = history_note(&interp->history, interp->session, line, fault);
     if (!err && interp->mode == MODE_LIVE)
         err = begin_journal(interp, &reply->text, fault);
     if (!err && interp->mode == MODE_LIVE)
         err = append(interp, line, reply, fault);
-    buf_release(&run);
     return err;
 }
 
@@ -361,6 +346,7 @@ static enum err record(struct interpreter *interp, const struct command *command
 static void settle(struct interpreter *interp, bool stands)
 {
     interpreter_settle_files(interp, stands);
+    arena_release(&interp->arena);
     if (stands && interp->job)
         picture_writer_give(interp->writer, interp->job);
     else
@@ -447,27 +433,6 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
         settle(interp, err == OK);
     }
     call_release(&call);
-    return err;
-}
-
-enum err interpreter_try(struct interpreter *interp, const char *line, void (*look)(void *context),
-                         void *context, struct fault *fault)
-{
-    struct reply reply = {0};
-    struct call call;
-    enum err err = command_parse(&call, line, interp->session, fault);
-    if (err)
-        return err;
-    session_mark(interp->session);
-    if (call.command)
-        err = carry_out(interp, &call, line, &reply, fault);
-    if (!err)
-        err = session_run(interp->session, fault);
-    if (!err)
-        look(context);
-    settle(interp, false);
-    call_release(&call);
-    reply_release(&reply);
     return err;
 }
 

@@ -43,14 +43,6 @@ enum err interpreter_write_losses(struct interpreter *interp, struct watch *watc
 enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
                           struct fault *fault);
 
-/* Carries out a command, "" for none, with all that waits, has `look` look at what that comes to,
- * and takes it back, exactly, whatever it was: nothing is recorded or written. */
-enum err interpreter_try(struct interpreter *interp, const char *line, void (*look)(void *context),
-                         void *context, struct fault *fault);
-
-/* Adds what a record says of the forest, after a command that edits it. */
-void execute_add_digests(struct reply *reply, const struct session *session);
-
 /* Journals that are gone on with. */
 
 /* Resumes the journal at `path`, and goes on recording there. Resuming skims: every
@@ -58,10 +50,6 @@ void execute_add_digests(struct reply *reply, const struct session *session);
  * record says of it. Where that is not the same, the commands are carried out and compared one by
  * one, to say which of them differs. `told` gets lines for the user. */
 enum err interpreter_resume_journal(struct interpreter *interp, const char *path, struct buf *told,
-                                    struct fault *fault);
-
-/* The same with every command carried out and compared. */
-enum err interpreter_resume_in_full(struct interpreter *interp, const char *path, struct buf *told,
                                     struct fault *fault);
 
 #endif

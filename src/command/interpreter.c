@@ -1,6 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "command/interpreter.h"
 
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/confine.h"
+#include "base/safe.h"
+#include "base/scan.h"
+#include "command/command.h"
+#include "command/trust.h"
 #include "image/image_helper.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"
@@ -26,6 +34,7 @@ void interpreter_release(struct interpreter *interp)
     image_helper_free(interp->helper);
     history_release(&interp->history);
     session_free(interp->session);
+    arena_release(&interp->arena);
     buf_release(&interp->home);
     buf_release(&interp->written);
     buf_release(&interp->made);
@@ -98,4 +107,394 @@ void interpreter_tell_lock(const struct interpreter *interp, struct buf *told)
     buf_add_text(told, "the file system has no locks: ");
     buf_add_safe_text(told, lock);
     buf_add_text(told, " keeps other sessions from writing, until this one ends\n");
+}
+
+/* ---- files that commands name ---- */
+
+static const char default_scenes[] = "/usr/share/mricron/templates";
+
+const char *interpreter_scenes(void)
+{
+    const char *list = getenv("IFTTY_SCENES");
+    return list ? list : default_scenes;
+}
+
+static bool try_folder(struct buf *path, const char *folder, size_t length, const char *name)
+{
+    buf_clear(path);
+    buf_add(path, folder, length);
+    buf_printf(path, "/%s", name);
+    return file_exists(buf_text(path));
+}
+
+static enum err find(const struct interpreter *interp, const char *name, struct buf *path,
+                     const struct trust_sought *sought, struct fault *fault)
+{
+    struct buf folder = {0};
+    bool found = false;
+    if (interpreter_is_wary(interp))
+        return trust_find(path, buf_text(&interp->home), interpreter_scenes(), name, sought, fault);
+    buf_clear(path);
+    if (interp->home.length && *name != '/') {
+        file_folder(&folder, buf_text(&interp->home));
+        found = try_folder(path, buf_text(&folder), folder.length, name);
+    }
+    if (!found && file_exists(name)) {
+        buf_clear(path);
+        buf_add_text(path, name);
+        found = true;
+    }
+    for (const char *list = interpreter_scenes(); !found && beneath_is_inside(name) && *list;) {
+        size_t length = strcspn(list, ":");
+        found = length && try_folder(path, list, length, name);
+        list += length + (list[length] == ':');
+    }
+    buf_release(&folder);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    if (!found)
+        return fault_set(fault, ERR_IO, "there is no %s %s here%s%s; nothing %s", sought->kind,
+                         name, interp->home.length ? " nor beside the journal" : "",
+                         sought->is_scene && interp->mode != MODE_LIVE ? "; expected --scene FILE"
+                                                                       : "",
+                         sought->undone);
+    return OK;
+}
+
+enum err interpreter_find_scene(const struct interpreter *interp, const char *name, bool by_proof,
+                                struct buf *path, struct fault *fault)
+{
+    const bool synthetic = strncmp(name, "synth:", 6) == 0;
+    if (!synthetic && !interp->scene_path) {
+        const struct trust_sought sought = {"scene", "was opened", true, by_proof};
+        const bool is_elsewhere = interpreter_is_wary(interp) && trust_leads_out(name);
+        const enum err err =
+            find(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
+        if (err && is_elsewhere)
+            fault_prefix(fault, err,
+                         by_proof ? "the scene of this record is not at %s"
+                                  : "the journal may not open %s",
+                         name);
+        return err;
+    }
+    buf_clear(path);
+    buf_add_text(path, synthetic ? name : interp->scene_path);
+    return path->failed ? fault_memory(fault, "a path") : OK;
+}
+
+bool interpreter_find_outside(const struct interpreter *interp, const char *name, struct buf *path)
+{
+    return interpreter_is_wary(interp) && !interp->scene_path && strncmp(name, "synth:", 6) != 0 &&
+           trust_find_outside(path, buf_text(&interp->home), interpreter_scenes(), name);
+}
+
+enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
+                               struct fault *fault)
+{
+    static const struct trust_sought sought = {"file", "has changed", false, false};
+    const bool is_elsewhere = interpreter_is_wary(interp) && trust_leads_out(name);
+    const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
+    return err && is_elsewhere ? fault_prefix(fault, err, "the journal may not read %s", name)
+                               : err;
+}
+
+/* ---- names as records have them ---- */
+
+/* out = `name`, which is a whole path or as seen from the folder that one is in, as a whole path
+ * without "." and ".." at its beginning. What stands before it has no links. */
+static bool make_whole(struct buf *out, const char *name)
+{
+    char *here = *name == '/' ? NULL : realpath(".", NULL);
+    buf_clear(out);
+    if (here)
+        buf_add_text(out, strcmp(here, "/") == 0 ? "" : here);
+    for (bool goes_on = here; goes_on;) {
+        const size_t n = strcspn(name, "/");
+        const bool is_up = n == 2 && memcmp(name, "..", 2) == 0;
+        goes_on = is_up || n == 0 || (n == 1 && *name == '.');
+        if (is_up)
+            while (out->length && out->data[--out->length] != '/')
+                ;
+        name += goes_on ? n + (name[n] == '/') : 0;
+        goes_on = goes_on && *name;
+    }
+    if (here)
+        buf_add_char(out, '/');
+    const bool fine = here || *name == '/';
+    free(here);
+    buf_add_text(out, name);
+    return fine && !out->failed;
+}
+
+/* out = the whole path `path` as seen from the folder, a whole path without links; false where they
+ * have nothing in common but "/". */
+static bool see_from(struct buf *out, const char *path, const char *folder)
+{
+    size_t common = 0, ups = 0;
+    for (size_t i = 0; path[i] && (folder[i] == path[i] || (!folder[i] && path[i] == '/')); i++) {
+        if (path[i] == '/')
+            common = i + 1;
+        if (!folder[i])
+            break;
+    }
+    for (const char *at = folder + common - 1; *at; at++)
+        ups += at[0] == '/' && at[1];
+    buf_clear(out);
+    for (size_t i = 0; i < ups; i++)
+        buf_add_text(out, "../");
+    if (!ups && (path[common] == '~' || strncmp(path + common, "raw:", 4) == 0))
+        buf_add_text(out, "./");
+    buf_add_text(out, path + common);
+    return common > 1 && !out->failed;
+}
+
+/* What a user means by the name of a file that is to be read lies here, or beside the journal:
+ * which of them is not guessed. */
+static enum err check_one(const char *here, const char *beside, const char *name,
+                          struct fault *fault)
+{
+    if (!file_exists(here) || !file_exists(beside) || file_is_same(here, beside) ||
+        file_holds_same(here, beside))
+        return OK;
+    return fault_set(fault, ERR_INPUT,
+                     "there is %s here, and another one beside the journal; expected the "
+                     "whole path of one of them; nothing has changed",
+                     name);
+}
+
+/* out = `name` as seen from the folder of the journal, or a whole path. */
+static enum err settle(struct buf *out, const char *name, const char *journal, struct fault *fault)
+{
+    struct buf folder = {0}, beside = {0}, path = {0}, whole = {0};
+    file_from_home(&path, name);
+    file_folder(&folder, journal);
+    buf_printf(&beside, "%s/%s", buf_text(&folder), name);
+    char *real = realpath(buf_text(&folder), NULL);
+    const bool is_whole = *buf_text(&path) == '/';
+    enum err err = is_whole ? OK : check_one(name, buf_text(&beside), name, fault);
+    buf_clear(out);
+    buf_add_text(out, buf_text(&path));
+    if (!err && real && (is_whole || !file_exists(buf_text(&beside))) &&
+        file_exists(buf_text(&path)) && make_whole(&whole, buf_text(&path))) {
+        const bool is_seen = see_from(out, buf_text(&whole), real);
+        buf_clear(&beside);
+        buf_printf(&beside, "%s/%s", real, buf_text(out));
+        if (!is_seen || !file_is_same(buf_text(&beside), buf_text(&path))) {
+            buf_clear(out);
+            buf_add_text(out, buf_text(&whole));
+        }
+        if (*safe_end(buf_text(out)))
+            err = fault_set(fault, ERR_INPUT,
+                            "the folder of %s has a name that no journal can hold; nothing has "
+                            "changed",
+                            name);
+    }
+    if (out->failed || folder.failed || beside.failed || path.failed || whole.failed)
+        err = fault_memory(fault, "a path");
+    free(real);
+    buf_release(&folder);
+    buf_release(&beside);
+    buf_release(&path);
+    buf_release(&whole);
+    return err;
+}
+
+enum err interpreter_settle_name(const struct interpreter *interp, struct call *call,
+                                 struct fault *fault)
+{
+    const struct parameter *p = call->command->parameter;
+    const char *journal = interp->home.length   ? buf_text(&interp->home)
+                          : interp->new_journal ? interp->new_journal
+                                                : NULL;
+    struct value *value = NULL;
+    for (int i = 0; p[i].type; i++) {
+        struct value *given = &call->value[i];
+        if (p[i].is_read && given->given && given->number < 0)
+            value = given;
+    }
+    if (!value || interp->mode != MODE_LIVE || (p->is_scene && interp->scene_path))
+        return OK;
+    const char *name = value->text;
+    const bool is_raw = p->is_scene && scan_text(&name, "raw:");
+    if ((p->is_scene && strncmp(name, "synth:", 6) == 0) || *name == '/' ||
+        (!journal && !file_is_from_home(name)))
+        return OK;
+    struct buf settled = {0};
+    enum err err = OK;
+    if (journal)
+        err = settle(&settled, name, journal, fault);
+    else
+        file_from_home(&settled, name);
+    buf_add_text(&call->settled, is_raw ? "raw:" : "");
+    buf_add_text(&call->settled, buf_text(&settled));
+    if (!err && (settled.failed || call->settled.failed))
+        err = fault_memory(fault, "a path");
+    if (!err)
+        value->text = buf_text(&call->settled);
+    buf_release(&settled);
+    return err;
+}
+
+/* ---- golden images ---- */
+
+enum err golden_refuse_link(const char *path, struct fault *fault)
+{
+    return fault_set(fault, ERR_CHECK,
+                     "%s, which leads out of its folder, is not what was recorded", path);
+}
+
+enum err interpreter_may_read(const struct interpreter *interp, const char *path, bool *leads_out,
+                              struct fault *fault)
+{
+    *leads_out = false;
+    const enum beneath answer =
+        interpreter_is_wary(interp) ? trust_look_at_golden(path, leads_out) : BENEATH_FINE;
+    if (answer == BENEATH_FINE || answer == BENEATH_MISSING)
+        return OK; /* the reader says that it is missing */
+    return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,
+                     answer == BENEATH_OUTSIDE ? "leads out of its folder"
+                                               : "is not a regular file");
+}
+
+/* ---- files that are written ---- */
+
+/* The path that stands for `name` below the folder, or NULL; and which name a path stands for. */
+static const char *place_of(const struct buf *placed, const char *name, const char *path)
+{
+    const char *at = buf_text(placed), *end = at + placed->length;
+    while (at < end) {
+        const char *of = at, *where = at + strlen(at) + 1;
+        if (name ? strcmp(of, name) == 0 : strcmp(where, path) == 0)
+            return where;
+        at = where + strlen(where) + 1;
+    }
+    return NULL;
+}
+
+/* "out/lab.nii.gz", then "out/lab-2.nii.gz". */
+static void write_place(struct buf *path, const char *folder, const char *name, unsigned number)
+{
+    const size_t stem = 1 + strcspn(name + 1, ".");
+    buf_clear(path);
+    buf_printf(path, "%s/", folder);
+    buf_add(path, name, stem);
+    if (number > 1)
+        buf_printf(path, "-%u", number);
+    buf_add_text(path, name + stem);
+}
+
+/* By the last part of its name: whatever a journal says, that is in the folder. Names that differ
+ * get places that do, and one name always the same. */
+static enum err place_below(struct interpreter *interp, const char *name, struct buf *path,
+                            struct fault *fault)
+{
+    struct buf *placed = &interp->placed;
+    const char *last = file_name(name), *before = place_of(placed, name, NULL);
+    if (!*last || strcmp(last, ".") == 0 || strcmp(last, "..") == 0)
+        return fault_set(fault, ERR_INPUT, "%s names no file; nothing was written", name);
+    if (before) {
+        buf_add_text(path, before);
+        return path->failed ? fault_memory(fault, "a path") : OK;
+    }
+    unsigned number = 1;
+    do
+        write_place(path, interp->out_folder, last, number++);
+    while (!path->failed && place_of(placed, NULL, buf_text(path)));
+    if (path->failed || !buf_reserve(placed, strlen(name) + path->length + 2)) {
+        placed->failed = false; /* what it holds is whole */
+        return fault_memory(fault, "a path");
+    }
+    buf_add(placed, name, strlen(name) + 1);
+    buf_add(placed, buf_text(path), path->length + 1);
+    return OK;
+}
+
+enum err interpreter_output_path(struct interpreter *interp, const char *name, struct buf *path,
+                                 struct fault *fault)
+{
+    buf_clear(path);
+    if (interp->mode == MODE_RESUME || interp->mode == MODE_SKIM)
+        return OK; /* it was written when the command was new */
+    if (interp->out_folder)
+        return place_below(interp, name, path, fault);
+    if (interp->mode == MODE_LIVE)
+        file_from_home(path, name);
+    return path->failed ? fault_memory(fault, "a path") : OK;
+}
+
+/* ---- files that go with a command ---- */
+
+/* Whether this replay has written it. */
+static bool has_made(const struct interpreter *interp, const char *path)
+{
+    const char *at = buf_text(&interp->made), *end = at + interp->made.length;
+    while (at < end && strcmp(at, path) != 0)
+        at += strlen(at) + 1;
+    return at < end;
+}
+
+void interpreter_note_kept(struct interpreter *interp, const char *path, enum file_mode mode)
+{
+    interp->keeps = mode == FILE_KEEP && interp->mode == MODE_LIVE && file_exists(path) &&
+                    !file_is_folder(path);
+}
+
+enum err interpreter_will_write(struct interpreter *interp, const char *path, enum file_mode mode,
+                                struct fault *fault)
+{
+    struct buf backup = {0};
+    enum err err = OK;
+    if (interpreter_is_wary(interp))
+        limits_will_write();
+    if (interp->writer && picture_writer_holds(interp->writer, path))
+        picture_writer_wait(interp->writer, NULL, NULL); /* one after the other */
+    if (interp->journal && interp->mode == MODE_LIVE)
+        err = journal_catch_up(interp->journal, fault); /* what led to it is on the disk */
+    if (err)
+        return err;
+    interpreter_note_kept(interp, path, mode);
+    if (file_exists(path)) {
+        if (mode == FILE_KEEP)
+            return OK; /* the writer refuses */
+        if (interpreter_is_wary(interp) && !has_made(interp, path))
+            return fault_set(
+                fault, ERR_IO,
+                "%s was there before; a replay replaces only what it has written itself; "
+                "it was left alone",
+                path);
+        err = file_backup(&backup, path, fault);
+    }
+    const size_t made = interpreter_is_wary(interp) ? strlen(path) + 1 : 0;
+    if (!err && (!buf_reserve(&interp->written, strlen(path) + backup.length + 2) ||
+                 (made && !buf_reserve(&interp->made, made)))) {
+        if (backup.length)
+            file_discard(buf_text(&backup));
+        interp->made.failed =
+            false; /* what it holds is whole; interpreter_settle_files clears the other */
+        err = fault_memory(fault, "a file name");
+    }
+    if (!err) { /* there is room for all */
+        buf_add(&interp->made, path, made);
+        buf_add(&interp->written, path, strlen(path) + 1);
+        buf_add(&interp->written, buf_text(&backup), backup.length + 1);
+    }
+    buf_release(&backup);
+    return err;
+}
+
+/* Backups go when the command stands; else files are again what they were. */
+void interpreter_settle_files(struct interpreter *interp, bool stands)
+{
+    const char *at = buf_text(&interp->written), *end = at + interp->written.length;
+    while (at < end) {
+        const char *path = at, *backup = path + strlen(path) + 1;
+        at = backup + strlen(backup) + 1;
+        if (stands && *backup)
+            file_discard(backup);
+        else if (!stands && *backup)
+            file_restore(backup, path, NULL);
+        else if (!stands)
+            file_discard(path);
+    }
+    buf_clear(&interp->written);
 }

@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The interpreter: a session with its journal. Commands come in by interpreter_execute
- * (command/execute.h), for keyboard, script and replay alike; the mode says what is written and
- * what is compared.
+ * The interpreter: a session with its journal, and the files that its commands name. Commands come
+ * in by interpreter_execute (command/execute.h), for keyboard, script and replay alike; the mode
+ * says what is written and what is compared.
  */
 #ifndef COMMAND_INTERPRETER_H
 #define COMMAND_INTERPRETER_H
 
 #include "base/buf.h"
+#include "base/file.h"
 #include "base/file_log.h"
 #include "render/canvas.h"
 #include "session/history.h"
 
+struct call;
 struct golden_judge;
 struct interpreter;
 struct image_helper;
@@ -62,13 +64,15 @@ struct listener {
 struct interpreter {
     struct session *session;
     struct history history;
+    struct arena arena; /* of the command at hand, which fails where one of its buffers has */
     enum interpreter_mode mode;
 
     struct journal *journal;    /* where commands are recorded; NULL records nothing */
     const char *new_journal;    /* created with the first command that is recorded, or NULL */
     enum file_sync sync;        /* when what is recorded is synced */
     bool is_read_only;          /* a journal is resumed without being written to: J7 of journal.h */
-    bool resumed_in_full;       /* what records say of seeds was not enough */
+    bool resumes_in_full;       /* each command is carried out and compared: what records say of
+                                   seeds was not enough */
     size_t unrecorded;          /* commands that are in no journal, for the lack of one */
     const char *recorded_words; /* of the record that is resumed at hand, or NULL */
     const char *replayed_words; /* of the record that is replayed at hand, or NULL */
@@ -138,5 +142,66 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
 /* A line for the user where the journal's file system has no locks: what stands for one (resuming
  * says it by itself). */
 void interpreter_tell_lock(const struct interpreter *interp, struct buf *told);
+
+/*
+ * Files that commands name: where they are found, where they may be written, and that those that a
+ * command has written stand or fall with it.
+ */
+
+/* ---- found ---- */
+
+/* $IFTTY_SCENES: folders separated by colons; Debian's mricron-data by default. */
+const char *interpreter_scenes(void);
+
+/* The path under which the scene `name` is found: scene_path; beside the journal; as it stands; in
+ * a folder of interpreter_scenes(). Of a wary interpreter: scene_path; below the folder of the
+ * journal or of interpreter_scenes(), where a name that leads elsewhere is looked for by its last
+ * part; `by_proof`: what it leads to was tried before, by the proof of its record. */
+enum err interpreter_find_scene(const struct interpreter *interp, const char *name, bool by_proof,
+                                struct buf *path, struct fault *fault);
+
+/* Of a wary interpreter: the path of a regular file elsewhere that the name leads to, which only
+ * the proof of its record may have read (T1 of command/trust.h). */
+bool interpreter_find_outside(const struct interpreter *interp, const char *name, struct buf *path);
+
+/* Gives a command that is new the name of a file that it reads as the record is to have it: as seen
+ * from the folder of the journal, where it lies elsewhere, or below the home folder ("~/"); a whole
+ * path where they have no folder in common; as it stands where it is a whole path, or is found
+ * beside the journal or among the scenes. ERR_INPUT where there are two files of that name. */
+enum err interpreter_settle_name(const struct interpreter *interp, struct call *call,
+                                 struct fault *fault);
+
+/* The same for another file that a command reads, which no interpreter->scene_path stands for. */
+enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
+                               struct fault *fault);
+
+/* Whether a file in the folder of golden images, by its path, may be read (command/trust.h); with
+ * *leads_out only golden_refuse_link says what is wrong with it. ERR_INPUT. */
+enum err interpreter_may_read(const struct interpreter *interp, const char *path, bool *leads_out,
+                              struct fault *fault);
+
+/* ERR_CHECK with the words for every file that a link leads to and that is not what was recorded:
+ * nothing is said of it. */
+enum err golden_refuse_link(const char *path, struct fault *fault);
+
+/* Where a file that a command names is to be written; an empty path where it is not. Below
+ * interpreter->out_folder it has the last part of its name, and names that end alike are told apart
+ * by numbers: a/lab.nii is lab.nii, then b/lab.nii is lab-2.nii. */
+enum err interpreter_output_path(struct interpreter *interp, const char *name, struct buf *path,
+                                 struct fault *fault);
+
+/* ---- files that go with a command ---- */
+
+/* Notes whether a command that is new finds a file in its way, which its writer refuses to replace:
+ * its error then ends in the word that replaces it. */
+void interpreter_note_kept(struct interpreter *interp, const char *path, enum file_mode mode);
+
+/* Says that the command at hand is about to write `path`: where the command fails or cannot be
+ * recorded, a file that was not there goes again, and one that is replaced comes back. */
+enum err interpreter_will_write(struct interpreter *interp, const char *path, enum file_mode mode,
+                                struct fault *fault);
+
+/* Those files stay as they are now, or are again what they were. A command sees to it by itself. */
+void interpreter_settle_files(struct interpreter *interp, bool stands);
 
 #endif

@@ -546,7 +546,7 @@ static enum err spare_others(const struct act *act, struct voxels *ring, int16_t
     const struct markers *markers = session_markers(session);
     const size_t all = ring->count;
     struct record_word word;
-    struct buf spared = {0};
+    struct buf *spared = act_buf(act);
     size_t kept = 0, runs = 0;
     if (!plants_another(markers, label))
         return OK;
@@ -563,7 +563,7 @@ static enum err spare_others(const struct act *act, struct voxels *ring, int16_t
         if (holds != 0 && holds != label)
             continue;
         if (first < i && runs++ < SPARED_MOST)
-            buf_printf(&spared, first + 1 < i ? "%s%zu-%zu" : "%s%zu", runs > 1 ? "," : "",
+            buf_printf(spared, first + 1 < i ? "%s%zu-%zu" : "%s%zu", runs > 1 ? "," : "",
                        first + 1, i);
         first = i + 1;
         if (i < all)
@@ -572,10 +572,8 @@ static enum err spare_others(const struct act *act, struct voxels *ring, int16_t
     ring->count = kept;
     if (!err && runs <= SPARED_MOST) {
         buf_add_blank(&act->reply->words);
-        buf_printf(&act->reply->words, "spared=%s", runs ? buf_text(&spared) : "0");
+        buf_printf(&act->reply->words, "spared=%s", runs ? buf_text(spared) : "0");
     }
-    err = !err && spared.failed ? fault_memory(act->fault, "a ring") : err;
-    buf_release(&spared);
     return err;
 }
 
@@ -742,20 +740,17 @@ static enum err refuse_place(const struct search *s)
     const uint32_t *place = act_place(s->act, "from");
     const uint32_t cell = grid_cell(&session_scene(session)->grid, place[0], place[1], place[2]);
     const struct cell *at = session_scene(session)->cell + cell;
-    const char *why = "a seed of another label";
-    struct buf intensity = {0};
+    struct buf *why = act_buf(s->act);
     if (!interval_holds(&s->planting.within, at->intensity)) {
-        buf_add_text(&intensity, "the intensity ");
-        levels_write(&intensity, session_geometry(session), session_levels(session), at->intensity);
-        buf_add_text(&intensity, ", beyond the range");
-        why = buf_text(&intensity);
-    } else if (at->flags & CELL_OUTSIDE) {
-        why = "no part in the region of interest";
+        buf_add_text(why, "the intensity ");
+        levels_write(why, session_geometry(session), session_levels(session), at->intensity);
+        buf_add_text(why, ", beyond the range");
+    } else {
+        buf_add_text(why, at->flags & CELL_OUTSIDE ? "no part in the region of interest"
+                                                   : "a seed of another label");
     }
-    fault_set(s->act->fault, ERR_INPUT, "from: voxel %u,%u,%u has %s; nothing was planted",
-              place[0], place[1], place[2], why);
-    buf_release(&intensity);
-    return ERR_INPUT;
+    return fault_set(s->act->fault, ERR_INPUT, "from: voxel %u,%u,%u has %s; nothing was planted",
+                     place[0], place[1], place[2], buf_text(why));
 }
 
 /* An object ends where trees of another label begin, and nowhere else. */

@@ -6,7 +6,6 @@
 #include "base/scan.h"
 #include "command/command.h"
 #include "command/execute.h"
-#include "command/files.h"
 #include "command/table.h"
 #include "journal/journal.h"
 

@@ -6,6 +6,7 @@
 #include "base/err.h"
 
 struct act;
+typedef enum err act_function(const struct act *act);
 
 /* What `open raw:FILE type=` takes. */
 #define OPEN_TYPES "int8|uint8|int16|uint16|int32|uint32|int64|uint64|float32|float64"
@@ -14,84 +15,31 @@ struct act;
 #define ORIGIN_WAYS   "world|landmarks|affine|file"
 #define ORIGIN_PLANTS "labels|seeds"
 
-/* act_open.c */
-enum err act_open(const struct act *act);
-enum err act_interpolate(const struct act *act);
-enum err act_orient(const struct act *act);
-/* act_view.c */
-enum err act_weight(const struct act *act);
-enum err act_polarity(const struct act *act);
-enum err act_mask(const struct act *act);
-enum err act_range(const struct act *act);
 /* act.c */
-enum err act_label(const struct act *act);
-enum err act_label_file(const struct act *act);
+act_function act_label, act_label_file;
+/* act_open.c */
+act_function act_open, act_interpolate, act_orient;
+/* act_ask.c */
+act_function act_landmark, act_origin, act_pick, act_measure, act_profile, act_why, act_hints,
+    act_hint;
 /* planting.c */
-enum err act_seed(const struct act *act);
-enum err act_box(const struct act *act);
-enum err act_fill(const struct act *act);
-enum err act_outline(const struct act *act);
-enum err act_object(const struct act *act);
-/* act_labels.c */
-enum err act_remove(const struct act *act);
-enum err act_run(const struct act *act);
+act_function act_seed, act_box, act_fill, act_outline, act_object;
 /* act_seed_file.c */
-enum err act_seed_file(const struct act *act);
+act_function act_seed_file;
 /* act_labels.c */
-enum err act_labels(const struct act *act);
-/* act_ask.c */
-enum err act_landmark(const struct act *act);
-enum err act_origin(const struct act *act);
+act_function act_labels, act_remove, act_run;
 /* act_history.c */
-enum err act_undo(const struct act *act);
-enum err act_redo(const struct act *act);
-enum err act_goto(const struct act *act);
-enum err act_branch(const struct act *act);
-enum err act_history(const struct act *act);
-enum err act_journal(const struct act *act);
-enum err act_sync(const struct act *act);
-/* act_view.c */
-enum err act_view(const struct act *act);
-enum err act_turn(const struct act *act);
-enum err act_zoom(const struct act *act);
-enum err act_pan(const struct act *act);
-enum err act_focus(const struct act *act);
-enum err act_hide(const struct act *act);
-enum err act_show(const struct act *act);
-enum err act_opacity(const struct act *act);
-enum err act_clip(const struct act *act);
-enum err act_plane(const struct act *act);
-enum err act_cut(const struct act *act);
-enum err act_set(const struct act *act); /* all settings (session/setting.h) */
-
+act_function act_undo, act_redo, act_goto, act_branch, act_history, act_journal, act_sync;
+/* act_view.c; act_set carries all settings out (session/setting.h) */
+act_function act_weight, act_polarity, act_mask, act_range, act_view, act_turn, act_zoom, act_pan,
+    act_focus, act_hide, act_show, act_opacity, act_clip, act_plane, act_cut, act_set;
 /* act_picture.c */
-enum err act_render(const struct act *act);
-enum err act_cross(const struct act *act);
-enum err act_window(const struct act *act);
-enum err act_magnify(const struct act *act);
-enum err act_slice(const struct act *act);
-enum err act_mosaic(const struct act *act);
-/* act_picture.c */
-enum err act_spin(const struct act *act);
+act_function act_render, act_spin, act_cross, act_window, act_magnify, act_slice, act_mosaic;
 /* act_save.c */
-enum err act_golden(const struct act *act);
-/* act_save.c */
-enum err act_finish(const struct act *act);
-enum err act_save(const struct act *act);
-/* act_ask.c */
-enum err act_pick(const struct act *act);
-enum err act_measure(const struct act *act);
-enum err act_profile(const struct act *act);
-enum err act_why(const struct act *act);
-enum err act_hints(const struct act *act);
-enum err act_hint(const struct act *act);
+act_function act_golden, act_finish, act_save;
 /* act_figures.c */
-enum err act_stats(const struct act *act);
-enum err act_compare(const struct act *act);
+act_function act_stats, act_compare;
 /* answers.c */
-enum err act_info(const struct act *act);
-enum err act_help(const struct act *act);
-enum err act_pilot(const struct act *act);
-enum err act_quit(const struct act *act);
+act_function act_info, act_help, act_pilot, act_quit;
 
 #endif

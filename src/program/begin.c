@@ -8,9 +8,8 @@
 
 #include "base/scan.h"
 #include "command/command.h"
-#include "command/files.h"
-#include "command/golden_files.h"
 #include "command/execute.h"
+#include "command/golden_files.h"
 #include "image/coprocess.h"
 #include "image/image_helper.h"
 #include "image/volume_helper.h"

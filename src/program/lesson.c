@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "command/files.h"
+#include "command/interpreter.h"
 #include "engine/forest.h"
 #include "session/map.h"
 #include "session/session.h"

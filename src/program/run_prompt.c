@@ -9,7 +9,6 @@
 #include "base/buf.h"
 #include "base/choice.h"
 #include "command/command.h"
-#include "command/complete.h"
 #include "command/execute.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"

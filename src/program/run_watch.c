@@ -14,7 +14,6 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "command/command.h"
-#include "command/complete.h"
 #include "command/execute.h"
 #include "command/trust.h"
 #include "engine/forest.h"

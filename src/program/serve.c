@@ -18,7 +18,6 @@
 #include "base/version.h"
 #include "command/command.h"
 #include "command/execute.h"
-#include "command/files.h"
 #include "command/near.h"
 #include "engine/labels.h"
 #include "engine/scene.h"

@@ -6,7 +6,6 @@
 
 #include "base/file.h"
 #include "base/safe.h"
-#include "command/files.h"
 #include "command/interpreter.h"
 #include "image/image_helper.h"
 #include "image/png.h"

@@ -7,7 +7,6 @@
 #include "base/file.h"
 #include "base/version.h"
 #include "command/execute.h"
-#include "command/files.h"
 #include "command/golden_files.h"
 #include "image/image_helper.h"
 #include "journal/golden.h"

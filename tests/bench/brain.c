@@ -21,8 +21,6 @@
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/mem.h"
-#include "command/files.h"
-#include "command/interpreter.h"
 #include "command/execute.h"
 #include "engine/forest.h"
 #include "image/volume.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "command/files.h"
+#include "command/interpreter.h"
 #include "tests/bench/effort_object.h"
 
 #include <stdlib.h>

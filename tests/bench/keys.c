@@ -30,7 +30,6 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "command/files.h"
 #include "command/interpreter.h"
 #include "tests/bench/times.h"
 #include "tests/bench/far_end.h"

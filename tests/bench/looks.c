@@ -10,7 +10,6 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "command/execute.h"
-#include "command/interpreter.h"
 #include "tests/bench/times.h"
 #include "session/session_inside.h"
 

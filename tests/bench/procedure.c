@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "command/files.h"
+#include "command/interpreter.h"
 #include "tests/bench/procedure.h"
 
 #include <stdlib.h>

@@ -12,7 +12,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
-#include "command/files.h"
+#include "command/interpreter.h"
 #include "image/volume.h"
 #include "apply/registration.h"
 #include "tests/deformed.h"

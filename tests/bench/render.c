@@ -17,7 +17,6 @@
 #include "base/mem.h"
 #include "tests/bench/times.h"
 #include "command/execute.h"
-#include "command/interpreter.h"
 #include "engine/label_stats.h"
 #include "render/border.h"
 #include "render/incremental.h"

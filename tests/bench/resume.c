@@ -8,7 +8,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "command/execute.h"
-#include "command/interpreter.h"
 #include "session/session_inside.h"
 
 enum { COMMANDS = 2000, ROUNDS = 3 };

@@ -5,7 +5,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "command/files.h"
+#include "command/interpreter.h"
 
 double times_between(uint64_t begin, uint64_t end)
 {

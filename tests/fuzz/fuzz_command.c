@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "command/command.h"
-#include "command/complete.h"
 #include "command/interpreter.h"
 #include "journal/record.h"
 #include "session/session_inside.h"
