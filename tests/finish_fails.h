@@ -26,7 +26,7 @@ static inline int stop_finish_everywhere(struct scene *scene, const struct finis
         struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
         uint8_t *label;
         scene->watch = &watch;
-        err = finish_make(&label, list, scene, team[tries % 4], NULL);
+        err = finish_make(&label, list, scene, team[tries % 4], NULL, NULL);
         CHECK(err == ERR_CANCELLED ? !label : err == OK && is_right(expected, scene, label));
         mem_pages_free(label, scene->grid.cells);
     }
@@ -44,7 +44,7 @@ static inline size_t starve_finish_everywhere(const struct scene *scene,
     for (; err == ERR_MEMORY && allocations < 1000; allocations++) {
         uint8_t *label;
         allow_allocations(allocations);
-        err = finish_make(&label, list, scene, NULL, NULL);
+        err = finish_make(&label, list, scene, NULL, NULL, NULL);
         mem_allows = NULL;
         CHECK(err == ERR_MEMORY ? !label : err == OK && is_right(expected, scene, label));
         mem_pages_free(label, scene->grid.cells);

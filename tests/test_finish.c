@@ -309,7 +309,7 @@ static bool finish_as_model(const struct volume *v, const struct finish_list *li
     struct scene *scene = scene_of(v);
     struct volume expected = *v;
     uint8_t *label;
-    bool fine = CHECK(finish_make(&label, list, scene, team, NULL) == OK);
+    bool fine = CHECK(finish_make(&label, list, scene, team, NULL, NULL) == OK);
     model(&expected, list);
     fine = fine && agree(&expected, scene, label);
     mem_pages_free(label, scene->grid.cells);

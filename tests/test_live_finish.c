@@ -165,7 +165,7 @@ static void is_exact(struct interpreter *interp)
     struct session *session = interp->session;
     uint8_t *label;
     CHECK(!session_is_rough(session));
-    CHECK(finish_make(&label, &session->now.kept.finish, session->scene, NULL, NULL) == OK);
+    CHECK(finish_make(&label, &session->now.kept.finish, session->scene, NULL, NULL, NULL) == OK);
     CHECK(memcmp(label, session->pictures->live.label, CELLS) == 0);
     mem_pages_free(label, CELLS);
     CHECK(border_check(&session->pictures->live.border, NULL));

@@ -279,7 +279,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
         };
         struct scene *scene = scene_of(v);
         model(v, &list.step[0], expected.made);
-        CHECK(finish_make(&label, &list, scene, team_for(round), NULL) == OK);
+        CHECK(finish_make(&label, &list, scene, team_for(round), NULL, NULL) == OK);
         if (!CHECK(agree(&expected, scene, label)))
             printf("# round %d: %dx%dx%d, %u sweeps\n", round, v->size[0], v->size[1], v->size[2],
                    list.step[0].argument);
@@ -297,8 +297,8 @@ static bool agree_again(const struct finish_list *list, const struct scene *scen
 {
     uint8_t *label, *again;
     const bool made =
-        CHECK(finish_make(&label, list, scene, team_for(round), NULL) == OK) &&
-        CHECK(finish_make_again(&again, list, scene, team_for(round + 1), kept, NULL) == OK);
+        CHECK(finish_make(&label, list, scene, team_for(round), NULL, NULL) == OK) &&
+        CHECK(finish_make(&again, list, scene, team_for(round + 1), kept, NULL) == OK);
     const bool same = made && CHECK(memcmp(label, again, scene->grid.cells) == 0);
     mem_pages_free(label, scene->grid.cells);
     mem_pages_free(again, scene->grid.cells);
@@ -328,7 +328,7 @@ static void stop(const struct finish_list *list, struct scene *scene, struct rel
     struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
     uint8_t *label;
     scene->watch = &watch;
-    CHECK(finish_make_again(&label, list, scene, NULL, kept, NULL) == ERR_CANCELLED);
+    CHECK(finish_make(&label, list, scene, NULL, kept, NULL) == ERR_CANCELLED);
     scene->watch = NULL;
 }
 
@@ -462,7 +462,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
         if (below(2))
             list.step[list.count++] =
                 (struct finish_step){FINISH_MAJORITY, FINISH_ALL_LABELS, 1, 0, 0};
-        CHECK(finish_make(&label, &list, scene, NULL, NULL) == OK); /* what comes before */
+        CHECK(finish_make(&label, &list, scene, NULL, NULL, NULL) == OK); /* what comes before */
         for (int i = 0; i < v.count; i++)
             v.label[i] = label[cell_of(&v, &scene->grid, i)];
         if (round % 3) {

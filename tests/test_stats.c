@@ -260,16 +260,14 @@ static struct scene *scene_of(const struct solid *solid)
 
 static double area_of(const struct scene *scene, const struct geometry *geometry)
 {
-    struct label_pairs *pairs;
+    static struct label_stats stats[256];
+    struct label_measures measures = {0};
     struct area_weights weights;
     const struct labels labels = labels_of_forest(scene);
-    if (label_pairs_new(&pairs, scene, NULL) != OK)
-        abort();
-    CHECK(label_pairs_refresh(pairs, &labels, team_of[2], NULL) == OK);
+    CHECK(label_stats_find(stats, &measures, &labels, team_of[2], NULL) == OK);
     area_weights_init(&weights, geometry);
-    const double mm2 = label_area_mm2(&weights, label_pairs_of(pairs, 7));
-    label_pairs_free(pairs);
-    return mm2;
+    label_measures_release(&measures);
+    return label_area_mm2(&weights, stats[7].pairs);
 }
 
 /* How many percent more than the true area. */

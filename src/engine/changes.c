@@ -63,33 +63,24 @@ static bool take_row(struct former_labels *former, const struct scene *scene, st
 
 void former_labels_take(struct former_labels *former, const struct scene *scene)
 {
-    const struct grid *grid = &scene->grid;
+    struct grid_walk w = scene_walk(scene, "labels of before", NULL, 0);
     bool fits = true;
-    struct task task = task_begin(scene->watch, "labels of before", grid->voxels);
     former->count = 0;
-    for (uint32_t z = 0; fits && z < grid->size[2]; z++)
-        for (uint32_t y = 0; fits && y < grid->size[1]; y++)
-            fits =
-                take_row(former, scene, grid_row(grid, y, z)) && task_advance(&task, grid->size[0]);
-    former->taken = fits;
+    while (fits && grid_walk_next(&w))
+        fits = take_row(former, scene, w.row);
+    former->taken = fits && !(scene->watch && scene->watch->stopped);
 }
 
 uint64_t former_labels_differences(const struct former_labels *former, const struct scene *scene)
 {
-    const struct grid *grid = &scene->grid;
     const struct label_run *run = former->run;
     uint64_t differences = 0;
-    struct task task = task_begin(scene->watch, "labels that changed", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                scene_fetch_ahead(scene, c);
-                run += c >= run->end;
-                differences += scene->cell[c].label != run->label;
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return 0;
+    for (struct grid_walk w = scene_walk(scene, "labels that changed", NULL, 0);
+         grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            scene_fetch_ahead(scene, c);
+            run += c >= run->end;
+            differences += scene->cell[c].label != run->label;
         }
     return differences;
 }

@@ -64,40 +64,28 @@ static void join_rows(struct finding *f, size_t row, size_t back, uint32_t step)
 
 static enum err find_runs(struct finding *f, struct watch *watch, struct fault *fault)
 {
-    const struct grid *grid = f->grid;
-    const size_t rows_of_plane = grid->size[1];
-    struct task task = task_begin(watch, "components", grid->voxels);
-    size_t row = 0;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++, row++) {
-            f->row[row] = f->found->runs;
-            if (!add_row(f, grid_row(grid, y, z)))
-                return fault_memory(fault, "components");
-            f->row[row + 1] = f->found->runs;
-            if (y > 0)
-                join_rows(f, row, 1, (uint32_t)grid->step[1]);
-            if (z > 0)
-                join_rows(f, row, rows_of_plane, (uint32_t)grid->step[2]);
-            if (!task_advance(&task, grid->size[0]))
-                return watch_fault(watch, fault);
-        }
-    return OK;
+    struct grid_walk w = grid_walk(f->grid, watch, "components", grid_slab(f->grid, 0, 1), 0);
+    for (size_t row = 0; grid_walk_next(&w); row++) {
+        f->row[row] = f->found->runs;
+        if (!add_row(f, w.row))
+            return fault_memory(fault, "components");
+        f->row[row + 1] = f->found->runs;
+        if (w.y > 0)
+            join_rows(f, row, 1, (uint32_t)f->grid->step[1]);
+        if (w.z > 0)
+            join_rows(f, row, f->grid->size[1], (uint32_t)f->grid->step[2]);
+    }
+    return watch_fault(watch, fault);
 }
 
 /* ---- components ---- */
-
-static bool is_at_edge(const struct grid *grid, const struct component_run *run)
-{
-    const struct place p = grid_place(grid, run->first);
-    return p.x == 0 || p.x + (run->end - run->first) == grid->size[0] || p.y == 0 ||
-           p.y + 1 == grid->size[1] || p.z == 0 || p.z + 1 == grid->size[2];
-}
 
 /* Each run leads to a lower one until here, and to its component from here on, last to first where
  * runs are listed. */
 static enum err count(struct finding *f, struct watch *watch, struct fault *fault)
 {
     struct components *found = f->found;
+    const uint32_t *size = f->grid->size;
     struct task task = task_begin(watch, "components", 2 * found->runs);
     for (size_t i = 0; i < found->runs && task_advance(&task, 1); i++) {
         struct component_run *run = found->run + i;
@@ -111,8 +99,11 @@ static enum err count(struct finding *f, struct watch *watch, struct fault *faul
                 (struct component){0, RUN_NONE, f->label[run->first], false};
         }
         struct component *item = found->item + run->component;
-        item->voxels += run->end - run->first;
-        item->at_edge = item->at_edge || is_at_edge(f->grid, run);
+        const struct place p = grid_place(f->grid, run->first);
+        const uint32_t voxels = run->end - run->first;
+        item->voxels += voxels;
+        item->at_edge |= p.x == 0 || p.x + voxels == size[0] || p.y == 0 || p.y + 1 == size[1] ||
+                         p.z == 0 || p.z + 1 == size[2];
     }
     for (size_t i = found->runs; i-- > 0 && task_advance(&task, 1);) {
         struct component *item = found->item + found->run[i].component;

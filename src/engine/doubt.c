@@ -58,7 +58,7 @@ enum err doubt_find(struct doubt *doubt, const struct finish_list *list, const s
     *doubt = (struct doubt){{size[0], size[1], size[2]}, {NULL}, 0};
     struct finish_work work = {.scene = scene, .team = team};
     struct summing s = {NULL, team, mem_new(team_size(team) * slices * sizeof *s.sum), slices};
-    enum err err = s.sum ? finish_make(&work.label, &before, scene, team, fault)
+    enum err err = s.sum ? finish_make(&work.label, &before, scene, team, NULL, fault)
                          : fault_memory(fault, "doubt");
     if (!err)
         err = relax_each(&work, label, sweeps, FINISH_BAND_MOST, sum_field, &s, fault);

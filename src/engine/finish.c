@@ -14,14 +14,7 @@
 const struct finish_row finish_table[] = {FINISH_LIST(ROW, ROW)};
 
 enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
-                     struct team *team, struct fault *fault)
-{
-    return finish_make_again(label, list, scene, team, NULL, fault);
-}
-
-enum err finish_make_again(uint8_t **label, const struct finish_list *list,
-                           const struct scene *scene, struct team *team, struct relax_kept *kept,
-                           struct fault *fault)
+                     struct team *team, struct relax_kept *kept, struct fault *fault)
 {
     const size_t cells = scene->grid.cells;
     const struct labels forest = labels_of_forest(scene);
@@ -147,21 +140,18 @@ static void find_part(void *context, unsigned worker)
 {
     const struct boxing *boxing = context;
     const struct finish_work *work = boxing->work;
-    const struct grid *grid = &work->scene->grid;
-    const struct slab slab = grid_slab(grid, worker, team_size(work->team));
-    struct task task =
-        task_begin_part(work->scene->watch, boxing->what, slab_voxels(grid, slab), worker);
+    const uint32_t length = work->scene->grid.size[0];
+    struct grid_walk w = scene_walk(work->scene, boxing->what, work->team, worker);
     clear_boxes(boxing->part[worker]);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const uint8_t *row = work->label + grid_cell(grid, 0, y, z);
-            for (uint32_t x = 0, end; x < grid->size[0]; x = end) {
-                for (end = x + 1; end < grid->size[0] && row[end] == row[x];)
-                    end++;
-                const struct finish_box run = {{x, y, z}, {end - 1, y, z}};
-                finish_box_include(&boxing->part[worker][row[x]], &run);
-            }
+    while (grid_walk_next(&w)) {
+        const uint8_t *row = work->label + w.row.first;
+        for (uint32_t x = 0, end; x < length; x = end) {
+            for (end = x + 1; end < length && row[end] == row[x];)
+                end++;
+            const struct finish_box run = {{x, w.y, w.z}, {end - 1, w.y, w.z}};
+            finish_box_include(&boxing->part[worker][row[x]], &run);
         }
+    }
 }
 
 enum err finish_find_boxes(struct finish_box box[256], const struct finish_work *work,

@@ -152,15 +152,11 @@ extern const struct finish_row finish_table[]; /* by enum finish_kind */
 enum err finish_check(const struct finish_list *list, const struct scene *scene,
                       struct fault *fault);
 
-/* Has the labels of the forest go through the list: (*label)[grid.cells], 0 in the rim, which the
- * caller frees by mem_pages_free; NULL on error: ERR_LIMIT, ERR_MEMORY, ERR_CANCELLED. */
+/* Applies the list to the labels of the forest: (*label)[grid.cells], 0 in the rim, which the
+ * caller frees by mem_pages_free; NULL on error: ERR_LIMIT, ERR_MEMORY, ERR_CANCELLED. `kept` makes
+ * it faster where an edit has changed little since the last time: fields of this scene, or NULL. */
 enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
-                     struct team *team, struct fault *fault);
-
-/* The same, sooner where an edit has changed little since the last time; `kept` is of the scene. */
-enum err finish_make_again(uint8_t **label, const struct finish_list *list,
-                           const struct scene *scene, struct team *team, struct relax_kept *kept,
-                           struct fault *fault);
+                     struct team *team, struct relax_kept *kept, struct fault *fault);
 
 /* Whether what comes of the list may be another where the labels and intensities are the same, but
  * not the seeds or the region of interest. */

@@ -6,7 +6,7 @@
  * A voxel s offers its neighbour t
  *
  *     extend(key(s), w) = (w, 0, root)            where w > cost,     w = weight of the arc
- *                         (cost, hops + 1, root)  otherwise           (engine/arc.h)
+ *                         (cost, hops + 1, root)  otherwise           (engine/weight.h)
  *
  * and the forest is the solution of key(t) = min(own seed's key, min over neighbours of what they
  * offer). extend is strictly increasing, so there is one solution: the forest is a function of
@@ -14,8 +14,8 @@
  * the textbook f_max cost; hops and root decide every tie. (Method: Audigier, Lotufo, Falcao 2006;
  * differential transform: Falcao and Bergo 2004; the canonical key is this program's own.)
  *
- * A seed may have a reach, beyond which its tree offers nothing: engine/reach.h says what becomes
- * of all this then.
+ * A seed may have a reach, beyond which its tree offers nothing: see struct reach in
+ * engine/brush.h.
  *
  * An edit changes the set of seeds and repairs the solution in time proportional to what changes.
  *
@@ -52,10 +52,10 @@
 
 #include "base/team.h"
 #include "base/err.h"
-#include "engine/arc.h"
+#include "engine/brush.h"
 #include "engine/changes.h"
-#include "engine/reach.h"
 #include "engine/scene.h"
+#include "engine/weight.h"
 
 struct forest;
 
@@ -141,7 +141,7 @@ const struct arc_rule *forest_arcs(const struct forest *forest);
 size_t forest_seeds(const struct forest *forest);  /* their number */
 size_t forest_memory(const struct forest *forest); /* bytes, without the scene */
 
-/* ---- reaches of seeds (engine/reach.h) ---- */
+/* ---- reaches of seeds ---- */
 
 /* The number by which edits name a reach, for good. ERR_MEMORY, and ERR_LIMIT beyond 65535 of them.
  * The first takes two bytes a cell, as addresses only: memory is taken where roots are. */

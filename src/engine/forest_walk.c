@@ -56,45 +56,24 @@ static const char *voxel_wrong(const struct forest *forest, uint32_t at)
     return from->label == cell->label ? NULL : "T2: its label is not that of its predecessor";
 }
 
-/* Both digests, from every voxel. */
-static void recount(const struct forest *forest, uint64_t *keys, uint64_t *labels)
-{
-    const struct grid *grid = &forest->scene->grid;
-    struct task task = task_begin(forest->scene->watch, "digests", grid->voxels);
-    *keys = *labels = 0;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = forest->cell + c;
-                if (!cell_is_reached(cell))
-                    continue;
-                *keys += key_share(c, cell->key);
-                *labels += label_share(c, cell->label);
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-}
-
 bool forest_check(const struct forest *forest, struct fault *fault)
 {
-    const struct scene *scene = forest->scene;
-    const struct grid *grid = &scene->grid;
     size_t seeds = 0;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++)
-            for (uint32_t x = 0; x < grid->size[0]; x++) {
-                uint32_t at = grid_cell(grid, x, y, z);
-                const char *wrong = voxel_wrong(forest, at);
-                if (wrong) {
-                    fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: %s", x, y, z, wrong);
-                    return false;
-                }
-                seeds += scene->cell[at].flags & CELL_SEED;
+    uint64_t keys = 0, labels = 0;
+    const struct grid *grid = &forest->scene->grid;
+    for (struct grid_walk w = grid_walk(grid, NULL, NULL, grid_slab(grid, 0, 1), 0);
+         grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            const struct cell *cell = forest->cell + c;
+            const char *wrong = voxel_wrong(forest, c);
+            if (wrong) {
+                fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: %s", c - w.row.first, w.y, w.z, wrong);
+                return false;
             }
-    uint64_t keys, labels;
-    recount(forest, &keys, &labels);
+            seeds += cell->flags & CELL_SEED;
+            keys += cell_is_reached(cell) ? key_share(c, cell->key) : 0;
+            labels += label_share(c, cell->label);
+        }
     if (keys != forest->key_digest || labels != forest->label_digest || seeds != forest->seeds) {
         fault_set(fault, ERR_CHECK,
                   "T4: a digest or the number of seeds is not what a recount gives");
@@ -113,44 +92,36 @@ struct flood {
     size_t voxels;
 };
 
-static bool see_voxel(struct flood *flood, uint32_t at)
-{
-    uint64_t *word = &flood->seen[at >> 6];
-    const uint64_t bit = UINT64_C(1) << (at & 63);
-    if (flood->forest->cell[at].key != KEY_NONE || *word & bit)
-        return true;
-    *word |= bit;
-    flood->voxels++;
-    if (!mem_grow(&flood->cell, &flood->capacity, flood->count + 1, sizeof *flood->cell))
-        return false;
-    flood->cell[flood->count++] = at;
-    return true;
-}
-
+/* Adds the neighbours of a voxel that no tree holds, and that were not seen yet. */
 static bool look_around(struct flood *flood, uint32_t at)
 {
     const struct adjacency *adjacency = &flood->forest->adjacency;
-    bool fits = true;
-    for (unsigned i = 0; fits && i < adjacency->count; i++)
-        fits = see_voxel(flood, at + (uint32_t)adjacency->offset[i]);
-    return fits;
+    if (!mem_grow(&flood->cell, &flood->capacity, flood->count + adjacency->count,
+                  sizeof *flood->cell))
+        return false;
+    for (unsigned i = 0; i < adjacency->count; i++) {
+        const uint32_t cell = at + (uint32_t)adjacency->offset[i];
+        const uint64_t bit = UINT64_C(1) << (cell & 63);
+        if (flood->forest->cell[cell].key != KEY_NONE || flood->seen[cell >> 6] & bit)
+            continue;
+        flood->seen[cell >> 6] |= bit;
+        flood->voxels++;
+        flood->cell[flood->count++] = cell;
+    }
+    return true;
 }
 
 /* From every voxel that has a tree, through those that have none. */
-static bool flood_scene(struct flood *flood, struct task *task)
+static bool flood_scene(struct flood *flood)
 {
-    const struct grid *grid = &flood->forest->scene->grid;
+    struct grid_walk w = scene_walk(flood->forest->scene, "voxels out of reach", NULL, 0);
     bool fits = true;
-    for (uint32_t z = 0; fits && z < grid->size[2]; z++)
-        for (uint32_t y = 0; fits && y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; fits && c < row.end; c++)
-                fits = !cell_is_reached(flood->forest->cell + c) || look_around(flood, c);
-            while (fits && flood->count > 0 && task_advance(task, 1))
-                fits = look_around(flood, flood->cell[--flood->count]);
-            if (!task_advance(task, grid->size[0]))
-                return true;
-        }
+    while (fits && grid_walk_next(&w)) {
+        for (uint32_t c = w.row.first; fits && c < w.row.end; c++)
+            fits = !cell_is_reached(flood->forest->cell + c) || look_around(flood, c);
+        while (fits && flood->count > 0 && task_advance(&w.task, 1))
+            fits = look_around(flood, flood->cell[--flood->count]);
+    }
     return fits;
 }
 
@@ -161,9 +132,8 @@ enum err forest_count_refused(const struct forest *forest, size_t *voxels, struc
     *voxels = 0;
     if (forest->reaches.seeds == 0)
         return OK;
-    struct task task = task_begin(watch, "voxels out of reach", forest->scene->grid.voxels);
     flood.seen = mask_new(&forest->scene->grid);
-    const bool fits = flood.seen && flood_scene(&flood, &task);
+    const bool fits = flood.seen && flood_scene(&flood);
     *voxels = flood.voxels;
     free(flood.seen);
     free(flood.cell);

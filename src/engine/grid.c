@@ -44,6 +44,32 @@ uint32_t grid_voxel(const struct grid *grid, uint32_t cell)
     return (uint32_t)(p.x + (size_t)grid->size[0] * (p.y + (size_t)grid->size[1] * p.z));
 }
 
+struct grid_walk grid_walk(const struct grid *grid, struct watch *watch, const char *what,
+                           struct slab slab, unsigned worker)
+{
+    return (struct grid_walk){.grid = grid,
+                              .y = UINT32_MAX, /* before the first row */
+                              .z = slab.first,
+                              .end = slab.end,
+                              .task =
+                                  task_begin_part(watch, what, slab_voxels(grid, slab), worker)};
+}
+
+bool grid_walk_next(struct grid_walk *walk)
+{
+    const uint32_t *size = walk->grid->size;
+    if (walk->y != UINT32_MAX && !task_advance(&walk->task, size[0]))
+        return false;
+    if (++walk->y == size[1]) {
+        walk->y = 0;
+        walk->z++;
+    }
+    if (walk->z >= walk->end)
+        return false;
+    walk->row = grid_row(walk->grid, walk->y, walk->z);
+    return true;
+}
+
 void adjacency_init(struct adjacency *adjacency, unsigned count, const struct grid *grid)
 {
     unsigned n = 0;

@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "base/watch.h"
 
 #define CELL_NONE UINT32_C(0xFFFFFFFF)
 enum { GRID_SIDE_MOST = 65534 };
@@ -105,5 +106,25 @@ static inline uint64_t slab_voxels(const struct grid *grid, struct slab slab)
 {
     return (uint64_t)grid->size[0] * grid->size[1] * (slab.end - slab.first);
 }
+
+/*
+ * A walk over the rows of voxels of a slab, y faster than z, under a watch. `worker` is the number
+ * of the thread, 0 for the caller alone.
+ *
+ *     for (struct grid_walk w = grid_walk(grid, watch, "digest", slab, 0); grid_walk_next(&w);)
+ *         for (uint32_t c = w.row.first; c < w.row.end; c++)
+ *
+ * Each row advances the task by its voxels. The walk ends early where the watch stops it.
+ */
+struct grid_walk {
+    const struct grid *grid;
+    struct span row; /* cells of the current row */
+    uint32_t y, z;
+    uint32_t end; /* the plane after the last one */
+    struct task task;
+};
+struct grid_walk grid_walk(const struct grid *grid, struct watch *watch, const char *what,
+                           struct slab slab, unsigned worker);
+bool grid_walk_next(struct grid_walk *walk);
 
 #endif

@@ -86,16 +86,11 @@ static bool add_row(struct finding *f, struct span row)
 
 static enum err find_border(struct finding *f, struct fault *fault)
 {
-    const struct grid *grid = &f->scene->grid;
-    struct task task = task_begin(f->scene->watch, "borders of labels", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            if (!add_row(f, grid_row(grid, y, z)))
-                return fault_memory(fault, "the border");
-            if (!task_advance(&task, grid->size[0]))
-                return watch_fault(f->scene->watch, fault);
-        }
-    return OK;
+    for (struct grid_walk w = scene_walk(f->scene, "borders of labels", NULL, 0);
+         grid_walk_next(&w);)
+        if (!add_row(f, w.row))
+            return fault_memory(fault, "the border");
+    return watch_fault(f->scene->watch, fault);
 }
 
 /* ---- what is weak ---- */

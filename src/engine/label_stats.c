@@ -7,6 +7,8 @@
 #include "base/mem.h"
 #include "engine/components.h"
 
+/* ---- counts ---- */
+
 /* What one worker counts may take so much, if all labels are in use. */
 enum { BYTES_OF_WORKERS = 64 << 20 };
 
@@ -20,8 +22,6 @@ struct label_counts {
     struct change_log log;
     counters of;
 };
-
-/* ---- counters ---- */
 
 static void release_counters(counters of)
 {
@@ -40,7 +40,8 @@ static uint32_t *counters_of(const struct label_counts *counts, counters of, uns
 }
 
 /* One voxel more, or, by -1, one less. */
-static void add_voxel(const struct label_counts *counts, unsigned label, uint32_t cell, uint32_t by)
+static void count_voxel(const struct label_counts *counts, unsigned label, uint32_t cell,
+                        uint32_t by)
 {
     const struct place at = grid_place(&counts->scene->grid, cell);
     uint32_t *counter = counts->of[label];
@@ -52,8 +53,6 @@ static void add_voxel(const struct label_counts *counts, unsigned label, uint32_
     counter[counts->plane[2] + at.z] += by;
 }
 
-/* ---- following ---- */
-
 static bool follow_log(struct label_counts *counts)
 {
     struct task task = task_begin(counts->scene->watch, "counting", counts->log.count);
@@ -61,58 +60,49 @@ static bool follow_log(struct label_counts *counts)
         const struct change *change = &counts->log.item[i];
         if (change->label && !counters_of(counts, counts->of, change->label))
             return false;
-        add_voxel(counts, change->former_label, change->cell, UINT32_MAX);
-        add_voxel(counts, change->label, change->cell, 1);
+        count_voxel(counts, change->former_label, change->cell, UINT32_MAX);
+        count_voxel(counts, change->label, change->cell, 1);
     }
     return true;
 }
 
-/* ---- counting all ---- */
-
+/* Counting all, by some workers of a team. */
 struct counting {
-    const struct label_counts *counts;
+    struct label_counts *counts;
     const struct labels *labels;
-    unsigned workers; /* that share the work */
+    struct team *team;
+    unsigned workers; /* that count voxels: others rest, as memory does not allow more */
     struct {
-        uint16_t most;
+        uint16_t most; /* the highest intensity */
         bool lacks_memory;
         counters of;
     } part[TEAM_MOST];
 };
 
-/* The highest intensity of some planes. */
-static void look_at_part(void *context, unsigned worker)
+static void find_highest(void *context, unsigned worker)
 {
     struct counting *counting = context;
     const struct scene *scene = counting->counts->scene;
-    const struct slab slab = grid_slab(&scene->grid, worker, counting->workers);
-    struct task task =
-        task_begin_part(scene->watch, "counting", slab_voxels(&scene->grid, slab), worker);
+    struct grid_walk w = scene_walk(scene, "counting", counting->team, worker);
     uint16_t most = 0;
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
-            const struct span row = grid_row(&scene->grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                scene_fetch_ahead(scene, c);
-                most = scene->cell[c].intensity > most ? scene->cell[c].intensity : most;
-            }
-            if (!task_advance(&task, scene->grid.size[0]))
-                return;
+    while (grid_walk_next(&w))
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            scene_fetch_ahead(scene, c);
+            most = scene->cell[c].intensity > most ? scene->cell[c].intensity : most;
         }
     counting->part[worker].most = most;
 }
 
 /* Intensities are those of the scene, whatever its labels: they are looked at once. */
-static enum err find_length(struct counting *counting, struct label_counts *counts,
-                            struct team *team, struct fault *fault)
+static enum err find_length(struct counting *counting, struct fault *fault)
 {
+    struct label_counts *counts = counting->counts;
     const uint32_t *size = counts->scene->grid.size;
     size_t intensities = 1;
-    counting->workers = team_size(team);
-    team_run(team, look_at_part, counting);
+    team_run(counting->team, find_highest, counting);
     if (watch_stops(counts->scene->watch))
         return watch_fault(counts->scene->watch, fault);
-    for (unsigned worker = 0; worker < team_size(team); worker++)
+    for (unsigned worker = 0; worker < team_size(counting->team); worker++)
         if (counting->part[worker].most >= intensities)
             intensities = counting->part[worker].most + (size_t)1;
     counts->plane[0] = intensities;
@@ -122,33 +112,27 @@ static enum err find_length(struct counting *counting, struct label_counts *coun
     return OK;
 }
 
-/* Voxels of one label that lie side by side. */
-static bool add_run(struct counting *counting, counters of, struct span run, const struct place *at)
+/* Counts a row by its runs of one label; false: no memory. */
+static bool count_row(struct counting *counting, counters of, const struct grid_walk *w)
 {
     const struct label_counts *counts = counting->counts;
-    const uint8_t label = labels_at(counting->labels, run.first);
-    uint32_t *counter = counters_of(counts, of, label);
-    if (!counter)
-        return false;
-    for (uint32_t c = run.first; c < run.end; c++) {
-        counter[counts->scene->cell[c].intensity]++;
-        counter[counts->plane[0] + at->x + (c - run.first)]++;
-    }
-    counter[counts->plane[1] + at->y] += run.end - run.first;
-    counter[counts->plane[2] + at->z] += run.end - run.first;
-    return true;
-}
-
-static bool add_row(struct counting *counting, counters of, uint32_t y, uint32_t z)
-{
-    const struct span row = grid_row(&counting->counts->scene->grid, y, z);
-    for (struct span run = {row.first, row.first}; run.first < row.end; run.first = run.end) {
-        const uint8_t label = labels_at(counting->labels, run.first);
-        while (run.end < row.end && labels_at(counting->labels, run.end) == label)
-            scene_fetch_ahead(counting->counts->scene, run.end++);
-        if (label &&
-            !add_run(counting, of, run, &(const struct place){run.first - row.first, y, z}))
+    for (uint32_t c = w->row.first; c < w->row.end;) {
+        const uint32_t first = c;
+        const uint8_t label = labels_at(counting->labels, c);
+        uint32_t *counter = label ? counters_of(counts, of, label) : NULL;
+        if (label && !counter)
             return false;
+        for (; c < w->row.end && labels_at(counting->labels, c) == label; c++) {
+            scene_fetch_ahead(counts->scene, c);
+            if (!label)
+                continue;
+            counter[counts->scene->cell[c].intensity]++;
+            counter[counts->plane[0] + (c - w->row.first)]++;
+        }
+        if (!label)
+            continue;
+        counter[counts->plane[1] + w->y] += c - first;
+        counter[counts->plane[2] + w->z] += c - first;
     }
     return true;
 }
@@ -159,16 +143,10 @@ static void count_part(void *context, unsigned worker)
     const struct scene *scene = counting->counts->scene;
     if (worker >= counting->workers)
         return;
-    const struct slab slab = grid_slab(&scene->grid, worker, counting->workers);
-    struct task task =
-        task_begin_part(scene->watch, "counting", slab_voxels(&scene->grid, slab), worker);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
-            if (!add_row(counting, counting->part[worker].of, y, z))
-                counting->part[worker].lacks_memory = true;
-            if (counting->part[worker].lacks_memory || !task_advance(&task, scene->grid.size[0]))
-                return;
-        }
+    struct grid_walk w = grid_walk(&scene->grid, scene->watch, "counting",
+                                   grid_slab(&scene->grid, worker, counting->workers), worker);
+    while (!counting->part[worker].lacks_memory && grid_walk_next(&w))
+        counting->part[worker].lacks_memory = !count_row(counting, counting->part[worker].of, &w);
 }
 
 /* What the first worker has counted becomes the counts, and what the others have is added. */
@@ -201,7 +179,8 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
         return fault_memory(fault, "counts of labels");
     counting->counts = counts;
     counting->labels = labels;
-    enum err err = counts->length ? OK : find_length(counting, counts, team, fault);
+    counting->team = team;
+    enum err err = counts->length ? OK : find_length(counting, fault);
     if (!err) {
         const size_t fit = BYTES_OF_WORKERS / (256 * counts->length * sizeof **counts->of);
         counting->workers = fit < 1 ? 1 : fit < team_size(team) ? (unsigned)fit : team_size(team);
@@ -211,8 +190,6 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
     free(counting);
     return err;
 }
-
-/* ---- sums ---- */
 
 static struct label_sums sum_counts(const struct label_counts *counts, unsigned label)
 {
@@ -252,106 +229,6 @@ static struct label_sums sum_counts(const struct label_counts *counts, unsigned 
     return sums;
 }
 
-/* ---- components and holes ---- */
-
-struct finding {
-    const struct scene *scene;
-    const uint8_t *label; /* [cells] */
-    struct label_stats *stats;
-};
-
-static enum err count_components(struct finding *f, struct fault *fault)
-{
-    struct components found;
-    const enum err err = components_find(&found, &f->scene->grid, f->label, f->scene->watch, fault);
-    for (size_t i = 0; !err && i < found.count; i++)
-        f->stats[found.item[i].label].components++;
-    if (!err)
-        components_release(&found);
-    return err;
-}
-
-static enum err count_holes(struct finding *f, unsigned label, struct fault *fault)
-{
-    struct watch *watch = f->scene->watch;
-    struct components found = {0};
-    struct grid box;
-    uint32_t corner[3];
-    /* The part of the scene that a label takes, and one voxel around it, as a grid of its own: what
-     * is around is one with what lies beyond. */
-    const struct label_sums *sums = &f->stats[label].sums;
-    uint32_t size[3];
-    for (int a = 0; a < 3; a++) {
-        const uint32_t end = f->scene->grid.size[a] - 1;
-        corner[a] = sums->first[a] > 0 ? sums->first[a] - 1 : 0;
-        size[a] = (sums->last[a] < end ? sums->last[a] + 1 : end) - corner[a] + 1;
-    }
-    enum err err = grid_init(&box, size, fault);
-    if (err)
-        return err;
-    /* 1 in voxels of the label, else 0. */
-    const struct grid *grid = &f->scene->grid;
-    uint8_t *selected = mem_array(box.cells, 1);
-    struct task task = task_begin(f->scene->watch, "holes", box.voxels);
-    for (uint32_t z = 0; selected && z < box.size[2]; z++)
-        for (uint32_t y = 0; y < box.size[1] && task_advance(&task, box.size[0]); y++) {
-            const uint8_t *from =
-                f->label + grid_cell(grid, corner[0], corner[1] + y, corner[2] + z);
-            uint8_t *to = selected + grid_cell(&box, 0, y, z);
-            for (uint32_t x = 0; x < box.size[0]; x++)
-                to[x] = from[x] == label;
-        }
-    err = selected ? watch_fault(watch, fault) : fault_memory(fault, "holes");
-    if (!err)
-        err = components_find(&found, &box, selected, watch, fault);
-    f->stats[label].holes = 0;
-    for (size_t i = 0; i < found.count; i++)
-        f->stats[label].holes += !found.item[i].label && !found.item[i].at_edge;
-    components_release(&found);
-    free(selected);
-    return err;
-}
-
-/* ---- what is kept ---- */
-
-void label_measures_release(struct label_measures *measures)
-{
-    struct label_counts *counts = measures->counts;
-    if (counts) {
-        release_counters(counts->of);
-        change_log_release(&counts->log);
-        free(counts);
-    }
-    label_pairs_free(measures->pairs);
-    *measures = (struct label_measures){0};
-}
-
-size_t label_measures_memory(const struct label_measures *measures)
-{
-    const struct label_counts *counts = measures->counts;
-    size_t bytes = label_pairs_memory(measures->pairs);
-    if (counts)
-        bytes += sizeof *counts + counts->log.capacity * sizeof *counts->log.item;
-    for (unsigned label = 0; counts && label < 256; label++)
-        bytes += counts->of[label] ? counts->length * sizeof **counts->of : 0;
-    return bytes;
-}
-
-void label_measures_follow(struct label_measures *measures, const struct changes *changes)
-{
-    struct label_counts *counts = measures->counts;
-    if (counts)
-        change_log_add(&counts->log, changes, counts->scene->grid.voxels);
-    label_pairs_follow(measures->pairs, changes);
-}
-
-void label_measures_forget(struct label_measures *measures)
-{
-    if (measures->counts)
-        change_log_give_up(&measures->counts->log);
-    label_pairs_forget(measures->pairs);
-}
-
 static enum err refresh_counts(struct label_measures *measures, const struct labels *labels,
                                struct team *team, struct fault *fault)
 {
@@ -369,6 +246,343 @@ static enum err refresh_counts(struct label_measures *measures, const struct lab
     return change_log_settle(&counts->log, err ? err : watch_fault(counts->scene->watch, fault));
 }
 
+/* ---- pairs ---- */
+
+enum { REACH = 2, AROUND = 124 };
+
+/* A voxel that makes a pair with the one in the middle. */
+struct neighbour {
+    int32_t step[3]; /* voxels */
+    ptrdiff_t offset;
+};
+
+typedef uint64_t pair_counts[256][PAIR_KINDS];
+
+struct label_pairs {
+    const struct scene *scene;
+    uint32_t step[3];
+    ptrdiff_t cells[3];              /* of a step */
+    struct neighbour around[AROUND]; /* in the order of their kinds */
+    uint8_t first[PAIR_KINDS + 1];   /* those of a kind, from 1 on, begin here */
+    struct change_log log;
+    uint8_t *label; /* [cells] as seen last */
+    pair_counts count;
+};
+
+void label_pairs_step(uint32_t step[3], const uint32_t spacing_nm[3])
+{
+    uint64_t widest = 0;
+    for (int a = 0; a < 3; a++)
+        widest = spacing_nm[a] > widest ? spacing_nm[a] : widest;
+    for (int a = 0; a < 3; a++) {
+        const uint64_t voxels = (2 * widest + spacing_nm[a]) / (2 * (uint64_t)spacing_nm[a]);
+        step[a] = voxels < STEP_MOST ? (uint32_t)voxels : STEP_MOST;
+    }
+}
+
+static int kind_of(int x, int y, int z)
+{
+    return abs(x) + 3 * abs(y) + 9 * abs(z);
+}
+
+static struct label_pairs *pairs_new(const struct scene *scene)
+{
+    struct label_pairs *pairs = mem_new(sizeof *pairs);
+    if (pairs)
+        pairs->label = mem_pages(scene->grid.cells);
+    if (!pairs || !pairs->label) {
+        free(pairs);
+        return NULL;
+    }
+    pairs->scene = scene;
+    label_pairs_step(pairs->step, scene->spacing_nm);
+    for (int a = 0; a < 3; a++)
+        pairs->cells[a] = (ptrdiff_t)pairs->step[a] * scene->grid.step[a];
+    unsigned count = 0;
+    for (int kind = 1; kind < PAIR_KINDS; kind++) {
+        pairs->first[kind] = (uint8_t)count;
+        for (int z = -REACH; z <= REACH; z++)
+            for (int y = -REACH; y <= REACH; y++)
+                for (int x = -REACH; x <= REACH; x++) {
+                    const int step[3] = {x, y, z};
+                    if (kind_of(x, y, z) != kind)
+                        continue;
+                    for (int a = 0; a < 3; a++) {
+                        pairs->around[count].step[a] = step[a] * (int)pairs->step[a];
+                        pairs->around[count].offset += step[a] * pairs->cells[a];
+                    }
+                    count++;
+                }
+    }
+    pairs->first[PAIR_KINDS] = (uint8_t)count;
+    return pairs;
+}
+
+/* Of the eight bytes from here: 1 for each that is `label`, else 0. */
+static uint64_t equal_bytes(const uint8_t *byte, uint8_t label)
+{
+    const uint64_t ones = UINT64_C(0x0101010101010101), low = 127 * ones;
+    uint64_t word;
+    memcpy(&word, byte, sizeof word);
+    word ^= ones * label;
+    return ~(((word & low) + low) | word | low) >> 7;
+}
+
+/* The pairs that a voxel makes with its label come, or go. */
+static void add_pairs(struct label_pairs *pairs, uint32_t cell, const struct place *at, bool comes)
+{
+    const struct grid *grid = &pairs->scene->grid;
+    const uint8_t label = pairs->label[cell];
+    const uint32_t place[3] = {at->x, at->y, at->z};
+    uint32_t found[PAIR_KINDS] = {0};
+    bool is_inside = true; /* so are all voxels that it may make a pair with */
+    if (!label)
+        return;
+    for (int a = 0; a < 3; a++)
+        is_inside &=
+            place[a] >= REACH * pairs->step[a] && place[a] + REACH * pairs->step[a] < grid->size[a];
+    if (!is_inside) {
+        found[0] = 1;
+        for (int kind = 1; kind < PAIR_KINDS; kind++)
+            for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++) {
+                const struct neighbour *n = &pairs->around[i];
+                if (grid_contains(grid, at->x + (int64_t)n->step[0], at->y + (int64_t)n->step[1],
+                                  at->z + (int64_t)n->step[2]))
+                    found[kind] += (pairs->label + cell)[n->offset] == label;
+            }
+    } else if (pairs->step[0] == 1) {
+        /* A step along x is one voxel, so the five that count in a row are among eight consecutive
+         * bytes. */
+        const uint8_t *const middle = pairs->label + cell - REACH;
+        for (int z = 0; z <= REACH; z++)
+            for (int y = 0; y <= REACH; y++) {
+                const ptrdiff_t up = z * pairs->cells[2], along = y * pairs->cells[1];
+                uint64_t rows = equal_bytes(middle + up + along, label);
+                if (y > 0)
+                    rows += equal_bytes(middle + up - along, label);
+                if (z > 0)
+                    rows += equal_bytes(middle - up + along, label);
+                if (y > 0 && z > 0)
+                    rows += equal_bytes(middle - up - along, label);
+                uint8_t equal[8];
+                memcpy(equal, &rows, sizeof equal);
+                uint32_t *of = &found[kind_of(0, y, z)];
+                of[0] = equal[2];
+                of[1] = (uint32_t)equal[1] + equal[3];
+                of[2] = (uint32_t)equal[0] + equal[4];
+            }
+    } else {
+        /* The same, where a step along x is several voxels. */
+        const ptrdiff_t *step = pairs->cells;
+        for (int z = -REACH; z <= REACH; z++)
+            for (int y = -REACH; y <= REACH; y++) {
+                const uint8_t *row = pairs->label + cell + z * step[2] + y * step[1];
+                uint32_t *of = &found[kind_of(0, y, z)];
+                of[0] += *row == label;
+                for (int x = 1; x <= REACH; x++)
+                    of[x] += (uint32_t)(row[-x * step[0]] == label) + (row[x * step[0]] == label);
+            }
+    }
+    for (int kind = 0; kind < PAIR_KINDS; kind++)
+        pairs->count[label][kind] += comes ? found[kind] : -(uint64_t)found[kind];
+}
+
+struct pair_counting {
+    struct label_pairs *pairs;
+    struct team *team;
+    pair_counts *part; /* of each worker */
+};
+
+/* How many of `count` bytes are `label`. */
+static uint32_t count_equal(const uint8_t *byte, uint32_t count, uint8_t label)
+{
+    uint32_t equal = 0;
+    for (; count >= 8; count -= 8, byte += 8)
+        equal += (uint32_t)(equal_bytes(byte, label) * UINT64_C(0x0101010101010101) >> 56);
+    for (; count > 0; count--)
+        equal += *byte++ == label;
+    return equal;
+}
+
+/* The pairs of the voxels x..end-1 of a row with those that lie so far from them. */
+static uint32_t pairs_of(const struct label_pairs *pairs, struct span run, const struct place *at,
+                         const struct neighbour *n)
+{
+    const uint32_t *size = pairs->scene->grid.size;
+    const int64_t y = at->y + (int64_t)n->step[1], z = at->z + (int64_t)n->step[2];
+    const int64_t beyond = size[0] - (int64_t)n->step[0], x = at->x, end = x + run.end - run.first;
+    const int64_t from = x < -n->step[0] ? -n->step[0] : x, to = end < beyond ? end : beyond;
+    if (y < 0 || y >= size[1] || z < 0 || z >= size[2] || from >= to)
+        return 0;
+    const uint8_t *label = pairs->label + run.first;
+    return count_equal(label + (from - x) + n->offset, (uint32_t)(to - from), *label);
+}
+
+/* Adds the pairs of a row; returns how many of its voxels have a label. */
+static uint64_t add_row(const struct label_pairs *pairs, pair_counts count,
+                        const struct grid_walk *w)
+{
+    const struct span row = w->row;
+    uint64_t labelled = 0;
+    for (struct span run = {row.first, row.first}; run.first < row.end; run.first = run.end) {
+        const uint8_t label = pairs->label[run.first];
+        while (run.end < row.end && pairs->label[run.end] == label)
+            run.end++;
+        if (label) {
+            /* Of both voxels of a pair, by the one that comes first. */
+            const struct place *at = &(const struct place){run.first - row.first, w->y, w->z};
+            count[label][0] += run.end - run.first;
+            for (int kind = 1; kind < PAIR_KINDS; kind++)
+                for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++)
+                    if (pairs->around[i].offset > 0)
+                        count[label][kind] += pairs_of(pairs, run, at, &pairs->around[i]);
+            labelled += run.end - run.first;
+        }
+    }
+    return labelled;
+}
+
+static void count_pairs_part(void *context, unsigned worker)
+{
+    struct pair_counting *counting = context;
+    struct label_pairs *pairs = counting->pairs;
+    struct grid_walk w = scene_walk(pairs->scene, "surface", counting->team, worker);
+    w.task.total = 0; /* rows with labels take longer */
+    while (grid_walk_next(&w))
+        task_advance(&w.task, 2 * add_row(pairs, counting->part[worker], &w));
+}
+
+static enum err count_all_pairs(struct label_pairs *pairs, const struct labels *labels,
+                                struct team *team, struct fault *fault)
+{
+    struct pair_counting counting = {pairs, team, NULL};
+    counting.part = mem_array(team_size(team), sizeof *counting.part);
+    if (!counting.part)
+        return fault_memory(fault, "a surface");
+    memset(counting.part, 0, team_size(team) * sizeof *counting.part);
+    labels_copy(labels, pairs->label, team);
+    team_run(team, count_pairs_part, &counting);
+    memset(pairs->count, 0, sizeof pairs->count);
+    for (unsigned worker = 0; worker < team_size(team); worker++)
+        for (unsigned label = 0; label < 256; label++)
+            for (int kind = 0; kind < PAIR_KINDS; kind++)
+                pairs->count[label][kind] += counting.part[worker][label][kind];
+    free(counting.part);
+    return OK;
+}
+
+enum err label_measures_refresh_pairs(struct label_measures *measures, const struct labels *labels,
+                                      struct team *team, struct fault *fault)
+{
+    const struct scene *scene = labels->scene;
+    enum err err = OK;
+    if (!measures->pairs)
+        measures->pairs = pairs_new(scene);
+    struct label_pairs *pairs = measures->pairs;
+    if (!pairs)
+        return fault_memory(fault, "labels");
+    struct task task = task_begin(scene->watch, "surface", pairs->log.count);
+    if (!pairs->log.follows)
+        err = count_all_pairs(pairs, labels, team, fault);
+    for (size_t i = 0; i < pairs->log.count && task_advance(&task, 2); i++) {
+        const struct change *change = &pairs->log.item[i];
+        const struct place at = grid_place(&scene->grid, change->cell);
+        add_pairs(pairs, change->cell, &at, false);
+        pairs->label[change->cell] = change->label;
+        add_pairs(pairs, change->cell, &at, true);
+    }
+    return change_log_settle(&pairs->log, err ? err : watch_fault(scene->watch, fault));
+}
+
+/* ---- components and holes ---- */
+
+/* The components of voxels of other labels, all as one, that have no voxel at the edge of the part
+ * of the scene that a label takes, with one voxel around it: what is around is one with what lies
+ * beyond. */
+static enum err count_holes(struct label_stats *stats, const struct scene *scene,
+                            const uint8_t *label, unsigned of, struct fault *fault)
+{
+    const struct grid *grid = &scene->grid;
+    const struct label_sums *sums = &stats->sums;
+    struct components found = {0};
+    struct grid box;
+    uint32_t corner[3], size[3];
+    for (int a = 0; a < 3; a++) {
+        const uint32_t end = grid->size[a] - 1;
+        corner[a] = sums->first[a] > 0 ? sums->first[a] - 1 : 0;
+        size[a] = (sums->last[a] < end ? sums->last[a] + 1 : end) - corner[a] + 1;
+    }
+    enum err err = grid_init(&box, size, fault);
+    if (err)
+        return err;
+    /* 1 in voxels of the label, else 0. */
+    uint8_t *selected = mem_array(box.cells, 1);
+    struct grid_walk w = grid_walk(&box, scene->watch, "holes", grid_slab(&box, 0, 1), 0);
+    while (selected && grid_walk_next(&w)) {
+        const uint8_t *from = label + grid_cell(grid, corner[0], corner[1] + w.y, corner[2] + w.z);
+        for (uint32_t x = 0; x < box.size[0]; x++)
+            selected[w.row.first + x] = from[x] == of;
+    }
+    err = selected ? watch_fault(scene->watch, fault) : fault_memory(fault, "holes");
+    if (!err)
+        err = components_find(&found, &box, selected, scene->watch, fault);
+    for (size_t i = 0; i < found.count; i++)
+        stats->holes += !found.item[i].label && !found.item[i].at_edge;
+    components_release(&found);
+    free(selected);
+    return err;
+}
+
+/* ---- what is kept ---- */
+
+void label_measures_release(struct label_measures *measures)
+{
+    struct label_counts *counts = measures->counts;
+    struct label_pairs *pairs = measures->pairs;
+    if (counts) {
+        release_counters(counts->of);
+        change_log_release(&counts->log);
+    }
+    if (pairs) {
+        mem_pages_free(pairs->label, pairs->scene->grid.cells);
+        change_log_release(&pairs->log);
+    }
+    free(counts);
+    free(pairs);
+    *measures = (struct label_measures){0};
+}
+
+size_t label_measures_memory(const struct label_measures *measures)
+{
+    const struct label_counts *counts = measures->counts;
+    const struct label_pairs *pairs = measures->pairs;
+    size_t bytes = 0;
+    if (counts)
+        bytes += sizeof *counts + counts->log.capacity * sizeof *counts->log.item;
+    for (unsigned label = 0; counts && label < 256; label++)
+        bytes += counts->of[label] ? counts->length * sizeof **counts->of : 0;
+    if (pairs)
+        bytes += sizeof *pairs + pairs->scene->grid.cells +
+                 pairs->log.capacity * sizeof *pairs->log.item;
+    return bytes;
+}
+
+void label_measures_follow(struct label_measures *measures, const struct changes *changes)
+{
+    if (measures->counts)
+        change_log_add(&measures->counts->log, changes, measures->counts->scene->grid.voxels);
+    if (measures->pairs)
+        change_log_add(&measures->pairs->log, changes, measures->pairs->scene->grid.voxels);
+}
+
+void label_measures_forget(struct label_measures *measures)
+{
+    if (measures->counts)
+        change_log_give_up(&measures->counts->log);
+    if (measures->pairs)
+        change_log_give_up(&measures->pairs->log);
+}
+
 enum err label_measures_sum(struct label_measures *measures, const struct labels *labels,
                             unsigned label, struct team *team, struct label_sums *sums,
                             struct fault *fault)
@@ -382,22 +596,26 @@ enum err label_measures_sum(struct label_measures *measures, const struct labels
 enum err label_stats_find(struct label_stats stats[256], struct label_measures *measures,
                           const struct labels *labels, struct team *team, struct fault *fault)
 {
-    struct finding f = {.scene = labels->scene, .stats = stats};
+    const struct scene *scene = labels->scene;
+    struct components found;
     enum err err = refresh_counts(measures, labels, team, fault);
-    if (!err && !measures->pairs)
-        err = label_pairs_new(&measures->pairs, labels->scene, fault);
     if (!err)
-        err = label_pairs_refresh(measures->pairs, labels, team, fault);
+        err = label_measures_refresh_pairs(measures, labels, team, fault);
     if (err)
         return err;
-    f.label = label_pairs_labels(measures->pairs);
+    const struct label_pairs *pairs = measures->pairs;
     for (unsigned label = 0; label < 256; label++) {
         stats[label] = (struct label_stats){.sums = sum_counts(measures->counts, label)};
-        memcpy(stats[label].pairs, label_pairs_of(measures->pairs, label), sizeof stats->pairs);
+        memcpy(stats[label].pairs, pairs->count[label], sizeof stats->pairs);
     }
-    err = count_components(&f, fault);
+    err = components_find(&found, &scene->grid, pairs->label, scene->watch, fault);
+    if (err)
+        return err;
+    for (size_t i = 0; i < found.count; i++)
+        stats[found.item[i].label].components++;
+    components_release(&found);
     for (unsigned label = 1; !err && label < 256; label++)
         if (stats[label].sums.voxels)
-            err = count_holes(&f, label, fault);
+            err = count_holes(&stats[label], scene, pairs->label, label, fault);
     return err;
 }

@@ -35,43 +35,16 @@
  * steps it is long along each axis, |x| + 3 |y| + 9 |z|; pairs of kind 0 are single voxels. No pair
  * leads out of the scene, so the edge of the scene is a surface too.
  *
- * Counts are kept up to date: an edit notes what it changes (engine/changes.h), and
- * label_pairs_refresh follows, with 124 looks around each voxel that has another label, and one
- * byte a voxel for the label that it was last seen with. All are integers, and the same for any
- * number of threads. Label 0 has no surface and is not counted.
+ * Counts of pairs follow an edit with 124 looks around each voxel that has another label, and one
+ * byte a voxel for the label that it was last seen with. Label 0 has no surface and is not counted.
  *
  * Invariant
- *   P1 after label_pairs_refresh the counts equal a recount (test_tally).
+ *   P1 counts of pairs that have followed equal a recount (test_tally).
  */
-
 enum { PAIR_KINDS = 27, STEP_MOST = 8 };
 
 /* The voxels of one step along each axis. */
 void label_pairs_step(uint32_t step[3], const uint32_t spacing_nm[3]);
-
-struct label_pairs;
-
-/* Of a scene, which outlives it, so far of nothing. ERR_MEMORY. */
-enum err label_pairs_new(struct label_pairs **pairs, const struct scene *scene,
-                         struct fault *fault);
-void label_pairs_free(struct label_pairs *pairs);
-
-/* An edit of the forest has changed labels; to NULL nothing happens. */
-void label_pairs_follow(struct label_pairs *pairs, const struct changes *changes);
-/* The labels of the forest are others in a way that nobody says. */
-void label_pairs_forget(struct label_pairs *pairs);
-
-/* Counts what is not counted yet of these labels, which are always the forest's, or, the one time
- * that this is called, any. ERR_MEMORY, or ERR_CANCELLED by the scene's watch; all is counted the
- * next time then. */
-enum err label_pairs_refresh(struct label_pairs *pairs, const struct labels *labels,
-                             struct team *team, struct fault *fault);
-
-/* As of the last refresh. */
-const uint64_t *label_pairs_of(const struct label_pairs *pairs, unsigned label); /* [PAIR_KINDS] */
-const uint8_t *label_pairs_labels(const struct label_pairs *pairs); /* [cells], 0 in the rim */
-
-size_t label_pairs_memory(const struct label_pairs *pairs); /* bytes; of NULL too */
 
 struct label_sums {
     uint64_t voxels; /* where there are none, the rest is 0 */
@@ -105,6 +78,11 @@ size_t label_measures_memory(const struct label_measures *measures);
  * always of the same kind of labels. ERR_MEMORY, or ERR_CANCELLED by the scene's watch. */
 enum err label_stats_find(struct label_stats stats[256], struct label_measures *measures,
                           const struct labels *labels, struct team *team, struct fault *fault);
+
+/* Recounts the pairs of all labels, or follows what has changed, as label_stats_find does: the part
+ * of it that surfaces need. */
+enum err label_measures_refresh_pairs(struct label_measures *measures, const struct labels *labels,
+                                      struct team *team, struct fault *fault);
 
 /* Of one label, what follows from counts alone. */
 enum err label_measures_sum(struct label_measures *measures, const struct labels *labels,

@@ -17,7 +17,7 @@ void labels_copy_row(const struct labels *labels, struct span row, uint8_t *out)
 
 /* ---- the whole scene ---- */
 
-struct walk {
+struct work {
     const struct labels *labels;
     struct team *team;
     uint8_t *out;
@@ -27,15 +27,15 @@ struct walk {
 /* Planes of cells, the rim's among them, so that all of `out` is written. */
 static void copy_part(void *context, unsigned worker)
 {
-    const struct walk *walk = context;
-    const struct scene *scene = walk->labels->scene;
+    const struct work *work = context;
+    const struct scene *scene = work->labels->scene;
     const size_t plane = (size_t)scene->grid.step[2];
-    const struct share share = team_share(walk->team, worker, scene->grid.cells / plane);
+    const struct share share = team_share(work->team, worker, scene->grid.cells / plane);
     struct task task =
         task_begin_part(scene->watch, "labels", (share.end - share.first) * plane, worker);
     for (size_t p = share.first; p < share.end; p++) {
         const struct span cells = {(uint32_t)(p * plane), (uint32_t)((p + 1) * plane)};
-        labels_copy_row(walk->labels, cells, walk->out + cells.first);
+        labels_copy_row(work->labels, cells, work->out + cells.first);
         if (!task_advance(&task, plane))
             return;
     }
@@ -43,39 +43,31 @@ static void copy_part(void *context, unsigned worker)
 
 void labels_copy(const struct labels *labels, uint8_t *out, struct team *team)
 {
-    struct walk walk = {.labels = labels, .team = team, .out = out};
-    team_run(team, copy_part, &walk);
+    struct work work = {.labels = labels, .team = team, .out = out};
+    team_run(team, copy_part, &work);
 }
 
 static void digest_part(void *context, unsigned worker)
 {
-    struct walk *walk = context;
-    const struct scene *scene = walk->labels->scene;
-    const struct grid *grid = &scene->grid;
-    const struct slab slab = grid_slab(grid, worker, team_size(walk->team));
+    struct work *work = context;
+    struct grid_walk w =
+        scene_walk(work->labels->scene, "digest of the labels", work->team, worker);
     uint64_t sum = 0;
-    struct task task =
-        task_begin_part(scene->watch, "digest of the labels", slab_voxels(grid, slab), worker);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const uint8_t label = labels_at(walk->labels, c);
-                sum += label ? label_share(c, label) : 0;
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
+    while (grid_walk_next(&w))
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            const uint8_t label = labels_at(work->labels, c);
+            sum += label ? label_share(c, label) : 0;
         }
-    walk->sum[worker] = sum;
+    work->sum[worker] = sum;
 }
 
 uint64_t labels_digest(const struct labels *labels, struct team *team)
 {
-    struct walk walk = {.labels = labels, .team = team};
+    struct work work = {.labels = labels, .team = team};
     uint64_t sum = 0;
-    team_run(team, digest_part, &walk);
+    team_run(team, digest_part, &work);
     for (unsigned worker = 0; worker < team_size(team); worker++)
-        sum += walk.sum[worker];
+        sum += work.sum[worker];
     return sum;
 }
 

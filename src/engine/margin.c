@@ -116,22 +116,6 @@ static void begin_at(struct search *search, uint32_t t)
     queue_push(search->queue, best << 16, t);
 }
 
-static void begin_at_borders(struct search *search)
-{
-    const struct grid *grid = &search->scene->grid;
-    struct task task = task_begin(search->scene->watch, "borders of labels", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                scene_fetch_ahead(search->scene, c);
-                begin_at(search, c);
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-}
-
 /* Neighbours of the same label that s, which has its final cost, offers less than they have. */
 static inline void pass_on(struct search *search, uint32_t s, uint32_t cost)
 {
@@ -166,7 +150,12 @@ enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault
     for (size_t c = 0; cost && c < cells; c++)
         cost[c] = MARGIN_NONE;
     if (!search.starved) {
-        begin_at_borders(&search);
+        for (struct grid_walk w = scene_walk(scene, "borders of labels", NULL, 0);
+             grid_walk_next(&w);)
+            for (uint32_t c = w.row.first; c < w.row.end; c++) {
+                scene_fetch_ahead(scene, c);
+                begin_at(&search, c);
+            }
         struct task task = task_begin(scene->watch, "margins", scene->grid.voxels);
         serve(&search, pass_on, &task);
     }

@@ -19,7 +19,7 @@
  * from nothing, and two bytes a cell.
  *
  * That holds while w does not depend on the label of the path, so not under ARC_POLARITY. Where
- * seeds have reaches (engine/reach.h), C is what the forest has, and C' solves this equation from
+ * seeds have reaches (engine/brush.h), C is what the forest has, and C' solves this equation from
  * there: what another label would cost from where it is now, wherever its seeds reach. It may be
  * less than C: then the margin is 0, since nothing but a reach has decided.
  *

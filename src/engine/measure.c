@@ -114,30 +114,20 @@ static bool is_reached(const struct scene *scene, uint32_t cell)
 bool centre_of_label(const struct scene *scene, unsigned label, uint32_t place[3])
 {
     struct search s = {.scene = scene, .unit = {1, 1, 1}, .label = label, .counts = is_reached};
-    const struct grid *grid = &scene->grid;
-    struct task task = task_begin(scene->watch, "the centre of a label", grid->voxels);
     uint64_t voxels = 0, sum[3] = {0};
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            uint64_t here = 0;
-            for (uint32_t c = row.first; c < row.end; c++)
-                if (scene->cell[c].label == label && is_reached(scene, c)) {
-                    here++;
-                    sum[0] += c - row.first;
-                }
-            voxels += here;
-            sum[1] += here * y;
-            sum[2] += here * z;
-            if (!task_advance(&task, grid->size[0]))
-                return false;
-        }
-    for (int a = 0; a < 3 && voxels > 0; a++)
-        s.at[a] = (int64_t)(sum[a] / voxels);
-
-    if (voxels == 0)
+    for (struct grid_walk w = scene_walk(scene, "the centre of a label", NULL, 0);
+         grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++)
+            if (scene->cell[c].label == label && is_reached(scene, c)) {
+                voxels++;
+                sum[0] += c - w.row.first;
+                sum[1] += w.y;
+                sum[2] += w.z;
+            }
+    if (voxels == 0 || watch_stops(scene->watch))
         return false;
     for (int a = 0; a < 3; a++) {
+        s.at[a] = (int64_t)(sum[a] / voxels);
         s.least[a] = -s.at[a];
         s.most[a] = (int64_t)scene->grid.size[a] - 1 - s.at[a];
     }

@@ -7,12 +7,11 @@
 #define ENGINE_PASS_H
 
 #include "base/hash.h"
-#include "base/team.h"
-#include "engine/arc.h"
+#include "engine/brush.h"
 #include "engine/changes.h"
 #include "engine/labels.h"
 #include "engine/queue.h"
-#include "engine/reach.h"
+#include "engine/weight.h"
 
 /* A list of cells that grows. */
 struct cells {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/scene.h"
 
+#include <assert.h>
 #include <endian.h>
 #include <nettle/sha2.h>
 #include <stdlib.h>
@@ -253,13 +254,10 @@ enum err scene_new_interpolated(struct scene **out, const struct scene *base, un
     enum err err = scene_new_filled(&scene, size, NULL, watch, fault);
     if (err)
         return err;
-    struct task task = task_begin(watch, "interpolation", scene->grid.voxels);
-    for (uint32_t z = 0; z < size[2]; z++)
-        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++) {
-            struct cell *row = scene->cell + grid_row(&scene->grid, y, z).first;
-            for (uint32_t x = 0; x < size[0]; x++)
-                row[x].intensity = mean_around(base, (const uint32_t[]){x, y, z}, doubled);
-        }
+    for (struct grid_walk w = scene_walk(scene, "interpolation", NULL, 0); grid_walk_next(&w);)
+        for (uint32_t x = 0; x < size[0]; x++)
+            scene->cell[w.row.first + x].intensity =
+                mean_around(base, (const uint32_t[]){x, w.y, w.z}, doubled);
     for (unsigned a = 0; a < 3; a++) {
         const uint32_t nm = base->spacing_nm[a];
         scene->spacing_nm[a] = doubled >> a & 1 ? nm / 2 + nm % 2 : nm;
@@ -400,10 +398,9 @@ enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct wa
         err = fault_memory(fault, "the synthetic scene");
     for (uint32_t x = 0; !err && x < size[0]; x++)
         rows.place[x] = (int16_t)geom_place(x, size[0], 0);
-    struct task task = task_begin(watch, "synthetic scene", scene->grid.voxels);
-    for (uint32_t z = 0; !err && z < size[2]; z++)
-        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++)
-            geom_row(&rows, y, z, scene->cell + grid_row(&scene->grid, y, z).first);
+    struct grid_walk w = scene_walk(scene, "synthetic scene", NULL, 0);
+    while (!err && grid_walk_next(&w))
+        geom_row(&rows, w.y, w.z, scene->cell + w.row.first);
     free(rows.place);
     free(rows.value);
     return hand_over(out, scene, err, fault);
@@ -426,8 +423,7 @@ enum err scene_new_geom(struct scene **out, unsigned doubled, struct watch *watc
     return err;
 }
 
-/* By what scenes are known apart: a digest and a proof, of a plain scene or of its cells. */
-/* ---- digest ---- */
+/* ---- digest and proof, of a plain scene or of its cells ---- */
 
 static uint64_t digest_of_geometry(const struct scene *scene)
 {
@@ -441,36 +437,24 @@ static uint64_t digest_of_geometry(const struct scene *scene)
     return sum;
 }
 
-/* The voxels of row y, z, the first of which has this index. */
-static uint64_t digest_of_row(const struct scene *scene, uint32_t y, uint32_t z, uint64_t voxel)
-{
-    const struct span row = grid_row(&scene->grid, y, z);
-    const uint16_t *plain = scene->plain ? scene->plain + voxel : NULL;
-    uint64_t sum = 0, place = voxel + 16;
-    if (plain)
-        for (uint32_t x = 0; x < scene->grid.size[0]; x++)
-            sum += hash_mix(place++ << 16 | plain[x]);
-    else
-        for (uint32_t c = row.first; c < row.end; c++) {
-            scene_fetch_ahead(scene, c);
-            sum += hash_mix(place++ << 16 | scene->cell[c].intensity);
-        }
-    return sum;
-}
-
 /* Worker 0 looks at the watch. */
 static uint64_t digest_of_slab(const struct scene *scene, struct slab slab, unsigned worker)
 {
     const struct grid *grid = &scene->grid;
+    struct grid_walk w = grid_walk(grid, scene->watch, "digest of the scene", slab, worker);
     uint64_t sum = 0, voxel = (uint64_t)slab.first * grid->size[1] * grid->size[0];
-    struct task task =
-        task_begin_part(scene->watch, "digest of the scene", slab_voxels(grid, slab), worker);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++, voxel += grid->size[0]) {
-            sum += digest_of_row(scene, y, z, voxel);
-            if (!task_advance(&task, grid->size[0]))
-                return 0;
-        }
+    while (grid_walk_next(&w)) {
+        uint64_t place = voxel + 16;
+        if (scene->plain)
+            for (uint32_t x = 0; x < grid->size[0]; x++)
+                sum += hash_mix(place++ << 16 | scene->plain[voxel + x]);
+        else
+            for (uint32_t c = w.row.first; c < w.row.end; c++) {
+                scene_fetch_ahead(scene, c);
+                sum += hash_mix(place++ << 16 | scene->cell[c].intensity);
+            }
+        voxel += grid->size[0];
+    }
     return sum;
 }
 
@@ -479,17 +463,9 @@ uint64_t scene_digest(const struct scene *scene)
     return digest_of_geometry(scene) + digest_of_slab(scene, grid_slab(&scene->grid, 0, 1), 0);
 }
 
-/* ---- proof ---- */
-
-static void put_le32(uint8_t *out, uint32_t value)
-{
-    for (unsigned i = 0; i < 4; i++)
-        out[i] = (uint8_t)(value >> 8 * i);
-}
-
 /* Intensities on their way to SHA-256. What follows the head makes it up to a whole block; from
  * then on pieces are whole blocks, which are taken fastest. */
-enum { PROOF_PIECE = 2048, PROOF_FIRST = (64 - 28) / 2 };
+enum { PROOF_HEAD = 28, PROOF_PIECE = 2048, PROOF_FIRST = (64 - PROOF_HEAD) / 2 };
 
 struct proof {
     struct sha256_ctx sha;
@@ -526,28 +502,29 @@ void scene_proof(char out[SHA256_HEX], const struct scene *scene)
     const struct grid *grid = &scene->grid;
     struct proof proof = {.most = PROOF_FIRST};
     const uint16_t *plain = scene->plain;
-    struct task task = task_begin(scene->watch, "proof of the scene", grid->voxels);
+    struct {
+        uint32_t size[3], spacing_nm[3];
+        uint8_t axis[4];
+    } head = {{0}, {0}, {0}};
+    for (unsigned a = 0; a < 3; a++) {
+        head.size[a] = htole32(grid->size[a]);
+        head.spacing_nm[a] = htole32(scene->spacing_nm[a]);
+        head.axis[a] = (uint8_t)(scene->world_axis[a] * 2 + (scene->world_sign[a] < 0));
+    }
+    static_assert(sizeof head == PROOF_HEAD, "no gaps");
     *out = '\0';
     sha256_init(&proof.sha);
-    uint8_t head[28] = {0};
-    for (unsigned a = 0; a < 3; a++) {
-        put_le32(head + 4 * a, scene->grid.size[a]);
-        put_le32(head + 12 + 4 * a, scene->spacing_nm[a]);
-        head[24 + a] = (uint8_t)(scene->world_axis[a] * 2 + (scene->world_sign[a] < 0));
+    sha256_update(&proof.sha, sizeof head, (const uint8_t *)&head);
+    for (struct grid_walk w = scene_walk(scene, "proof of the scene", NULL, 0);
+         grid_walk_next(&w);) {
+        prove_row(&proof, plain, scene->cell + w.row.first, grid->size[0]);
+        plain = plain ? plain + grid->size[0] : NULL;
     }
-    sha256_update(&proof.sha, sizeof head, head);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            prove_row(&proof, plain, scene->cell + grid_row(grid, y, z).first, grid->size[0]);
-            plain = plain ? plain + grid->size[0] : NULL;
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
+    if (scene->watch && scene->watch->stopped)
+        return;
     sha256_update(&proof.sha, proof.held * sizeof *proof.piece, (const uint8_t *)proof.piece);
     sha256_hex(out, &proof.sha, SHA256_DIGEST_SIZE);
 }
-
-/* ---- both ---- */
 
 struct identifying {
     const struct scene *scene;

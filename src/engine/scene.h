@@ -106,7 +106,7 @@ enum { DIRECTION_NONE = 255 };
 
 struct cell {
     uint64_t key;
-    uint16_t weight; /* w of every arc into this voxel, where arcs weigh so (engine/arc.h) */
+    uint16_t weight; /* w of every arc into this voxel, where arcs weigh so (engine/weight.h) */
     uint16_t intensity;
     union {
         struct {
@@ -167,6 +167,15 @@ typedef void scene_weigh_row(void *context, unsigned worker, uint32_t y, uint32_
                              uint16_t *weight);
 void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *weigh,
                       void *context);
+
+/* A walk over the rows of a scene under its watch (engine/grid.h): over all rows (team NULL, worker
+ * 0), or by each worker of a team over its slab. */
+static inline struct grid_walk scene_walk(const struct scene *scene, const char *what,
+                                          const struct team *team, unsigned worker)
+{
+    const struct slab slab = grid_slab(&scene->grid, worker, team_size(team));
+    return grid_walk(&scene->grid, scene->watch, what, slab, worker);
+}
 
 /* For a walk through all cells that has come to `cell`: has the processor fetch what comes a little
  * later. On virtual machines it does not see that by itself far enough ahead: the digest of ch2

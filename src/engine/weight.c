@@ -7,7 +7,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 
-/* These follow from both ends of an arc (engine/arc.h), and those of a file were read. */
+/* These follow from both ends of an arc (struct arc_rule), and those of a file were read. */
 const struct weight_method difference_weight = {.arcs = ARC_DIFFERENCE};
 const struct weight_method polarity_weight = {.arcs = ARC_POLARITY};
 static const struct weight_method file_weight = {.arcs = ARC_TARGET};
@@ -108,28 +108,22 @@ static void digest_plain_row(void *context, unsigned worker, uint32_t y, uint32_
 static void digest_slab(void *context, unsigned worker)
 {
     struct digesting *d = context;
-    const struct grid *grid = &d->scene->grid;
-    const struct slab slab = grid_slab(grid, worker, team_size(d->team));
+    const uint32_t *size = d->scene->grid.size;
     uint16_t weight[GRID_SIDE_MOST];
-    struct task task =
-        task_begin_part(d->scene->watch, d->method ? "weights" : "digest of the weights",
-                        slab_voxels(grid, slab), worker);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            if (d->method)
-                digest_plain_row(d, worker, y, z, weight);
-            else {
-                const struct span row = grid_row(grid, y, z);
-                uint64_t sum = 0, voxel = ((uint64_t)z * grid->size[1] + y) * grid->size[0];
-                for (uint32_t c = row.first; c < row.end; c++) {
-                    scene_fetch_ahead(d->scene, c);
-                    sum += hash_mix(voxel++ << 16 | d->scene->cell[c].weight);
-                }
-                d->sum[worker] += sum;
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
+    struct grid_walk w =
+        scene_walk(d->scene, d->method ? "weights" : "digest of the weights", d->team, worker);
+    while (grid_walk_next(&w)) {
+        if (d->method) {
+            digest_plain_row(d, worker, w.y, w.z, weight);
+            continue;
         }
+        uint64_t sum = 0, voxel = ((uint64_t)w.z * size[1] + w.y) * size[0];
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            scene_fetch_ahead(d->scene, c);
+            sum += hash_mix(voxel++ << 16 | d->scene->cell[c].weight);
+        }
+        d->sum[worker] += sum;
+    }
 }
 
 static uint64_t sum_of(const struct digesting *d)

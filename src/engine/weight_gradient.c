@@ -86,17 +86,12 @@ static void sobel_weigh(struct scene *scene, const struct adjacency *adjacency, 
     const size_t length = (size_t)grid->size[0] + 2;
     int32_t *rows = work;
     struct slopes slopes = {rows, rows + length, rows + 2 * length};
-    struct task task =
-        task_begin_part(scene->watch, "weights", slab_voxels(grid, slab), slab.first);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            slopes_of_row(&slopes, scene, y, z);
-            struct cell *cell = scene->cell + grid_row(grid, y, z).first;
-            for (uint32_t x = 0; x < grid->size[0]; x++)
-                cell[x].weight = sobel_at(&slopes, x);
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
+    struct grid_walk w = grid_walk(grid, scene->watch, "weights", slab, slab.first);
+    while (grid_walk_next(&w)) {
+        slopes_of_row(&slopes, scene, w.y, w.z);
+        for (uint32_t x = 0; x < grid->size[0]; x++)
+            scene->cell[w.row.first + x].weight = sobel_at(&slopes, x);
+    }
 }
 
 const struct weight_method sobel_weight = {

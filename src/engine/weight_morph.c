@@ -236,39 +236,29 @@ static void merge_around(struct lanes *lanes, const struct scene *scene, bool by
         }
 }
 
-static void weigh_wide(struct scene *scene, const struct adjacency *adjacency, uint32_t radius,
-                       struct slab slab, void *work)
-{
-    const struct grid *grid = &scene->grid;
-    const size_t width = grid->size[0], lane_values = (radius + 1) * width;
-    struct lanes lanes = {width, work, (uint16_t *)work + lane_values};
-    const uint64_t side = 2 * (uint64_t)radius + 1, merged = side * side; /* rows, at the most */
-    struct task task =
-        task_begin_part(scene->watch, "weights", merged * slab_voxels(grid, slab), slab.first);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            memset(work, 0, 2 * lane_values * sizeof(uint16_t));
-            merge_around(&lanes, scene, adjacency->count == 6, (int32_t)radius, y, z);
-            for (size_t lane = radius; lane > 0; lane--) {
-                const size_t outer = lane * width, inner = outer - width;
-                widen_into(lanes.high + inner, lanes.high + outer, width);
-                widen_into(lanes.low + inner, lanes.low + outer, width);
-            }
-            struct cell *cell = scene->cell + grid_row(grid, y, z).first;
-            for (size_t x = 0; x < width; x++)
-                cell[x].weight = (uint16_t)(lanes.high[x] + lanes.low[x] - 65535);
-            if (!task_advance(&task, merged * width))
-                return;
-        }
-}
-
 static void weigh(struct scene *scene, const struct adjacency *adjacency, uint32_t radius,
                   struct slab slab, void *work)
 {
-    if (radius == 1)
+    if (radius == 1) {
         weigh_near(scene, adjacency, slab);
-    else
-        weigh_wide(scene, adjacency, radius, slab, work);
+        return;
+    }
+    const size_t width = scene->grid.size[0], lane_values = (radius + 1) * width;
+    struct lanes lanes = {width, work, (uint16_t *)work + lane_values};
+    const uint64_t side = 2 * (uint64_t)radius + 1, merged = side * side; /* rows, at the most */
+    struct grid_walk w = grid_walk(&scene->grid, scene->watch, "weights", slab, slab.first);
+    w.task.total *= merged;
+    while (task_advance(&w.task, (merged - 1) * width) && grid_walk_next(&w)) {
+        memset(work, 0, 2 * lane_values * sizeof(uint16_t));
+        merge_around(&lanes, scene, adjacency->count == 6, (int32_t)radius, w.y, w.z);
+        for (size_t lane = radius; lane > 0; lane--) {
+            const size_t outer = lane * width, inner = outer - width;
+            widen_into(lanes.high + inner, lanes.high + outer, width);
+            widen_into(lanes.low + inner, lanes.low + outer, width);
+        }
+        for (size_t x = 0; x < width; x++)
+            scene->cell[w.row.first + x].weight = (uint16_t)(lanes.high[x] + lanes.low[x] - 65535);
+    }
 }
 
 const struct weight_method morph_weight = {ARC_TARGET, bytes, weigh, weigh_plain_row, 1};

@@ -107,8 +107,8 @@ static enum err make_finished(struct session *session, struct fault *fault)
 {
     struct finished made = {.cells = session->scene->grid.cells,
                             .of = session_finish_source(session)};
-    enum err err = finish_make_again(&made.label, &session->now.kept.finish, session->scene,
-                                     session->team, &session->relaxed, fault);
+    enum err err = finish_make(&made.label, &session->now.kept.finish, session->scene,
+                               session->team, &session->relaxed, fault);
     if (err)
         return err;
     made.digest = labels_digest(&(struct labels){session->scene, made.label}, session->team);

@@ -369,7 +369,7 @@ static enum err time_measures(struct session *session, struct label_measures *me
     const uint64_t noted = clock_ns();
     err = err ? err : label_measures_sum(measures, &labels, 1, session->team, &sums, fault);
     const uint64_t counted = clock_ns();
-    err = err ? err : label_pairs_refresh(measures->pairs, &labels, session->team, fault);
+    err = err ? err : label_measures_refresh_pairs(measures, &labels, session->team, fault);
     const uint64_t of[] = {begin, edited, noted, counted, clock_ns()};
     border_update(&session->border, &changes);
     for (int i = 0; i < 4 && !changes.everything && changes.count >= LEAST_LABELS &&
