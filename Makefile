@@ -424,7 +424,7 @@ $(VOLUME_PARTS) $(REGISTER_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(HELPER_FLAGS) -c -o $@ $<
 
 $(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/helper/csa.o $(BUILD)/src/image/inflated.o \
-                       $(BUILD)/src/image/units.o $(BUILD)/src/base/choice.o $(CONFINED)
+                       $(BUILD)/src/image/units.o $(CONFINED)
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
 

@@ -38,7 +38,7 @@ static struct rendition draw_rows(const struct drawing *d, uint32_t top, uint32_
     const struct camera camera = camera_rows(bands->camera, top, height);
     struct rendition drawn = rendition_rows(&room->drawn, 0, height);
     if (bands->project == project_border)
-        project_border_quietly(&drawn, &camera, bands->mesh);
+        project_border_part(&drawn, &camera, bands->mesh, 1);
     else
         bands->project(&drawn, &camera, bands->mesh);
     shade_rows(&drawn, &camera, bands->mesh, bands->palette, bands->look, bands->shader);

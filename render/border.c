@@ -4,50 +4,54 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "render/walk.h"
 
 enum { BLOCK = 1 << BORDER_BLOCK_BITS };
 
-static uint32_t blocks_along(const struct border *border, int a)
+static size_t blocks_along(const struct border *border, int a)
 {
-    return walk_blocks(&border->scene->grid, a, BORDER_BLOCK_BITS);
+    return ((border->scene->grid.size[a] - 1) >> BORDER_BLOCK_BITS) + 1;
 }
 
 /* None of a border that is zeroed. */
 static size_t blocks_in(const struct border *border)
 {
-    return border->scene ? walk_blocks_in(&border->scene->grid, BORDER_BLOCK_BITS) : 0;
+    return border->scene
+               ? blocks_along(border, 0) * blocks_along(border, 1) * blocks_along(border, 2)
+               : 0;
+}
+
+/* Bytes of all sets, which lie in one piece of memory: `shown`, `border`, `marked`, `stale`,
+ * `changed`, `occupied`. */
+static size_t pages_of(const struct border *border)
+{
+    const size_t a_word =
+        2 * sizeof *border->shown + sizeof *border->stale + sizeof *border->changed;
+    return border->words * a_word + (border->words / 64 + 1) * sizeof *border->marked +
+           blocks_in(border);
 }
 
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)
 {
-    size_t words = scene->grid.cells / 64 + 2;
+    const size_t words = scene->grid.cells / 64 + 2;
     *border = (struct border){
         .scene = scene, .labels = labels_of_forest(scene), .words = words, .cut = cut_none()};
-    border->shown = mem_pages(words * sizeof *border->shown);
-    border->border = mem_pages(words * sizeof *border->border);
-    border->marked = mem_pages((words / 64 + 1) * sizeof *border->marked);
-    border->stale = mem_pages(words * sizeof *border->stale);
-    border->changed = mem_pages(words * sizeof *border->changed);
-    border->occupied = mem_pages(blocks_in(border));
     for (int label = 1; label < 256; label++)
         border->visible[label] = true;
     memset(border->opacity, BORDER_OPAQUE, sizeof border->opacity);
-    if (border->shown && border->border && border->marked && border->stale && border->changed &&
-        border->occupied)
-        return OK;
-    border_release(border);
-    return fault_memory(fault, "the border");
+    border->shown = mem_pages(pages_of(border));
+    if (!border->shown)
+        return fault_memory(fault, "the border");
+    border->border = border->shown + words;
+    border->marked = border->border + words;
+    border->stale = (uint32_t *)(border->marked + words / 64 + 1);
+    border->changed = border->stale + words;
+    border->occupied = (uint8_t *)(border->changed + words);
+    return OK;
 }
 
 void border_release(struct border *border)
 {
-    mem_pages_free(border->shown, border->words * sizeof *border->shown);
-    mem_pages_free(border->border, border->words * sizeof *border->border);
-    mem_pages_free(border->marked, (border->words / 64 + 1) * sizeof *border->marked);
-    mem_pages_free(border->stale, border->words * sizeof *border->stale);
-    mem_pages_free(border->changed, border->words * sizeof *border->changed);
-    mem_pages_free(border->occupied, blocks_in(border));
+    mem_pages_free(border->shown, pages_of(border));
     *border = (struct border){0};
 }
 
@@ -128,8 +132,7 @@ void border_recount(struct border *border)
             const uint32_t first = grid_row(grid, y, z).first;
             uint8_t *block = block_of(border, (struct place){0, y, z});
             for (uint32_t x = 0; x < grid->size[0]; x += BLOCK) /* or a few of the next row */
-                *block++ |=
-                    (border_shown_from(border, (ptrdiff_t)(first + x)) & ((1 << BLOCK) - 1)) != 0;
+                *block++ |= (border_bits_at(border->shown, first + x) & ((1 << BLOCK) - 1)) != 0;
         }
 }
 

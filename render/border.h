@@ -34,8 +34,8 @@ struct border {
     uint64_t *border;     /* likewise: cell c is a border voxel */
     size_t words;         /* of each, with one spare word at the end that stays 0 */
 
-    uint8_t *occupied; /* blocks in which a voxel may be shown, as render/walk.h has numbers for
-                          them; until a recount also those in which one has been */
+    uint8_t *occupied; /* blocks in which a voxel may be shown, by z, y, x; until a recount also
+                          those in which one has been */
 
     /* For results that were made of `shown` and stored (render/mesh.h): every update and recount
      * has a number, and each word that of the last one in which it changed. */
@@ -90,13 +90,6 @@ static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptr
     if (word + 1 >= count)
         return word < count ? words[word] >> (at & 63) : 0;
     return border_bits_at(words, (size_t)at);
-}
-
-/* Which of the 64 cells from `at` on are shown, bit 0 the first. `at` may lie up to a row and a
- * plane before the first cell or after the last: none of those cells is shown. */
-static inline uint64_t border_shown_from(const struct border *border, ptrdiff_t at)
-{
-    return border_bits_from(border->shown, border->words, at);
 }
 
 /* Whether the cell would be shown, were it not cut away: beside such a cell the scene has been cut

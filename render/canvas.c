@@ -16,56 +16,45 @@ static void empty(struct canvas *canvas)
     const size_t pixels = (size_t)canvas->width * canvas->height;
     for (size_t i = 0; canvas->cell && i < pixels; i++)
         canvas->cell[i] = CELL_NONE;
+    if (canvas->words) {
+        memset(canvas->words, 0, pixels);
+        memset(canvas->below, 0, pixels);
+    }
     canvas_box(canvas, 0, 0, canvas->width, canvas->height, black);
 }
 
-enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool with_cells,
+enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, unsigned maps,
                      struct fault *fault)
 {
     const size_t pixels = (size_t)width * height;
+    const size_t cells = maps & CANVAS_CELLS ? pixels : 0, notes = maps & CANVAS_NOTES ? pixels : 0;
     *canvas = (struct canvas){.width = width, .height = height, .stride = width};
-    canvas->rgba = mem_array(pixels, 4);
-    if (with_cells)
-        canvas->cell = mem_array(pixels, sizeof *canvas->cell);
-    if (!canvas->rgba || (with_cells && !canvas->cell)) {
-        canvas_release(canvas);
+    const struct mem_part parts[] = {{&canvas->rgba, pixels, 4},
+                                     {&canvas->cell, cells, sizeof *canvas->cell},
+                                     {&canvas->words, notes, sizeof *canvas->words},
+                                     {&canvas->below, notes, sizeof *canvas->below}};
+    if (!mem_parts(parts, sizeof parts / sizeof *parts))
         return fault_memory(fault, "a picture");
-    }
+    canvas->cell = cells ? canvas->cell : NULL;
+    canvas->words = notes ? canvas->words : NULL;
+    canvas->below = notes ? canvas->below : NULL;
     empty(canvas);
     return OK;
 }
 
-enum err canvas_remember(struct canvas *canvas, struct fault *fault)
-{
-    canvas->words = mem_new(canvas->stride * canvas->height);
-    canvas->below = mem_new(canvas->stride * canvas->height);
-    return canvas->words && canvas->below ? OK : fault_memory(fault, "a picture");
-}
-
 enum err canvas_renew(struct canvas *canvas, uint32_t width, uint32_t height, struct fault *fault)
 {
-    const size_t pixels = (size_t)width * height;
     if (canvas->words && canvas->cell && canvas->width == width && canvas->height == height) {
-        memset(canvas->words, 0, pixels);
-        memset(canvas->below, 0, pixels);
         empty(canvas);
         return OK;
     }
     canvas_release(canvas);
-    enum err err = canvas_init(canvas, width, height, true, fault);
-    if (!err)
-        err = canvas_remember(canvas, fault);
-    if (err)
-        canvas_release(canvas);
-    return err;
+    return canvas_init(canvas, width, height, CANVAS_CELLS | CANVAS_NOTES, fault);
 }
 
 void canvas_release(struct canvas *canvas)
 {
     free(canvas->rgba);
-    free(canvas->cell);
-    free(canvas->words);
-    free(canvas->below);
     *canvas = (struct canvas){0};
 }
 

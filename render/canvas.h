@@ -30,15 +30,16 @@ struct canvas {
     uint32_t from, rows; /* rows that are held, where these are not 0: all */
 };
 
-/* Black, of 1..VIEW_SIDE_MOST pixels a side, which the caller releases; nothing on error. */
-enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool with_cells,
+/* Maps besides the colours: `cell`; `words` and `below`. */
+enum { CANVAS_CELLS = 1, CANVAS_NOTES = 2 };
+
+/* Black, of 1..VIEW_SIDE_MOST pixels a side, with these maps. The caller releases it. ERR_MEMORY:
+ * without any. */
+enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, unsigned maps,
                      struct fault *fault);
 
-/* Has the canvas remember, from now on, where words are drawn and what lies below. ERR_MEMORY. */
-enum err canvas_remember(struct canvas *canvas, struct fault *fault);
-
-/* One with cells that remembers, black, in place of another, or of {0}: for pictures that follow
- * each other. It has the memory of the former one where it is as large. ERR_MEMORY: it is {0}. */
+/* One with all maps, black, in place of another, or of {0}: for pictures that follow each other. It
+ * reuses the memory of a former one of the same size. ERR_MEMORY: it has no maps. */
 enum err canvas_renew(struct canvas *canvas, uint32_t width, uint32_t height, struct fault *fault);
 void canvas_release(struct canvas *canvas);
 

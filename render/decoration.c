@@ -212,7 +212,7 @@ static bool draw_seeds(const struct canvas *canvas, const struct decoration *d, 
                     (y == 0 || r->cell[pixel - r->width] != cell))
                     add_mark(&marks, d, cell, false);
             }
-        marks_keep_rims(&marks, &runs);
+        marks_keep(&marks, &runs, MARKS_OF_RIMS);
         for (size_t i = 0; i < d->eliminators; i++)
             if (is_seen(d, d->eliminator[i]))
                 add_mark(&marks, d, d->eliminator[i], true);

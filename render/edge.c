@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/edge.h"
 
-#include "render/normal.h"
+#include "render/light.h"
 
 enum {
     DEPTH_BITS = 26 - 8, /* of a depth: 4 * 2^24 to a pixel; here 256 */

@@ -14,9 +14,6 @@ enum { SQUARES = 255 * 255 + 1 };
 void layers_release(struct layers *l)
 {
     free(l->last);
-    free(l->layer);
-    free(l->count);
-    free(l->root);
     *l = (struct layers){0};
 }
 
@@ -32,14 +29,12 @@ static enum err make_room(struct layers *l, uint32_t width, uint32_t height, str
     if (l->width == width && l->height == height)
         return OK;
     layers_release(l);
-    l->last = mem_array(pixels, sizeof *l->last);
-    l->layer = mem_array(pixels, LAYERS_MOST * sizeof *l->layer);
-    l->count = mem_array(pixels, sizeof *l->count);
-    l->root = mem_array(SQUARES, 1);
-    if (!l->last || !l->layer || !l->count || !l->root) {
-        layers_release(l);
+    const struct mem_part parts[] = {{&l->last, pixels, sizeof *l->last},
+                                     {&l->layer, pixels, LAYERS_MOST * sizeof *l->layer},
+                                     {&l->count, pixels, sizeof *l->count},
+                                     {&l->root, SQUARES, sizeof *l->root}};
+    if (!mem_parts(parts, sizeof parts / sizeof *parts))
         return fault_memory(fault, "translucent objects");
-    }
     l->width = width;
     l->height = height;
     l->plane = pixels;
@@ -77,22 +72,6 @@ void layers_put_none(struct layers *l, size_t pixel)
 {
     l->last[pixel] = (struct layer){DEPTH_NONE, CELL_NONE, 0};
     l->count[pixel] = 0;
-}
-
-void layers_clear(struct rendition *r)
-{
-    rendition_clear(r);
-    for (size_t pixel = 0; pixel < (size_t)r->width * r->height; pixel++)
-        layers_put_none(r->layers, pixel);
-}
-
-void layers_clear_tile(struct rendition *r, size_t tile)
-{
-    const struct tile_bounds t = rendition_bounds(r, tile);
-    rendition_clear_tile(r, tile);
-    for (uint32_t y = t.top; y < t.bottom; y++)
-        for (uint32_t x = t.left; x < t.right; x++)
-            layers_put_none(r->layers, (size_t)y * r->width + x);
 }
 
 /* ---- layers of a pixel ---- */

@@ -60,10 +60,6 @@ enum err layers_take(struct layers *layers, struct rendition *rendition,
 /* Those of the rows of the rendition from one on, to be drawn into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
 
-/* Nothing is seen, and all is to be shaded; or of one tile. */
-void layers_clear(struct rendition *rendition);
-void layers_clear_tile(struct rendition *rendition, size_t tile);
-
 /* ---- layers of a pixel ---- */
 
 void layers_put_none(struct layers *layers, size_t pixel);

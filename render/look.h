@@ -5,6 +5,7 @@
 #ifndef RENDER_LOOK_H
 #define RENDER_LOOK_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
@@ -31,5 +32,21 @@ static inline struct look look_default(void)
 {
     return (struct look){.light = {-25000, 30000}, .cue_percent = 30, .samples = 1};
 }
+
+/*
+ * The shader: what shading stores between one picture and the next, so that the next is made
+ * faster.
+ */
+struct shader {
+    int32_t window[2];     /* to be set where something is cut: the intensities that are black and
+                          white on faces cut open; they differ, and either may be the greater */
+    struct team *team;     /* to be set: the threads that share the work, or NULL */
+    struct bricks *bricks; /* for ambient occlusion (render/occlusion.h); NULL: none yet */
+};
+
+/* Frees what is stored; the shader, whose window and team stay, may be used again. A new one is
+ * zeroed. */
+void shader_release(struct shader *shader);
+size_t shader_bytes(const struct shader *shader);
 
 #endif

@@ -15,15 +15,6 @@ enum {
 
 /* ---- bricks ---- */
 
-static void free_brick(struct mesh_brick *brick)
-{
-    if (!brick)
-        return;
-    free(brick->vertex);
-    free(brick->quad);
-    free(brick);
-}
-
 static size_t brick_bytes(const struct mesh_brick *brick)
 {
     return brick ? sizeof *brick + brick->vertices * sizeof *brick->vertex +
@@ -34,7 +25,7 @@ static size_t brick_bytes(const struct mesh_brick *brick)
 void mesh_release(struct mesh *mesh)
 {
     for (uint32_t i = 0; i < mesh->bricks && mesh->brick; i++)
-        free_brick(mesh->brick[i]);
+        free(mesh->brick[i]);
     free(mesh->brick);
     free(mesh->stale);
     for (int i = 0; i < TEAM_MOST; i++)
@@ -87,11 +78,6 @@ const struct mesh_quad *mesh_find(const struct mesh *mesh, const struct mesh_bri
 
 /* What quads of a net are of: all opaque labels, or a translucent one. */
 enum { OPAQUE = 0 };
-
-static bool has_own_net(const struct mesh *mesh, uint8_t label)
-{
-    return (mesh->kind & MESH_APART) || mesh->border->opacity[label] < BORDER_OPAQUE;
-}
 
 struct group_source {
     const struct border *border;
@@ -168,22 +154,9 @@ static uint32_t brick_in(const uint32_t brick[3])
 
 /* Where the groups of a region lie: of each, the voxels it is between. */
 struct extent {
-    int32_t first[3], last[3];
+    uint32_t first[3], last[3];
     uint8_t label; /* of one of them; 0: there is none */
 };
-
-/* Voxels of a row that are of the group, and what lies between them. */
-static void extend(struct extent *e, uint32_t x, uint32_t last, uint32_t y, uint32_t z,
-                   uint8_t label)
-{
-    const int32_t low[3] = {(int32_t)x, (int32_t)y, (int32_t)z};
-    const int32_t high[3] = {(int32_t)last, (int32_t)y, (int32_t)z};
-    for (int a = 0; a < 3; a++) {
-        e->first[a] = e->label && e->first[a] < low[a] ? e->first[a] : low[a];
-        e->last[a] = e->label && e->last[a] > high[a] ? e->last[a] : high[a];
-    }
-    e->label = label;
-}
 
 static bool has_walls(const struct mesh *mesh)
 {
@@ -207,7 +180,13 @@ static void find_extents(const struct mesh *mesh, const struct region *r, const 
                 const uint32_t x = (uint32_t)__builtin_ctzll(bits);
                 const uint32_t last = is_all ? 63 - (uint32_t)__builtin_clzll(bits) : x;
                 const uint8_t label = labels_at(&border->labels, cell + x);
-                extend(&extent[group[label]], first[0] + x, first[0] + last, y, z, label);
+                const uint32_t low[3] = {first[0] + x, y, z}, high[3] = {first[0] + last, y, z};
+                struct extent *e = &extent[group[label]];
+                for (int a = 0; a < 3; a++) {
+                    e->first[a] = e->label && e->first[a] < low[a] ? e->first[a] : low[a];
+                    e->last[a] = e->label && e->last[a] > high[a] ? e->last[a] : high[a];
+                }
+                e->label = label;
                 bits = is_all ? 0 : bits & (bits - 1);
             }
         }
@@ -284,19 +263,17 @@ static void take_quad(struct assembly *a, const struct net *net, const struct ne
 /* What was taken, in the order of keys. */
 static struct mesh_brick *finish_brick(const struct assembly *a)
 {
-    struct mesh_brick *b = mem_new(sizeof *b);
+    struct mesh_brick *b;
+    struct mesh_vertex *vertex;
+    struct mesh_quad *quad;
     uint16_t next[MESH_ROWS];
-    if (!b)
+    const struct mem_part parts[] = {{&b, 1, sizeof *b},
+                                     {&vertex, a->vertices, sizeof *vertex},
+                                     {&quad, a->quads, sizeof *quad}};
+    if (!mem_parts(parts, sizeof parts / sizeof *parts))
         return NULL;
-    b->vertex = mem_array(a->vertices, sizeof *b->vertex);
-    b->quad = mem_array(a->quads, sizeof *b->quad);
-    if (!b->vertex || !b->quad) {
-        free_brick(b);
-        return NULL;
-    }
-    b->vertices = a->vertices;
-    memcpy(b->vertex, a->vertex, a->vertices * sizeof *b->vertex);
-    b->quads = a->quads;
+    *b = (struct mesh_brick){a->vertices, a->quads, vertex, quad, {0}};
+    memcpy(vertex, a->vertex, a->vertices * sizeof *vertex);
     for (uint32_t q = 0; q < a->quads; q++)
         b->row[row_of(a->quad[q].key) + 1]++;
     for (uint32_t row = 0; row < MESH_ROWS; row++)
@@ -389,24 +366,29 @@ static bool make_nets(struct assembly *a, const struct mesh *mesh, const struct 
     struct extent extent[256];
     const uint64_t unit = view_unit(border->scene);
     for (int label = 1; label < 256; label++)
-        groups.group[label] = has_own_net(mesh, (uint8_t)label) ? (uint8_t)label : OPAQUE;
+        groups.group[label] = mesh->kind & MESH_APART || border->opacity[label] < BORDER_OPAQUE
+                                  ? (uint8_t)label
+                                  : OPAQUE;
     for (int k = 0; k < 3; k++)
         source.scale[k] = (uint32_t)((unit << 12) / border->scene->spacing_nm[k]);
     find_extents(mesh, r, groups.group, extent);
     for (int g = 0; g < 256; g++) {
         const struct extent *e = &extent[g];
+        int32_t first[3];
         uint32_t size[3];
         if (!e->label)
             continue;
         groups.wanted = (uint8_t)g;
         groups.label = e->label;
-        for (int k = 0; k < 3; k++)
-            size[k] = (uint32_t)(e->last[k] - e->first[k] + 1);
+        for (int k = 0; k < 3; k++) {
+            first[k] = (int32_t)e->first[k];
+            size[k] = e->last[k] - e->first[k] + 1;
+        }
         if (!mem_grow(&a->part, &a->capacity, a->parts + 1, sizeof *a->part))
             return false;
         struct part *p = &a->part[a->parts];
         p->order = NULL;
-        if (net_make(&p->net, &source, e->first, size, NULL))
+        if (net_make(&p->net, &source, first, size, NULL))
             return false;
         a->parts++;
         /* Sort the net's quads by brick of the region. */
@@ -675,7 +657,7 @@ static void take_region(struct mesh *mesh, struct region *r, const struct mesh_l
                 if (listener)
                     listener->replaces(listener->context, mesh, number, *next);
                 mesh->bytes += brick_bytes(*next) - brick_bytes(mesh->brick[number]);
-                free_brick(mesh->brick[number]);
+                free(mesh->brick[number]);
                 mesh->brick[number] = *next;
                 *next = NULL;
             }
@@ -720,7 +702,7 @@ enum err mesh_update(struct mesh *mesh, const struct border *border, enum mesh_k
         if (!err)
             take_region(mesh, &u.region[i], listener);
         for (size_t b = 0; b < sizeof u.region[i].brick / sizeof *u.region[i].brick; b++)
-            free_brick(u.region[i].brick[b]);
+            free(u.region[i].brick[b]);
     }
     /* Free large scratch memory: for a scene of noise it would be several times all other memory.
      * */

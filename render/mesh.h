@@ -44,6 +44,7 @@ struct mesh_quad {
     bool is_closed; /* engine/net.h */
 };
 
+/* One piece of memory, with its vertices and quads. */
 struct mesh_brick {
     uint32_t vertices, quads;
     struct mesh_vertex *vertex;
@@ -59,8 +60,7 @@ struct mesh_box {
 enum mesh_kind {
     MESH_SMOOTH,
     MESH_APART = 1, /* each object has a net of its own */
-    MESH_CUBES = 2, /* vertices stay at the corners of voxels */
-    MESH_CUBES_APART = MESH_CUBES | MESH_APART
+    MESH_CUBES = 2, /* vertices stay at the corners of voxels; or both */
 };
 
 struct mesh {

@@ -6,19 +6,100 @@
 
 #include "base/mem.h"
 #include "engine/weight_gradient.h"
-#include "render/walk.h"
 
 enum { INTENSITIES = UINT16_MAX + 1, WHITE = 255 };
 
-static uint32_t blocks_along(const struct grid *grid, int a)
+/* ---- rays ---- */
+
+/*
+ * The walk of a pixel's ray through the scene, from cube to cube.
+ *
+ * It goes from crossing to crossing in the order of (t, axis). At crossing `at` the ray is in the
+ * cube whose flipped position along axis b is the number of planes of b, after plane 0, that have
+ * been crossed by then. Cubes are those of voxels, or of blocks of 2^bits of them a side, which
+ * count from voxel 0 on: so one can go from block to block, and from voxel to voxel where there is
+ * something to be found.
+ */
+struct walk {
+    int64_t at;                /* the crossing by which the ray has come into the cube, */
+    uint32_t cell;             /* and that cube's voxel, or the number of the block, x fastest */
+    uint32_t step[3];          /* from that to the next one along each axis */
+    int64_t next[3], apart[3]; /* crossings of the planes ahead, and between planes */
+    int64_t end;               /* the crossing by which the ray leaves the scene's cubes */
+};
+
+/* Blocks along an axis; the last one may lie in the scene in part. */
+static uint32_t blocks_along(const struct grid *grid, int a, unsigned bits)
 {
-    return walk_blocks(grid, a, MIP_BLOCK_BITS);
+    return ((grid->size[a] - 1) >> bits) + 1;
 }
+
+/* To the cube in which the ray is at `from`, or is first where it comes into the scene later;
+ * INT64_MIN starts before the scene. False where it is in none. */
+static inline bool walk_begin(struct walk *walk, const struct camera *camera, unsigned bits,
+                              uint32_t column, uint32_t row, int64_t from)
+{
+    const struct grid *grid = &camera->scene->grid;
+    int64_t first[3], at = from;
+    uint32_t step = 1;
+    for (int a = 0; a < 3; a++) {
+        first[a] = camera_crossing(camera, a, 0, column, row);
+        at = first[a] > at ? first[a] : at;
+    }
+    walk->at = at;
+    walk->cell = bits ? 0 : grid_cell(grid, 0, 0, 0);
+    walk->end = INT64_MAX;
+    for (int a = 0; a < 3; a++) {
+        const int64_t cubes = blocks_along(grid, a, bits), apart = camera->T[a] * (1 << bits);
+        if (camera->flip[a]) /* the first block begins before the scene */
+            first[a] -= ((cubes << bits) - grid->size[a]) * camera->T[a];
+        const int64_t n = (at - first[a]) / apart, end = first[a] + cubes * apart;
+        if (n >= cubes)
+            return false;
+        walk->apart[a] = apart;
+        walk->next[a] = first[a] + (n + 1) * apart;
+        walk->end = end < walk->end ? end : walk->end;
+        const uint32_t beyond = bits ? step : (uint32_t)grid->step[a];
+        walk->step[a] = camera->flip[a] ? -beyond : beyond;
+        walk->cell += (uint32_t)(camera->flip[a] ? cubes - 1 - n : n) * beyond;
+        step *= (uint32_t)cubes;
+    }
+    return true;
+}
+
+/* The crossing by which the ray leaves the cube. */
+static inline int64_t walk_leaves(const struct walk *walk)
+{
+    const int64_t next = walk->next[0] < walk->next[1] ? walk->next[0] : walk->next[1];
+    return next < walk->next[2] ? next : walk->next[2];
+}
+
+static inline void walk_cross(struct walk *walk, int a, int64_t at)
+{
+    const int64_t is_crossed = -(int64_t)(walk->next[a] == at);
+    walk->next[a] += walk->apart[a] & is_crossed;
+    walk->cell += walk->step[a] & (uint32_t)is_crossed;
+}
+
+/* To the next cube; false where the ray leaves the scene. Nobody can foresee across which axis, so
+ * there is no branch for it. */
+static inline bool walk_on(struct walk *walk)
+{
+    const int64_t at = walk_leaves(walk);
+    if (at == walk->end)
+        return false;
+    walk->at = at;
+    walk_cross(walk, 0, at);
+    walk_cross(walk, 1, at);
+    walk_cross(walk, 2, at);
+    return true;
+}
+
+/* ---- memory ---- */
 
 void mip_release(struct mip *mip)
 {
     free(mip->grey);
-    free(mip->most);
     free(mip->brightness);
     *mip = (struct mip){0};
 }
@@ -75,8 +156,9 @@ static void find_most(void *context, unsigned thread)
 {
     const struct drawing *d = context;
     const struct grid *grid = &d->mip->of.scene->grid;
-    const uint32_t across = blocks_along(grid, 0), down = blocks_along(grid, 1);
-    const struct share planes = team_share(d->team, thread, blocks_along(grid, 2));
+    const uint32_t across = blocks_along(grid, 0, MIP_BLOCK_BITS);
+    const uint32_t down = blocks_along(grid, 1, MIP_BLOCK_BITS);
+    const struct share planes = team_share(d->team, thread, blocks_along(grid, 2, MIP_BLOCK_BITS));
     for (uint32_t z = (uint32_t)planes.first * MIP_BLOCK;
          z < planes.end * MIP_BLOCK && z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
@@ -96,11 +178,15 @@ static enum err take_source(struct drawing *d, const struct mip_source *source, 
         of->window[1] == window[1] && memcmp(&of->cut, &source->cut, sizeof of->cut) == 0)
         return OK;
     mip_release(mip);
-    mip->grey = mem_new(source->scene->grid.cells);
-    mip->most = mem_new(walk_blocks_in(&source->scene->grid, MIP_BLOCK_BITS));
-    if (!mip->grey || !mip->most)
+    const struct grid *grid = &source->scene->grid;
+    size_t blocks = 1;
+    for (int a = 0; a < 3; a++)
+        blocks *= blocks_along(grid, a, MIP_BLOCK_BITS);
+    mip->grey = mem_new(grid->cells + blocks);
+    if (!mip->grey)
         return fault_memory(fault, "the scene's brightness");
-    mip->bytes = source->scene->grid.cells + walk_blocks_in(&source->scene->grid, MIP_BLOCK_BITS);
+    mip->most = mip->grey + grid->cells;
+    mip->bytes = grid->cells + blocks;
     mip->of = *source;
     for (int64_t i = 0; i < INTENSITIES; i++) {
         const int64_t grey = (i - window[0]) * WHITE / ((int64_t)window[1] - window[0]);

@@ -5,7 +5,7 @@
 
 #include "base/least.h"
 #include "base/team.h"
-#include "render/background.h"
+#include "render/palette.h"
 #include "render/rendition.h"
 
 static const uint8_t seam_grey[3] = {56, 56, 56};
@@ -287,39 +287,33 @@ enum { WORTH = 5 };
 
 enum { LENGTH = 1024, LENGTH_LEAST = LENGTH / 4, SCALE_BITS = 20, CELLS_LEAST = 2 };
 
-/* The patient's lengths: the longest is LENGTH, and what is very flat counts as less so, for its
- * letters need room. */
-struct lengths {
-    uint64_t of[3];
-};
-
-static uint64_t length_of(const struct lengths *lengths, char track)
+/* Of the patient's lengths, the longest of which is LENGTH; what is very flat counts as less so,
+ * for its letters need room. */
+static uint64_t length_of(const uint64_t of[3], char track)
 {
-    const uint64_t *of = lengths->of;
     const uint64_t most = of[0] > of[1] ? of[0] : of[1];
     return track == 'm' ? (most > of[2] ? most : of[2]) : of[track == 'r' ? 1 : track - 'x'];
 }
 
-static uint64_t sum_of(const struct lengths *lengths, const char *tracks)
+static uint64_t sum_of(const uint64_t of[3], const char *tracks)
 {
     uint64_t sum = 0;
     for (; *tracks; tracks++)
-        sum += length_of(lengths, *tracks);
+        sum += length_of(of, *tracks);
     return sum;
 }
 
 /* Where tracks begin and the last one ends, in pixels, at whole cells. Where none takes what is
  * left, all are longer than they need be. */
-static void place_tracks(uint32_t from[TRACKS_MOST + 1], const char *tracks,
-                         const struct lengths *lengths, uint64_t scale, uint32_t pixels,
-                         uint32_t cell)
+static void place_tracks(uint32_t from[TRACKS_MOST + 1], const char *tracks, const uint64_t of[3],
+                         uint64_t scale, uint32_t pixels, uint32_t cell)
 {
     const uint32_t count = (uint32_t)strlen(tracks), cells = pixels / cell;
-    const uint64_t all = sum_of(lengths, tracks);
+    const uint64_t all = sum_of(of, tracks);
     uint64_t before = 0;
     from[0] = 0;
     for (uint32_t i = 1; i < count; i++) {
-        before += length_of(lengths, tracks[i - 1]);
+        before += length_of(of, tracks[i - 1]);
         const uint64_t wanted = strchr(tracks, 'r')
                                     ? ((before * scale >> SCALE_BITS) + cell / 2) / cell
                                     : (before * cells + all / 2) / all;
@@ -330,15 +324,18 @@ static void place_tracks(uint32_t from[TRACKS_MOST + 1], const char *tracks,
     from[count] = pixels;
 }
 
-/* Panes that end inside the picture leave a seam free. */
-static void place_panes(struct mosaic_layout *layout, const struct arrangement *a,
-                        const struct mosaic_screen *screen, const struct lengths *lengths,
-                        uint64_t scale)
+/* Lays the panes out; how many pixels show something. Panes that end inside the picture leave a
+ * seam free. */
+static uint64_t arrange_panes(struct mosaic_layout *layout, const struct arrangement *a,
+                              const struct mosaic_screen *screen, const uint64_t of[3])
 {
+    const uint64_t across = ((uint64_t)screen->width << SCALE_BITS) / sum_of(of, a->columns);
+    const uint64_t down = ((uint64_t)screen->height << SCALE_BITS) / sum_of(of, a->rows);
+    const uint64_t scale = across < down ? across : down;
     const uint32_t seam = seam_of(screen->width, screen->height);
     uint32_t column[TRACKS_MOST + 1], row[TRACKS_MOST + 1];
-    place_tracks(column, a->columns, lengths, scale, screen->width, screen->cell_width);
-    place_tracks(row, a->rows, lengths, scale, screen->height, screen->cell_height);
+    place_tracks(column, a->columns, of, scale, screen->width, screen->cell_width);
+    place_tracks(row, a->rows, of, scale, screen->height, screen->cell_height);
     for (int i = 0; i < MOSAIC_PANES; i++) {
         const struct stay *stay = &a->stay[i];
         const uint32_t right = column[stay->column + stay->columns];
@@ -349,17 +346,6 @@ static void place_panes(struct mosaic_layout *layout, const struct arrangement *
         box->width = right - box->left - (right < screen->width ? seam : 0);
         box->height = bottom - box->top - (bottom < screen->height ? seam : 0);
     }
-}
-
-/* Lays the panes out; how many pixels show something. */
-static uint64_t arrange_panes(struct mosaic_layout *layout, const struct arrangement *a,
-                              const struct mosaic_screen *screen, const struct lengths *lengths)
-{
-    const uint64_t *of = lengths->of;
-    const uint64_t across = ((uint64_t)screen->width << SCALE_BITS) / sum_of(lengths, a->columns);
-    const uint64_t down = ((uint64_t)screen->height << SCALE_BITS) / sum_of(lengths, a->rows);
-    const uint64_t scale = across < down ? across : down;
-    place_panes(layout, a, screen, lengths, scale);
     const struct mosaic_box *box = &layout->box[MOSAIC_RENDITION];
     const uint64_t side = least(box->width, box->height);
     return (of[0] * of[2] + of[1] * of[2] + of[0] * of[1]) * (scale >> SCALE_BITS / 2) *
@@ -378,16 +364,15 @@ void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
                     const struct mosaic_screen *screen)
 {
     static const enum slice_plane across[3] = {SLICE_SAGITTAL, SLICE_CORONAL, SLICE_AXIAL};
-    struct lengths lengths;
-    uint64_t longest = 1;
+    uint64_t length[3], longest = 1;
     for (int i = 0; i < 3; i++) {
         const int axis = slice_axis(scene, across[i]);
-        lengths.of[i] = (uint64_t)scene->grid.size[axis] * scene->spacing_nm[axis];
-        longest = lengths.of[i] > longest ? lengths.of[i] : longest;
+        length[i] = (uint64_t)scene->grid.size[axis] * scene->spacing_nm[axis];
+        longest = length[i] > longest ? length[i] : longest;
     }
     for (int i = 0; i < 3; i++) {
-        const uint64_t part = lengths.of[i] / (longest / LENGTH + 1);
-        lengths.of[i] = part < LENGTH_LEAST ? LENGTH_LEAST : part;
+        const uint64_t part = length[i] / (longest / LENGTH + 1);
+        length[i] = part < LENGTH_LEAST ? LENGTH_LEAST : part;
     }
     uint64_t most = 0;
     *layout = (struct mosaic_layout){0};
@@ -401,7 +386,7 @@ void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
         const bool has_room = /* cells for all tracks */
             strlen(a->columns) * CELLS_LEAST <= screen->width / screen->cell_width &&
             strlen(a->rows) * CELLS_LEAST <= screen->height / screen->cell_height;
-        const uint64_t used = has_room ? arrange_panes(&next, a, screen, &lengths) : 0;
+        const uint64_t used = has_room ? arrange_panes(&next, a, screen, length) : 0;
         if (used > most) {
             most = i == 0 ? used + used / WORTH : used;
             *layout = next;

@@ -43,7 +43,7 @@ struct mosaic_choice {
     bool has_middle;   /* around this voxel, and else around `place` */
     uint32_t middle[3];
     const struct mosaic_layout *layout; /* NULL: halves */
-    uint32_t background;                /* of the rendition's pane (render/background.h) */
+    uint32_t background;                /* of the rendition's pane (render/palette.h) */
     uint32_t coarse; /* a pixel of the rendition stands for so many a side; 0 as 1 */
 };
 

@@ -94,7 +94,7 @@ static unsigned alike(const struct mark_runs *runs, size_t at)
                       (y + step < runs->rows && here[step * runs->columns] == *here));
 }
 
-static void keep(struct marks *marks, const struct mark_runs *runs, unsigned most)
+void marks_keep(struct marks *marks, const struct mark_runs *runs, unsigned most)
 {
     size_t left = 0;
     for (size_t i = 0; i < marks->count; i++)
@@ -102,16 +102,6 @@ static void keep(struct marks *marks, const struct mark_runs *runs, unsigned mos
             alike(runs, marks->mark[i].at) <= most)
             marks->mark[left++] = marks->mark[i];
     marks->count = left;
-}
-
-void marks_keep_rims(struct marks *marks, const struct mark_runs *runs)
-{
-    keep(marks, runs, 3);
-}
-
-void marks_keep_single(struct marks *marks, const struct mark_runs *runs)
-{
-    keep(marks, runs, 0);
 }
 
 /* A disc, or two diagonals, and what is around it. */

@@ -131,9 +131,9 @@ struct mark_runs {
 /* What is the same of the seeds of a run: their label, and whether they wait; 0 is no seed. */
 uint16_t mark_run(const struct mark *mark);
 
-/* Takes seeds away whose four neighbours are like them: of a run only the rim stays; or all that
- * have a neighbour like them: only those stay that are alone. */
-void marks_keep_rims(struct marks *marks, const struct mark_runs *runs);
-void marks_keep_single(struct marks *marks, const struct mark_runs *runs);
+/* Removes seeds that have more than `most` neighbours like them, of four: of a run only the rim
+ * stays; or only seeds that are alone. */
+enum { MARKS_OF_RIMS = 3, MARKS_ALONE = 0 };
+void marks_keep(struct marks *marks, const struct mark_runs *runs, unsigned most);
 
 #endif

@@ -40,10 +40,7 @@ static size_t in_plane(const struct bricks *bricks)
 
 void bricks_release(struct bricks *bricks)
 {
-    free(bricks->count);
     free(bricks->full);
-    free(bricks->room);
-    free(bricks->stale);
     *bricks = (struct bricks){0};
 }
 
@@ -60,15 +57,17 @@ static enum err make_room(struct bricks *bricks, const struct border *border, st
         bricks->size[a] =
             ((border->scene->grid.size[a] - 1) >> bricks->bits[a]) + 2 + 2 * BRICK_RIM;
     }
-    const size_t all = in_plane(bricks) * bricks->size[2];
-    bricks->count = mem_new(all);
-    bricks->full = mem_new(all * sizeof *bricks->full);
-    bricks->room = mem_new(2 * in_plane(bricks) * sizeof *bricks->room);
-    bricks->stale = mem_new(bricks->size[2]);
-    if (bricks->count && bricks->full && bricks->room && bricks->stale)
-        return OK;
-    bricks_release(bricks);
-    return fault_memory(fault, "ambient occlusion");
+    const size_t plane = in_plane(bricks), all = plane * bricks->size[2];
+    const struct mem_part parts[] = {{&bricks->full, all, sizeof *bricks->full},
+                                     {&bricks->room, 2 * plane, sizeof *bricks->room},
+                                     {&bricks->count, all, sizeof *bricks->count},
+                                     {&bricks->stale, bricks->size[2], sizeof *bricks->stale}};
+    if (!mem_parts(parts, sizeof parts / sizeof *parts))
+        return fault_memory(fault, "ambient occlusion");
+    memset(bricks->full, 0, all * sizeof *bricks->full);
+    memset(bricks->room, 0, 2 * plane * sizeof *bricks->room);
+    memset(bricks->count, 0, all * sizeof *bricks->count);
+    return OK;
 }
 
 /* The planes of voxels that a plane of bricks is made of. */
@@ -98,7 +97,7 @@ static void count_row(uint8_t *count, const struct border *border, struct span r
 {
     const unsigned side = 1u << bits;
     for (uint32_t c = row.first; c < row.end; c += 64) {
-        uint64_t word = border_shown_from(border, (ptrdiff_t)c);
+        uint64_t word = border_bits_at(border->shown, c);
         if (row.end - c < 64)
             word &= ~(UINT64_MAX << (row.end - c));
         if (bits > 0) /* how many of each 2^bits bits side by side are 1, in their place */

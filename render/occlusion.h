@@ -58,7 +58,7 @@ void occluder_init(struct occluder *occluder, const struct bricks *bricks,
                    const struct camera *camera, uint32_t percent);
 
 /* What is left of the ambient and the diffuse light, 0..LIGHT_UNIT, on a surface with this normal
- * (render/normal.h), at the point that a pixel shows at a depth. */
+ * (render/light.h), at the point that a pixel shows at a depth. */
 uint16_t occluder_leaves(const struct occluder *occluder, const int16_t normal[3], int64_t depth,
                          uint32_t x, uint32_t y);
 

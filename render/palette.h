@@ -8,42 +8,59 @@
  *
  * Distances are those of OKLab (Ottosson 2020) in 10 000ths; 200 is about what can just be told
  * apart side by side. What an eye without one kind of cones sees is that of Machado, Oliveira and
- * Fernandes (2009). tests/test_palette.c measures them.
+ * Fernandes (2009). tests/test_palette.c has the least distances, and measures them.
  */
 #ifndef RENDER_PALETTE_H
 #define RENDER_PALETTE_H
 
 #include <stdint.h>
 
+#include "base/buf.h"
+
 struct palette {
     uint8_t rgb[256][3]; /* sRGB, per label */
 };
 
-/* No distance is less, for eyes with all cones, and for each of the others. */
-enum {
-    PALETTE_CHOSEN = 16, /* labels whose colours were searched for together */
-
-    PALETTE_APART_4 = 2890, /* of labels 1 to 4 from one another, */
-    PALETTE_APART_4_BLIND = 1220,
-    PALETTE_APART_8 = 1680, /* of labels 1 to 8, */
-    PALETTE_APART_8_BLIND = 885,
-    PALETTE_APART_16 = 1090, /* of labels 1 to 16, */
-    PALETTE_APART_16_BLIND = 610,
-    PALETTE_APART_NEAR = 890, /* from 17 on, of the twelve before it, */
-    PALETTE_APART_NEAR_BLIND = 440,
-    PALETTE_APART_ALL = 220, /* of any two, */
-    PALETTE_APART_ALL_BLIND = 100,
-
-    PALETTE_OFF_GREY = 1230, /* of labels 1 to 16 from the nearest grey, */
-    PALETTE_OFF_GREY_BLIND = 530,
-    PALETTE_OFF_GREY_ALL = 700, /* of any, */
-    PALETTE_OFF_GREY_ALL_BLIND = 200,
-    PALETTE_OFF_MARKS = 1150, /* of labels 1 to 16 from those yellows, */
-    PALETTE_OFF_MARKS_BLIND = 670,
-    PALETTE_OFF_MARKS_ALL = 500, /* and of any */
-    PALETTE_OFF_MARKS_ALL_BLIND = 250,
-};
-
 void palette_default(struct palette *palette);
+
+/*
+ * The background: what is seen where no object is.
+ *
+ * A rendition holds objects alone: their colours, and in alpha how much of each pixel they cover.
+ * The background is put behind them where a picture is shown, or written as colours; golden images
+ * and OpenEXR files have the objects with their alpha, so that another program can put its own
+ * behind them. Where a pixel is covered in part, light adds up as in samples (rendition_reduce):
+ * the mean is taken of squares.
+ */
+
+/* What commands call them, beside a colour, in the order of the kinds below. */
+#define BACKGROUNDS "black|white|gradient|transparent"
+
+/* A background: one of these kinds, the plain one with 0xRRGGBB. */
+enum {
+    BACKGROUND_PLAIN = 1 << 24,
+    BACKGROUND_GRADIENT = 2 << 24, /* from a calm grey at the top to a darker one */
+    BACKGROUND_CLEAR = 3 << 24     /* alpha stays; black where that cannot be shown */
+};
+enum { BACKGROUND_WHITE = BACKGROUND_PLAIN | 0xffffff };
+
+/* As commands call it: "white", "#e0e0e0". */
+void background_write(struct buf *out, uint32_t background);
+
+/* The same where all has to be opaque: black for what is clear. */
+uint32_t background_opaque(uint32_t background);
+
+/* The colour in a row of a picture of that height, sRGB. */
+void background_at(uint8_t rgb[3], uint32_t background, uint32_t row, uint32_t height);
+
+/* A pixel over what is behind it; exactly either where it is covered whole or not at all. */
+void background_over(uint8_t rgb[3], const uint8_t rgba[4], const uint8_t behind[3]);
+
+/* Puts the background behind a picture [height][width][4], which is opaque afterwards unless that
+ * is clear. */
+void background_put(uint8_t *rgba, uint32_t width, uint32_t height, uint32_t background);
+/* The same of `rows` rows from row `top` on, which begin at `rgba`. */
+void background_put_rows(uint8_t *rgba, uint32_t width, uint32_t top, uint32_t rows,
+                         uint32_t height, uint32_t background);
 
 #endif

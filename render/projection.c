@@ -338,24 +338,26 @@ static uint64_t units_of(const struct mesh *mesh)
     return (uint64_t)mesh->bricks * MESH_UNITS;
 }
 
-static struct window whole(const struct rendition *r)
+static struct window window_of(struct tile_bounds t)
 {
-    return (struct window){0, 0, (int32_t)r->width - 1, (int32_t)r->height - 1, false};
-}
-
-static struct window tile_window(const struct rendition *r, size_t tile)
-{
-    const struct tile_bounds t = rendition_bounds(r, tile);
     return (struct window){(int32_t)t.left, (int32_t)t.top, (int32_t)t.right - 1,
                            (int32_t)t.bottom - 1, false};
 }
 
-static void clear(struct rendition *r)
+static void clear_layers(struct rendition *r, struct tile_bounds t)
 {
-    if (r->layers)
-        layers_clear(r);
-    else
-        rendition_clear(r);
+    for (uint32_t y = t.top; r->layers && y < t.bottom; y++)
+        for (uint32_t x = t.left; x < t.right; x++)
+            layers_put_none(r->layers, (size_t)y * r->width + x);
+}
+
+/* Nothing is seen, and all is to be shaded; the window is the whole picture. */
+static struct window clear(struct rendition *r)
+{
+    const struct tile_bounds whole = {0, 0, r->width, r->height};
+    rendition_clear(r);
+    clear_layers(r, whole);
+    return window_of(whole);
 }
 
 /* A brick, unless it lies outside a window. */
@@ -372,10 +374,9 @@ static void draw_seen(const struct drawer *d, struct rendition *r, const struct 
 void project_scene(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
 {
     struct task task = task_begin(camera->scene->watch, "rendition", units_of(mesh));
-    const struct window window = whole(r);
+    const struct window window = clear(r);
     struct drawer d;
     drawer_init(&d, camera, mesh);
-    clear(r);
     for (uint32_t b = 0; b < mesh->bricks && task_advance(&task, MESH_UNITS); b++)
         if (mesh->brick[b])
             draw_seen(&d, r, &window, b);
@@ -410,23 +411,17 @@ static void draw_border(struct task *task, struct rendition *r, const struct cam
     }
 }
 
-static void draw_anew(struct task task, struct rendition *r, const struct camera *camera,
-                      const struct mesh *mesh)
+void project_border_part(struct rendition *r, const struct camera *camera, const struct mesh *mesh,
+                         unsigned thread)
 {
-    const struct window window = whole(r);
-    clear(r);
+    struct task task = task_begin_part(camera->scene->watch, "rendition", units_of(mesh), thread);
+    const struct window window = clear(r);
     draw_border(&task, r, camera, mesh, &window);
 }
 
 void project_border(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
 {
-    draw_anew(task_begin(camera->scene->watch, "rendition", units_of(mesh)), r, camera, mesh);
-}
-
-void project_border_quietly(struct rendition *r, const struct camera *camera,
-                            const struct mesh *mesh)
-{
-    draw_anew(task_begin_part(camera->scene->watch, NULL, 0, 1), r, camera, mesh);
+    project_border_part(r, camera, mesh, 0);
 }
 
 void project_stale(struct rendition *r, const struct camera *camera, const struct mesh *mesh)
@@ -436,14 +431,13 @@ void project_stale(struct rendition *r, const struct camera *camera, const struc
     struct window window = {INT32_MAX, INT32_MAX, -1, -1, false};
     for (size_t i = rendition_tile(r, 0, tiles, TILE_STALE); i < tiles;
          i = rendition_tile(r, i + 1, tiles, TILE_STALE)) {
-        const struct window tile = tile_window(r, i);
+        const struct tile_bounds bounds = rendition_bounds(r, i);
+        const struct window tile = window_of(bounds);
         window.left = least_of(window.left, tile.left), window.top = least_of(window.top, tile.top);
         window.right = most_of(window.right, tile.right);
         window.bottom = most_of(window.bottom, tile.bottom);
-        if (r->layers)
-            layers_clear_tile(r, i);
-        else
-            rendition_clear_tile(r, i);
+        rendition_clear_tile(r, i);
+        clear_layers(r, bounds);
     }
     if (window.right >= 0)
         draw_border(&task, r, camera, mesh, &window);
@@ -457,7 +451,7 @@ void project_rays(struct rendition *r, const struct camera *camera, const struct
     drawer_init(&d, camera, mesh);
     clear(r);
     for (size_t tile = 0; tile < tiles && task_advance(&task, 8 * mesh->bricks); tile++) {
-        struct window window = tile_window(r, tile);
+        struct window window = window_of(rendition_bounds(r, tile));
         window.is_by_pixel = true;
         for (uint32_t b = 0; b < mesh->bricks; b++)
             if (mesh->brick[b])
@@ -522,8 +516,7 @@ static void draw_share(void *context, unsigned thread)
         part.layers = &layers;
     }
     const struct camera camera = camera_rows(s->camera, top, height);
-    draw_anew(task_begin_part(camera.scene->watch, "rendition", units_of(s->mesh), thread), &part,
-              &camera, s->mesh);
+    project_border_part(&part, &camera, s->mesh, thread);
 }
 
 void project_border_shared(struct rendition *r, const struct camera *camera,

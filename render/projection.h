@@ -35,9 +35,10 @@ typedef void projection(struct rendition *rendition, const struct camera *camera
  * scene's watch: what ends early is of no use. */
 projection project_scene, project_border, project_rays;
 
-/* Border projection by any thread, which ends early where the watch has stopped, but does not poll
- * it. */
-projection project_border_quietly;
+/* Border projection as part of one of several threads: others than thread 0 end early where the
+ * watch has stopped, but do not poll it. */
+void project_border_part(struct rendition *rendition, const struct camera *camera,
+                         const struct mesh *mesh, unsigned thread);
 
 /* Border projection by a team, each thread with rows of its own. */
 void project_border_shared(struct rendition *rendition, const struct camera *camera,

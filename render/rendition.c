@@ -9,26 +9,19 @@
 
 enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, struct fault *fault)
 {
-    size_t pixels = (size_t)width * height;
     *r = (struct rendition){.width = width, .height = height};
     r->tiles_x = (width + TILE - 1) / TILE;
     r->tiles_y = (height + TILE - 1) / TILE;
-    if (!mem_is_there(rendition_bytes(r)))
+    const size_t pixels = (size_t)width * height, tiles = (size_t)r->tiles_x * r->tiles_y;
+    const struct mem_part parts[] = {
+        {&r->depth, pixels, sizeof *r->depth},       {&r->cell, pixels, sizeof *r->cell},
+        {&r->label, pixels, sizeof *r->label},       {&r->rgba, pixels, 4 * sizeof *r->rgba},
+        {&r->normal, pixels, 4 * sizeof *r->normal}, {&r->stale, tiles, sizeof *r->stale},
+        {&r->blank, tiles, sizeof *r->blank},        {&r->far, tiles, sizeof *r->far},
+        {&r->is_drawn, tiles, sizeof *r->is_drawn}};
+    if (!mem_parts(parts, sizeof parts / sizeof *parts))
         return fault_memory(fault, "a rendition");
-    r->depth = mem_array(pixels, sizeof *r->depth);
-    r->cell = mem_array(pixels, sizeof *r->cell);
-    r->label = mem_array(pixels, sizeof *r->label);
-    r->rgba = mem_array(pixels, 4);
-    r->normal = mem_array(pixels, 4 * sizeof *r->normal);
-    r->stale = mem_array((size_t)r->tiles_x * r->tiles_y, 1);
-    r->blank = mem_new((size_t)r->tiles_x * r->tiles_y * sizeof *r->blank);
-    r->far = mem_array((size_t)r->tiles_x * r->tiles_y, sizeof *r->far);
-    r->is_drawn = mem_array((size_t)r->tiles_x * r->tiles_y, sizeof *r->is_drawn);
-    if (!r->depth || !r->cell || !r->label || !r->rgba || !r->normal || !r->stale || !r->blank ||
-        !r->far || !r->is_drawn) {
-        rendition_release(r);
-        return fault_memory(fault, "a rendition");
-    }
+    memset(r->blank, false, tiles * sizeof *r->blank);
     rendition_clear(r);
     return OK;
 }
@@ -36,14 +29,6 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
 void rendition_release(struct rendition *r)
 {
     free(r->depth);
-    free(r->cell);
-    free(r->label);
-    free(r->rgba);
-    free(r->normal);
-    free(r->stale);
-    free(r->blank);
-    free(r->far);
-    free(r->is_drawn);
     *r = (struct rendition){0};
 }
 

@@ -11,21 +11,17 @@
 
 enum { EDGE = LIGHT_UNIT * 35 / 100 }; /* what an edge leaves of a colour */
 
-struct shader_store {
-    struct bricks bricks; /* for ambient occlusion */
-};
-
 void shader_release(struct shader *shader)
 {
-    if (shader->store)
-        bricks_release(&shader->store->bricks);
-    free(shader->store);
-    shader->store = NULL;
+    if (shader->bricks)
+        bricks_release(shader->bricks);
+    free(shader->bricks);
+    shader->bricks = NULL;
 }
 
 size_t shader_bytes(const struct shader *shader)
 {
-    return shader->store ? bricks_bytes(&shader->store->bricks) : 0;
+    return shader->bricks ? bricks_bytes(shader->bricks) : 0;
 }
 
 enum mesh_kind shade_kind(const struct look *look)
@@ -45,10 +41,10 @@ enum err shader_prepare(struct shader *shader, const struct border *border, cons
 {
     if (!occludes(look, border))
         return OK;
-    if (!shader->store)
-        shader->store = mem_new(sizeof *shader->store);
-    return shader->store ? bricks_take(&shader->store->bricks, border, fault)
-                         : fault_memory(fault, "shading");
+    if (!shader->bricks)
+        shader->bricks = mem_new(sizeof *shader->bricks);
+    return shader->bricks ? bricks_take(shader->bricks, border, fault)
+                          : fault_memory(fault, "shading");
 }
 
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)
@@ -86,7 +82,7 @@ static void shading_init(struct shading *s, const struct camera *camera, const s
     normals_init(&s->normals, camera, mesh);
     light_init(&s->light, camera, look->light, look->cue_percent);
     if (s->occludes)
-        occluder_init(&s->occluder, &shader->store->bricks, camera, look->ao_percent);
+        occluder_init(&s->occluder, shader->bricks, camera, look->ao_percent);
     s->has_pixels = look->samples > 1 && normal_stride(camera) >= look->samples;
 }
 
@@ -126,23 +122,18 @@ static void shade_pixels(struct tile_shading *t)
     }
     light_surfaces(lit, &s->light, normals);
     for (unsigned i = 0; i < p->count; i++) {
-        uint8_t rgba[4];
         if (!open[i] || !is_cut_open(s, p->cell[i], open[i]))
             continue;
         /* Shade the cut face of the scene equally from every side, so that it reads like a slice.
          * */
-        const uint32_t cell = p->cell[i];
-        const int64_t cue = lit->cue[i];
         const int64_t width = (int64_t)s->window[1] - s->window[0];
-        const int64_t above = (int64_t)s->camera->scene->cell[cell].intensity - s->window[0];
+        const int64_t above = (int64_t)s->camera->scene->cell[p->cell[i]].intensity - s->window[0];
         const int64_t share = width ? above * 255 / width : 0;
         const int64_t grey = share < 0 ? 0 : share > 255 ? 255 : share;
-        uint8_t tinted[3];
-        for (int k = 0; k < 3; k++)
-            tinted[k] = (uint8_t)((3 * grey + s->palette->rgb[p->label[i]][k] + 2) / 4);
-        light_flat(rgba, tinted, cue);
-        for (int k = 0; k < 3; k++)
-            lit->colour[k][i] = rgba[k];
+        for (int k = 0; k < 3; k++) {
+            const int64_t tinted = (3 * grey + s->palette->rgb[p->label[i]][k] + 2) / 4;
+            lit->colour[k][i] = (uint8_t)(tinted * lit->cue[i] >> LIGHT_UNIT_BITS);
+        }
     }
 }
 

@@ -14,7 +14,6 @@
 #include "render/mesh.h"
 #include "render/look.h"
 #include "render/palette.h"
-#include "render/shader.h"
 
 /* Which mesh a look shows. */
 enum mesh_kind shade_kind(const struct look *look);

@@ -355,12 +355,10 @@ static bool draw_marks(const struct work *work)
         marks.failed = marks.failed || !runs.run;
         for (size_t i = 0; i < marks.count && !marks.failed; i++)
             runs.run[marks.mark[i].at] = mark_run(&marks.mark[i]);
-        if (!marks.failed && work->style->thin) {
+        if (!marks.failed && work->style->thin)
             marks.failed = !draw_rims(work, &runs);
-            marks_keep_single(&marks, &runs);
-        } else if (!marks.failed) {
-            marks_keep_rims(&marks, &runs);
-        }
+        if (runs.run)
+            marks_keep(&marks, &runs, work->style->thin ? MARKS_ALONE : MARKS_OF_RIMS);
         free(runs.run);
     }
     marks_draw(work->canvas, &marks, slice_unit(work->plan.size),
@@ -470,23 +468,20 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
     work.columns = columns;
     for (unsigned label = 1; label < 256; label++)
         work.shown[label] = work.style->visible[label] ? (uint8_t)label : 0;
-    work.sample = mem_array(columns, sizeof *work.sample);
-    work.voxel = mem_array(columns, sizeof *work.voxel);
-    work.reads = mem_array(2 * columns, sizeof *work.reads);
-    work.label = mem_array(columns * rows, 1);
-    work.intensity = mem_array(2 * columns, sizeof *work.intensity);
-    work.of_voxel = mem_array(2 * columns, 1);
-    bool fine =
-        work.sample && work.voxel && work.reads && work.label && work.intensity && work.of_voxel;
-    for (int i = 0; i < 2; i++) {
-        work.row[i].voxel = -1;
-        work.row[i].grey = mem_array(columns, sizeof *work.row[i].grey);
-        work.row[i].label = mem_array(columns, 1);
-        fine = fine && work.row[i].grey && work.row[i].label;
-    }
-    if (fine)
-        list_columns(&work, work.choice->smooth);
+    work.row[0].voxel = work.row[1].voxel = -1;
+    const struct mem_part parts[] = {{&work.sample, columns, sizeof *work.sample},
+                                     {&work.voxel, columns, sizeof *work.voxel},
+                                     {&work.reads, 2 * columns, sizeof *work.reads},
+                                     {&work.label, columns * rows, sizeof *work.label},
+                                     {&work.intensity, 2 * columns, sizeof *work.intensity},
+                                     {&work.of_voxel, 2 * columns, sizeof *work.of_voxel},
+                                     {&work.row[0].grey, columns, sizeof *work.row[0].grey},
+                                     {&work.row[0].label, columns, sizeof *work.row[0].label},
+                                     {&work.row[1].grey, columns, sizeof *work.row[1].grey},
+                                     {&work.row[1].label, columns, sizeof *work.row[1].label}};
+    bool fine = mem_parts(parts, sizeof parts / sizeof *parts);
     if (fine) {
+        list_columns(&work, work.choice->smooth);
         /* Black beyond the scene. */
         static const uint8_t black[3];
         const struct slice_side *column = &work.plan.side[0], *row = &work.plan.side[1];
@@ -522,14 +517,5 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
         draw_notes(&work);
     }
     free(work.sample);
-    free(work.voxel);
-    free(work.reads);
-    free(work.label);
-    free(work.intensity);
-    free(work.of_voxel);
-    for (int i = 0; i < 2; i++) {
-        free(work.row[i].grey);
-        free(work.row[i].label);
-    }
     return fine ? OK : fault_memory(fault, "a slice");
 }

@@ -305,7 +305,6 @@ enum err camera_init(struct camera *camera, const struct scene *scene, const str
             b.ahead[a] = COSINE_LEAST;
         b.side[a] = side_in_pixels(scene, a, view->zoom);
         b.focus[a] = flip * view->focus[a];
-        camera->toward[a] = camera->flip[a] ? scene->grid.step[a] : -scene->grid.step[a];
         if (b.side[a] >= SIDE_LIMIT || b.side[a] < 1)
             return fault_set(fault, ERR_LIMIT,
                              "a voxel would be %s in the picture; the view is unchanged",

@@ -104,7 +104,6 @@ struct camera {
      * scene's middle on. */
     int64_t centre[3], column[3][3], reach[2];
     int32_t right[3], up[3], ahead[3]; /* unit vectors in voxel axes (not flipped), times 2^30 */
-    ptrdiff_t toward[3];               /* cell step along each axis towards the viewer */
     int64_t unit_nm;                   /* length of one pixel at zoom 1 */
 };
 

@@ -13,7 +13,7 @@ from fontTools.ttLib import TTFont
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSansCondensed.ttf"
 NOTICE = "/usr/share/doc/fonts-dejavu-extra/copyright"
 DIGITS = "".join(chr(c) for c in range(35, 127) if chr(c) not in "?\\")  # a string of C is plain
-BASE, SMALL, WIDTH = len(DIGITS), 45, 90
+BASE, SMALL, WIDTH = len(DIGITS), 45, 96  # a pair of letters is three digits of one row
 SERIF = 62  # so much wider on either side is what has serifs
 
 # What European names need, Greek, and signs that stand in names and figures.
@@ -168,7 +168,7 @@ def write_sheet(what, name, text):
     rows = [text[at:at + WIDTH].ljust(WIDTH, DIGITS[0]) for at in range(0, len(text), WIDTH)]
     print(f"\n/* {what} */\nstatic const char {name}[{len(rows)}][FACE_ROW + 1] = {{")
     for row in rows:
-        print(f'    "{row}",')
+        print(f'"{row}",')
     print("};")
 
 

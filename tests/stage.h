@@ -13,11 +13,11 @@
 #include "render/border.h"
 #include "engine/forest.h"
 #include "render/incremental.h"
+#include "render/shade.h"
 #include "render/layers.h"
 #include "render/mesh.h"
 #include "render/projection.h"
 #include "render/rendition.h"
-#include "render/shade.h"
 #include "tests/random.h"
 
 struct stage {

@@ -199,11 +199,10 @@ static bool takes_small_arrays(size_t bytes)
     return bytes < most_bytes;
 }
 
-/* So a map of all pixels, of which the smallest has a byte for each, needs more memory than there
- * is. */
+/* Room for the samples of a band, but not for the colours of all pixels, nor for their maps. */
 static enum err spin_without_maps(struct interpreter *interp, const char *line)
 {
-    most_bytes = (size_t)256 * 4096;
+    most_bytes = (size_t)2 * 256 * 4096;
     mem_allows = takes_small_arrays;
     const enum err err = execute(interp, line);
     mem_allows = NULL;

@@ -157,7 +157,7 @@ STORY(every_size_has_what_fits)
             rendition_release(&s.rendition);
             CHECK(rendition_init(&s.rendition, s.view.width, s.view.height, NULL) == OK);
             rendition_clear(&s.rendition);
-            CHECK(canvas_init(&canvas, s.view.width, s.view.height, false, NULL) == OK);
+            CHECK(canvas_init(&canvas, s.view.width, s.view.height, 0, NULL) == OK);
             memset(canvas.rgba, 0, (size_t)4 * canvas.width * canvas.height);
             const struct decoration d = {.parts = DECORATE_ALL,
                                          .frame = &s.rendition,

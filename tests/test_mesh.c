@@ -349,12 +349,15 @@ static void make_copy(struct mesh *copy, const struct mesh *mesh)
         const struct mesh_brick *from = mesh->brick[i];
         if (!from)
             continue;
-        struct mesh_brick *b = copy->brick[i] = mem_new(sizeof *b);
-        *b = *from;
-        b->vertex = mem_array(from->vertices, sizeof *b->vertex);
-        b->quad = mem_array(from->quads, sizeof *b->quad);
-        memcpy(b->vertex, from->vertex, from->vertices * sizeof *b->vertex);
-        memcpy(b->quad, from->quad, from->quads * sizeof *b->quad);
+        struct mesh_brick *b, to = *from;
+        const struct mem_part parts[] = {{&b, 1, sizeof *b},
+                                         {&to.vertex, to.vertices, sizeof *to.vertex},
+                                         {&to.quad, to.quads, sizeof *to.quad}};
+        CHECK(mem_parts(parts, sizeof parts / sizeof *parts));
+        memcpy(to.vertex, from->vertex, to.vertices * sizeof *to.vertex);
+        memcpy(to.quad, from->quad, to.quads * sizeof *to.quad);
+        *b = to;
+        copy->brick[i] = b;
     }
 }
 
@@ -424,17 +427,12 @@ static void hear(void *context, const struct mesh *mesh, uint32_t number,
                  const struct mesh_brick *next)
 {
     struct mesh *copy = context; /* becomes the mesh */
-    struct mesh one = {.bricks = 1, .brick = &copy->brick[number]};
     struct mesh from = {.bricks = 1, .brick = (struct mesh_brick *[]){(struct mesh_brick *)next}};
     struct mesh taken;
     heard.bricks++;
     heard.others += !is_same_brick(mesh->brick[number], copy->brick[number]);
     make_copy(&taken, &from);
-    if (one.brick[0]) {
-        free(one.brick[0]->vertex);
-        free(one.brick[0]->quad);
-        free(one.brick[0]);
-    }
+    free(copy->brick[number]);
     copy->brick[number] = taken.brick[0];
     free(taken.brick);
 }

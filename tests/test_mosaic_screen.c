@@ -204,7 +204,7 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
             choice.middle[a] = check_below(&seed, scene->grid.size[a]);
         }
         mosaic_lay_out(&layout, scene, &screen);
-        CHECK(canvas_init(&canvas, screen.width, screen.height, true, NULL) == OK);
+        CHECK(canvas_init(&canvas, screen.width, screen.height, CANVAS_CELLS, NULL) == OK);
         CHECK(mosaic_draw(&canvas, scene, &r, &choice, &style, NULL) == OK);
         for (uint32_t p = 0; p < screen.width * screen.height; p++)
             wrong += canvas.cell[p] != mosaic_cell_at(scene, screen.width, screen.height, &r,
@@ -216,7 +216,7 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
             struct canvas alone;
             if (box->width == 0)
                 continue;
-            CHECK(canvas_init(&alone, box->width, box->height, true, NULL) == OK);
+            CHECK(canvas_init(&alone, box->width, box->height, CANVAS_CELLS, NULL) == OK);
             CHECK(slice_draw(&alone, scene, &slice, &style, NULL) == OK);
             for (uint32_t y = 0; y < box->height; y++) {
                 const size_t at = (size_t)(box->top + y) * canvas.stride + box->left;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Colours of labels: distinct, and well apart, off grey and off what is drawn over slices, also for
- * eyes that lack one kind of cone. Distances are as render/palette.h has them.
+ * eyes that lack one kind of cone. render/palette.h says how distances are measured.
  */
 #include "check.h"
 
@@ -104,6 +104,36 @@ static int64_t apart(const struct seen *a, const struct seen *b)
     return least;
 }
 
+/* ---- what is promised ---- */
+
+enum { PALETTE_CHOSEN = 16 }; /* labels whose colours were searched for together */
+
+/* No distance is less. */
+enum least {
+    APART_4,
+    APART_8,
+    APART_16,
+    NEAR,
+    ALL,
+    OFF_GREY,
+    OFF_GREY_ALL,
+    OFF_MARKS,
+    OFF_MARKS_ALL,
+    LEASTS
+};
+static const int64_t promised[LEASTS][2] = {
+    /* for eyes with all cones, and for each of the others */
+    [APART_4] = {2890, 1220},     /* of labels 1 to 4 from one another, */
+    [APART_8] = {1680, 885},      /* of labels 1 to 8, */
+    [APART_16] = {1090, 610},     /* of labels 1 to 16, */
+    [NEAR] = {890, 440},          /* from 17 on, of the twelve before it, */
+    [ALL] = {220, 100},           /* of any two, */
+    [OFF_GREY] = {1230, 530},     /* of labels 1 to 16 from the nearest grey, */
+    [OFF_GREY_ALL] = {700, 200},  /* of any, */
+    [OFF_MARKS] = {1150, 670},    /* of labels 1 to 16 from those yellows, */
+    [OFF_MARKS_ALL] = {500, 250}, /* and of any */
+};
+
 /* ---- the rule ---- */
 
 enum { LEVEL_STEP = 15, CANDIDATES = 18 * 18 * 18, NEIGHBOURS = 12 };
@@ -118,8 +148,7 @@ static int candidates;
 /* Off grey and off marks, and neither too dark nor too bright to be shaded. */
 static bool is_fit(const struct seen *seen)
 {
-    static const int64_t grey[2] = {PALETTE_OFF_GREY_ALL, PALETTE_OFF_GREY_ALL_BLIND};
-    static const int64_t marks[2] = {PALETTE_OFF_MARKS_ALL, PALETTE_OFF_MARKS_ALL_BLIND};
+    const int64_t *grey = promised[OFF_GREY_ALL], *marks = promised[OFF_MARKS_ALL];
     bool fit = seen->lab[0][0] >= 4500 && seen->lab[0][0] <= 9200;
     for (int eye = 0; eye < EYES && fit; eye++)
         fit = off_grey(eye, seen) >= grey[eye > 0] * grey[eye > 0] &&
@@ -197,20 +226,6 @@ STORY(the_table_is_what_its_rule_makes)
 
 /* ---- what it gives ---- */
 
-/* The least distances, as the header names them. */
-enum least {
-    APART_4,
-    APART_8,
-    APART_16,
-    NEAR,
-    ALL,
-    OFF_GREY,
-    OFF_GREY_ALL,
-    OFF_MARKS,
-    OFF_MARKS_ALL,
-    LEASTS
-};
-
 static void take_least(int64_t *least, int64_t squared)
 {
     const int64_t distance = (int64_t)sqrt((double)squared);
@@ -239,14 +254,6 @@ static void find_least(int eye, const struct seen *label, int64_t least[LEASTS])
 
 STORY(labels_stand_off_each_other_off_grey_and_off_marks_for_every_eye)
 {
-#define BOTH(name)                                                                                 \
-    {                                                                                              \
-        PALETTE_##name, PALETTE_##name##_BLIND                                                     \
-    }
-    static const int64_t promised[LEASTS][2] = {
-        BOTH(APART_4),  BOTH(APART_8),      BOTH(APART_16),  BOTH(APART_NEAR),    BOTH(APART_ALL),
-        BOTH(OFF_GREY), BOTH(OFF_GREY_ALL), BOTH(OFF_MARKS), BOTH(OFF_MARKS_ALL),
-    };
     struct palette palette;
     struct seen label[256];
     palette_default(&palette);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "render/normal.h"
+#include "render/light.h"
 #include "tests/stage.h"
 
 static void stage_cube(struct stage *s, uint32_t side)

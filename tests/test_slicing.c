@@ -105,7 +105,7 @@ static char letter_at(const struct canvas *s, int edge)
         struct canvas on[2];
         bool same = true;
         for (int ground = 0; ground < 2; ground++) {
-            CHECK(canvas_init(&on[ground], 100, 100, false, NULL) == OK);
+            CHECK(canvas_init(&on[ground], 100, 100, 0, NULL) == OK);
             if (ground)
                 canvas_box(&on[ground], 0, 0, 100, 100, white);
             notes_draw_sides(&on[ground], 100, sides, &notes_light);
@@ -357,7 +357,7 @@ static bool is_titled(const struct interpreter *interp, const char *words)
     const uint32_t tall = notes_tall(200);
     struct canvas expected;
     bool same = true;
-    CHECK(canvas_init(&expected, 200, 200, false, NULL) == OK);
+    CHECK(canvas_init(&expected, 200, 200, 0, NULL) == OK);
     text_draw(&expected, 4, 4, tall, words, &notes_light);
     for (uint32_t y = 4; y < 4 + 2 * text_line(tall); y++)
         for (uint32_t x = 0; x < 90; x++)

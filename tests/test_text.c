@@ -16,7 +16,7 @@ static const struct ink on_black = {{255, 255, 255}, {0, 0, 0}}, red = {{200, 9,
 static struct canvas canvas_of(uint32_t width, uint32_t height)
 {
     struct canvas canvas;
-    CHECK(canvas_init(&canvas, width, height, false, NULL) == OK);
+    CHECK(canvas_init(&canvas, width, height, 0, NULL) == OK);
     return canvas;
 }
 
@@ -342,8 +342,8 @@ STORY(what_falls_beyond_the_edges_is_not_drawn)
 STORY(a_canvas_remembers_where_its_words_are)
 {
     static const uint8_t ground[3] = {90, 255, 90};
-    struct canvas canvas = canvas_of(60, 60);
-    CHECK(!canvas_remember(&canvas, NULL));
+    struct canvas canvas;
+    CHECK(canvas_init(&canvas, 60, 60, CANVAS_NOTES, NULL) == OK);
     canvas_box(&canvas, 0, 0, 60, 60, ground);
     const struct canvas part = canvas_part(&canvas, 20, 30, 40, 30);
     text_draw(&part, -5, -5, 14, "W@j", &red);

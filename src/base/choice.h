@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 /* A part of the text that it was found in; no NUL ends it. */
 struct choice {
@@ -16,12 +17,34 @@ struct choice {
 };
 
 /* Takes the choice at *cursor and advances past it; false at the end of the text. */
-bool choice_next(struct choice *out, const char **cursor);
+static inline bool choice_next(struct choice *out, const char **cursor)
+{
+    if (**cursor == '\0')
+        return false;
+    *out = (struct choice){*cursor, strcspn(*cursor, "|")};
+    *cursor += out->length;
+    *cursor += **cursor == '|';
+    return true;
+}
 
 /* Which choice a word is, to the letter; -1 for none. */
-int choice_find(const char *choices, const char *word);
+static inline int choice_find(const char *choices, const char *word)
+{
+    const size_t length = strlen(word);
+    struct choice choice;
+    for (int i = 0; choice_next(&choice, &choices); i++)
+        if (choice.length == length && memcmp(choice.word, word, length) == 0)
+            return i;
+    return -1;
+}
 
 /* The choice of this number; the last one where there are not so many. */
-struct choice choice_at(const char *choices, unsigned number);
+static inline struct choice choice_at(const char *choices, unsigned number)
+{
+    struct choice choice = {choices, 0};
+    for (unsigned i = 0; i <= number && choice_next(&choice, &choices); i++)
+        continue;
+    return choice;
+}
 
 #endif

@@ -190,19 +190,21 @@ bool confine_to(const struct confine_place *place, size_t places)
 
 /* Calls that are let through whatever is given to them. What is missing on purpose, of what
  * decoders try: ioctl, for isatty; a terminal would take lines from it. */
-static const uint32_t for_descriptors[] = {SYS_read,   SYS_readv,    SYS_pread64,   SYS_write,
-                                           SYS_writev, SYS_pwrite64, SYS_lseek,     SYS_close,
-                                           SYS_dup,    SYS_fstat,    SYS_fadvise64, SYS_flock};
-static const uint32_t for_memory[] = {SYS_brk, SYS_mremap, SYS_munmap, SYS_madvise, SYS_futex};
-static const uint32_t for_signals[] = {SYS_rt_sigaction, SYS_rt_sigprocmask,  SYS_rt_sigreturn,
-                                       SYS_sigaltstack,  SYS_restart_syscall, SYS_exit,
-                                       SYS_exit_group};
-static const uint32_t for_time[] = {SYS_clock_gettime, SYS_clock_getres, SYS_clock_nanosleep,
-                                    SYS_nanosleep,     SYS_gettimeofday, SYS_getrusage,
-                                    SYS_sched_yield};
-static const uint32_t for_facts[] = {SYS_getrandom, SYS_getpid,           SYS_gettid,  SYS_getuid,
-                                     SYS_geteuid,   SYS_getgid,           SYS_getegid, SYS_uname,
-                                     SYS_sysinfo,   SYS_sched_getaffinity};
+static const uint32_t for_all[] = {
+    /* descriptors that it holds */
+    SYS_read, SYS_readv, SYS_pread64, SYS_write, SYS_writev, SYS_pwrite64, SYS_lseek, SYS_close,
+    SYS_dup, SYS_fstat, SYS_fadvise64, SYS_flock,
+    /* its memory */
+    SYS_brk, SYS_mremap, SYS_munmap, SYS_madvise, SYS_futex,
+    /* signals and its end */
+    SYS_rt_sigaction, SYS_rt_sigprocmask, SYS_rt_sigreturn, SYS_sigaltstack, SYS_restart_syscall,
+    SYS_exit, SYS_exit_group,
+    /* the time */
+    SYS_clock_gettime, SYS_clock_getres, SYS_clock_nanosleep, SYS_nanosleep, SYS_gettimeofday,
+    SYS_getrusage, SYS_sched_yield,
+    /* facts of the process and of the machine */
+    SYS_getrandom, SYS_getpid, SYS_gettid, SYS_getuid, SYS_geteuid, SYS_getgid, SYS_getegid,
+    SYS_uname, SYS_sysinfo, SYS_sched_getaffinity};
 static const uint32_t to_open[] = {
 #ifdef SYS_open /* on older processors the same has two names */
     SYS_open,       SYS_stat,       SYS_lstat,      SYS_access, SYS_readlink,
@@ -221,11 +223,7 @@ static const struct list {
     unsigned kind; /* enum confine_calls; 0: for every decoder */
     const uint32_t *call;
     size_t count;
-} list[] = {{0, LISTED(for_descriptors)},
-            {0, LISTED(for_memory)},
-            {0, LISTED(for_signals)},
-            {0, LISTED(for_time)},
-            {0, LISTED(for_facts)},
+} list[] = {{0, LISTED(for_all)},
             {CONFINE_OPEN, LISTED(to_open)},
             {CONFINE_CHANGE, LISTED(to_change)},
             {CONFINE_THREADS, LISTED(to_thread)}};

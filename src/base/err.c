@@ -61,22 +61,19 @@ enum err fault_memory(struct fault *fault, const char *purpose)
     return fault_set(fault, ERR_MEMORY, "out of memory for %s; nothing has changed", purpose);
 }
 
+static const struct {
+    int status;
+    const char *name;
+} err_table[] = {
+#define ERR_ROW(code, status, name) {status, name},
+    ERR_LIST(ERR_ROW)};
+
 int err_exit_status(enum err code)
 {
-    static const int status[] = {
-#define ERR_STATUS(name, number, words) number,
-        ERR_LIST(ERR_STATUS)
-#undef ERR_STATUS
-    };
-    return status[code];
+    return err_table[code].status;
 }
 
 const char *err_name(enum err code)
 {
-    static const char *const name[] = {
-#define ERR_NAME(symbol, number, words) words,
-        ERR_LIST(ERR_NAME)
-#undef ERR_NAME
-    };
-    return name[code];
+    return err_table[code].name;
 }

@@ -26,7 +26,7 @@ unsigned file_lines_patience_ms = 3000;
 enum { LOCK_PAUSE_US = 1000, REPLACED_MOST = 100 };
 
 /* A process that was stopped may hold the lock for any time, so this gives up at `deadline`. */
-static bool lock(int fd, const char *path, uint64_t deadline)
+static bool lock_until(int fd, const char *path, uint64_t deadline)
 {
     while (file_step_fails(FILE_STEP_LOCK, path) || flock(fd, LOCK_EX | LOCK_NB) != 0) {
         if ((errno != EWOULDBLOCK && errno != EINTR) || clock_ns() >= deadline)
@@ -52,7 +52,7 @@ static enum err open_locked(int *fd, bool *is_locked, const char *path, int flag
         enum err err = file_open(fd, &bytes, path, flags, fault);
         if (err)
             return err;
-        *is_locked = lock(*fd, path, deadline);
+        *is_locked = lock_until(*fd, path, deadline);
         if (is_at_path(*fd, path) || clock_ns() >= deadline)
             return OK;
         close(*fd);
@@ -223,7 +223,7 @@ enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
     return err;
 }
 
-enum { LOCK_BYTES_MOST = 4096, POLL_MS = 10 };
+enum { LOCK_BYTES_MOST = 4096 };
 
 /* ---- who holds the system's lock ---- */
 
@@ -374,22 +374,10 @@ static enum err take_lock_file(struct file_lock *lock, const char *path, struct 
 
 /* ---- either ---- */
 
-static bool lock_now(int fd, const char *path)
-{
-    return !file_step_fails(FILE_STEP_LOCK, path) && flock(fd, LOCK_EX | LOCK_NB) == 0;
-}
-
 enum err file_lock_take(struct file_lock *lock, int fd, const char *path, struct fault *fault)
 {
-    const struct timespec moment = {.tv_nsec = POLL_MS * 1000000L};
     struct stat status;
-    bool is_ours = lock_now(fd, path);
-    for (int ms = 0; !is_ours && errno == EWOULDBLOCK && ms < FILE_LOCK_PATIENCE_MS;
-         ms += POLL_MS) {
-        nanosleep(&moment, NULL);
-        is_ours = lock_now(fd, path);
-    }
-    if (is_ours)
+    if (lock_until(fd, path, clock_ns() + FILE_LOCK_PATIENCE_MS * UINT64_C(1000000)))
         return OK;
     if (errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL)
         return take_lock_file(lock, path, fault);

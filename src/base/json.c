@@ -130,7 +130,6 @@ static enum err take_text(struct json_reader *r, struct buf *out, struct fault *
 
 static enum err take_number(struct json_reader *r, int64_t *out, struct fault *fault)
 {
-    static const char expected[] = "a whole number of at most 9007199254740991";
     const bool is_negative = take(r, "-"), is_zero = here(r) == '0';
     const size_t begin = r->at;
     int64_t value = 0;
@@ -138,7 +137,7 @@ static enum err take_number(struct json_reader *r, int64_t *out, struct fault *f
         value = value * 10 + (here(r) - '0');
     if (r->at == begin || (is_zero && r->at > begin + 1) || value > NUMBER_MOST ||
         (here(r) && strchr(".eE", here(r))))
-        return expect(r, expected, fault);
+        return expect(r, "a whole number of at most 9007199254740991", fault);
     *out = is_negative ? -value : value;
     return OK;
 }
@@ -171,13 +170,6 @@ static enum err take_value(struct json_reader *r, struct json_member *m, struct 
 
 /* ---- members ---- */
 
-static enum err take_end(struct json_reader *r, struct json_member *m, struct fault *fault)
-{
-    m->kind = JSON_END;
-    skip_blanks(r);
-    return r->at < r->length ? expect(r, "nothing after the object", fault) : OK;
-}
-
 enum err json_read(struct json_reader *r, struct json_member *m, struct fault *fault)
 {
     const bool is_first = r->at == 0;
@@ -185,8 +177,11 @@ enum err json_read(struct json_reader *r, struct json_member *m, struct fault *f
     if (is_first && !take(r, "{"))
         return expect(r, "an object, as in {\"id\": 1}", fault);
     skip_blanks(r);
-    if (take(r, "}"))
-        return take_end(r, m, fault);
+    if (take(r, "}")) {
+        m->kind = JSON_END;
+        skip_blanks(r);
+        return r->at < r->length ? expect(r, "nothing after the object", fault) : OK;
+    }
     if (!is_first && !take(r, ","))
         return expect(r, "a comma, or } at the end of the object", fault);
     skip_blanks(r);

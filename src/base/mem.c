@@ -57,6 +57,23 @@ void *mem_array(size_t count, size_t size)
     return malloc(bytes ? bytes : 1);
 }
 
+bool mem_parts(const struct mem_part *part, size_t parts)
+{
+    const size_t aligned = _Alignof(max_align_t);
+    size_t end = 0, bytes;
+    for (size_t i = 0; i < parts; i++)
+        if (!size_multiply(part[i].count, part[i].size, &bytes) || bytes > SIZE_MAX / 2 - end)
+            return false;
+        else
+            end += (bytes + aligned - 1) / aligned * aligned;
+    char *at = mem_array(end, 1);
+    for (size_t i = 0; i < parts && at; i++) {
+        memcpy(part[i].array, &at, sizeof at);
+        at += (part[i].count * part[i].size + aligned - 1) / aligned * aligned;
+    }
+    return at != NULL;
+}
+
 bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size)
 {
     if (needed <= *capacity)

@@ -24,6 +24,13 @@ void *mem_new(size_t bytes);
  * machine has not the memory (mem_available), under a limit one of 1 MB. Freed by free(). */
 void *mem_array(size_t count, size_t size);
 
+/* Several such arrays, in one block of memory: freed by free() of the first. */
+struct mem_part {
+    void *array; /* points at the pointer that is set */
+    size_t count, size;
+};
+bool mem_parts(const struct mem_part *part, size_t parts);
+
 /* Whether the machine has the memory for arrays of so many bytes together, which are not touched
  * yet; true for less than is checked, as above. */
 bool mem_is_there(size_t bytes);

@@ -15,7 +15,7 @@
 #include "render/border.h"
 #include "render/layers.h"
 #include "render/rendition.h"
-#include "render/shader.h"
+#include "render/look.h"
 #include "session/follower.h"
 #include "session/map.h"
 #include "session/markers.h"

@@ -59,7 +59,7 @@ enum held_as {
     HELD_AS_NUMBER,     /* the number; of choices, which, from 0; of parts, their bits */
     HELD_AS_SWITCH,     /* 1 for the first of two choices, 0 for the second */
     HELD_AS_COUNT,      /* the number that the choice is */
-    HELD_AS_BACKGROUND, /* a background (render/background.h) */
+    HELD_AS_BACKGROUND, /* a background (render/palette.h) */
 };
 
 /* What the answer says, and the record, once a setting was set (act_set). */

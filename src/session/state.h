@@ -24,10 +24,9 @@
 #include "base/watch.h"
 #include "engine/finish.h"
 #include "engine/weight.h"
-#include "render/background.h"
+#include "render/palette.h"
 #include "render/cut.h"
 #include "render/look.h"
-#include "render/palette.h"
 #include "render/slice.h"
 #include "render/view.h"
 
@@ -163,7 +162,7 @@ struct outlook {
     struct view view;
     struct look look;
     uint32_t decorations;    /* of the rendition: bits of render/decoration.h */
-    uint32_t background;     /* render/background.h */
+    uint32_t background;     /* render/palette.h */
     uint32_t context;        /* enum context_kind */
     uint32_t runs_by_itself; /* 0 or 1: each edit is run at once */
     struct slice_settings slices;

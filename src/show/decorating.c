@@ -90,7 +90,7 @@ enum err session_show_frame(struct canvas *canvas, const struct session *session
 {
     const struct rendition r = session_picture(session);
     const uint32_t background = background_opaque(session_outlook(session)->background);
-    const enum err err = canvas_init(canvas, r.width, r.height, false, fault);
+    const enum err err = canvas_init(canvas, r.width, r.height, 0, fault);
     if (err)
         return err;
     memcpy(canvas->rgba, r.rgba, (size_t)4 * r.width * r.height);

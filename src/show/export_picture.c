@@ -12,7 +12,7 @@
 #include "base/version.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
-#include "render/background.h"
+#include "render/palette.h"
 #include "render/view.h"
 #include "session/follower.h"
 #include "session/setting.h"

@@ -228,7 +228,7 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
     *canvas = (struct canvas){0};
     enum err err = prepare(session, kind, labels, fault);
     if (!err)
-        err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
+        err = canvas_init(canvas, view->width, view->height, tells_cells ? CANVAS_CELLS : 0, fault);
     return err ? err : draw(canvas, session, kind, labels, NULL, NULL, fault);
 }
 
@@ -273,9 +273,7 @@ enum err slicing_draw_below(struct canvas *canvas, struct session *session,
     slice_window(style.grey, window[0], window[1]);
     const struct slice_choice slice = mosaic_slice(
         session_scene(session), &choice, panel->screen.width, panel->screen.height, plane);
-    enum err err = canvas_init(canvas, box->width, box->height, false, fault);
-    if (!err)
-        err = canvas_remember(canvas, fault);
+    enum err err = canvas_init(canvas, box->width, box->height, CANVAS_NOTES, fault);
     if (!err)
         err = slice_draw(canvas, session_scene(session), &slice, &style, fault);
     if (err)

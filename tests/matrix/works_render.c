@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "render/background.h"
+#include "render/palette.h"
 #include "render/cut.h"
 #include "render/decoration.h"
 #include "render/fit.h"
@@ -334,7 +334,7 @@ static void slices(struct stage *s)
                                  .least = "-12.5",
                                  .most = "1040"};
     slice_window(style.grey, 210, 5);
-    must(canvas_init(&canvas, WIDTH, HEIGHT, true, &fault), &fault, "a canvas");
+    must(canvas_init(&canvas, WIDTH, HEIGHT, CANVAS_CELLS, &fault), &fault, "a canvas");
     for (int i = 0; i < 18; i++) {
         const struct slice_choice choice = {.plane = (enum slice_plane)(i % 3),
                                             .place = {23, 11, 17},
@@ -372,7 +372,7 @@ static void decorations(struct stage *s)
     struct fault fault;
     s->view.zoom *= 4;
     resize(s, 4 * WIDTH, 4 * HEIGHT);
-    must(canvas_init(&canvas, s->view.width, s->view.height, false, &fault), &fault, "a canvas");
+    must(canvas_init(&canvas, s->view.width, s->view.height, 0, &fault), &fault, "a canvas");
     for (int i = 0; i < 8; i++) {
         s->view.angle[0] = i * 51000;
         s->view.angle[1] = i * 13000;
