@@ -149,11 +149,13 @@ TESTS += $(BUILD)/tests/test_team_racing $(BUILD)/tests/test_picture_writer_raci
 endif
 
 # Fuzz targets of the readers of outside data, and their corpora. libFuzzer has its own main.
-FUZZ          := $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
+FUZZ          := $(notdir $(wildcard tests/fuzz/corpus/*))
 FUZZ_SECONDS  ?= 60
 FUZZ_SANITISE := -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
-FUZZ_REPLAYS  := $(FUZZ:%=$(BUILD)/tests/fuzz/fuzz_%)
-FUZZERS       := $(FUZZ:%=$(BUILD)/libfuzzer/fuzz_%)
+FUZZ_TARGETS  := tests/fuzz/targets.c $(wildcard tests/fuzz/fuzz_*.c)
+FUZZ_TARGETS  := $(FUZZ_TARGETS:%.c=$(BUILD)/%.o)
+FUZZ_REPLAY   := $(BUILD)/tests/fuzz/replay
+FUZZER        := $(BUILD)/libfuzzer/fuzz
 
 # Programs that iftty is compared with. Debian's Python finds Debian's modules.
 PEER_PACKAGES := libinsighttoolkit5-dev libvigraimpex-dev python3-scipy python3-skimage
@@ -186,7 +188,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .PHONY: all install uninstall deb static oci tests test test-long test-stress soak test-bare \
         test-static test-alike test-release lint-deb test-deb test-oci test-reproducible \
         check-format format analyse \
-        variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzers demo \
+        variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzer demo \
         bench-peers bench-chafa bench-brain bench-terminal bench-paper bench-growth \
         bench-render bench-frames bench-journal bench-keys bench-looks bench-effort bench-register \
         bench-series bench-files bench-beside bench-apply bench-surface remake-examples help \
@@ -232,11 +234,12 @@ test-cohort: all build/.packages-cohort
 
 ## fuzz: run libFuzzer on the readers; FUZZ_SECONDS=60 each; FUZZ=journal: one of them
 fuzz: build/.packages-matrix
-	@$(MAKE) VARIANT=fuzz CC=clang OPTIMISE=-O1 SANITISE="$(FUZZ_SANITISE)" FUZZ="$(FUZZ)" fuzzers
+	@$(MAKE) VARIANT=fuzz CC=clang OPTIMISE=-O1 SANITISE="$(FUZZ_SANITISE)" fuzzer
 	@for name in $(FUZZ); do mkdir -p build/fuzz/corpus/$$name && \
-	    build/fuzz/libfuzzer/fuzz_$$name -max_total_time=$(FUZZ_SECONDS) -timeout=20 -max_len=8192 \
-	        -rss_limit_mb=4096 -print_final_stats=1 -artifact_prefix=build/fuzz/$$name- \
-	        build/fuzz/corpus/$$name tests/fuzz/corpus/$$name || exit 1; done
+	    FUZZ_TARGET=$$name build/fuzz/libfuzzer/fuzz -max_total_time=$(FUZZ_SECONDS) -timeout=20 \
+	        -max_len=8192 -rss_limit_mb=4096 -print_final_stats=1 \
+	        -artifact_prefix=build/fuzz/$$name- build/fuzz/corpus/$$name \
+	        tests/fuzz/corpus/$$name || exit 1; done
 
 ## test-stress: run the programs that depend on time 20 times beside 12 busy processes
 test-stress: all tests build/.packages-test
@@ -281,7 +284,7 @@ compile_commands.json: Makefile | $(PACKAGES_STAMP)
 ##     make VARIANT=debug OPTIMISE="-Og -g3" && gdb --args build/debug/iftty
 
 ## tests: build the test programs, and those of bench-peers that need no further package
-tests: $(BUILD)/share $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge \
+tests: $(BUILD)/share $(TESTS) $(BENCH) $(FUZZ_REPLAY) $(BUILD)/tests/mutation/nudge \
        $(PEERS_IN_C) $(STAGED) $(ITK_JUDGE) $(PROBES)
 
 ## install: build and install the programs, manual, completions and examples below
@@ -467,12 +470,11 @@ $(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $(filter %.o,$^) $(LIBRARY) $(LIBS)
 
-fuzzers: $(FUZZERS)
-$(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/replay.o \
-                            $(BUILD)/tests/fuzz/file.o $(LIBRARY)
+fuzzer: $(FUZZER)
+$(FUZZ_REPLAY): $(BUILD)/tests/fuzz/replay.o $(FUZZ_TARGETS) $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
-$(BUILD)/libfuzzer/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/file.o $(LIBRARY)
+$(FUZZER): $(FUZZ_TARGETS) $(LIBRARY)
 	@mkdir -p $(@D)
 	$(say) "link      $@"
 	$(Q)$(CC) -fsanitize=fuzzer $(ALL_LDFLAGS) -o $@ $^ $(LIBS)

@@ -5,25 +5,16 @@
 . "$(dirname "$0")/lib.sh"
 
 for folder in tests/fuzz/corpus/*; do
-    name=${folder##*/}
-    begin "bytes for the reader of: $name"
-    changes=6000 # and fewer where a change takes longest
-    case $name in
-    helper | mgh | nrrd | raw | procedure) changes=3000 ;;
-    nifti | exr) changes=2000 ;;
-    surface) changes=300 ;;
-    esac
-    changes=$((changes * ${IFTTY_TEST_SCALE:-1}))
-    expect 0 "$build/tests/fuzz/fuzz_$name" $changes "$folder"/* </dev/null
+    begin "bytes for the reader of: ${folder##*/}"
+    expect 0 "$build/tests/fuzz/replay" "${folder##*/}" "${IFTTY_TEST_SCALE:-1}" "$folder"/* \
+        </dev/null
     out_has "$(find "$folder" -type f | wc -l | tr -d ' ') files"
     close_story
 done
 
 begin "every target has a corpus"
-for target in tests/fuzz/fuzz_*.c; do
-    name=${target#tests/fuzz/fuzz_}
-    [ -d "tests/fuzz/corpus/${name%.c}" ] || fail "no corpus for $target"
-done
+expect 2 "$build/tests/fuzz/replay"
+[ "$(cat "$work/out")" = "$(ls tests/fuzz/corpus)" ] || fail "targets are not the corpora"
 close_story
 
 finish

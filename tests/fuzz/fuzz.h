@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz targets: each file fuzz_NAME.c hands any bytes at all to one reader of what comes from
- * outside, and ends the program where a promise of that reader does not hold.
+ * Fuzz targets: each hands any bytes at all to one reader of what comes from outside, and ends the
+ * program where a promise of that reader does not hold.
  *
  * `make fuzz` has libFuzzer look for such bytes, under clang's AddressSanitizer and UBSan. The
- * same targets, with a plain driver (replay.c), read what lies in tests/fuzz/corpus/NAME in every
+ * same targets, with a plain driver (replay.c), read the files of tests/fuzz/corpus/NAME in every
  * `make test`, whole, cut, and with bytes changed.
  */
 #ifndef TESTS_FUZZ_FUZZ_H
@@ -15,8 +15,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Always 0. The name is libFuzzer's. */
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length);
+typedef void fuzz_reader(const uint8_t *bytes, size_t length);
+fuzz_reader fuzz_command, fuzz_config, fuzz_csa, fuzz_exr, fuzz_helper, fuzz_journal, fuzz_keys,
+    fuzz_labels, fuzz_line, fuzz_mgh, fuzz_nifti, fuzz_nrrd, fuzz_png, fuzz_procedure, fuzz_raw,
+    fuzz_request, fuzz_seeds, fuzz_surface, fuzz_transform;
+
+struct fuzz_target {
+    const char *name;
+    fuzz_reader *read;
+    unsigned changes; /* changed copies of each file that a replay makes */
+};
+
+/* The target of a name; NULL where there is none, after printing the names of all. */
+const struct fuzz_target *fuzz_find(const char *name);
 
 #define HOLDS(condition)                                                                           \
     do {                                                                                           \

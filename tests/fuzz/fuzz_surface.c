@@ -35,12 +35,12 @@ static void check(const struct surface *surface)
             HOLDS(surface->triangle[i].point[corner] < surface->points);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
+void fuzz_surface(const uint8_t *bytes, size_t length)
 {
     struct surface *surface = NULL;
     struct surface_choice choice;
     if (length < OPTIONS)
-        return 0;
+        return;
     struct labels labels = {{1 + bytes[0] % 12u, 1 + bytes[1] % 12u, 1 + bytes[2] % 12u},
                             bytes + OPTIONS,
                             length - OPTIONS,
@@ -55,5 +55,4 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     HOLDS(surface_reduce(surface, 4u * bytes[4], NULL, NULL) == OK);
     check(surface);
     surface_free(surface);
-    return 0;
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plain driver: fuzz_NAME [CHANGES] FILE... hands each file to the target, every beginning of
- * it at up to 200 places, and CHANGES changed copies, the same each time and others for each file.
+ * The plain driver: replay NAME TIMES FILE... hands each file to the target NAME, every beginning
+ * of it at up to 200 places, and TIMES as many changed copies as targets.c says, the same each time
+ * and others for each file. Without a target of that name it prints the names of all.
  */
 #include "tests/fuzz/fuzz.h"
 
@@ -14,13 +15,13 @@
 enum { CUTS = 200, FILE_MOST = 1 << 20 };
 
 /* A copy of the exact size, so that AddressSanitizer sees a read behind its end. */
-static void hand_over(const char *bytes, size_t length)
+static void hand_over(const struct fuzz_target *target, const char *bytes, size_t length)
 {
     uint8_t *copy = malloc(length ? length : 1);
     HOLDS(copy);
     if (length)
         memcpy(copy, bytes, length);
-    LLVMFuzzerTestOneInput(copy, length);
+    target->read(copy, length);
     free(copy);
 }
 
@@ -35,19 +36,20 @@ static void change(struct buf *bytes, uint64_t *random)
     }
 }
 
-static void replay(const char *path, uint64_t random, unsigned changes)
+static void replay(const struct fuzz_target *target, const char *path, uint64_t random,
+                   unsigned changes)
 {
     struct buf bytes = {0}, copy = {0};
     struct fault fault;
     HOLDS(file_read(&bytes, path, FILE_MOST, &fault) == OK);
-    hand_over(bytes.data, bytes.length);
+    hand_over(target, bytes.data, bytes.length);
     for (size_t at = 0; at < bytes.length; at += 1 + bytes.length / CUTS)
-        hand_over(bytes.data, at);
+        hand_over(target, bytes.data, at);
     for (unsigned i = 0; bytes.length && i < changes; i++) {
         buf_clear(&copy);
         buf_add(&copy, bytes.data, bytes.length);
         change(&copy, &random);
-        hand_over(copy.data, copy.length);
+        hand_over(target, copy.data, copy.length);
     }
     buf_release(&copy);
     buf_release(&bytes);
@@ -55,9 +57,12 @@ static void replay(const char *path, uint64_t random, unsigned changes)
 
 int main(int count, char **word)
 {
-    const unsigned changes = count > 1 ? (unsigned)strtoul(word[1], NULL, 10) : 0;
-    for (int i = 2; i < count; i++)
-        replay(word[i], (uint64_t)i, changes);
-    printf("%d files\n", count - 2);
-    return count > 2 ? 0 : 2;
+    const struct fuzz_target *target = fuzz_find(count > 1 ? word[1] : "");
+    if (!target || count < 4)
+        return 2;
+    const unsigned changes = target->changes * (unsigned)strtoul(word[2], NULL, 10);
+    for (int i = 3; i < count; i++)
+        replay(target, word[i], (uint64_t)i - 1, changes);
+    printf("%d files\n", count - 3);
+    return 0;
 }
