@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "engine/changes.h"
 
 enum { BLOCK = 1 << BORDER_BLOCK_BITS };
 

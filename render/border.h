@@ -18,7 +18,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "engine/changes.h"
 #include "engine/labels.h"
 #include "render/cut.h"
 
@@ -26,6 +25,8 @@ enum {
     BORDER_OPAQUE = 100,   /* percent */
     BORDER_BLOCK_BITS = 3, /* of the voxels a side of a block */
 };
+
+struct changes;
 
 struct border {
     const struct scene *scene;

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "engine/changes.h"
 #include "render/projection.h"
 #include "render/shade.h"
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "engine/changes.h"
 #include "render/view.h"
 
 enum {

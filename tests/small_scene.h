@@ -161,7 +161,7 @@ static inline void fits_its_state(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
     struct roi roi = roi_none();
-    CHECK_INT(session->stale, 0);
+    CHECK_INT(session->inside->stale, 0);
     for (int label = 0; label < 256; label++)
         CHECK(session->border.visible[label] == (kept->visible[label] && kept->opacity[label]));
     CHECK(memcmp(session->border.opacity, kept->opacity, sizeof kept->opacity) == 0);

@@ -205,7 +205,7 @@ STORY(without_memory_it_says_so_and_with_it_goes_on)
     must(&interp, "seed 9,9,8 0 radius=1");
     outlined_count = 0;
     for (size_t most = 0; most < 400000; most += most / 4 + 100) {
-        doubting_release(&interp.session->doubting);
+        doubting_release(&interp.session->inside->doubting);
         bytes_left = most;
         mem_allows = allows;
         const enum err err = doubtful_find(found, &count, interp.session, 1, NULL);

@@ -214,7 +214,7 @@ STORY(a_rollback_gives_the_former_scene_back)
         session_rollback(session);
         const struct trace after = trace_of(session);
         CHECK(memcmp(&before, &after, sizeof before) == 0);
-        CHECK(session->former_scene.scene == NULL);
+        CHECK(session->inside->former_scene.scene == NULL);
         CHECK(rendered ? session->pictures->camera.scene == session->scene : !session->pictures);
         CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 66, 84, 50)}, 1,
                             1, NULL) == OK);
@@ -237,7 +237,7 @@ STORY(once_seeds_are_there_it_is_refused)
     CHECK(session_run(session, NULL) == OK);
     CHECK(session_interpolate(session, 7, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "before its first seed, and this one has 1 seed and 0 waiting edits;");
-    CHECK(session->scene_digest == digest && session->former_scene.scene == NULL);
+    CHECK(session->scene_digest == digest && session->inside->former_scene.scene == NULL);
     CHECK(session_erase_trees(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1,
                               NULL) == OK);
     CHECK(session_run(session, NULL) == OK);
@@ -331,7 +331,7 @@ STORY(an_axis_of_one_voxel_stays)
     CHECK(forest_new(&session->forest, session->scene, 6, NULL) == OK);
     CHECK(border_init(&session->border, session->scene, NULL) == OK);
     CHECK(session_interpolate(session, 6, NULL) == OK);
-    CHECK(session->former_scene.scene == NULL);
+    CHECK(session->inside->former_scene.scene == NULL);
     CHECK(session_interpolate(session, 7, NULL) == OK);
     CHECK_INT(session->scene->grid.size[0], 7);
     CHECK_INT(session->scene->grid.voxels, 7);

@@ -231,6 +231,12 @@ begin "files of tui/pilot call downward alone"
 calls_of tui/pilot | tsort >/dev/null 2>"$work/circle" || fail "a circle of" "$(cat "$work/circle")"
 close_story
 
+begin "only src/session writes the members of a session"
+found=$(grep -rnE 'session->(inside|[a-z_.]+(\[[^]]*\])? ?([-+|&]?=[^=]|\+\+|--))' \
+    --include='*.[ch]' src tui | grep -v '^src/session/')
+[ -z "$found" ] || fail "$found"
+close_story
+
 begin "no two files have one name"
 found=$(sources src journal render tui | sed 's|.*/||; s/\.[a-z]*$//' | sort | uniq -d |
     while read -r name; do

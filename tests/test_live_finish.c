@@ -172,7 +172,7 @@ static void is_exact(struct interpreter *interp)
     draw_panel(interp);
     CHECK_INT(session_rendered(session), RENDERED_FINISHED);
     const uint64_t shown = rendition_digest(&session->pictures->rendition);
-    session->follower->forget(session->pictures);
+    session->inside->follower->forget(session->pictures);
     draw_panel(interp);
     CHECK(rendition_digest(&session->pictures->rendition) == shown);
 }
@@ -273,7 +273,7 @@ static bool goes_on(struct interpreter *interp)
         return false;
     draw_panel(interp);
     const bool is_rough = session_is_rough(session);
-    const bool edited = session_has_edited(session) || session_has_regrown(session);
+    const bool edited = session->has_edited || session->has_regrown;
     are_counted(session, edited ? was : NULL);
     CHECK(border_check(&session->pictures->live.border, NULL));
     if (!CHECK(!is_rough || are_rough(session, forest, shown)))

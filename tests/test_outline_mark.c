@@ -72,7 +72,7 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     struct voxels inside = {0};
     unsigned dots, others, all = 0;
     begin();
-    const struct scene *scene = session_scene(interp.session);
+    const struct scene *scene = interp.session->scene;
     CHECK(paint_polygon(&inside, &scene->grid, corner, 4, NULL, NULL) == OK);
     draw(&without, NULL);
     draw(&with, &mark);

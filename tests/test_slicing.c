@@ -330,7 +330,7 @@ STORY(an_automatic_window_leaves_the_extremes_out)
     CHECK_INT(grey_of(&interp, 1, 2), 3); /* 11 of 984, times 255: 2.85 */
     MUST_MENTION(&interp, "info", "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
     must(&interp, "interpolate 2 1 1"); /* another scene, another window */
-    CHECK(!interp.session->knows_window);
+    CHECK(!interp.session->inside->knows_window);
     MUST_MENTION(&interp, "window auto", "through 10,5,0: axial 0, coronal 5, sagittal 10;");
     interpreter_release(&interp);
     begin_values(&interp, 1e-6f, 0);

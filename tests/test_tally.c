@@ -166,7 +166,7 @@ STORY(counts_follow_whatever_is_done)
         do_anything(&interp, true);
         fresh += stands(interp.session);
         const uint64_t changed = differences(interp.session);
-        if (!interp.session->edited && !interp.session->regrown)
+        if (!interp.session->has_edited && !interp.session->has_regrown)
             continue;
         CHECK_INT(session_changed_voxels(interp.session), changed);
         counted++;

@@ -63,10 +63,10 @@ STORY(a_scene_that_waits_answers_as_any_other)
         const unsigned failures = check_failures;
         begin_waiting(&waiting, 0);
         buf_add_text(&words, buf_text(&reply.words));
-        CHECK(waiting.session->waits && waiting.session->scene->plain);
+        CHECK(waiting.session->inside->waits && waiting.session->scene->plain);
         begin_waiting(&ready, UINT64_MAX);
         CHECK_TEXT(buf_text(&reply.words), buf_text(&words));
-        CHECK(!ready.session->waits && !ready.session->scene->plain);
+        CHECK(!ready.session->inside->waits && !ready.session->scene->plain);
         answers_are_equal(&waiting, &ready, lines[i]);
         answers_are_equal(&waiting, &ready, "seed 8,8,8 3 radius=2");
         must(&waiting, "run"); /* its answer has a time */
@@ -100,11 +100,11 @@ STORY(a_stop_leaves_it_waiting)
         const enum err err = execute(&interp, "seed 3,4,5 1");
         CHECK(err == OK || err == ERR_CANCELLED);
         ends = err == OK;
-        waited += interp.session->waits;
+        waited += interp.session->inside->waits;
         looks = INT_MAX;
         if (err)
             must(&interp, "seed 3,4,5 1");
-        CHECK(!interp.session->waits);
+        CHECK(!interp.session->inside->waits);
         struct snapshot now;
         take_snapshot(&now, &ready);
         is_as_before(&now, &interp, "a stop");
@@ -129,7 +129,7 @@ STORY(a_stop_while_it_is_opened_leaves_nothing)
         interp.session->watch = &watch;
         looks = stops;
         ends = execute(&interp, line) == OK;
-        CHECK(interp.session->has_scene == ends && interp.session->waits == ends);
+        CHECK(interp.session->has_scene == ends && interp.session->inside->waits == ends);
         looks = INT_MAX;
         if (!ends)
             must(&interp, line);

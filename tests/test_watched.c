@@ -71,7 +71,7 @@ struct digests {
 
 static struct digests digests_now(void)
 {
-    const struct forest *forest = session_forest(interp.session);
+    const struct forest *forest = interp.session->forest;
     return (struct digests){forest_digest(forest), forest_label_digest(forest),
                             forest_seeds(forest), session_pendings(interp.session)};
 }
@@ -154,7 +154,7 @@ STORY(a_step_is_drawn_before_it_is_carried_out)
     show(watched_carry_out, 1);
     const struct digests before = digests_now();
     show(watched_draw, 2);
-    const uint32_t *cross = session_outlook(interp.session)->slices.cross;
+    const uint32_t *cross = interp.session->now.outlook.slices.cross;
     CHECK_INT(cross[0], 3); /* in the middle of the box */
     CHECK_INT(cross[1], 4);
     CHECK_TEXT(said(watched_describe), "drawn, and not carried out yet: at 3,4,2, label 0");
@@ -170,7 +170,7 @@ STORY(a_step_is_drawn_before_it_is_carried_out)
     CHECK_HAS(said(watched_describe), ", 1 -");
     CHECK_HAS(said(watched_describe), " voxels changed");
     show(watched_draw, 3);
-    CHECK_INT(edits_count(&session_state(interp.session)->lists.eliminators), 1);
+    CHECK_INT(edits_count(&interp.session->now.lists.eliminators), 1);
     show(watched_draw, 2);
     show(watched_carry_out, 1);
     CHECK(are_same(digests_now(), before));
@@ -198,10 +198,10 @@ STORY(what_a_viewer_looks_at_changes_no_step)
     CHECK(interpreter_look(&interp, "undo", &reply, &fault) == ERR_USAGE);
     CHECK(interpreter_look(&interp, "open synth:geom", &reply, &fault) == ERR_USAGE);
     show(watched_carry_out, 2); /* whose overlay stays */
-    CHECK_INT(session_outlook(interp.session)->slices.overlay, 1);
-    CHECK_INT(session_outlook(interp.session)->slices.cross[0], 2);
+    CHECK_INT(interp.session->now.outlook.slices.overlay, 1);
+    CHECK_INT(interp.session->now.outlook.slices.cross[0], 2);
     show(watched_carry_out, 3); /* before it the journal looks from elsewhere */
-    CHECK_INT(session_outlook(interp.session)->slices.overlay, 2);
+    CHECK_INT(interp.session->now.outlook.slices.overlay, 2);
     CHECK_HAS(said(watched_verdict), "verified: ");
     end_watching();
 }

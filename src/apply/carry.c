@@ -128,15 +128,14 @@ static enum err find_affine(struct carry *carry, const struct carry_choice *choi
                          "--by affine looks at both scenes, and a procedure's file has none; give "
                          "the journal with its scene, or carry over --by landmarks, --by FILE (a "
                          "transform that was found where the scene is) or --by world");
-    enum err err =
-        scene_new_filled(&scene, p->size, choice->intensity, session_watch(subject), fault);
+    enum err err = scene_new_filled(&scene, p->size, choice->intensity, subject->watch, fault);
     if (!err) {
         memcpy(scene->spacing_nm, geometry.spacing_nm, sizeof scene->spacing_nm);
         memcpy(scene->world_axis, geometry.world_axis, sizeof scene->world_axis);
         memcpy(scene->world_sign, geometry.world_sign, sizeof scene->world_sign);
         const struct placed_scene moving = {scene, &geometry};
-        const struct placed_scene fixed = {session_scene(subject), session_geometry(subject)};
-        err = registration_find(&found, &fixed, &moving, session_watch(subject), fault);
+        const struct placed_scene fixed = {subject->scene, &subject->geometry};
+        err = registration_find(&found, &fixed, &moving, subject->watch, fault);
     }
     if (!err) {
         carry->pull = found.affine;
@@ -158,7 +157,7 @@ static enum err find_affine(struct carry *carry, const struct carry_choice *choi
 static enum err check_place(const struct carry_choice *choice, const struct procedure *p,
                             const struct session *subject, struct fault *fault)
 {
-    const struct geometry *geometry = session_geometry(subject);
+    const struct geometry *geometry = &subject->geometry;
     const bool has_sides =
         geometry->orientation != ORIENTATION_UNKNOWN && !geometry->spacing_unknown;
     const bool has_place = geometry_has_place(geometry);
@@ -184,7 +183,7 @@ static enum err check_place(const struct carry_choice *choice, const struct proc
 enum err carry_find(struct carry *carry, const struct carry_choice *choice,
                     const struct procedure *p, const struct session *subject, struct fault *fault)
 {
-    const struct geometry *geometry = session_geometry(subject);
+    const struct geometry *geometry = &subject->geometry;
     *carry = (struct carry){.pairs = 0};
     affine_identity(&carry->pull);
     enum err err = check_place(choice, p, subject, fault);
@@ -197,7 +196,7 @@ enum err carry_find(struct carry *carry, const struct carry_choice *choice,
     const struct geometry of_procedure = geometry_of(p);
     struct placed_grid there = {.geometry = &of_procedure}, here = {.geometry = geometry};
     memcpy(there.size, p->size, sizeof there.size);
-    memcpy(here.size, session_scene(subject)->grid.size, sizeof here.size);
+    memcpy(here.size, subject->scene->grid.size, sizeof here.size);
     return transform_read(&carry->pull, &carry->words, choice->file, TRANSFORM_SUBJECT_FIXED,
                           &there, &here, fault);
 }

@@ -23,8 +23,7 @@ enum { INTENSITIES = UINT16_MAX + 1 };
 
 double percentiles_value(const struct session *session, uint32_t cell)
 {
-    return levels_value(session_geometry(session), session_levels(session),
-                        session_scene(session)->cell[cell].intensity);
+    return levels_value(&session->geometry, session->levels, session->scene->cell[cell].intensity);
 }
 
 /* The least intensity that a tenth of `tenths` of the voxels do not exceed. */
@@ -40,7 +39,7 @@ static uint16_t find(const uint32_t *count, uint64_t voxels, unsigned tenths)
 static bool count_all(uint32_t *count[256], struct percentiles *out, const struct session *session,
                       const uint16_t *label)
 {
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
@@ -65,9 +64,9 @@ enum err percentiles_find(struct percentiles *out, const struct session *session
     const bool fine = count_all(count, out, session, label);
     for (unsigned l = 0; l < 256; l++) {
         if (fine && count[l]) {
-            const double low = levels_value(session_geometry(session), session_levels(session),
+            const double low = levels_value(&session->geometry, session->levels,
                                             find(count[l], out->voxels[l], 1)),
-                         high = levels_value(session_geometry(session), session_levels(session),
+                         high = levels_value(&session->geometry, session->levels,
                                              find(count[l], out->voxels[l], 9));
             out->low[l] = low < high ? low : high; /* a slope may be below 0 */
             out->high[l] = low < high ? high : low;
@@ -98,7 +97,7 @@ static void note_markers(void *context, const struct interpreter *interp, const 
 {
     (void)reply;
     struct noting *n = context;
-    const size_t now = session_markers(interp->session)->count;
+    const size_t now = interp->session->markers.count;
     if (now == n->seen)
         return;
     n->failed |= !mem_grow(&n->planted, &n->capacity, n->count + 1, sizeof *n->planted);
@@ -126,13 +125,13 @@ static double length_mm(const struct value *value, double voxel_mm)
 static enum err add_gesture(struct procedure *p, const struct session *session,
                             const struct call *call, struct fault *fault)
 {
-    const struct geometry *geometry = session_geometry(session);
+    const struct geometry *geometry = &session->geometry;
     const struct value *to = call_value(call, "to"), *place = call_value(call, "PLACE");
     const double voxel_mm = cbrt(procedure_voxel_mm3(p));
     const uint32_t(*corner)[3] =
         (const uint32_t(*)[3])(to->given ? to->line->corner[0] : place->place);
     const uint32_t first =
-        grid_cell(&session_scene(session)->grid, corner[0][0], corner[0][1], corner[0][2]);
+        grid_cell(&session->scene->grid, corner[0][0], corner[0][1], corner[0][2]);
     const struct procedure_gesture gesture = {
         .label = (uint8_t)call_value(call, "LABEL")->number,
         .radius_mm = length_mm(call_value(call, "radius"), voxel_mm),
@@ -159,7 +158,7 @@ static const char *command_of(const struct history *history, size_t record)
 static enum err take_gestures(struct procedure *p, const struct noting *noting,
                               const struct interpreter *interp, struct fault *fault)
 {
-    const struct markers *markers = session_markers(interp->session);
+    const struct markers *markers = &interp->session->markers;
     enum err err = OK;
     for (size_t i = 0; !err && i < noting->count; i++) {
         const struct planted *planted = &noting->planted[i];
@@ -216,7 +215,7 @@ static void write_settings(struct buf *out, const struct kept *kept, const struc
 
 static enum err take_place(struct procedure *p, const struct session *session, struct fault *fault)
 {
-    const struct geometry *geometry = session_geometry(session);
+    const struct geometry *geometry = &session->geometry;
     if (geometry->orientation == ORIENTATION_UNKNOWN || geometry->spacing_unknown)
         return fault_set(fault, ERR_INPUT,
                          "the file of its scene does not say %s, and nobody may guess it; `orient` "
@@ -225,15 +224,15 @@ static enum err take_place(struct procedure *p, const struct session *session, s
                                                    : "to which sides of the patient its axes run");
     p->has_place = geometry_has_place(geometry);
     memcpy(p->to_mm.m, geometry->to_mm, sizeof p->to_mm.m);
-    memcpy(p->size, session_scene(session)->grid.size, sizeof p->size);
-    memcpy(p->scene, session_proof(session), sizeof p->scene);
+    memcpy(p->size, session->scene->grid.size, sizeof p->size);
+    memcpy(p->scene, session->proof, sizeof p->scene);
     return OK;
 }
 
 static enum err take_labels(struct procedure *p, const struct session *session, struct fault *fault)
 {
-    const struct kept *kept = session_kept(session);
-    const struct scene *scene = session_scene(session);
+    const struct kept *kept = &session->now.kept;
+    const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
     struct percentiles *found = mem_new(sizeof *found);
     uint16_t *label = mem_array(grid->voxels, sizeof *label);
@@ -272,7 +271,7 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
         err = session_run(session, fault);
     if (!err)
         err = take_place(p, session, fault);
-    const struct kept *kept = session_kept(session);
+    const struct kept *kept = &session->now.kept;
     if (!err)
         err = take_labels(p, session, fault);
     if (!err)
@@ -280,9 +279,9 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
     for (size_t i = 0; !err && i < LANDMARKS && *kept->landmark[i].name; i++) {
         struct procedure_landmark *mark = &p->landmark[p->landmarks++];
         memcpy(mark->name, kept->landmark[i].name, sizeof mark->name);
-        geometry_point(session_geometry(session), kept->landmark[i].place, mark->mm);
+        geometry_point(&session->geometry, kept->landmark[i].place, mark->mm);
     }
-    write_settings(&p->settings, kept, session_state(session));
+    write_settings(&p->settings, kept, &session->now);
     p->left[LEFT_WEIGHTS] = kept->weight.kind == WEIGHT_FILE;
     p->left[LEFT_MASK] = *kept->mask_file != '\0';
     p->left[LEFT_RANGE] = kept->has_range != 0;
@@ -298,7 +297,7 @@ static enum err hand_back(void *context, const struct interpreter *interp,
 {
     (void)label;
     const struct noting *noting = context;
-    const struct scene *scene = session_scene(interp->session);
+    const struct scene *scene = interp->session->scene;
     const struct grid *grid = &scene->grid;
     struct procedure procedure = {.chain = facts->chain};
     struct buf text = {0};

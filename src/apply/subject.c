@@ -158,8 +158,8 @@ static enum err name_labels(struct making *m)
 static bool find_voxel(int64_t place[3], const struct making *m, const double mm[3])
 {
     const struct session *session = m->interp.session;
-    return geometry_voxel(session_geometry(session), mm, place) &&
-           grid_contains(&session_scene(session)->grid, place[0], place[1], place[2]);
+    return geometry_voxel(&session->geometry, mm, place) &&
+           grid_contains(&session->scene->grid, place[0], place[1], place[2]);
 }
 
 static enum err place_landmarks(struct making *m)
@@ -182,7 +182,7 @@ static enum err place_landmarks(struct making *m)
 static void write_row(void *context, uint32_t y, uint32_t z, void *values)
 {
     const struct making *m = context;
-    const uint32_t *size = session_scene(m->interp.session)->grid.size;
+    const uint32_t *size = m->interp.session->scene->grid.size;
     memcpy(values, m->warped.label + ((size_t)z * size[1] + y) * size[0],
            size[0] * sizeof *m->warped.label);
 }
@@ -196,7 +196,7 @@ static void note_label(struct making *m, unsigned label, uint64_t seeds, uint64_
 /* Writes the map, unless a file with its bytes is there. */
 static enum err write_seeds(struct making *m, const struct volume_map *map, const char *path)
 {
-    struct watch *watch = session_watch(m->interp.session);
+    struct watch *watch = m->interp.session->watch;
     struct buf draft = {0};
     if (!file_exists(path)) {
         const enum err err = volume_write(path, FILE_KEEP, map, watch, m->fault);
@@ -223,8 +223,8 @@ static enum err prepare_labels(struct making *m)
     struct session *session = m->interp.session;
     struct buf path = {0}, regions = {0}, as = {0};
     enum err err = warp_seeds(&m->warped, session, m->choice->depth_mm, m->fault);
-    const struct volume_map map = {.size = session_scene(session)->grid.size,
-                                   .geometry = session_geometry(session),
+    const struct volume_map map = {.size = session->scene->grid.size,
+                                   .geometry = &session->geometry,
                                    .type = VOXEL_UINT16,
                                    .description = "iftty seeds",
                                    .row = write_row,
@@ -296,13 +296,13 @@ static enum err count_seeds(struct making *m, const struct procedure_gesture *g,
                             const uint32_t (*corner)[3], const double range[2], uint64_t *left)
 {
     const struct session *session = m->interp.session;
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     struct brush brush = {0};
     struct voxels voxels = {0};
     enum err err = brush_init(&brush, scene->spacing_nm, radius_nm, BRUSH_REACH_MOST, m->fault);
     if (!err)
-        err = paint_stroke(&voxels, &scene->grid, &brush, corner, g->corners,
-                           session_watch(session), m->fault);
+        err = paint_stroke(&voxels, &scene->grid, &brush, corner, g->corners, session->watch,
+                           m->fault);
     *left = 0;
     for (size_t i = 0; i < voxels.count; i++)
         *left += warp_may_have(range, percentiles_value(session, voxels.cell[i]));
@@ -404,8 +404,8 @@ static void write_origin(struct making *m)
         buf_add_text(out, i ? "," : " pull=");
         decimal_write(out, &number);
     }
-    buf_printf(out, " scene=%s from=%s gate=%g depth=%g", session_proof(m->interp.session),
-               p->scene, choice->gate * 100, choice->plants == PLANT_LABELS ? choice->depth_mm : 0);
+    buf_printf(out, " scene=%s from=%s gate=%g depth=%g", m->interp.session->proof, p->scene,
+               choice->gate * 100, choice->plants == PLANT_LABELS ? choice->depth_mm : 0);
 }
 
 static void add_figures(struct making *m)
@@ -511,7 +511,7 @@ static enum err compare_records(const struct making *m, const char *draft)
 /* Voxels of each label that have a face on another. */
 static void count_borders(uint64_t border[256], const struct session *session)
 {
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
@@ -531,7 +531,7 @@ static enum err find_doubts(struct making *m)
 {
     struct session *session = m->interp.session;
     const struct hint_list *hints;
-    if (session_kept(session)->weight.kind == WEIGHT_POLARITY)
+    if (session->now.kept.weight.kind == WEIGHT_POLARITY)
         return OK; /* there are none */
     const enum err err = session_find_hints(session, &hints, NULL, m->fault);
     uint64_t border[256] = {0};
@@ -551,14 +551,14 @@ static enum err find_doubts(struct making *m)
 static enum err sum_up(struct making *m)
 {
     struct session *session = m->interp.session;
-    const double voxel_mm3 = tally_voxel_mm3(session_geometry(session));
+    const double voxel_mm3 = tally_voxel_mm3(&session->geometry);
     double share;
     enum err err = session_find_worst(session, &m->subject->worst, &share, m->fault);
     if (!err)
         err = find_doubts(m);
     for (unsigned l = 0; !err && l < 256; l++) {
         struct subject_label *label = &m->subject->label[l];
-        label->voxels = session_tally(session)->voxels[l];
+        label->voxels = session->tally.voxels[l];
         label->mm3 = (double)label->voxels * voxel_mm3;
     }
     return err;

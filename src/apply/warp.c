@@ -37,17 +37,17 @@ static uint16_t label_at(const struct procedure *p, const double at[3])
 enum err warp_labels(struct warped *warped, const struct procedure *p,
                      const struct session *session, const struct affine *pull, struct fault *fault)
 {
-    const struct grid *grid = &session_scene(session)->grid;
+    const struct grid *grid = &session->scene->grid;
     struct affine way, mm;
     *warped = (struct warped){.voxels = grid->voxels};
-    memcpy(mm.m, session_geometry(session)->to_mm, sizeof mm.m);
+    memcpy(mm.m, session->geometry.to_mm, sizeof mm.m);
     affine_invert(&way, &p->to_mm);
     affine_compose(&mm, pull, &mm);
     affine_compose(&way, &way, &mm);
     warped->label = mem_array(grid->voxels, sizeof *warped->label);
     if (!warped->label)
         return fault_memory(fault, "the labels of a procedure");
-    struct task task = task_begin(session_watch(session), "labels carried over", grid->size[2]);
+    struct task task = task_begin(session->watch, "labels carried over", grid->size[2]);
     uint16_t *to = warped->label;
     size_t common = 0;
     for (uint32_t z = 0; z < grid->size[2] && task_advance(&task, 1); z++)
@@ -58,7 +58,7 @@ enum err warp_labels(struct warped *warped, const struct procedure *p,
                 *to = label_at(p, at);
                 common += *to++ != WARP_NONE;
             }
-    const enum err err = watch_fault(session_watch(session), fault);
+    const enum err err = watch_fault(session->watch, fault);
     if (!err && !common)
         return fault_set(fault, ERR_INPUT,
                          "no voxel of it lies where the procedure's scene does: they have no place "
@@ -97,7 +97,7 @@ static bool differs(const uint16_t *label, const struct grid *grid, uint32_t x, 
 static enum err find_depths(uint16_t *depth, const struct warped *warped,
                             const struct session *session, double bin_mm, struct fault *fault)
 {
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
     const struct distance_scale scale = distance_scale_of(scene->spacing_nm, grid->size);
     uint64_t *squared = mem_array(grid->voxels, sizeof *squared);
@@ -108,8 +108,8 @@ static enum err find_depths(uint16_t *depth, const struct warped *warped,
         for (uint32_t y = 0; y < grid->size[1]; y++)
             for (uint32_t x = 0; x < grid->size[0]; x++, i++)
                 squared[i] = differs(warped->label, grid, x, y, z, i) ? 0 : DISTANCE_NONE;
-    const enum err err = distance_spread(squared, grid->size, &scale, session_team(session),
-                                         session_watch(session), fault);
+    const enum err err =
+        distance_spread(squared, grid->size, &scale, session->team, session->watch, fault);
     for (i = 0; !err && i < grid->voxels; i++) {
         const double mm = sqrt((double)squared[i]) * ((double)scale.unit_nm / 1e6);
         depth[i] = squared[i] == DISTANCE_NONE || mm >= (BINS - 1) * bin_mm
@@ -133,7 +133,7 @@ static unsigned find_least(const uint64_t *count, uint64_t voxels, unsigned most
 enum err warp_seeds(struct warped *warped, const struct session *session, double depth_mm,
                     struct fault *fault)
 {
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
     const unsigned most = BINS / 4;
     const double bin_mm = depth_mm / most;
@@ -170,5 +170,5 @@ enum err warp_seeds(struct warped *warped, const struct session *session, double
         }
     free(depth);
     free(count);
-    return err ? err : watch_fault(session_watch(session), fault);
+    return err ? err : watch_fault(session->watch, fault);
 }

@@ -53,7 +53,7 @@ enum err act_choose_regions(uint16_t **as, const struct act *act, const struct v
                          "as and label are two answers to one question; expected one of them");
     const enum err err = regions_new(as, act_text(act, "regions"), act_text(act, "as"), act->fault);
     if (!err && !act_has(act, "as"))
-        numbering_translate(*as, session_kept(act->session));
+        numbering_translate(*as, &act->session->now.kept);
     return err;
 }
 
@@ -82,7 +82,7 @@ void atlas_advise_names(const struct act *act, const bool has[256])
     struct label_table table = {0};
     bool is_nameless = false;
     for (unsigned label = 1; label < 256; label++)
-        is_nameless |= has[label] && !*session_kept(act->session)->label_name[label];
+        is_nameless |= has[label] && !*act->session->now.kept.label_name[label];
     if (is_nameless && interpreter_find_file(act->interp, act_text(act, "FILE"), path, NULL) == OK)
         table = atlas_table(act, buf_text(path));
     if (table.count) {
@@ -225,7 +225,7 @@ enum err act_read_map(const struct act *act, struct volume *map)
     struct buf *path = act_buf(act);
     const enum err err =
         interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
-    return err ? err : map_read(map, buf_text(path), &place, session_watch(session), act->fault);
+    return err ? err : map_read(map, buf_text(path), &place, session->watch, act->fault);
 }
 
 /* ---- labels ---- */
@@ -233,8 +233,8 @@ enum err act_read_map(const struct act *act, struct volume *map)
 static enum err take(const struct act *act, bool finished, struct labels *labels)
 {
     struct session *session = act->session;
-    *labels = labels_of_forest(session_scene(session));
-    if (session_skims(session) || !finished)
+    *labels = labels_of_forest(session->scene);
+    if (session->skims || !finished)
         return OK;
     const enum err err = session_labels(session, true, labels, act->fault);
     if (!err)
@@ -247,7 +247,7 @@ enum err act_write_losses(struct interpreter *interp, const struct labels *label
 {
     struct label_loss loss;
     struct session *session = interp->session;
-    const enum err err = label_loss_find(&loss, labels, session_team(session), watch, fault);
+    const enum err err = label_loss_find(&loss, labels, session->team, watch, fault);
     if (err)
         return err;
     interp->losses_of = session_finish_source(session);
@@ -264,7 +264,7 @@ enum err act_write_losses(struct interpreter *interp, const struct labels *label
 enum err act_take_labels(const struct act *act, struct labels *labels)
 {
     const bool as_shown = act->interp->has_pilot && !act_has(act, "finished") &&
-                          session_kept(act->session)->finish.count > 0;
+                          act->session->now.kept.finish.count > 0;
     const bool finished =
         as_shown ? session_shows_finished(act->session) : act_is_yes(act, "finished");
     if (as_shown) { /* the record says what is handed on, whatever is shown where it is replayed */
@@ -276,8 +276,8 @@ enum err act_take_labels(const struct act *act, struct labels *labels)
     const enum err err = take(act, finished, labels);
     if (err || !labels->finished || act->interp->mode != MODE_LIVE)
         return err;
-    return act_write_losses(act->interp, labels, false, session_watch(act->session),
-                            &act->reply->text, act->fault);
+    return act_write_losses(act->interp, labels, false, act->session->watch, &act->reply->text,
+                            act->fault);
 }
 
 enum err act_take_shown(const struct act *act, struct labels *labels)
@@ -298,5 +298,5 @@ void act_add_digest(const struct act *act, const char *key, uint64_t digest)
 
 void act_add_weights(const struct act *act)
 {
-    act_add_digest(act, "weights", session_weight_digest(act->session));
+    act_add_digest(act, "weights", act->session->weight_digest);
 }

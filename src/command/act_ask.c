@@ -135,7 +135,7 @@ enum err act_origin(const struct act *act)
 
 void act_write_origin(struct buf *out, const struct session *session)
 {
-    const struct kept *kept = session_kept(session);
+    const struct kept *kept = &session->now.kept;
     for (size_t i = 0; i < LANDMARKS && *kept->landmark[i].name; i++) {
         const struct landmark *mark = &kept->landmark[i];
         buf_add_text(out, i ? ", " : "landmarks ");
@@ -177,10 +177,10 @@ static enum err voxel_of_rendition(struct session *session, const struct labels 
 /* "3.61 mm from the border of label 1 brain, at 70,101,95" */
 static void write_border_distance(struct buf *out, const struct session *session, uint32_t cell)
 {
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const struct border_distance border = measure_border_distance(scene, cell);
     const struct place at = grid_place(&scene->grid, border.cell);
-    const char *unit = session_geometry(session)->spacing_unknown ? "voxels" : "mm";
+    const char *unit = session->geometry.spacing_unknown ? "voxels" : "mm";
     if (!border.found && border.reach_nm == UINT64_MAX)
         buf_add_text(out, "the scene holds no border of label ");
     else if (!border.found)
@@ -194,7 +194,7 @@ static void write_border_distance(struct buf *out, const struct session *session
     label_report_write_name(out, session, scene->cell[cell].label);
     if (border.found && border.squared)
         buf_printf(out, ", at %u,%u,%u", at.x, at.y, at.z);
-    if (border.squared && geometry_fill(session_geometry(session)) < 1)
+    if (border.squared && geometry_fill(&session->geometry) < 1)
         buf_add_text(out, ", as if axes were not sheared");
     buf_add_char(out, '\n');
 }
@@ -206,7 +206,7 @@ enum err act_pick(const struct act *act)
                    row = (uint32_t)act_number(act, "ROW");
     const int64_t of = act_number(act, "of"); /* 0: the rendition */
     uint32_t cell = CELL_NONE;
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     struct labels labels;
     enum err err = session_labels(session, session_shows_finished(session), &labels, act->fault);
     if (!err && !of)
@@ -225,15 +225,15 @@ enum err act_pick(const struct act *act)
         return OK;
     }
     act_write_voxel(&act->reply->text, session, cell);
-    if (cell_is_reached(session_scene(session)->cell + cell))
+    if (cell_is_reached(session->scene->cell + cell))
         write_border_distance(&act->reply->text, session, cell);
-    if (labels_at(&labels, cell) != session_scene(session)->cell[cell].label) {
+    if (labels_at(&labels, cell) != session->scene->cell[cell].label) {
         buf_add_text(&act->reply->text, "finished: label ");
         label_report_write_name(&act->reply->text, session, labels_at(&labels, cell));
         buf_add_char(&act->reply->text, '\n');
     }
     act_write_waiting(act);
-    return watch_fault(session_watch(session), act->fault);
+    return watch_fault(session->watch, act->fault);
 }
 
 enum { PROFILE_ROWS = 8, MARGIN = 9 };
@@ -250,8 +250,8 @@ static struct offset offset_between(const struct session *session, const uint32_
 {
     struct offset offset;
     double a[3], b[3];
-    geometry_point(session_geometry(session), from, a);
-    geometry_point(session_geometry(session), to, b);
+    geometry_point(&session->geometry, from, a);
+    geometry_point(&session->geometry, to, b);
     for (int i = 0; i < 3; i++) {
         offset.voxels[i] = (double)to[i] - (double)from[i];
         offset.mm[i] = b[i] - a[i];
@@ -270,7 +270,7 @@ static void write_distance(const struct act *act, const uint32_t from[3], const 
 {
     struct buf *out = &act->reply->text;
     const struct offset offset = offset_between(act->session, from, to);
-    if (!session_geometry(act->session)->spacing_unknown)
+    if (!act->session->geometry.spacing_unknown)
         buf_printf(out, "%.2f mm, ", sqrt(product(offset.mm, offset.mm)));
     buf_printf(out, "%.2f voxels from %u,%u,%u to %u,%u,%u\n",
                sqrt(product(offset.voxels, offset.voxels)), from[0], from[1], from[2], to[0], to[1],
@@ -295,7 +295,7 @@ enum err act_measure(const struct act *act)
     const struct session *session = act->session;
     const struct offset a = offset_between(session, other, act_place(act, "PLACE"));
     const struct offset b = offset_between(session, other, act_place(act, "THIRD"));
-    const bool measures = !session_geometry(session)->spacing_unknown;
+    const bool measures = !session->geometry.spacing_unknown;
     if (product(a.voxels, a.voxels) == 0 || product(b.voxels, b.voxels) == 0)
         return fault_set(act->fault, ERR_INPUT,
                          "there is no angle at %u,%u,%u: expected two other voxels beside it",
@@ -324,8 +324,7 @@ static const struct cell *cell_at(const struct profile *p, int64_t step, uint32_
     paint_step(place, p->from, p->to, step, p->steps);
     for (int a = 0; a < 3; a++)
         at[a] = (uint32_t)place[a];
-    return session_scene(p->session)->cell +
-           grid_cell(&session_scene(p->session)->grid, at[0], at[1], at[2]);
+    return p->session->scene->cell + grid_cell(&p->session->scene->grid, at[0], at[1], at[2]);
 }
 
 /* Column c has the voxels from count * c / columns on. */
@@ -338,7 +337,7 @@ static void take_column(struct profile *p, unsigned column)
         uint32_t at[3];
         const struct cell *cell = cell_at(p, i, at);
         const double value =
-            levels_value(session_geometry(p->session), session_levels(p->session), cell->intensity);
+            levels_value(&p->session->geometry, p->session->levels, cell->intensity);
         sum += value;
         p->least = i == 0 || value < p->least ? value : p->least;
         p->most = i == 0 || value > p->most ? value : p->most;
@@ -378,12 +377,12 @@ enum err act_profile(const struct act *act)
     buf_printf(out, "%lld voxel%s", (long long)p.steps + 1, plural((uint64_t)p.steps + 1));
     if (p.steps >= p.columns)
         buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
-    const int digits = geometry_digits(session_geometry(p.session));
+    const int digits = geometry_digits(&p.session->geometry);
     buf_printf(out, "; values %.*g to %.*g, mean %.*g\n", digits, p.least, digits, p.most, digits,
                p.sum / (double)(p.steps + 1));
-    levels_write_scale(out, session_levels(p.session), "");
+    levels_write_scale(out, p.session->levels, "");
     if (act_is_yes(act, "values")) {
-        const bool measures = !session_geometry(p.session)->spacing_unknown;
+        const bool measures = !p.session->geometry.spacing_unknown;
         for (int64_t i = 0; i <= p.steps; i++) {
             uint32_t at[3];
             const struct cell *cell = cell_at(&p, i, at);
@@ -392,8 +391,7 @@ enum err act_profile(const struct act *act)
                        sqrt(measures ? product(offset.mm, offset.mm)
                                      : product(offset.voxels, offset.voxels)),
                        measures ? "mm" : "voxels", at[0], at[1], at[2]);
-            levels_write(out, session_geometry(p.session), session_levels(p.session),
-                         cell->intensity);
+            levels_write(out, &p.session->geometry, p.session->levels, cell->intensity);
             buf_add_text(out, "  ");
             if (cell_is_reached(cell))
                 label_report_write_name(out, p.session, cell->label);
@@ -412,14 +410,14 @@ static enum err write_rival(const struct act *act, uint32_t at)
 {
     const struct session *session = act->session;
     struct rival rival;
-    if (forest_arcs(session_forest(session))->kind == ARC_POLARITY)
+    if (forest_arcs(session->forest)->kind == ARC_POLARITY)
         return OK;
-    const enum err err = rival_find(&rival, session_forest(session), at, act->fault);
+    const enum err err = rival_find(&rival, session->forest, at, act->fault);
     if (err || !rival.exists)
         return err;
     buf_add_text(&act->reply->text, "next is label ");
     label_report_write_name(&act->reply->text, session, rival.label);
-    if (rival.cost == key_cost(session_scene(session)->cell[at].key))
+    if (rival.cost == key_cost(session->scene->cell[at].key))
         buf_add_text(&act->reply->text, ", at the same cost\n");
     else
         buf_printf(&act->reply->text, ", at a cost of %u\n", rival.cost);
@@ -431,8 +429,8 @@ enum err act_why(const struct act *act)
 {
     const struct session *session = act->session;
     const uint32_t *p = act_place(act, "PLACE");
-    const uint32_t place = grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
-    const struct cell *cell = session_scene(session)->cell + place;
+    const uint32_t place = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+    const struct cell *cell = session->scene->cell + place;
     struct way way = {0};
     act_write_voxel(&act->reply->text, session, place);
     act_write_refusal(&act->reply->text, session, place);
@@ -440,12 +438,12 @@ enum err act_why(const struct act *act)
         return OK;
     buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),
                key_hops(cell->key), plural(key_hops(cell->key)));
-    const enum err err = way_find(&way, session_forest(session), place, act->fault);
+    const enum err err = way_find(&way, session->forest, place, act->fault);
     if (!err) {
         size_t rises = 0;
         for (size_t i = 0; i + 1 < way.count && rises < RISES_MOST; i++) {
-            const uint64_t key = session_scene(session)->cell[way.cell[i]].key;
-            const struct place rise = grid_place(&session_scene(session)->grid, way.cell[i]);
+            const uint64_t key = session->scene->cell[way.cell[i]].key;
+            const struct place rise = grid_place(&session->scene->grid, way.cell[i]);
             if (key_hops(key) > 0)
                 continue;
             buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n", key_cost(key),
@@ -464,7 +462,7 @@ enum { LISTED = 10 }; /* unless a number is given */
 
 static struct place place_of(const struct act *act, uint32_t cell)
 {
-    return grid_place(&session_scene(act->session)->grid, cell);
+    return grid_place(&act->session->scene->grid, cell);
 }
 
 /* The hints of the present forest. In a session that skims it is computed first: only a journal
@@ -472,7 +470,7 @@ static struct place place_of(const struct act *act, uint32_t cell)
 static enum err find_hints(const struct act *act, const struct hint_list **hints)
 {
     struct session *session = act->session;
-    const enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
+    const enum err err = session->skims ? session_catch_up(session, act->fault) : OK;
     return err ? err : session_find_hints(session, hints, NULL, act->fault);
 }
 
@@ -483,16 +481,16 @@ static enum err find_hints(const struct act *act, const struct hint_list **hints
 static enum err write_hint(const struct act *act, const struct hint *hint, size_t number)
 {
     const struct session *session = act->session;
-    const unsigned cost = key_cost(session_scene(session)->cell[hint->cell].key);
+    const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
     const struct place p = place_of(act, hint->cell);
     struct buf *out = &act->reply->text;
     struct way way = {0};
-    const enum err err = way_find(&way, session_forest(session), hint->cell, act->fault);
+    const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
     buf_printf(out, "%zu  at %u,%u,%u: %u voxel%s", number, p.x, p.y, p.z, hint->voxels,
                plural(hint->voxels));
-    if (!session_geometry(session)->spacing_unknown) {
+    if (!session->geometry.spacing_unknown) {
         buf_add_text(out, ", ");
-        tally_write_volume(out, session_geometry(session), hint->voxels);
+        tally_write_volume(out, &session->geometry, hint->voxels);
     }
     buf_add_text(out, "; label ");
     label_report_write_name(out, session, hint->label);
@@ -514,16 +512,16 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
                          size_t number)
 {
     const struct session *session = act->session;
-    const unsigned cost = key_cost(session_scene(session)->cell[hint->cell].key);
+    const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
     struct way way = {0};
-    const enum err err = way_find(&way, session_forest(session), hint->cell, act->fault);
+    const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
     const struct place p = place_of(act, hint->cell);
     json_object(json, NULL);
     json_count(json, "number", number);
     json_format(json, "place", "%u,%u,%u", p.x, p.y, p.z);
     json_count(json, "voxels", hint->voxels);
-    if (!session_geometry(session)->spacing_unknown)
-        json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(session_geometry(session)), 9);
+    if (!session->geometry.spacing_unknown)
+        json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(&session->geometry), 9);
     json_count(json, "label", hint->label);
     json_count(json, "cost", cost);
     json_count(json, "next_label", hint->other);
@@ -582,7 +580,7 @@ static enum err hint_slices(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          label ? "report: it is of places, and not of slices"
                                : "label: expected an object; doubt is of its border");
-    enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
+    enum err err = session->skims ? session_catch_up(session, act->fault) : OK;
     if (!err)
         err = session_labels(session, session_shows_finished(session), &labels, act->fault);
     if (!err)

@@ -24,33 +24,33 @@ struct counts {
 static enum err count(struct counts *counts, const struct act *act)
 {
     const struct session *session = act->session;
-    const struct grid *grid = &session_scene(session)->grid;
-    struct task task = task_begin(session_watch(session), "counting", grid->voxels);
+    const struct grid *grid = &session->scene->grid;
+    struct task task = task_begin(session->watch, "counting", grid->voxels);
     *counts = (struct counts){.seeds = {0}};
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = session_scene(session)->cell + c;
+                const struct cell *cell = session->scene->cell + c;
                 counts->voxels[cell->label] += cell_is_reached(cell);
                 counts->seeds[cell->label] += cell->flags & CELL_SEED;
             }
         }
-    return watch_fault(session_watch(session), act->fault);
+    return watch_fault(session->watch, act->fault);
 }
 
 static void write_counts(const struct act *act, const struct counts *counts, unsigned label)
 {
     const struct session *session = act->session;
-    const double ml = tally_voxel_mm3(session_geometry(session)) / 1000.0;
+    const double ml = tally_voxel_mm3(&session->geometry) / 1000.0;
     struct buf *out = &act->reply->text;
     buf_add_text(out, "label ");
     label_report_write_name(out, session, label);
     buf_printf(out, ": %zu seed%s, %zu voxel%s", counts->seeds[label], plural(counts->seeds[label]),
                counts->voxels[label], plural(counts->voxels[label]));
-    if (!session_geometry(session)->spacing_unknown)
+    if (!session->geometry.spacing_unknown)
         buf_printf(out, ", %.1f ml", (double)counts->voxels[label] * ml);
-    const struct kept *kept = session_kept(session);
+    const struct kept *kept = &session->now.kept;
     if (label && kept->opacity[label] < BORDER_OPAQUE)
         buf_printf(out, ", opacity %u %%", kept->opacity[label]);
     buf_add_text(out, label && !kept->visible[label] ? ", hidden\n" : "\n");
@@ -73,15 +73,15 @@ static void write_forest(const struct act *act)
     const struct session *session = act->session;
     struct buf *out = &act->reply->text;
     buf_add_text(out, "weight ");
-    act_write_weight(out, session_kept(session));
+    act_write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
-    levels_write_scale(out, session_levels(session), "");
+    levels_write_scale(out, session->levels, "");
     act_write_region(out, session);
     act_write_finish(out, session);
     buf_printf(out, "%zu border voxel%s; forest %016llx, labels %016llx\n",
-               border_count(session_border(session)), plural(border_count(session_border(session))),
-               (unsigned long long)forest_digest(session_forest(session)),
-               (unsigned long long)forest_label_digest(session_forest(session)));
+               border_count(&session->border), plural(border_count(&session->border)),
+               (unsigned long long)forest_digest(session->forest),
+               (unsigned long long)forest_label_digest(session->forest));
 }
 
 static enum err answer(const struct act *act, const struct label_stats *stats,
@@ -92,21 +92,21 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
     struct buf *text = act_buf(act);
     struct counts counts;
     bool listed[256] = {false};
-    const struct tally *tally = session_tally(session);
+    const struct tally *tally = &session->tally;
     const bool knows_moves = tally->knows_moves && !labels->finished;
     struct area_weights area;
-    area_weights_init(&area, session_geometry(session));
+    area_weights_init(&area, &session->geometry);
     const struct label_report report = {
         .stats = stats,
         .area = &area,
         .gained = knows_moves ? tally->gained : NULL,
         .lost = knows_moves ? tally->lost : NULL,
         .before = labels->finished ? NULL : session_voxels_before_edit(session),
-        .label_name = session_kept(session)->label_name,
+        .label_name = session->now.kept.label_name,
         .label_number =
-            numbering_is_used(session_kept(session)) ? session_kept(session)->label_number : NULL,
-        .geometry = session_geometry(session),
-        .levels = session_levels(session),
+            numbering_is_used(&session->now.kept) ? session->now.kept.label_number : NULL,
+        .geometry = &session->geometry,
+        .levels = session->levels,
         .listed = listed};
     enum err err = count(&counts, act);
     for (unsigned label = 1; label < 256; label++)
@@ -154,10 +154,10 @@ enum err act_stats(const struct act *act)
 /* The session's; where one is chosen, that one alone. */
 static enum err take_own(struct compared *compared, const struct act *act, struct labels *labels)
 {
-    const struct grid *grid = &session_scene(act->session)->grid;
+    const struct grid *grid = &act->session->scene->grid;
     const struct value *only = act_value(act, "label");
     uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
-    struct task task = task_begin(session_watch(act->session), "present labels", grid->voxels);
+    struct task task = task_begin(act->session->watch, "present labels", grid->voxels);
     enum err err = label ? act_take_labels(act, labels) : fault_memory(act->fault, "the labels");
     if (err)
         return err;
@@ -167,13 +167,13 @@ static enum err take_own(struct compared *compared, const struct act *act, struc
             for (const uint8_t *end = label + grid->size[0]; label < end; label++)
                 *label = only->given && *label != only->number ? 0 : *label;
         }
-    return watch_fault(session_watch(act->session), act->fault);
+    return watch_fault(act->session->watch, act->fault);
 }
 
 /* The map's. */
 static enum err take_map(struct compared *compared, bool listed[256], const struct act *act)
 {
-    struct watch *watch = session_watch(act->session);
+    struct watch *watch = act->session->watch;
     struct volume map = {0};
     uint16_t *as = NULL;
     enum err err = act_choose_regions(&as, act, act_value(act, "label"));
@@ -201,7 +201,7 @@ static enum err write_picture(const struct act *act, const char *which,
                               const struct compared *compared, const struct labels *labels,
                               const struct comparison_report *report)
 {
-    const uint32_t *cross = session_outlook(act->session)->slices.cross;
+    const uint32_t *cross = act->session->now.outlook.slices.cross;
     const uint32_t *place =
         act_has(act, "at") ? act_place(act, "at") : comparison_farthest(report->comparison, cross);
     struct picture picture = {0};
@@ -230,8 +230,8 @@ static enum err answer_comparison(const struct act *act, const struct compared *
     const char *name = labels->finished ? "the labels here, finished" : "the labels here";
     const struct comparison_report report = {comparison,
                                              {name, act_text(act, "FILE")},
-                                             session_kept(session)->label_name,
-                                             session_geometry(session),
+                                             session->now.kept.label_name,
+                                             &session->geometry,
                                              listed};
     const char *file = act_text(act, "report");
     struct buf *text = act_buf(act);
@@ -263,18 +263,17 @@ enum err act_compare(const struct act *act)
         err = fault_set(act->fault, ERR_USAGE,
                         "at: it says where slices of the picture lie; expected picture=FILE too");
     for (unsigned label = 1; label < 256 && !act_has(act, "label"); label++)
-        listed[label] = *session_kept(session)->label_name[label];
+        listed[label] = *session->now.kept.label_name[label];
     for (int a = 0; a < 3; a++) {
-        compared.size[a] = session_scene(session)->grid.size[a];
-        compared.spacing_nm[a] = session_scene(session)->spacing_nm[a];
+        compared.size[a] = session->scene->grid.size[a];
+        compared.spacing_nm[a] = session->scene->spacing_nm[a];
     }
     if (!err)
         err = take_map(&compared, listed, act);
     if (!err)
         err = take_own(&compared, act, &labels);
     if (!err)
-        err = comparison_make(comparison, &compared, session_team(session), session_watch(session),
-                              act->fault);
+        err = comparison_make(comparison, &compared, session->team, session->watch, act->fault);
     if (!err)
         err = answer_comparison(act, &compared, &labels, comparison, listed);
     free(compared.label[0]);

@@ -35,7 +35,7 @@ static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool mov
     const size_t waits = session_pendings(act->session);
     if (waits > 0)
         buf_printf(&reply->text, ", %zu edit%s waiting for `run`%s", waits, plural(waits),
-                   session_outlook(act->session)->runs_by_itself ? " or the next edit" : "");
+                   act->session->now.outlook.runs_by_itself ? " or the next edit" : "");
     buf_add_char(&reply->text, '\n');
     if (!history->moves_tip && on->point != to) /* the tip of the branch stays ahead, or behind */
         buf_printf(&reply->text, "%s stays at record %zu: `goto %s` leads back\n", on->name,

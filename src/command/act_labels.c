@@ -28,7 +28,7 @@ enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 /* Only a forest that is up to date knows which tree holds a voxel. */
 static enum err find_removed(const struct act *act, struct voxels *v)
 {
-    enum err err = session_skims(act->session) ? session_catch_up(act->session, act->fault) : OK;
+    enum err err = act->session->skims ? session_catch_up(act->session, act->fault) : OK;
     return err ? err : act_find_voxels(act, NULL, v);
 }
 
@@ -38,14 +38,14 @@ static enum err find_removed(const struct act *act, struct voxels *v)
  * line should hold. */
 static void add_taken(const struct session *session, struct reply *reply)
 {
-    const struct edit *edit = edits_first(&session_state(session)->lists.pending);
-    const size_t before = edits_count(&session_former(session)->lists.pending),
+    const struct edit *edit = edits_first(&session->now.lists.pending);
+    const size_t before = edits_count(&session->former.lists.pending),
                  now = session_pendings(session);
     const char *between = "took=";
     if (now - before > TAKEN_MOST)
         return;
     for (size_t i = before; i < now; i++) {
-        const struct place p = grid_place(&session_scene(session)->grid, edit[i].cell);
+        const struct place p = grid_place(&session->scene->grid, edit[i].cell);
         buf_printf(&reply->words, "%s%u,%u,%u", between, p.x, p.y, p.z);
         between = ";";
     }
@@ -78,7 +78,7 @@ static enum err remove_trees(const struct act *act)
     size_t count;
     enum err err;
     if (act_find_recorded(act, "took", &word)) {
-        err = read_taken(&session_scene(session)->grid, &word, taken, &count, act->fault);
+        err = read_taken(&session->scene->grid, &word, taken, &count, act->fault);
         err = err ? err : session_erase_seeds(session, taken, count, act->fault);
     } else {
         err = find_removed(act, &v);
@@ -125,7 +125,7 @@ static size_t seeds_of(const struct markers *markers, uint32_t number)
 
 static void write_removed(const struct act *act, const uint32_t *number, size_t count, size_t seeds)
 {
-    const struct markers *markers = session_markers(act->session);
+    const struct markers *markers = &act->session->markers;
     struct buf *out = &act->reply->text;
     if (count > 1) {
         buf_printf(out, "%zu markers removed\n", count);
@@ -145,13 +145,13 @@ static enum err remove_markers(const struct act *act)
     size_t count;
     enum err err;
     if (act_find_recorded(act, "removed", &word)) {
-        err = read_removed(session_markers(session), &word, &number, &count, act->fault);
+        err = read_removed(&session->markers, &word, &number, &count, act->fault);
     } else {
         err = find_removed(act, &v);
         if (!err)
             err = session_find_markers(session, v.cell, v.count, &number, &count, act->fault);
     }
-    const size_t seeds = !err && count == 1 ? seeds_of(session_markers(session), number[0]) : 0;
+    const size_t seeds = !err && count == 1 ? seeds_of(&session->markers, number[0]) : 0;
     if (!err)
         err = session_take_away(session, number, count, act->fault);
     if (!err) {
@@ -183,7 +183,7 @@ enum err act_remove(const struct act *act)
     if (err)
         return err;
     const uint32_t *p = act_place(act, "PLACE");
-    const uint32_t cell = grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
+    const uint32_t cell = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
     return session_note_eliminator(session, cell, act->fault);
 }
 
@@ -229,8 +229,8 @@ static enum err keep_copy(const struct act *act, const struct volume *map, const
     if (!err)
         err = interpreter_will_write(interp, buf_text(path), FILE_KEEP, act->fault);
     if (!err)
-        err = label_copy_write(buf_text(path), map, session_geometry(act->session),
-                               session_watch(act->session), act->fault);
+        err = label_copy_write(buf_text(path), map, &act->session->geometry, act->session->watch,
+                               act->fault);
     if (!err)
         act_write_file_line("copied to ", buf_text(path), act->reply);
     return err;
@@ -244,7 +244,7 @@ static enum err take_numbers(const struct act *act, const char *list)
     struct numbering_tally tally;
     struct buf *out = &act->reply->text;
     const enum err err =
-        numbering_take(&act->next->kept, &tally, list, session_markers(act->session), act->fault);
+        numbering_take(&act->next->kept, &tally, list, &act->session->markers, act->fault);
     if (err)
         return act_naming(act_text(act, "FILE"), err, act->fault);
     if (tally.regions)
@@ -272,7 +272,7 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
     for (size_t i = 0; i < voxels; i++)
         if (map->intensity[i] <= REGION_MOST)
             has[map->intensity[i]] = true;
-    numbering_list(numbers, as, has, session_kept(act->session));
+    numbering_list(numbers, as, has, &act->session->now.kept);
     free(has);
     const enum err err = numbers->length ? take_numbers(act, buf_text(numbers)) : OK;
     if (!err)
@@ -284,14 +284,14 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
 static enum err find_regions(struct volume *map, const struct act *act)
 {
     const uint64_t beyond =
-        act_has(act, "regions") ? 0 : map_count_beyond(map, session_watch(act->session));
+        act_has(act, "regions") ? 0 : map_count_beyond(map, act->session->watch);
     if (beyond)
         return fault_set(act->fault, ERR_INPUT,
                          "%llu of its voxels hold%s numbers below 0 or above %d, which are no "
                          "regions; with regions=1-255, or others, these become background; nothing "
                          "was planted",
                          (unsigned long long)beyond, beyond == 1 ? "s" : "", REGION_MOST);
-    return map_to_regions(map, 0, REGION_MOST, session_watch(act->session), act->fault);
+    return map_to_regions(map, 0, REGION_MOST, act->session->watch, act->fault);
 }
 
 static enum err read_original(struct volume *map, const struct act *act, struct buf *numbers)
@@ -311,8 +311,7 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
     if (!err && !act_has(act, "as|label"))
         err = number_regions(numbers, as, act, map);
     if (!err)
-        err = act_naming(name, map_label(map, &choice, session_watch(session), act->fault),
-                         act->fault);
+        err = act_naming(name, map_label(map, &choice, session->watch, act->fault), act->fault);
     if (!err)
         buf_add_text(&act->reply->text, map->notes);
     free(as);
@@ -323,15 +322,14 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
 static enum err read_copy(struct volume *map, const struct act *act, const char *path)
 {
     const struct session *session = act->session;
-    const struct map_place place = {.grid = &session_scene(session)->grid,
-                                    .geometry = session_geometry(session),
-                                    .is_copy = true};
+    const struct map_place place = {
+        .grid = &session->scene->grid, .geometry = &session->geometry, .is_copy = true};
     bool leads_out;
     enum err err = interpreter_may_read(act->interp, path, &leads_out, act->fault);
     if (!err)
-        err = map_read(map, path, &place, session_watch(session), act->fault);
+        err = map_read(map, path, &place, session->watch, act->fault);
     if (!err)
-        err = map_to_regions(map, 0, 255, session_watch(session), act->fault);
+        err = map_to_regions(map, 0, 255, session->watch, act->fault);
     return err && err != ERR_MEMORY && err != ERR_CANCELLED && leads_out
                ? golden_refuse_link(path, act->fault)
                : err;
@@ -356,7 +354,7 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
     if (err && !has_copy && path->length)
         fault_prefix(act->fault, err, "there is no copy %s", buf_text(path));
     if (!err)
-        err = label_copy_digest(digest, map, session_watch(act->session), act->fault);
+        err = label_copy_digest(digest, map, act->session->watch, act->fault);
     if (err)
         return err;
     const bool same_numbers =
@@ -378,7 +376,7 @@ static enum err read_new(struct volume *map, const struct act *act, char digest[
                          "numbers: a journal has it beside copy=DIGEST; regions= chooses regions");
     enum err err = read_original(map, act, numbers);
     if (!err)
-        err = label_copy_digest(digest, map, session_watch(act->session), act->fault);
+        err = label_copy_digest(digest, map, act->session->watch, act->fault);
     if (!err && numbers->length)
         buf_printf(&act->reply->canonical, " numbers=%s", buf_text(numbers));
     if (!err)
@@ -438,10 +436,10 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
 static bool is_left(const struct act *act, const struct volume *map, uint32_t cell)
 {
     const struct session *session = act->session;
-    const uint32_t number = markers_at(session_markers(session), cell);
-    return number && number <= session_former_markers(session) &&
-           session_markers(session)->marker[number - 1].label > 0 &&
-           map->intensity[grid_voxel(&session_scene(session)->grid, cell)] == REGION_NONE;
+    const uint32_t number = markers_at(&session->markers, cell);
+    return number && number <= session->former_markers &&
+           session->markers.marker[number - 1].label > 0 &&
+           map->intensity[grid_voxel(&session->scene->grid, cell)] == REGION_NONE;
 }
 
 static int compare_cells(const void *a, const void *b)
@@ -455,7 +453,7 @@ static int compare_cells(const void *a, const void *b)
 static enum err take_over(struct voxels *out, const struct act *act, const struct piece *piece,
                           struct marker_run run, size_t own)
 {
-    const struct markers *markers = session_markers(act->session);
+    const struct markers *markers = &act->session->markers;
     for (uint32_t c = run.first; c < run.end; c++) {
         const int16_t label = markers_seed(markers, c);
         if (label == EDIT_ERASE || label == piece->label ||
@@ -476,14 +474,14 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
     const struct piece *piece = &seeds->piece[i];
     const size_t begin = i ? piece[-1].end : 0, first = i ? piece[-1].run_end : 0;
     const size_t own = piece->end - begin;
-    struct task task = task_begin(session_watch(act->session), "seeds of pieces", 0);
+    struct task task = task_begin(act->session->watch, "seeds of pieces", 0);
     enum err err = OK;
     out->count = 0;
     if (!mem_grow(&out->cell, &out->capacity, own, sizeof *out->cell))
         return fault_memory(act->fault, "seeds of pieces");
     for (size_t k = begin; k < piece->end; k++)
         out->cell[out->count++] = seeds->cell[k];
-    if (!session_former_markers(act->session))
+    if (!act->session->former_markers)
         return OK;
     for (size_t r = first; !err && r < piece->run_end && task_advance(&task, 1); r++)
         err = take_over(out, act, piece, seeds->run[r], own);
@@ -492,7 +490,7 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
         if (!is_left(act, map, out->cell[k]))
             out->cell[kept++] = out->cell[k];
     out->count = piece->label == 0 ? kept : out->count;
-    return err ? err : watch_fault(session_watch(act->session), act->fault);
+    return err ? err : watch_fault(act->session->watch, act->fault);
 }
 
 static enum err plant(const struct act *act, const struct piece_seeds *seeds,
@@ -515,8 +513,8 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
             err = act_plant(act, &planting, voxels.cell, voxels.count, piece->label);
     }
     voxels_release(&voxels);
-    act->next->lists = session_state(act->session)->lists;
-    if (!err && !kept_equals(&act->next->kept, session_kept(act->session)))
+    act->next->lists = act->session->now.lists;
+    if (!err && !kept_equals(&act->next->kept, &act->session->now.kept))
         err = act_go(act); /* to the own numbers of labels */
     if (err)
         return err;
@@ -536,10 +534,10 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
 static void announce(const struct act *act, const struct piece_seeds *seeds)
 {
     const struct session *session = act->session;
-    const size_t voxels = session_scene(session)->grid.voxels;
+    const size_t voxels = session->scene->grid.voxels;
     if (seeds->pieces < NOISE_PIECES || seeds->count < voxels / 2)
         return;
-    watch_announce(session_watch(session),
+    watch_announce(session->watch,
                    "%s is more like noise, or a picture, than a segmentation: %zu pieces, of %.1f "
                    "voxels each; seeds in %zu voxels take some %.0f MB (Ctrl-C stops; `labels FILE "
                    "least=100` leaves out pieces of fewer voxels)",
@@ -579,8 +577,8 @@ enum err act_labels(const struct act *act)
                         "%s has no voxel of these regions; nothing was planted",
                         act_text(act, "FILE"));
     if (!err)
-        err = piece_seeds_make(&seeds, map.intensity, &session_scene(session)->grid, &choice,
-                               session_watch(session), act->fault);
+        err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid, &choice,
+                               session->watch, act->fault);
     if (!err && !seeds.pieces)
         err = fault_set(act->fault, ERR_INPUT, "no piece of it has %u voxels; nothing was planted",
                         choice.least);

@@ -162,11 +162,11 @@ static void write_scene(const struct act *act)
 {
     const struct session *session = act->session;
     struct reply *reply = act->reply;
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const uint32_t *size = scene->grid.size, *nm = scene->spacing_nm;
     buf_printf(&reply->words, "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
-               (unsigned long long)session_scene_digest(session), size[0], size[1], size[2], nm[0],
-               nm[1], nm[2], (unsigned long long)session_weight_digest(session));
+               (unsigned long long)session->scene_digest, size[0], size[1], size[2], nm[0], nm[1],
+               nm[2], (unsigned long long)session->weight_digest);
     buf_printf(&reply->text, "%ux%ux%u voxels", size[0], size[1], size[2]);
     act_write_spacing(&reply->text, session);
     buf_printf(&reply->text, ", %.1f MB\n", (double)session_memory(session) / 1e6);
@@ -177,13 +177,13 @@ static void write_orientation(const struct act *act)
 {
     const struct session *session = act->session;
     struct reply *reply = act->reply;
-    const struct choice who = choice_at(ORIENTATIONS, session_geometry(session)->orientation);
+    const struct choice who = choice_at(ORIENTATIONS, session->geometry.orientation);
     buf_printf(&reply->words, " orientation=%.*s", (int)who.length, who.word);
-    buf_add_text(&reply->text, session_open_notes(session));
-    if (session_geometry(session)->orientation == ORIENTATION_UNKNOWN)
+    buf_add_text(&reply->text, session->open_notes);
+    if (session->geometry.orientation == ORIENTATION_UNKNOWN)
         buf_add_text(&reply->text, "orientation unknown: no picture or answer names a side of the "
                                    "patient\n");
-    if (session_geometry(session)->spacing_unknown)
+    if (session->geometry.spacing_unknown)
         buf_add_text(&reply->text, "distances of voxels unknown: lengths and volumes are in "
                                    "voxels\n");
 }
@@ -228,12 +228,12 @@ static enum err check_words(const struct act *act, const char *name)
 static enum err take_first_weight(const struct act *act, bool *recorded)
 {
     struct session *session = act->session;
-    struct state next = *session_state(session);
+    struct state next = session->now;
     struct weight_choice *weight = &next.kept.weight;
     enum err err = OK;
     const char *given = act_text(act, "weight");
     *recorded = false;
-    if (session_has_scene(session))
+    if (session->has_scene)
         return OK; /* session_open refuses */
     if (given)
         err = read_weight(weight, given, act->fault);
@@ -264,18 +264,18 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
                              const char *proof)
 {
     struct session *session = act->session;
-    struct watch *watch = session_watch(session);
+    struct watch *watch = session->watch;
     struct buf *path = act_buf(act);
     struct fault unsaid = {0};
     choice->proof = proof;
     if (watch)
         watch->is_quiet = true;
-    if (!session_has_scene(session) && interpreter_find_outside(act->interp, name, path))
+    if (!session->has_scene && interpreter_find_outside(act->interp, name, path))
         session_open(session, buf_text(path), choice, &unsaid);
     if (watch)
         watch->is_quiet = false;
     choice->proof = NULL;
-    return session_has_scene(session) ? OK : watch_fault(watch, act->fault);
+    return session->has_scene ? OK : watch_fault(watch, act->fault);
 }
 
 /* What is recorded: a series by its number, whatever piece of its description was given, since
@@ -286,12 +286,12 @@ static void write_canonical(const struct act *act, bool has_weight)
     const struct session *session = act->session;
     struct call call = *act->call;
     buf_clear(canonical);
-    if (session_series(session) && call_has(&call, "series"))
-        call_set(&call, "series", session_series(session), NULL);
+    if (session->series && call_has(&call, "series"))
+        call_set(&call, "series", session->series, NULL);
     command_write(canonical, &call);
     if (has_weight) {
         buf_add_text(canonical, " weight=");
-        const struct weight_choice *weight = &session_kept(session)->weight;
+        const struct weight_choice *weight = &session->now.kept.weight;
         const struct weight_row *row = &weight_table[weight->kind];
         buf_add_text(canonical, row->name);
         if (weight->argument != row->usual)
@@ -307,7 +307,7 @@ enum err act_open(const struct act *act)
     struct volume_choice choice;
     char proof[SHA256_HEX];
     const char *name;
-    const bool had_scene = session_has_scene(session);
+    const bool had_scene = session->has_scene;
     bool has_weight = false;
     enum err err = choose(&choice, &name, act);
     choice.as_recorded = act->interp->mode != MODE_LIVE;
@@ -319,7 +319,7 @@ enum err act_open(const struct act *act)
     const bool by_proof = !err && has_proof(act, &choice, proof);
     if (by_proof)
         err = open_outside(act, name, &choice, proof);
-    const bool is_open = session_has_scene(session) && !had_scene;
+    const bool is_open = session->has_scene && !had_scene;
     if (!err && !is_open)
         err = find_scene(act, name, by_proof, path);
     if (!err && !is_open)
@@ -336,13 +336,13 @@ enum err act_open(const struct act *act)
     write_orientation(act);
     /* Where intensities are not exact: the ends of their scale, how many voxels are beyond each,
      * and a digest of the file's values that a level may stand for. */
-    const struct levels *levels = session_levels(session);
+    const struct levels *levels = session->levels;
     if (levels)
         buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
                    levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
                    (unsigned long long)levels_digest(levels));
-    if (*session_proof(session))
-        buf_printf(&act->reply->words, " sha256=%s", session_proof(session));
+    if (*session->proof)
+        buf_printf(&act->reply->words, " sha256=%s", session->proof);
     return OK;
 }
 
@@ -361,7 +361,7 @@ enum err act_interpolate(const struct act *act)
  * program, too, and for the maps of the scene. */
 static enum err check_orient(const struct session *session, const char *how, struct fault *fault)
 {
-    const struct geometry *said = session_said(session);
+    const struct geometry *said = &session->said;
     struct geometry oriented = *said;
     char towards[4];
     const bool is_form = strcmp(how, "sform") == 0 || strcmp(how, "qform") == 0;
@@ -396,9 +396,9 @@ enum err act_orient(const struct act *act)
     if (!by_file)
         memcpy(orient, how, strlen(how));
     err = act_go(act);
-    const struct choice who = choice_at(ORIENTATIONS, session_geometry(session)->orientation);
+    const struct choice who = choice_at(ORIENTATIONS, session->geometry.orientation);
     buf_printf(&act->reply->words, "orientation=%.*s", (int)who.length, who.word);
-    act_write_axes(&act->reply->text, session_geometry(session));
+    act_write_axes(&act->reply->text, &session->geometry);
     buf_add_char(&act->reply->text, '\n');
     return err;
 }

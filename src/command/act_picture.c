@@ -146,7 +146,7 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
     const struct view first = *from;
     struct fit fit;
     uint32_t place[3];
-    enum err err = fit_init(&fit, session_border(session), spin->act->fault);
+    enum err err = fit_init(&fit, &session->border, spin->act->fault);
     if (err)
         return err;
     fit_place(&fit, &first, place);
@@ -154,12 +154,12 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
     for (unsigned i = 0; i < spin->total; i++) {
         const struct view view = view_of(spin, &first, i);
         from->zoom =
-            least(from->zoom, fit_zoom(&fit, &view, place, session_outlook(session)->look.samples));
-        watch_poll(session_watch(session), "turntable", 0, spin->total);
+            least(from->zoom, fit_zoom(&fit, &view, place, session->now.outlook.look.samples));
+        watch_poll(session->watch, "turntable", 0, spin->total);
     }
-    view_focus_on(from, session_scene(session), place);
+    view_focus_on(from, session->scene, place);
     fit_release(&fit);
-    return watch_fault(session_watch(session), spin->act->fault);
+    return watch_fault(session->watch, spin->act->fault);
 }
 
 /* With all maps of the rendition, for what looks at them. */
@@ -207,7 +207,7 @@ static enum err turn_around(struct spin *spin)
 {
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
-    const struct view before = session_outlook(session)->view;
+    const struct view before = session->now.outlook.view;
     struct view from = before;
     const bool rendered = session_rendered(session) == RENDERED_FOREST;
     enum err err = session_run(session, fault);
@@ -222,7 +222,7 @@ static enum err turn_around(struct spin *spin)
         is_helped(spin)) /* it loads its libraries while one is drawn */
         err = image_helper_start(spin->act->interp->helper, fault);
     for (unsigned i = 0; i < spin->total && !err; i++) {
-        watch_poll(session_watch(session), "turntable", i, spin->total);
+        watch_poll(session->watch, "turntable", i, spin->total);
         err = show_turned(spin, &from, i);
     }
     if (!err)
@@ -323,12 +323,12 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
     const struct journal *journal = act->interp->journal;
     struct buf *steps = act_buf(act), *name = act_buf(act);
     enum err err = OK;
-    finish_write(steps, &session_kept(act->session)->finish);
+    finish_write(steps, &act->session->now.kept.finish);
     if (journal)
         golden_journal_name(name, journal_path(journal));
     if (labels->finished)
         err = picture_note(picture, "iftty:finish", buf_text(steps), act->fault);
-    if (!err && journal && !session_is_private(act->session))
+    if (!err && journal && !act->session->is_private)
         err = picture_note(picture, "iftty:journal", buf_text(name), act->fault);
     if (!err && journal)
         err = picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
@@ -630,7 +630,7 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
 
 enum err act_slice(const struct act *act)
 {
-    const struct scene *scene = session_scene(act->session);
+    const struct scene *scene = act->session->scene;
     struct slice_settings *slices = &act->next->outlook.slices;
     const enum slice_plane plane = (enum slice_plane)act_number(act, "PLANE");
     const uint32_t count = slice_count(scene, plane);
@@ -639,8 +639,7 @@ enum err act_slice(const struct act *act)
                          "N: expected one of the %s slices 0..%u, not %lld; nothing has changed",
                          act_text(act, "PLANE"), count - 1, (long long)act_number(act, "N"));
     if (act_has(act, "N"))
-        slices->cross[slice_axis(session_scene(act->session), plane)] =
-            (uint32_t)act_number(act, "N");
+        slices->cross[slice_axis(act->session->scene, plane)] = (uint32_t)act_number(act, "N");
     if (act_has(act, "zoom")) {
         magnify(slices, SLICE_TIMES_ONE, NULL);
         slices->zoom = act_text(act, "zoom") ? 0 : (uint32_t)act_number(act, "zoom");

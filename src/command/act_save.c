@@ -49,8 +49,7 @@ static enum err read_golden(struct interpreter *interp, struct picture *expected
                             struct fault *fault)
 {
     const enum err err = interpreter_may_read(interp, path, leads_out, fault);
-    return err ? err
-               : exr_read_golden(expected, path, actual, session_watch(interp->session), fault);
+    return err ? err : exr_read_golden(expected, path, actual, interp->session->watch, fault);
 }
 
 /* And what they say of themselves, where that has a meaning. */
@@ -257,7 +256,7 @@ static enum err add_step(struct finish_list *list, const struct act *act)
                          "them, `undo` the last one",
                          FINISH_STEPS_MOST);
     list->step[list->count++] = step;
-    return finish_check(list, session_scene(act->session), act->fault);
+    return finish_check(list, act->session->scene, act->fault);
 }
 
 enum err act_finish(const struct act *act)
@@ -278,12 +277,12 @@ enum err act_finish(const struct act *act)
         buf_add_text(&act->reply->text, "finish    none\n");
     act_write_finish(&act->reply->text, act->session);
     struct labels labels;
-    if (!list->count || act->interp->mode != MODE_LIVE || session_skims(act->session) ||
-        !forest_seeds(session_forest(act->session)))
+    if (!list->count || act->interp->mode != MODE_LIVE || act->session->skims ||
+        !forest_seeds(act->session->forest))
         return OK;
     err = session_labels(act->session, true, &labels, act->fault);
     return err ? err
-               : act_write_losses(act->interp, &labels, false, session_watch(act->session),
+               : act_write_losses(act->interp, &labels, false, act->session->watch,
                                   &act->reply->text, act->fault);
 }
 
@@ -302,12 +301,12 @@ static enum err make_surface(struct surface **surface, const struct act *act,
     struct session *session = act->session;
     const struct value *label = act_value(act, "label"), *smooth = act_value(act, "smooth");
     struct labels of = *labels;
-    const struct surface_source source = {session_scene(session)->grid.size, row_of_labels, &of};
+    const struct surface_source source = {session->scene->grid.size, row_of_labels, &of};
     struct surface_choice choice = {.joins = joins,
                                     .is_cubes = smooth->given && smooth->number == 0};
     for (int l = 1; l < 256; l++)
         choice.wanted[l] = !label->given || label->number == l;
-    const enum err err = surface_new(surface, &source, &choice, session_watch(session), act->fault);
+    const enum err err = surface_new(surface, &source, &choice, session->watch, act->fault);
     if (err || (*surface)->parts)
         return err;
     return label->given
@@ -324,14 +323,13 @@ static enum err write_surface(const struct act *act, const struct labels *labels
     const struct session *session = act->session;
     struct volume_label label[256];
     struct buf *notes = act_buf(act);
-    export_labels(label, session_kept(session));
+    export_labels(label, &session->now.kept);
     if (labels->finished) {
         buf_add_text(notes, "finished: ");
-        finish_write(notes, &session_kept(session)->finish);
+        finish_write(notes, &session->now.kept.finish);
     }
-    const struct surface_document document = {surface, session_geometry(session), label,
-                                              buf_text(notes)};
-    return surface_write(path, how, &document, session_watch(session), act->fault);
+    const struct surface_document document = {surface, &session->geometry, label, buf_text(notes)};
+    return surface_write(path, how, &document, session->watch, act->fault);
 }
 
 /* What each surface has and encloses, and where it lies. */
@@ -348,9 +346,9 @@ static void answer(const struct act *act, const struct surface *surface, bool jo
         label_report_write_extent(out, session, part->voxels);
         buf_add_char(out, '\n');
     }
-    if (session_geometry(session)->spacing_unknown)
+    if (session->geometry.spacing_unknown)
         buf_add_text(out, "its places are in voxels: how far apart those are is unknown\n");
-    else if (session_geometry(session)->orientation == ORIENTATION_UNKNOWN)
+    else if (session->geometry.orientation == ORIENTATION_UNKNOWN)
         buf_add_text(out, "its places are in millimetres along the axes of the voxels: the "
                           "orientation is unknown (`orient` says it)\n");
 }
@@ -363,8 +361,7 @@ static enum err save_surface(const struct act *act, const struct labels *labels,
     const bool joins = !act_has(act, "label") && !surface_file_tells_labels(path);
     enum err err = make_surface(&surface, act, labels, joins);
     if (!err && most->given)
-        err =
-            surface_reduce(surface, (size_t)most->number, session_watch(act->session), act->fault);
+        err = surface_reduce(surface, (size_t)most->number, act->session->watch, act->fault);
     if (!err)
         err = write_surface(act, labels, path, how, surface);
     if (!err)
@@ -413,7 +410,7 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
                          "cannot write %s: expected .txt or .label for ITK-SNAP, .ctab for "
                          "FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron",
                          path);
-    const struct kept *kept = session_kept(act->session);
+    const struct kept *kept = &act->session->now.kept;
     if (format == TABLE_LUT && numbering_is_used(kept))
         return fault_set(act->fault, ERR_USAGE,
                          "cannot write %s: labels have numbers of their own, and a .lut holds 0 to "
@@ -421,10 +418,10 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
                          path);
     enum err err = session_count_labels(act->session, act->fault);
     for (int l = 0; l < 256; l++)
-        used[l] = session_tally(act->session)->voxels[l] > 0 || *kept->label_name[l];
+        used[l] = act->session->tally.voxels[l] > 0 || *kept->label_name[l];
     if (!err)
         err = numbering_check(kept, used, act->fault);
-    label_table_write(text, &writing, format, session_kept(act->session), used);
+    label_table_write(text, &writing, format, &act->session->now.kept, used);
     if (!err)
         err = file_write(path, text->data, text->length, how, act->fault);
     if (!err && writing.changed)
@@ -473,14 +470,14 @@ struct coverage {
 
 static struct coverage cover(const struct session *session, const struct labels *labels)
 {
-    const struct grid *grid = &session_scene(session)->grid;
+    const struct grid *grid = &session->scene->grid;
     struct coverage count = {0};
-    struct task task = task_begin(session_watch(session), "counting", grid->voxels);
+    struct task task = task_begin(session->watch, "counting", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = session_scene(session)->cell + c;
+                const struct cell *cell = session->scene->cell + c;
                 const bool is_outside = cell->flags & CELL_OUTSIDE;
                 count.labelled += labels_at(labels, c) > 0;
                 count.outside += is_outside;
@@ -494,7 +491,7 @@ static struct coverage cover(const struct session *session, const struct labels 
 static enum err check_labels(const struct act *act, const struct coverage *coverage)
 {
     if (coverage->labelled || act_is_yes(act, "empty"))
-        return watch_fault(session_watch(act->session), act->fault);
+        return watch_fault(act->session->watch, act->fault);
     return fault_set(
         act->fault, ERR_INPUT,
         "no voxel has a label above 0: plant a `seed` of one first, or write the empty "
@@ -516,7 +513,7 @@ static void warn(const struct act *act, const char *path, const struct coverage 
     const int64_t what = act_number(act, "MAP");
     warn_of_background(&act->reply->text, coverage->unreached, "that no seed reaches");
     warn_of_background(&act->reply->text, coverage->outside, "outside the region of interest");
-    if (volume_ending(path) && !geometry_has_place(session_geometry(session)))
+    if (volume_ending(path) && !geometry_has_place(&session->geometry))
         buf_add_text(&act->reply->text,
                      "where it lies is as unknown in it as in the scene's file\n");
     if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act_has(act, "finished") && !finished &&

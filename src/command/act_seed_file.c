@@ -32,9 +32,8 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     return err ? err
                : act_naming(act_text(act, "FILE"),
                             seeds_from_list(seeds, buf_text(text), text->length,
-                                            &session_scene(session)->grid,
-                                            session_kept(session)->label_name, label_of(act),
-                                            session_watch(session), fault),
+                                            &session->scene->grid, session->now.kept.label_name,
+                                            label_of(act), session->watch, fault),
                             fault);
 }
 
@@ -67,12 +66,11 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     struct volume map = {0};
     struct region_tally tally;
     const struct map_place place = act_map_place(act);
-    enum err err = map_read(&map, path, &place, session_watch(session), fault);
+    enum err err = map_read(&map, path, &place, session->watch, fault);
     if (!err)
         err = act_naming(act_text(act, "FILE"),
-                         seeds_from_map(seeds, &tally, &map, &session_scene(session)->grid,
-                                        session_geometry(session), choice, session_watch(session),
-                                        fault),
+                         seeds_from_map(seeds, &tally, &map, &session->scene->grid,
+                                        &session->geometry, choice, session->watch, fault),
                          fault);
     if (!err)
         buf_add_text(out, map.notes);
@@ -132,12 +130,12 @@ static enum err plant_region(const struct act *act, struct planting *planting,
         return act_plant(act, planting, at->cell, at->count, (uint8_t)region_label(choice, region));
     const struct seed_group *group = &seeds->group[region - SEED_GROUPS_FROM];
     struct reach reach = group->reach;
-    if (!reach.unit[0] && session_geometry(session)->spacing_unknown)
+    if (!reach.unit[0] && session->geometry.spacing_unknown)
         return fault_set(act->fault, ERR_INPUT,
                          "it has a distance in millimetres, and the scene's file does not say how "
                          "large voxels are; nothing was planted");
     for (int a = 0; a < 3; a++)
-        reach.unit[a] = reach.unit[a] ? reach.unit[a] : session_scene(session)->spacing_nm[a];
+        reach.unit[a] = reach.unit[a] ? reach.unit[a] : session->scene->spacing_nm[a];
     const enum err err = session_add_reach(session, &reach, &planting->reach, act->fault);
     return err ? err : act_plant(act, planting, at->cell, at->count, group->label);
 }
@@ -149,7 +147,7 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
     uint32_t *cell = NULL;
     struct session *session = act->session;
     size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
-    enum err err = end ? seeds_by_region(seeds, &cell, end, session_watch(session), act->fault)
+    enum err err = end ? seeds_by_region(seeds, &cell, end, session->watch, act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++]) {
         const struct voxels at = {.cell = cell + begin, .count = end[r] - begin};

@@ -45,9 +45,9 @@ static enum err weigh_by_file(const struct act *act, const char *name)
         near_append(&near, "", fault);
     }
     if (!err)
-        err = map_read(&map, buf_text(path), &place, session_watch(session), fault);
+        err = map_read(&map, buf_text(path), &place, session->watch, fault);
     if (!err)
-        err = act_naming(name, map_to_weights(&map, session_watch(session), fault), fault);
+        err = act_naming(name, map_to_weights(&map, session->watch, fault), fault);
     if (!err)
         err = session_set_weight_map(session, name, map.intensity, fault);
     if (!err)
@@ -110,14 +110,14 @@ enum err act_polarity(const struct act *act)
 static enum err add_roi(const struct act *act, enum err err)
 {
     const struct session *session = act->session;
-    const struct roi_tally *tally = session_roi_tally(session);
+    const struct roi_tally *tally = &session->roi_tally;
     struct reply *reply = act->reply;
     if (err)
         return err;
     act_add_digest(act, "fence", tally->digest);
     buf_printf(&reply->words, " inside=%zu", tally->inside);
     buf_printf(&reply->text, "%zu of %zu voxels %s inside the region of interest\n", tally->inside,
-               session_scene(session)->grid.voxels, tally->inside == 1 ? "is" : "are");
+               session->scene->grid.voxels, tally->inside == 1 ? "is" : "are");
     return OK;
 }
 
@@ -147,16 +147,16 @@ static enum err mask_by_file(const struct act *act)
     uint64_t *mask = NULL;
     enum err err = act_read_map(act, &map);
     if (!err)
-        err = act_naming(
-            name, map_to_regions(&map, regions[0], regions[1], session_watch(session), act->fault),
-            act->fault);
-    if (!err && !(mask = mask_new(&session_scene(session)->grid)))
+        err = act_naming(name,
+                         map_to_regions(&map, regions[0], regions[1], session->watch, act->fault),
+                         act->fault);
+    if (!err && !(mask = mask_new(&session->scene->grid)))
         err = fault_memory(act->fault, "a mask");
     if (!err) {
-        fill_mask(mask, &map, session_scene(session));
+        fill_mask(mask, &map, session->scene);
         buf_add_text(&act->reply->text, map.notes);
         const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
-        act_add_digest(act, "file", roi_tally(&alone, session_scene(session)).digest);
+        act_add_digest(act, "file", roi_tally(&alone, session->scene).digest);
         err = act_naming(name, session_set_mask(session, mask, name, regions, act->fault),
                          act->fault);
     }
@@ -181,15 +181,14 @@ enum err act_mask(const struct act *act)
 /* Of all voxels of the scene. */
 static size_t count_unsure(const struct session *session, const struct decimal range[2])
 {
-    const struct grid *grid = &session_scene(session)->grid;
-    const struct interval interval =
-        levels_within(session_geometry(session), session_levels(session), range);
+    const struct grid *grid = &session->scene->grid;
+    const struct interval interval = levels_within(&session->geometry, session->levels, range);
     size_t voxels = 0;
     for (uint32_t z = 0; interval.split[0] >= 0 && z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
-                voxels += interval_splits(&interval, session_scene(session)->cell[c].intensity);
+                voxels += interval_splits(&interval, session->scene->cell[c].intensity);
         }
     return voxels;
 }
@@ -249,12 +248,12 @@ static enum err fit_shown(const struct act *act)
     struct view *view = &act->next->outlook.view;
     struct fit fit;
     uint32_t place[3];
-    enum err err = fit_init(&fit, session_border(act->session), act->fault);
+    enum err err = fit_init(&fit, &act->session->border, act->fault);
     if (err)
         return err;
     fit_place(&fit, view, place);
     view->zoom = fit_zoom(&fit, view, place, act->next->outlook.look.samples);
-    view_focus_on(view, session_scene(act->session), place);
+    view_focus_on(view, act->session->scene, place);
     if (fit.is_scene)
         buf_add_text(&act->reply->text, "no object is shown: the scene fits\n");
     act_write_waiting(act);
@@ -278,15 +277,14 @@ enum err act_zoom(const struct act *act)
         err = fit_shown(act);
     }
     if (at->given)
-        view_focus_on(view, session_scene(act->session), at->place);
+        view_focus_on(view, act->session->scene, at->place);
     return err ? err : act_go(act);
 }
 
 enum err act_pan(const struct act *act)
 {
     struct camera camera;
-    const enum err err =
-        session_aim(act->session, session_outlook(act->session), &camera, act->fault);
+    const enum err err = session_aim(act->session, &act->session->now.outlook, &camera, act->fault);
     if (err)
         return err;
     view_pan(&act->next->outlook.view, &camera, act_number(act, "RIGHT"), act_number(act, "DOWN"));
@@ -298,7 +296,7 @@ enum err act_focus(const struct act *act)
     struct view *view = &act->next->outlook.view;
     memset(view->focus, 0, sizeof view->focus);
     if (!act_text(act, "PLACE"))
-        view_focus_on(view, session_scene(act->session), act_place(act, "PLACE"));
+        view_focus_on(view, act->session->scene, act_place(act, "PLACE"));
     return act_go(act);
 }
 
@@ -346,8 +344,8 @@ enum { SLAB_NONE = 3 }; /* the choice after these */
 static void write_sides(char out[24], const struct session *session, enum slice_plane plane)
 {
     static const uint32_t first[3] = {0};
-    const bool turned = slice_index(session_scene(session), plane, first) > 0;
-    if (session_scene(session)->sides_unknown)
+    const bool turned = slice_index(session->scene, plane, first) > 0;
+    if (session->scene->sides_unknown)
         *out = '\0';
     else
         snprintf(out, 24, ", %s to %s", side[plane][turned], side[plane][!turned]);
@@ -356,7 +354,7 @@ static void write_sides(char out[24], const struct session *session, enum slice_
 enum err act_clip(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
-    const struct scene *scene = session_scene(act->session);
+    const struct scene *scene = act->session->scene;
     if (act_number(act, "PLANE") == SLAB_NONE) {
         const struct cut whole = cut_none();
         if (act_has(act, "SLICES"))
@@ -407,7 +405,7 @@ static enum err read_normal(const struct act *act, int64_t normal[3])
 {
     const char *word = act_text(act, "normal");
     const bool is_side = act_number(act, "normal") >= 0;
-    if (is_side && session_scene(act->session)->sides_unknown)
+    if (is_side && act->session->scene->sides_unknown)
         return fault_set(act->fault, ERR_INPUT,
                          "normal=%s: nothing says which way the patient lies; expected A,B,C along "
                          "the voxel axes, or `orient` before; the view is unchanged",
@@ -431,7 +429,7 @@ static enum err read_normal(const struct act *act, int64_t normal[3])
 /* The plane through the voxel, at right angles to `normal` or to the present view. */
 static enum err make_plane(const struct act *act, struct cut_plane *plane)
 {
-    const struct scene *scene = session_scene(act->session);
+    const struct scene *scene = act->session->scene;
     const int64_t offset_nm = 1000 * act_number(act, "offset");
     const uint32_t *place = act_place(act, "PLACE");
     int64_t normal[3], into[3], length = INT64_C(1) << 30;
@@ -442,7 +440,7 @@ static enum err make_plane(const struct act *act, struct cut_plane *plane)
                          "offset: how far apart the voxels of this scene are is not known, so "
                          "there are no millimetres; expected another voxel; the view is unchanged");
     if (!act_has(act, "normal")) {
-        err = session_aim(act->session, session_outlook(act->session), &camera, act->fault);
+        err = session_aim(act->session, &act->session->now.outlook, &camera, act->fault);
         for (int a = 0; a < 3 && !err; a++)
             into[a] = (int64_t)camera.ahead[a] * scene->spacing_nm[a];
     } else if (!(err = read_normal(act, normal))) {
@@ -450,7 +448,7 @@ static enum err make_plane(const struct act *act, struct cut_plane *plane)
         for (int a = 0; a < 3; a++)
             length += normal[a] * normal[a];
         length = square_root((uint64_t)length);
-        geometry_along(session_geometry(act->session), normal, into);
+        geometry_along(&act->session->geometry, normal, into);
         for (int a = 0; a < 3; a++)
             into[a] = -into[a];
     }
@@ -532,7 +530,7 @@ static int64_t held(const struct setting_member *member, const struct value *val
 static void say(const struct act *act, enum setting_says what)
 {
     struct buf *out = &act->reply->text;
-    const struct outlook *outlook = session_outlook(act->session);
+    const struct outlook *outlook = &act->session->now.outlook;
     const size_t waits = session_pendings(act->session);
     switch (what) {
     case SAYS_NOTHING:
@@ -551,7 +549,7 @@ static void say(const struct act *act, enum setting_says what)
     case SAYS_FINISH:
         if (!outlook->shows_finished)
             buf_add_text(out, "pictures show the labels of the forest\n");
-        else if (!session_kept(act->session)->finish.count)
+        else if (!act->session->now.kept.finish.count)
             buf_add_text(out, "the finish has no step yet; `finish relax` adds one, and pictures "
                               "show it\n");
         else

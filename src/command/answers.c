@@ -29,7 +29,7 @@ void act_write_waiting(const struct act *act)
 
 void act_write_no_seeds(const struct act *act)
 {
-    if (!forest_seeds(session_forest(act->session)))
+    if (!forest_seeds(act->session->forest))
         buf_add_text(&act->reply->text, "no seed is planted: no voxel has a label\n");
 }
 
@@ -38,7 +38,7 @@ void act_write_no_seeds(const struct act *act)
 /* ", within 12 voxels of 10,14,9" for a seed that has a reach. */
 static void write_reach(struct buf *out, const struct session *session, uint32_t seed)
 {
-    const struct reach *reach = forest_reach(session_forest(session), seed);
+    const struct reach *reach = forest_reach(session->forest, seed);
     if (!reach)
         return;
     if (reach->unit[0] == 1)
@@ -51,8 +51,8 @@ static void write_reach(struct buf *out, const struct session *session, uint32_t
 
 void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell)
 {
-    const struct scene *scene = session_scene(session);
-    const uint64_t refused = forest_refused_offer(session_forest(session), cell);
+    const struct scene *scene = session->scene;
+    const uint64_t refused = forest_refused_offer(session->forest, cell);
     if (refused >= scene->cell[cell].key)
         return;
     const uint32_t root = key_root(refused);
@@ -66,7 +66,7 @@ void act_write_refusal(struct buf *out, const struct session *session, uint32_t 
 
 static enum err write_reaches(const struct act *act)
 {
-    const struct forest *forest = session_forest(act->session);
+    const struct forest *forest = act->session->forest;
     const size_t seeds = forest_limited_seeds(forest);
     struct buf *out = &act->reply->text;
     size_t voxels;
@@ -88,31 +88,31 @@ static enum err write_reaches(const struct act *act)
 static void write_voxel_weight(struct buf *out, const struct session *session,
                                const struct cell *cell)
 {
-    const struct arc_rule *arcs = forest_arcs(session_forest(session));
+    const struct arc_rule *arcs = forest_arcs(session->forest);
     if (arcs->kind == ARC_TARGET) {
         buf_printf(out, "weight %u, ", cell->weight);
         return;
     }
-    const struct cell *cells = session_scene(session)->cell;
-    const uint32_t before = cell_is_reached(cell) ? forest_predecessor(session_forest(session),
-                                                                       (uint32_t)(cell - cells))
-                                                  : CELL_NONE;
+    const struct cell *cells = session->scene->cell;
+    const uint32_t before = cell_is_reached(cell)
+                                ? forest_predecessor(session->forest, (uint32_t)(cell - cells))
+                                : CELL_NONE;
     if (before != CELL_NONE)
         buf_printf(out, "a step of weight %u, ", arc_weight_now(arcs, cells + before, cell));
 }
 
 void act_write_voxel(struct buf *out, const struct session *session, uint32_t at)
 {
-    const struct grid *grid = &session_scene(session)->grid;
-    const struct cell *cell = session_scene(session)->cell + at;
+    const struct grid *grid = &session->scene->grid;
+    const struct cell *cell = session->scene->cell + at;
     struct place p = grid_place(grid, at);
     double mm[3];
-    geometry_point(session_geometry(session), (const uint32_t[]){p.x, p.y, p.z}, mm);
+    geometry_point(&session->geometry, (const uint32_t[]){p.x, p.y, p.z}, mm);
     buf_printf(out, "voxel %u,%u,%u", p.x, p.y, p.z);
-    if (geometry_has_place(session_geometry(session)))
+    if (geometry_has_place(&session->geometry))
         buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     buf_add_text(out, ": intensity ");
-    levels_write(out, session_geometry(session), session_levels(session), cell->intensity);
+    levels_write(out, &session->geometry, session->levels, cell->intensity);
     buf_add_text(out, ", ");
     write_voxel_weight(out, session, cell);
     if (!cell_is_reached(cell)) {
@@ -137,11 +137,11 @@ static unsigned changed_labels(const struct session *session, uint8_t label[255]
 {
     unsigned count = 0;
     for (unsigned l = 1; l < 256; l++) {
-        const uint64_t voxels = session_tally(session)->voxels[l];
-        if (voxels == session_former_tally(session)->voxels[l])
+        const uint64_t voxels = session->tally.voxels[l];
+        if (voxels == session->former_tally.voxels[l])
             continue;
         unsigned at = count++;
-        for (; at > 0 && session_tally(session)->voxels[label[at - 1]] < voxels; at--)
+        for (; at > 0 && session->tally.voxels[label[at - 1]] < voxels; at--)
             label[at] = label[at - 1];
         label[at] = (uint8_t)l;
     }
@@ -167,10 +167,9 @@ void volumes_write(struct buf *out, const struct session *session, bool is_finis
         buf_add_text(out, ", label ");
         label_report_write_name(out, session, label[i]);
         buf_add_text(out, ": ");
-        const uint64_t voxels = session_tally(session)->voxels[label[i]];
+        const uint64_t voxels = session->tally.voxels[label[i]];
         label_report_write_extent(out, session, voxels);
-        label_report_write_change(out, session, voxels,
-                                  session_former_tally(session)->voxels[label[i]]);
+        label_report_write_change(out, session, voxels, session->former_tally.voxels[label[i]]);
     }
     if (count > LISTED_MOST)
         buf_printf(out, ", %u more label%s", count - LISTED_MOST, plural(count - LISTED_MOST));
@@ -202,8 +201,8 @@ void surprise_write(struct buf *out, struct session *session, const char *comman
 
 void act_write_spacing(struct buf *out, const struct session *session)
 {
-    const uint32_t *nm = session_scene(session)->spacing_nm;
-    if (session_geometry(session)->spacing_unknown)
+    const uint32_t *nm = session->scene->spacing_nm;
+    if (session->geometry.spacing_unknown)
         buf_add_text(out, " of unknown size");
     else
         buf_printf(out, " of %gx%gx%g mm", nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
@@ -273,7 +272,7 @@ void act_write_weight(struct buf *out, const struct kept *kept)
 /* "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
 static bool write_roi(struct buf *out, const struct session *session)
 {
-    const struct kept *kept = session_kept(session);
+    const struct kept *kept = &session->now.kept;
     if (kept->mask) {
         buf_add_text(out, "mask ");
         buf_add_safe_text(out, kept->mask_file);
@@ -293,7 +292,7 @@ void act_write_region(struct buf *out, const struct session *session)
     struct buf roi = {0};
     if (write_roi(&roi, session))
         buf_printf(out, "region    %s: %zu of %zu voxels inside\n", buf_text(&roi),
-                   session_roi_tally(session)->inside, session_scene(session)->grid.voxels);
+                   session->roi_tally.inside, session->scene->grid.voxels);
     buf_release(&roi);
 }
 
@@ -301,11 +300,11 @@ void act_write_region(struct buf *out, const struct session *session)
 
 void act_write_finish(struct buf *out, const struct session *session)
 {
-    if (!session_kept(session)->finish.count)
+    if (!session->now.kept.finish.count)
         return;
     buf_add_text(out, "finish    ");
-    finish_write(out, &session_kept(session)->finish);
-    buf_add_text(out, session_outlook(session)->shows_finished ? "; pictures show it\n" : "\n");
+    finish_write(out, &session->now.kept.finish);
+    buf_add_text(out, session->now.outlook.shows_finished ? "; pictures show it\n" : "\n");
 }
 
 /* The patient's sides that a direction of the picture leads to, "front and left", or of an unknown
@@ -331,15 +330,15 @@ static void write_sides(struct buf *out, const int32_t direction[3], bool sides_
 /* Lines: the view, and how the patient lies in the picture. */
 static void write_view(struct buf *out, const struct session *session)
 {
-    const struct view *view = &session_outlook(session)->view;
-    const bool unknown = session_scene(session)->sides_unknown;
+    const struct view *view = &session->now.outlook.view;
+    const bool unknown = session->scene->sides_unknown;
     const char *name = unknown ? NULL : view_name(view->angle);
     int32_t right[3], up[3], ahead[3], towards[3];
     double middle[3];
     view_look(view, right, up, ahead);
     for (int i = 0; i < 3; i++) {
         towards[i] = -ahead[i];
-        middle[i] = (session_scene(session)->grid.size[i] - 1) / 2.0 +
+        middle[i] = (session->scene->grid.size[i] - 1) / 2.0 +
                     (double)view->focus[i] / (1 << VIEW_FOCUS_BITS);
     }
     buf_printf(out,
@@ -361,8 +360,8 @@ static void write_view(struct buf *out, const struct session *session)
 /* "all but axial slices 10-60, 1 plane, 2 boxes"; false where nothing is cut away. */
 static bool write_cut(struct buf *out, const struct session *session)
 {
-    const struct cut *cut = &session_kept(session)->cut;
-    const struct scene *scene = session_scene(session);
+    const struct cut *cut = &session->now.kept.cut;
+    const struct scene *scene = session->scene;
     const char *between = "";
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const int axis = slice_axis(scene, plane);
@@ -384,20 +383,20 @@ static bool write_cut(struct buf *out, const struct session *session)
 
 void act_write_slices(struct buf *out, struct session *session)
 {
-    const struct slice_settings *s = &session_outlook(session)->slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
     window_words(least, most, session);
     buf_printf(out, "through %u,%u,%u: ", s->cross[0], s->cross[1], s->cross[2]);
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
-        buf_printf(out, "%s %u%s", slice_name(session_scene(session), plane),
-                   s->cross[slice_axis(session_scene(session), plane)],
+        buf_printf(out, "%s %u%s", slice_name(session->scene, plane),
+                   s->cross[slice_axis(session->scene, plane)],
                    plane < SLICE_SAGITTAL ? ", " : "; ");
     buf_printf(out, "window %s%s %s, ", s->has_window ? "" : "auto: ", least, most);
     if (s->times != SLICE_TIMES_ONE)
         buf_printf(out, "magnified %g, ", s->times / 1000.0);
     if (s->has_middle)
         buf_printf(out, "around %u,%u,%u, ", s->middle[0], s->middle[1], s->middle[2]);
-    settings_write(out, GROUP_SLICES, session_state(session));
+    settings_write(out, GROUP_SLICES, &session->now);
     buf_add_char(out, '\n');
 }
 
@@ -423,25 +422,25 @@ static void write_numbers(struct buf *out, const struct kept *kept)
 /* The scene, its part of the file, and what its values are in the file. */
 static void write_scene(struct buf *out, const struct session *session)
 {
-    const struct geometry *geometry = session_geometry(session);
-    const uint32_t *size = session_scene(session)->grid.size;
+    const struct geometry *geometry = &session->geometry;
+    const uint32_t *size = session->scene->grid.size;
     buf_printf(out, "scene     %ux%ux%u voxels", size[0], size[1], size[2]);
     act_write_spacing(out, session);
     buf_add_text(out, ", ");
     act_write_axes(out, geometry);
-    buf_printf(out, ", digest %016llx\n", (unsigned long long)session_scene_digest(session));
-    write_part(out, session_part(session));
+    buf_printf(out, ", digest %016llx\n", (unsigned long long)session->scene_digest);
+    write_part(out, &session->part);
     buf_printf(out, "values    %g * intensity %+.*g\n", geometry->slope, geometry_digits(geometry),
                geometry->intercept);
-    levels_write_scale(out, session_levels(session), "          ");
+    levels_write_scale(out, session->levels, "          ");
 }
 
 static void write_forest(struct buf *out, const struct session *session)
 {
-    const size_t seeds = forest_seeds(session_forest(session)), waits = session_pendings(session);
+    const size_t seeds = forest_seeds(session->forest), waits = session_pendings(session);
     buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ", seeds,
-               plural(seeds), waits, plural(waits), session_kept(session)->adjacency);
-    act_write_weight(out, session_kept(session));
+               plural(seeds), waits, plural(waits), session->now.kept.adjacency);
+    act_write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
 }
 
@@ -451,9 +450,9 @@ static void write_look(struct buf *out, struct session *session)
     struct buf cut = {0}, opacity = {0};
     write_view(out, session);
     buf_add_text(out, "look      ");
-    settings_write(out, GROUP_LOOK, session_state(session));
+    settings_write(out, GROUP_LOOK, &session->now);
     buf_add_char(out, '\n');
-    export_opacity(&opacity, session_kept(session));
+    export_opacity(&opacity, &session->now.kept);
     if (opacity.length)
         buf_printf(out, "opacity   %s\n", buf_text(&opacity));
     if (write_cut(&cut, session))
@@ -476,7 +475,7 @@ enum err act_info(const struct act *act)
         buf_printf(out, ", %zu record%s", journal_count(journal), plural(journal_count(journal)));
         buf_add_char(out, '\n');
     }
-    if (!session_has_scene(session)) {
+    if (!session->has_scene) {
         buf_add_text(out, "no scene is open\n");
         return OK;
     }
@@ -490,7 +489,7 @@ enum err act_info(const struct act *act)
     act_write_region(out, session);
     err = write_reaches(act);
     act_write_finish(out, session);
-    write_numbers(out, session_kept(session));
+    write_numbers(out, &session->now.kept);
     act_write_origin(out, session);
     write_look(out, session);
     /* The scene's bytes a voxel are what README promises; the rest does not depend on its
@@ -498,7 +497,7 @@ enum err act_info(const struct act *act)
     const struct session_memory parts = session_memory_parts(act->session);
     buf_printf(out, "memory    %.1f MB: scene %.1f, %.1f bytes a voxel; seeds %.1f; pictures %.1f",
                (double)session_memory(act->session) / 1e6, (double)parts.scene / 1e6,
-               (double)parts.scene / (double)session_scene(act->session)->grid.voxels,
+               (double)parts.scene / (double)act->session->scene->grid.voxels,
                (double)parts.seeds / 1e6, (double)parts.pictures / 1e6);
     if (parts.answers)
         buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);

@@ -365,12 +365,12 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
 {
     struct offers offers = *o;
     for (int label = (int)p->least; label < 256; label++) {
-        const char *name = session_kept(o->interp->session)->label_name[label];
+        const char *name = o->interp->session->now.kept.label_name[label];
         offers.quoted |=
             !p->keyed && *name && starts_so(o, name, strlen(name)) && needs_quotes(name);
     }
     for (int label = (int)p->least; label < 256; label++) {
-        const char *name = session_kept(o->interp->session)->label_name[label];
+        const char *name = o->interp->session->now.kept.label_name[label];
         char note[32];
         snprintf(note, sizeof note, "label %d", label);
         if (!p->keyed || !needs_quotes(name))

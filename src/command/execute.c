@@ -45,7 +45,7 @@ static void add_forest_words(struct buf *out, const char *words)
 
 static void add_digests(struct buf *words, const struct session *session)
 {
-    const struct forest *forest = session_forest(session);
+    const struct forest *forest = session->forest;
     buf_add_blank(words);
     buf_printf(words, "forest=%016llx labels=%016llx seeds=%zu",
                (unsigned long long)forest_digest(forest),
@@ -117,9 +117,9 @@ static enum err skim_record(struct resume *resume, const struct record *record, 
 {
     struct session *session = resume->interp->session;
     struct record unjudged = *record;
-    if (!session_has_scene(session))
+    if (!session->has_scene)
         return compare_record(resume, record, fault);
-    if (record->number <= resume->last && !session_skims(session))
+    if (record->number <= resume->last && !session->skims)
         session_skim(session);
     if (record->number == resume->last)
         return compare_forest(resume, record, fault);
@@ -233,29 +233,29 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     const struct command *command = call->command;
     struct session *session = interp->session;
     uint64_t begin = clock_ns();
-    if (command->flags & COMMAND_NEEDS_SCENE && !session_has_scene(session))
+    if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
     interp->applied = edits_to_apply(interp, command);
     const bool edits = command->flags & COMMAND_EDITS || interp->applied,
-               reports = edits && interp->mode == MODE_LIVE && !session_skims(session);
+               reports = edits && interp->mode == MODE_LIVE && !session->skims;
     enum err err = command->flags & COMMAND_NEEDS_SCENE ? session_complete(session, fault) : OK;
     if (!err && reports)
         err = session_count_before(session, fault);
     if (!err && interp->applied)
         err = apply(interp, session, reply, fault);
-    struct state next = *session_state(session);
+    struct state next = session->now;
     if (!err)
         err = (command->act ? command->act
                             : act_set)(&(struct act){interp, session, call, &next, reply, fault});
     const bool waits =
-        !session_outlook(session)->runs_by_itself || interp->history.goes_to != POINT_NONE;
+        !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)
         err = session_run(session, fault);
     if (!(command->flags & COMMAND_RECORDED)) /* what there is to record is a run */
         buf_clear(&reply->words);
     if (!err && edits)
         add_digests(&reply->words, session);
-    const bool edited = reports && (session_has_edited(session) || session_has_regrown(session));
+    const bool edited = reports && (session->has_edited || session->has_regrown);
     if (!err && edited)
         err = session_count_labels(session, fault);
     if (!err && edited)
@@ -271,7 +271,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
 static enum err carry_out(struct interpreter *interp, const struct call *call, const char *line,
                           struct reply *reply, struct fault *fault)
 {
-    struct watch *watch = session_watch(interp->session);
+    struct watch *watch = interp->session->watch;
     enum err err = watch_fault(watch, fault);
     interp->keeps = false;
     interp->applied = 0;
@@ -311,7 +311,7 @@ static enum err append(struct interpreter *interp, const char *command, const st
     const struct session *session = interp->session;
     const bool only_looks = /* the command has changed how one looks, and nothing else (J1) */
         !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
-        kept_equals(session_kept(session), &session_former(session)->kept);
+        kept_equals(&session->now.kept, &session->former.kept);
     enum err err = OK;
     if (interp->journal && only_looks)
         err = journal_note(interp->journal, command, fault);
@@ -407,10 +407,9 @@ static enum err refuse_to_change(const struct call *call, struct fault *fault)
 static bool has_changed_more(const struct interpreter *interp)
 {
     const struct session *session = interp->session;
-    return interp->written.length || interp->history.goes_to != POINT_NONE ||
-           session_has_edited(session) || session_has_regrown(session) ||
-           !kept_equals(session_kept(session), &session_former(session)->kept) ||
-           !edit_lists_are_copies(&session_state(session)->lists, &session_former(session)->lists);
+    return interp->written.length || interp->history.goes_to != POINT_NONE || session->has_edited ||
+           session->has_regrown || !kept_equals(&session->now.kept, &session->former.kept) ||
+           !edit_lists_are_copies(&session->now.lists, &session->former.lists);
 }
 
 enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
@@ -459,14 +458,14 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
     enum err err = command_parse(&call, line, session, fault);
     if (err || !call.command)
         return err;
-    if (!session_has_scene(session) || !(call.command->flags & COMMAND_SKETCHED)) {
+    if (!session->has_scene || !(call.command->flags & COMMAND_SKETCHED)) {
         err = fault_set(fault, ERR_USAGE, "%s cannot be sketched", call.command->name);
     } else {
         if (!interp->sketch.is_begun)
             interp->sketch = (struct sketch){.is_begun = true,
                                              .place = history_place(&interp->history),
-                                             .outlook = *session_outlook(session),
-                                             .markers = session_markers(session)->count};
+                                             .outlook = session->now.outlook,
+                                             .markers = session->markers.count};
         err = sketch(interp, &call, line, fault);
     }
     call_release(&call);
@@ -480,7 +479,7 @@ static enum err take_back_sketch(struct interpreter *interp, struct fault *fault
     struct history *history = &interp->history;
     const struct sketch *was = &interp->sketch;
     enum err err = history_go(history, session, was->place.present, history->on, false, fault);
-    struct state before = *session_state(session);
+    struct state before = session->now;
     before.outlook = was->outlook;
     return err ? err : session_go(session, &before, NULL, 0, fault);
 }
@@ -491,7 +490,7 @@ enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault
     if (!interp->sketch.is_begun)
         return OK;
     session_mark(session);
-    watch_ignore_stop(session_watch(session));
+    watch_ignore_stop(session->watch);
     const enum err err = take_back_sketch(interp, fault);
     history_settle(&interp->history, false);
     if (err) {
@@ -501,7 +500,7 @@ enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault
     history_forget(&interp->history, &interp->sketch.place);
     session_drop_markers(session, interp->sketch.markers);
     session_settle(session);
-    watch_begin(session_watch(session));
+    watch_begin(session->watch);
     interp->sketch.is_begun = false;
     return OK;
 }
@@ -510,7 +509,7 @@ enum err interpreter_write_losses(struct interpreter *interp, struct watch *watc
                                   struct fault *fault)
 {
     struct session *session = interp->session;
-    const struct labels labels = {session_scene(session), session_finished(session)};
+    const struct labels labels = {session->scene, session_finished(session)};
     if (!labels.finished || !session_shows_finished(session) ||
         interp->losses_of == session_finish_source(session))
         return OK;

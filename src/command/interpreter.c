@@ -87,7 +87,7 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
 {
     enum err err = interpreter_set_home(interp, path, fault);
     if (!err)
-        err = journal_create(&interp->journal, path, session_semantics(interp->session), fault);
+        err = journal_create(&interp->journal, path, interp->session->semantics, fault);
     if (err)
         return err;
     err = journal_set_sync(interp->journal, interp->sync, fault);

@@ -150,7 +150,7 @@ static enum err read_position(struct value *value, const struct parameter *p, co
 {
     const char *at = word;
     int64_t part[3], place[3];
-    if (!session_has_scene(known->session))
+    if (!known->session->has_scene)
         return fault_set(fault, ERR_USAGE, "no scene is open; open one first");
     const bool reads = scan_three(&at, 6, INT64_C(-1000000000000), INT64_C(1000000000000), part);
     const bool world = reads && scan_text(&at, "mm");
@@ -161,15 +161,15 @@ static enum err read_position(struct value *value, const struct parameter *p, co
             return expect(fault, p, word, "whole voxel indices, or mm at the end");
         place[a] = part[a] / 1000000;
     }
-    if (world && !geometry_has_place(session_geometry(known->session)))
+    if (world && !geometry_has_place(&known->session->geometry))
         return fault_set(fault, ERR_INPUT,
                          "%s: where this scene lies in the world is not known; expected voxel "
                          "indices, as in 0,0,0; nothing has changed",
                          word);
     const double point[3] = {(double)part[0] / 1e6, (double)part[1] / 1e6, (double)part[2] / 1e6};
-    const uint32_t *size = session_scene(known->session)->grid.size;
-    if ((world && !geometry_voxel(session_geometry(known->session), point, place)) ||
-        !grid_contains(&session_scene(known->session)->grid, place[0], place[1], place[2]))
+    const uint32_t *size = known->session->scene->grid.size;
+    if ((world && !geometry_voxel(&known->session->geometry, point, place)) ||
+        !grid_contains(&known->session->scene->grid, place[0], place[1], place[2]))
         return fault_set(fault, ERR_INPUT,
                          "%s lies outside the scene, whose voxels are 0,0,0 to %u,%u,%u; "
                          "nothing has changed",
@@ -512,7 +512,7 @@ static const char *place_of_word(const char *line, unsigned number, const char *
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault)
 {
-    return command_parse_by(call, line, session, session_kept(session), fault);
+    return command_parse_by(call, line, session, &session->now.kept, fault);
 }
 
 enum err command_parse_by(struct call *call, const char *line, const struct session *session,

@@ -23,10 +23,10 @@
 struct planting act_begin_planting(const struct session *session, const struct value *range)
 {
     static const struct interval all = {0, UINT16_MAX, {-1, -1}};
-    return (struct planting){.within = range && range->given
-                                           ? levels_within(session_geometry(session),
-                                                           session_levels(session), range->real)
-                                           : all};
+    return (struct planting){
+        .within = range && range->given
+                      ? levels_within(&session->geometry, session->levels, range->real)
+                      : all};
 }
 
 /* A shell cuts no object but the one that it encloses. Trees that are refused at a shell by their
@@ -40,8 +40,8 @@ static bool is_of_another(const struct planting *planting, const struct cell *at
 enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
                    int16_t label)
 {
-    const struct cell *cells = session_scene(act->session)->cell;
-    struct task task = task_begin(session_watch(act->session), "seeds", count);
+    const struct cell *cells = act->session->scene->cell;
+    struct task task = task_begin(act->session->watch, "seeds", count);
     size_t kept = 0;
     for (size_t i = 0; i < count && task_advance(&task, 1); i++) {
         const struct cell *at = cells + cell[i];
@@ -99,15 +99,14 @@ void act_write_unsure(const struct act *act, size_t voxels)
         buf_printf(&act->reply->text,
                    "%zu voxel%s a level that an end of the range cuts: a level is %.3g, and values "
                    "are known to half of it\n",
-                   voxels, voxels == 1 ? " has" : "s have", session_levels(act->session)->step);
+                   voxels, voxels == 1 ? " has" : "s have", act->session->levels->step);
 }
 
 void act_add_markers(const struct act *act)
 {
     const struct session *session = act->session;
     struct buf *words = &act->reply->words;
-    const size_t first = session_former_markers(session) + 1,
-                 last = session_markers(session)->count;
+    const size_t first = session->former_markers + 1, last = session->markers.count;
     if (last < first)
         return;
     buf_add_blank(words);
@@ -119,8 +118,7 @@ void act_add_markers(const struct act *act)
 bool act_find_recorded(const struct act *act, const char *key, struct record_word *word)
 {
     const char *recorded = act->interp->recorded_words;
-    return session_skims(act->session) && recorded &&
-           record_word_find(recorded, key, strlen(key), word);
+    return act->session->skims && recorded && record_word_find(recorded, key, strlen(key), word);
 }
 
 /* One marker of the voxels, which are let go of. */
@@ -155,7 +153,7 @@ enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10, FREES_MOST = 160 };
 static enum err free_voxels(const struct act *act, struct voxels *voxels, enum err err)
 {
     const struct session *session = act->session;
-    if (!err && session_markers(session)->count > session_former_markers(session))
+    if (!err && session->markers.count > session->former_markers)
         err = session_free_voxels(act->session, voxels->cell, voxels->count, act->fault);
     voxels_release(voxels);
     return err;
@@ -185,18 +183,18 @@ static enum err free_around_way(const struct act *act)
     const uint32_t(*corner)[3] = to->given ? (const uint32_t(*)[3])to->line->corner
                                            : (const uint32_t(*)[3])act_place(act, "PLACE");
     const bool in_mm = within->given ? within->in_mm : radius->in_mm;
-    const uint32_t *unit = in_mm ? session_scene(session)->spacing_nm : ones;
+    const uint32_t *unit = in_mm ? session->scene->spacing_nm : ones;
     const int64_t freed =
         within->given ? within->number : freed_radius(radius->number, shortest(unit));
     const int64_t most = FREES_MOST * shortest(unit);
     struct brush brush = {0};
     struct voxels voxels = {0};
-    if (!session_markers(session)->yields)
+    if (!session->markers.yields)
         return OK;
     enum err err = brush_init(&brush, unit, freed < most ? freed : most, FREES_MOST, act->fault);
     if (!err)
-        err = paint_stroke(&voxels, &session_scene(session)->grid, &brush, corner,
-                           to->given ? to->line->count : 1, session_watch(session), act->fault);
+        err = paint_stroke(&voxels, &session->scene->grid, &brush, corner,
+                           to->given ? to->line->count : 1, session->watch, act->fault);
     brush_release(&brush);
     return free_voxels(act, &voxels, err);
 }
@@ -205,10 +203,10 @@ static enum err free_around_box(const struct act *act)
 {
     const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
     const struct session *session = act->session;
-    const struct grid *grid = &session_scene(session)->grid;
+    const struct grid *grid = &session->scene->grid;
     uint32_t first[3], last[3], thin = UINT32_MAX;
     struct voxels voxels = {0};
-    if (!session_markers(session)->yields)
+    if (!session->markers.yields)
         return OK;
     for (int a = 0; a < 3; a++) {
         first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
@@ -221,19 +219,18 @@ static enum err free_around_box(const struct act *act)
         last[a] = last[a] + more < grid->size[a] ? last[a] + more : grid->size[a] - 1;
     }
     return free_voxels(act, &voxels,
-                       paint_box(&voxels, grid, first, last, session_watch(session), act->fault));
+                       paint_box(&voxels, grid, first, last, session->watch, act->fault));
 }
 
 /* Adds the balls around the voxels first..last of a row. */
 static enum err add_around(struct voxels *out, const struct act *act, const struct brush *brush,
                            uint32_t first, uint32_t last)
 {
-    const struct grid *grid = &session_scene(act->session)->grid;
+    const struct grid *grid = &act->session->scene->grid;
     const struct place a = grid_place(grid, first), b = grid_place(grid, last);
     const uint32_t corner[2][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}};
     struct voxels around = {0};
-    enum err err =
-        paint_stroke(&around, grid, brush, corner, 2, session_watch(act->session), act->fault);
+    enum err err = paint_stroke(&around, grid, brush, corner, 2, act->session->watch, act->fault);
     if (!err && !mem_grow(&out->cell, &out->capacity, out->count + around.count, sizeof *out->cell))
         err = fault_memory(act->fault, "seeds");
     for (size_t i = 0; !err && i < around.count; i++)
@@ -249,7 +246,7 @@ static enum err plant_in_slice(const struct act *act, struct planting *planting,
     struct brush brush = {0};
     struct voxels around = {0};
     enum err err = OK;
-    if (session_markers(act->session)->yields)
+    if (act->session->markers.yields)
         err = brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault);
     for (size_t i = 0, next; !err && brush.rows && i < voxels->count; i = next) {
         for (next = i + 1;
@@ -274,8 +271,8 @@ static enum err find_unit(const uint32_t **unit, const struct act *act, const ch
                           const struct value *distance)
 {
     const struct session *session = act->session;
-    *unit = distance->in_mm ? session_scene(session)->spacing_nm : ones;
-    return !distance->in_mm || !session_geometry(session)->spacing_unknown
+    *unit = distance->in_mm ? session->scene->spacing_nm : ones;
+    return !distance->in_mm || !session->geometry.spacing_unknown
                ? OK
                : fault_set(act->fault, ERR_INPUT,
                            "%s: the scene's file does not say how large voxels are; expected a "
@@ -295,7 +292,7 @@ enum err act_find_voxels(const struct act *act, const struct value *to, struct v
 {
     const struct value *radius = act_value(act, "radius");
     const struct session *session = act->session;
-    const struct grid *grid = &session_scene(session)->grid;
+    const struct grid *grid = &session->scene->grid;
     const bool goes_on = to && to->given;
     const uint32_t(*corner)[3] =
         (const uint32_t(*)[3])(goes_on ? to->line->corner[0] : act_place(act, "PLACE"));
@@ -303,8 +300,7 @@ enum err act_find_voxels(const struct act *act, const struct value *to, struct v
     struct brush brush = {0};
     enum err err = make_brush(&brush, act, radius, BRUSH_REACH_MOST);
     if (!err)
-        err =
-            paint_stroke(voxels, grid, &brush, corner, corners, session_watch(session), act->fault);
+        err = paint_stroke(voxels, grid, &brush, corner, corners, session->watch, act->fault);
     brush_release(&brush);
     return err;
 }
@@ -315,7 +311,7 @@ static bool can_join(const struct act *act)
     const int64_t label = act_number(act, "LABEL");
     const struct history *history = &act->interp->history;
     const struct point *point = history->point + history->present;
-    const struct markers *markers = session_markers(act->session);
+    const struct markers *markers = &act->session->markers;
     return point->plants && markers->count > 0 && markers->marker[markers->count - 1].stands &&
            markers->marker[markers->count - 1].label == label;
 }
@@ -327,8 +323,8 @@ static enum err look_inside(const struct act *act, const uint32_t middle[3], uin
                             bool *is_reached)
 {
     const struct session *session = act->session;
-    const enum err err = session_skims(session) ? session_catch_up(act->session, act->fault) : OK;
-    const struct scene *scene = session_scene(session);
+    const enum err err = session->skims ? session_catch_up(act->session, act->fault) : OK;
+    const struct scene *scene = session->scene;
     const struct cell *at = &scene->cell[grid_cell(&scene->grid, middle[0], middle[1], middle[2])];
     *inside = at->label;
     *is_reached = cell_is_reached(at);
@@ -371,7 +367,7 @@ static enum err find_radius(struct value *radius, const struct act *act)
 {
     const uint32_t *middle = act_place(act, "PLACE"), *through = act_place(act, "through");
     static const int64_t most_nm = 1000000000;
-    const struct scene *scene = session_scene(act->session);
+    const struct scene *scene = act->session->scene;
     uint64_t sum = 0;
     radius->in_mm = !scene->spacing_unknown;
     for (int a = 0; a < 3; a++) {
@@ -402,10 +398,10 @@ static enum err plant_hollow_ball(const struct act *act)
     if (!err)
         err = make_brush(&brush, act, &radius, BRUSH_HOLLOW_REACH_MOST);
     if (!err)
-        err = brush_hollow(&brush, session_kept(session)->adjacency, act->fault);
+        err = brush_hollow(&brush, session->now.kept.adjacency, act->fault);
     if (!err)
-        err = paint_shell(&voxels, &session_scene(session)->grid, &brush, middle,
-                          session_watch(session), act->fault);
+        err =
+            paint_shell(&voxels, &session->scene->grid, &brush, middle, session->watch, act->fault);
     brush_release(&brush);
     return err ? err : plant_shell(act, &voxels, middle);
 }
@@ -420,8 +416,8 @@ static enum err plant_hollow_box(const struct act *act)
         if (middle[a] == corner[a] || middle[a] == opposite[a])
             return refuse_shell(act, "a box less than 3 voxels thick has nothing inside");
     }
-    const enum err err = paint_faces(&voxels, &session_scene(act->session)->grid, corner, opposite,
-                                     session_watch(act->session), act->fault);
+    const enum err err = paint_faces(&voxels, &act->session->scene->grid, corner, opposite,
+                                     act->session->watch, act->fault);
     return err ? err : plant_shell(act, &voxels, middle);
 }
 
@@ -440,7 +436,7 @@ static enum err find_reach(uint16_t *number, const struct act *act, const struct
         reach.unit[a] = unit[a];
     }
     for (size_t i = 0; !err && i < voxels->count; i++) {
-        const struct place p = grid_place(&session_scene(session)->grid, voxels->cell[i]);
+        const struct place p = grid_place(&session->scene->grid, voxels->cell[i]);
         if (!reach_holds(&reach, p.x, p.y, p.z))
             err = fault_set(act->fault, ERR_USAGE,
                             "within: it is less than the radius; expected as much or more; "
@@ -497,8 +493,8 @@ enum err act_box(const struct act *act)
         return fault_set(act->fault, ERR_USAGE, "around: it is for shell=yes; nothing was planted");
     if (act_is_yes(act, "shell"))
         return plant_hollow_box(act);
-    enum err err = paint_box(&voxels, &session_scene(act->session)->grid, act_place(act, "CORNER"),
-                             act_place(act, "OPPOSITE"), session_watch(act->session), act->fault);
+    enum err err = paint_box(&voxels, &act->session->scene->grid, act_place(act, "CORNER"),
+                             act_place(act, "OPPOSITE"), act->session->watch, act->fault);
     err = err ? err : plant(act, &voxels);
     return err ? err : free_around_box(act);
 }
@@ -543,7 +539,7 @@ enum { SPARED_MOST = 256 };
 static enum err spare_others(const struct act *act, struct voxels *ring, int16_t label)
 {
     struct session *session = act->session;
-    const struct markers *markers = session_markers(session);
+    const struct markers *markers = &session->markers;
     const size_t all = ring->count;
     struct record_word word;
     struct buf *spared = act_buf(act);
@@ -555,11 +551,10 @@ static enum err spare_others(const struct act *act, struct voxels *ring, int16_t
         buf_printf(&act->reply->words, "spared=%.*s", (int)word.value_length, word.value);
         return leave_out_recorded(ring, &word, act->fault);
     }
-    enum err err = session_skims(session) ? session_catch_up(session, act->fault) : OK;
+    enum err err = session->skims ? session_catch_up(session, act->fault) : OK;
     for (size_t i = 0, first = 0; !err && i <= all; i++) {
         const int16_t seed = i < all ? markers_seed(markers, ring->cell[i]) : 0,
-                      holds = seed == EDIT_ERASE ? session_scene(session)->cell[ring->cell[i]].label
-                                                 : seed;
+                      holds = seed == EDIT_ERASE ? session->scene->cell[ring->cell[i]].label : seed;
         if (holds != 0 && holds != label)
             continue;
         if (first < i && runs++ < SPARED_MOST)
@@ -594,11 +589,11 @@ static enum err plant_ring(const struct act *act, struct voxels *ring, int16_t l
 
 static enum err plant_polygon(const struct act *act, int ring)
 {
-    const struct grid *grid = &session_scene(act->session)->grid;
+    const struct grid *grid = &act->session->scene->grid;
     const struct polyline *line = act_value(act, "to")->line;
     const int16_t label = (int16_t)act_number(act, "LABEL");
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
-    struct watch *watch = session_watch(act->session);
+    struct watch *watch = act->session->watch;
     struct voxels inside = {0}, around = {0};
     if (!line || line->count < 3)
         return fault_set(act->fault, ERR_USAGE,
@@ -627,7 +622,7 @@ enum err act_fill(const struct act *act)
 /* Whatever part of it has the number. */
 static enum err take_former(const struct act *act)
 {
-    const struct markers *markers = session_markers(act->session);
+    const struct markers *markers = &act->session->markers;
     const int64_t number = act_number(act, "instead");
     const uint32_t first =
         number <= (int64_t)markers->count ? markers_stroke(markers, (uint32_t)number) : 0;
@@ -670,18 +665,18 @@ struct search {
 /* In the range, in the region of interest, and without a seed of another label. */
 static bool may_belong(const struct search *s, uint32_t cell)
 {
-    const struct cell *at = session_scene(s->act->session)->cell + cell;
+    const struct cell *at = s->act->session->scene->cell + cell;
     if (!interval_holds(&s->planting.within, at->intensity) || at->flags & CELL_OUTSIDE)
         return false;
-    const int16_t seed = markers_seed(session_markers(s->act->session), cell);
+    const int16_t seed = markers_seed(&s->act->session->markers, cell);
     return seed == EDIT_ERASE || seed == s->label;
 }
 
 static enum err find_pieces(struct search *s)
 {
     const struct session *session = s->act->session;
-    const struct grid *grid = &session_scene(session)->grid;
-    struct task task = task_begin(session_watch(session), "voxels in the range", grid->voxels);
+    const struct grid *grid = &session->scene->grid;
+    struct task task = task_begin(session->watch, "voxels in the range", grid->voxels);
     memset(s->may, 0, grid->cells);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
@@ -689,24 +684,23 @@ static enum err find_pieces(struct search *s)
             for (uint32_t c = row.first; c < row.end; c++) {
                 s->may[c] = may_belong(s, c);
                 s->unsure +=
-                    interval_splits(&s->planting.within, session_scene(session)->cell[c].intensity);
+                    interval_splits(&s->planting.within, session->scene->cell[c].intensity);
             }
         }
-    const enum err err = watch_fault(session_watch(session), s->act->fault);
-    return err ? err
-               : components_find(&s->found, grid, s->may, session_watch(session), s->act->fault);
+    const enum err err = watch_fault(session->watch, s->act->fault);
+    return err ? err : components_find(&s->found, grid, s->may, session->watch, s->act->fault);
 }
 
 static bool begins_in(const struct search *s, const struct component_run *run)
 {
     const struct value *from = act_value(s->act, "from");
-    const struct grid *grid = &session_scene(s->act->session)->grid;
+    const struct grid *grid = &s->act->session->scene->grid;
     if (from->given) {
         const uint32_t cell = grid_cell(grid, from->place[0], from->place[1], from->place[2]);
         return run->first <= cell && cell < run->end;
     }
     for (uint32_t c = run->first; c < run->end; c++)
-        if (markers_seed(session_markers(s->act->session), c) == s->label)
+        if (markers_seed(&s->act->session->markers, c) == s->label)
             return true;
     return false;
 }
@@ -738,12 +732,12 @@ static enum err refuse_place(const struct search *s)
 {
     const struct session *session = s->act->session;
     const uint32_t *place = act_place(s->act, "from");
-    const uint32_t cell = grid_cell(&session_scene(session)->grid, place[0], place[1], place[2]);
-    const struct cell *at = session_scene(session)->cell + cell;
+    const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
+    const struct cell *at = session->scene->cell + cell;
     struct buf *why = act_buf(s->act);
     if (!interval_holds(&s->planting.within, at->intensity)) {
         buf_add_text(why, "the intensity ");
-        levels_write(why, session_geometry(session), session_levels(session), at->intensity);
+        levels_write(why, &session->geometry, session->levels, at->intensity);
         buf_add_text(why, ", beyond the range");
     } else {
         buf_add_text(why, at->flags & CELL_OUTSIDE ? "no part in the region of interest"
@@ -757,7 +751,7 @@ static enum err refuse_place(const struct search *s)
 static void warn_of_no_other(const struct search *s)
 {
     const struct session *session = s->act->session;
-    const struct markers *markers = session_markers(session);
+    const struct markers *markers = &session->markers;
     struct buf *out = &s->act->reply->text;
     for (size_t i = 0; i < markers->count; i++)
         if (markers->marker[i].stands && markers->marker[i].label != EDIT_ERASE &&
@@ -768,7 +762,7 @@ static void warn_of_no_other(const struct search *s)
     buf_printf(out,
                " back, and a run gives it all of the %s\nthat its trees reach; seeds of the "
                "background hold it, as `seed X,Y,Z 0`, or a shell or a box around it\n",
-               roi_is_none(session_roi(session)) ? "scene" : "region of interest");
+               roi_is_none(&session->roi) ? "scene" : "region of interest");
 }
 
 static enum err plant_object(struct search *s)
@@ -798,7 +792,7 @@ static enum err plant_object(struct search *s)
 
 enum err act_object(const struct act *act)
 {
-    const struct grid *grid = &session_scene(act->session)->grid;
+    const struct grid *grid = &act->session->scene->grid;
     struct search search = {.act = act,
                             .label = (int16_t)act_number(act, "LABEL"),
                             .planting = act_begin_planting(act->session, act_value(act, "RANGE")),

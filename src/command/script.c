@@ -107,7 +107,7 @@ static enum err recorded_begin(struct recorded *recorded, struct interpreter *in
     step(recorded);
     bool knows;
     const bool opens = script_opens_scene(input, &knows);
-    if (knows && session_has_scene(interp->session))
+    if (knows && interp->session->has_scene)
         recorded->mode = opens ? RECORDED_FOLLOWS : RECORDED_NOTHING;
     return OK;
 }
@@ -122,7 +122,7 @@ static const struct kept *kept_then(struct recorded *recorded)
         recorded->kept = kept_settings_get(settings);
         recorded->settings = settings;
     }
-    return recorded->settings ? &recorded->kept : session_kept(interp->session);
+    return recorded->settings ? &recorded->kept : &interp->session->now.kept;
 }
 
 /* Whether words of a record are values that the record of this call adds by itself. */
@@ -209,13 +209,13 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
     const enum err err = interpreter_settle_name(interp, call, fault);
     if (err)
         return err;
-    if (opens && session_series(session) && call_has(call, "series"))
-        call_set(call, "series", session_series(session), NULL);
+    if (opens && session->series && call_has(call, "series"))
+        call_set(call, "series", session->series, NULL);
     command_write(&reply->canonical, call);
     const bool is_met = leads_to(call, buf_text(&reply->canonical), recorded->record.command);
     if (recorded->mode == RECORDED_UNDECIDED && is_recorded) /* by the first that would be */
         recorded->mode =
-            is_met || (opens && session_has_scene(session)) ? RECORDED_FOLLOWS : RECORDED_NOTHING;
+            is_met || (opens && session->has_scene) ? RECORDED_FOLLOWS : RECORDED_NOTHING;
     *taken = recorded->mode == RECORDED_FOLLOWS;
     if (!*taken)
         return recorded->mode == RECORDED_NOTHING ? give_comments(recorded, fault) : OK;
@@ -265,7 +265,7 @@ static enum err recorded_take(struct recorded *recorded, const char *line, bool 
     }
     if (*line == '#' || *line == '\0')
         return recorded->comments.failed ? fault_memory(fault, "a comment") : OK;
-    const struct kept *kept = follows ? kept_then(recorded) : session_kept(interp->session);
+    const struct kept *kept = follows ? kept_then(recorded) : &interp->session->now.kept;
     if (command_parse_by(&call, line, interp->session, kept,
                          fault)) /* the door says it, where it has to */
         return follows ? differs(recorded, line, fault) : OK;
@@ -387,7 +387,7 @@ static bool next_line(const struct interpreter *interp, FILE *input, struct buf 
 {
     if (printer->waits)
         printer->waits(printer->context, true);
-    const bool is_there = !watch_stops(session_watch(interp->session)) && read_line(input, line);
+    const bool is_there = !watch_stops(interp->session->watch) && read_line(input, line);
     if (printer->waits)
         printer->waits(printer->context, false);
     return is_there;
@@ -428,7 +428,7 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     }
     reply_release(&reply);
     buf_release(&line);
-    if (!first && interp->wish != WISH_QUIT && watch_fault(session_watch(interp->session), fault)) {
+    if (!first && interp->wish != WISH_QUIT && watch_fault(interp->session->watch, fault)) {
         *stopped = number;
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
         warn(printer, name, number, fault);

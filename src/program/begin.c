@@ -242,12 +242,12 @@ unsigned shown_hues(uint32_t hue[256], const struct session *session)
 {
     unsigned count = 0;
     uint8_t lightest[3];
-    background_at(lightest, session_outlook(session)->background, 0, 1);
+    background_at(lightest, session->now.outlook.background, 0, 1);
     if (lightest[0] | lightest[1] | lightest[2])
         hue[count++] = (uint32_t)lightest[0] << 16 | (uint32_t)lightest[1] << 8 | lightest[2];
     for (unsigned label = 1; label < 256; label++) {
-        const uint8_t *rgb = session_kept(session)->palette.rgb[label];
-        if (session_kept(session)->visible[label] && session_tally(session)->voxels[label])
+        const uint8_t *rgb = session->now.kept.palette.rgb[label];
+        if (session->now.kept.visible[label] && session->tally.voxels[label])
             hue[count++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
     }
     return count;
@@ -264,7 +264,7 @@ struct image_view shown_picture(struct interpreter *interp, bool smooth)
     if (shown->rgba)
         view = (struct image_view){
             .width = shown->width, .height = shown->height, .rgba = shown->rgba};
-    if (session_has_scene(interp->session) && session_count_labels(interp->session, NULL) == OK) {
+    if (interp->session->has_scene && session_count_labels(interp->session, NULL) == OK) {
         view.hue = hue;
         view.hues = shown_hues(hue, interp->session);
     }

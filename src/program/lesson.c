@@ -211,7 +211,7 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
 {
     const struct map_place place = session_map_place(interp->session, false);
     const struct map_labels choice = {NULL, OBJECT};
-    struct watch *watch = session_watch(interp->session);
+    struct watch *watch = interp->session->watch;
     struct volume map = {0};
     struct buf path = {0};
     enum err err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
@@ -257,17 +257,17 @@ static void count(struct lesson *lesson, const struct labels *labels)
 
 void lesson_look(struct lesson *lesson, struct session *session, bool waits)
 {
-    const struct kept *kept = session_kept(session);
-    const bool settles = kept->finish.count && session_outlook(session)->shows_finished;
-    struct labels labels = labels_of_forest(session_scene(session));
+    const struct kept *kept = &session->now.kept;
+    const bool settles = kept->finish.count && session->now.outlook.shows_finished;
+    struct labels labels = labels_of_forest(session->scene);
     struct fault fault;
     lesson->has_name = *kept->label_name[OBJECT];
     if (settles && waits && session_labels(session, true, &labels, &fault))
         labels.finished = NULL; /* it was cancelled */
     if (settles && !labels.finished)
         labels.finished = session_finished(session);
-    const uint64_t of = hash_mix_at(forest_digest(session_forest(session)),
-                                    session_scene_digest(session) + !!labels.finished);
+    const uint64_t of =
+        hash_mix_at(forest_digest(session->forest), session->scene_digest + !!labels.finished);
     lesson->is_settled = !settles || labels.finished;
     if (lesson->of != of)
         count(lesson, &labels);

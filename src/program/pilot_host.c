@@ -39,7 +39,7 @@ static struct session *session_of(void *context)
 
 static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 {
-    return grid_cell(&session_scene(session)->grid, p[0], p[1], p[2]);
+    return grid_cell(&session->scene->grid, p[0], p[1], p[2]);
 }
 
 /* ---- facts ---- */
@@ -63,7 +63,7 @@ static unsigned changed_most(const struct session *session)
  * last edit changed most. */
 static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *session, uint32_t at)
 {
-    const struct cell *cell = session_scene(session)->cell + at;
+    const struct cell *cell = session->scene->cell + at;
     const unsigned label = session_shown_label(session, at), changed = changed_most(session);
     const unsigned measured = label ? label : changed;
     const uint64_t *before, *voxels = session_shown_voxels(session, &before);
@@ -100,15 +100,15 @@ static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
                         const uint32_t place[3], bool knows_sums)
 {
     const uint32_t at = cell_at(session, place);
-    const struct geometry *geometry = session_geometry(session);
+    const struct geometry *geometry = &session->geometry;
     const unsigned label = session_shown_label(session, at);
     struct label_sums sums;
     double mm[3];
     geometry_point(geometry, place, mm);
     write_labels(fact, session, at);
     buf_add_text(&fact[PILOT_INTENSITY], "intensity ");
-    levels_write(&fact[PILOT_INTENSITY], geometry, session_levels(session),
-                 session_scene(session)->cell[at].intensity);
+    levels_write(&fact[PILOT_INTENSITY], geometry, session->levels,
+                 session->scene->cell[at].intensity);
     if (geometry_has_place(geometry))
         buf_printf(&fact[PILOT_MM], "%.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     else if (geometry->orientation == ORIENTATION_UNKNOWN)
@@ -122,7 +122,7 @@ static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
 /* True while all that is planted is of one label above 0. */
 static bool has_one_label(const struct session *session)
 {
-    const struct markers *markers = session_markers(session);
+    const struct markers *markers = &session->markers;
     int found = 0;
     for (size_t i = 0; i < markers->count; i++) {
         const int label = markers->marker[i].label;
@@ -139,15 +139,15 @@ static bool facts(void *context, struct pilot_facts *out)
     const struct pilot_interpreter *pilot = context;
     struct session *session = session_of(context);
     struct buf fact[PILOT_KNOWN] = {{0}};
-    if (!session_has_scene(session))
+    if (!session->has_scene)
         return false;
-    const struct scene *scene = session_scene(session);
-    const struct outlook *outlook = session_outlook(session);
+    const struct scene *scene = session->scene;
+    const struct outlook *outlook = &session->now.outlook;
     const struct slice_settings *s = &outlook->slices;
     const struct rendition *frame = session_frame(session); /* the panel's (session_draw_fitting) */
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .intensity =
-                                    levels_value(session_geometry(session), session_levels(session),
+                                    levels_value(&session->geometry, session->levels,
                                                  scene->cell[cell_at(session, s->cross)].intensity),
                                 .zoom = session_fitting_view(session).zoom,
                                 .times = s->times,
@@ -159,7 +159,7 @@ static bool facts(void *context, struct pilot_facts *out)
                                 .shows = !session_shows_finished(session) ? PILOT_FOREST
                                          : session_is_rough(session)      ? PILOT_ROUGH
                                                                           : PILOT_FINISHED,
-                                .has_finish = session_kept(session)->finish.count > 0};
+                                .has_finish = session->now.kept.finish.count > 0};
     out->fits_itself = session_fits_itself(session, out->middle);
     window_values(out->window, session);
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
@@ -192,7 +192,7 @@ static void label(void *context, unsigned number, struct buf *out)
 
 static bool is_hidden(void *context, unsigned number)
 {
-    return !session_kept(session_of(context))->visible[number];
+    return !session_of(context)->now.kept.visible[number];
 }
 
 /* A voxel in the middle of those that a marker decides about; CELL_NONE where others cover it. */
@@ -212,8 +212,8 @@ static uint32_t middle_of(const struct markers *markers, uint32_t number)
 static bool seed(void *context, unsigned number, int64_t by, uint32_t place[3])
 {
     const struct session *session = session_of(context);
-    const struct markers *markers = session_markers(session);
-    const uint32_t here = cell_at(session, session_outlook(session)->slices.cross);
+    const struct markers *markers = &session->markers;
+    const uint32_t here = cell_at(session, session->now.outlook.slices.cross);
     int64_t count = 0, at = by > 0 ? -1 : 0;
     uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
     for (uint32_t n = 1; cell && n <= markers->count; n++) {
@@ -227,7 +227,7 @@ static bool seed(void *context, unsigned number, int64_t by, uint32_t place[3])
             cell[count++] = middle;
     }
     if (count > 0)
-        grid_find(&session_scene(session)->grid, cell[((at + by) % count + count) % count], place);
+        grid_find(&session->scene->grid, cell[((at + by) % count + count) % count], place);
     free(cell);
     return count > 0;
 }
@@ -235,19 +235,18 @@ static bool seed(void *context, unsigned number, int64_t by, uint32_t place[3])
 static bool centre(void *context, unsigned number, uint32_t place[3])
 {
     struct session *session = session_of(context);
-    return session_count_labels(session, NULL) == OK &&
-           session_tally(session)->voxels[number] > 0 &&
-           centre_of_label(session_scene(session), number, place);
+    return session_count_labels(session, NULL) == OK && session->tally.voxels[number] > 0 &&
+           centre_of_label(session->scene, number, place);
 }
 
 static bool why(void *context, const uint32_t place[3], struct pilot_way *out, struct buf *words)
 {
     struct way *way = &((struct pilot_interpreter *)context)->way;
     const struct session *session = session_of(context);
-    const struct forest *forest = session_forest(session);
-    const struct grid *grid = &session_scene(session)->grid;
+    const struct forest *forest = session->forest;
+    const struct grid *grid = &session->scene->grid;
     const uint32_t cell = cell_at(session, place);
-    const struct cell *at = session_scene(session)->cell + cell;
+    const struct cell *at = session->scene->cell + cell;
     struct rival rival = {.exists = false};
     struct fault fault;
     if (!cell_is_reached(at)) {
@@ -300,7 +299,7 @@ static bool held(void *context, const uint32_t place[3], bool tree, struct buf *
         buf_printf(out, "marker %u: %s%zu tree%s, ", found->marker,
                    found->has_more ? "at least " : "", found->trees, plural(found->trees));
     } else {
-        grid_find(&session_scene(session)->grid, found->seed, seed);
+        grid_find(&session->scene->grid, found->seed, seed);
         buf_printf(out, "the tree of the seed at %u,%u,%u: ", seed[0], seed[1], seed[2]);
     }
     if (found->has_more)
@@ -337,8 +336,8 @@ static bool is_near(const struct polyline *line, unsigned axis, const uint32_t p
 static uint32_t find_marker(struct polyline *line, const struct session *session, unsigned number,
                             unsigned axis, const uint32_t place[3])
 {
-    const struct grid *grid = &session_scene(session)->grid;
-    const struct markers *markers = session_markers(session);
+    const struct grid *grid = &session->scene->grid;
+    const struct markers *markers = &session->markers;
     for (uint32_t n = (uint32_t)markers->count; n > 0; n--) {
         const struct marker *marker = markers->marker + n - 1;
         uint32_t first[3];
@@ -358,7 +357,7 @@ static bool outline(void *context, unsigned number, enum pilot_pane pane, const 
                     struct polyline *line, uint32_t *marker, struct buf *out)
 {
     struct session *session = session_of(context);
-    const unsigned axis = (unsigned)slice_axis(session_scene(session), (enum slice_plane)pane);
+    const unsigned axis = (unsigned)slice_axis(session->scene, (enum slice_plane)pane);
     struct labels labels;
     *marker = find_marker(line, session, number, axis, place);
     if (*marker) {
@@ -427,8 +426,7 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
                                .corner = wish->corner,
                                .corners = wish->marks_corners ? wish->corners : 0,
                                .outline = wish->marks_outline ? &outline : NULL};
-    memcpy(outline.rgb, session_kept(session_of(pilot))->palette.rgb[wish->label],
-           sizeof outline.rgb);
+    memcpy(outline.rgb, session_of(pilot)->now.kept.palette.rgb[wish->label], sizeof outline.rgb);
     buf_add_text(line, "nothing to show yet"); /* what stands in an empty rendition */
     if (!pilot->watches) {
         setup_say_key(line + 1, setup, "plant", " plants a seed of the label");
@@ -470,7 +468,7 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     if (wish->heat && view->hues < 256)
         pilot->hue[view->hues++] = PANES_HEAT_HUE;
     if (wish->marks_outline && view->hues < 256) { /* no voxel may have the label yet */
-        const uint8_t *rgb = session_kept(session_of(context))->palette.rgb[wish->label];
+        const uint8_t *rgb = session_of(context)->now.kept.palette.rgb[wish->label];
         pilot->hue[view->hues++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
     }
     return OK;
@@ -508,7 +506,7 @@ static bool ahead(void *context, const struct pilot_wish *wish, unsigned number,
 static bool find_voxel(const struct session *session, uint32_t cell, uint32_t place[3])
 {
     if (cell != CELL_NONE)
-        grid_find(&session_scene(session)->grid, cell, place);
+        grid_find(&session->scene->grid, cell, place);
     return cell != CELL_NONE;
 }
 
@@ -569,8 +567,7 @@ static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_
 static bool onlooker_wants(void *context)
 {
     const struct pilot_interpreter *pilot = context;
-    return session_has_scene(session_of(context)) &&
-           pilot->onlooker->wants(pilot->onlooker->context);
+    return session_of(context)->has_scene && pilot->onlooker->wants(pilot->onlooker->context);
 }
 
 static void onlooker_draws(void *context)
@@ -630,7 +627,7 @@ static void peek(void *context, const uint32_t place[3])
     struct pilot_interpreter *pilot = context;
     struct session *session = session_of(context);
     if (place && !pilot->peeks)
-        memcpy(pilot->cross, session_outlook(session)->slices.cross, sizeof pilot->cross);
+        memcpy(pilot->cross, session->now.outlook.slices.cross, sizeof pilot->cross);
     if (place || pilot->peeks)
         session_show_cross(session, place ? place : pilot->cross);
     pilot->peeks = place != NULL;

@@ -84,7 +84,7 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
     err = session_open(pair->session, o->scene ? o->scene : o->word[0], &choice, fault);
     if (err)
         return err;
-    struct state next = *session_state(pair->session);
+    struct state next = pair->session->now;
     next.outlook.view.width = next.outlook.view.height = PICTURE_SIDE;
     next.outlook.view.angle[0] = 30000; /* from the left and above; the front is seen too */
     next.outlook.view.angle[1] = 20000;
@@ -92,8 +92,8 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
     err = session_go(pair->session, &next, NULL, 0, fault);
     if (err)
         return err;
-    pair->grid = session_scene(pair->session)->grid;
-    pair->geometry = *session_geometry(pair->session);
+    pair->grid = pair->session->scene->grid;
+    pair->geometry = pair->session->geometry;
     return read_map(pair, 0, fault);
 }
 
@@ -105,7 +105,7 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
     struct session *session = pair->session;
     struct picture picture = {0};
     const uint32_t *place =
-        comparison_farthest(&pair->comparison, session_outlook(session)->slices.cross);
+        comparison_farthest(&pair->comparison, session->now.outlook.slices.cross);
     enum err err =
         of_surface
             ? distance_picture_draw(&picture, session, &pair->compared, report, true, fault)

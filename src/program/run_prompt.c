@@ -228,7 +228,7 @@ static void start(struct prompt *prompt, struct buf *output)
 {
     const size_t before = output->length;
     struct fault fault;
-    if (prompt->has_started || !session_has_scene(prompt->interp.session))
+    if (prompt->has_started || !prompt->interp.session->has_scene)
         return;
     prompt->has_started = true;
     for (const char *at = buf_text(&prompt->config.start); *at;) {
@@ -278,7 +278,7 @@ static const char *journal_name(const struct prompt *prompt)
 /* At the prompt, what is to be done next stands below each answer. */
 static void add_lesson(struct prompt *prompt, struct buf *output)
 {
-    if (!prompt->lesson || !session_has_scene(prompt->interp.session))
+    if (!prompt->lesson || !prompt->interp.session->has_scene)
         return;
     lesson_look(prompt->lesson, prompt->interp.session, true);
     console_erase_progress();
@@ -435,8 +435,8 @@ static enum err prompt_screen(void *context, struct terminal_facts *facts,
                               struct line_editor *editor, bool *ended, struct fault *fault)
 {
     struct prompt *prompt = context;
-    if (session_has_scene(prompt->interp.session)) {
-        const uint32_t *n = session_scene(prompt->interp.session)->grid.size;
+    if (prompt->interp.session->has_scene) {
+        const uint32_t *n = prompt->interp.session->scene->grid.size;
         const uint32_t least = n[0] < n[1] ? n[0] : n[1];
         pilot_fit_brush(&prompt->state, least < n[2] ? least : n[2]);
     }

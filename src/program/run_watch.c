@@ -30,7 +30,7 @@ enum { SEEDS_DRAWN_MOST = 1 << 18, LABELS_SAID_MOST = 6 };
 
 static size_t points(const struct watched *w)
 {
-    return session_has_scene(w->interp->session) ? w->interp->history.points : 0;
+    return w->interp->session->has_scene ? w->interp->history.points : 0;
 }
 
 /* Comments are lines before the command of their record, and may be any bytes. */
@@ -72,7 +72,7 @@ static enum err carry_out_all(struct watched *w, struct replay *replay, const ch
     struct buf comments = {0};
     enum err err = OK;
     while (!err && !replay->is_over) {
-        const struct outlook outlook = *session_outlook(w->interp->session);
+        const struct outlook outlook = w->interp->session->now.outlook;
         const size_t before = points(w);
         err = replay_next(replay, &w->why);
         if (err || replay->is_over)
@@ -213,7 +213,7 @@ static struct outlook outlook_of(struct watched *w, size_t step, bool is_drawn)
 {
     static const uint32_t nowhere[3];
     const struct outlook *recorded = &w->step[step ? step - 1 : 0].outlook;
-    struct outlook compared = *recorded, out = *session_outlook(w->interp->session);
+    struct outlook compared = *recorded, out = w->interp->session->now.outlook;
     compared.slices.has_middle = 0;
     aim_at(&compared.slices, nowhere);
     const bool follows = memcmp(&compared, &w->shown, sizeof compared) != 0;
@@ -239,7 +239,7 @@ static enum err go_to(struct watched *w, uint32_t point, const struct outlook *o
     limits_rest(false);
     session_mark(session);
     enum err err = history_look(history, session, point, fault);
-    struct state state = *session_state(session);
+    struct state state = session->now;
     state.outlook = *outlook;
     if (lists)
         state.lists = *lists;
@@ -250,7 +250,7 @@ static enum err go_to(struct watched *w, uint32_t point, const struct outlook *o
         history->present = present;
     } else {
         session_settle(session);
-        watch_begin(session_watch(session));
+        watch_begin(session->watch);
     }
     limits_rest(true);
     return err;
@@ -259,7 +259,7 @@ static enum err go_to(struct watched *w, uint32_t point, const struct outlook *o
 /* Copies the labels before a step that is drawn. */
 static enum err keep_former(struct watched *w, struct fault *fault)
 {
-    const struct scene *scene = session_scene(w->interp->session);
+    const struct scene *scene = w->interp->session->scene;
     const struct labels labels = labels_of_forest(scene);
     if (!w->former) {
         w->cells = scene->grid.cells;
@@ -276,7 +276,7 @@ static enum err keep_former(struct watched *w, struct fault *fault)
 static void count_changes(struct watched *w)
 {
     enum { AT_ONCE = 4096 };
-    const struct labels labels = labels_of_forest(session_scene(w->interp->session));
+    const struct labels labels = labels_of_forest(w->interp->session->scene);
     uint8_t now[AT_ONCE];
     for (size_t at = 0; at < w->cells; at += AT_ONCE) {
         const size_t count = w->cells - at < AT_ONCE ? w->cells - at : AT_ONCE;

@@ -198,7 +198,7 @@ static enum err prepare(struct interpreter *interp, struct fault *fault)
     struct session *session = interp->session;
     struct reply reply = {0};
     enum err err = OK;
-    if (!session_has_scene(session))
+    if (!session->has_scene)
         return fault_set(fault, ERR_USAGE, "no scene is open; open one first");
     if (session_pendings(session))
         err = interpreter_execute(interp, "run", &reply, fault);
@@ -244,8 +244,8 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
     if (!err)
         err = describe(out, fault);
     buf_release(&file);
-    if (!err || watch_stops(session_watch(session)))
-        err = watch_fault(session_watch(session), fault);
+    if (!err || watch_stops(session->watch))
+        err = watch_fault(session->watch, fault);
     if (err)
         session_rollback(session);
     else
@@ -309,11 +309,11 @@ static void add_affine(struct json *json, const struct geometry *geometry)
 /* How a grid lies: of the scene, and of every array. */
 static void add_grid(struct json *json, const struct session *session)
 {
-    const struct geometry *geometry = session_geometry(session);
+    const struct geometry *geometry = &session->geometry;
     char axes[4];
     json_array(json, "size");
     for (int a = 0; a < 3; a++)
-        json_count(json, NULL, session_scene(session)->grid.size[a]);
+        json_count(json, NULL, session->scene->grid.size[a]);
     json_end(json);
     add_spacing(json, geometry);
     geometry_axes(axes, geometry);
@@ -374,7 +374,7 @@ void answer_greeting(struct buf *out, const struct interpreter *interp, const ch
     json_text(&json, "text", told);
     json_text(&json, "folder", folder);
     add_journal(&json, interp);
-    if (session_has_scene(interp->session)) {
+    if (interp->session->has_scene) {
         json_object(&json, "scene");
         add_grid(&json, interp->session);
         json_end(&json);

@@ -260,7 +260,7 @@ void doubting_release(struct doubting *doubting)
 /* Doubt of the present labels, as it was or made anew. */
 static enum err keep_up(struct session *session, unsigned label, struct fault *fault)
 {
-    struct doubting *d = &session->doubting;
+    struct doubting *d = &session->inside->doubting;
     const uint64_t of = hash_mix_at(hash_mix_at(session_finish_source(session), label),
                                     forest_digest(session->forest) ^ session->roi_tally.digest);
     if (d->doubt.all && d->of == of)
@@ -313,7 +313,7 @@ enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count
     struct doubt left = {.all = 0};
     enum err err = keep_up(session, label, fault);
     *count = 0;
-    err = err ? err : copy_doubt(&left, &session->doubting.doubt, fault);
+    err = err ? err : copy_doubt(&left, &session->inside->doubting.doubt, fault);
     if (err)
         return err;
     leave_out_outlined(&left, session, label);

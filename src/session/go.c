@@ -57,7 +57,7 @@ static enum err weigh(struct session *session, struct fault *fault)
                           session->watch, fault);
     else
         weight_compute(session->scene, forest_adjacency(session->forest), &kept->weight,
-                       &session->weight_work);
+                       &session->inside->weight_work);
     session->weight_digest = weight_digest(session->scene, &arcs, session->team);
     return err ? err : watch_fault(session->watch, fault);
 }
@@ -82,7 +82,7 @@ static enum err make_cells(struct session *session, struct fault *fault)
     session->weight_digest =
         weight_make_cells(session->scene, forest_adjacency(session->forest), weight, session->team);
     if (!session->scene->plain)
-        session->stale &= ~(unsigned)MADE_WEIGHTS;
+        session->inside->stale &= ~(unsigned)MADE_WEIGHTS;
     return watch_fault(session->watch, fault);
 }
 
@@ -111,8 +111,8 @@ static enum err apply_region(struct session *session, struct fault *fault)
     enum err err = OK;
     session->roi = roi_none();
     if (kept->mask) {
-        session->roi.mask = session->mask_room;
-        err = packed_take_out(kept->mask, session->mask_room, session->watch, fault);
+        session->roi.mask = session->inside->mask_room;
+        err = packed_take_out(kept->mask, session->inside->mask_room, session->watch, fault);
     }
     if (kept->has_range)
         roi_range(&session->roi, &session->geometry, session->levels, kept->range);
@@ -128,9 +128,9 @@ static enum err apply_region(struct session *session, struct fault *fault)
 static void forget_labels(struct session *session)
 {
     tally_forget(&session->tally);
-    label_measures_forget(&session->measures);
+    label_measures_forget(&session->inside->measures);
     if (session->pictures)
-        session->follower->forget_labels(session->pictures);
+        session->inside->follower->forget_labels(session->pictures);
 }
 
 /* Tally, measures, border and pictures after a change of the forest (S2). */
@@ -138,13 +138,13 @@ static void follow_forest(struct session *session)
 {
     const struct changes changes = forest_changes(session->forest);
     tally_follow(&session->tally, &changes, session->watch);
-    label_measures_follow(&session->measures, &changes);
-    if (!(session->stale & MADE_BORDER)) /* it was, where the run was shown */
+    label_measures_follow(&session->inside->measures, &changes);
+    if (!(session->inside->stale & MADE_BORDER)) /* it was, where the run was shown */
         border_update(&session->border, &changes);
     if (watch_stops(session->watch))
-        session->stale |= MADE_BORDER;
+        session->inside->stale |= MADE_BORDER;
     if (session->pictures)
-        session->follower->follow(session->pictures, &changes);
+        session->inside->follower->follow(session->pictures, &changes);
 }
 
 /* A forest that is to grow anew, or is not wanted yet, has its seeds changed and no more. */
@@ -153,10 +153,10 @@ static enum err edit_seeds(struct session *session, const struct edit *seed, siz
 {
     enum err err = forest_edit(session->forest, seed, seeds, fault);
     if (err && forest_is_suspended(session->forest))
-        session->stale |= MADE_FOREST;
+        session->inside->stale |= MADE_FOREST;
     if (err)
         return err;
-    session->edited = true;
+    session->has_edited = true;
     if (forest_is_suspended(session->forest))
         forget_labels(session);
     else
@@ -166,12 +166,12 @@ static enum err edit_seeds(struct session *session, const struct edit *seed, siz
 
 static enum err grow(struct session *session, struct fault *fault)
 {
-    session->regrown = true;
+    session->has_regrown = true;
     forget_labels(session);
-    session->stale &= ~(unsigned)MADE_BORDER; /* all of it is made anew with the forest */
+    session->inside->stale &= ~(unsigned)MADE_BORDER; /* all of it is made anew with the forest */
     enum err err = forest_catch_up(session->forest, fault);
     if (err)
-        session->stale |= MADE_BORDER;
+        session->inside->stale |= MADE_BORDER;
     else
         follow_forest(session);
     return err;
@@ -194,12 +194,12 @@ enum err session_aim(const struct session *session, const struct outlook *outloo
 static enum err make(struct session *session, unsigned part,
                      enum err (*how)(struct session *, struct fault *), struct fault *fault)
 {
-    if (!(session->stale & part))
+    if (!(session->inside->stale & part))
         return OK;
-    session->stale &= ~part;
+    session->inside->stale &= ~part;
     enum err err = how(session, fault);
     err = err ? err : watch_fault(session->watch, fault);
-    session->stale |= err ? part : 0;
+    session->inside->stale |= err ? part : 0;
     return err;
 }
 
@@ -215,17 +215,18 @@ static enum err follow(struct session *session, const struct edit *seed, size_t 
                        struct fault *fault)
 {
     enum err err = OK;
-    if (session->waits)
+    if (session->inside->waits)
         return OK;
     if (session->scene && session->scene->plain)
         err = make_cells(session, fault);
     if (err)
         return err;
-    if (session->stale & (MADE_WEIGHTS | MADE_ROI) && (seeds || forest_seeds(session->forest)))
-        session->stale |= MADE_FOREST;
-    if (session->stale & MADE_FOREST)
+    if (session->inside->stale & (MADE_WEIGHTS | MADE_ROI) &&
+        (seeds || forest_seeds(session->forest)))
+        session->inside->stale |= MADE_FOREST;
+    if (session->inside->stale & MADE_FOREST)
         forest_suspend(session->forest);
-    if (session->stale & MADE_ROI && seeds && !roi_is_none(&session->roi)) {
+    if (session->inside->stale & MADE_ROI && seeds && !roi_is_none(&session->roi)) {
         /* Seeds that come or go may lie outside the former region, or the coming one: they are
          * changed while there is none. */
         const struct roi open = roi_none();
@@ -250,13 +251,13 @@ static enum err make_room(struct session *session, const struct kept *kept, unsi
                           struct fault *fault)
 {
     const struct grid *grid = &session->scene->grid;
-    if (kept->mask && !session->mask_room) {
-        session->mask_room = mem_array(mask_bytes(grid), 1);
-        if (!session->mask_room)
+    if (kept->mask && !session->inside->mask_room) {
+        session->inside->mask_room = mem_array(mask_bytes(grid), 1);
+        if (!session->inside->mask_room)
             return fault_memory(fault, "a mask");
     }
     if (parts & MADE_WEIGHTS && !kept->weight_map)
-        return weight_work_reserve(&session->weight_work, grid, &kept->weight, fault);
+        return weight_work_reserve(&session->inside->weight_work, grid, &kept->weight, fault);
     return OK;
 }
 
@@ -290,7 +291,7 @@ static void stand(struct session *session, const struct edits *to)
 enum err session_go(struct session *session, const struct state *state, const struct edit *seed,
                     size_t seeds, struct fault *fault)
 {
-    const unsigned parts = session->stale | state_difference(&session->now, state);
+    const unsigned parts = session->inside->stale | state_difference(&session->now, state);
     const bool aims = session->has_scene && parts & MADE_CAMERA;
     struct camera camera;
     if (aims)
@@ -307,12 +308,12 @@ enum err session_go(struct session *session, const struct state *state, const st
     if (!session->has_scene)
         return OK;
     if (aims && session->pictures)
-        session->follower->take_camera(session->pictures, &camera);
+        session->inside->follower->take_camera(session->pictures, &camera);
     if (parts & (MADE_BORDER | MADE_COLOURS)) {
         session_forget_pictures(session);
         kept_show(&state->kept, &session->border);
     }
-    session->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS);
+    session->inside->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS);
     return follow(session, seed, seeds, fault);
 }
 
@@ -320,7 +321,7 @@ void session_skim(struct session *session)
 {
     session->skims = true;
     session_forget_pictures(session);
-    session->stale |= MADE_FOREST;
+    session->inside->stale |= MADE_FOREST;
     forest_suspend(session->forest);
 }
 
@@ -332,13 +333,13 @@ enum err session_catch_up(struct session *session, struct fault *fault)
 
 enum err session_complete(struct session *session, struct fault *fault)
 {
-    if (!session->waits)
-        return session->stale && !session->skims && session->has_scene
+    if (!session->inside->waits)
+        return session->inside->stale && !session->skims && session->has_scene
                    ? follow(session, NULL, 0, fault)
                    : OK;
-    session->waits = false;
+    session->inside->waits = false;
     const enum err err = follow(session, NULL, 0, fault);
-    session->waits = session->scene->plain != NULL;
+    session->inside->waits = session->scene->plain != NULL;
     return err;
 }
 

@@ -421,7 +421,7 @@ static enum err note_point(struct history *history, const struct session *sessio
     struct point *point = &history->noted;
     const struct kept kept = kept_settings_get(before);
     const bool sets = !kept_equals(&now->kept, &kept);
-    if (!sets && !session->edited && edit_lists_are_copies(&now->lists, &session->former.lists))
+    if (!sets && !session->has_edited && edit_lists_are_copies(&now->lists, &session->former.lists))
         return OK;
     point->parent = history->present;
     point->branch = history->on;
@@ -432,7 +432,7 @@ static enum err note_point(struct history *history, const struct session *sessio
     point->joins = point->plants && session->markers.marker[session->former_markers].joined;
     if (!point->settings)
         return fault_memory(fault, "the history");
-    return session->edited ? keep_seeds(point, session, fault) : OK;
+    return session->has_edited ? keep_seeds(point, session, fault) : OK;
 }
 
 enum err history_note(struct history *history, const struct session *session, const char *command,
@@ -442,7 +442,7 @@ enum err history_note(struct history *history, const struct session *session, co
     history->is_noted = true;
     if (!session->has_scene)
         return OK;
-    if (!session->former_has_scene || session->former_scene.scene) {
+    if (!session->inside->former_has_scene || session->inside->former_scene.scene) {
         struct point *root = &history->noted;
         const bool lacks =
             !mem_grow(&history->branch, &history->branch_capacity, 1, sizeof *history->branch);

@@ -180,7 +180,7 @@ static enum err equip(struct session *session, struct scene *scene, struct fores
     enum err err = forest_new(forest, scene, session->now.kept.adjacency, fault);
     if (!err && (session->team || team_new(&session->team, team_size_wanted(), NULL) == OK))
         err = forest_set_team(*forest, session->team, fault);
-    session->weight_work.team = session->team;
+    session->inside->weight_work.team = session->team;
     if (!err)
         err = border_init(border, scene, fault);
     if (!err)
@@ -196,7 +196,7 @@ static enum err show_first(struct session *session, struct fault *fault)
     next.outlook.view = view_default(session->scene);
     for (int a = 0; a < 3; a++)
         next.outlook.slices.cross[a] = session->scene->grid.size[a] / 2;
-    session->stale = MADE_WEIGHTS | MADE_ROI | MADE_CAMERA;
+    session->inside->stale = MADE_WEIGHTS | MADE_ROI | MADE_CAMERA;
     enum err err = session_go(session, &next, NULL, 0, fault);
     if (err == ERR_LIMIT)
         fault_set(fault, err,
@@ -208,7 +208,7 @@ static enum err show_first(struct session *session, struct fault *fault)
 
 void session_let_wait(struct session *session, uint64_t least)
 {
-    session->waits_from = least;
+    session->inside->waits_from = least;
 }
 
 enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
@@ -236,18 +236,19 @@ enum err session_open(struct session *session, const char *path, const struct vo
     session->has_scene = true;
     session_place(session, &session->now.kept);
     session->tally = tally_of_none(session->scene);
-    session->tally_before_edit.stale = true;
-    snprintf(session->scene_file, sizeof session->scene_file, "%s", file_name(path));
+    session->inside->tally_before_edit.stale = true;
+    snprintf(session->scene_name, sizeof session->scene_name, "%s", file_name(path));
     scene_identify(&session->scene_digest, session->proof, session->scene, session->team);
     if (choice && choice->proof && strcmp(choice->proof, session->proof) != 0) {
         session_close_scene(session);
         memset(session->open_notes, 0, sizeof session->open_notes);
-        memset(session->scene_file, 0, sizeof session->scene_file);
+        memset(session->scene_name, 0, sizeof session->scene_name);
         return fault_set(fault, ERR_INPUT, "another scene; nothing was opened");
     }
-    session->waits = session->scene->plain && session_may_wait(session) &&
-                     session_bytes_for(session->scene->grid.size) >= session->waits_from;
-    err = session->waits ? session_foretell(session, fault) : OK;
+    session->inside->waits =
+        session->scene->plain && session_may_wait(session) &&
+        session_bytes_for(session->scene->grid.size) >= session->inside->waits_from;
+    err = session->inside->waits ? session_foretell(session, fault) : OK;
     if (!err)
         err = show_first(session, fault);
     if (err)
@@ -262,7 +263,7 @@ enum err session_open(struct session *session, const char *path, const struct vo
 static enum err replace_scene(struct session *session, unsigned doubled, struct fault *fault)
 {
     struct former_scene next = {0};
-    assert(!session->former_scene.scene); /* once in a command */
+    assert(!session->inside->former_scene.scene); /* once in a command */
     enum err err =
         scene_new_interpolated(&next.scene, session->scene, doubled, session->watch, fault);
     if (!err)
@@ -274,10 +275,10 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
         return err;
     }
     if (session->pictures)
-        session->follower->leave_scene(session->pictures);
-    label_measures_release(&session->measures);
-    relax_kept_release(&session->relaxed);
-    session->former_scene =
+        session->inside->follower->leave_scene(session->pictures);
+    label_measures_release(&session->inside->measures);
+    relax_kept_release(&session->inside->relaxed);
+    session->inside->former_scene =
         (struct former_scene){.scene = session->scene,
                               .said = session->said,
                               .is_blended = session->levels && session->levels->is_blended,
@@ -287,7 +288,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
                               .border = session->border,
                               .roi_tally = session->roi_tally,
                               .former_markers = session->markers.former,
-                              .stale = session->stale};
+                              .stale = session->inside->stale};
     if (session->levels)
         session->levels->is_blended = true;
     session->scene = next.scene;
@@ -295,9 +296,9 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     session->border = next.border;
     session->markers.former = session->markers.count;
     session->tally = tally_of_none(next.scene);
-    session->tally_before_edit.stale = true;
-    session->knows_window = false;
-    session->stale = MADE_WEIGHTS | MADE_ROI | MADE_CAMERA;
+    session->inside->tally_before_edit.stale = true;
+    session->inside->knows_window = false;
+    session->inside->stale = MADE_WEIGHTS | MADE_ROI | MADE_CAMERA;
     if (session->skims)
         session_skim(session);
     return OK;

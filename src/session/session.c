@@ -46,19 +46,19 @@ uint64_t session_changed_voxels(const struct session *session)
 
 static bool has_edited(const struct session *session)
 {
-    return session->edited || session->regrown;
+    return session->has_edited || session->has_regrown;
 }
 
 void session_note_edit(struct session *session)
 {
     if (has_edited(session))
-        session->tally_before_edit = session->former_tally;
+        session->inside->tally_before_edit = session->former_tally;
 }
 
 const uint64_t *session_voxels_before_edit(const struct session *session)
 {
     const struct tally *before =
-        has_edited(session) ? &session->former_tally : &session->tally_before_edit;
+        has_edited(session) ? &session->former_tally : &session->inside->tally_before_edit;
     return before->stale || session->tally.stale ? NULL : before->voxels;
 }
 
@@ -67,12 +67,12 @@ const uint64_t *session_voxels_before_edit(const struct session *session)
 void session_find_window(struct session *session, int32_t window[2])
 {
     static uint32_t count[UINT16_MAX + 1];
-    if (!session->knows_window) {
+    if (!session->inside->knows_window) {
         intensities_count(count, session->scene, session->team);
-        intensities_range(session->window, count, WINDOW_BLACK, WINDOW_WHITE);
+        intensities_range(session->inside->window, count, WINDOW_BLACK, WINDOW_WHITE);
     }
-    session->knows_window = true;
-    memcpy(window, session->window, sizeof session->window);
+    session->inside->knows_window = true;
+    memcpy(window, session->inside->window, sizeof session->inside->window);
 }
 
 /* ---- finished labels ---- */
@@ -99,7 +99,7 @@ uint64_t session_finish_source(const struct session *session)
 
 const uint8_t *session_finished(const struct session *session)
 {
-    const struct finished *made = &session->finished;
+    const struct finished *made = &session->inside->finished;
     return made->label && made->of == session_finish_source(session) ? made->label : NULL;
 }
 
@@ -108,7 +108,7 @@ static enum err make_finished(struct session *session, struct fault *fault)
     struct finished made = {.cells = session->scene->grid.cells,
                             .of = session_finish_source(session)};
     enum err err = finish_make(&made.label, &session->now.kept.finish, session->scene,
-                               session->team, &session->relaxed, fault);
+                               session->team, &session->inside->relaxed, fault);
     if (err)
         return err;
     made.digest = labels_digest(&(struct labels){session->scene, made.label}, session->team);
@@ -117,8 +117,8 @@ static enum err make_finished(struct session *session, struct fault *fault)
         finished_release(&made);
         return err;
     }
-    finished_release(&session->finished);
-    session->finished = made;
+    finished_release(&session->inside->finished);
+    session->inside->finished = made;
     return OK;
 }
 
@@ -129,13 +129,13 @@ enum err session_labels(struct session *session, bool finished, struct labels *l
     if (!finished || !session->now.kept.finish.count)
         return OK;
     const enum err err = session_finished(session) ? OK : make_finished(session, fault);
-    labels->finished = session->finished.label;
+    labels->finished = session->inside->finished.label;
     return err;
 }
 
 uint64_t session_finished_digest(const struct session *session)
 {
-    return session->now.kept.finish.count ? session->finished.digest
+    return session->now.kept.finish.count ? session->inside->finished.digest
                                           : forest_label_digest(session->forest);
 }
 
@@ -145,7 +145,7 @@ enum err session_find_stats(struct session *session, const struct labels *labels
                             struct label_stats *stats, struct fault *fault)
 {
     struct label_measures once = {0};
-    struct label_measures *measures = labels->finished ? &once : &session->measures;
+    struct label_measures *measures = labels->finished ? &once : &session->inside->measures;
     const enum err err = label_stats_find(stats, measures, labels, session->team, fault);
     label_measures_release(&once);
     return err;
@@ -155,7 +155,8 @@ enum err session_sum_label(struct session *session, unsigned label, struct label
                            struct fault *fault)
 {
     const struct labels labels = labels_of_forest(session->scene);
-    return label_measures_sum(&session->measures, &labels, label, session->team, sums, fault);
+    return label_measures_sum(&session->inside->measures, &labels, label, session->team, sums,
+                              fault);
 }
 
 /* ---- against a procedure ---- */
@@ -164,7 +165,7 @@ enum err session_find_worst(struct session *session, unsigned *label, double *sh
                             struct fault *fault)
 {
     const uint32_t *expected = session->now.kept.origin_mm3;
-    const double voxel_mm3 = tally_voxel_mm3(session_geometry(session));
+    const double voxel_mm3 = tally_voxel_mm3(&session->geometry);
     const enum err err = session_count_labels(session, fault);
     double worst = 0;
     *label = 0;
@@ -219,7 +220,7 @@ static uint64_t digest_of_origin(const uint32_t mm3[256])
 /* Lets go of what is of another forest. */
 static void keep_up_hints(struct session *session)
 {
-    struct hinting *h = &session->hinting;
+    struct hinting *h = &session->inside->hinting;
     const struct hinting now = {.cells = session->scene->grid.cells,
                                 .forest = forest_digest(session->forest),
                                 .labels = forest_label_digest(session->forest),
@@ -235,7 +236,7 @@ static void keep_up_hints(struct session *session)
 
 static enum err make_hints(struct session *session, bool with_heat, struct fault *fault)
 {
-    struct hinting *h = &session->hinting;
+    struct hinting *h = &session->inside->hinting;
     uint16_t *margin;
     enum err err = margin_new(&margin, session->forest, fault);
     if (!err && with_heat && !(h->heat = mem_new(h->cells)))
@@ -254,7 +255,7 @@ static enum err make_hints(struct session *session, bool with_heat, struct fault
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault)
 {
-    struct hinting *h = &session->hinting;
+    struct hinting *h = &session->inside->hinting;
     keep_up_hints(session);
     const bool is_made = h->has_hints && (!heat || h->heat);
     const enum err err = is_made ? OK : make_hints(session, heat != NULL, fault);
@@ -264,21 +265,31 @@ enum err session_find_hints(struct session *session, const struct hint_list **hi
     return err;
 }
 
-static void begin(struct session *session)
+/* One block, so that it is made and freed as one. */
+struct whole {
+    struct session session;
+    struct session_inside inside;
+};
+
+static void begin(struct session *session, struct watch *watch, uint64_t waits_from)
 {
-    session->roi = roi_none();
-    session->semantics = SEMANTICS;
-    session->now = state_default();
+    struct session_inside *inside = &((struct whole *)session)->inside;
+    *inside = (struct session_inside){.waits_from = waits_from};
+    *session = (struct session){.inside = inside,
+                                .watch = watch,
+                                .roi = roi_none(),
+                                .semantics = SEMANTICS,
+                                .now = state_default()};
     session_mark(session);
 }
 
 enum err session_new(struct session **session, struct fault *fault)
 {
-    struct session *made = *session = mem_new(sizeof *made);
+    struct whole *made = mem_new(sizeof *made);
+    *session = made ? &made->session : NULL;
     if (!made)
         return fault_memory(fault, "a session");
-    made->waits_from = UINT64_MAX;
-    begin(made);
+    begin(*session, NULL, UINT64_MAX);
     return OK;
 }
 
@@ -295,26 +306,26 @@ void session_close_scene(struct session *session)
 {
     session_settle(session);
     if (session->pictures)
-        session->follower->release(session->pictures);
+        session->inside->follower->release(session->pictures);
     session->pictures = NULL;
-    label_measures_release(&session->measures);
-    finished_release(&session->finished);
-    relax_kept_release(&session->relaxed);
-    hinting_release(&session->hinting);
-    doubting_release(&session->doubting);
-    weight_work_release(&session->weight_work);
+    label_measures_release(&session->inside->measures);
+    finished_release(&session->inside->finished);
+    relax_kept_release(&session->inside->relaxed);
+    hinting_release(&session->inside->hinting);
+    doubting_release(&session->inside->doubting);
+    weight_work_release(&session->inside->weight_work);
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);
-    free(session->mask_room);
+    free(session->inside->mask_room);
     free(session->levels);
     session->levels = NULL;
     session->roi = roi_none();
-    session->mask_room = NULL;
+    session->inside->mask_room = NULL;
     session->forest = NULL;
     session->scene = NULL;
-    session->has_scene = session->waits = session->knows_window = false;
-    session->stale = 0;
+    session->has_scene = session->inside->waits = session->inside->knows_window = false;
+    session->inside->stale = 0;
 }
 
 /* All that is not given from outside. */
@@ -329,11 +340,8 @@ static void end(struct session *session)
 
 void session_begin_again(struct session *session)
 {
-    struct watch *watch = session->watch;
-    const uint64_t waits_from = session->waits_from;
     end(session);
-    *session = (struct session){.watch = watch, .waits_from = waits_from};
-    begin(session);
+    begin(session, session->watch, session->inside->waits_from);
 }
 
 void session_free(struct session *session)
@@ -345,177 +353,23 @@ void session_free(struct session *session)
 
 /* ---- what it knows ---- */
 
-const struct kept *session_kept(const struct session *session)
-{
-    return &session->now.kept;
-}
-
-const struct outlook *session_outlook(const struct session *session)
-{
-    return &session->now.outlook;
-}
-
-const struct state *session_state(const struct session *session)
-{
-    return &session->now;
-}
-
-const struct state *session_former(const struct session *session)
-{
-    return &session->former;
-}
-
-unsigned session_semantics(const struct session *session)
-{
-    return session->semantics;
-}
-
-bool session_skims(const struct session *session)
-{
-    return session->skims;
-}
-
-bool session_has_scene(const struct session *session)
-{
-    return session->has_scene;
-}
-
-struct scene *session_scene(const struct session *session)
-{
-    return session->scene;
-}
-
-const struct forest *session_forest(const struct session *session)
-{
-    return session->forest;
-}
-
-const struct border *session_border(const struct session *session)
-{
-    return &session->border;
-}
-
-const struct geometry *session_said(const struct session *session)
-{
-    return &session->said;
-}
-
-const struct geometry *session_geometry(const struct session *session)
-{
-    return &session->geometry;
-}
-
-const struct roi *session_roi(const struct session *session)
-{
-    return &session->roi;
-}
-
-const struct roi_tally *session_roi_tally(const struct session *session)
-{
-    return &session->roi_tally;
-}
-
-const struct markers *session_markers(const struct session *session)
-{
-    return &session->markers;
-}
-
-const struct tally *session_tally(const struct session *session)
-{
-    return &session->tally;
-}
-
-const struct tally *session_former_tally(const struct session *session)
-{
-    return &session->former_tally;
-}
-
-const struct map_part *session_part(const struct session *session)
-{
-    return &session->part;
-}
-
-const struct levels *session_levels(const struct session *session)
-{
-    return session->levels;
-}
-
-uint32_t session_series(const struct session *session)
-{
-    return session->series;
-}
-
-const char *session_open_notes(const struct session *session)
-{
-    return session->open_notes;
-}
-
-uint64_t session_scene_digest(const struct session *session)
-{
-    return session->scene_digest;
-}
-
-uint64_t session_weight_digest(const struct session *session)
-{
-    return session->weight_digest;
-}
-
-const char *session_proof(const struct session *session)
-{
-    return session->proof;
-}
-
-size_t session_former_markers(const struct session *session)
-{
-    return session->former_markers;
-}
-
-bool session_has_edited(const struct session *session)
-{
-    return session->edited;
-}
-
-bool session_has_regrown(const struct session *session)
-{
-    return session->regrown;
-}
-
-const char *session_scene_name(const struct session *session)
-{
-    return session->scene_file;
-}
-
-bool session_is_private(const struct session *session)
-{
-    return session->is_private;
-}
-
-struct pictures *session_pictures(const struct session *session)
-{
-    return session->pictures;
-}
-
 void session_take_pictures(struct session *session, struct pictures *pictures,
                            const struct follower *follower)
 {
     assert(session->has_scene && !session->pictures);
     session->pictures = pictures;
-    session->follower = follower;
+    session->inside->follower = follower;
 }
 
-struct team *session_team(const struct session *session)
+void session_forget_pictures(struct session *session)
 {
-    return session->team;
-}
-
-struct watch *session_watch(const struct session *session)
-{
-    return session->watch;
+    if (session->pictures)
+        session->inside->follower->forget(session->pictures);
 }
 
 void session_name_scene(struct session *session, const char *name, bool is_private)
 {
-    snprintf(session->scene_file, sizeof session->scene_file, "%s", name);
+    snprintf(session->scene_name, sizeof session->scene_name, "%s", name);
     session->is_private = is_private;
 }
 
@@ -529,9 +383,9 @@ static size_t scene_memory(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
     size_t bytes = session->scene->grid.cells * sizeof(struct cell);
-    bytes += forest_memory(session->forest) + session->weight_work.capacity;
+    bytes += forest_memory(session->forest) + session->inside->weight_work.capacity;
     bytes += border_memory(&session->border);
-    bytes += session->mask_room ? mask_bytes(&session->scene->grid) : 0;
+    bytes += session->inside->mask_room ? mask_bytes(&session->scene->grid) : 0;
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
     bytes += session->levels ? sizeof *session->levels : 0;
     return bytes + (kept->weight_map ? packed_memory(kept->weight_map) : 0);
@@ -539,19 +393,19 @@ static size_t scene_memory(const struct session *session)
 
 struct session_memory session_memory_parts(const struct session *session)
 {
-    struct session_memory parts = {.seeds = sizeof *session +
+    struct session_memory parts = {.seeds = sizeof(struct whole) +
                                             edit_lists_memory(&session->now.lists) +
                                             markers_memory(&session->markers)};
     if (!session->has_scene)
         return parts;
     parts.scene = scene_memory(session);
-    const struct hinting *hinting = &session->hinting;
+    const struct hinting *hinting = &session->inside->hinting;
     parts.answers = (hinting->heat ? hinting->cells : 0) +
                     hinting->hints.capacity * sizeof *hinting->hints.item +
-                    session->finished.cells + relax_kept_memory(&session->relaxed) +
-                    label_measures_memory(&session->measures);
+                    session->inside->finished.cells + relax_kept_memory(&session->inside->relaxed) +
+                    label_measures_memory(&session->inside->measures);
     if (session->pictures)
-        session->follower->count_memory(session->pictures, &parts);
+        session->inside->follower->count_memory(session->pictures, &parts);
     return parts;
 }
 
@@ -581,15 +435,15 @@ void session_mark(struct session *session)
     session->former_markers = session->markers.count;
     session_note_edit(session);
     session->former_tally = session->tally;
-    session->former_has_scene = session->has_scene;
+    session->inside->former_has_scene = session->has_scene;
     if (session->pictures)
-        session->follower->mark(session->pictures);
-    session->edited = session->regrown = false;
+        session->inside->follower->mark(session->pictures);
+    session->has_edited = session->has_regrown = false;
 }
 
 void session_settle(struct session *session)
 {
-    struct former_scene *former = &session->former_scene;
+    struct former_scene *former = &session->inside->former_scene;
     if (former->scene) {
         border_release(&former->border);
         forest_free(former->forest);
@@ -597,14 +451,14 @@ void session_settle(struct session *session)
     }
     *former = (struct former_scene){0};
     if (!session->now.kept.finish.count) {
-        finished_release(&session->finished);
-        relax_kept_release(&session->relaxed);
+        finished_release(&session->inside->finished);
+        relax_kept_release(&session->inside->relaxed);
     }
     if (session->pictures)
-        session->follower->settle(session->pictures);
+        session->inside->follower->settle(session->pictures);
     if (!session->now.kept.mask) {
-        free(session->mask_room);
-        session->mask_room = NULL;
+        free(session->inside->mask_room);
+        session->inside->mask_room = NULL;
         session->roi.mask = NULL;
     }
 }
@@ -612,11 +466,11 @@ void session_settle(struct session *session)
 /* The scene that was interpolated, and what hangs on it; the camera follows by session_go. */
 static void take_back_scene(struct session *session)
 {
-    const struct former_scene former = session->former_scene;
+    const struct former_scene former = session->inside->former_scene;
     if (session->pictures)
-        session->follower->leave_scene(session->pictures);
-    label_measures_release(&session->measures);
-    relax_kept_release(&session->relaxed);
+        session->inside->follower->leave_scene(session->pictures);
+    label_measures_release(&session->inside->measures);
+    relax_kept_release(&session->inside->relaxed);
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);
@@ -631,18 +485,18 @@ static void take_back_scene(struct session *session)
     session->border = former.border;
     session->roi_tally = former.roi_tally;
     session->markers.former = former.former_markers;
-    session->stale = former.stale | MADE_CAMERA;
-    session->edited = session->knows_window = false;
-    session->former_scene = (struct former_scene){0};
+    session->inside->stale = former.stale | MADE_CAMERA;
+    session->has_edited = session->inside->knows_window = false;
+    session->inside->former_scene = (struct former_scene){0};
 }
 
 /* A command edits the seeds once at most, so that the inverse of that edit leads back. */
 static void go_back(struct session *session)
 {
     struct seed_changes seeds = {0};
-    if (session->former_scene.scene)
+    if (session->inside->former_scene.scene)
         take_back_scene(session);
-    if (session->edited)
+    if (session->has_edited)
         seeds = forest_seed_changes(session->forest);
     if (session_go(session, &session->former, seeds.before, seeds.count, NULL) != OK &&
         seeds.count) {
@@ -650,19 +504,19 @@ static void go_back(struct session *session)
          * and the forest waits for memory (S5). */
         const struct seed_changes back = forest_seed_changes(session->forest);
         forest_suspend(session->forest);
-        session->stale |= MADE_FOREST;
+        session->inside->stale |= MADE_FOREST;
         forest_edit(session->forest, back.after, back.count, NULL);
     }
     session->tally = session->former_tally;
     if (session->pictures)
-        session->follower->take_back(session->pictures);
+        session->inside->follower->take_back(session->pictures);
 }
 
 void session_rollback(struct session *session)
 {
     const bool cut_short = session->watch && session->watch->stopped;
     watch_ignore_stop(session->watch);
-    if (session->has_scene && !session->former_has_scene)
+    if (session->has_scene && !session->inside->former_has_scene)
         session_close_scene(session);
     if (cut_short)
         session_forget_pictures(session);
@@ -671,7 +525,7 @@ void session_rollback(struct session *session)
     else
         state_assign(&session->now, &session->former);
     markers_drop(&session->markers, session->former_markers, session->watch);
-    session->edited = session->regrown = false;
+    session->has_edited = session->has_regrown = false;
     watch_begin(session->watch);
     if (session->has_scene)
         session->scene->watch = NULL; /* until the next command */
@@ -690,18 +544,18 @@ void session_show_cross(struct session *session, const uint32_t place[3])
 void session_show(struct session *session, void (*draw)(void *context), void *context)
 {
     const struct tally tally = session->tally, former = session->former_tally;
-    const struct label_measures measures = session->measures;
+    const struct label_measures measures = session->inside->measures;
     const bool shows_finished = session->now.outlook.shows_finished;
     session->now.outlook.shows_finished = false;
-    session->measures = (struct label_measures){0};
+    session->inside->measures = (struct label_measures){0};
     border_recount(&session->border);
-    session->stale |= MADE_BORDER;
+    session->inside->stale |= MADE_BORDER;
     session_forget_pictures(session);
     draw(context);
     session_forget_pictures(session);
     session->tally = tally;
     session->former_tally = former;
-    label_measures_release(&session->measures);
-    session->measures = measures;
+    label_measures_release(&session->inside->measures);
+    session->inside->measures = measures;
     session->now.outlook.shows_finished = shows_finished;
 }

@@ -16,7 +16,7 @@
  *   S1 a command is all or nothing: session_mark before it, and session_rollback takes back
  *      whatever it did, exactly;
  *   S2 the border fits the forest, the visible labels and the cut, and pictures of the session hear
- *      of all that changes (session/follower.h);
+ *      of all that changes (session/session.h);
  *   S3 without a scene only session_open does anything, and settings can be made; all else asks
  *      has_scene first;
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
@@ -36,37 +36,72 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "base/hash.h"
 #include "base/scan.h"
+#include "engine/roi.h"
+#include "image/geometry.h"
+#include "image/volume.h"
+#include "render/border.h"
+#include "session/map.h"
+#include "session/markers.h"
+#include "session/state.h"
+#include "session/tally.h"
 
-struct border;
 struct camera;
+struct changes;
 struct edit;
-struct forest;
-struct geometry;
 struct hint_list;
-struct kept;
 struct label_stats;
 struct label_sums;
 struct labels;
-struct levels;
-struct map_part;
 struct map_place;
-struct marker_run;
-struct markers;
-struct outlook;
 struct pictures;
 struct reach;
-struct roi;
-struct roi_tally;
-struct scene;
-struct state;
-struct tally;
 struct team;
-struct view;
 struct volume_choice;
 struct watch;
 
-struct session;
+/*
+ * All that a session knows. Every room reads it, and only this one writes it
+ * (tests/test_layout.sh). Pointers are borrowed: they are valid until the next command.
+ */
+struct session {
+    unsigned semantics; /* of the journal at hand (session/semantics.h) */
+    struct state now;
+    struct markers markers; /* of all states; those of `now` are the ones that stand */
+    struct team *team;      /* the threads that compute; NULL for one */
+    struct watch *watch;    /* of all that takes long, or NULL */
+
+    bool has_scene;  /* the rest is of the scene */
+    bool skims;      /* since session_skim */
+    bool is_private; /* pictures say neither the scene's name nor that of its journal */
+    char scene_name[FILE_WORDS_BYTES];   /* in pictures: without its folder, "" for nothing; a long
+                                          name is cut */
+    char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
+    uint32_t series;          /* of a folder of DICOM that was opened, counted from 1; 0: of none */
+    struct map_part part;     /* of its file, where it is no more than that; or {0} */
+    struct geometry said;     /* what the file says of its geometry, */
+    struct geometry geometry; /* and what follows from it and from what `orient` says */
+    struct levels *levels;    /* where intensities are not exact; else NULL */
+    struct scene *scene;
+    char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */
+    uint64_t scene_digest, weight_digest;
+    struct roi roi;
+    struct roi_tally roi_tally;
+    struct forest *forest;
+    struct border border;
+    struct tally tally;        /* voxels of each label, once session_count_labels has been called */
+    struct pictures *pictures; /* NULL until one is asked for */
+
+    /* What the command at hand began with, and whether it has edited the seeds (then
+     * forest_seed_changes says how) or had the forest computed again. */
+    struct state former;
+    size_t former_markers;
+    struct tally former_tally; /* where session_count_before came before the command */
+    bool has_edited, has_regrown;
+
+    struct session_inside *inside; /* of this room alone */
+};
 
 /* One without a scene, which the caller frees. ERR_MEMORY. */
 enum err session_new(struct session **session, struct fault *fault);
@@ -78,59 +113,14 @@ void session_begin_again(struct session *session);
 /* Sets the semantics of a session that has done nothing yet; ERR_INPUT for unknown ones. */
 enum err session_take_semantics(struct session *session, unsigned semantics, struct fault *fault);
 
-/* ---- what it knows: borrowed, and of use until the next command ---- */
+/* ---- what it knows besides ---- */
 
-const struct state *session_state(const struct session *session);
-const struct kept *session_kept(const struct session *session);       /* of the state, */
-const struct outlook *session_outlook(const struct session *session); /* and of it too */
-unsigned session_semantics(const struct session *session);            /* of the journal at hand */
-bool session_skims(const struct session *session);                    /* since session_skim */
-
-/* Of a scene, where there is one. */
-bool session_has_scene(const struct session *session);
-struct scene *session_scene(const struct session *session);
-const struct forest *session_forest(const struct session *session);
-const struct border *session_border(const struct session *session);
-const struct geometry *session_said(const struct session *session);     /* by its file, */
-const struct geometry *session_geometry(const struct session *session); /* and after `orient` */
-const struct levels *
-session_levels(const struct session *session); /* NULL: intensities are exact */
-const struct map_part *session_part(const struct session *session); /* of its file, or {0} */
-uint32_t session_series(const struct session *session);        /* of a folder, from 1; 0: of none */
-const char *session_open_notes(const struct session *session); /* what the file left open */
-uint64_t session_scene_digest(const struct session *session);
-uint64_t session_weight_digest(const struct session *session);
-const char *session_proof(const struct session *session); /* as it was opened (scene_proof) */
-const struct roi *session_roi(const struct session *session);
-const struct roi_tally *session_roi_tally(const struct session *session);
-
-/* Markers of all states, and how many there were before the command at hand. */
-const struct markers *session_markers(const struct session *session);
-size_t session_former_markers(const struct session *session);
-
-/* Voxels of each label, once session_count_labels, session_count_before have been called. */
-const struct tally *session_tally(const struct session *session);
-const struct tally *session_former_tally(const struct session *session);
-
-/* What the command at hand began with, and whether it has edited seeds, or had the forest grow
- * anew. */
-const struct state *session_former(const struct session *session);
-bool session_has_edited(const struct session *session);
-bool session_has_regrown(const struct session *session);
-
-/* What pictures call the scene: without its folder, "" for nothing; a long name is cut. A private
- * one is not named by them, nor is its journal. */
-const char *session_scene_name(const struct session *session);
-bool session_is_private(const struct session *session);
 void session_name_scene(struct session *session, const char *name, bool is_private);
 
 /* The camera of an outlook, finer by as many times as it has samples; ERR_LIMIT for none. */
 enum err session_aim(const struct session *session, const struct outlook *outlook,
                      struct camera *camera, struct fault *fault);
 
-/* The threads that compute, NULL for one; and the watch of all that takes long, or NULL. */
-struct team *session_team(const struct session *session);
-struct watch *session_watch(const struct session *session);
 void session_set_watch(struct session *session, struct watch *watch);
 
 size_t session_memory(const struct session *session); /* bytes held now */
@@ -142,6 +132,41 @@ struct session_memory {
     size_t scene, seeds, pictures, answers;
 };
 struct session_memory session_memory_parts(const struct session *session);
+
+/* ---- pictures of it ---- */
+
+/*
+ * Who follows a session: the pictures of it (src/show), which are there from the first one on that
+ * somebody asks for until the scene is closed. A session that nobody looks at has none, and no
+ * session knows what they are: it says what happens to it. None of that can fail.
+ */
+struct follower {
+    /* A command begins; it is taken back, and the session is as it was then; it stands, and what
+     * nobody will ask for any more goes. */
+    void (*mark)(struct pictures *pictures);
+    void (*take_back)(struct pictures *pictures);
+    void (*settle)(struct pictures *pictures);
+
+    /* The forest's labels have changed like this, and the session's border with them; or have in a
+     * way that no list says. */
+    void (*follow)(struct pictures *pictures, const struct changes *changes);
+    void (*forget_labels)(struct pictures *pictures);
+
+    /* The view has another camera; or what was drawn fits no more, for another reason. */
+    void (*take_camera)(struct pictures *pictures, const struct camera *camera);
+    void (*forget)(struct pictures *pictures);
+
+    /* Another scene takes the place of this one; or there is none any more, and all of it goes. */
+    void (*leave_scene)(struct pictures *pictures);
+    void (*release)(struct pictures *pictures);
+
+    /* Adds the bytes held: `pictures`, and `answers` for labels. */
+    void (*count_memory)(const struct pictures *pictures, struct session_memory *memory);
+};
+
+/* From now on these hear of it, and the session releases them. It has a scene, and none yet. */
+void session_take_pictures(struct session *session, struct pictures *pictures,
+                           const struct follower *follower);
 
 /* The intensities that are black and white where nobody has chosen, the smaller first: few voxels
  * are as bright as vessels and fat, so of a thousand voxels WINDOW_BLACK are no brighter, and

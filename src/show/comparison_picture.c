@@ -44,7 +44,7 @@ static void take_colours(struct palette *palette)
 /* How the session is to be for it. */
 static struct state state_of(const struct session *session)
 {
-    struct state state = *session_state(session);
+    struct state state = session->now;
     struct kept *kept = &state.kept;
     memset(kept->visible + 1, true, 255 * sizeof *kept->visible);
     memset(kept->opacity + 1, BORDER_OPAQUE, 255);
@@ -59,15 +59,15 @@ static struct state state_of(const struct session *session)
 static enum err fit(struct state *state, struct session *session, uint8_t *class,
                     const struct compared *compared, struct fault *fault)
 {
-    const struct labels classes = {session_scene(session), class};
+    const struct labels classes = {session->scene, class};
     struct view *view = &state->outlook.view;
     struct border border;
     struct fit fit;
     uint32_t place[3];
-    enum err err = comparison_classify(class, &classes.scene->grid, compared, 1,
-                                       session_team(session), session_watch(session), fault);
+    enum err err = comparison_classify(class, &classes.scene->grid, compared, 1, session->team,
+                                       session->watch, fault);
     if (!err)
-        err = border_init(&border, session_scene(session), fault);
+        err = border_init(&border, session->scene, fault);
     if (err)
         return err;
     border.labels = classes;
@@ -78,7 +78,7 @@ static enum err fit(struct state *state, struct session *session, uint8_t *class
         return err;
     fit_place(&fit, view, place);
     view->zoom = fit_zoom(&fit, view, place, state->outlook.look.samples);
-    view_focus_on(view, session_scene(session), place);
+    view_focus_on(view, session->scene, place);
     fit_release(&fit);
     return OK;
 }
@@ -113,11 +113,11 @@ static int steps_seen(const struct rendition *frame)
 static enum err render(uint8_t *class, double *most_mm, struct session *session,
                        const struct compared *compared, double farthest_mm, struct fault *fault)
 {
-    const struct labels classes = {session_scene(session), class};
+    const struct labels classes = {session->scene, class};
     *most_mm = round_up(compared, farthest_mm);
     for (int pass = 0; pass < 2; pass++) {
         enum err err = comparison_classify(class, &classes.scene->grid, compared, *most_mm,
-                                           session_team(session), session_watch(session), fault);
+                                           session->team, session->watch, fault);
         if (!err)
             err = session_draw_labels(session, &classes, RENDER_ONCE, fault);
         if (err)
@@ -202,7 +202,7 @@ static enum err draw(struct picture *picture, struct session *session,
                                   .rgba = picture->rgba};
     const char *unit = report->geometry->spacing_unknown ? "voxels" : "mm";
     char words[96];
-    draw_bar(&canvas, &session_kept(session)->palette, most_mm, unit, has_more);
+    draw_bar(&canvas, &session->now.kept.palette, most_mm, unit, has_more);
     write_names(&canvas, report);
     snprintf(words, sizeof words, "of A's surface from B's, -%g %s inside to %g %s outside",
              most_mm, unit, most_mm, unit);
@@ -216,14 +216,14 @@ enum err distance_picture_draw(struct picture *picture, struct session *session,
                                struct fault *fault)
 {
     const struct label_distances *distance = &report->comparison->distance[0];
-    const struct state before = *session_state(session);
+    const struct state before = session->now;
     struct state state = state_of(session);
     double most_mm = 0;
     if (!distance->has_surfaces)
         return fault_set(fault, ERR_INPUT,
                          "there is no picture of the surface: expected an object in A and in B, "
                          "which the edge of the scene does not cut off all around");
-    uint8_t *class = mem_new(session_scene(session)->grid.cells);
+    uint8_t *class = mem_new(session->scene->grid.cells);
     enum err err = class ? OK : fault_memory(fault, "a picture");
     if (!err && fits)
         err = fit(&state, session, class, compared, fault);
@@ -285,7 +285,7 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
                                 .crosses = true,
                                 .finished = difference};
     struct mosaic_layout layout = {0};
-    struct mosaic_choice choice = {.notes = true, .team = session_team(session), .layout = &layout};
+    struct mosaic_choice choice = {.notes = true, .team = session->team, .layout = &layout};
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES], title[3][32];
     int32_t window[2];
     window_of(window, session);
@@ -297,12 +297,11 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         choice.place[plane] = place[plane];
         layout.box[plane] = mosaic_box(canvas->width, canvas->height, (enum mosaic_pane)plane);
-        snprintf(title[plane], sizeof title[plane], "%s %u",
-                 slice_name(session_scene(session), plane),
-                 place[slice_axis(session_scene(session), plane)]);
+        snprintf(title[plane], sizeof title[plane], "%s %u", slice_name(session->scene, plane),
+                 place[slice_axis(session->scene, plane)]);
         choice.title[plane] = title[plane];
     }
-    return mosaic_draw(canvas, session_scene(session), NULL, &choice, &style, fault);
+    return mosaic_draw(canvas, session->scene, NULL, &choice, &style, fault);
 }
 
 /* ---- words ---- */
@@ -393,7 +392,7 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
                                  const struct comparison_report *report, const uint32_t place[3],
                                  struct fault *fault)
 {
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     enum err err = slicing_check_size(view, fault);
     if (!err)
         err = picture_init(picture, view->width, view->height, false, fault);
@@ -401,7 +400,7 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
         return err;
     const struct canvas canvas = {
         .width = view->width, .height = view->height, .stride = view->width, .rgba = picture->rgba};
-    uint8_t *difference = differences_of(compared, &session_scene(session)->grid);
+    uint8_t *difference = differences_of(compared, &session->scene->grid);
     err = difference ? draw_slices(&canvas, session, difference, place, fault)
                      : fault_memory(fault, "a picture");
     free(difference);

@@ -9,7 +9,7 @@
 #include "base/mem.h"
 #include "render/decoration.h"
 #include "engine/labels.h"
-#include "session/follower.h"
+#include "session/session.h"
 #include "session/markers.h"
 #include "session/state.h"
 #include "session/tally.h"
@@ -24,13 +24,13 @@ _Static_assert(sizeof((struct legend_line *)0)->name == LABEL_NAME_BYTES, "a nam
 static enum err count_voxels(struct session *session, const struct labels *labels,
                              uint64_t voxels[256], struct fault *fault)
 {
-    const struct grid *grid = &session_scene(session)->grid;
+    const struct grid *grid = &session->scene->grid;
     const enum err err = session_count_labels(session, fault);
     if (err || !labels->finished) {
-        memcpy(voxels, session_tally(session)->voxels, sizeof session_tally(session)->voxels);
+        memcpy(voxels, session->tally.voxels, sizeof session->tally.voxels);
         return err;
     }
-    struct task task = task_begin(session_watch(session), "voxels of labels", grid->voxels);
+    struct task task = task_begin(session->watch, "voxels of labels", grid->voxels);
     memset(voxels, 0, 256 * sizeof *voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
@@ -38,7 +38,7 @@ static enum err count_voxels(struct session *session, const struct labels *label
             for (uint32_t c = row.first; c < row.end; c++)
                 voxels[labels_at(labels, c)]++;
         }
-    return watch_fault(session_watch(session), fault);
+    return watch_fault(session->watch, fault);
 }
 
 static enum err list_labels(struct legend_line line[255], size_t *lines, struct session *session,
@@ -47,21 +47,21 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
     uint64_t voxels[256];
     const enum err err = count_voxels(session, labels, voxels, fault);
     for (unsigned label = 1; label < 256 && !err; label++) {
-        if (!voxels[label] || !session_kept(session)->visible[label])
+        if (!voxels[label] || !session->now.kept.visible[label])
             continue;
         struct legend_line *next = &line[(*lines)++];
         next->label = (uint8_t)label;
-        const char *name = session_kept(session)->label_name[label];
+        const char *name = session->now.kept.label_name[label];
         if (*name)
             memcpy(next->name, name, sizeof next->name);
         else
             snprintf(next->name, sizeof next->name, "label %u", label);
         struct buf words = {0};
-        if (session_scene(session)->spacing_unknown)
+        if (session->scene->spacing_unknown)
             buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels[label],
                        voxels[label] == 1 ? "" : "s");
         else
-            tally_write_volume(&words, session_geometry(session), voxels[label]);
+            tally_write_volume(&words, &session->geometry, voxels[label]);
         snprintf(next->amount, 32, "%s", words.failed ? "" : buf_text(&words));
         buf_release(&words);
     }
@@ -78,9 +78,9 @@ static size_t pixels_of(const struct session *session)
 
 struct rendition session_picture(const struct session *session)
 {
-    const struct pictures *p = session_pictures(session);
+    const struct pictures *p = session->pictures;
     struct rendition picture = *session_frame(session);
-    if (p && session_outlook(session)->decorations && p->decorated_pixels == pixels_of(session))
+    if (p && session->now.outlook.decorations && p->decorated_pixels == pixels_of(session))
         picture.rgba = p->decorated;
     return picture;
 }
@@ -89,7 +89,7 @@ enum err session_show_frame(struct canvas *canvas, const struct session *session
                             struct fault *fault)
 {
     const struct rendition r = session_picture(session);
-    const uint32_t background = background_opaque(session_outlook(session)->background);
+    const uint32_t background = background_opaque(session->now.outlook.background);
     const enum err err = canvas_init(canvas, r.width, r.height, 0, fault);
     if (err)
         return err;
@@ -118,7 +118,7 @@ static enum err begin_layer(struct pictures *p, struct fault *fault)
 static bool is_bright(const struct session *session)
 {
     uint8_t rgb[3];
-    background_at(rgb, background_opaque(session_outlook(session)->background), 1, 2);
+    background_at(rgb, background_opaque(session->now.outlook.background), 1, 2);
     return 2 * rgb[0] + 5 * rgb[1] + rgb[2] > 8 * 128;
 }
 
@@ -132,9 +132,9 @@ void decorating_end(struct decorating *d)
 enum err decorating_begin(struct decorating **out, struct session *session,
                           const struct labels *labels, struct fault *fault)
 {
-    const struct outlook *outlook = session_outlook(session);
+    const struct outlook *outlook = &session->now.outlook;
     const uint32_t *cross = outlook->slices.cross;
-    const struct edits *list = &session_state(session)->lists.eliminators;
+    const struct edits *list = &session->now.lists.eliminators;
     const size_t eliminators = edits_count(list);
     struct decorating *d = *out = mem_new(sizeof *d);
     if (!d)
@@ -143,16 +143,16 @@ enum err decorating_begin(struct decorating **out, struct session *session,
     enum err err = d->eliminator ? OK : fault_memory(fault, "the marks of a rendition");
     for (size_t i = 0; !err && i < eliminators; i++)
         d->eliminator[i] = edits_first(list)[i].cell;
-    d->of = (struct decoration){
-        .parts = outlook->decorations,
-        .samples = outlook->look.samples,
-        .palette = &session_kept(session)->palette,
-        .marked = {markers_show, session_markers(session)},
-        .is_bright = is_bright(session),
-        .line = d->line,
-        .eliminator = d->eliminator,
-        .eliminators = eliminators,
-        .cross = grid_cell(&session_scene(session)->grid, cross[0], cross[1], cross[2])};
+    d->of = (struct decoration){.parts = outlook->decorations,
+                                .samples = outlook->look.samples,
+                                .palette = &session->now.kept.palette,
+                                .marked = {markers_show, &session->markers},
+                                .is_bright = is_bright(session),
+                                .line = d->line,
+                                .eliminator = d->eliminator,
+                                .eliminators = eliminators,
+                                .cross =
+                                    grid_cell(&session->scene->grid, cross[0], cross[1], cross[2])};
     if (!err && outlook->decorations & DECORATE_LEGEND)
         err = list_labels(d->line, &d->of.lines, session, labels, fault);
     d->of.camera = &d->camera;
@@ -167,7 +167,7 @@ enum err session_decorate(struct session *session, const struct labels *labels, 
 {
     const struct rendition *frame = session_frame(session);
     struct pictures *p;
-    if (!session_outlook(session)->decorations || session_skims(session))
+    if (!session->now.outlook.decorations || session->skims)
         return OK;
     enum err err = pictures_begin(&p, session, fault);
     if (!err)
@@ -192,5 +192,5 @@ enum err session_decorate(struct session *session, const struct labels *labels, 
 
 bool session_decorates_rows(const struct session *session)
 {
-    return !(session_outlook(session)->decorations & (DECORATE_SEEDS | DECORATE_CROSS));
+    return !(session->now.outlook.decorations & (DECORATE_SEEDS | DECORATE_CROSS));
 }

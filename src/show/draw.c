@@ -17,7 +17,7 @@
 #include "render/view.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
-#include "session/follower.h"
+#include "session/session.h"
 #include "session/state.h"
 #include "show/pictures.h"
 
@@ -35,8 +35,8 @@ static int32_t intensity_of(const struct geometry *geometry, const struct decima
 
 void window_of(int32_t window[2], struct session *session)
 {
-    const struct slice_settings *s = &session_outlook(session)->slices;
-    const struct geometry *geometry = session_geometry(session);
+    const struct slice_settings *s = &session->now.outlook.slices;
+    const struct geometry *geometry = &session->geometry;
     const bool falls = geometry->slope < 0;
     int32_t found[2];
     if (!s->has_window)
@@ -50,12 +50,12 @@ void window_of(int32_t window[2], struct session *session)
 
 void window_values(double value[2], struct session *session)
 {
-    const struct slice_settings *s = &session_outlook(session)->slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     int32_t window[2];
     window_of(window, session);
     for (int i = 0; i < 2; i++)
         value[i] = s->has_window ? decimal_value(&s->window[i])
-                                 : geometry_value(session_geometry(session), window[i]);
+                                 : geometry_value(&session->geometry, window[i]);
 }
 
 /* "12.5", or four digits of a value too small for thousandths. */
@@ -79,7 +79,7 @@ void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
 
 static const struct look *look_of(const struct pictures *p)
 {
-    return &session_outlook(p->session)->look;
+    return &p->session->now.outlook.look;
 }
 
 /* ---- what is stored ---- */
@@ -175,7 +175,7 @@ static bool suits(const struct rendition *rendition, uint32_t width, uint32_t he
 
 static void take_camera(struct pictures *p, const struct camera *camera)
 {
-    const struct view *view = &session_outlook(p->session)->view, *fine = &camera->view;
+    const struct view *view = &p->session->now.outlook.view, *fine = &camera->view;
     if (!suits(&p->rendition, fine->width, fine->height) ||
         !suits(&p->reduced, view->width, view->height))
         pictures_release_rendition(p);
@@ -186,7 +186,7 @@ static void take_camera(struct pictures *p, const struct camera *camera)
 /* Has the camera look at this place, at this zoom. */
 static enum err take_view(struct pictures *p, const struct view *view, struct fault *fault)
 {
-    struct outlook outlook = *session_outlook(p->session);
+    struct outlook outlook = p->session->now.outlook;
     const struct view *now = &p->camera.view;
     struct camera camera;
     if (now->zoom == view->zoom * outlook.look.samples &&
@@ -211,9 +211,8 @@ static const struct rendition *objects_of(const struct pictures *p)
 static enum err draw_context(struct pictures *p, struct fault *fault)
 {
     struct session *session = p->session;
-    struct mip_source source = {.scene = session_scene(session),
-                                .digest = session_scene_digest(session),
-                                .cut = session_kept(session)->cut};
+    struct mip_source source = {
+        .scene = session->scene, .digest = session->scene_digest, .cut = session->now.kept.cut};
     const uint32_t samples = look_of(p)->samples;
     struct view view = p->camera.view; /* of samples; that of pixels is less */
     struct camera camera;
@@ -221,9 +220,9 @@ static enum err draw_context(struct pictures *p, struct fault *fault)
     view.height /= samples;
     view.zoom /= samples;
     window_of(source.window, session);
-    enum err err = camera_init(&camera, session_scene(session), &view, fault);
+    enum err err = camera_init(&camera, session->scene, &view, fault);
     if (!err)
-        err = mip_draw(&p->context.mip, &source, &camera, session_team(session), fault);
+        err = mip_draw(&p->context.mip, &source, &camera, session->team, fault);
     return err;
 }
 
@@ -233,7 +232,7 @@ static enum err put_context(struct pictures *p, struct fault *fault)
 {
     struct context *context = &p->context;
     const struct rendition *rendered = objects_of(p);
-    if (session_outlook(p->session)->context == CONTEXT_NONE)
+    if (p->session->now.outlook.context == CONTEXT_NONE)
         return OK;
     const enum err err = draw_context(p, fault);
     if (err)
@@ -256,8 +255,8 @@ static enum err put_context(struct pictures *p, struct fault *fault)
 
 static void prepare_shader(struct pictures *p)
 {
-    p->shader.team = session_team(p->session);
-    if (!cut_is_none(&session_kept(p->session)->cut))
+    p->shader.team = p->session->team;
+    if (!cut_is_none(&p->session->now.kept.cut))
         window_of(p->shader.window, p->session);
 }
 
@@ -266,10 +265,10 @@ static enum err colour(struct pictures *p, struct fault *fault)
 {
     const struct look *look = look_of(p);
     prepare_shader(p);
-    const enum err err = shade(&p->rendition, &p->camera, &p->mesh,
-                               &session_kept(p->session)->palette, look, &p->shader, fault);
+    const enum err err = shade(&p->rendition, &p->camera, &p->mesh, &p->session->now.kept.palette,
+                               look, &p->shader, fault);
     if (!err && look->samples > 1)
-        rendition_reduce(&p->reduced, &p->rendition, look->samples, session_team(p->session));
+        rendition_reduce(&p->reduced, &p->rendition, look->samples, p->session->team);
     return err;
 }
 
@@ -298,7 +297,7 @@ static enum err make_room(struct pictures *p, enum render_mode mode, struct faul
     if (look_of(p)->samples == 1)
         rendition_release(&p->reduced);
     else if (!err)
-        err = make_rendition(p, &p->reduced, &session_outlook(p->session)->view, fault);
+        err = make_rendition(p, &p->reduced, &p->session->now.outlook.view, fault);
     if (err)
         pictures_release_rendition(p);
     return err;
@@ -312,7 +311,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
                           : mode == RENDER_RAY ? project_rays
                                                : project_border;
     const struct look *look = look_of(p);
-    struct team *team = session_team(p->session);
+    struct team *team = p->session->team;
     forget(p);
     p->drawings++;
     enum err err = mesh_update(&p->mesh, border, shade_kind(look), team, NULL, fault);
@@ -332,13 +331,13 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
         const struct bands bands = {.project = project,
                                     .camera = &p->camera,
                                     .mesh = &p->mesh,
-                                    .palette = &session_kept(p->session)->palette,
+                                    .palette = &p->session->now.kept.palette,
                                     .look = look,
                                     .shader = &p->shader,
                                     .take = p->take,
                                     .context = p->take_context};
         prepare_shader(p);
-        if (p->take && session_outlook(p->session)->context)
+        if (p->take && p->session->now.outlook.context)
             err = draw_context(p, fault);
         if (!err)
             err = bands_draw(p->take ? NULL : &p->reduced, &bands, fault);
@@ -346,7 +345,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     if (!err && !p->take)
         err = put_context(p, fault);
     p->coarse.took_ns = clock_ns() - begin_ns;
-    return err ? err : watch_fault(session_watch(p->session), fault);
+    return err ? err : watch_fault(p->session->watch, fault);
 }
 
 /* The fitting view with as many pixels as a room has: a pane enlarges by whole numbers alone. */
@@ -368,7 +367,7 @@ static enum err draw_coarse(struct pictures *p, const struct view *view,
                             const struct border *border, struct fault *fault)
 {
     struct coarse *coarse = &p->coarse;
-    struct outlook outlook = *session_outlook(p->session);
+    struct outlook outlook = p->session->now.outlook;
     struct camera camera;
     outlook.view = *view;
     outlook.view.width = (outlook.view.width + COARSE - 1) / COARSE;
@@ -385,15 +384,15 @@ static enum err draw_coarse(struct pictures *p, const struct view *view,
         err = layers_take(&coarse->layers, &coarse->rendition, border, fault);
     if (err)
         return err;
-    project_border_shared(&coarse->rendition, &camera, &p->mesh, session_team(p->session));
+    project_border_shared(&coarse->rendition, &camera, &p->mesh, p->session->team);
     prepare_shader(p);
-    return shade(&coarse->rendition, &camera, &p->mesh, &session_kept(p->session)->palette,
+    return shade(&coarse->rendition, &camera, &p->mesh, &p->session->now.kept.palette,
                  &outlook.look, &p->shader, fault);
 }
 
 static const struct border *border_of(const struct pictures *p, enum rendered as)
 {
-    return as == RENDERED_FINISHED ? &p->live.border : session_border(p->session);
+    return as == RENDERED_FINISHED ? &p->live.border : &p->session->border;
 }
 
 /* In this view, where the session does not skim. */
@@ -424,7 +423,7 @@ static void follow_rendition(struct pictures *p, enum rendered as, const struct 
     if (!p->rendition.depth)
         return;
     enum err err = incremental_image(&p->rendition, &p->camera, &p->mesh, border, look_of(p),
-                                     changes, session_team(p->session), NULL);
+                                     changes, p->session->team, NULL);
     if (!err)
         err = colour(p, NULL);
     if (!err)
@@ -436,28 +435,27 @@ static void follow_rendition(struct pictures *p, enum rendered as, const struct 
 
 bool session_shows_finished(const struct session *session)
 {
-    return session_outlook(session)->shows_finished && session_kept(session)->finish.count > 0 &&
-           session_has_scene(session) && !session_skims(session);
+    return session->now.outlook.shows_finished && session->now.kept.finish.count > 0 &&
+           session->has_scene && !session->skims;
 }
 
 static bool has_edited(const struct session *session)
 {
-    return session_has_edited(session) || session_has_regrown(session);
+    return session->has_edited || session->has_regrown;
 }
 
 uint8_t session_shown_label(const struct session *session, uint32_t cell)
 {
-    const struct pictures *p = session_pictures(session);
-    return session_shows_finished(session) && p && p->live.label
-               ? p->live.label[cell]
-               : session_scene(session)->cell[cell].label;
+    const struct pictures *p = session->pictures;
+    return session_shows_finished(session) && p && p->live.label ? p->live.label[cell]
+                                                                 : session->scene->cell[cell].label;
 }
 
 /* Exact where such are stored, else the forest's. */
 static enum err make_live(struct pictures *p, struct fault *fault)
 {
     struct live_finish *live = &p->live;
-    struct scene *scene = session_scene(p->session);
+    struct scene *scene = p->session->scene;
     const struct labels from = {scene, session_finished(p->session)};
     live->cells = scene->grid.cells;
     live->label = mem_pages(live->cells);
@@ -468,7 +466,7 @@ static enum err make_live(struct pictures *p, struct fault *fault)
         drop_live(p);
         return err;
     }
-    labels_copy(&from, live->label, session_team(p->session));
+    labels_copy(&from, live->label, p->session->team);
     live->of = from.finished ? session_finish_source(p->session) : 0;
     live->border.labels.finished = live->label;
     tally_forget(&live->tally);
@@ -487,7 +485,7 @@ static bool border_fits(const struct border *border, const struct kept *kept)
 /* Has them there to be shown. */
 static enum err begin_live(struct pictures *p, struct fault *fault)
 {
-    const struct kept *kept = session_kept(p->session);
+    const struct kept *kept = &p->session->now.kept;
     const bool is_new = !p->live.label;
     enum err err = is_new ? make_live(p, fault) : OK;
     if (err)
@@ -499,7 +497,7 @@ static enum err begin_live(struct pictures *p, struct fault *fault)
     border_recount(&p->live.border);
     if (p->rendered == RENDERED_FINISHED)
         forget(p);
-    err = watch_fault(session_scene(p->session)->watch, fault);
+    err = watch_fault(p->session->scene->watch, fault);
     if (err)
         drop_live(p);
     return err;
@@ -518,7 +516,7 @@ static void take_changes(struct pictures *p, struct change *change, size_t count
     label_measures_follow(&p->live.measures, &changes);
     follow_rendition(p, RENDERED_FINISHED, &changes);
     free(change);
-    if (watch_stops(session_scene(p->session)->watch))
+    if (watch_stops(p->session->scene->watch))
         drop_live(p);
 }
 
@@ -576,18 +574,18 @@ static enum err take_exact(struct pictures *p, const struct labels *exact, struc
     memcpy(live->label, exact->finished, live->cells);
     take_changes(p, change, count, count > most);
     live->of = session_finish_source(p->session);
-    return watch_fault(session_scene(p->session)->watch, fault);
+    return watch_fault(p->session->scene->watch, fault);
 }
 
 const uint64_t *session_shown_voxels(const struct session *session, const uint64_t **before)
 {
-    struct pictures *p = session_pictures(session);
+    struct pictures *p = session->pictures;
     if (!session_shows_finished(session) || !p || !p->live.label) {
         *before = session_voxels_before_edit(session);
-        return session_tally(session)->stale ? NULL : session_tally(session)->voxels;
+        return session->tally.stale ? NULL : session->tally.voxels;
     }
     const struct tally *former = has_edited(session) ? &p->former.tally : &p->tally_before_edit;
-    const bool knows = tally_refresh(&p->live.tally, &p->live.border.labels, session_team(session));
+    const bool knows = tally_refresh(&p->live.tally, &p->live.border.labels, session->team);
     *before = knows && !former->stale ? former->voxels : NULL;
     return knows ? p->live.tally.voxels : NULL;
 }
@@ -595,22 +593,22 @@ const uint64_t *session_shown_voxels(const struct session *session, const uint64
 enum err session_sum_shown(struct session *session, unsigned label, struct label_sums *sums,
                            struct fault *fault)
 {
-    struct pictures *p = session_pictures(session);
+    struct pictures *p = session->pictures;
     if (!session_shows_finished(session) || !p || !p->live.label)
         return session_sum_label(session, label, sums, fault);
-    return label_measures_sum(&p->live.measures, &p->live.border.labels, label,
-                              session_team(session), sums, fault);
+    return label_measures_sum(&p->live.measures, &p->live.border.labels, label, session->team, sums,
+                              fault);
 }
 
 bool session_is_rough(const struct session *session)
 {
-    const struct pictures *p = session_pictures(session);
+    const struct pictures *p = session->pictures;
     return session_shows_finished(session) && !(p && p->live.of == session_finish_source(session));
 }
 
 enum err session_refine(struct session *session, struct watch *watch, struct fault *fault)
 {
-    struct scene *scene = session_scene(session);
+    struct scene *scene = session->scene;
     struct watch *const former = scene->watch;
     struct pictures *p;
     struct labels exact;
@@ -628,7 +626,7 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
 
 void session_show_refining(struct session *session, void (*draw)(void *context), void *context)
 {
-    struct scene *scene = session_scene(session);
+    struct scene *scene = session->scene;
     struct watch *const watch = scene->watch;
     scene->watch = NULL;
     draw(context);
@@ -687,7 +685,7 @@ enum err pictures_begin(struct pictures **pictures, struct session *session, str
                                              .leave_scene = leave_scene,
                                              .release = release,
                                              .count_memory = count_memory};
-    struct pictures *p = *pictures = session_pictures(session);
+    struct pictures *p = *pictures = session->pictures;
     if (p)
         return OK;
     p = mem_new(sizeof *p);
@@ -695,7 +693,7 @@ enum err pictures_begin(struct pictures **pictures, struct session *session, str
         return fault_memory(fault, "a picture");
     p->session = session;
     p->former.tally.stale = p->tally_before_edit.stale = true;
-    const enum err err = session_aim(session, session_outlook(session), &p->camera, fault);
+    const enum err err = session_aim(session, &session->now.outlook, &p->camera, fault);
     if (err) {
         free(p);
         return err;
@@ -712,13 +710,13 @@ static enum err draw_finished(struct pictures *p, const struct labels *labels,
                               enum render_mode mode, struct fault *fault)
 {
     struct border border;
-    enum err err = border_init(&border, session_scene(p->session), fault);
+    enum err err = border_init(&border, p->session->scene, fault);
     if (err)
         return err;
     border.labels = *labels;
-    kept_show(session_kept(p->session), &border);
+    kept_show(&p->session->now.kept, &border);
     border_recount(&border);
-    err = watch_fault(session_watch(p->session), fault);
+    err = watch_fault(p->session->watch, fault);
     if (!err)
         err = draw_border(p, &border, mode, fault);
     shader_release(&p->shader);
@@ -730,9 +728,9 @@ static enum err draw_finished(struct pictures *p, const struct labels *labels,
 enum err session_draw_labels(struct session *session, const struct labels *labels,
                              enum render_mode mode, struct fault *fault)
 {
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     struct pictures *p;
-    if (session_skims(session))
+    if (session->skims)
         return OK;
     enum err err = pictures_begin(&p, session, fault);
     if (err)
@@ -751,7 +749,7 @@ enum err session_draw_labels(struct session *session, const struct labels *label
 
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
 {
-    const struct labels labels = labels_of_forest(session_scene(session));
+    const struct labels labels = labels_of_forest(session->scene);
     return session_draw_labels(session, &labels, mode, fault);
 }
 
@@ -772,7 +770,7 @@ static enum err draw_hastily(struct pictures *p, const struct view *view, enum r
  * longer fits, or could be a quarter larger. */
 static enum err fit_shown(struct pictures *p, const struct border *border, struct fault *fault)
 {
-    const struct outlook *outlook = session_outlook(p->session);
+    const struct outlook *outlook = &p->session->now.outlook;
     const struct view *view = &outlook->view;
     const uint32_t samples = outlook->look.samples;
     struct own_view *own = &p->own, next = {.has_place = true};
@@ -803,9 +801,9 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     const bool finished = session_shows_finished(session);
     const enum rendered as = finished ? RENDERED_FINISHED : RENDERED_FOREST;
     struct pictures *p;
-    *labels = labels_of_forest(session_scene(session));
+    *labels = labels_of_forest(session->scene);
     *glance = (struct glance){session_frame(session), 1, false};
-    if (session_skims(session))
+    if (session->skims)
         return OK;
     enum err err = pictures_begin(&p, session, fault);
     if (!err && finished)
@@ -822,7 +820,7 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     glance->rendition = session_frame(session);
     const bool is_soon = p->coarse.took_ns && p->coarse.took_ns < within_ns &&
                          mesh_is_current(&p->mesh, border_of(p, as), shade_kind(look_of(p)));
-    if (within_ns && p->rendered != as && !is_soon && !session_outlook(session)->context)
+    if (within_ns && p->rendered != as && !is_soon && !session->now.outlook.context)
         return draw_hastily(p, &view, as, glance, fault);
     err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
     glance->rendition = session_frame(session);
@@ -831,13 +829,13 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
 
 struct view session_fitting_view(const struct session *session)
 {
-    struct view view = session_outlook(session)->view;
-    const struct scene *scene = session_scene(session);
-    const struct pictures *p = session_pictures(session);
-    const uint32_t fitting = p && p->own.zoom
-                                 ? p->own.zoom
-                                 : view_fitting_zoom(scene, view.width, view.height,
-                                                     session_outlook(session)->look.samples);
+    struct view view = session->now.outlook.view;
+    const struct scene *scene = session->scene;
+    const struct pictures *p = session->pictures;
+    const uint32_t fitting =
+        p && p->own.zoom
+            ? p->own.zoom
+            : view_fitting_zoom(scene, view.width, view.height, session->now.outlook.look.samples);
     if (view.zoom != view_default(scene).zoom || view.zoom >= fitting)
         return view;
     view.zoom = fitting;
@@ -848,10 +846,10 @@ struct view session_fitting_view(const struct session *session)
 
 bool session_fits_itself(const struct session *session, uint32_t place[3])
 {
-    const struct view *view = &session_outlook(session)->view, own = session_fitting_view(session);
+    const struct view *view = &session->now.outlook.view, own = session_fitting_view(session);
     const bool fits = memcmp(own.focus, view->focus, sizeof own.focus) != 0;
     if (fits)
-        memcpy(place, session_pictures(session)->own.place, 3 * sizeof *place);
+        memcpy(place, session->pictures->own.place, 3 * sizeof *place);
     return fits;
 }
 
@@ -863,16 +861,16 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 
 enum rendered session_rendered(const struct session *session)
 {
-    const struct pictures *p = session_pictures(session);
+    const struct pictures *p = session->pictures;
     return p ? p->rendered : RENDERED_NOT;
 }
 
 const struct rendition *session_frame(const struct session *session)
 {
     static const struct rendition none;
-    const struct pictures *p = session_pictures(session);
+    const struct pictures *p = session->pictures;
     if (!p)
         return &none;
-    return session_outlook(session)->context && p->context.frame.rgba ? &p->context.frame
-                                                                      : objects_of(p);
+    return session->now.outlook.context && p->context.frame.rgba ? &p->context.frame
+                                                                 : objects_of(p);
 }

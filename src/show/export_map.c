@@ -27,13 +27,13 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
 {
     const struct map_source *source = context;
     const struct session *session = source->session;
-    struct span row = grid_row(&session_scene(session)->grid, y, z);
+    struct span row = grid_row(&session->scene->grid, y, z);
     uint8_t *byte = values;
     uint16_t *pair = values;
     uint32_t *root = values;
     float *real = values;
     for (uint32_t c = row.first; c < row.end; c++) {
-        const struct cell *cell = session_scene(session)->cell + c;
+        const struct cell *cell = session->scene->cell + c;
         bool reached = cell_is_reached(cell);
         switch (source->map) {
         case MAP_LABELS:
@@ -43,7 +43,7 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
                 *byte++ = (uint8_t)source->number[labels_at(source->labels, c)];
             break;
         case MAP_BORDER:
-            *byte++ = border_holds(session_border(session), c);
+            *byte++ = border_holds(&session->border, c);
             break;
         case MAP_COST:
             *pair++ = reached ? (uint16_t)key_cost(cell->key) : UINT16_MAX;
@@ -55,12 +55,10 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
             *pair++ = source->margin[c];
             break;
         case MAP_ROOT:
-            *root++ = reached ? grid_voxel(&session_scene(session)->grid, key_root(cell->key))
-                              : CELL_NONE;
+            *root++ = reached ? grid_voxel(&session->scene->grid, key_root(cell->key)) : CELL_NONE;
             break;
         case MAP_INTENSITY:
-            *real++ = (float)levels_value(session_geometry(session), session_levels(session),
-                                          cell->intensity);
+            *real++ = (float)levels_value(&session->geometry, session->levels, cell->intensity);
             break;
         }
     }
@@ -78,8 +76,8 @@ void export_labels(struct volume_label label[256], const struct kept *kept)
 /* What labels are in the file: none of those that the map has is another. */
 static enum err number_labels(struct map_source *source, struct fault *fault)
 {
-    const struct kept *kept = session_kept(source->session);
-    const struct grid *grid = &session_scene(source->session)->grid;
+    const struct kept *kept = &source->session->now.kept;
+    const struct grid *grid = &source->session->scene->grid;
     bool used[256] = {false};
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
@@ -110,26 +108,26 @@ enum err export_map(const struct session *session, enum map map, const struct la
     struct map_source source = {.session = session, .labels = labels, .map = map};
     struct volume_label label[256];
     struct buf description = {0};
-    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session_forest(session), fault)
+    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session->forest, fault)
                    : map == MAP_LABELS ? number_labels(&source, fault)
                                        : OK;
     if (err)
         return err;
-    export_labels(label, session_kept(session));
+    export_labels(label, &session->now.kept);
     buf_add_text(&description, form[map].description);
     if (map == MAP_LABELS && labels->finished) {
         buf_add_text(&description, ", finished: ");
-        finish_write(&description, &session_kept(session)->finish);
+        finish_write(&description, &session->now.kept.finish);
     }
-    const struct volume_map written = {session_scene(session)->grid.size,
-                                       session_geometry(session),
+    const struct volume_map written = {session->scene->grid.size,
+                                       &session->geometry,
                                        source.is_wide ? VOXEL_UINT16 : form[map].type,
                                        buf_text(&description),
                                        fill_row,
                                        &source,
                                        map == MAP_LABELS ? label : NULL};
     err = description.failed ? fault_memory(fault, "a map")
-                             : volume_write(path, mode, &written, session_watch(session), fault);
+                             : volume_write(path, mode, &written, session->watch, fault);
     buf_release(&description);
     free(source.margin);
     return err;
@@ -150,22 +148,21 @@ static void write_reach(struct buf *out, const struct reach *reach)
 
 enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault)
 {
-    const struct grid *grid = &session_scene(session)->grid;
-    struct task task = task_begin(session_watch(session), "seeds", grid->voxels);
-    buf_add_text(out, forest_limited_seeds(session_forest(session))
-                          ? "x,y,z,label,within,of x,of y,of z\n"
-                          : "x,y,z,label\n");
+    const struct grid *grid = &session->scene->grid;
+    struct task task = task_begin(session->watch, "seeds", grid->voxels);
+    buf_add_text(out, forest_limited_seeds(session->forest) ? "x,y,z,label,within,of x,of y,of z\n"
+                                                            : "x,y,z,label\n");
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
-                if (session_scene(session)->cell[c].flags & CELL_SEED) {
+                if (session->scene->cell[c].flags & CELL_SEED) {
                     buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z,
-                               session_scene(session)->cell[c].label);
-                    write_reach(out, forest_reach(session_forest(session), c));
+                               session->scene->cell[c].label);
+                    write_reach(out, forest_reach(session->forest, c));
                     buf_add_char(out, '\n');
                 }
         }
     return out->failed ? fault_memory(fault, "a list of seeds")
-                       : watch_fault(session_watch(session), fault);
+                       : watch_fault(session->watch, fault);
 }

@@ -14,7 +14,7 @@
 #include "image/geometry.h"
 #include "render/palette.h"
 #include "render/view.h"
-#include "session/follower.h"
+#include "session/session.h"
 #include "session/setting.h"
 #include "session/state.h"
 #include "show/decorating.h"
@@ -35,7 +35,7 @@ struct exporting {
 
 bool export_is_large(const struct session *session)
 {
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     return (uint64_t)view->width * view->height > SAMPLES_STORED_MOST;
 }
 
@@ -102,7 +102,7 @@ static void take(void *context, const struct rendition *rows, uint32_t top)
         export_fill(&to, e->session, rows, (size_t)y * width);
         if (!to.depth_mm)
             background_put_rows(to.rgba, width, top + y, to.height, height,
-                                session_outlook(e->session)->background);
+                                e->session->now.outlook.background);
         if (e->file)
             strips_give(e->file, top + y, to.height);
     }
@@ -113,7 +113,7 @@ static void take(void *context, const struct rendition *rows, uint32_t top)
 static enum err draw(struct exporting *e, struct session *session, const struct labels *labels,
                      enum render_mode mode, struct fault *fault)
 {
-    const struct outlook *outlook = session_outlook(session);
+    const struct outlook *outlook = &session->now.outlook;
     struct pictures *p;
     enum err err = pictures_begin(&p, session, fault);
     if (!err && outlook->decorations) {
@@ -158,8 +158,7 @@ enum err export_rows(struct picture *picture, struct strips *file, struct sessio
 
 double seen_mm_per_pixel(const struct session *session)
 {
-    return (double)view_unit(session_scene(session)) / 1e6 * VIEW_ZOOM_ONE /
-           session_outlook(session)->view.zoom;
+    return (double)view_unit(session->scene) / 1e6 * VIEW_ZOOM_ONE / session->now.outlook.view.zoom;
 }
 
 /* One column of a matrix: where along a direction of the picture a point of the world lies, from
@@ -167,7 +166,7 @@ double seen_mm_per_pixel(const struct session *session)
 static void set_column(double column[4], const struct session *session, const int32_t axis[3],
                        const double from[3])
 {
-    const struct geometry *geometry = session_geometry(session);
+    const struct geometry *geometry = &session->geometry;
     const double origin[3] = {geometry->to_mm[0][3], geometry->to_mm[1][3], geometry->to_mm[2][3]};
     double steps[3], at_origin[3];
     geometry_solve(geometry, origin, at_origin);
@@ -176,33 +175,33 @@ static void set_column(double column[4], const struct session *session, const in
         geometry_solve(geometry, unit, steps);
         column[w] = 0;
         for (int a = 0; a < 3; a++)
-            column[w] += axis[a] / ONE30 * (session_scene(session)->spacing_nm[a] / 1e6) *
+            column[w] += axis[a] / ONE30 * (session->scene->spacing_nm[a] / 1e6) *
                          (w < 3 ? steps[a] : -at_origin[a] - from[a]);
     }
 }
 
 static void seen_from(struct picture_space *space, const struct session *session)
 {
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     const double pixel_mm = seen_mm_per_pixel(session);
     double middle[3], focus[3], column[3][4];
     int32_t axis[3][3];
     /* Half of the scene's diagonal, to the next millimetre, and one more. */
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     double squares = 0;
     for (int a = 0; a < 3; a++) {
         const double length = scene->grid.size[a] * (scene->spacing_nm[a] / 1e6);
         squares += length * length;
     }
     *space = (struct picture_space){.eye_mm = floor(sqrt(squares) / 2) + 2,
-                                    .has_world = geometry_has_place(session_geometry(session))};
+                                    .has_world = geometry_has_place(&session->geometry)};
     if (!space->has_world)
         return;
     for (int a = 0; a < 3; a++) {
-        middle[a] = (session_scene(session)->grid.size[a] - 1) / 2.0;
+        middle[a] = (session->scene->grid.size[a] - 1) / 2.0;
         focus[a] = middle[a] + (double)view->focus[a] / (1 << VIEW_FOCUS_BITS);
     }
-    view_axes(view, session_scene(session), axis[0], axis[1], axis[2]);
+    view_axes(view, session->scene, axis[0], axis[1], axis[2]);
     for (int d = 0; d < 3; d++)
         set_column(column[d], session, axis[d], d < 2 ? focus : middle);
     column[2][3] += space->eye_mm;
@@ -244,13 +243,13 @@ void seen_normals(float *out, const int16_t *normal, size_t pixels, const struct
 /* With units, and the middle of the picture in voxels as they are numbered. */
 static void write_view(struct buf *out, const struct session *session)
 {
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     buf_printf(out, "yaw %g pitch %g roll %g degrees, zoom %g, %ux%u pixels",
                view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
                view->zoom / 1000.0, view->width, view->height);
     for (int a = 0; a < 3; a++)
         buf_printf(out, "%s%.7g", a ? "," : ", voxel ",
-                   (session_scene(session)->grid.size[a] - 1) / 2.0 +
+                   (session->scene->grid.size[a] - 1) / 2.0 +
                        (double)view->focus[a] / (1 << VIEW_FOCUS_BITS));
     buf_add_text(out, " in the middle");
 }
@@ -293,12 +292,12 @@ void export_opacity(struct buf *out, const struct kept *kept)
 static enum err add_view_notes(struct picture *picture, const struct session *session,
                                struct fault *fault)
 {
-    const struct cut *away = &session_kept(session)->cut;
+    const struct cut *away = &session->now.kept.cut;
     struct buf seen = {0}, cut = {0}, opacity = {0}, look = {0};
     write_view(&seen, session);
-    settings_write(&look, GROUP_LOOK, session_state(session));
-    write_cut(&cut, away, &session_scene(session)->grid);
-    export_opacity(&opacity, session_kept(session));
+    settings_write(&look, GROUP_LOOK, &session->now);
+    write_cut(&cut, away, &session->scene->grid);
+    export_opacity(&opacity, &session->now.kept);
     const bool fits = !seen.failed && !cut.failed && !opacity.failed && !look.failed;
     enum err err = fits ? OK : fault_memory(fault, "a note on a picture");
     if (!err)
@@ -323,7 +322,7 @@ static enum err add_label_note(struct picture *picture, const struct session *se
     if (!shown)
         return OK;
     /* {"1": {"name": "brain", "colour": "#d6b296"}, ...} of the labels that a picture shows. */
-    const struct kept *kept = session_kept(session);
+    const struct kept *kept = &session->now.kept;
     struct json json = {.out = &labels};
     char number[12];
     json_object(&json, NULL);
@@ -354,15 +353,15 @@ enum err export_notes(struct picture *picture, const struct session *session,
                       const struct label_set *shown, struct fault *fault)
 {
     char scene[32];
-    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session_scene_digest(session));
-    const enum orientation orientation = session_geometry(session)->orientation;
+    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
+    const enum orientation orientation = session->geometry.orientation;
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
     if (!err && orientation == ORIENTATION_UNKNOWN)
         err = picture_note(picture, "iftty:orientation", "unknown", fault);
     if (!err && orientation == ORIENTATION_TOLD)
         err = picture_note(picture, "iftty:orientation", "as told by the user", fault);
-    if (!err && *session_scene_name(session))
-        err = picture_note(picture, "iftty:scene-name", session_scene_name(session), fault);
+    if (!err && *session->scene_name)
+        err = picture_note(picture, "iftty:scene-name", session->scene_name, fault);
     if (!err)
         err = picture_note(picture, "iftty:scene", scene, fault);
     if (!err)
@@ -377,13 +376,13 @@ enum err export_rendition_notes(struct picture *picture, const struct session *s
                                 const struct label_set *shown, struct fault *fault)
 {
     char scale[32], context[64]; /* slices have a scale of their own, and nothing behind objects */
-    const int32_t *window = session_pictures(session)->context.mip.of.window;
+    const int32_t *window = session->pictures->context.mip.of.window;
     snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
     snprintf(context, sizeof context, "mip, intensities %d to %d", window[0], window[1]);
     enum err err = export_notes(picture, session, shown, fault);
-    if (!err && session_outlook(session)->context)
+    if (!err && session->now.outlook.context)
         err = picture_note(picture, "iftty:context", context, fault);
-    if (!err && !session_geometry(session)->spacing_unknown) {
+    if (!err && !session->geometry.spacing_unknown) {
         picture->pixel_mm = seen_mm_per_pixel(session);
         err = picture_note(picture, "iftty:mm-per-pixel", scale, fault);
     }
@@ -405,7 +404,7 @@ void export_fill(const struct picture *to, const struct session *session, const 
 {
     const size_t pixels = (size_t)to->width * to->height;
     /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
-    const struct camera *camera = &session_pictures(session)->camera;
+    const struct camera *camera = &session->pictures->camera;
     const double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
     const double unit_mm = pixel_mm / (double)(INT64_C(4) << 24);
     memcpy(to->rgba, r->rgba + 4 * first, 4 * pixels);
@@ -414,15 +413,15 @@ void export_fill(const struct picture *to, const struct session *session, const 
         const bool seen = cell != CELL_NONE;
         to->depth_mm[i] = seen ? (float)((double)r->depth[first + i] * unit_mm) : (float)INFINITY;
         to->label[i] = r->label[first + i];
-        to->voxel[i] = seen ? grid_voxel(&session_scene(session)->grid, cell) : CELL_NONE;
+        to->voxel[i] = seen ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
     if (to->normal)
-        seen_normals(to->normal, r->normal + 4 * first, pixels, session_geometry(session));
+        seen_normals(to->normal, r->normal + 4 * first, pixels, &session->geometry);
 }
 
 void export_form(struct picture *picture, const struct session *session)
 {
-    const struct outlook *outlook = session_outlook(session);
+    const struct outlook *outlook = &session->now.outlook;
     *picture = (struct picture){.width = outlook->view.width,
                                 .height = outlook->view.height,
                                 .is_clear = outlook->background == BACKGROUND_CLEAR,
@@ -452,15 +451,15 @@ enum err export_colours(struct picture *picture, const struct session *session, 
         return err;
     label_set_add(&labels, r);
     memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
-    background_put(picture->rgba, r->width, r->height, session_outlook(session)->background);
-    picture->is_clear = session_outlook(session)->background == BACKGROUND_CLEAR;
+    background_put(picture->rgba, r->width, r->height, session->now.outlook.background);
+    picture->is_clear = session->now.outlook.background == BACKGROUND_CLEAR;
     return export_rendition_notes(picture, session, &labels, fault);
 }
 
 enum err export_background(struct picture *picture, const struct session *session,
                            struct fault *fault)
 {
-    const uint32_t background = session_outlook(session)->background;
+    const uint32_t background = session->now.outlook.background;
     const size_t bytes = (size_t)4 * picture->width * picture->height;
     picture->is_clear = background == BACKGROUND_CLEAR;
     if (picture->is_clear)
@@ -478,7 +477,6 @@ enum err export_normals(struct picture *picture, const struct session *session, 
     const struct rendition *r = session_frame(session);
     const enum err err = picture_add_normals(picture, fault);
     if (!err)
-        seen_normals(picture->normal, r->normal, (size_t)r->width * r->height,
-                     session_geometry(session));
+        seen_normals(picture->normal, r->normal, (size_t)r->width * r->height, &session->geometry);
     return err;
 }

@@ -57,8 +57,8 @@ void histogram_of_session(struct histogram *histogram, struct session *session)
     static uint32_t count[UINT16_MAX + 1];
     int32_t window[2];
     window_of(window, session);
-    intensities_count(count, session_scene(session), session_team(session));
-    fill(histogram, count, window, session_geometry(session));
+    intensities_count(count, session->scene, session->team);
+    fill(histogram, count, window, &session->geometry);
 }
 
 void histogram_of_counts(struct histogram *histogram, const uint32_t count[UINT16_MAX + 1],

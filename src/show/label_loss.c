@@ -16,8 +16,8 @@
  * the region of interest. */
 static unsigned labels_before(const struct session *session)
 {
-    const uint64_t *voxels = session_former_tally(session)->voxels;
-    const size_t outside = session_scene(session)->grid.voxels - session_roi_tally(session)->inside;
+    const uint64_t *voxels = session->former_tally.voxels;
+    const size_t outside = session->scene->grid.voxels - session->roi_tally.inside;
     unsigned count = voxels[0] > outside;
     for (unsigned label = 1; label < 256; label++)
         count += voxels[label] > 0;
@@ -49,7 +49,7 @@ static uint64_t planted_of(const struct seed_changes *seeds, unsigned label)
 /* How many its markers had before, one at least. */
 static uint64_t seeds_before(const struct session *session, unsigned label, uint64_t planted)
 {
-    const struct markers *markers = session_markers(session);
+    const struct markers *markers = &session->markers;
     uint64_t count = 0;
     for (size_t m = 0; m < markers->count; m++)
         if (markers->marker[m].stands && markers->marker[m].label == (int16_t)label)
@@ -61,8 +61,8 @@ static uint64_t seeds_before(const struct session *session, unsigned label, uint
  * more than half a deviation apart. Where that is not known, they are not. */
 static bool is_alike(struct session *session, unsigned label)
 {
-    const struct changes changes = forest_changes(session_forest(session));
-    const struct cell *cell = session_scene(session)->cell;
+    const struct changes changes = forest_changes(session->forest);
+    const struct cell *cell = session->scene->cell;
     struct label_sums sums;
     uint64_t count = 0, intensity = 0, squares = 0;
     if (changes.everything || label == 0 || session_sum_label(session, label, &sums, NULL))
@@ -83,16 +83,16 @@ static bool is_alike(struct session *session, unsigned label)
 
 bool session_find_surprise(struct surprise *surprise, struct session *session)
 {
-    const struct tally *before = session_former_tally(session), *now = session_tally(session);
+    const struct tally *before = &session->former_tally, *now = &session->tally;
     const unsigned loser = find_most(now->voxels, before->voxels);
     const unsigned winner = find_most(before->voxels, now->voxels);
     const uint64_t lost = before->voxels[loser] - now->voxels[loser];
     const uint64_t had = before->voxels[winner];
     uint32_t cell;
-    if (!session_has_edited(session) || before->stale || now->stale || lost <= SURPRISE_VOXELS ||
+    if (!session->has_edited || before->stale || now->stale || lost <= SURPRISE_VOXELS ||
         labels_before(session) <= 1)
         return false;
-    const struct seed_changes seeds = forest_seed_changes(session_forest(session));
+    const struct seed_changes seeds = forest_seed_changes(session->forest);
     const uint64_t planted = planted_of(&seeds, winner), count = seeds.count;
     if (had == 0 ? lost / SURPRISE_TIMES <= count || lost < before->voxels[loser] / SURPRISE_SHARE
                  : SURPRISE_TIMES * lost <= had * count)
@@ -101,9 +101,9 @@ bool session_find_surprise(struct surprise *surprise, struct session *session)
         is_alike(session, winner))
         return false;
     *surprise = (struct surprise){.label = (uint8_t)loser, .voxels = lost};
-    surprise->has_passage = passage_find(&cell, session_forest(session), loser);
+    surprise->has_passage = passage_find(&cell, session->forest, loser);
     if (surprise->has_passage)
-        grid_find(&session_scene(session)->grid, cell, surprise->passage);
+        grid_find(&session->scene->grid, cell, surprise->passage);
     return true;
 }
 

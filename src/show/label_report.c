@@ -203,18 +203,18 @@ double label_area_mm2(const struct area_weights *weights, const uint64_t pairs[P
 
 void label_report_write_name(struct buf *out, const struct session *session, unsigned label)
 {
-    const char *name = session_kept(session)->label_name[label];
+    const char *name = session->now.kept.label_name[label];
     buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
-    if (session_kept(session)->label_number[label])
-        buf_printf(out, " (%u)", session_kept(session)->label_number[label]);
+    if (session->now.kept.label_number[label])
+        buf_printf(out, " (%u)", session->now.kept.label_number[label]);
 }
 
 void label_report_write_extent(struct buf *out, const struct session *session, uint64_t voxels)
 {
-    if (session_geometry(session)->spacing_unknown)
+    if (session->geometry.spacing_unknown)
         buf_printf(out, "%llu voxel%s", (unsigned long long)voxels, plural(voxels));
     else if (voxels)
-        tally_write_volume(out, session_geometry(session), voxels);
+        tally_write_volume(out, &session->geometry, voxels);
     else
         buf_add_text(out, "0 ml");
 }
@@ -232,7 +232,7 @@ void label_report_write_change(struct buf *out, const struct session *session, u
 enum slice_plane label_report_write_doubt(struct buf *out, const struct session *session,
                                           const struct doubtful_slice *slice)
 {
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const uint64_t voxels = (slice->doubt + DOUBT_VOXEL / 2) / DOUBT_VOXEL;
     enum slice_plane plane = SLICE_AXIAL;
     while (slice_axis(scene, plane) != (int)slice->axis)
@@ -240,10 +240,10 @@ enum slice_plane label_report_write_doubt(struct buf *out, const struct session 
     if (!scene->sides_unknown)
         buf_printf(out, "%s ", slice_name(scene, plane));
     buf_printf(out, "%c=%u: ", "xyz"[slice->axis], slice -> at);
-    if (session_geometry(session)->spacing_unknown)
+    if (session->geometry.spacing_unknown)
         buf_printf(out, "%" PRIu64 " voxel%s", voxels, plural(voxels));
     else
-        tally_write_volume(out, session_geometry(session), voxels);
+        tally_write_volume(out, &session->geometry, voxels);
     buf_add_text(out, " in doubt");
     return plane;
 }

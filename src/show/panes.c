@@ -115,8 +115,7 @@ void panes_release(struct panes *p)
 static struct slice_choice slice_of(const struct panes *p, const struct session *session,
                                     enum slice_plane plane)
 {
-    return mosaic_slice(session_scene(session), &p->panel.choice, p->canvas.width, p->canvas.height,
-                        plane);
+    return mosaic_slice(session->scene, &p->panel.choice, p->canvas.width, p->canvas.height, plane);
 }
 
 /* ---- marks ---- */
@@ -167,7 +166,7 @@ static void mark_way(const struct canvas *canvas, const struct scene *scene,
 static enum err draw_heat(const struct panes *p, struct session *session, struct fault *fault)
 {
     const struct canvas *canvas = &p->canvas;
-    const bool over_tint = session_outlook(session)->slices.overlay == SLICE_TINT;
+    const bool over_tint = session->now.outlook.slices.overlay == SLICE_TINT;
     const struct hint_list *found;
     const uint8_t *heat;
     const enum err err = session_find_hints(session, &found, &heat, fault);
@@ -264,12 +263,12 @@ static void add_bar(struct panes *p, const struct mosaic_box *box, const struct 
 
 static void add_notes(struct panes *p, const struct session *session)
 {
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const struct mosaic_screen *screen = &p->panel.screen;
     bool has_bar = false;
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const struct mosaic_box *box = &p->panel.layout.box[plane];
-        if (box->width == 0 || !session_outlook(session)->slices.words)
+        if (box->width == 0 || !session->now.outlook.slices.words)
             continue;
         const struct cells pane = {box->left / screen->cell_width, box->top / screen->cell_height,
                                    (box->left + box->width) / screen->cell_width - 1,
@@ -287,12 +286,12 @@ static void add_notes(struct panes *p, const struct session *session)
 
 bool panes_have_object(const struct session *session)
 {
-    const struct edit *seed = edits_first(&session_state(session)->lists.pending);
-    bool has = session_tally(session)->stale;
+    const struct edit *seed = edits_first(&session->now.lists.pending);
+    bool has = session->tally.stale;
     for (size_t i = 0; i < session_pendings(session); i++)
         has |= seed[i].label > 0;
     for (unsigned label = 1; label < 256; label++)
-        has |= session_tally(session)->voxels[label] > 0;
+        has |= session->tally.voxels[label] > 0;
     return has;
 }
 
@@ -304,13 +303,13 @@ static bool is_hatched(const struct session *session, const struct panes_wish *w
     enum { APART = 5 };
     return (wish->held && (x + y) % 2 == 0 && session_is_held(session, wish->held, cell)) ||
            (wish->former && (x + y) % APART == 0 &&
-            wish->former[cell] != session_scene(session)->cell[cell].label);
+            wish->former[cell] != session->scene->cell[cell].label);
 }
 
 static void draw_marks(struct panes *p, const struct session *session,
                        const struct panes_wish *wish)
 {
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     const struct canvas *canvas = &p->canvas;
     if (wish->held || wish->former) {
         for (uint32_t y = 0; y < canvas->height; y++)
@@ -396,13 +395,13 @@ static bool find_beyond(struct beyond *b, const struct panes *p, const struct se
 {
     const int64_t far = (int64_t)number / 6 + 1;
     int64_t by[PANES_SLICES] = {0};
-    if (!session_has_scene(session))
+    if (!session->has_scene)
         return false;
-    const struct scene *scene = session_scene(session);
+    const struct scene *scene = session->scene;
     b->plane = (enum slice_plane)((first + number % 6 / 2) % PANES_SLICES);
     by[b->plane] = number % 2 ? far : -far;
     panes_move(session, by, b->place);
-    const int64_t here = slice_index(scene, b->plane, session_outlook(session)->slices.cross);
+    const int64_t here = slice_index(scene, b->plane, session->now.outlook.slices.cross);
     return p->panel.layout.box[b->plane].width > 0 &&
            slice_index(scene, b->plane, b->place) == here + by[b->plane];
 }
@@ -419,7 +418,7 @@ uint64_t panes_name_beyond(const struct panes *p, struct session *session, enum 
     const bool hangs = choice->times != SLICE_TIMES_ONE || choice->has_middle;
     int32_t window[2];
     window_of(window, session);
-    const uint64_t parts[] = {b.plane, slice_index(session_scene(session), b.plane, b.place),
+    const uint64_t parts[] = {b.plane, slice_index(session->scene, b.plane, b.place),
                               (uint64_t)box->width << 32 | box->height,
                               (uint64_t)(uint32_t)window[0] << 32 | (uint32_t)window[1],
                               choice->times};
@@ -447,13 +446,13 @@ bool panes_pan(const struct panes *p, const struct session *session, enum pane p
     if (!p->canvas.rgba || box->width == 0)
         return false;
     const struct slice_choice slice = slice_of(p, session, (enum slice_plane)pane);
-    return slice_pan(session_scene(session), &slice, box->width, box->height, by, middle, place);
+    return slice_pan(session->scene, &slice, box->width, box->height, by, middle, place);
 }
 
 void panes_move(const struct session *session, const int64_t by[PANES_SLICES], uint32_t place[3])
 {
-    const struct scene *scene = session_scene(session);
-    memcpy(place, session_outlook(session)->slices.cross, 3 * sizeof *place);
+    const struct scene *scene = session->scene;
+    memcpy(place, session->now.outlook.slices.cross, 3 * sizeof *place);
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const int64_t count = slice_count(scene, plane);
         int64_t index = (int64_t)slice_index(scene, plane, place) + by[plane];

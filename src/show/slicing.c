@@ -32,7 +32,7 @@ struct sketch {
 /* Seeds that wait, and eliminators. */
 static bool list_marks(struct sketch *sketch, const struct session *session)
 {
-    const struct edit_lists *lists = &session_state(session)->lists;
+    const struct edit_lists *lists = &session->now.lists;
     const struct edit *seed = edits_first(&lists->pending), *put = edits_first(&lists->eliminators);
     const size_t seeds = edits_count(&lists->pending), puts = edits_count(&lists->eliminators);
     struct slice_mark *mark = sketch->mark = mem_array(seeds + puts, sizeof *mark);
@@ -53,20 +53,20 @@ static bool list_marks(struct sketch *sketch, const struct session *session)
 static void write_title(char out[64], const struct session *session, enum slice_plane plane)
 {
     static const char side[3][2] = {{'I', 'S'}, {'P', 'A'}, {'L', 'R'}};
-    const uint32_t *cross = session_outlook(session)->slices.cross;
-    const uint32_t index = cross[slice_axis(session_scene(session), plane)];
+    const uint32_t *cross = session->now.outlook.slices.cross;
+    const uint32_t index = cross[slice_axis(session->scene, plane)];
     double point_mm[3];
-    geometry_point(session_geometry(session), cross, point_mm);
+    geometry_point(&session->geometry, cross, point_mm);
     const double mm = point_mm[2 - plane];
     const bool is_far = fabs(mm) >= 1e9;
     const long long tenths = is_far ? 0 : llround(mm * 10);
-    const char *name = slice_name(session_scene(session), plane);
-    if (session_scene(session)->sides_unknown) {
+    const char *name = slice_name(session->scene, plane);
+    if (session->scene->sides_unknown) {
         snprintf(out, 64, "%s %u\norientation unknown", name, index);
         return;
     }
-    if (!geometry_has_place(session_geometry(session))) {
-        const bool is_told = session_geometry(session)->orientation == ORIENTATION_TOLD;
+    if (!geometry_has_place(&session->geometry)) {
+        const bool is_told = session->geometry.orientation == ORIENTATION_TOLD;
         snprintf(out, 64, "%s %u%s", name, index, is_told ? "\nsides as told" : "");
         return;
     }
@@ -88,9 +88,9 @@ static bool is_under(const void *of, uint32_t cell)
  * command is seen where the cross-hair is in it. Files have had larger ones from the beginning. */
 static void mark_thin(struct sketch *sketch, const struct session *session)
 {
-    const uint32_t *cross = session_outlook(session)->slices.cross;
-    const uint32_t cell = grid_cell(&session_scene(session)->grid, cross[0], cross[1], cross[2]);
-    sketch->under.markers = session_markers(session);
+    const uint32_t *cross = session->now.outlook.slices.cross;
+    const uint32_t cell = grid_cell(&session->scene->grid, cross[0], cross[1], cross[2]);
+    sketch->under.markers = &session->markers;
     sketch->under.marker = markers_at(sketch->under.markers, cell);
     sketch->style.thin = true;
     if (sketch->under.marker)
@@ -99,15 +99,15 @@ static void mark_thin(struct sketch *sketch, const struct session *session)
 
 static enum err sketch_init(struct sketch *sketch, struct session *session, struct fault *fault)
 {
-    const struct slice_settings *s = &session_outlook(session)->slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     int32_t window[2];
     sketch->mark = NULL;
     sketch->style.overlay = s->overlay;
-    sketch->style.palette = &session_kept(session)->palette;
-    sketch->style.visible = session_kept(session)->visible;
+    sketch->style.palette = &session->now.kept.palette;
+    sketch->style.visible = session->now.kept.visible;
     sketch->style.crosses = s->crosses;
     sketch->style.marks_seeds = s->marks;
-    sketch->style.marked = (struct mark_choice){markers_show, session_markers(session)};
+    sketch->style.marked = (struct mark_choice){markers_show, &session->markers};
     sketch->style.thin = false;
     sketch->style.filled = (struct mark_choice){NULL, NULL};
     sketch->style.mark = NULL;
@@ -128,8 +128,8 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
 static struct slice_choice slice_of(const struct session *session, enum slice_kind kind,
                                     const struct sketch *sketch)
 {
-    const struct slice_settings *s = &session_outlook(session)->slices;
-    const struct view *view = &session_outlook(session)->view;
+    const struct slice_settings *s = &session->now.outlook.slices;
+    const struct view *view = &session->now.outlook.view;
     const enum slice_plane plane = (enum slice_plane)kind;
     struct slice_choice choice = {.plane = plane, .has_middle = s->has_middle};
     for (int a = 0; a < 3; a++) {
@@ -137,10 +137,10 @@ static struct slice_choice slice_of(const struct session *session, enum slice_ki
         choice.middle[a] = s->middle[a];
     }
     if (s->zoom)
-        choice.pixel_pm = slice_zoomed_pixel(session_scene(session), s->zoom);
+        choice.pixel_pm = slice_zoomed_pixel(session->scene, s->zoom);
     else
-        slice_magnify(&choice, session_scene(session),
-                      slice_fitting_pixel(session_scene(session), plane, view->width, view->height),
+        slice_magnify(&choice, session->scene,
+                      slice_fitting_pixel(session->scene, plane, view->width, view->height),
                       s->times);
     if (s->words && sketch) {
         choice.notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS;
@@ -151,13 +151,13 @@ static struct slice_choice slice_of(const struct session *session, enum slice_ki
 
 static struct mosaic_choice mosaic_of(const struct session *session, const struct sketch *sketch)
 {
-    const struct slice_settings *s = &session_outlook(session)->slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     const bool says = s->words && sketch;
     struct mosaic_choice choice = {.notes = says,
-                                   .team = session_team(session),
+                                   .team = session->team,
                                    .times = s->times,
                                    .has_middle = s->has_middle,
-                                   .background = session_outlook(session)->background};
+                                   .background = session->now.outlook.background};
     for (int i = 0; i < 3; i++) {
         choice.place[i] = s->cross[i];
         choice.middle[i] = s->middle[i];
@@ -181,7 +181,7 @@ static enum err prepare(struct session *session, enum slice_kind kind, const str
 {
     if (kind != SLICE_KIND_MOSAIC)
         return OK;
-    const enum err err = slicing_check_size(&session_outlook(session)->view, fault);
+    const enum err err = slicing_check_size(&session->now.outlook.view, fault);
     if (err)
         return err;
     return labels ? session_draw_labels(session, labels, RENDER_AS_KEPT, fault)
@@ -203,9 +203,9 @@ static enum err draw(struct canvas *canvas, struct session *session, enum slice_
         struct mosaic_choice choice = mosaic_of(session, panel && !panel->words ? NULL : &sketch);
         choice.layout = panel ? &panel->layout : NULL;
         choice.coarse = glance ? glance->coarse : 1;
-        err = mosaic_draw(canvas, session_scene(session),
-                          glance ? glance->rendition : session_frame(session), &choice,
-                          &sketch.style, fault);
+        err =
+            mosaic_draw(canvas, session->scene, glance ? glance->rendition : session_frame(session),
+                        &choice, &sketch.style, fault);
         choice.coarse = 1; /* whoever looks for a pixel means one of the rendition */
         for (int i = 0; i < 3; i++)
             choice.title[i] = NULL;
@@ -213,7 +213,7 @@ static enum err draw(struct canvas *canvas, struct session *session, enum slice_
             panel->choice = choice;
     } else if (!err) {
         const struct slice_choice choice = slice_of(session, kind, &sketch);
-        err = slice_draw(canvas, session_scene(session), &choice, &sketch.style, fault);
+        err = slice_draw(canvas, session->scene, &choice, &sketch.style, fault);
     }
     free(sketch.mark);
     if (err)
@@ -224,7 +224,7 @@ static enum err draw(struct canvas *canvas, struct session *session, enum slice_
 enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
                       const struct labels *labels, bool tells_cells, struct fault *fault)
 {
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     *canvas = (struct canvas){0};
     enum err err = prepare(session, kind, labels, fault);
     if (!err)
@@ -244,7 +244,7 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
             fault, ERR_LIMIT, "the panes take %dx%d pixels, in %dx%d characters, or more",
             MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, MOSAIC_COLUMNS_LEAST, MOSAIC_ROWS_LEAST);
     }
-    mosaic_lay_out(&panel->layout, session_scene(session), screen);
+    mosaic_lay_out(&panel->layout, session->scene, screen);
     const struct mosaic_box *box = &panel->layout.box[MOSAIC_RENDITION];
     const uint32_t room[] = {box->width, box->height};
     enum err err = session_draw_fitting(session, room, panel->within_ns, &glance, &labels, fault);
@@ -263,19 +263,19 @@ enum err slicing_draw_below(struct canvas *canvas, struct session *session,
     const struct mosaic_box *box = &panel->layout.box[plane];
     struct mosaic_choice choice = panel->choice;
     struct slice_style style = {.overlay = SLICE_PLAIN,
-                                .palette = &session_kept(session)->palette,
-                                .visible = session_kept(session)->visible};
+                                .palette = &session->now.kept.palette,
+                                .visible = session->now.kept.visible};
     int32_t window[2];
     choice.layout = &panel->layout;
     choice.notes = false;
     memcpy(choice.place, place, sizeof choice.place);
     window_of(window, session);
     slice_window(style.grey, window[0], window[1]);
-    const struct slice_choice slice = mosaic_slice(
-        session_scene(session), &choice, panel->screen.width, panel->screen.height, plane);
+    const struct slice_choice slice =
+        mosaic_slice(session->scene, &choice, panel->screen.width, panel->screen.height, plane);
     enum err err = canvas_init(canvas, box->width, box->height, CANVAS_NOTES, fault);
     if (!err)
-        err = slice_draw(canvas, session_scene(session), &slice, &style, fault);
+        err = slice_draw(canvas, session->scene, &slice, &style, fault);
     if (err)
         canvas_release(canvas);
     return err;
@@ -285,18 +285,17 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
                          const struct labels *labels, uint32_t column, uint32_t row,
                          struct fault *fault)
 {
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     enum err err = prepare(session, kind, labels, fault);
     if (err)
         return err;
     if (kind == SLICE_KIND_MOSAIC) {
         const struct mosaic_choice choice = mosaic_of(session, NULL);
-        *cell = mosaic_cell_at(session_scene(session), view->width, view->height,
-                               session_frame(session), &choice, column, row);
+        *cell = mosaic_cell_at(session->scene, view->width, view->height, session_frame(session),
+                               &choice, column, row);
     } else {
         const struct slice_choice choice = slice_of(session, kind, NULL);
-        *cell =
-            slice_cell_at(session_scene(session), &choice, view->width, view->height, column, row);
+        *cell = slice_cell_at(session->scene, &choice, view->width, view->height, column, row);
     }
     return OK;
 }
@@ -307,14 +306,13 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
 static enum err note_kind(struct picture *picture, const struct session *session,
                           enum slice_kind kind, struct fault *fault)
 {
-    const struct slice_settings *s = &session_outlook(session)->slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     char words[128];
     const struct choice word = choice_at(SLICE_KINDS, kind);
     char name[16];
     snprintf(name, sizeof name, "%.*s", (int)word.length, word.word);
     if (kind != SLICE_KIND_MOSAIC)
-        snprintf(name, sizeof name, "%s",
-                 slice_name(session_scene(session), (enum slice_plane)kind));
+        snprintf(name, sizeof name, "%s", slice_name(session->scene, (enum slice_plane)kind));
     int n = snprintf(words, sizeof words, "%s through %u,%u,%u", name, s->cross[0], s->cross[1],
                      s->cross[2]);
     if (s->zoom && kind != SLICE_KIND_MOSAIC)
@@ -348,7 +346,7 @@ enum err slicing_export(struct picture *picture, const struct session *session,
         const uint8_t label = shows ? labels_at(labels, cell) : 0;
         label_set_put(&shown, label);
         picture->label[i] = label;
-        picture->voxel[i] = shows ? grid_voxel(&session_scene(session)->grid, cell) : CELL_NONE;
+        picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
     if (!err)
         err = export_notes(picture, session, &shown, fault);

@@ -80,8 +80,8 @@ static uint8_t new_label(const struct sheet *sheet, enum relabelled as, size_t v
 static enum err render_as(const struct sheet *sheet, enum relabelled as, struct fault *fault)
 {
     struct session *session = sheet->session;
-    const struct grid *grid = &session_scene(session)->grid;
-    const struct labels labels = {session_scene(session), sheet->label};
+    const struct grid *grid = &session->scene->grid;
+    const struct labels labels = {session->scene, sheet->label};
     size_t voxel = 0;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
@@ -188,7 +188,7 @@ static int64_t draw_entry(const struct sheet *sheet, int64_t left, uint32_t row,
 /* Labels in columns, as many as there is room for below the two panes. */
 static void draw_labels(const struct sheet *sheet)
 {
-    const struct kept *kept = session_kept(sheet->session);
+    const struct kept *kept = &sheet->session->now.kept;
     const struct overlap *overlap = sheet->of->overlap;
     const int64_t end = (int64_t)pane_left(sheet, 2) - BORDER;
     int64_t left = BORDER, widest = 0;
@@ -215,12 +215,12 @@ static void draw_labels(const struct sheet *sheet)
 enum err difference_picture_draw(struct picture *picture, struct session *session,
                                  const struct difference_picture *of, struct fault *fault)
 {
-    const struct view *view = &session_outlook(session)->view;
+    const struct view *view = &session->now.outlook.view;
     const uint32_t tall = notes_tall(least(view->width, view->height));
     const uint32_t line = (uint32_t)text_line(tall);
     struct sheet sheet = {.of = of,
                           .session = session,
-                          .state = *session_state(session),
+                          .state = session->now,
                           .width = view->width,
                           .height = view->height,
                           .tall = tall,
@@ -245,7 +245,7 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
         draw_entry(&sheet, (int64_t)pane_left(&sheet, 2) + BORDER, kind - A_ALONE,
                    difference_rgb[kind], difference_words[kind]);
-    sheet.label = mem_new(session_scene(session)->grid.cells);
+    sheet.label = mem_new(session->scene->grid.cells);
     err = sheet.label ? session_draw(session, RENDER_AS_KEPT, fault)
                       : fault_memory(fault, "a picture");
     if (!err)
@@ -284,14 +284,14 @@ static enum err draw(struct picture *picture, struct session *session,
                      const uint8_t *label, struct fault *fault)
 {
     struct overlap overlap;
-    overlap_count(&overlap, label, drawing->other->labels, session_scene(session)->grid.voxels);
+    overlap_count(&overlap, label, drawing->other->labels, session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {shown_name(facts, drawing->path[0]),
                  shown_name(drawing->other->facts, drawing->path[1])},
         .label = {label, drawing->other->labels},
         .overlap = &overlap};
     const struct side_facts *other = drawing->other->facts;
-    struct state next = *session_state(session);
+    struct state next = session->now;
     for (int l = 1; l < 256; l++) { /* names and colours that A has none of are B's */
         if (overlap.a[l])
             continue;

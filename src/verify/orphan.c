@@ -127,7 +127,7 @@ static enum err list(struct buf *orphans, const struct orphan_search *search,
     enum err err = entries < 0 ? fault_errno(fault, "read", buf_text(&files->path)) : OK;
     for (int i = 0; i < entries; i++) {
         const char *name = entry[i]->d_name;
-        if (!err && watch_poll(session_watch(search->interp->session), NULL, 0, 0))
+        if (!err && watch_poll(search->interp->session->watch, NULL, 0, 0))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
         if (!err && (err = judge(search, files, name, fault)) == ERR_CHECK) {
             buf_add(orphans, name, strlen(name) + 1);
@@ -161,7 +161,7 @@ static enum err check_next_to_link(const struct orphan_search *search,
         buf_printf(&other, "%s/%s", buf_text(&files->path), name);
         if (one.failed || other.failed)
             err = fault_memory(fault, "a path");
-        else if (watch_poll(session_watch(search->interp->session), NULL, 0, 0))
+        else if (watch_poll(search->interp->session->watch, NULL, 0, 0))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
         else if (!file_is_same(buf_text(&one), buf_text(&other)) &&
                  !file_holds_same(buf_text(&one), buf_text(&other)))

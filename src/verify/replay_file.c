@@ -111,7 +111,7 @@ enum err replay_file_begin(struct interpreter *interp, const char *path, struct 
 {
     const enum err err = read_journal(bytes, path, fault);
     interp->mode = MODE_REPLAY;
-    if (!session_watch(interp->session)) /* that of a terminal looks at the limits as well */
+    if (!interp->session->watch) /* that of a terminal looks at the limits as well */
         session_set_watch(interp->session, limits_watch());
     return err ? err : interpreter_set_home(interp, path, fault);
 }

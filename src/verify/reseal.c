@@ -103,7 +103,7 @@ static enum err write_drafts(struct resealing *r, struct interpreter *interp,
         golden_files_close(&files);
         err = golden_files_make(&files, buf_text(&interp->home), fault);
     }
-    if (!err && !session_is_private(interp->session))
+    if (!err && !interp->session->is_private)
         err = picture_note(finding->actual, "iftty:journal", file_name(buf_text(&interp->home)),
                            fault);
     if (!err)

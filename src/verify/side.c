@@ -50,7 +50,7 @@ static enum err carry_out(struct interpreter *interp, const struct task_at_hand 
     if (!err && is_strict && !report.is_journal)
         err = fault_set(fault, ERR_INPUT,
                         "it is a script; `iftty run FILE --journal NAME` makes a journal of it");
-    if (!err && !session_has_scene(interp->session))
+    if (!err && !interp->session->has_scene)
         err = fault_set(fault, ERR_INPUT, "it opens no scene");
     replay_report_release(&report);
     return err;
@@ -62,8 +62,8 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
                           struct fault *fault)
 {
     const struct session *session = interp->session;
-    const struct kept *kept = session_kept(session);
-    const struct labels labels = labels_of_forest(session_scene(session));
+    const struct kept *kept = &session->now.kept;
+    const struct labels labels = labels_of_forest(session->scene);
     const struct grid *grid = &labels.scene->grid;
     const size_t voxels = grid->voxels, end = labels_end(voxels);
     uint8_t *label = buf_reserve(out, end);
@@ -76,11 +76,11 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     memset(to, 0, end - voxels);
     out->length += end;
     memcpy(facts->size, grid->size, sizeof facts->size);
-    facts->is_private = session_is_private(session);
-    memcpy(facts->proof, session_proof(session), sizeof facts->proof);
+    facts->is_private = session->is_private;
+    memcpy(facts->proof, session->proof, sizeof facts->proof);
     memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
     facts->palette = kept->palette;
-    facts->scene_digest = session_scene_digest(session);
+    facts->scene_digest = session->scene_digest;
     facts->voxels = voxels;
     facts->pending = session_pendings(session);
     const size_t before = out->length;

@@ -31,7 +31,7 @@ enum {
 static void show_present(struct interpreter *interp, struct evidence *evidence)
 {
     struct picture picture = {0};
-    if (!session_has_scene(interp->session) || evidence->pictures ||
+    if (!interp->session->has_scene || evidence->pictures ||
         session_draw(interp->session, RENDER_AS_KEPT, NULL) ||
         export_picture(&picture, interp->session, NULL))
         return;
@@ -45,7 +45,7 @@ static void show_present(struct interpreter *interp, struct evidence *evidence)
 static void write_voxels(struct interpreter *interp, struct buf *lines)
 {
     struct reply reply = {0};
-    if (session_has_scene(interp->session) &&
+    if (interp->session->has_scene &&
         !act_write_counts(
             &(struct act){.interp = interp, .session = interp->session, .reply = &reply}))
         for (const char *at = buf_text(&reply.text); *at;) {

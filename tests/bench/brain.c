@@ -88,7 +88,7 @@ static uint64_t draw(uint64_t *state)
 static int label_at(const struct session *session, const struct volume *atlas, size_t voxel,
                     uint32_t cell)
 {
-    const uint16_t intensity = session_scene(session)->cell[cell].intensity;
+    const uint16_t intensity = session->scene->cell[cell].intensity;
     const uint16_t region = atlas->intensity ? atlas->intensity[voxel] : 0;
     if (region)
         return region >= 91 ? 2 : 1;
@@ -100,7 +100,7 @@ static int label_at(const struct session *session, const struct volume *atlas, s
 /* By the atlas where it is here and fits the scene. */
 static void choose_seeds(struct edit seed[SEEDS], const struct interpreter *interp)
 {
-    const struct grid *grid = &session_scene(interp->session)->grid;
+    const struct grid *grid = &interp->session->scene->grid;
     struct volume atlas = {0};
     struct buf path = {0};
     uint64_t state = 1;
@@ -148,7 +148,7 @@ static enum err time_growing(struct scene *scene, const struct edit seed[SEEDS],
  * each axis, and taken away. */
 static enum err time_edits(struct session *session, struct times *times, struct fault *fault)
 {
-    const struct grid *grid = &session_scene(session)->grid;
+    const struct grid *grid = &session->scene->grid;
     uint64_t state = 1000;
     enum err err = session_render(session, RENDER_BORDER, fault);
     for (int i = 0; !err && i < EDITS; i++) {
@@ -170,7 +170,7 @@ static enum err time_edits(struct session *session, struct times *times, struct 
 
 static enum err time_frames(struct session *session, struct times *times, struct fault *fault)
 {
-    struct view view = session_outlook(session)->view;
+    struct view view = session->now.outlook.view;
     enum err err = OK;
     for (int i = 0; !err && i < FRAMES; i++) {
         view.angle[0] = i * 15000;
@@ -189,8 +189,8 @@ static enum err time_frames(struct session *session, struct times *times, struct
 static enum err time_session(struct interpreter *interp, struct bench_way *way, struct fault *fault)
 {
     struct session *session = interp->session;
-    struct scene *scene = session_scene(session);
-    struct team *team = session_team(session);
+    struct scene *scene = session->scene;
+    struct team *team = session->team;
     struct times *times = way->times;
     struct edit seed[SEEDS];
     way->threads = team_size(team);
@@ -209,7 +209,7 @@ static enum err time_session(struct interpreter *interp, struct bench_way *way, 
     if (!err)
         err = time_frames(session, times, fault);
     way->voxels = scene->grid.voxels;
-    way->border_voxels = border_count(session_border(session));
+    way->border_voxels = border_count(&session->border);
     way->bytes_per_voxel = (double)session_memory_parts(session).scene / (double)way->voxels;
     return err;
 }
@@ -396,7 +396,7 @@ static enum err time_painter(struct session *session, struct costs *costs, struc
 {
     uint32_t hue[256];
     struct canvas canvas = {0};
-    struct view shown = session_outlook(session)->view;
+    struct view shown = session->now.outlook.view;
     shown.width = shown.height = RENDITION_SIDE;
     enum err err = session_set_view(session, &shown, fault);
     if (!err)

@@ -130,7 +130,7 @@ static enum err time_frames(struct session *session, struct table *table, const 
     for (int i = 0; !err && i < TEAMS * f->count; i++) {
         take_team(table, session, i % TEAMS);
         err = look_with(session, f, i / TEAMS, fault);
-        session->follower->forget(session->pictures);
+        session->inside->follower->forget(session->pictures);
         const struct moment begin = moment_now();
         err = err ? err : session_draw(session, f->mode, fault);
         add_since(&row->times[i % TEAMS], begin);
@@ -175,7 +175,7 @@ static enum err follow(struct session *session, const struct edit *edit, size_t 
     const struct changes changes = forest_changes(session->forest);
     border_update(&session->border, &changes);
     const struct moment begin = moment_now();
-    session->follower->follow(session->pictures, &changes);
+    session->inside->follower->follow(session->pictures, &changes);
     if (!err && changes.count > 500 && changes.count < 4000)
         add_since(times, begin);
     return err;

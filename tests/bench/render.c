@@ -317,7 +317,7 @@ static enum err time_finish(struct session *session, struct table *table, const 
         .count = 1, .step = {{.kind = kind, .label = FINISH_ALL_LABELS, .argument = argument}}};
     enum err err = session_go(session, &next, NULL, 0, fault);
     for (int i = 0; !err && i < ROUNDS; i++) {
-        finished_release(&session->finished);
+        finished_release(&session->inside->finished);
         const uint64_t begin = clock_ns();
         err = session_labels(session, true, &labels, fault);
         add_since(row, begin);

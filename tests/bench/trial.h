@@ -25,6 +25,7 @@
 #define TESTS_BENCH_TRIAL_H
 
 #include "tests/bench/procedure.h"
+#include "render/rendition.h"
 #include "session/session_inside.h"
 
 enum experiment { IFT_SP, DIFT_SP, BDIFT_BP, DIFT_II, DIFT_SCAN_BP, EXPERIMENTS };
