@@ -11,7 +11,7 @@
 #include "base/file_log.h"
 #include "tests/check.h"
 #include "tests/folder.h"
-#include "tui/prompt/line_history.h"
+#include "tui/prompt/line.h"
 
 static char folder[FOLDER_LENGTH];
 static char path[FILE_LENGTH];

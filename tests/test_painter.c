@@ -7,7 +7,6 @@
 #include "tests/kitty_decode.h"
 #include "tests/sixel_decode.h"
 #include "tests/scarce_memory.h"
-#include "tui/picture/blocks.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 #include "tui/picture/shades.h"
@@ -59,6 +58,13 @@ static void fill_all(const struct image_view *view, uint64_t *seed)
     for (unsigned i = 0; i < 30; i++)
         fill_box(view, check_below(seed, view->width), check_below(seed, view->height),
                  1 + check_below(seed, 90), 1 + check_below(seed, 90), seed);
+}
+
+static struct image_view filled(uint32_t width, uint32_t height, uint64_t *seed)
+{
+    const struct image_view view = picture(width, height);
+    fill_all(&view, seed);
+    return view;
 }
 
 /* ---- terminals ---- */
@@ -275,6 +281,15 @@ static bool is_kept(const struct image_view *view, size_t i)
     return false;
 }
 
+/* The colour that the palette shows for one. */
+static uint32_t shades_shown(struct shades *s, uint32_t colour)
+{
+    const uint8_t rgba[4] = {(uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour, 255};
+    const struct image_view view = {.width = 1, .height = 1, .rgba = rgba};
+    uint8_t place = 0;
+    return s->is_exact || !shades_fill(s, true, &view, &place, 1, 1) ? colour : s->colour[place];
+}
+
 static uint32_t expected_at(struct painter *p, const struct image_view *view, size_t i)
 {
     uint32_t colour = image_view_colour(view, i);
@@ -308,6 +323,18 @@ static int64_t wrong_pixels(struct painter *p, const struct image_view *view)
             wrong += wanted != seen[at];
         }
     return wrong;
+}
+
+/* A painter on a blank screen of cells of this size, at a place of it. */
+static struct painter begin_painter(const struct graphics *graphics, uint32_t width,
+                                    uint32_t height, unsigned column, unsigned row,
+                                    unsigned columns, unsigned rows)
+{
+    const struct terminal_facts facts = facts_of(graphics, width, height);
+    struct painter p = {0};
+    screen_begin(width, height);
+    painter_place(&p, &facts, column, row, columns, rows);
+    return p;
 }
 
 static size_t show(struct painter *p, const struct image_view *view)
@@ -350,14 +377,10 @@ STORY(every_protocol_of_the_table_is_decoded)
 STORY(after_thousands_of_edits_the_screen_shows_the_picture)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct terminal_facts facts = facts_of(with_pixels[g], 9, 19);
-        struct painter p = {0};
+        struct painter p = begin_painter(with_pixels[g], 9, 19, 2, 1, 20, 10);
         uint64_t seed = g;
         unsigned wholes = 0;
-        screen_begin(9, 19);
-        painter_place(&p, &facts, 2, 1, 20, 10);
-        struct image_view view = picture(180, 190);
-        fill_all(&view, &seed);
+        struct image_view view = filled(180, 190, &seed);
         const size_t whole = show_right(&p, &view);
         CHECK(p.has_palette && !p.shades.is_exact);
         for (unsigned i = 0; i < 1500; i++) {
@@ -380,11 +403,8 @@ STORY(after_thousands_of_edits_the_screen_shows_the_picture)
 STORY(pictures_of_every_size_and_kind_follow_each_other)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct terminal_facts facts = facts_of(with_pixels[g], 7, 15);
-        struct painter p = {0};
+        struct painter p = begin_painter(with_pixels[g], 7, 15, 0, 0, 12, 6);
         uint64_t seed = 100 + g;
-        screen_begin(7, 15);
-        painter_place(&p, &facts, 0, 0, 12, 6);
         for (unsigned i = 0; i < 400; i++) {
             uint32_t width = 1 + check_below(&seed, 84), height = 1 + check_below(&seed, 90);
             struct image_view view = picture(width, height);
@@ -408,11 +428,8 @@ STORY(pictures_of_every_size_and_kind_follow_each_other)
 
 STORY(few_colours_come_exactly_and_more_may_join_them)
 {
-    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
-    struct painter p = {0};
+    struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 16, 8);
     struct image_view view = picture(128, 128);
-    screen_begin(8, 16);
-    painter_place(&p, &facts, 0, 0, 16, 8);
     for (uint32_t i = 0; i < 400; i++) {
         uint8_t *pixel = pixels + 4 * (i * 37);
         pixel[0] = (uint8_t)(i % 251);
@@ -428,13 +445,9 @@ STORY(a_cursor_move_costs_next_to_nothing)
 {
     static const size_t most[WITH_PIXELS] = {500, 700, 900, 700};
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
-        struct painter p = {0};
+        struct painter p = begin_painter(with_pixels[g], 8, 16, 0, 0, 40, 20);
         uint64_t seed = 3;
-        screen_begin(8, 16);
-        painter_place(&p, &facts, 0, 0, 40, 20);
-        struct image_view view = picture(320, 320);
-        fill_all(&view, &seed);
+        struct image_view view = filled(320, 320, &seed);
         show(&p, &view);
         memset(pixels + 4 * (100 * 320 + 100), 255, 4);
         CHECK(show_right(&p, &view) < most[g]);
@@ -445,17 +458,13 @@ STORY(a_cursor_move_costs_next_to_nothing)
 /* What a slow line begins with, before it is known to be slow. */
 STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
 {
-    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
     uint64_t seed = 12;
-    struct image_view view = picture(320, 320);
-    fill_all(&view, &seed);
+    struct image_view view = filled(320, 320, &seed);
     for (size_t i = 0; i < 320 * 320; i++)
         memcpy(pixels + 4 * i, pixels + 4 * (i / 320 / 8 * 8 * 320 + i % 320 / 8 * 8), 4);
     size_t bytes[2];
     for (unsigned is_coarse = 0; is_coarse < 2; is_coarse++) {
-        struct painter p = {0};
-        screen_begin(8, 16);
-        painter_place(&p, &facts, 0, 0, 40, 20);
+        struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
         view.is_coarse = is_coarse;
         bytes[is_coarse] = show_right(&p, &view);
         painter_release(&p);
@@ -466,13 +475,9 @@ STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
 
 STORY(a_large_patch_for_kitty_goes_in_chunks)
 {
-    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
-    struct painter p = {0};
+    struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
     uint64_t seed = 13;
-    screen_begin(8, 16);
-    painter_place(&p, &facts, 0, 0, 40, 20);
-    struct image_view view = picture(320, 320);
-    fill_all(&view, &seed);
+    struct image_view view = filled(320, 320, &seed);
     show(&p, &view);
     for (size_t y = 10; y < 130; y++)
         for (size_t x = 20; x < 150; x++)
@@ -494,8 +499,7 @@ STORY(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone)
         uint64_t seed = 4;
         screen_begin(8, 16);
         painter_place(&p, &facts, 3, 1, 10, 5);
-        struct image_view view = picture(80, 80);
-        fill_all(&view, &seed);
+        struct image_view view = filled(80, 80, &seed);
         const size_t whole = show(&p, &view);
         painter_place(&p, &facts, 3, 1, 10, 5);
         CHECK_INT(show(&p, &view), 0);
@@ -520,8 +524,7 @@ STORY(one_means_after_another_leaves_nothing)
     struct buf out = {0};
     uint64_t seed = 16;
     screen_begin(8, 16);
-    struct image_view view = picture(80, 80);
-    fill_all(&view, &seed);
+    struct image_view view = filled(80, 80, &seed);
     painter_place(&p, &kitty, 0, 0, 10, 5);
     show(&p, &view);
     painter_place(&p, &sixel, 0, 0, 10, 5);
@@ -554,15 +557,11 @@ STORY(sixels_beyond_the_limit_of_the_terminal_come_in_pieces)
  * holds no more than several times the picture. */
 STORY(without_frame_edits_tiles_are_laid_over_tiles)
 {
-    struct terminal_facts facts = facts_of(&graphics_tiles, 8, 16);
-    struct painter p = {0};
+    struct painter p = begin_painter(&graphics_tiles, 8, 16, 0, 0, 40, 20);
     uint64_t seed = 5, most = 0;
     unsigned wholes = 0;
-    screen_begin(8, 16);
     screen.kitty.lacks_edits = true;
-    painter_place(&p, &facts, 0, 0, 40, 20);
-    struct image_view view = picture(320, 320);
-    fill_all(&view, &seed);
+    struct image_view view = filled(320, 320, &seed);
     const size_t whole = show(&p, &view);
     for (unsigned i = 0; i < 2000; i++) {
         const uint32_t large = check_below(&seed, 30) ? 20 : 200;
@@ -631,14 +630,10 @@ STORY(slices_go_once_and_are_placed_again)
 {
     static const struct raster_box boxes[SLICES] = {
         {0, 0, 150, 160}, {152, 0, 148, 160}, {3, 165, 150, 150}};
-    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
-    struct painter p = {0};
+    struct painter p = begin_painter(&graphics_kitty, 8, 16, 1, 1, 40, 20);
     uint64_t seed = 21;
     uint32_t kind[SLICES] = {0, 1, 2};
-    screen_begin(8, 16);
-    painter_place(&p, &facts, 1, 1, 40, 20);
-    struct image_view view = picture(320, 320);
-    fill_all(&view, &seed);
+    struct image_view view = filled(320, 320, &seed);
     lay_slices(&view, boxes, kind, 0, &seed);
     const size_t first = show_kept(&p, &view, SIZE_MAX);
     CHECK_INT(wrong_pixels(&p, &view), 0);
@@ -669,14 +664,10 @@ STORY(slices_go_once_and_are_placed_again)
 STORY(whatever_the_terminal_drops_is_sent_again)
 {
     for (uint64_t seed = 0; seed < 6; seed++) {
-        struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
-        struct painter p = {0};
+        struct painter p = begin_painter(&graphics_kitty, 8, 16, 1, 1, 40, 20);
         unsigned lost = 0;
-        screen_begin(8, 16);
         screen.kitty.quota = seed % 2 ? 4 * 5 * 320 * 320 : 0;
-        painter_place(&p, &facts, 1, 1, 40, 20);
-        struct image_view view = picture(320, 320);
-        fill_all(&view, &seed);
+        struct image_view view = filled(320, 320, &seed);
         for (unsigned i = 0; i < 400; i++) {
             const uint32_t what = check_below(&seed, 40), left = 100 + 10 * check_below(&seed, 3);
             const struct raster_box boxes[SLICES] = {{0, 0, left, 160},
@@ -732,13 +723,9 @@ STORY(whatever_the_terminal_drops_is_sent_again)
 STORY(a_picture_larger_than_its_place_is_cut)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
-        struct painter p = {0};
+        struct painter p = begin_painter(with_pixels[g], 8, 16, 0, 0, 5, 3);
         uint64_t seed = 6;
-        screen_begin(8, 16);
-        painter_place(&p, &facts, 0, 0, 5, 3);
-        struct image_view view = picture(83, 71);
-        fill_all(&view, &seed);
+        struct image_view view = filled(83, 71, &seed);
         show(&p, &view);
         for (uint32_t y = 0; y < 48; y++)
             memmove(pixels + 4 * y * 40, pixels + 4 * y * 83, 4 * 40);
@@ -778,12 +765,10 @@ static int64_t wrong_parts(const struct painter *p, const struct image_view *vie
     static struct block cell[CELLS_MOST * CELLS_MOST];
     const enum block_shape shape = p->facts.shape;
     const unsigned parts = shape == BLOCK_HALF ? 2 : shape == BLOCK_QUADRANT ? 4 : 6;
-    uint32_t width, height;
     int64_t wrong = 0;
-    blocks_pixels(shape, &width, &height);
     for (size_t i = 0; i < CELLS_MOST * CELLS_MOST; i++)
         cell[i] = (struct block){-1, -1, 0, 0};
-    blocks_fill(cell, CELLS_MOST, view, p->facts.colours, shape);
+    blocks_fill(cell, CELLS_MOST, view, &p->facts);
     for (unsigned y = 0; y < p->rows; y++)
         for (unsigned x = 0; x < p->columns; x++) {
             const struct block *wanted = &cell[y * CELLS_MOST + x];
@@ -812,8 +797,7 @@ STORY(cells_show_what_they_should_after_every_edit)
         screen_begin(8, 16);
         painter_place(&p, &facts, 5, 2, 20, 9);
         painter_size(&p, &width, &height);
-        struct image_view view = picture(width, height);
-        fill_all(&view, &seed);
+        struct image_view view = filled(width, height, &seed);
         const size_t whole = show(&p, &view);
         for (unsigned n = 0; n < 200; n++) {
             fill_box(&view, check_below(&seed, width), check_below(&seed, height),
@@ -843,8 +827,7 @@ STORY(notes_stand_in_cells_of_text)
         facts.colours = (enum colours)colours;
         screen_begin(8, 16);
         painter_place(&p, &facts, 2, 1, 30, 15);
-        struct image_view view = picture(30, 30);
-        fill_all(&view, &seed);
+        struct image_view view = filled(30, 30, &seed);
         view.note = note;
         view.notes = 5;
         show(&p, &view);
@@ -862,13 +845,9 @@ STORY(notes_stand_in_cells_of_text)
 
 STORY(half_blocks_in_all_colours_show_every_pixel)
 {
-    struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);
-    struct painter p = {0};
+    struct painter p = begin_painter(&graphics_blocks, 8, 16, 0, 0, 30, 15);
     uint64_t seed = 8;
-    screen_begin(8, 16);
-    painter_place(&p, &facts, 0, 0, 30, 15);
-    struct image_view view = picture(30, 30);
-    fill_all(&view, &seed);
+    struct image_view view = filled(30, 30, &seed);
     show(&p, &view);
     for (uint32_t y = 0; y < 30; y++)
         for (uint32_t x = 0; x < 30; x++) {
@@ -899,6 +878,7 @@ static double error_of(const uint32_t colour[6], unsigned parts)
 
 STORY(a_cell_is_parted_where_the_error_is_least)
 {
+    const struct terminal_facts facts = {.colours = COLOURS_24BIT, .shape = BLOCK_SEXTANT};
     uint64_t seed = 14;
     struct image_view view = picture(6, 12);
     for (unsigned n = 0; n < 500; n++) {
@@ -912,7 +892,7 @@ STORY(a_cell_is_parted_where_the_error_is_least)
             memcpy(pixels + 4 * i,
                    (uint8_t[4]){(uint8_t)(c >> 16), (uint8_t)(c >> 8), (uint8_t)c, 255}, 4);
         }
-        blocks_fill(&block, 1, &view, COLOURS_24BIT, BLOCK_SEXTANT);
+        blocks_fill(&block, 1, &view, &facts);
         for (unsigned parts = 0; parts < 64; parts += 2)
             least = error_of(colour, parts) < least ? error_of(colour, parts) : least;
         CHECK(error_of(colour, block.parts) < least + 0.01);
@@ -967,14 +947,11 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
     static const struct graphics *const all[] = {&graphics_kitty, &graphics_sixel, &graphics_iterm,
                                                  &graphics_tiles, &graphics_blocks};
     for (unsigned g = 0; g < 5; g++) {
-        struct terminal_facts facts = facts_of(all[g], 8, 16);
         uint64_t seed = 9;
         bool shown = false;
         for (unsigned limit = 0; !shown && limit < 60; limit++) {
-            struct painter p = {0};
+            struct painter p = begin_painter(all[g], 8, 16, 0, 0, 10, 5);
             struct buf out = {0};
-            screen_begin(8, 16);
-            painter_place(&p, &facts, 0, 0, 10, 5);
             struct image_view view = picture(80, 80);
             if (all[g] == &graphics_blocks)
                 view.width = view.height = 10;
@@ -999,17 +976,13 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
 STORY(a_stream_cut_short_is_not_taken_for_a_picture)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
-        struct painter p = {0};
+        struct painter p = begin_painter(with_pixels[g], 8, 16, 0, 0, 5, 3);
         struct buf out = {0};
         uint64_t seed = 10;
-        painter_place(&p, &facts, 0, 0, 5, 3);
-        struct image_view view = picture(40, 48);
-        fill_all(&view, &seed);
+        struct image_view view = filled(40, 48, &seed);
         CHECK(painter_show(&p, &view, &out));
         for (size_t length = out.length - 1; length > 6; length -= length > 60 ? 17 : 1) {
             out.data[length] = '\0';
-            screen_begin(8, 16);
             CHECK(!screen_feed(&out));
         }
         buf_release(&out);
@@ -1073,11 +1046,8 @@ STORY(what_is_drawn_over_slices_keeps_its_colour)
 /* Greys, and a line over them that every look at every so manieth pixel meets. */
 STORY(a_cross_hair_over_a_slice_is_no_tint)
 {
-    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
-    struct painter p = {0};
+    struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
     struct image_view view = picture(320, 320);
-    screen_begin(8, 16);
-    painter_place(&p, &facts, 0, 0, 40, 20);
     for (size_t i = 0; i < 320 * 320; i++) {
         const uint8_t light = (uint8_t)(i * 7 % 251 | (i / 320 < 160 ? 1 : 0));
         memcpy(pixels + 4 * i, (uint8_t[4]){light, light, light, 255}, 4);
@@ -1184,16 +1154,13 @@ static uint32_t tenths_off(struct shades *s)
 STORY(shades_of_an_atlas_have_no_bands)
 {
     static uint32_t many[116];
-    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
-    struct painter p = {0};
+    struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
     uint64_t seed = 12;
     struct image_view view = picture(320, 320);
     for (unsigned i = 0; i < 116; i++)
         many[i] = ((uint32_t)check_random(&seed) & 0xFFFFFF) | 0x404040;
     view.hue = many;
     view.hues = 116;
-    screen_begin(8, 16);
-    painter_place(&p, &facts, 0, 0, 40, 20);
     for (unsigned turn = 0; turn < 3; turn++) {
         fill_regions(many, 30 * turn);
         show(&p, &view);

@@ -471,7 +471,8 @@ static void ask(struct probed *p, const struct known *t, struct graphics_wish wi
         probe_take(&p->replies, &keys, buf_text(&back) + head, back.length - head, &p->typed);
         p->bytes += back.length;
     }
-    graphics_decide(&p->replies, &t->environment, &size, wish, &p->facts);
+    probe_decide(&p->replies, &t->environment, &size, &p->facts);
+    p->facts.graphics = graphics_choose(&p->replies, &t->environment, wish);
     buf_release(&asked);
     buf_release(&back);
 }
@@ -531,7 +532,8 @@ STORY(the_mouse_counts_pixels_where_the_terminal_says_so)
         struct terminal_facts f;
         snprintf(r.name, sizeof r.name, "%s", cases[i].name);
         probe_reply(&r, cases[i].reply);
-        graphics_decide(&r, &e, &size, graphics_auto, &f);
+        probe_decide(&r, &e, &size, &f);
+        f.graphics = graphics_choose(&r, &e, graphics_auto);
         CHECK_INT(f.mouse_unit, cases[i].unit);
     }
 }
@@ -696,7 +698,8 @@ STORY(colours_are_those_of_the_name)
         const struct term_size size = {.columns = 80, .rows = 24};
         const struct probe_replies none = {0};
         struct terminal_facts f;
-        graphics_decide(&none, &e, &size, graphics_auto, &f);
+        probe_decide(&none, &e, &size, &f);
+        f.graphics = graphics_choose(&none, &e, graphics_auto);
         CHECK_INT(f.colours, cases[i].colours);
     }
 }

@@ -209,12 +209,6 @@ static int end(struct terminal *t)
     return status < 0 ? -1 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-static void quit(struct terminal *t)
-{
-    type(t, "\025quit\r");
-    CHECK_INT(end(t), 0);
-}
-
 /* The journal that was written last is the Nth. */
 static const char *journal(unsigned n)
 {
@@ -232,6 +226,17 @@ static void forget_journals(void)
         snprintf(name, sizeof name, "synth-%u.iftty", n);
         unlink(name);
     }
+}
+
+/* Leave the program; returns its journal, whose file has gone then, as the history has. */
+static const char *quit(struct terminal *t)
+{
+    type(t, "\025quit\r");
+    CHECK_INT(end(t), 0);
+    const char *text = file_exists("synth-1.iftty") ? journal(1) : "";
+    forget_journals();
+    unlink("history");
+    return text;
 }
 
 /* ---- stories ---- */
@@ -267,10 +272,9 @@ STORY(a_line_is_typed_mended_and_carried_out)
     type(&t, "seed 2,2,2 2\r");
     check_awaited(&t, names_object, "label 1 kidney: ", __LINE__);
     SEE_LINE(&t, "synth>");
-    quit(&t);
-    CHECK_HAS(journal(1), "\nlabel 1 kidney\n");
-    CHECK_HAS(journal(1), "\nseed 20,20,15 1\n");
-    forget_journals();
+    const char *text = quit(&t);
+    CHECK_HAS(text, "\nlabel 1 kidney\n");
+    CHECK_HAS(text, "\nseed 20,20,15 1\n");
 }
 
 STORY(a_hint_is_grey_moves_on_and_never_gets_into_the_line)
@@ -297,7 +301,6 @@ STORY(a_hint_is_grey_moves_on_and_never_gets_into_the_line)
     set_size(&t, 30, 24);
     SEE_LINE(&t, "synth> weight morph|sobel|gau"); /* cut before the last column */
     quit(&t);
-    forget_journals();
 }
 
 STORY(tab_completes_and_lists_and_tells_how_many_more)
@@ -329,7 +332,6 @@ STORY(tab_completes_and_lists_and_tells_how_many_more)
     SEE_LINE(&t, "synth> zzz");
     CHECK(t.screen.bells > 0);
     quit(&t);
-    forget_journals();
 }
 
 STORY(a_caret_stands_under_what_is_wrong)
@@ -347,7 +349,6 @@ STORY(a_caret_stands_under_what_is_wrong)
     SEE(&t, "                  ^");
     SEE_LINE(&t, "synth>");
     quit(&t);
-    forget_journals();
 }
 
 STORY(a_hundred_pasted_lines_are_a_hundred_commands)
@@ -368,14 +369,12 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
     SEE_LINE(&t, "synth> label 100 part-100 [#rrggbb] [number=1..65533]"); /* waits for Enter */
     type(&t, "\r");
     SEE_LINE(&t, "synth>");
-    quit(&t);
+    const char *text = quit(&t);
     for (int i = 1; i <= 100; i++) {
         snprintf(line, sizeof line, "\nlabel %d part-%d\n", i, i);
-        CHECK_HAS(journal(1), line);
+        CHECK_HAS(text, line);
     }
     buf_release(&paste);
-    forget_journals();
-    unlink("history");
 }
 
 STORY(history_outlives_a_session_that_is_killed)
@@ -393,7 +392,8 @@ STORY(history_outlives_a_session_that_is_killed)
     SEE_LINE(&other, "synth>");
     kill(t.job, SIGKILL);
     CHECK_INT(end(&t), 128 + SIGKILL);
-    quit(&other);
+    type(&other, "quit\r");
+    CHECK_INT(end(&other), 0);
     CHECK(stat("history", &status) == 0 && (status.st_mode & 0777) == 0600);
     start_at_prompt(&t);
     type(&t, "\020\020"); /* up, past `quit` */
@@ -403,8 +403,6 @@ STORY(history_outlives_a_session_that_is_killed)
     type(&t, "\007");
     SEE_LINE(&t, "synth>");
     quit(&t);
-    unlink("history");
-    forget_journals();
 }
 
 STORY(hostile_lines_of_a_history_are_not_obeyed)
@@ -420,8 +418,6 @@ STORY(hostile_lines_of_a_history_are_not_obeyed)
     SEE_LINE(&t, "synth> info");
     CHECK(strstr(buf_text(&t.written), "title") == NULL);
     quit(&t);
-    unlink("history");
-    forget_journals();
 }
 
 static void store_history(const char *lines)
@@ -465,8 +461,6 @@ STORY(what_was_entered_before_is_suggested_and_taken)
     type(&t, "\025zoom\001\033u");
     SEE_LINE(&t, "synth> ZOOM");
     quit(&t);
-    unlink("history");
-    forget_journals();
 }
 
 static const char editor_script[] = "ls -ld \"${1%/*}\" >seen; stty -a >modes; cat \"$1\" >before\n"
@@ -499,36 +493,27 @@ STORY(a_line_is_edited_in_another_editor_and_waits_for_enter)
     CHECK(strstr(buf_text(&seen), " icanon") && !strstr(buf_text(&seen), "-icanon"));
     CHECK(file_read(&seen, "before", 1 << 12, NULL) == OK);
     CHECK_TEXT(buf_text(&seen), "seed 2\n");
-    quit(&t);
-    CHECK(strstr(journal(1), "seed") == NULL);
+    const char *text = quit(&t);
+    CHECK(strstr(text, "seed") == NULL);
     buf_release(&seen);
-    forget_journals();
 }
 
 STORY(without_an_editor_it_is_said_in_words)
 {
-    struct terminal t;
+    static const char *const cases[][2] = {
+        {"", "error: neither VISUAL nor EDITOR names an editor; "},
+        {"no-such-editor", "error: there is no editor no-such-editor; "},
+        {"false", "error: false ended with status 1; the line is as it was"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct terminal t;
+        setenv("EDITOR", cases[i][0], 1);
+        start_at_prompt(&t);
+        edit_elsewhere(&t);
+        SEE_BEGIN(&t, cases[i][1]);
+        SEE_BEGIN(&t, "synth> seed 2");
+        quit(&t);
+    }
     unsetenv("EDITOR");
-    start_at_prompt(&t);
-    edit_elsewhere(&t);
-    SEE_BEGIN(&t, "error: neither VISUAL nor EDITOR names an editor; ");
-    SEE_BEGIN(&t, "synth> seed 2");
-    quit(&t);
-    setenv("EDITOR", "no-such-editor", 1);
-    start_at_prompt(&t);
-    edit_elsewhere(&t);
-    SEE_BEGIN(&t, "error: there is no editor no-such-editor; ");
-    SEE_BEGIN(&t, "synth> seed 2");
-    quit(&t);
-    setenv("EDITOR", "false", 1);
-    start_at_prompt(&t);
-    edit_elsewhere(&t);
-    SEE(&t, "error: false ended with status 1; the line is as it was");
-    SEE_BEGIN(&t, "synth> seed 2");
-    quit(&t);
-    unsetenv("EDITOR");
-    unlink("history");
-    forget_journals();
 }
 
 /* The cursor is after this, at the beginning of its row. */
@@ -572,8 +557,6 @@ STORY(a_long_answer_is_printed_by_pages)
     SEE_LINE(&t, "synth>");
     quit(&t);
     CHECK(strstr(buf_text(&t.written), "1049h") == NULL);
-    unlink("history");
-    forget_journals();
 }
 
 STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
@@ -593,11 +576,9 @@ STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
     SEE_FOOT(&t, MORE);
     type(&t, "\033[?64;1;2;6;9c\003"); /* what a terminal says is no key */
     SEE_LINE(&t, "synth>");
-    quit(&t);
-    CHECK_HAS(journal(1), "\nlabel 3 one\n");
-    CHECK_HAS(journal(1), "\nlabel 4 two\n");
-    unlink("history");
-    forget_journals();
+    const char *text = quit(&t);
+    CHECK_HAS(text, "\nlabel 3 one\n");
+    CHECK_HAS(text, "\nlabel 4 two\n");
 }
 
 /* A session with this in $PAGER. */
@@ -618,10 +599,7 @@ static void end_with_pager(struct terminal *t)
     CHECK(reads_keys(t, ""));
     type(t, "label 5 more\r");
     SEE_LINE(t, "synth>");
-    quit(t);
-    CHECK_HAS(journal(1), "\nlabel 5 more\n");
-    unlink("history");
-    forget_journals();
+    CHECK_HAS(quit(t), "\nlabel 5 more\n");
 }
 
 STORY(the_pager_of_the_user_has_the_answer_and_the_terminal)
@@ -713,10 +691,8 @@ STORY(whatever_is_pressed_the_prompt_is_sane_again)
     set_size(&t, 80, 24);
     type(&t, "label 9 sound\r");
     SEE(&t, "synth> label 9 sound");
-    quit(&t);
-    CHECK_HAS(journal(1), "\nlabel 9 sound\n");
-    unlink("history");
-    forget_journals();
+    const char *text = quit(&t);
+    CHECK_HAS(text, "\nlabel 9 sound\n");
 }
 
 STORY(pages_can_be_done_without)
@@ -732,9 +708,7 @@ STORY(pages_can_be_done_without)
     CHECK(strstr(buf_text(&t.written), MORE) == NULL);
     CHECK(!file_exists("paged"));
     quit(&t);
-    unlink("history");
     unlink("config");
-    forget_journals();
 }
 
 /* The rows that a line of `text` after the prompt takes, with the cursor at its end. */
@@ -777,7 +751,6 @@ STORY(a_long_line_is_drawn_anew_at_every_width)
     type(&t, "\003");
     SEE_LINE(&t, "synth>");
     quit(&t);
-    forget_journals();
 }
 
 STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
@@ -833,7 +806,6 @@ STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
     buf_release(&text);
     buf_release(&row);
     buf_release(&lengthy);
-    forget_journals();
 }
 
 /* The first piece, and then so many bytes at a time. */
@@ -866,7 +838,6 @@ STORY(a_reply_may_take_two_seconds)
     SEE_LINE(&t, "synth> information");
     type(&t, "\025info");
     quit(&t);
-    forget_journals();
 }
 
 static void start_without_scene(struct terminal *t)
@@ -939,7 +910,6 @@ STORY(without_colours_there_is_none_and_no_hint)
     SEE_BEGIN(&t, "error: PLACE: expected X,Y,Z");
     CHECK_INT(t.screen.colours, 0);
     quit(&t);
-    forget_journals();
 }
 
 STORY(a_dumb_terminal_gets_no_escape_at_all)
@@ -955,6 +925,8 @@ STORY(a_dumb_terminal_gets_no_escape_at_all)
     type(&t, "sede\r");
     SEE(&t, "error: unknown command sede; did you mean seed?");
     SEE_LINE(&t, "synth>");
+    type(&t, "render\r");
+    SEE_BEGIN(&t, "512x512 pixels, ");
     type(&t, "quit\r");
     SEE_BEGIN(&t, "journal: synth-1.iftty");
     CHECK(strchr(buf_text(&t.written), '\033') == NULL);
@@ -1009,12 +981,11 @@ STORY(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot)
     settle(&t, 200);
     type(&t, "q");
     SEE_LINE(&t, "synth>");
-    quit(&t);
-    commands_of(&commands, journal(1));
+    const char *text = quit(&t);
+    commands_of(&commands, text);
     CHECK_TEXT(buf_text(&commands),
                "open synth:geom:40x40x30 weight=morph\nauto on\ncross 20,19,15\n");
     buf_release(&commands);
-    forget_journals();
 }
 
 static bool is_asked(const struct terminal *t, const char *text)
@@ -1050,7 +1021,6 @@ STORY(no_frame_of_the_pilot_begins_with_a_sequence)
     }
     CHECK(frames > 0);
     quit(&t);
-    forget_journals();
 }
 
 /* In a terminal that is kitty by its answers, with cells of 8x16 pixels. */
@@ -1086,12 +1056,10 @@ static void check_recorded(struct terminal *t, const char *commands)
 {
     static const char opened[] = "open synth:geom:40x40x30 weight=morph\nauto on\n";
     struct buf all = {0};
-    quit(t);
-    commands_of(&all, journal(1));
+    commands_of(&all, quit(t));
     CHECK(strncmp(buf_text(&all), opened, strlen(opened)) == 0);
     CHECK_TEXT(buf_text(&all) + strlen(opened), commands);
     buf_release(&all);
-    forget_journals();
 }
 
 #define PIXELS  "\033[?1016;2$y"
@@ -1158,11 +1126,10 @@ STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
         SEE_BEGIN(&t, "nothing to show yet: ");
         type(&t, "q");
         SEE_LINE(&t, "synth>");
-        quit(&t);
+        const char *text = quit(&t);
         buf_clear(&commands);
-        commands_of(&commands, journal(1));
+        commands_of(&commands, text);
         CHECK_TEXT(buf_text(&commands), "open synth:geom:40x40x30 weight=morph\nauto on\n");
-        forget_journals();
     }
     buf_release(&commands);
 }
@@ -1171,44 +1138,42 @@ STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
  * leaves the pilot or stops it. */
 static void add_random(struct buf *out, uint64_t *seed)
 {
-    static const char *const whole[] = {
-        "\033[A",
-        "\033[B",
-        "\033[1;5C",
-        "\033[1;2D",
-        "\033[1;3A",
-        "\033OA",
-        "\033[5~",
-        "\033[6~",
-        "\033[Z",
-        "\033",
-        "\033h",
-        "\r",
-        "\t",
-        "\022",
-        "\014",
-        "\003",
-        "\033[?64;1;2c",
-        "\033[6;18;9t",
-        "\033P>|x",
-        "\033\\",
-        "\033[200~",
-        "\033[201~",
-        "\033[?2026;2$y",
-        "\033_Gi=31;OK\033\\",
-        "ma'a",
-        "s1",
-        "s0",
-        "xx",
-        "gg",
-        "99",
-        "V",
-        "p",
-        "v",
-        ":info\r",
-        ":label 3 n\r",
-        ":seed 1,1,1 1\033",
-    };
+    static const char *const whole[] = {"\033[A",
+                                        "\033[B",
+                                        "\033[1;5C",
+                                        "\033[1;2D",
+                                        "\033[1;3A",
+                                        "\033OA",
+                                        "\033[5~",
+                                        "\033[6~",
+                                        "\033[Z",
+                                        "\033",
+                                        "\033h",
+                                        "\r",
+                                        "\t",
+                                        "\022",
+                                        "\014",
+                                        "\003",
+                                        "\033[?64;1;2c",
+                                        "\033[6;18;9t",
+                                        "\033P>|x",
+                                        "\033\\",
+                                        "\033[200~",
+                                        "\033[201~",
+                                        "\033[?2026;2$y",
+                                        "\033_Gi=31;OK\033\\",
+                                        "ma'a",
+                                        "s1",
+                                        "s0",
+                                        "xx",
+                                        "gg",
+                                        "99",
+                                        "V",
+                                        "p",
+                                        "v",
+                                        ":info\r",
+                                        ":label 3 n\r",
+                                        ":seed 1,1,1 1\033"};
     const uint64_t kind = check_below(seed, 12);
     if (kind < 5)
         buf_add_text(out, whole[check_below(seed, sizeof whole / sizeof whole[0])]);
@@ -1292,22 +1257,15 @@ static void verify_journal(void)
 STORY(the_picture_stays_where_the_line_below_it_is_drawn_anew)
 {
     struct terminal t;
-    struct buf before = {0}, after = {0};
     enter_pilot(&t);
     type(&t, ":info");
     SEE_LINE(&t, ":info");
-    take_last_screen(&t, &before);
-    type(&t, "\014");
-    take_last_screen(&t, &after);
-    CHECK_TEXT(buf_text(&before), buf_text(&after));
+    check_screen(&t);
     type(&t, "\033");
     SEE_BEGIN(&t, "nothing to show yet: ");
     type(&t, "q");
     SEE_LINE(&t, "synth>");
     quit(&t);
-    buf_release(&before);
-    buf_release(&after);
-    forget_journals();
 }
 
 /* PILOT_ROUNDS=N, 3 unless given. */
@@ -1338,11 +1296,12 @@ STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
         check_screen(&t);
         type(&t, "q");
         SEE_LINE(&t, "synth>");
-        quit(&t);
+        type(&t, "\025quit\r");
+        CHECK_INT(end(&t), 0);
         verify_journal();
         printf("# round %d: %zu bytes of journal\n", (int)round, strlen(journal(1)));
-        buf_release(&bytes);
         forget_journals();
+        buf_release(&bytes);
     }
 }
 

@@ -2,21 +2,10 @@
 /* The terminal after every end of the program: a small shell starts it as a job in a real
  * pseudo-terminal, and looks at what it leaves. */
 #include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
-#include <stdlib.h>
 #include <sys/file.h>
-#include <sys/ioctl.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <termios.h>
-#include <unistd.h>
 
-#include "base/clock.h"
-#include "tests/check.h"
+#include "tests/job.h"
 #include "tui/probe.h"
 #include "tui/term.h"
 
@@ -50,54 +39,62 @@ static void go_full_screen(enum term_mode mode)
         _exit(91);
 }
 
-static void waits(void)
+static void waits(const void *context)
 {
+    (void)context;
     go_full_screen(TERM_RAW);
     for (;;)
         pause();
 }
 
-static void waits_with_signals(void)
+static void waits_with_signals(const void *context)
 {
+    (void)context;
     go_full_screen(TERM_QUIET);
     for (;;)
         pause();
 }
 
-static void waits_and_answers(void)
+static void waits_and_answers(const void *context)
 {
+    (void)context;
     known_to_answer = true;
-    waits();
+    waits(NULL);
 }
 
-static void ends_well(void)
+static void ends_well(const void *context)
 {
+    (void)context;
     go_full_screen(TERM_RAW);
     term_close();
 }
 
-static void forgets_to_close(void)
+static void forgets_to_close(const void *context)
 {
+    (void)context;
     go_full_screen(TERM_RAW);
     exit(3);
 }
 
-static void goes_at_once(void)
+static void goes_at_once(const void *context)
 {
+    (void)context;
     go_full_screen(TERM_RAW);
     _exit(4);
 }
 
-static void holds_a_lock(void)
+static void holds_a_lock(const void *context)
 {
+    (void)context;
     int fd = memfd_create("lock", 0);
     if (fd < 0 || dup2(fd, 77) < 0 || flock(77, LOCK_EX) != 0)
         _exit(92);
-    waits();
+    waits(NULL);
 }
 
-static void leaves_a_child(void)
+static void leaves_a_child(const void *context)
 {
+    (void)context;
     go_full_screen(TERM_RAW);
     if (fork() == 0) { /* that has all of our descriptors */
         usleep(5000000);
@@ -110,8 +107,9 @@ static void leaves_a_child(void)
 
 enum { FRAME = 300000 };
 
-static void writes_a_frame(void)
+static void writes_a_frame(const void *context)
 {
+    (void)context;
     static char frame[FRAME];
     struct fault fault;
     signal(SIGINT, note_interrupt);
@@ -124,8 +122,9 @@ static void writes_a_frame(void)
     _exit(interrupted ? 6 : 5);
 }
 
-static void changes_sequences(void)
+static void changes_sequences(const void *context)
 {
+    (void)context;
     struct fault fault;
     if (term_open(0, 1, &fault))
         _exit(90);
@@ -141,71 +140,15 @@ static void changes_sequences(void)
 /* ---- the shell and the terminal ---- */
 
 struct stage {
-    int master, slave, report, order;
-    pid_t shell, job, guardian;
-    struct termios found;
-    struct buf seen;
+    struct job job;
+    pid_t guardian;
 };
 
-/* Starts the job in the foreground, reports how it stops or ends, and takes the terminal back, as
- * shells do. When ordered, gives it to another process group, or (0) to the job and continues it.
- */
-static void run_shell(int slave, int report, int order, void (*play)(void))
-{
-    int status;
-    pid_t other = 0;
-    prctl(PR_SET_PDEATHSIG, SIGKILL); /* and the terminal hangs up */
-    setsid();
-    ioctl(slave, TIOCSCTTY, 0);
-    signal(SIGTTOU, SIG_IGN);
-    signal(SIGHUP, SIG_DFL); /* ignored where the test itself runs in the background or by nohup */
-    signal(SIGINT, SIG_DFL);
-    signal(SIGQUIT, SIG_DFL);
-    for (int fd = 0; fd < 3; fd++)
-        dup2(slave, fd);
-    pid_t job = fork();
-    if (job == 0) {
-        setpgid(0, 0);
-        tcsetpgrp(0, getpid());
-        signal(SIGTTOU, SIG_DFL);
-        close(slave);
-        close(report);
-        close(order);
-        play();
-        exit(0);
-    }
-    setpgid(job, job);
-    bool alive = write(report, &job, sizeof job) == sizeof job;
-    while (alive && waitpid(job, &status, WUNTRACED) == job) {
-        if (!other)
-            tcsetpgrp(0, getpgrp());
-        alive = write(report, &status, sizeof status) > 0 && read(order, &other, sizeof other) > 0;
-        tcsetpgrp(0, other ? other : job);
-        if (WIFSTOPPED(status) && !other)
-            kill(-job, SIGCONT);
-    }
-    while (read(order, &other, sizeof other) > 0)
-        ;
-    _exit(0);
-}
-
+/* True if the text was written at any time. */
 static bool see(struct stage *s, const char *text, int ms)
 {
-    uint64_t end = clock_ns() + (uint64_t)ms * 1000000;
-    for (;;) {
-        char piece[4096];
-        uint64_t now = clock_ns();
-        struct pollfd ready = {.fd = s->master, .events = POLLIN};
-        if (text && strstr(buf_text(&s->seen), text))
-            return true;
-        if (now >= end || poll(&ready, 1, (int)((end - now) / 1000000) + 1) == 0)
-            return false;
-        ssize_t n = read(s->master, piece, sizeof piece);
-        if (n > 0)
-            buf_add(&s->seen, piece, (size_t)n);
-        else if (n == 0 || errno != EINTR)
-            return false;
-    }
+    s->job.mark = 0;
+    return job_see(&s->job, text, ms);
 }
 
 /* The first process of this name in the session; 0: none. A zombie counts. */
@@ -234,52 +177,6 @@ static pid_t process_of(pid_t session, const char *name)
     return found;
 }
 
-static void start(struct stage *s, void (*play)(void))
-{
-    int report[2], order[2];
-    const struct winsize size = {.ws_row = 24, .ws_col = 80};
-    *s = (struct stage){.master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)};
-    grantpt(s->master);
-    unlockpt(s->master);
-    s->slave = open(ptsname(s->master), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    ioctl(s->slave, TIOCSWINSZ, &size);
-    tcgetattr(s->slave, &s->found);
-    if (pipe(report) != 0 || pipe(order) != 0)
-        exit(1);
-    fflush(stdout);
-    s->shell = fork();
-    if (s->shell == 0) {
-        close(report[0]);
-        close(order[1]);
-        run_shell(s->slave, report[1], order[0], play);
-    }
-    close(report[1]);
-    close(order[0]);
-    s->report = report[0];
-    s->order = order[1];
-    CHECK(read(s->report, &s->job, sizeof s->job) == sizeof s->job);
-}
-
-static int report_of(struct stage *s)
-{
-    int status = -1;
-    for (int i = 0; i < 12000; i++) {
-        struct pollfd ready = {.fd = s->report, .events = POLLIN};
-        see(s, NULL, 5);
-        if (poll(&ready, 1, 0) > 0)
-            return read(s->report, &status, sizeof status) == sizeof status ? status : -1;
-    }
-    return -1;
-}
-
-static bool as_found(const struct stage *s)
-{
-    struct termios now;
-    return tcgetattr(s->slave, &now) == 0 && now.c_iflag == s->found.c_iflag &&
-           now.c_oflag == s->found.c_oflag && now.c_cflag == s->found.c_cflag &&
-           now.c_lflag == s->found.c_lflag && memcmp(now.c_cc, s->found.c_cc, sizeof now.c_cc) == 0;
-}
-
 static bool comes_true(struct stage *s, bool (*what)(struct stage *))
 {
     for (int i = 0; i < 6000; i++) {
@@ -294,14 +191,14 @@ static bool guardian_is_gone(struct stage *s)
 {
     while (waitpid(-1, NULL, WNOHANG) > 0) /* orphans come to us */
         ;
-    return process_of(s->shell, "iftty-guardian") == 0;
+    return process_of(s->job.shell, "iftty-guardian") == 0;
 }
 
 static bool ends_with(const struct stage *s, const char *end)
 {
     const size_t length = strlen(end);
-    return s->seen.length >= length &&
-           strcmp(buf_text(&s->seen) + s->seen.length - length, end) == 0;
+    return s->job.seen.length >= length &&
+           strcmp(buf_text(&s->job.seen) + s->job.seen.length - length, end) == 0;
 }
 
 static int descriptors_of(pid_t process)
@@ -318,13 +215,14 @@ static int descriptors_of(pid_t process)
 }
 
 /* The guardian may not be ready when its job is. Nothing is read meanwhile. */
-static void start_ready(struct stage *s, void (*play)(void))
+static void start_ready(struct stage *s, void (*play)(const void *))
 {
-    start(s, play);
+    s->guardian = 0;
+    job_start(&s->job, play, NULL);
     CHECK(see(s, BEGIN "ready", 60000));
     for (int i = 0; i < 6000 && !s->guardian; i++) {
         usleep(i ? 10000 : 0);
-        const pid_t found = process_of(s->shell, "iftty-guardian");
+        const pid_t found = process_of(s->job.shell, "iftty-guardian");
         s->guardian = found && descriptors_of(found) <= 4 ? found : 0;
     }
     CHECK(s->guardian > 0);
@@ -332,15 +230,9 @@ static void start_ready(struct stage *s, void (*play)(void))
 
 static void end(struct stage *s)
 {
-    kill(s->job, SIGKILL);
+    kill(s->job.process, SIGKILL);
     CHECK(comes_true(s, guardian_is_gone));
-    close(s->order);
-    kill(s->shell, SIGKILL);
-    waitpid(s->shell, NULL, 0);
-    close(s->report);
-    close(s->master);
-    close(s->slave);
-    buf_release(&s->seen);
+    job_end(&s->job);
 }
 
 /* ---- stories ---- */
@@ -354,7 +246,7 @@ static bool has_ending(struct stage *s)
 static void check_restored(struct stage *s)
 {
     CHECK(comes_true(s, guardian_is_gone));
-    CHECK(as_found(s));
+    CHECK(job_has_modes_as_found(&s->job));
     CHECK(comes_true(s, has_ending)); /* what was written may still be on its way */
     see(s, NULL, 20);
     CHECK(has_ending(s)); /* and nothing after it */
@@ -363,13 +255,13 @@ static void check_restored(struct stage *s)
 STORY(killed_in_full_screen_the_guardian_restores_the_terminal)
 {
     struct stage s;
-    void (*const play[])(void) = {waits, waits_with_signals, leaves_a_child};
+    void (*const play[])(const void *) = {waits, waits_with_signals, leaves_a_child};
     for (int i = 0; i < 6; i++) { /* the process alone, or the whole job */
         start_ready(&s, play[i / 2]);
-        CHECK(!as_found(&s));
+        CHECK(!job_has_modes_as_found(&s.job));
         CHECK(play[i / 2] != leaves_a_child || see(&s, "forked", 60000));
-        kill(i % 2 ? -s.job : s.job, SIGKILL);
-        const int status = report_of(&s);
+        kill(i % 2 ? -s.job.process : s.job.process, SIGKILL);
+        const int status = job_report(&s.job);
         CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
         check_restored(&s);
         end(&s);
@@ -382,7 +274,7 @@ STORY(the_guardian_holds_nothing_and_takes_no_signal)
     char path[64], line[200];
     unsigned long dirty_kb = 0;
     start_ready(&s, holds_a_lock);
-    CHECK(descriptors_of(s.guardian) <= 4 && descriptors_of(s.job) > 4);
+    CHECK(descriptors_of(s.guardian) <= 4 && descriptors_of(s.job.process) > 4);
     snprintf(path, sizeof path, "/proc/%d/smaps_rollup", (int)s.guardian);
     FILE *file = fopen(path, "r");
     while (file && fgets(line, sizeof line, file))
@@ -394,8 +286,8 @@ STORY(the_guardian_holds_nothing_and_takes_no_signal)
     static const int signals[] = {SIGINT, SIGQUIT, SIGHUP, SIGTERM, SIGTSTP, SIGTTIN, SIGTTOU};
     for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++)
         kill(s.guardian, signals[i]);
-    kill(s.job, SIGKILL);
-    report_of(&s);
+    kill(s.job.process, SIGKILL);
+    job_report(&s.job);
     check_restored(&s);
     end(&s);
 }
@@ -403,40 +295,34 @@ STORY(the_guardian_holds_nothing_and_takes_no_signal)
 STORY(after_an_end_of_its_own_nothing_is_left)
 {
     static const struct {
-        void (*play)(void);
+        void (*play)(const void *);
         int status;
-    } cases[] = {{ends_well, 0}, {forgets_to_close, 3}};
+    } cases[] = {{ends_well, 0}, {forgets_to_close, 3}, {goes_at_once, 4}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct stage s;
-        start(&s, cases[i].play);
-        const int status = report_of(&s);
+        job_start(&s.job, cases[i].play, NULL);
+        const int status = job_report(&s.job);
         CHECK(WIFEXITED(status) && WEXITSTATUS(status) == cases[i].status);
-        CHECK_INT(process_of(s.shell, "iftty-guardian"), 0); /* at once */
-        CHECK(as_found(&s));
-        CHECK(see(&s, END, 60000));
+        if (cases[i].play == goes_at_once) { /* without a word, which the guardian notices */
+            check_restored(&s);
+        } else {
+            CHECK_INT(process_of(s.job.shell, "iftty-guardian"), 0); /* at once */
+            CHECK(job_has_modes_as_found(&s.job));
+            CHECK(see(&s, END, 60000));
+        }
         end(&s);
     }
-}
-
-STORY(an_end_without_a_word_is_noticed_too)
-{
-    struct stage s;
-    start(&s, goes_at_once);
-    const int status = report_of(&s);
-    CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 4);
-    check_restored(&s);
-    end(&s);
 }
 
 /* The job stops without a word, somebody else has the terminal, and then it is killed. */
 static void stop_and_kill(struct stage *s, void (*then)(struct stage *))
 {
-    kill(s->job, SIGSTOP);
-    CHECK(WIFSTOPPED(report_of(s)));
-    CHECK(!as_found(s));
+    kill(s->job.process, SIGSTOP);
+    CHECK(WIFSTOPPED(job_report(&s->job)));
+    CHECK(!job_has_modes_as_found(&s->job));
     then(s);
-    buf_clear(&s->seen);
-    kill(s->job, SIGKILL);
+    buf_clear(&s->job.seen);
+    kill(s->job.process, SIGKILL);
     CHECK(comes_true(s, guardian_is_gone));
     see(s, NULL, 20);
 }
@@ -445,10 +331,10 @@ static struct termios of_the_shell;
 
 static void shell_sets_its_own_modes(struct stage *s)
 {
-    tcgetattr(s->slave, &of_the_shell);
+    tcgetattr(s->job.slave, &of_the_shell);
     of_the_shell.c_oflag |= OPOST | ONLCR;
     of_the_shell.c_lflag |= ISIG;
-    tcsetattr(s->slave, TCSANOW, &of_the_shell);
+    tcsetattr(s->job.slave, TCSANOW, &of_the_shell);
 }
 
 STORY(a_shell_that_came_first_keeps_its_modes_and_gets_the_screen)
@@ -457,24 +343,19 @@ STORY(a_shell_that_came_first_keeps_its_modes_and_gets_the_screen)
     struct termios now;
     start_ready(&s, waits);
     stop_and_kill(&s, shell_sets_its_own_modes);
-    CHECK(tcgetattr(s.slave, &now) == 0 && now.c_lflag == of_the_shell.c_lflag &&
+    CHECK(tcgetattr(s.job.slave, &now) == 0 && now.c_lflag == of_the_shell.c_lflag &&
           now.c_iflag == of_the_shell.c_iflag);
     CHECK(see(&s, END, 60000));
     end(&s);
 }
 
-static void order(struct stage *s, pid_t group)
-{
-    CHECK(write(s->order, &group, sizeof group) == sizeof group);
-}
-
 /* A group that there is in the session: the guardian's own. */
 static void another_job_has_the_terminal(struct stage *s)
 {
-    order(s, s->guardian);
-    for (int i = 0; i < 6000 && tcgetpgrp(s->master) != s->guardian; i++)
+    job_order(&s->job, s->guardian);
+    for (int i = 0; i < 6000 && tcgetpgrp(s->job.master) != s->guardian; i++)
         usleep(10000);
-    CHECK_INT(tcgetpgrp(s->master), s->guardian);
+    CHECK_INT(tcgetpgrp(s->job.master), s->guardian);
 }
 
 STORY(another_job_is_not_disturbed)
@@ -482,8 +363,8 @@ STORY(another_job_is_not_disturbed)
     struct stage s;
     start_ready(&s, waits);
     stop_and_kill(&s, another_job_has_the_terminal);
-    CHECK_INT(s.seen.length, 0);
-    CHECK(!as_found(&s));
+    CHECK_INT(s.job.seen.length, 0);
+    CHECK(!job_has_modes_as_found(&s.job));
     end(&s);
 }
 
@@ -491,15 +372,15 @@ STORY(killed_while_stopped_there_is_nothing_to_give_back)
 {
     struct stage s;
     start_ready(&s, waits);
-    kill(s.job, SIGTSTP);
-    CHECK(WIFSTOPPED(report_of(&s)));
-    CHECK(as_found(&s));
+    kill(s.job.process, SIGTSTP);
+    CHECK(WIFSTOPPED(job_report(&s.job)));
+    CHECK(job_has_modes_as_found(&s.job));
     CHECK(see(&s, END, 60000) && ends_with(&s, END));
-    const size_t before = s.seen.length;
-    kill(s.job, SIGKILL);
+    const size_t before = s.job.seen.length;
+    kill(s.job.process, SIGKILL);
     CHECK(comes_true(&s, guardian_is_gone));
     see(&s, NULL, 20);
-    CHECK_INT(s.seen.length, before);
+    CHECK_INT(s.job.seen.length, before);
     end(&s);
 }
 
@@ -507,13 +388,13 @@ STORY(stopped_and_continued_it_is_guarded_again)
 {
     struct stage s;
     start_ready(&s, waits);
-    kill(s.job, SIGTSTP);
-    CHECK(WIFSTOPPED(report_of(&s)));
-    buf_clear(&s.seen);
-    order(&s, 0);
+    kill(s.job.process, SIGTSTP);
+    CHECK(WIFSTOPPED(job_report(&s.job)));
+    buf_clear(&s.job.seen);
+    job_order(&s.job, 0);
     CHECK(see(&s, BEGIN, 60000));
-    kill(s.job, SIGKILL);
-    report_of(&s);
+    kill(s.job.process, SIGKILL);
+    job_report(&s.job);
     check_restored(&s);
     end(&s);
 }
@@ -530,16 +411,16 @@ STORY(ctrl_c_cuts_no_frame_in_two)
 {
     struct stage s;
     start_frame(&s);
-    CHECK(write(s.master, "\003", 1) == 1);
+    CHECK(write(s.job.master, "\003", 1) == 1);
     usleep(100000);
-    const int status = report_of(&s);
+    const int status = job_report(&s.job);
     CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 6);
     CHECK(see(&s, END, 60000));
-    const char *text = buf_text(&s.seen), *first = strchr(text, 'p'), *last = strchr(text, '.');
+    const char *text = buf_text(&s.job.seen), *first = strchr(text, 'p'), *last = strchr(text, '.');
     while (first && first[1] != 'p')
         first = strchr(first + 1, 'p');
     if (!CHECK(first && last && last - first == FRAME - 1))
-        printf("#   %zu bytes, from %td to %td\n", s.seen.length, first ? first - text : -1,
+        printf("#   %zu bytes, from %td to %td\n", s.job.seen.length, first ? first - text : -1,
                last ? last - text : -1);
     end(&s);
 }
@@ -548,51 +429,39 @@ STORY(stopping_waits_for_the_end_of_a_frame)
 {
     struct stage s;
     start_frame(&s);
-    CHECK(write(s.master, "\032", 1) == 1);
+    CHECK(write(s.job.master, "\032", 1) == 1);
     usleep(100000);
-    CHECK(WIFSTOPPED(report_of(&s)));
-    CHECK(as_found(&s));
+    CHECK(WIFSTOPPED(job_report(&s.job)));
+    CHECK(job_has_modes_as_found(&s.job));
     CHECK(see(&s, END, 60000));
-    const char *end_of_frame = strstr(buf_text(&s.seen), "p.");
+    const char *end_of_frame = strstr(buf_text(&s.job.seen), "p.");
     CHECK(end_of_frame && strstr(end_of_frame, END));
-    CHECK(strstr(buf_text(&s.seen), END) > end_of_frame);
+    CHECK(strstr(buf_text(&s.job.seen), END) > end_of_frame);
     end(&s);
-}
-
-/* What a shell would find typed. */
-static size_t left_to_read(struct stage *s)
-{
-    char bytes[256];
-    struct termios raw = s->found;
-    raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
-    raw.c_cc[VMIN] = raw.c_cc[VTIME] = 0;
-    tcsetattr(s->slave, TCSANOW, &raw);
-    ssize_t n = read(s->slave, bytes, sizeof bytes);
-    return n > 0 ? (size_t)n : 0;
 }
 
 STORY(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell)
 {
     struct stage s;
     start_ready(&s, waits_and_answers);
-    kill(s.job, SIGTERM);
+    kill(s.job.process, SIGTERM);
     CHECK(see(&s, RECOVER "\033[c" END, 60000));
     usleep(50000);
-    CHECK(write(s.master, "\033[?62;4c", 8) == 8);
-    const int status = report_of(&s);
+    CHECK(write(s.job.master, "\033[?62;4c", 8) == 8);
+    const int status = job_report(&s.job);
     CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
-    CHECK(as_found(&s));
-    CHECK_INT(left_to_read(&s), 0);
+    CHECK(job_has_modes_as_found(&s.job));
+    CHECK_INT(job_left_to_read(&s.job), 0);
     end(&s);
 }
 
 STORY(sequences_change_in_order_and_the_end_is_written_once)
 {
     struct stage s;
-    start(&s, changes_sequences);
-    CHECK_INT(report_of(&s), 0);
+    job_start(&s.job, changes_sequences, NULL);
+    CHECK_INT(job_report(&s.job), 0);
     see(&s, "bye", 60000);
-    CHECK_TEXT(buf_text(&s.seen), "<prompt></prompt><pilot></pilot><prompt></prompt>bye");
+    CHECK_TEXT(buf_text(&s.job.seen), "<prompt></prompt><pilot></pilot><prompt></prompt>bye");
     end(&s);
 }
 

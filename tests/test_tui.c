@@ -9,12 +9,11 @@
 #include "base/file.h"
 #include "tests/check.h"
 #include "tests/kitty_decode.h"
+#include "tests/screen.h"
 #include "tests/sixel_decode.h"
-#include "tui/picture/blocks.h"
 #include "tui/cells.h"
 #include "tui/keys.h"
 #include "tui/prompt/line.h"
-#include "tui/prompt/line_draw.h"
 #include "tui/prompt/line_edit.h"
 #include "tui/probe.h"
 #include "tui/picture/shades.h"
@@ -103,71 +102,56 @@ static double mean_error(const struct image_view *view)
     return sum / (double)count;
 }
 
-/* ---- kitty ---- */
+/* ---- kitty, sixel ---- */
 
-struct png {
+struct seen {
     uint32_t width, height;
-    bool indexed;
+    unsigned colours, chunks; /* of a palette; 0: none */
+    uint32_t worst;           /* pixel, against the view */
 };
 
-/* Decodes into `decoded`. */
-static bool kitty_decode(const char *text, struct png *png, unsigned *chunks)
+/* Encode the view and decode it into `decoded`; the bytes stay until the next call. */
+static const char *travel(const struct graphics *graphics, const struct image_view *view,
+                          struct seen *seen)
 {
     static struct kitty_screen screen;
-    while (text && *text)
-        text = kitty_feed(&screen, text, 0, 0);
-    const struct decoded_png *shown = &screen.picture[0].png;
-    bool fine = text && screen.picture[0].is_there && !screen.waits;
-    *png = (struct png){shown->width, shown->height, shown->colours > 0};
-    *chunks = screen.chunks;
-    if (fine)
-        memcpy(decoded, shown->pixel, sizeof *decoded * shown->width * shown->height);
-    kitty_release(&screen);
-    return fine;
+    static struct buf out;
+    buf_clear(&out);
+    graphics_encode(graphics, view, &out);
+    const char *text = buf_text(&out);
+    if (graphics == &graphics_kitty) {
+        while (text && *text)
+            text = kitty_feed(&screen, text, 0, 0);
+        const struct decoded_png *png = &screen.picture[0].png;
+        CHECK(text && screen.picture[0].is_there && !screen.waits);
+        *seen = (struct seen){png->width, png->height, png->colours, screen.chunks, 0};
+        memcpy(decoded, png->pixel, sizeof *decoded * png->width * png->height);
+        kitty_release(&screen);
+    } else {
+        struct decoded_sixel s;
+        CHECK(sixel_decode(&s, &text) && *text == '\0' && s.all_painted);
+        *seen = (struct seen){s.width, s.height, s.colours, 1, 0};
+        memcpy(decoded, s.pixel, sizeof *decoded * s.width * s.height);
+        free(s.pixel);
+    }
+    CHECK(seen->width == view->width && seen->height == view->height);
+    seen->worst = worst_pixel(view);
+    return buf_text(&out);
 }
 
-STORY(a_picture_of_few_colours_travels_to_kitty_as_a_palette_png)
+STORY(pictures_of_few_and_many_colours_travel_to_kitty_exactly)
 {
+    struct seen seen;
     struct image_view view = ball(301, 40);
-    struct buf out = {0};
-    struct png png;
-    unsigned chunks;
-    graphics_encode(&graphics_kitty, &view, &out);
-    CHECK(kitty_decode(buf_text(&out), &png, &chunks));
-    CHECK(png.indexed);
-    CHECK_INT(png.width, 301);
-    CHECK_INT(png.height, 301);
-    CHECK(chunks > 1);
-    CHECK_INT(worst_pixel(&view), 0);
-    buf_release(&out);
-}
-
-STORY(a_picture_of_many_colours_travels_to_kitty_exactly)
-{
-    struct image_view view = noise(97, 61, 1);
-    struct buf out = {0};
-    struct png png;
-    unsigned chunks;
-    graphics_encode(&graphics_kitty, &view, &out);
-    CHECK(kitty_decode(buf_text(&out), &png, &chunks));
-    CHECK(!png.indexed);
-    CHECK_INT(worst_pixel(&view), 0);
-    buf_release(&out);
-}
-
-STORY(the_smallest_pictures_travel_too)
-{
+    travel(&graphics_kitty, &view, &seen);
+    CHECK(seen.colours > 0 && seen.chunks > 1 && seen.worst == 0); /* as a palette */
+    view = noise(97, 61, 1);
+    travel(&graphics_kitty, &view, &seen);
+    CHECK(seen.colours == 0 && seen.worst == 0);
     for (uint32_t height = 1; height <= 13; height += 3) {
-        struct image_view view = noise(1, height, height);
-        struct buf out = {0};
-        struct png png;
-        unsigned chunks;
-        graphics_encode(&graphics_kitty, &view, &out);
-        CHECK(kitty_decode(buf_text(&out), &png, &chunks));
-        CHECK_INT(chunks, 1);
-        CHECK_INT(png.height, height);
-        CHECK_INT(worst_pixel(&view), 0);
-        buf_release(&out);
+        view = noise(1, height, height);
+        travel(&graphics_kitty, &view, &seen);
+        CHECK(seen.chunks == 1 && seen.worst == 0);
     }
 }
 
@@ -179,86 +163,34 @@ STORY(a_transparent_pixel_is_black)
     CHECK_INT(image_view_colour(&view, 1), 0x643219);
 }
 
-/* ---- sixel ---- */
-
-struct sixels {
-    uint32_t width, height;
-    unsigned colours;
-    bool all_painted;
-};
-
-/* Decodes into `decoded`; the picture ends where the text does. */
-static bool sixels_decode(const char *text, struct sixels *s)
+STORY(pictures_survive_sixel_as_far_as_its_colours_go)
 {
-    struct decoded_sixel picture;
-    bool fine = sixel_decode(&picture, &text) && *text == '\0';
-    *s = (struct sixels){picture.width, picture.height, picture.colours, picture.all_painted};
-    if (fine)
-        memcpy(decoded, picture.pixel, sizeof *decoded * s->width * s->height);
-    free(picture.pixel);
-    return fine;
-}
-
-STORY(a_picture_of_few_colours_survives_sixel_within_a_percent)
-{
-    struct image_view view = ball(302, 50);
-    struct buf out = {0};
-    struct sixels s;
-    graphics_encode(&graphics_sixel, &view, &out);
-    CHECK(sixels_decode(buf_text(&out), &s));
-    CHECK_INT(s.width, 302);
-    CHECK_INT(s.height, 302);
-    CHECK(s.colours <= SHADES_MOST);
-    CHECK(s.all_painted);
-    CHECK(worst_pixel(&view) <= 2);
-    buf_release(&out);
-}
-
-STORY(smooth_shading_is_reduced_to_colours_nobody_can_tell_apart)
-{
-    struct image_view view = ball(256, 256);
-    struct buf out = {0}, again = {0};
-    struct sixels s;
-    graphics_encode(&graphics_sixel, &view, &out);
-    graphics_encode(&graphics_sixel, &view, &again);
-    CHECK(sixels_decode(buf_text(&out), &s));
-    CHECK(s.colours > 200 && s.colours <= SHADES_MOST);
-    CHECK(s.all_painted);
-    CHECK(worst_pixel(&view) <= 12);
+    struct seen seen;
+    struct image_view view = ball(302, 50); /* few colours: within a percent */
+    travel(&graphics_sixel, &view, &seen);
+    CHECK(seen.colours <= SHADES_MOST && seen.worst <= 2);
+    view = ball(256, 256); /* many are reduced, always to the same */
+    char *once = strdup(travel(&graphics_sixel, &view, &seen));
+    CHECK(seen.colours > 200 && seen.colours <= SHADES_MOST && seen.worst <= 12);
     CHECK(mean_error(&view) < 2.0);
-    CHECK_TEXT(buf_text(&again), buf_text(&out)); /* and always to the same */
-    buf_release(&out);
-    buf_release(&again);
-}
-
-STORY(noise_and_odd_sizes_survive_sixel_in_shape)
-{
-    for (uint32_t height = 1; height < 14; height++) {
-        struct image_view view = noise(300 - 23 * height, height, height);
-        struct buf out = {0};
-        struct sixels s;
-        graphics_encode(&graphics_sixel, &view, &out);
-        CHECK(sixels_decode(buf_text(&out), &s));
-        CHECK_INT(s.width, view.width);
-        CHECK_INT(s.height, height);
-        CHECK(s.all_painted);
-        CHECK(worst_pixel(&view) < 128);
-        buf_release(&out);
+    CHECK_TEXT(travel(&graphics_sixel, &view, &seen), once);
+    free(once);
+    for (uint32_t height = 1; height < 14; height++) { /* odd sizes */
+        view = noise(300 - 23 * height, height, height);
+        travel(&graphics_sixel, &view, &seen);
+        CHECK(seen.worst < 128);
     }
 }
 
 STORY(two_nearly_equal_colours_among_many_do_not_stall_the_reduction)
 {
     struct image_view view = noise(64, 64, 9);
-    struct colour_table table;
+    struct shades shades = {0};
     set_pixel(&view, 0, 0, 0x000000);
     set_pixel(&view, 1, 0, 0x000100);
-    struct shades shades = {0};
     CHECK(!shades_take_exact(&shades, &view)); /* there are more */
-    CHECK(colour_table_reduce(&table, &view, 250));
-    CHECK_INT(table.count, 250);
-    CHECK(colour_table_reduce(&table, &view, 2));
-    CHECK_INT(table.count, 2);
+    CHECK(shades_choose(&shades, &view) && shades.count > 240 && shades.count <= SHADES_MOST);
+    shades_release(&shades);
 }
 
 /* ---- scaling, blocks ---- */
@@ -280,75 +212,71 @@ STORY(shrinking_takes_the_mean_of_whole_and_part_pixels)
 
 STORY(fitting_keeps_the_shape_and_never_enlarges)
 {
-    uint32_t w, h;
-    struct image_view view = {.width = 400, .height = 200};
-    image_view_fit(&view, 1000, 1000, &w, &h);
-    CHECK_INT(w, 400);
-    CHECK_INT(h, 200);
-    image_view_fit(&view, 100, 100, &w, &h);
-    CHECK_INT(w, 100);
-    CHECK_INT(h, 50);
-    image_view_fit(&view, 400, 10, &w, &h);
-    CHECK_INT(w, 20);
-    CHECK_INT(h, 10);
-    view.height = 1;
-    image_view_fit(&view, 10, 10, &w, &h);
-    CHECK_INT(h, 1);
+    static const uint32_t cases[][6] = {{400, 200, 1000, 1000, 400, 200},
+                                        {400, 200, 100, 100, 100, 50},
+                                        {400, 200, 400, 10, 20, 10},
+                                        {400, 1, 10, 10, 10, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const struct image_view view = {.width = cases[i][0], .height = cases[i][1]};
+        uint32_t w, h;
+        image_view_fit(&view, cases[i][2], cases[i][3], &w, &h);
+        CHECK(w == cases[i][4] && h == cases[i][5]);
+    }
+}
+
+/* The view as lines of half blocks, in at most columns x rows cells; until the next call. */
+static const char *blocks(const struct image_view *view, enum colours colours, uint32_t columns,
+                          uint32_t rows)
+{
+    static struct buf out;
+    const struct terminal_facts facts = {.colours = colours, .shape = BLOCK_HALF};
+    buf_clear(&out);
+    graphics_blocks.lines(&facts, view, columns, rows, &out);
+    return buf_text(&out);
 }
 
 STORY(blocks_hold_two_pixels_a_cell_and_change_colour_only_where_it_changes)
 {
     struct image_view view = blank_picture(3, 2);
-    struct buf out = {0};
     set_pixel(&view, 0, 0, 0xFF0000);
     set_pixel(&view, 0, 1, 0x0000FF);
     set_pixel(&view, 1, 0, 0x0000FF);
     set_pixel(&view, 1, 1, 0xFF0000);
-    blocks_encode(&view, COLOURS_24BIT, BLOCK_HALF, 80, 24, &out);
-    CHECK_TEXT(buf_text(&out), "\033[38;2;255;0;0;48;2;0;0;255m\u2580\u2584"
-                               "\033[48;2;0;0;0m \033[m\r\n");
-    buf_clear(&out);
-    blocks_encode(&view, COLOURS_256, BLOCK_HALF, 80, 24, &out);
-    CHECK_TEXT(buf_text(&out), "\033[38;5;196;48;5;21m\u2580\u2584\033[48;5;16m \033[m\r\n");
-    buf_release(&out);
+    CHECK_TEXT(blocks(&view, COLOURS_24BIT, 80, 24),
+               "\033[38;2;255;0;0;48;2;0;0;255m\u2580\u2584\033[48;2;0;0;0m \033[m\r\n");
+    CHECK_TEXT(blocks(&view, COLOURS_256, 80, 24),
+               "\033[38;5;196;48;5;21m\u2580\u2584\033[48;5;16m \033[m\r\n");
 }
 
 STORY(without_colours_blocks_are_a_ramp_of_plain_characters)
 {
     struct image_view view = blank_picture(4, 3);
-    struct buf out = {0};
     set_pixel(&view, 0, 0, 0xFFFFFF);
     set_pixel(&view, 0, 1, 0xFFFFFF);
     set_pixel(&view, 2, 0, 0xFFFFFF);
-    blocks_encode(&view, COLOURS_NONE, BLOCK_HALF, 80, 24, &out);
-    CHECK_TEXT(buf_text(&out), "@ +\r\n\r\n");
-    buf_release(&out);
-}
-
-STORY(blocks_never_take_more_cells_than_there_are)
-{
-    struct image_view view = ball(200, 30);
-    struct buf out = {0};
+    CHECK_TEXT(blocks(&view, COLOURS_NONE, 80, 24), "@ +\r\n\r\n");
     unsigned lines = 0;
-    blocks_encode(&view, COLOURS_NONE, BLOCK_HALF, 33, 10, &out);
-    for (const char *end, *at = buf_text(&out); *at; at = end + 1, lines++) {
+    view = ball(200, 30); /* in no more cells than there are */
+    for (const char *end, *at = blocks(&view, COLOURS_NONE, 33, 10); *at; at = end + 1, lines++) {
         end = strchr(at, '\n');
         CHECK(end - at - 1 <= 20);
     }
     CHECK_INT(lines, 10);
-    buf_release(&out);
 }
 
 STORY(the_nearest_of_256_colours_is_the_nearest)
 {
     static const uint32_t level[] = {0, 95, 135, 175, 215, 255};
+    struct image_view view = {.width = 1, .height = 2, .rgba = pixels};
     uint64_t seed = 5;
     for (int i = 0; i < 3000; i++) {
         uint32_t colour = (uint32_t)check_random(&seed) & 0xFFFFFF, best = UINT32_MAX;
         if (i % 3 == 0)
             colour = (colour & 255) * 0x010101;
-        uint8_t chosen = blocks_nearest_256(colour);
-        uint32_t of_chosen = 0;
+        uint32_t of_chosen = 0, chosen = 0;
+        set_pixel(&view, 0, 0, colour);
+        set_pixel(&view, 0, 1, colour);
+        CHECK(sscanf(blocks(&view, COLOURS_256, 1, 1), "\033[48;5;%u", &chosen) == 1);
         for (uint32_t k = 16; k < 256; k++) {
             uint32_t grey = 8 + 10 * (k - 232), n = k - 16, sum = 0;
             uint32_t c[3] = {k < 232 ? level[n / 36] : grey, k < 232 ? level[n / 6 % 6] : grey,
@@ -370,24 +298,19 @@ STORY(a_picture_at_the_prompt_is_framed_and_fits)
         .graphics = &graphics_sixel, .cell_width = 10, .cell_height = 20, .image_side_most = 1000};
     struct image_view view = ball(90, 30);
     struct buf out = {0};
-    struct sixels s;
+    unsigned width, height;
+    static const char sixel[] = "\033P0;1q\"1;1;%u;%u";
     show_inline(&facts, &view, 80, 24, &out);
     CHECK(strncmp(buf_text(&out), "\r\n\n\n\n\n\033[5A\0337\033P", 14) == 0);
     CHECK(out.length > 10 && strcmp(out.data + out.length - 7, "\0338\033[5B\r") == 0);
-    out.data[out.length - 7] = '\0';
-    CHECK(sixels_decode(out.data + 12, &s));
-    CHECK_INT(s.width, 90);
+    CHECK(sscanf(out.data + 12, sixel, &width, &height) == 2 && width == 90);
     buf_clear(&out);
     show_inline(&facts, &view, 80, 4, &out); /* three rows of 20 px are left */
-    out.data[out.length - 7] = '\0';
-    CHECK(sixels_decode(out.data + 10, &s));
-    CHECK_INT(s.width, 60);
-    CHECK_INT(s.height, 60);
+    CHECK(sscanf(out.data + 10, sixel, &width, &height) == 2 && width == 60 && height == 60);
     buf_clear(&out);
     view = ball(1050, 30);
     show_inline(&facts, &view, 300, 100, &out);
-    CHECK(sixels_decode(strstr(buf_text(&out), "\033P"), &s) || s.width == 1000);
-    CHECK_INT(s.width, 1000);
+    CHECK(sscanf(strstr(buf_text(&out), "\033P"), sixel, &width, &height) == 2 && width == 1000);
     buf_clear(&out);
     facts.graphics = &graphics_none;
     show_inline(&facts, &view, 80, 24, &out);
@@ -407,12 +330,10 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
             for (unsigned k = 0; k < 3; k++) {
                 buf_clear(&out);
                 const clock_t begin = clock();
-                if (k == 0)
-                    graphics_encode(&graphics_kitty, &view, &out);
-                else if (k == 1)
-                    graphics_encode(&graphics_sixel, &view, &out);
+                if (k < 2)
+                    graphics_encode(k ? &graphics_sixel : &graphics_kitty, &view, &out);
                 else
-                    blocks_encode(&view, COLOURS_24BIT, BLOCK_HALF, 120, 49, &out);
+                    buf_add_text(&out, blocks(&view, COLOURS_24BIT, 120, 49));
                 const uint64_t took = (uint64_t)(clock() - begin) * (1000000000 / CLOCKS_PER_SEC);
                 best[k] = took < best[k] ? took : best[k];
                 bytes[k] = out.length;
@@ -697,7 +618,8 @@ static struct terminal_facts decide(const char *term, const char *replies_text, 
     if (strstr(replies_text, "_Gi=31"))
         CHECK(graphics_kitty.question.may_ask(&r, &e));
     CHECK(graphics_from_name(name, &wish));
-    graphics_decide(&r, &e, &size, wish, &facts);
+    probe_decide(&r, &e, &size, &facts);
+    facts.graphics = graphics_choose(&r, &e, wish);
     buf_release(&typed);
     return facts;
 }
@@ -794,7 +716,7 @@ STORY(the_cell_size_comes_from_whoever_tells_a_sensible_one)
         struct probe_replies r;
         struct terminal_facts f;
         take_all(&r, &typed, cases[i].replies, 3);
-        graphics_decide(&r, &e, &cases[i].size, graphics_auto, &f);
+        probe_decide(&r, &e, &cases[i].size, &f);
         CHECK_INT(f.cell_width, cases[i].width);
         CHECK_INT(f.cell_height, cases[i].height);
         CHECK_INT(f.image_side_most, 1000);
@@ -1230,206 +1152,112 @@ STORY(the_page_of_keys_is_the_one_in_the_readme)
     buf_release(&readme);
 }
 
-/* ---- drawing, on a small model of a screen ---- */
+/* ---- drawing, on a screen of 10x6 ---- */
 
-enum { SCREEN_COLUMNS = 10, SCREEN_ROWS = 6 };
+static struct screen screen;
+static struct line_drawing drawn;
 
-struct screen {
-    char cell[SCREEN_ROWS][SCREEN_COLUMNS][16];
-    unsigned row, column;
-    bool wrap; /* waiting at the right margin */
-    unsigned scrolled;
-};
-
-static void screen_feed_line(struct screen *s)
+static void begin_screen(void)
 {
-    if (s->row + 1 < SCREEN_ROWS) {
-        s->row++;
-        return;
-    }
-    memmove(s->cell[0], s->cell[1], sizeof s->cell - sizeof s->cell[0]);
-    memset(s->cell[SCREEN_ROWS - 1], 0, sizeof s->cell[0]);
-    s->scrolled++;
+    memset(&screen, 0, sizeof screen);
+    screen_resize(&screen, 10, 6);
+    drawn = (struct line_drawing){0};
 }
 
-static void screen_put(struct screen *s, const char *text, size_t length, unsigned width)
-{
-    if (width == 0) { /* a mark goes to the cell before, or to the one waiting at the margin */
-        char *before = s->cell[s->row][s->wrap ? s->column : s->column - 1];
-        strncat(before, text, length);
-        return;
-    }
-    if (s->wrap || s->column + width > SCREEN_COLUMNS) {
-        s->column = 0;
-        screen_feed_line(s);
-        s->wrap = false;
-    }
-    snprintf(s->cell[s->row][s->column], sizeof s->cell[0][0], "%.*s", (int)length, text);
-    if (width == 2)
-        s->cell[s->row][s->column + 1][0] = '\0';
-    s->wrap = s->column + width == SCREEN_COLUMNS;
-    s->column = s->wrap ? SCREEN_COLUMNS - 1 : s->column + width;
-}
-
-static void screen_play(struct screen *s, const char *bytes)
-{
-    while (*bytes) {
-        if (*bytes == '\r') {
-            s->column = 0;
-            s->wrap = false;
-            bytes++;
-        } else if (*bytes == '\n') {
-            screen_feed_line(s);
-            bytes++;
-        } else if (strncmp(bytes, "\033[J", 3) == 0) {
-            for (unsigned c = s->column; c < SCREEN_COLUMNS; c++)
-                s->cell[s->row][c][0] = '\0';
-            for (unsigned r = s->row + 1; r < SCREEN_ROWS; r++)
-                memset(s->cell[r], 0, sizeof s->cell[r]);
-            bytes += 3;
-        } else if (strncmp(bytes, "\033[", 2) == 0) {
-            unsigned n = (unsigned)strtoul(bytes + 2, (char **)&bytes, 10);
-            CHECK(n > 0);
-            if (*bytes == 'A')
-                s->row = s->row > n ? s->row - n : 0;
-            else if (*bytes == 'C')
-                s->column = s->column + n < SCREEN_COLUMNS ? s->column + n : SCREEN_COLUMNS - 1;
-            else
-                CHECK_INT(*bytes, 0); /* a sequence that this screen does not know */
-            s->wrap = false;
-            bytes++;
-        } else {
-            uint32_t point;
-            size_t n = char_read(bytes, strlen(bytes), &point);
-            screen_put(s, bytes, n, char_width(point));
-            bytes += n;
-        }
-    }
-}
-
-/* The rows of the screen, parted by '/', with the cursor as a bar. */
+/* The rows of the screen, separated by '/', with the cursor as a bar. */
 static const char *screen_text(const struct screen *s)
 {
-    static char text[2048];
+    static char text[2][2048];
+    static unsigned next;
+    char *out = text[next++ % 2];
     size_t used = 0, kept = 0;
-    for (unsigned r = 0; r < SCREEN_ROWS; r++) {
-        for (unsigned c = 0; c < SCREEN_COLUMNS; c++) {
-            if (r == s->row && c == s->column) {
-                text[used++] = '|';
-                kept = used;
-            }
-            size_t n = strlen(s->cell[r][c]);
-            memcpy(text + used, s->cell[r][c], n);
-            used += n;
-            if (n > 0)
-                kept = used;
+    for (unsigned r = 0; r < s->rows; r++) {
+        for (unsigned c = 0; c < s->columns; c++) {
+            const bool is_cursor = r == s->row && c == s->column;
+            const int n = sprintf(out + used, "%s%s", is_cursor ? "|" : "", s->cell[r][c].text);
+            used += (size_t)n;
+            kept = n > 0 ? used : kept;
         }
-        text[used++] = '/';
+        out[used++] = '/';
     }
-    text[kept] = '\0';
-    return text;
+    out[kept] = '\0';
+    return out;
 }
 
-static const char *below; /* the line that is drawn */
-static void draw(struct screen *s, struct line_drawing *d, const char *text, size_t cursor)
+static const char *draw_on(struct screen *s, struct line_drawing *d, const char *text,
+                           size_t cursor, const char *below)
 {
     struct buf out = {0};
-    struct line_content content = {
+    const struct line_content content = {
         .prompt = "> ", .text = text, .length = strlen(text), .cursor = cursor, .below = below};
-    line_draw(d, &content, SCREEN_COLUMNS, SCREEN_ROWS, &out);
-    screen_play(s, buf_text(&out));
+    line_draw(d, &content, s->columns, s->rows, &out);
+    screen_write(s, buf_text(&out), out.length);
     buf_release(&out);
+    return screen_text(s);
 }
 
-STORY(a_line_is_drawn_with_its_cursor)
+static const char *draw(const char *text, size_t cursor)
 {
-    struct screen s = {0};
-    struct line_drawing d = {0};
-    draw(&s, &d, "", 0);
-    CHECK_TEXT(screen_text(&s), "> |");
-    draw(&s, &d, "abc", 3);
-    CHECK_TEXT(screen_text(&s), "> abc|");
-    draw(&s, &d, "abc", 1);
-    CHECK_TEXT(screen_text(&s), "> a|bc");
-    draw(&s, &d, "x", 0);
-    CHECK_TEXT(screen_text(&s), "> |x");
+    return draw_on(&screen, &drawn, text, cursor, NULL);
+}
+
+STORY(a_line_is_drawn_with_its_cursor_and_wraps_at_the_right_margin)
+{
+    begin_screen();
+    CHECK_TEXT(draw("", 0), "> |");
+    CHECK_TEXT(draw("abc", 3), "> abc|");
+    CHECK_TEXT(draw("abc", 1), "> a|bc");
+    CHECK_TEXT(draw("x", 0), "> |x");
+    CHECK_TEXT(draw("abcdefg", 7), "> abcdefg|");
+    CHECK_TEXT(draw("abcdefgh", 8), "> abcdefgh/|"); /* just full: the cursor is a row further */
+    CHECK_TEXT(draw("abcdefghi", 9), "> abcdefgh/i|");
+    CHECK_TEXT(draw("abcdefghi", 0), "> |abcdefgh/i");
+    CHECK_TEXT(draw("abcdefghijklmnopqrstuvw", 23), "> abcdefgh/ijklmnopqr/stuvw|");
+    CHECK_TEXT(draw("abc", 3), "> abc|");
 }
 
 STORY(what_stands_below_a_line_has_the_rows_that_are_left)
 {
-    struct screen s = {0};
-    struct line_drawing d = {0};
-    below = "one\ntwo\n";
-    draw(&s, &d, "abc", 1);
-    CHECK_TEXT(screen_text(&s), "> a|bc/one/two");
-    draw(&s, &d, "abcdefghij", 10); /* of two rows */
-    CHECK_TEXT(screen_text(&s), "> abcdefgh/ij|/one/two");
-    below = "1\n2\n3\n4\n5\n6\n7\n";
-    draw(&s, &d, "abcdefghij", 1);
-    CHECK_TEXT(screen_text(&s), "> a|bcdefgh/ij/1/2/3/4");
-    below = NULL;
-    draw(&s, &d, "abc", 3);
-    CHECK_TEXT(screen_text(&s), "> abc|");
-    CHECK_INT(s.scrolled, 0);
-}
-
-STORY(a_line_wraps_at_the_right_margin_and_back)
-{
-    struct screen s = {0};
-    struct line_drawing d = {0};
-    draw(&s, &d, "abcdefg", 7);
-    CHECK_TEXT(screen_text(&s), "> abcdefg|");
-    draw(&s, &d, "abcdefgh", 8); /* just full: the cursor is on the next row */
-    CHECK_TEXT(screen_text(&s), "> abcdefgh/|");
-    draw(&s, &d, "abcdefghi", 9);
-    CHECK_TEXT(screen_text(&s), "> abcdefgh/i|");
-    draw(&s, &d, "abcdefghi", 0);
-    CHECK_TEXT(screen_text(&s), "> |abcdefgh/i");
-    draw(&s, &d, "abcdefghijklmnopqrstuvw", 23);
-    CHECK_TEXT(screen_text(&s), "> abcdefgh/ijklmnopqr/stuvw|");
-    draw(&s, &d, "abc", 3);
-    CHECK_TEXT(screen_text(&s), "> abc|");
+    begin_screen();
+    CHECK_TEXT(draw_on(&screen, &drawn, "abc", 1, "one\ntwo\n"), "> a|bc/one/two");
+    CHECK_TEXT(draw_on(&screen, &drawn, "abcdefghij", 10, "one\ntwo\n"),
+               "> abcdefgh/ij|/one/two"); /* of two rows */
+    CHECK_TEXT(draw_on(&screen, &drawn, "abcdefghij", 1, "1\n2\n3\n4\n5\n6\n7\n"),
+               "> a|bcdefgh/ij/1/2/3/4"); /* nothing has scrolled */
+    CHECK_TEXT(draw("abc", 3), "> abc|");
 }
 
 STORY(wide_characters_and_marks_take_the_cells_they_take)
 {
-    struct screen s = {0};
-    struct line_drawing d = {0};
-    draw(&s, &d, "abcdefg\u8166x", 10); /* the wide one does not fit in the last column */
-    CHECK_TEXT(screen_text(&s), "> abcdefg/\u8166|x");
-    draw(&s, &d, "abcdefge\u0301x", 10);
-    CHECK_TEXT(screen_text(&s), "> abcdefge\u0301/|x");
-    draw(&s, &d, "a\x1b[2J\u202e", 5);
-    CHECK_TEXT(screen_text(&s), "> a\\x1b[2J/|\\xe2\\x80\\x/ae");
+    begin_screen();
+    /* the wide one does not fit in the last column */
+    CHECK_TEXT(draw("abcdefg\u8166x", 10), "> abcdefg/\u8166|x");
+    CHECK_TEXT(draw("abcdefge\u0301x", 10), "> abcdefge\u0301/|x");
+    CHECK_TEXT(draw("a\x1b[2J\u202e", 5), "> a\\x1b[2J/|\\xe2\\x80\\x/ae");
     CHECK_INT(cells_width("a\u8166e\u0301", 7), 4);
 }
 
 STORY(a_line_taller_than_the_screen_shows_what_is_around_the_cursor)
 {
-    struct screen s = {0};
-    struct line_drawing d = {0};
     char text[100];
+    begin_screen();
     for (unsigned i = 0; i < 99; i++)
         text[i] = (char)('a' + i % 26);
     text[99] = '\0';
-    draw(&s, &d, text, 99); /* 101 cells: eleven rows of ten */
-    CHECK_TEXT(screen_text(&s), "wxyzabcdef/ghijklmnop/qrstuvwxyz/abcdefghij/klmnopqrst/u|");
-    draw(&s, &d, text, 0);
-    CHECK_TEXT(screen_text(&s),
-               "> |abcdefgh/ijklmnopqr/stuvwxyzab/cdefghijkl/mnopqrstuv/wxyzabcdef");
-    draw(&s, &d, text, 30);
-    draw(&s, &d, "abc", 3);
-    CHECK_TEXT(screen_text(&s), "> abc|");
-    CHECK_INT(s.scrolled, 0);
+    CHECK_TEXT(draw(text, 99), /* 101 cells: eleven rows of ten */
+               "wxyzabcdef/ghijklmnop/qrstuvwxyz/abcdefghij/klmnopqrst/u|");
+    CHECK_TEXT(draw(text, 0), "> |abcdefgh/ijklmnopqr/stuvwxyzab/cdefghijkl/mnopqrstuv/wxyzabcdef");
+    draw(text, 30);
+    CHECK_TEXT(draw("abc", 3), "> abc|");
 }
 
 STORY(random_edits_always_draw_what_a_fresh_screen_would_show)
 {
     static const char *const piece[] = {"a",       "bc",   "\u00e4", "\u8166",
                                         "e\u0301", "\x01", " ",      "x y"};
+    static struct screen fresh;
     uint64_t seed = 21;
-    struct screen s = {0};
-    struct line_drawing d = {0};
+    begin_screen();
     begin_line(NULL, 0);
     for (int i = 0; i < 4000; i++) {
         uint32_t what = check_below(&seed, LINE_ACTIONS + 5);
@@ -1438,13 +1266,11 @@ STORY(random_edits_always_draw_what_a_fresh_screen_would_show)
         if (what < LINE_ACTIONS)
             line_act(&line, (enum line_action)what);
         type(piece[check_below(&seed, 8)]);
-        struct screen fresh = {0};
         struct line_drawing nothing = {0};
-        draw(&s, &d, buf_text(&line.text), line.cursor);
-        draw(&fresh, &nothing, buf_text(&line.text), line.cursor);
-        char now[2048];
-        snprintf(now, sizeof now, "%s", screen_text(&s));
-        CHECK_TEXT(now, screen_text(&fresh));
+        memset(&fresh, 0, sizeof fresh);
+        screen_resize(&fresh, 10, 6);
+        const char *now = draw(buf_text(&line.text), line.cursor);
+        CHECK_TEXT(now, draw_on(&fresh, &nothing, buf_text(&line.text), line.cursor, NULL));
     }
 }
 

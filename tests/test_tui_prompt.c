@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What the prompt draws besides the line itself, without a terminal: bytes in, bytes out. */
 #include "tests/check.h"
-#include "tui/prompt/line_draw.h"
+#include "tui/prompt/line_edit.h"
 
 /* ---- the caret ---- */
 

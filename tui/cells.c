@@ -185,3 +185,20 @@ void cells_wrap(struct buf *out, const struct buf *text, unsigned columns)
     }
     out->failed |= text->failed;
 }
+
+/* ---- themes ---- */
+
+const struct theme theme_dark = {"dark",       "\033[38;5;244m", "\033[90m", "\033[1;97;41m",
+                                 "\033[1;36m", "\033[33m",       true};
+static const struct theme theme_light = {
+    "light", "\033[38;5;242m", "\033[90m", "\033[1;97;41m", "\033[1;34m", "\033[35m", true};
+static const struct theme theme_none = {"none", "", "", "\033[7m", "", "", false};
+
+const struct theme *theme_find(const char *name)
+{
+    static const struct theme *const all[] = {&theme_dark, &theme_light, &theme_none};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        if (strcmp(all[i]->name, name) == 0)
+            return all[i];
+    return NULL;
+}

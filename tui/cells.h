@@ -58,4 +58,24 @@ void cells_crop(struct buf *out, const char *text, unsigned columns);
  * A word that is wider than the room it has stays whole, so that a path can be copied. */
 void cells_wrap(struct buf *out, const struct buf *text, unsigned columns);
 
+/* ---- themes ---- */
+
+/*
+ * The colours of text, for a dark terminal, a light one, or none. Pictures have the colours of
+ * labels and greys under every theme; under `none`, as under NO_COLOR, they are made of characters.
+ */
+struct theme {
+    const char *name;
+    const char *hint, *hint_16; /* CSI .. m, in 256 colours and in 16: possible ends of a line */
+    const char *alarm;          /* a state that must be noticed */
+    const char *heading, *key;  /* of a page of keys */
+    bool has_colours;
+};
+
+#define THEME_NAMES "dark|light|none"
+extern const struct theme theme_dark;
+
+/* Return the theme of that name, or NULL. */
+const struct theme *theme_find(const char *name);
+
 #endif

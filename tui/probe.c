@@ -15,12 +15,7 @@
 
 enum { LIMIT_MS = 2000, OWED_MS = 300 };
 enum { SIDE_UNTOLD = 1000, CELL_LEAST = 4, CELL_MOST = 64 };
-enum {
-    KIND_SCREEN = 'S',
-    KIND_TMUX = 'T',
-    KIND_VTE = 65,
-    KIND_XTERM = 41
-}; /* in the secondary DA */
+enum { KIND_SCREEN = 'S', KIND_TMUX = 'T', KIND_VTE = 65, KIND_XTERM = 41 }; /* in DA2 */
 
 /* ---- replies ---- */
 
@@ -178,16 +173,11 @@ bool probe_is_named(const struct probe_replies *replies, const struct probe_envi
     return any(holds, replies->name[0] ? replies->name : e->term, names);
 }
 
-static bool may_ask_modes(const struct probe_replies *replies, const struct probe_environment *e)
-{
-    static const char *const careful[] = {"alacritty", "foot",    "contour", "kitty",
-                                          "ghostty",   "wezterm", NULL};
-    return replies->name[0] || (any(holds, e->term, careful) && !probe_is_multiplexed(replies, e));
-}
-
 void probe_questions(unsigned round, const struct probe_replies *replies,
                      const struct probe_environment *e, struct probe_wish wish, struct buf *out)
 {
+    static const char *const careful[] = {"alacritty", "foot",    "contour", "kitty",
+                                          "ghostty",   "wezterm", NULL};
     const size_t before = out->length;
     const bool first = round == 0, all = wish.depth == PROBE_ALL;
     bool clears_up = false;
@@ -195,7 +185,8 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
         return;
     if (first && all)
         buf_add_text(out, CSI_QUESTIONS);
-    if (!first && may_ask_modes(replies, e))
+    if (!first &&
+        (replies->name[0] || (any(holds, e->term, careful) && !probe_is_multiplexed(replies, e))))
         buf_add_text(out, MODE_QUESTION);
     if (!first && replies->attributes >> 4 & 1)
         buf_add_text(out, SIDE_QUESTION);

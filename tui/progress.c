@@ -68,18 +68,6 @@ static void put_line(struct progress *progress, const struct buf *line)
     buf_release(&out);
 }
 
-/* Notices where another step begins, or the same one anew. */
-static void follow_step(struct progress *progress, const char *what, uint64_t done, uint64_t now_ns)
-{
-    const bool goes_on = done >= progress->step_seen;
-    progress->step_seen = done;
-    if (goes_on && strncmp(progress->step, what, PROGRESS_WORDS - 1) == 0)
-        return;
-    snprintf(progress->step, sizeof progress->step, "%s", what);
-    progress->step_ns = now_ns;
-    progress->step_done = done;
-}
-
 /* Whether it can be estimated how long the step will go on. */
 static bool estimate_left(const struct progress *progress, uint64_t now_ns,
                           struct progress_step *step)
@@ -103,7 +91,13 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
         return;
     if (!progress->begun_ns)
         progress->begun_ns = now_ns;
-    follow_step(progress, what, done, now_ns);
+    /* Another step begins, or the same one again. */
+    if (done < progress->step_seen || strncmp(progress->step, what, PROGRESS_WORDS - 1) != 0) {
+        snprintf(progress->step, sizeof progress->step, "%s", what);
+        progress->step_ns = now_ns;
+        progress->step_done = done;
+    }
+    progress->step_seen = done;
     if (now_ns - progress->begun_ns < PROGRESS_AFTER_MS * ms ||
         now_ns - progress->drawn_ns < 1000 / PROGRESS_A_SECOND * ms)
         return;

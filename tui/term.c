@@ -126,16 +126,6 @@ static void guardian_end(struct guardian *g)
     g->process = 0;
 }
 
-static void guardian_set_words(struct guardian *g, const char *text, size_t length)
-{
-    if (!g->guarded || length > GUARDIAN_WORDS)
-        return;
-    const int other = !g->guarded->which;
-    memcpy(g->guarded->words[other].text, text, length);
-    g->guarded->words[other].length = length;
-    g->guarded->which = other;
-}
-
 /* A short text that a signal handler may write: filled before its length is set. */
 struct text {
     char bytes[TERM_WORDS];
@@ -223,8 +213,12 @@ static size_t put_ending(char words[ENDING], bool for_good, bool ask)
 
 static void update_guardian(void)
 {
-    char words[ENDING];
-    guardian_set_words(&term.guardian, words, put_ending(words, true, false));
+    struct guarded *g = term.guardian.guarded;
+    if (!g)
+        return;
+    const int other = !g->which;
+    g->words[other].length = put_ending(g->words[other].text, true, false);
+    g->which = other;
 }
 
 static bool is_ours(void)

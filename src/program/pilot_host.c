@@ -429,10 +429,10 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
     memcpy(outline.rgb, session_of(pilot)->now.kept.palette.rgb[wish->label], sizeof outline.rgb);
     buf_add_text(line, "nothing to show yet"); /* what stands in an empty rendition */
     if (!pilot->watches) {
-        setup_say_key(line + 1, setup, "plant", " plants a seed of the label");
-        setup_say_key_to(line + 2, setup, "plant-label", '0', " one of the background");
+        setup_say(line + 1, setup, "{plant} plants a seed of the label");
+        setup_say(line + 2, setup, "{plant-label:0} one of the background");
     }
-    setup_say_key(line + 3, setup, "keys", " shows the keys");
+    setup_say(line + 3, setup, "{keys} shows the keys");
     for (int i = 0; i < PANES_LINES; i++)
         panes.line[i] = buf_text(line + i);
     const enum err err = panes_draw(&pilot->panes, session_of(pilot), &panes, fault);

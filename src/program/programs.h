@@ -104,7 +104,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
  *     brush 3 2
  *     # a window of greys by centre and width: `w` and its number take it
  *     window liver 60 160
- *     # the keys of an action of the pilot (tui/pilot/chord.h)
+ *     # the keys of an action of the pilot (struct chord)
  *     key undo U Ctrl-u
  *     # long answers at the prompt run over the screen as they are
  *     pager off

@@ -34,7 +34,7 @@
 #include "show/histogram.h"
 #include "session/semantics.h"
 #include "tui/cells.h"
-#include "tui/prompt/line_keys.h"
+#include "tui/prompt/line_edit.h"
 #include "tui/prompt/repl.h"
 
 /* ---- facts ---- */

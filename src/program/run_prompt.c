@@ -16,8 +16,6 @@
 #include "session/setting.h"
 #include "tui/pilot/pilot.h"
 #include "tui/pilot/pilot_keys.h"
-#include "tui/prompt/line_history.h"
-#include "tui/prompt/line_keys.h"
 #include "tui/prompt/repl.h"
 
 /*

@@ -7,8 +7,7 @@
 #include "tests/screen.h"
 #include "tui/cells.h"
 #include "tui/picture/graphics.h"
-#include "tui/prompt/line_draw.h"
-#include "tui/prompt/line_keys.h"
+#include "tui/prompt/line_edit.h"
 
 /* What a terminal sends, keys and answers, in reads of any size: what comes out as text is UTF-8,
  * every answer is recognised as one, and where the reads were cut changes nothing. The first byte
@@ -88,7 +87,8 @@ static void check_facts(const struct probe_replies *replies)
         const struct probe_environment e = {.term = terms[i]};
         struct terminal_facts facts;
         struct buf asked = {0};
-        graphics_decide(replies, &e, &size, graphics_auto, &facts);
+        probe_decide(replies, &e, &size, &facts);
+        facts.graphics = graphics_choose(replies, &e, graphics_auto);
         probe_questions(1, replies, &e, graphics_asks(graphics_auto, &e), &asked);
         HOLDS(facts.graphics && facts.cell_width >= 4 && facts.cell_width <= 64);
         HOLDS(facts.cell_height >= 4 && facts.cell_height <= 64 && facts.image_side_most > 0);

@@ -1,14 +1,29 @@
 /* SPDX-License-Identifier: MIT */
-#include "tui/picture/blocks.h"
-
+/*
+ * Pictures made of text, for terminals without graphics: block characters, whose foreground (ink)
+ * covers some parts of the cell and whose background (paper) the others.
+ *
+ *     ESC[38;2;200;10;10;48;2;90;5;5m U+2580      ink and paper, and the upper half block
+ *     38;5;N and 48;5;N with 256 colours; 30..37, 90..97 and 40..47, 100..107 with 16
+ *
+ *     BLOCK_HALF 1x2 parts   BLOCK_QUADRANT 2x2, U+2596 ..   BLOCK_SEXTANT 2x3, U+1FB00 ..
+ *
+ * A cell of more than two colours is split into the two sets with the least squared error to their
+ * means. A colour is sent only where it changes; a cell of one colour is a space on it. Without
+ * colours a cell is one character of a ramp from dark to bright. A note of the view
+ * (tui/picture/image_view.h) is a cell of its own: a bright character on black.
+ *
+ * A cell counts as half as wide as it is high, as nearly all are. So that pixels are square, a cell
+ * stands for 1x2, 2x4 or 6x12 of them, and each part has the mean of its own.
+ */
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
 #include "tui/cells.h"
 #include "tui/picture/graphics.h"
-#include "tui/picture/painter.h"
 
 /* ---- 256 colours ---- */
 
@@ -33,7 +48,9 @@ static uint32_t cube_level(uint32_t place)
     return place == 0 ? 0 : 55 + 40 * place;
 }
 
-uint8_t blocks_nearest_256(uint32_t colour)
+/* The nearest of the 240 fixed entries (16..255) of the 256-colour palette: a 6x6x6 cube and a
+ * ramp of 24 greys. */
+static uint8_t nearest_256(uint32_t colour)
 {
     uint32_t red = colour >> 16, green = colour >> 8 & 255, blue = colour & 255;
     uint32_t r = cube_place(red), g = cube_place(green), b = cube_place(blue);
@@ -73,9 +90,10 @@ static uint32_t rows_of(enum block_shape shape)
     return shape == BLOCK_SEXTANT ? 3 : 2;
 }
 
-void blocks_pixels(enum block_shape shape, uint32_t *width, uint32_t *height)
+/* The pixels of a cell. */
+static void cell_pixels(const struct terminal_facts *facts, uint32_t *width, uint32_t *height)
 {
-    *width = shape == BLOCK_HALF ? 1 : shape == BLOCK_QUADRANT ? 2 : 6;
+    *width = facts->shape == BLOCK_HALF ? 1 : facts->shape == BLOCK_QUADRANT ? 2 : 6;
     *height = 2 * *width;
 }
 
@@ -132,7 +150,7 @@ static unsigned best_parts(uint32_t sum[][3], unsigned all)
 
 static int32_t number_of(uint32_t colour, enum colours colours)
 {
-    return colours == COLOURS_256  ? blocks_nearest_256(colour)
+    return colours == COLOURS_256  ? nearest_256(colour)
            : colours == COLOURS_16 ? nearest_16(colour)
                                    : (int32_t)colour;
 }
@@ -175,11 +193,11 @@ static struct block colourless(const uint32_t *colour, unsigned count)
 }
 
 void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
-                 enum colours colours, enum block_shape shape)
+                 const struct terminal_facts *facts)
 {
-    const uint32_t across = columns_of(shape), down = rows_of(shape);
+    const uint32_t across = columns_of(facts->shape), down = rows_of(facts->shape);
     uint32_t width, height, colour[PARTS_MOST];
-    blocks_pixels(shape, &width, &height);
+    cell_pixels(facts, &width, &height);
     for (uint32_t top = 0; top < view->height; top += height, cell += stride)
         for (uint32_t left = 0; left < view->width; left += width) {
             unsigned count = 0;
@@ -188,8 +206,9 @@ void blocks_fill(struct block *cell, size_t stride, const struct image_view *vie
                     colour[count++] =
                         part_colour(view, left + i * (width / across), top + j * (height / down),
                                     width / across, height / down);
-            cell[left / width] = colours == COLOURS_NONE ? colourless(colour, count)
-                                                         : coloured(colour, count, colours);
+            cell[left / width] = facts->colours == COLOURS_NONE
+                                     ? colourless(colour, count)
+                                     : coloured(colour, count, facts->colours);
         }
 }
 
@@ -278,56 +297,40 @@ static void put_cell(struct pen *pen, const struct block *cell, struct buf *out)
 
 /* ---- lines ---- */
 
-static void put_line(const struct block *cell, uint32_t columns, struct pen pen, struct buf *out)
+/* Add the view, shrunk into columns x rows cells in its own shape, as lines that end in CR LF. */
+static void lines(const struct terminal_facts *facts, const struct image_view *view,
+                  uint32_t columns, uint32_t rows, struct buf *out)
 {
-    if (pen.colours == COLOURS_NONE)
-        while (columns > 0 && cell[columns - 1].parts == ' ')
-            columns--;
-    for (uint32_t i = 0; i < columns; i++)
-        put_cell(&pen, &cell[i], out);
-    buf_add_text(out, pen.colours == COLOURS_NONE ? "\r\n" : "\033[m\r\n");
-}
-
-static uint32_t times(uint32_t a, uint32_t b)
-{
-    return a > UINT32_MAX / b ? UINT32_MAX : a * b;
-}
-
-void blocks_encode(const struct image_view *view, enum colours colours, enum block_shape shape,
-                   uint32_t columns, uint32_t rows, struct buf *out)
-{
-    const struct pen pen = {colours, shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
+    const bool is_plain = facts->colours == COLOURS_NONE;
     struct image_view small = *view;
     uint32_t width, height;
-    blocks_pixels(shape, &width, &height);
-    image_view_fit(view, times(columns, width), times(rows, height), &small.width, &small.height);
+    cell_pixels(facts, &width, &height);
+    image_view_fit(view, (uint32_t)least_64((uint64_t)columns * width, UINT32_MAX),
+                   (uint32_t)least_64((uint64_t)rows * height, UINT32_MAX), &small.width,
+                   &small.height);
     const size_t across = (small.width + width - 1) / width;
     const size_t down = (small.height + height - 1) / height;
     uint8_t *rgba = image_view_shrink(view, small.width, small.height);
     struct block *cell = mem_array(across * down, sizeof *cell);
     small.rgba = rgba;
     if (rgba && cell)
-        blocks_fill(cell, across, &small, colours, shape);
+        blocks_fill(cell, across, &small, facts);
     else
         out->failed = true;
-    for (size_t y = 0; y < down && !out->failed; y++)
-        put_line(cell + y * across, (uint32_t)across, pen, out);
+    for (size_t y = 0; y < down && !out->failed; y++) {
+        struct pen pen = {facts->colours, facts->shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
+        size_t columns_used = across;
+        while (is_plain && columns_used > 0 && cell[y * across + columns_used - 1].parts == ' ')
+            columns_used--;
+        for (size_t x = 0; x < columns_used; x++)
+            put_cell(&pen, &cell[y * across + x], out);
+        buf_add_text(out, is_plain ? "\r\n" : "\033[m\r\n");
+    }
     free(cell);
     free(rgba);
 }
 
 /* ---- as a way to show pictures ---- */
-
-static void cell_pixels(const struct terminal_facts *facts, uint32_t *width, uint32_t *height)
-{
-    blocks_pixels(facts->shape, width, height);
-}
-
-static void lines(const struct terminal_facts *facts, const struct image_view *view,
-                  uint32_t columns, uint32_t rows, struct buf *out)
-{
-    blocks_encode(view, facts->colours, facts->shape, columns, rows, out);
-}
 
 /* The painter's bytes are cells here. */
 static bool show(struct painter *p, const struct image_view *view, struct buf *out)
@@ -340,7 +343,7 @@ static bool show(struct painter *p, const struct image_view *view, struct buf *o
     struct block *then = (void *)p->of[0].bytes, *now = (void *)p->of[1].bytes;
     for (size_t i = 0; i < cells; i++)
         now[i] = (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, colours == COLOURS_NONE ? ' ' : 0, 0};
-    blocks_fill(now, p->columns, view, colours, p->facts.shape);
+    blocks_fill(now, p->columns, view, &p->facts);
     static const uint32_t ink = 0xE8E8E8, paper = 0x000000;
     for (size_t i = 0; i < view->notes; i++) {
         const struct raster_note *note = &view->note[i];

@@ -7,7 +7,6 @@
 
 #include "base/least.h"
 #include "base/mem.h"
-#include "tui/picture/painter.h"
 
 const struct graphics graphics_none = {
     .name = "none", .title = "nothing", .kind = GRAPHICS_NOTHING};
@@ -62,8 +61,8 @@ static const struct graphics *all_of(const struct graphics *g, const struct prob
     return !g->made_by || probe_is_named(replies, e, maker) ? g : g->instead;
 }
 
-static const struct graphics *choose(const struct probe_replies *replies,
-                                     const struct probe_environment *e, struct graphics_wish wish)
+const struct graphics *graphics_choose(const struct probe_replies *replies,
+                                       const struct probe_environment *e, struct graphics_wish wish)
 {
     for (size_t i = 0; i + 1 < wish.count; i++) {
         const struct graphics *g = wish.of[i];
@@ -74,14 +73,6 @@ static const struct graphics *choose(const struct probe_replies *replies,
             return all_of(g, replies, e);
     }
     return all_of(wish.of[wish.count - 1], replies, e);
-}
-
-void graphics_decide(const struct probe_replies *replies, const struct probe_environment *e,
-                     const struct term_size *size, struct graphics_wish wish,
-                     struct terminal_facts *facts)
-{
-    probe_decide(replies, e, size, facts);
-    facts->graphics = choose(replies, e, wish);
 }
 
 static const char *recovery_of(const struct terminal_facts *facts)
@@ -96,7 +87,7 @@ enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts,
     struct probe_replies replies = {0};
     char words[TERM_WORDS];
     const enum err err = probe_terminal(graphics_asks(wish, &e), &replies, facts, typed, fault);
-    facts->graphics = choose(&replies, &e, wish);
+    facts->graphics = graphics_choose(&replies, &e, wish);
     snprintf(words, sizeof words, "%s%s", recovery_of(facts),
              facts->synchronizes ? "\033[?2026l" : "");
     term_set_recovery(words);
@@ -111,35 +102,26 @@ void graphics_add_recovery(const struct terminal_facts *facts, struct buf *out)
 
 /* ---- a picture at the prompt ---- */
 
-/* The pixels, and their palette if they have one; false without memory. */
-static bool take_pixels(struct painter *p, const struct image_view *view, struct raster *raster)
-{
-    const bool needs_palette = shades_needed(view, p->facts.graphics->palette_always);
-    size_t bytes;
-    if (needs_palette && !shades_choose(&p->shades, view))
-        return false;
-    p->has_palette = needs_palette || shades_take_exact(&p->shades, view);
-    *raster = (struct raster){.width = view->width,
-                              .height = view->height,
-                              .stride = (size_t)view->width * (p->has_palette ? 1 : 3),
-                              .colour = p->has_palette ? p->shades.colour : NULL,
-                              .colours = p->shades.count};
-    if (!size_multiply(raster->stride, view->height, &bytes) ||
-        !mem_grow(&p->of[0].bytes, &p->of[0].capacity, bytes, 1))
-        return false;
-    raster->bytes = p->of[0].bytes;
-    return shades_fill(&p->shades, p->has_palette, view, p->of[0].bytes, view->width, view->height);
-}
-
 void graphics_encode(const struct graphics *graphics, const struct image_view *view,
                      struct buf *out)
 {
     struct painter p = {.facts.graphics = graphics};
-    struct raster raster;
-    if (take_pixels(&p, view, &raster))
+    const bool needs_palette = shades_needed(view, graphics->palette_always);
+    bool fine = !needs_palette || shades_choose(&p.shades, view);
+    p.has_palette = needs_palette || shades_take_exact(&p.shades, view);
+    struct raster raster = {.width = view->width,
+                            .height = view->height,
+                            .stride = (size_t)view->width * (p.has_palette ? 1 : 3),
+                            .colour = p.has_palette ? p.shades.colour : NULL,
+                            .colours = p.shades.count};
+    size_t bytes;
+    fine = fine && size_multiply(raster.stride, view->height, &bytes) &&
+           mem_grow(&p.of[0].bytes, &p.of[0].capacity, bytes, 1) &&
+           shades_fill(&p.shades, p.has_palette, view, p.of[0].bytes, view->width, view->height);
+    raster.bytes = p.of[0].bytes;
+    if (fine)
         graphics->once(&p, &raster, out);
-    else
-        out->failed = true;
+    out->failed |= !fine;
     painter_release(&p);
 }
 
@@ -155,14 +137,20 @@ static void add_framed(const struct terminal_facts *facts, const struct image_vi
     buf_printf(out, "\0338\033[%uB\r", rows);
 }
 
-static void show_pixels(const struct terminal_facts *facts, const struct image_view *view,
-                        uint32_t columns, uint32_t rows, struct buf *out)
+void show_inline(const struct terminal_facts *facts, const struct image_view *view,
+                 uint32_t columns, uint32_t rows, struct buf *out)
 {
+    const uint32_t picture_rows = rows > 1 ? rows - 1 : 1, side = facts->image_side_most;
     struct image_view fitting = *view;
-    const uint32_t side = facts->image_side_most;
+    if (view->width == 0 || view->height == 0)
+        return;
+    if (facts->graphics->kind == GRAPHICS_TEXT)
+        facts->graphics->lines(facts, view, columns, picture_rows, out);
+    if (facts->graphics->kind != GRAPHICS_PIXELS)
+        return;
     image_view_fit(view, (uint32_t)least_64((uint64_t)columns * facts->cell_width, side),
-                   (uint32_t)least_64((uint64_t)rows * facts->cell_height, side), &fitting.width,
-                   &fitting.height);
+                   (uint32_t)least_64((uint64_t)picture_rows * facts->cell_height, side),
+                   &fitting.width, &fitting.height);
     if (fitting.width == view->width && fitting.height == view->height) {
         add_framed(facts, view, out);
         return;
@@ -174,16 +162,4 @@ static void show_pixels(const struct terminal_facts *facts, const struct image_v
     else
         out->failed = true;
     free(rgba);
-}
-
-void show_inline(const struct terminal_facts *facts, const struct image_view *view,
-                 uint32_t columns, uint32_t rows, struct buf *out)
-{
-    const uint32_t picture_rows = rows > 1 ? rows - 1 : 1;
-    if (view->width == 0 || view->height == 0)
-        return;
-    if (facts->graphics->kind == GRAPHICS_TEXT)
-        facts->graphics->lines(facts, view, columns, picture_rows, out);
-    else if (facts->graphics->kind == GRAPHICS_PIXELS)
-        show_pixels(facts, view, columns, picture_rows, out);
 }

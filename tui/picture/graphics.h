@@ -43,10 +43,10 @@ void graphics_add_names(struct buf *out, const char *between, const char *before
 struct probe_wish graphics_asks(struct graphics_wish wish,
                                 const struct probe_environment *environment);
 
-/* All facts, by the replies (probe_decide), and what pictures are shown by. */
-void graphics_decide(const struct probe_replies *replies,
-                     const struct probe_environment *environment, const struct term_size *size,
-                     struct graphics_wish wish, struct terminal_facts *facts);
+/* Choose the row that shows pictures, by the replies. */
+const struct graphics *graphics_choose(const struct probe_replies *replies,
+                                       const struct probe_environment *environment,
+                                       struct graphics_wish wish);
 
 /* Asks the terminal, which must be open and raw (probe_terminal), and decides; gives tui/term.h
  * what ends our modes. What was typed meanwhile is added to `typed`. */

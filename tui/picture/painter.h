@@ -232,4 +232,20 @@ struct graphics {
                   uint32_t rows, struct buf *);
 };
 
+/* ---- cells of text that show pixels (blocks.c) ---- */
+
+struct block {
+    int32_t ink, paper; /* 0xRRGGBB, or a number of the palette, or BLOCK_DEFAULT, the terminal's */
+    uint8_t parts;      /* parts in the ink's colour, a bit each from the top left, which is always
+                           0; without colours the character */
+    char note;          /* a character in place of the parts, or 0 */
+};
+
+enum { BLOCK_DEFAULT = -1 };
+
+/* Fill cell[row * stride + column] with the cells that a view covers. Parts of the last ones beyond
+ * the view are black. */
+void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
+                 const struct terminal_facts *facts);
+
 #endif

@@ -22,6 +22,13 @@ static uint32_t colour_cell(uint32_t colour)
 
 /* ---- the colours that suit a picture ---- */
 
+/*
+ * A few colours for a picture of many, of which nothing is known. The colours are cut into boxes:
+ * begin with one box that holds all, and repeatedly halve at its mean the box and axis with the
+ * largest squared error (Wan, Prusinkiewicz and Wong, "Variance-based color image quantization",
+ * 1990). Integers only: the same picture gives the same colours.
+ */
+
 struct sample {
     uint8_t channel[3];
     uint32_t cell;
@@ -87,24 +94,6 @@ static void cut_box(struct box *box, struct box *above, struct sample *sample)
     measure_box(above, sample);
 }
 
-static unsigned cut_boxes(struct box *box, unsigned most, struct sample *sample, size_t samples)
-{
-    unsigned count = 1;
-    box[0] = (struct box){.first = 0, .count = samples};
-    measure_box(&box[0], sample);
-    while (count < most) {
-        unsigned worst = 0;
-        for (unsigned i = 1; i < count; i++)
-            if (box[i].error > box[worst].error)
-                worst = i;
-        if (box[worst].error == 0)
-            break;
-        cut_box(&box[worst], &box[count], sample);
-        count++;
-    }
-    return count;
-}
-
 /* Counts the pixels of each cell in `weight` and lists the cells that have any, each with the
  * first colour seen in it. Returns how many, or 0 without memory. */
 static size_t gather_samples(const struct image_view *view, uint32_t *weight,
@@ -126,20 +115,28 @@ static size_t gather_samples(const struct image_view *view, uint32_t *weight,
     return count;
 }
 
-bool colour_table_reduce(struct colour_table *table, const struct image_view *view, unsigned most)
+/* Fill `box` with at most `most` boxes around all colours of the view. Returns how many, or 0
+ * without memory. */
+static unsigned cut_colours(struct box *box, unsigned most, const struct image_view *view)
 {
-    struct box box[COLOUR_TABLE_MOST];
     struct sample *sample = NULL;
     uint32_t *weight = calloc(PLACES, sizeof *weight);
-    const size_t samples = weight ? gather_samples(view, weight, &sample) : 0;
-    table->count = samples ? cut_boxes(box, most, sample, samples) : 0;
-    for (unsigned b = 0; b < table->count; b++) {
-        const uint8_t *mean = box[b].mean;
-        table->colour[b] = (uint32_t)mean[0] << 16 | (uint32_t)mean[1] << 8 | mean[2];
+    unsigned count = 1, worst = 0;
+    box[0] = (struct box){.count = weight ? gather_samples(view, weight, &sample) : 0};
+    if (box[0].count > 0)
+        measure_box(&box[0], sample);
+    else
+        count = 0;
+    while (count > 0 && count < most && box[worst].error > 0) {
+        cut_box(&box[worst], &box[count++], sample);
+        worst = 0;
+        for (unsigned i = 1; i < count; i++)
+            if (box[i].error > box[worst].error)
+                worst = i;
     }
     free(weight);
     free(sample);
-    return samples > 0 || (size_t)view->width * view->height == 0;
+    return count;
 }
 
 /* ---- exact ---- */
@@ -371,24 +368,36 @@ static bool take_hues(struct shades *s, const struct image_view *view)
     return true;
 }
 
-/* About 32 x 32 pixels, evenly over the picture as it will be. */
+/* The colours of about 32 x 32 pixels, evenly over the picture; returns how many. */
+enum { LOOKS_MOST = 32 * 32 };
+static unsigned take_looks(const struct image_view *view, const uint8_t *rgba,
+                           uint32_t look[LOOKS_MOST])
+{
+    const uint32_t across = view->width / 32 + 1, down = view->height / 32 + 1;
+    const struct image_view looks = {.rgba = rgba};
+    unsigned count = 0;
+    for (uint32_t y = down / 2; y < view->height; y += down)
+        for (uint32_t x = across / 2; x < view->width; x += across)
+            look[count++] = image_view_colour(&looks, (size_t)y * view->width + x);
+    return count;
+}
+
+/* Look at the picture as it will be when it is fine. */
 static void look_around(const struct image_view *view, const uint32_t *hue, unsigned hues,
                         bool *has_greys, bool *has_tints)
 {
-    const uint32_t across = view->width / 32 + 1, down = view->height / 32 + 1;
-    const struct image_view looks = {.rgba = view->fine ? view->fine : view->rgba};
+    uint32_t look[LOOKS_MOST];
+    const unsigned looks = take_looks(view, view->fine ? view->fine : view->rgba, look);
     unsigned seen = 0, greys = 0, tints = 0;
-    for (uint32_t y = down / 2; y < view->height; y += down)
-        for (uint32_t x = across / 2; x < view->width; x += across) {
-            const uint32_t colour = image_view_colour(&looks, (size_t)y * view->width + x);
-            if (brightest(colour) < 16)
-                continue;
-            seen++;
-            if (is_grey(colour))
-                greys++;
-            else if (!is_crossed(colour) && !is_shaded(colour, hue, hues < 32 ? hues : 32))
-                tints++;
-        }
+    for (unsigned i = 0; i < looks; i++) {
+        if (brightest(look[i]) < 16)
+            continue;
+        seen++;
+        if (is_grey(look[i]))
+            greys++;
+        else if (!is_crossed(look[i]) && !is_shaded(look[i], hue, hues < 32 ? hues : 32))
+            tints++;
+    }
     *has_greys = greys * 32 > seen;
     *has_tints = tints * 32 > seen;
 }
@@ -409,28 +418,26 @@ static bool are_crowded(const struct shades *s)
  * 16. */
 static uint32_t look_how_far(struct shades *s, const struct image_view *view)
 {
-    const uint32_t across = view->width / 32 + 1, down = view->height / 32 + 1;
-    uint32_t seen = 0, sum = 0;
-    for (uint32_t y = down / 2; y < view->height; y += down)
-        for (uint32_t x = across / 2; x < view->width; x += across) {
-            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
-            const uint32_t shown = s->colour[place_of(s, colour)];
-            uint32_t most = 0;
-            for (unsigned k = 0; k < 3; k++) {
-                const uint32_t one = channel(colour, k), other = channel(shown, k);
-                const uint32_t apart = one < other ? other - one : one - other;
-                most = apart > most ? apart : most;
-            }
-            sum += 16 * most;
-            seen++;
+    uint32_t look[LOOKS_MOST], sum = 0;
+    const unsigned looks = take_looks(view, view->rgba, look);
+    for (unsigned i = 0; i < looks; i++) {
+        const uint32_t shown = s->colour[place_of(s, look[i])];
+        uint32_t most = 0;
+        for (unsigned k = 0; k < 3; k++) {
+            const uint32_t one = channel(look[i], k), other = channel(shown, k);
+            const uint32_t apart = one < other ? other - one : one - other;
+            most = apart > most ? apart : most;
         }
-    return seen ? sum / seen : 0;
+        sum += 16 * most;
+    }
+    return looks ? sum / looks : 0;
 }
 
 static bool take_colours(struct shades *s, const struct image_view *view)
 {
-    struct colour_table table;
-    if (!colour_table_reduce(&table, view, SHADES_MOST - 2 - ACCENTS))
+    struct box box[SHADES_MOST];
+    const unsigned boxes = cut_colours(box, SHADES_MOST - 2 - ACCENTS, view);
+    if (boxes == 0)
         return false;
     s->count = 0;
     s->is_laddered = false;
@@ -439,8 +446,9 @@ static bool take_colours(struct shades *s, const struct image_view *view)
     add_colour(s, 0xFFFFFF);
     for (unsigned i = 0; i < ACCENTS && view->hue; i++)
         add_colour(s, accent[i]);
-    for (unsigned i = 0; i < table.count; i++)
-        add_colour(s, table.colour[i]);
+    for (unsigned i = 0; i < boxes; i++)
+        add_colour(s,
+                   (uint32_t)box[i].mean[0] << 16 | (uint32_t)box[i].mean[1] << 8 | box[i].mean[2]);
     forget_places(s);
     s->off = look_how_far(s, view);
     return true;
@@ -567,9 +575,4 @@ bool shades_fill(struct shades *s, bool has_palette, const struct image_view *vi
         }
     }
     return true;
-}
-
-uint32_t shades_shown(struct shades *s, uint32_t colour)
-{
-    return s->is_exact ? colour : s->colour[place_of(s, colour)];
 }

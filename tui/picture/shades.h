@@ -19,7 +19,7 @@
  * Many hues share what entries there are: those that are but darker versions of another have its
  * levels. Tints get levels only where a look at every so manieth pixel finds some. Where no hues
  * are known, or so many that each would have but a few levels, the colours are those that suit the
- * picture best (colour_table_reduce), until another picture has others.
+ * picture best, until another picture has others.
  */
 #ifndef TUI_PICTURE_SHADES_H
 #define TUI_PICTURE_SHADES_H
@@ -74,28 +74,5 @@ bool shades_needed(const struct image_view *view, bool always);
  * has no room for another colour: choose again, and send the picture whole. */
 bool shades_fill(struct shades *shades, bool has_palette, const struct image_view *view,
                  uint8_t *bytes, uint32_t width, uint32_t height);
-
-/* What a colour is shown as. */
-uint32_t shades_shown(struct shades *shades, uint32_t colour);
-
-/* ---- of a picture of which nothing is known ---- */
-
-/*
- * Few colours for a picture of many, of which nothing is known.
- *
- * The colours are cut into boxes: begin with one box that holds all, and again and again halve at
- * its mean the box and axis with the largest squared error (Wan, Prusinkiewicz and Wong, "Variance-
- * based color image quantization", 1990). Integers only: the same picture gives the same table.
- */
-enum { COLOUR_TABLE_MOST = 256 };
-
-struct colour_table {
-    uint32_t colour[COLOUR_TABLE_MOST]; /* 0xRRGGBB */
-    unsigned count;
-};
-
-/* Fills the table with at most `most` (1 .. COLOUR_TABLE_MOST) colours that stand for all of the
- * view's. False without memory. */
-bool colour_table_reduce(struct colour_table *table, const struct image_view *view, unsigned most);
 
 #endif

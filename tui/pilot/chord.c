@@ -1,28 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-#include "tui/pilot/chord.h"
+#include "tui/pilot/pilot_keys.h"
 
 #include <string.h>
 
 #include "tui/cells.h"
 
-static const struct {
-    const char *name;
-    enum key key;
-} named[] = {{"Tab", KEY_TAB},
-             {"Enter", KEY_ENTER},
-             {"Escape", KEY_ESCAPE},
-             {"Up", KEY_UP},
-             {"Down", KEY_DOWN},
-             {"Right", KEY_RIGHT},
-             {"Left", KEY_LEFT},
-             {"Home", KEY_HOME},
-             {"End", KEY_END},
-             {"Insert", KEY_INSERT},
-             {"Delete", KEY_DELETE},
-             {"Page-up", KEY_PAGE_UP},
-             {"Page-down", KEY_PAGE_DOWN},
-             {"Backspace", KEY_BACKSPACE},
-             {"any", KEY_PENDING}};
+static const char *const named[] = {
+    [KEY_PENDING] = "any",         [KEY_ENTER] = "Enter",     [KEY_TAB] = "Tab",
+    [KEY_BACKSPACE] = "Backspace", [KEY_ESCAPE] = "Escape",   [KEY_UP] = "Up",
+    [KEY_DOWN] = "Down",           [KEY_RIGHT] = "Right",     [KEY_LEFT] = "Left",
+    [KEY_HOME] = "Home",           [KEY_END] = "End",         [KEY_INSERT] = "Insert",
+    [KEY_DELETE] = "Delete",       [KEY_PAGE_UP] = "Page-up", [KEY_PAGE_DOWN] = "Page-down"};
 
 static const struct {
     const char *name;
@@ -66,9 +54,9 @@ static bool read_characters(const char *word, size_t length, struct chord *chord
 static bool read_key(const char *word, size_t length, struct chord *chord)
 {
     *chord = (struct chord){.modifiers = take_modifiers(&word, &length)};
-    for (size_t i = 0; i < sizeof named / sizeof named[0]; i++)
-        if (is_word(word, length, named[i].name)) {
-            chord->key = named[i].key;
+    for (enum key key = KEY_PENDING; key < sizeof named / sizeof named[0]; key++)
+        if (named[key] && is_word(word, length, named[key])) {
+            chord->key = key;
             return true;
         }
     if (is_word(word, length, "Space")) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tui/pilot/finer.h"
+#include "tui/pilot/flow.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -49,7 +49,7 @@ static bool tile_differs(const struct refine *r, const uint8_t *wanted, const st
     return false;
 }
 
-/* The pixel in the middle of a block of `coarse` pixels a side; beside words, if there are some. */
+/* The pixel in the middle of a block of `coarse` pixels a side; outside words, if possible. */
 static size_t middle_of(const struct refine *r, const struct image_view *wanted, uint32_t left,
                         uint32_t top, uint32_t coarse)
 {
@@ -137,21 +137,6 @@ static bool list_stale(struct refine *r, const struct image_view *wanted, bool i
     return true;
 }
 
-/* In a hurry, fine tiles between coarse ones go coarse as well: they would be sent again with what
- * is around them, and cost more than all of that. */
-static void coarsen_between(struct refine *r, const struct image_view *wanted, size_t i,
-                            uint32_t coarse)
-{
-    const struct refine_place *here = r->stale + i, *before = here - 1;
-    if (i == 0 || before->top != here->top || here->left < before->left ||
-        here->left - before->left > GAP_MOST * REFINE_TILE)
-        return;
-    for (uint32_t left = before->left + REFINE_TILE; left < here->left; left += REFINE_TILE) {
-        const struct tile t = tile_at(r, left, here->top);
-        copy_tile(r, wanted, &t, coarse);
-    }
-}
-
 bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves, size_t budget,
                   struct image_view *shown)
 {
@@ -180,10 +165,17 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     r->level = level;
     r->tiles = most < stale ? most : stale;
     for (size_t i = 0; i < r->tiles; i++) {
-        const struct tile t = tile_at(r, r->stale[i].left, r->stale[i].top);
-        copy_tile(r, wanted, &t, 1U << level);
-        if (level > 0)
-            coarsen_between(r, wanted, i, 1U << level);
+        const struct refine_place *here = r->stale + i, *before = i ? here - 1 : here;
+        uint32_t left = here->left;
+        /* Fine tiles between coarse ones become coarse too: they would be sent again with the
+         * tiles around them, and cost more than all of those. */
+        if (level > 0 && before->top == here->top && here->left > before->left &&
+            here->left - before->left <= GAP_MOST * REFINE_TILE)
+            left = before->left + REFINE_TILE;
+        for (; left <= here->left; left += REFINE_TILE) {
+            const struct tile t = tile_at(r, left, here->top);
+            copy_tile(r, wanted, &t, 1U << level);
+        }
     }
     r->is_coarse = level > 0 || most < stale || r->waits;
     *shown = *wanted;

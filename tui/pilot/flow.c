@@ -53,9 +53,18 @@ static unsigned add_slope(struct slope *slope, unsigned count, struct flow_sampl
     return count + 1;
 }
 
-static double median(const struct slope *slope, unsigned count)
+/* Compute the weighted median of the slopes. */
+static double per_byte_ns(const struct flow *f)
 {
+    struct slope slope[SLOPES_MOST];
+    const struct flow_sample empty = {0, (double)round_trip(f)};
+    unsigned count = 0;
     double half = 0;
+    for (unsigned i = 0; i < f->samples; i++) {
+        count = add_slope(slope, count, empty, f->sample[i]);
+        for (unsigned k = 0; k < i; k++)
+            count = add_slope(slope, count, f->sample[k], f->sample[i]);
+    }
     for (unsigned i = 0; i < count; i++)
         half += slope[i].weight / 2;
     for (unsigned i = 0; i < count; i++)
@@ -64,30 +73,12 @@ static double median(const struct slope *slope, unsigned count)
     return 0;
 }
 
-static double per_byte_ns(const struct flow *f)
-{
-    struct slope slope[SLOPES_MOST];
-    const struct flow_sample empty = {0, (double)round_trip(f)};
-    unsigned count = 0;
-    for (unsigned i = 0; i < f->samples; i++) {
-        count = add_slope(slope, count, empty, f->sample[i]);
-        for (unsigned k = 0; k < i; k++)
-            count = add_slope(slope, count, f->sample[k], f->sample[i]);
-    }
-    return median(slope, count);
-}
-
 static void add_sample(struct flow *f, double bytes, double ns)
 {
     f->sample[f->next] = (struct flow_sample){bytes, ns};
     f->next = (f->next + 1) % FLOW_SAMPLES;
     f->samples += f->samples < FLOW_SAMPLES;
     f->per_byte_ns = per_byte_ns(f);
-}
-
-static void forget(struct flow *f)
-{
-    f->samples = f->next = 0;
 }
 
 /* ---- what is on the line ---- */
@@ -128,32 +119,26 @@ static uint64_t ready_ns(const struct flow *f, uint64_t now_ns)
     return ready;
 }
 
-/* Of frames whose barriers failed it is only known that all of them took too long: what was known
- * before is forgotten. */
-static void give_up(struct flow *f)
-{
-    double bytes = 0;
-    for (unsigned i = 0; i < f->due; i++)
-        bytes += (double)due_frame(f, i)->bytes;
-    forget(f);
-    add_sample(f, bytes, (double)round_trip(f) + (double)FLOW_LIMIT_NS);
-    f->soon = false;
-    f->failed = true;
-    f->late += f->due;
-    f->due = 0;
-}
-
 /* ---- sending and hearing ---- */
 
 bool flow_may_send(struct flow *f, uint64_t now_ns)
 {
+    double bytes = 0;
     if (now_ns < ready_ns(f, now_ns))
         return false;
     if (f->due > 0 && f->settled_ns && now_ns >= f->settled_ns) {
         f->due = 0;
         f->late = 0;
     } else if (f->due > 0 && now_ns >= limit_ns(f)) {
-        give_up(f);
+        /* Of the frames that are given up only one thing is known: all of them took too long. */
+        for (unsigned i = 0; i < f->due; i++)
+            bytes += (double)due_frame(f, i)->bytes;
+        f->samples = f->next = 0;
+        add_sample(f, bytes, (double)round_trip(f) + (double)FLOW_LIMIT_NS);
+        f->soon = false;
+        f->failed = true;
+        f->late += f->due;
+        f->due = 0;
     }
     f->settled_ns = 0;
     return true;
@@ -204,7 +189,7 @@ void flow_answered(struct flow *f, uint64_t now_ns)
     const double expected = (double)round_trip(f) + f->per_byte_ns * bytes;
     f->surprises = ns > 4 * expected + PAUSE_NS ? f->surprises + 1 : 0;
     if (f->surprises == 2)
-        forget(f);
+        f->samples = f->next = 0;
     if (frame.is_sample || f->samples == 0 || f->surprises > 1)
         add_sample(f, bytes, ns);
     f->soon = alone_ns <= round_trip(f) + FLOW_TARGET_NS * 3 / 4;
@@ -218,18 +203,12 @@ uint64_t flow_carries_ns(const struct flow *f, size_t bytes)
     return (uint64_t)(f->per_byte_ns * (double)bytes);
 }
 
-/* Before anything is known: a line with a long way is seldom a fast one. */
-static size_t budget_at_first(const struct flow *f)
-{
-    return f->round_trip_ns > 2 * FLOW_TARGET_NS ? FLOW_BYTES_FAR : FLOW_BYTES_START;
-}
-
 size_t flow_budget(const struct flow *f)
 {
     double most = FLOW_BYTES_START;
     const double at_least = f->soon ? 2 * (double)f->sent_bytes : FLOW_BYTES_LEAST;
-    if (f->samples == 0)
-        return budget_at_first(f);
+    if (f->samples == 0) /* a line with a long delay is seldom a fast one */
+        return f->round_trip_ns > 2 * FLOW_TARGET_NS ? FLOW_BYTES_FAR : FLOW_BYTES_START;
     for (unsigned i = 0; i < f->samples; i++)
         most = 4 * f->sample[i].bytes > most ? 4 * f->sample[i].bytes : most;
     double bytes = f->per_byte_ns * most <= (double)FLOW_TARGET_NS
@@ -238,4 +217,56 @@ size_t flow_budget(const struct flow *f)
     bytes = bytes < at_least ? at_least : bytes;
     bytes = bytes < FLOW_BYTES_LEAST ? FLOW_BYTES_LEAST : bytes;
     return bytes > FLOW_BYTES_MOST ? FLOW_BYTES_MOST : (size_t)bytes;
+}
+
+/* ---- keys, and slices that are sent ahead ---- */
+
+void pace_key(struct pace *pace, uint64_t now_ns)
+{
+    const bool is_held = pace->key_ns > 0 && now_ns < pace->key_ns + PACE_HELD_NS;
+    pace->within_ns = is_held ? PACE_BETWEEN_NS : PACE_SINGLE_NS;
+    pace->key_ns = now_ns;
+}
+
+void ahead_begin(struct ahead *ahead)
+{
+    ahead->number = 0;
+    ahead->name = 0;
+}
+
+void ahead_forget(struct ahead *ahead)
+{
+    ahead_begin(ahead);
+    ahead->names = 0;
+}
+
+struct image_view *ahead_next(struct ahead *ahead, const struct pilot_host *host,
+                              const struct pilot_wish *wish)
+{
+    const size_t names = ahead->names < AHEAD_KNOWN ? ahead->names : AHEAD_KNOWN;
+    for (; ahead->number < AHEAD_NUMBERS; ahead->number++) {
+        const uint64_t name = host->name_ahead(host->context, wish, ahead->number);
+        bool is_known = false;
+        if (name && name == ahead->name)
+            return &ahead->view;
+        for (size_t i = 0; i < names; i++)
+            is_known |= ahead->known[i] == name;
+        if (!name || is_known || !host->ahead(host->context, wish, ahead->number, &ahead->view))
+            continue;
+        ahead->name = name;
+        return &ahead->view;
+    }
+    return NULL;
+}
+
+void ahead_has_gone(struct ahead *ahead)
+{
+    ahead->known[ahead->names++ % AHEAD_KNOWN] = ahead->name;
+    ahead->name = 0;
+    ahead->number++;
+}
+
+bool ahead_pays(const struct flow *flow)
+{
+    return flow_carries_ns(flow, AHEAD_BYTES) > AHEAD_LATE_NS;
 }

@@ -1,40 +1,42 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How much may be sent to the terminal, and when: so that the line is full and nothing waits in it.
+ * What is sent to the terminal, and when: a slow line stays full and no frame waits in it.
  *
- *     frame ESC[c  frame ESC[c  ......   ESC[?62;4c  ESC[?62;4c     each answer says that a frame
- *                                                                   has been drawn
+ * Three parts share the learnt rate of the line: `flow` decides when a frame may be sent and how
+ * many bytes it may have, `refine` makes a frame that fits into them, and `ahead` uses an idle line
+ * for slices that may be wanted next. `pace` classifies how keys arrive. All are pure: the time is
+ * an argument, in ns of any clock that never goes back.
+ *
+ *     frame ESC[c  frame ESC[c  ......   ESC[?62;4c  ESC[?62;4c     each answer confirms that a
+ *                                                                   frame has been drawn
  *
  * write() returns when the kernel has the bytes, long before a slow line has carried them. A sender
- * of frame after frame fills every queue on the way, and the screen shows the past; one that waits
- * for each answer leaves a line with a long way idle most of the time. So each frame ends with a
- * question, a barrier, and
+ * of frame after frame fills every queue on the way, and the screen shows old states; a sender that
+ * waits for each answer leaves a line with a long delay idle most of the time. So each frame ends
+ * with a question, a barrier, and
  *
- *   L1 a frame is sent when the line, at the rate that has been learnt, has all but carried those
- *      before it, at most FLOW_FRAMES of them without an answer. What came up meanwhile is dropped,
- *      not queued, and the newest state is what goes next;
- *   L2 when the oldest answer is overdue nothing is sent until it is there: the line has become
- *      slower, or stands still, and what is on it is all that ever queues up. After FLOW_LIMIT_NS
- *      without it all of them are given up; the transfer may have been cut on the way, so the next
- *      frame begins with what ends it (`failed`, graphics_add_recovery), and until the barriers
- *      have been sorted out again there is one frame at a time;
- *   L3 a frame has as many bytes as the line carries in FLOW_TARGET_NS: a picture that needs more
- *      is sent coarser (tui/pilot/finer.h), for quality is to drop before latency does. When
- *      nothing moves any more the caller sends the full picture.
+ *   L1 a frame is sent when the line, at its learnt rate, has almost carried the frames before it;
+ *      at most FLOW_FRAMES frames are unanswered. Intermediate states are dropped, not queued: the
+ *      next frame shows the newest state;
+ *   L2 while the oldest answer is overdue nothing is sent: the line has become slower or is stuck,
+ *      and only the frames already sent can queue up. After FLOW_LIMIT_NS all of them are given up.
+ *      The transfer may have been cut on the way, so the next frame begins with a recovery sequence
+ *      (`failed`, graphics_add_recovery), and one frame at a time is sent until the late answers
+ *      have been assigned;
+ *   L3 a frame has as many bytes as the line carries in FLOW_TARGET_NS: a larger picture is sent
+ *      coarser, since quality drops before latency does. When nothing moves the caller sends the
+ *      full picture.
  *
- * The line is taken for one that needs `round_trip + bytes x per_byte` for a frame alone, counted
- * from when the line was free for it. What a byte costs is the median of the slopes between the
- * last FLOW_SAMPLES frames, each pair of which counts as much as the two differ in size (Theil and
- * Sen), with one of no bytes at all that takes the round trip: so a terminal that pauses now and
- * then, or draws once in 16 ms whatever comes, is not taken for a slow line. Small frames say
- * nothing about a line that may carry much more, and are no samples. A budget grows at most
- * fourfold a frame, and doubles at least where a frame was soon enough.
+ * Model of the line: a frame alone takes `round_trip + bytes x per_byte`, counted from the moment
+ * the line was free. The cost of a byte is the median of the slopes between the last FLOW_SAMPLES
+ * frames (Theil and Sen), each pair weighted by its difference in size, with an empty frame that
+ * takes the round trip. So a terminal that pauses now and then, or draws once in 16 ms, is not
+ * mistaken for a slow line. Small frames give no sample. The budget grows at most fourfold a frame,
+ * and at least doubles after a frame that was fast enough.
  *
- * Answers come in order but bear no number. After barriers that failed, the next answer may be one
- * of theirs, come late, or that of the frame after them: the latter follows within the time that
- * its bytes take, or else it was that.
- *
- * Pure: the time is an argument, in ns of any clock that never goes back.
+ * Answers arrive in order but have no number. After failed barriers the next answer may be a late
+ * one or that of the newest frame. The latter follows within the time that its bytes take; if
+ * nothing follows, the answer was that of the newest frame.
  *
  *     struct flow flow = {.round_trip_ns = facts.round_trip_ns, .silent = !facts.answers};
  *     if (flow_may_send(&flow, now)) {
@@ -53,65 +55,182 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "tui/pilot/host.h"
+
 #define FLOW_LIMIT_NS  UINT64_C(2000000000)
 #define FLOW_TARGET_NS UINT64_C(33000000)
-#define FLOW_LEAD_NS   UINT64_C(10000000)  /* what the line still has when a frame is added */
-#define FLOW_PAUSE_NS  UINT64_C(200000000) /* from frame to frame where nothing answers */
+#define FLOW_LEAD_NS   UINT64_C(10000000)  /* left on the line when the next frame is sent */
+#define FLOW_PAUSE_NS  UINT64_C(200000000) /* between frames where nothing answers */
 
 enum {
     FLOW_BYTES_START = 24 << 10,
     FLOW_BYTES_FAR = 10 << 10,
     FLOW_BYTES_LEAST = 512,
-    FLOW_BYTES_MOST = 16 << 20
-};
-enum { FLOW_FRAMES = 16, FLOW_SAMPLES = 12 };
-
-struct flow_frame {
-    uint64_t sent_ns;
-    size_t bytes;
-    bool is_sample; /* it is large enough to show what the line carries */
+    FLOW_BYTES_MOST = 16 << 20,
+    FLOW_FRAMES = 16,
+    FLOW_SAMPLES = 12
 };
 
 struct flow {
-    uint64_t round_trip_ns; /* as known beforehand; 0: not at all */
-    bool silent;            /* the terminal answers nothing: frames keep a distance in time */
-    /* ---- ours ---- */
-    unsigned due;  /* read-only: frames whose barriers have no answer yet */
-    bool failed;   /* read-only: some were given up, and nothing was sent since */
-    unsigned late; /* barriers given up whose answers may still come */
-    struct flow_frame frame[FLOW_FRAMES]; /* a ring of those that are due, */
-    unsigned first;                       /* the oldest here */
-    uint64_t sent_ns;                     /* the last frame */
-    uint64_t answered_ns;                 /* the last answer */
-    uint64_t settled_ns; /* if nothing else comes until then, what came was the answer; 0: unset */
-    uint64_t least_ns;   /* the soonest answer yet */
-    size_t sent_bytes;   /* of the frame that was answered last, which was soon */
-    bool soon;           /* it took the line less than the target */
+    uint64_t round_trip_ns; /* known beforehand; 0: unknown */
+    bool silent;            /* the terminal answers nothing: frames are spaced in time */
+    /* ---- private, but for reading `due` and `failed` ---- */
+    unsigned due;  /* frames whose barriers have no answer yet */
+    bool failed;   /* frames were given up, and nothing was sent since */
+    unsigned late; /* barriers given up whose answers may still arrive */
+    struct flow_frame {
+        uint64_t sent_ns;
+        size_t bytes;
+        bool is_sample;   /* large enough to measure the rate */
+    } frame[FLOW_FRAMES]; /* a ring of the frames that are due, */
+    unsigned first;       /* the oldest here */
+    uint64_t sent_ns;     /* time of the last frame, */
+    uint64_t answered_ns; /* and of the last answer */
+    uint64_t settled_ns;  /* if no answer follows until then, the last one was the newest frame's;
+                              0: unset */
+    uint64_t least_ns;    /* the fastest answer so far */
+    size_t sent_bytes;    /* size of the last answered frame, */
+    bool soon;            /* which took the line less than the target */
     struct flow_sample {
         double bytes, ns;
-    } sample[FLOW_SAMPLES]; /* the last ones, in a ring */
+    } sample[FLOW_SAMPLES]; /* a ring */
     unsigned samples, next;
-    unsigned surprises; /* in a row: frames that took far longer than what is known says */
-    double per_byte_ns; /* what follows from the samples */
+    unsigned surprises; /* consecutive frames that took far longer than the model predicts */
+    double per_byte_ns; /* computed from the samples */
 };
 
-/* Whether a frame may go now. True after FLOW_LIMIT_NS too, when barriers have failed. */
+/* Return true if a frame may be sent now. True after FLOW_LIMIT_NS too, when barriers failed. */
 bool flow_may_send(struct flow *f, uint64_t now_ns);
 
-/* How long it takes at most until flow_may_send says yes: 0 when it does, else at least 1. */
+/* Longest wait until flow_may_send returns true: 0 if it does now, else at least 1. */
 int flow_wait_ms(const struct flow *f, uint64_t now_ns);
 
-/* A frame of so many bytes and its question have been written; `now_ns` is from before the write,
+/* A frame of `bytes` and its question have been written; `now_ns` is the time before the write,
  * which may block. */
 void flow_sent(struct flow *f, size_t bytes, uint64_t now_ns);
 
-/* An answer to ESC[c came. */
+/* An answer to ESC[c arrived. */
 void flow_answered(struct flow *f, uint64_t now_ns);
 
-/* Bytes that the next frame may have; FLOW_BYTES_LEAST..FLOW_BYTES_MOST. */
+/* Size of the next frame, FLOW_BYTES_LEAST..FLOW_BYTES_MOST. */
 size_t flow_budget(const struct flow *f);
 
-/* How long the line takes for so many bytes, in ns; 0 while that is not known. */
+/* Time that the line takes for `bytes`, in ns; 0 while the rate is unknown. */
 uint64_t flow_carries_ns(const struct flow *f, size_t bytes);
+
+/* ---- how keys arrive ---- */
+
+/*
+ * A rendition that takes long is drawn coarsely first, and finely when no key follows (pilot_wish).
+ * A coarse rendition takes half as long. After a single key both are drawn, so that is worth it
+ * only where the fine one is very slow; while a key is held the coarse one replaces it. On one
+ * core, where a turn takes 30 ms, a held key gives 29 frames a second instead of 25 and uses a
+ * sixth less processor time.
+ */
+
+/* Keys rest after this time, which is longer than the interval of a held key; drawing delays keys,
+ * so a key is held up to the longer interval. */
+#define PACE_REST_NS UINT64_C(40000000)
+#define PACE_HELD_NS UINT64_C(100000000)
+
+/* Time limit of a rendition that is drawn finely at once: after a single key, while one is held. */
+#define PACE_SINGLE_NS  UINT64_C(50000000)
+#define PACE_BETWEEN_NS UINT64_C(25000000)
+
+/* {.within_ns = PACE_SINGLE_NS}: no key has arrived. */
+struct pace {
+    uint64_t key_ns;    /* the last key; 0: none */
+    uint64_t within_ns; /* time limit of a rendition after it */
+};
+
+void pace_key(struct pace *pace, uint64_t now_ns);
+
+/* ---- pictures that get finer ---- */
+
+/*
+ * A picture is cut into tiles. Tiles that the screen shows correctly stay; of the others as many
+ * are sent as the frame's budget allows, in coarser pixels if necessary. Words stay sharp in coarse
+ * tiles, and the focus of the view gets fine first. The cost of tiles is learnt from the frames
+ * that were sent. Where the terminal stores the greys of a slice (tui/picture/painter.h) little is
+ * left to send, and tiles are fine at once; where it will get them, tiles wait.
+ *
+ *     struct refine r = {0};
+ *     refine_begin(&r, &wanted, moves, budget, &shown)    shown: the picture to put on the screen
+ *     .. painter_show(&p, &shown, &out) ..
+ *     refine_sent(&r, bytes)
+ *     if (r.is_coarse) .. another frame makes it finer ..
+ */
+enum { REFINE_TILE = 16, REFINE_LEVELS = 5 }; /* pixels a side; coarser by 1, 2, 4, 8, 16 */
+
+struct refine {
+    uint32_t width, height;
+    uint8_t *rgba;  /* shown on the screen */
+    bool is_coarse; /* it differs from the wanted picture */
+    unsigned level; /* of the last frame, and its number of tiles */
+    size_t tiles;
+    double cost[REFINE_LEVELS]; /* bytes a tile */
+    struct refine_place {
+        uint32_t left, top;
+    } * stale; /* tiles of the present frame that differ from the wanted picture */
+    size_t stales, stale_capacity;
+    bool waits; /* some tiles wait for the terminal to get their greys */
+};
+
+/* Set `shown`, of the size of `wanted` and owned by the refine until the next call, to the picture
+ * to send. If something moves all of it is sent, as coarse as the budget requires; otherwise as
+ * many tiles as fit are made fine. False without memory. */
+bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves, size_t budget,
+                  struct image_view *shown);
+
+/* Size of the bytes that the painter made of it. */
+void refine_sent(struct refine *r, size_t bytes);
+
+/* The screen was cleared. */
+void refine_forget(struct refine *r);
+void refine_release(struct refine *r);
+
+/* ---- slices that are sent ahead ---- */
+
+/*
+ * Slices that may be wanted next are sent to a terminal that stores them (tui/picture/painter.h)
+ * while the line is idle.
+ *
+ *   A1 each slice is sent once. Hosts name slices as they are shown now; a name that was sent is
+ *      neither drawn nor sent again until the terminal may have dropped its slices;
+ *   A2 only slices within AHEAD_WITHIN of the cross-hair are sent, on both sides and in all planes,
+ *      the nearest first: when all of them are there nothing happens until a key;
+ *   A3 none is sent where an unsent slice takes less than AHEAD_LATE_NS on the line anyway.
+ */
+enum {
+    AHEAD_WITHIN = 4,
+    AHEAD_NUMBERS = 6 * AHEAD_WITHIN,
+    AHEAD_NEAR = 6,     /* numbers: the next slices of all planes */
+    AHEAD_KNOWN = 512,  /* names */
+    AHEAD_BYTES = 25000 /* of a slice, about */
+};
+#define AHEAD_LATE_NS UINT64_C(50000000)
+
+/* {0}: nothing was sent. */
+struct ahead {
+    unsigned number; /* the next one to look at; AHEAD_NUMBERS when all have been sent */
+    uint64_t name;   /* of `view`, which the host has drawn; 0: none */
+    struct image_view view;
+    uint64_t known[AHEAD_KNOWN]; /* a ring */
+    size_t names;                /* all that were ever put there */
+};
+
+/* Another state is shown: slices around it may be wanted. */
+void ahead_begin(struct ahead *ahead);
+
+/* The terminal may have dropped its slices. */
+void ahead_forget(struct ahead *ahead);
+
+/* The next slice to send, which stays the next one until ahead_has_gone; NULL if all were sent. */
+struct image_view *ahead_next(struct ahead *ahead, const struct pilot_host *host,
+                              const struct pilot_wish *wish);
+void ahead_has_gone(struct ahead *ahead);
+
+/* Return true if the line is so slow that sending ahead is worth it (A3). */
+bool ahead_pays(const struct flow *flow);
 
 #endif

@@ -1,22 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "tui/pilot/pilot.h"
 
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
-#include "tui/pilot/ahead.h"
-#include "tui/pilot/flow.h"
+#include "tui/cells.h"
 #include "tui/keys.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
-#include "tui/pilot/finer.h"
-#include "tui/pilot/pace.h"
-#include "tui/pilot/status.h"
+#include "tui/pilot/flow.h"
 #include "tui/prompt/pager.h"
 #include "tui/term.h"
-#include "tui/cells.h"
 
 /* The smallest screen. */
 enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2, PASTE_MOST = 4096 };
@@ -163,7 +158,7 @@ static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_
     buf_release(&hint);
 }
 
-/* Two rows at the foot of the screen: that of tui/pilot/status.h, and the last message, or what the
+/* Two rows at the foot of the screen: that of pilot_add_status, and the last message, or what the
  * keys do now. A message of more than a row takes both, until the next key. */
 static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      const struct term_size *size)
@@ -211,20 +206,20 @@ static const char *blank_of(const struct pilot *p)
 
 static struct pilot_wish wish_of(const struct pilot *p)
 {
-    struct pilot_wish wish = {
-        .words = p->facts->graphics->kind == GRAPHICS_PIXELS,
-        .marks_held = pilot_confirms(p->state->mode),
-        .marks_way = p->state->mode == PILOT_EXPLAINING,
-        .heat = p->state->heat,
-        .within_ns = p->is_showing || !p->is_stale ? 0 : pace_within_ns(&p->pace),
-        .marks_pixel = p->state->mode == PILOT_PICKING,
-        .setup = p->state->setup,
-        .corner = (const uint32_t(*)[3])p->state->outline.corner,
-        .corners = p->state->outline.count,
-        .marks_corners = !pilot_outlines(p->state->base),
-        .marks_outline = p->state->outline.count > 1,
-        .label = p->state->brush.label,
-        .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION : p->state->pane};
+    struct pilot_wish wish = {.words = p->facts->graphics->kind == GRAPHICS_PIXELS,
+                              .marks_held = pilot_confirms(p->state->mode),
+                              .marks_way = p->state->mode == PILOT_EXPLAINING,
+                              .heat = p->state->heat,
+                              .within_ns = p->is_showing || !p->is_stale ? 0 : p->pace.within_ns,
+                              .marks_pixel = p->state->mode == PILOT_PICKING,
+                              .setup = p->state->setup,
+                              .corner = (const uint32_t(*)[3])p->state->outline.corner,
+                              .corners = p->state->outline.count,
+                              .marks_corners = !pilot_outlines(p->state->base),
+                              .marks_outline = p->state->outline.count > 1,
+                              .label = p->state->brush.label,
+                              .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION
+                                                                      : p->state->pane};
     painter_size(&p->painter, &wish.width, &wish.height);
     wish.is_alone = p->state->is_alone;
     wish.cell_width = wish.width / p->painter.columns;
@@ -242,34 +237,31 @@ static bool is_slow(struct pilot *p)
     return p->keeps;
 }
 
-/* Whether the picture is to be drawn as it is, which nobody was to wait for. */
-static bool is_due(const struct pilot *p, uint64_t now_ns)
+/* Return true if keys rest and a hasty picture is to be replaced by the full one. */
+static bool is_due(const struct pilot *p)
 {
-    return p->is_hasty && now_ns >= pace_rests_ns(&p->pace);
+    return p->is_hasty && clock_ns() >= p->pace.key_ns + PACE_REST_NS;
 }
 
-/* Of the present state it is drawn once, and once more where it was drawn in a hurry: frames that
- * make it finer are of what is there. */
-static bool make_picture(struct pilot *p, const struct pilot_wish *wish)
-{
-    struct fault fault;
-    if (p->view.rgba && !p->is_stale && !is_due(p, clock_ns()))
-        return true;
-    if (p->host->picture(p->host->context, wish, &p->view, &fault)) {
-        say_error(p, &fault);
-        p->view = (struct image_view){0};
-        return p->is_hasty = false;
-    }
-    p->is_hasty = p->view.is_hasty;
-    return true;
-}
-
+/* The host draws a state once, and again after a hasty picture; frames that make a picture finer
+ * use the one that is there. */
 static void add_picture(struct pilot *p, struct buf *out)
 {
     const struct pilot_wish wish = wish_of(p);
     struct image_view shown;
-    if (p->facts->graphics->kind == GRAPHICS_NOTHING || !make_picture(p, &wish))
+    struct fault why;
+    if (p->facts->graphics->kind == GRAPHICS_NOTHING)
         return;
+    if (!p->view.rgba || p->is_stale || is_due(p)) {
+        const enum err err = p->host->picture(p->host->context, &wish, &p->view, &why);
+        if (err) {
+            say_error(p, &why);
+            p->view = (struct image_view){0};
+        }
+        p->is_hasty = p->view.is_hasty;
+        if (err)
+            return;
+    }
     struct image_view view = p->view;
     const size_t budget = flow_budget(&p->flow), before = out->length;
     view.is_slow = is_slow(p);
@@ -290,7 +282,7 @@ static void add_picture(struct pilot *p, struct buf *out)
 static bool goes_ahead(const struct pilot *p)
 {
     return p->keeps && !p->state->setup->keeps_back && p->facts->graphics->keeping &&
-           p->host->name_ahead && !p->flow.silent && !ahead_is_over(&p->sent) &&
+           p->host->name_ahead && !p->flow.silent && p->sent.number < AHEAD_NUMBERS &&
            ahead_pays(&p->flow);
 }
 
@@ -404,28 +396,13 @@ static void keep_last_line(struct buf *message, const char *text)
     buf_add(message, text + first, length - first);
 }
 
-/* What a command said, below the picture: its last line, or all of them as one. */
-static void keep_answer(struct pilot *p, struct buf *output)
-{
-    if (!p->state->says_all) {
-        keep_last_line(&p->message, buf_text(output));
-        return;
-    }
-    buf_clear(&p->message);
-    for (const char *at = buf_text(output); *at; at++)
-        buf_add_text(&p->message, *at == '\n' ? at[1] ? "; " : "" : (char[]){*at, '\0'});
-}
-
 static bool read_key(struct pilot *p, struct key_event *event);
 
 /* A command that takes long is watched: what it has done so far is drawn, at the most a quarter of
  * the time, and the cross-hair moves as is typed. Its record is made when it has ended. */
-enum { SHOWN_AFTER_MS = 250, SHOWN_EVERY_MS = 100, READ_EVERY_MS = 10 };
-
-static uint64_t after_ms(uint64_t now_ns, uint64_t ms)
-{
-    return now_ns + ms * 1000000;
-}
+#define SHOWN_AFTER_NS UINT64_C(250000000)
+#define SHOWN_EVERY_NS UINT64_C(100000000)
+#define READ_EVERY_NS  UINT64_C(10000000)
 
 /* False where it is too early for that. */
 static bool read_ahead(struct pilot *p, uint64_t now_ns)
@@ -433,7 +410,7 @@ static bool read_ahead(struct pilot *p, uint64_t now_ns)
     struct key_event event;
     if (p->is_showing || now_ns < p->reads_ns)
         return false;
-    p->reads_ns = after_ms(now_ns, READ_EVERY_MS);
+    p->reads_ns = now_ns + READ_EVERY_NS;
     if (typed_ahead_has_room(&p->ahead) && term_read(&p->editor->input, 0, -1) == TERM_BYTES)
         while (typed_ahead_has_room(&p->ahead) && read_key(p, &event))
             typed_ahead_add(&p->ahead, &event);
@@ -448,11 +425,11 @@ static bool wants_show(void *context)
     return read_ahead(p, now_ns) && now_ns >= p->shows_ns && flow_may_send(&p->flow, now_ns);
 }
 
-/* The cursor goes where progress is shown. */
-static enum err go_to_foot(struct fault *fault)
+/* Move the cursor to the last row, where progress is shown and lines are typed. */
+static enum err go_to_foot(const char *then, struct fault *fault)
 {
     struct buf place = {0};
-    buf_printf(&place, "\033[%u;1H", term_size().rows);
+    buf_printf(&place, "\033[%u;1H%s", term_size().rows, then);
     return term_write_text(&place, "a place", fault);
 }
 
@@ -467,10 +444,10 @@ static void show_so_far(void *context)
     draw(p, NULL);
     p->state = state;
     p->host->peek(p->host->context, NULL);
-    go_to_foot(NULL);
+    go_to_foot("", NULL);
     p->ahead_shown = p->ahead.count;
     const uint64_t now_ns = clock_ns(), took_ns = now_ns - p->wanted_ns;
-    p->shows_ns = after_ms(now_ns, SHOWN_EVERY_MS) + 3 * took_ns;
+    p->shows_ns = now_ns + SHOWN_EVERY_NS + 3 * took_ns;
     p->is_showing = false;
 }
 
@@ -481,12 +458,12 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
     const struct pilot_onlooker onlooker = {p, NULL, wants_show, show_so_far};
     const struct pilot_host *host = p->host;
     struct fault why = {0};
-    enum err err = go_to_foot(fault);
+    enum err err = go_to_foot("", fault);
     if (!err)
         err = term_set_mode(TERM_QUIET, fault);
     if (err)
         return err;
-    p->reads_ns = p->shows_ns = after_ms(clock_ns(), SHOWN_AFTER_MS);
+    p->reads_ns = p->shows_ns = clock_ns() + SHOWN_AFTER_NS;
     host->look_on(host->context, &onlooker);
     *of_command = p->state->sketches ? host->sketch(host->context, line, &why)
                                      : host->execute(host->context, line, output, &why);
@@ -518,8 +495,11 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
     }
     if (!err && !of_command && output.length && p->state->has_pages)
         err = show_pages(p, &output, fault);
-    else if (!err && !of_command && output.length && !p->state->is_silent)
-        keep_answer(p, &output);
+    else if (!err && !of_command && output.length && !p->state->is_silent) {
+        keep_last_line(&p->message, p->state->says_all ? "" : buf_text(&output));
+        for (const char *at = buf_text(&output); p->state->says_all && *at; at++)
+            buf_add_text(&p->message, *at == '\n' ? at[1] ? "; " : "" : (char[]){*at, '\0'});
+    }
     p->state->has_pages = false;
     buf_release(&line);
     buf_release(&output);
@@ -630,11 +610,10 @@ static void frame_answered(void *asker)
 
 static enum err ask_for_command(struct pilot *p, struct fault *fault)
 {
-    struct buf output = {0}, place = {0};
+    struct buf output = {0};
     enum err of_command = OK;
     bool ended = false;
-    buf_printf(&place, "\033[%u;1H\033[K\033[?25h", term_size().rows);
-    enum err err = term_write_text(&place, "a place", fault);
+    enum err err = go_to_foot("\033[K\033[?25h", fault);
     p->editor->is_one_line = true;
     p->editor->answered = frame_answered;
     p->editor->asker = p;
@@ -710,17 +689,6 @@ static unsigned apart(unsigned a, unsigned b)
     return a > b ? a - b : b - a;
 }
 
-/* Where the mouse is, in its pixels, a hand that shakes apart. */
-static struct mouse steadied(struct pilot *p, const struct mouse *mouse)
-{
-    if (mouse->action == MOUSE_PRESSED)
-        p->held = *mouse;
-    p->is_still = mouse->action == MOUSE_PRESSED ||
-                  (p->is_still && apart(mouse->column, p->held.column) <= SHAKES_MOST &&
-                   apart(mouse->row, p->held.row) <= SHAKES_MOST);
-    return p->is_still ? p->held : *mouse;
-}
-
 /* The pixel of the picture under the mouse, or under its cell. False beside the picture. */
 static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *column, uint32_t *row)
 {
@@ -731,18 +699,16 @@ static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *colum
         *column = mouse->column * across + across / 2;
         *row = mouse->row * down + down / 2;
     } else { /* a picture of characters has few of its own in a cell */
-        const struct mouse at = steadied(p, mouse);
-        *column = at.column * across / p->facts->cell_width;
-        *row = at.row * down / p->facts->cell_height;
+        if (mouse->action == MOUSE_PRESSED)
+            p->held = *mouse;
+        p->is_still = mouse->action == MOUSE_PRESSED ||
+                      (p->is_still && apart(mouse->column, p->held.column) <= SHAKES_MOST &&
+                       apart(mouse->row, p->held.row) <= SHAKES_MOST);
+        const struct mouse *at = p->is_still ? &p->held : mouse;
+        *column = at->column * across / p->facts->cell_width;
+        *row = at->row * down / p->facts->cell_height;
     }
     return *column < width && *row < height;
-}
-
-/* Whether the mouse has moved over what has not changed by it, as from pixel to pixel. */
-static bool is_idle(const struct pilot *p, const struct key_event *event, const struct buf *lines)
-{
-    return event->key == KEY_MOUSE && event->mouse.action == MOUSE_MOVED && lines->length == 0 &&
-           p->state->mode != PILOT_PICKING;
 }
 
 static enum err take_key(struct pilot *p, const struct key_event *event, struct fault *fault)
@@ -766,7 +732,9 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     } else if (pixel_of(p, &event->mouse, &column, &row)) {
         pilot_click(&press, column, row);
     }
-    p->is_stale |= !is_idle(p, event, &lines);
+    /* The mouse may move from pixel to pixel without any change. */
+    p->is_stale |= event->key != KEY_MOUSE || event->mouse.action != MOUSE_MOVED || lines.length ||
+                   p->state->mode == PILOT_PICKING;
     enum err err = p->state->drops ? p->host->drop(p->host->context, fault) : OK;
     if (!err)
         err = lines.failed ? fault_memory(fault, "a command")
@@ -853,16 +821,9 @@ static bool next_key(struct pilot *p, struct key_event *event)
     return (typed_ahead_take(&p->ahead, event) || read_key(p, event)) && part_alt(p, event);
 }
 
-/* Nanoseconds until keys rest and the picture is to be drawn as it is; UINT64_MAX for never. */
-static uint64_t wakes_in_ns(const struct pilot *p)
-{
-    const uint64_t now_ns = clock_ns(), rests_ns = pace_rests_ns(&p->pace);
-    return p->is_hasty && rests_ns > now_ns ? rests_ns - now_ns : UINT64_MAX;
-}
-
 static bool has_more(const struct pilot *p)
 {
-    return p->is_stale || p->refine.is_coarse || is_due(p, clock_ns());
+    return p->is_stale || p->refine.is_coarse || is_due(p);
 }
 
 /* Whether what came is a key of its own unless more follows. No key is in a paste, however slowly
@@ -886,12 +847,14 @@ static bool wait_once(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;
     const bool has_frame = !p->is_paging && (has_more(p) || is_ahead(p));
+    const uint64_t now_ns = clock_ns(), rests_ns = p->pace.key_ns + PACE_REST_NS;
     int patience_ms = awaits_rest(p) ? KEYS_TIMEOUT_MS
-                      : has_frame    ? flow_wait_ms(&p->flow, clock_ns())
+                      : has_frame    ? flow_wait_ms(&p->flow, now_ns)
                                      : -1;
-    const uint64_t due_in_ms = p->is_paging ? UINT64_MAX : wakes_in_ns(p) / 1000000;
-    if (!awaits_rest(p) && due_in_ms < INT_MAX && (patience_ms < 0 || patience_ms > (int)due_in_ms))
-        patience_ms = (int)due_in_ms + 1;
+    if (!awaits_rest(p) && !p->is_paging && p->is_hasty && rests_ns > now_ns) {
+        const int due_ms = (int)((rests_ns - now_ns) / 1000000);
+        patience_ms = patience_ms < 0 || patience_ms > due_ms ? due_ms + 1 : patience_ms;
+    }
     const enum term_input input = term_read(&e->input, patience_ms, e->news_descriptor);
     if (input == TERM_CLOSED) {
         p->is_over = p->has_ended = true;
@@ -933,12 +896,6 @@ static bool stops_for_keys(void *context)
     for (size_t i = p->ahead.taken; i < p->ahead.count; i++)
         stops = stops || !pilot_only_moves(p->state, p->ahead.event + i);
     return stops;
-}
-
-static bool is_rough(const struct pilot *p)
-{
-    return !p->is_stale && !p->gives_up && !awaits_rest(p) && !p->is_pasting && p->host->finish &&
-           p->shows == PILOT_ROUGH;
 }
 
 /* What is shown right after an edit is rough. It is made exact, unless something else is wanted:
@@ -984,7 +941,9 @@ static enum err run(struct pilot *p, struct fault *fault)
         if (!err && !p->is_over && (has_more(p) || is_ahead(p)) &&
             flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
-        if (!err && !p->is_over && is_rough(p))
+        const bool is_rough = !p->is_stale && !p->gives_up && !awaits_rest(p) && !p->is_pasting &&
+                              p->host->finish && p->shows == PILOT_ROUGH;
+        if (!err && !p->is_over && is_rough)
             finish_labels(p);
         else if (!err && !p->is_over && wait_once(p, &event))
             err = take_key(p, &event, fault);
@@ -997,9 +956,13 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
                    struct fault *fault)
 {
     const struct term_size size = term_size();
-    struct pilot p = {.host = host, .state = state, .facts = facts, .editor = editor};
-    p.flow.silent = !facts->answers;
-    p.flow.round_trip_ns = facts->round_trip_ns;
+    struct pilot p = {.host = host,
+                      .state = state,
+                      .facts = facts,
+                      .editor = editor,
+                      .pace.within_ns = PACE_SINGLE_NS,
+                      .flow.silent = !facts->answers,
+                      .flow.round_trip_ns = facts->round_trip_ns};
     struct buf out = {0};
     *ended = false;
     if (size.columns < COLUMNS_LEAST || size.rows < ROWS_LEAST)

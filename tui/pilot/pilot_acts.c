@@ -5,15 +5,9 @@
 
 #include <string.h>
 
-enum {
-    JUMP = 10, /* voxels */
-    PIXEL_JUMP = 16,
-    LABELS = 256,
-    TURN = 15, /* degrees */
-    TURNS_MOST = 24,
-    ZOOM_LEAST = 10,
-    ZOOM_MOST = 64000
-};
+enum { JUMP = 10, PIXEL_JUMP = 16 }; /* voxels, pixels */
+enum { TURN = 15, TURNS_MOST = 24 }; /* degrees */
+enum { ZOOM_LEAST = 10, ZOOM_MOST = 64000, LABELS = 256 };
 
 static int right_of(int way)
 {
@@ -55,14 +49,6 @@ static void add_window(struct press *p, double low, double high)
     p->state->is_silent = true;
 }
 
-/* To the right wider, up brighter. */
-static void change_window(struct press *p, int right, int up, int far)
-{
-    const double *window = p->facts->window, width = window[1] - window[0];
-    const double step = width != 0 ? width / 50 : 0.001;
-    add_window(p, window[0] - step * (right + up) * far, window[1] + step * (right - up) * far);
-}
-
 /* Where the scene ends before a count has, as in 70L, that is said. */
 static void say_edge(struct press *p, int64_t asked, const uint32_t place[3])
 {
@@ -76,15 +62,18 @@ static void say_edge(struct press *p, int64_t asked, const uint32_t place[3])
         buf_add_text(p->message, "the edge of the scene");
 }
 
+/* `by` is a direction, and may be far. In the window, right is wider and up is brighter. */
 void pilot_move(struct press *p)
 {
     const int right = right_of(p->by), up = up_of(p->by);
     const bool far = p->by >= PILOT_FAR;
-    if (p->state->mode == PILOT_WINDOWING)
-        change_window(p, right, up, far ? JUMP : 1);
-    else if (p->state->mode == PILOT_PICKING)
+    if (p->state->mode == PILOT_WINDOWING) {
+        const double *window = p->facts->window, width = window[1] - window[0];
+        const double step = (width != 0 ? width / 50 : 0.001) * (far ? JUMP : 1);
+        add_window(p, window[0] - step * (right + up), window[1] + step * (right - up));
+    } else if (p->state->mode == PILOT_PICKING) {
         move_pixel(p, right * (far ? PIXEL_JUMP : 1), up * (far ? PIXEL_JUMP : 1));
-    else {
+    } else {
         const enum pilot_pane pane = p->state->pane;
         const int64_t asked = pilot_times(p) * (far ? JUMP : 1);
         int64_t by[3] = {0, 0, 0};
@@ -141,8 +130,7 @@ void pilot_set_mark(struct press *p)
     struct pilot_mark *mark = &p->state->mark[p->event->point - 'a'];
     mark->is_set = true;
     memcpy(mark->place, p->facts->place, sizeof mark->place);
-    setup_say_key_to(p->message, p->state->setup, "go-to-mark", (char)p->event->point,
-                     " leads back here");
+    pilot_say(p, "{go-to-mark:%c} leads back here", (char)p->event->point);
 }
 
 /* The mark of the letter that was pressed; NULL, with a message, where it is not set. */
@@ -152,8 +140,7 @@ static const struct pilot_mark *mark_pressed(struct press *p)
     const struct pilot_mark *mark = &p->state->mark[letter - 'a'];
     if (mark->is_set)
         return mark;
-    buf_printf(p->message, "there is no mark %c; ", letter);
-    setup_say_key_to(p->message, p->state->setup, "mark", letter, " sets it");
+    pilot_say(p, "there is no mark %c; {mark:%c} sets it", letter, letter);
     return NULL;
 }
 
@@ -169,9 +156,7 @@ void pilot_measure(struct press *p)
     const struct pilot_mark *mark = mark_pressed(p);
     if (!mark)
         return;
-    pilot_add_place(p->line, "measure ", mark->place);
-    pilot_add_place(p->line, " ", p->facts->place);
-    buf_add_char(p->line, '\n');
+    buf_printf(p->line, "measure " PLACE " " PLACE "\n", XYZ(mark->place), XYZ(p->facts->place));
 }
 
 void pilot_go_back(struct press *p)
@@ -290,19 +275,23 @@ void pilot_show_all(struct press *p)
     buf_add_text(p->message, label < LABELS ? "all labels are shown" : "no label is hidden");
 }
 
+static int degrees(const struct press *p)
+{
+    return TURN * (int)(pilot_times(p) < TURNS_MOST ? pilot_times(p) : TURNS_MOST);
+}
+
+/* `by` is a direction. */
 void pilot_turn(struct press *p)
 {
-    const int by = TURN * (int)(pilot_times(p) < TURNS_MOST ? pilot_times(p) : TURNS_MOST);
-    buf_printf(p->line, "turn %d", right_of(p->by) * by);
+    buf_printf(p->line, "turn %d", right_of(p->by) * degrees(p));
     if (up_of(p->by))
-        buf_printf(p->line, " %d", up_of(p->by) * by);
+        buf_printf(p->line, " %d", up_of(p->by) * degrees(p));
     buf_add_char(p->line, '\n');
 }
 
 void pilot_roll(struct press *p)
 {
-    const int by = TURN * (int)(pilot_times(p) < TURNS_MOST ? pilot_times(p) : TURNS_MOST);
-    buf_printf(p->line, "turn 0 0 %d\n", p->by * by);
+    buf_printf(p->line, "turn 0 0 %d\n", p->by * degrees(p));
 }
 
 void pilot_change_zoom(struct press *p)
@@ -313,7 +302,7 @@ void pilot_change_zoom(struct press *p)
     buf_add_text(p->line, "zoom ");
     pilot_add_decimal(p->line, next / 1000.0);
     if (p->facts->fits_itself)
-        buf_printf(p->line, " at=%u,%u,%u", middle[0], middle[1], middle[2]);
+        buf_printf(p->line, " at=" PLACE, XYZ(middle));
     buf_add_char(p->line, '\n');
 }
 
@@ -352,8 +341,7 @@ static void add_magnify(struct press *p, uint32_t by, const uint32_t middle[3])
 {
     buf_add_text(p->line, "magnify ");
     pilot_add_decimal(p->line, by / 1000.0);
-    pilot_add_place(p->line, " at=", middle);
-    buf_add_char(p->line, '\n');
+    buf_printf(p->line, " at=" PLACE "\n", XYZ(middle));
     p->state->is_silent = true;
 }
 
@@ -398,8 +386,7 @@ void pilot_magnify(struct press *p)
 void pilot_recentre(struct press *p)
 {
     if (p->facts->times == PILOT_TIMES_ONE) {
-        buf_add_text(p->message, "slices are shown whole; ");
-        pilot_say_key(p, "magnify", " shows them larger");
+        pilot_say(p, "slices are shown whole; {magnify} shows them larger");
         return;
     }
     add_magnify(p, p->facts->times, p->facts->place);
@@ -415,8 +402,7 @@ void pilot_pan(struct press *p)
     uint32_t middle[3], place[3];
     if (p->facts->times <= PILOT_TIMES_ONE || p->state->mode == PILOT_PICKING) {
         if (p->facts->fits_itself)
-            buf_printf(p->line, "focus %u,%u,%u\n", p->facts->middle[0], p->facts->middle[1],
-                       p->facts->middle[2]);
+            buf_printf(p->line, "focus " PLACE "\n", XYZ(p->facts->middle));
         buf_printf(p->line, "pan %d %d\n", right * PIXEL_JUMP, down * PIXEL_JUMP);
     } else if (p->host->pan(p->host->context, p->state->pane, right, down, middle, place)) {
         pilot_cross(p, place);

@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tui/pilot/chord.h"
 #include "tui/pilot/pilot_keys.h"
 
 #define MOVING          PILOT_IN(PILOT_MOVING)
@@ -22,10 +21,11 @@
 #define LOOKS           (ALL | OUTLINES)
 #define ARROWS          (LOOKS | WINDOWING)
 
-/* What every row of a thing to do begins with, on one line. */
-#define KEY(NAME, KEYS, ALSO, IN) NAME, KEYS, ALSO, .in = IN
-#define DO(FUNCTION, BY)          .act = FUNCTION, .by = BY
-#define PAGE(SHOWN, HELP)         .shown = SHOWN, .help = HELP
+/* Every row of an action begins with KEY. */
+#define KEY(NAME, KEYS, ALSO, IN, FLAGS) NAME, KEYS, ALSO, .in = IN, .flags = FLAGS
+#define DO(FUNCTION, BY)                 .act = FUNCTION, .by = BY
+#define PAGE(SHOWN, HELP)                .shown = SHOWN, .help = HELP
+#define JOINS                            .help = ""
 #define PART(HEADING)                                                                              \
     {                                                                                              \
         .keys = "", .shown = HEADING                                                               \
@@ -37,190 +37,176 @@ enum {
     STAYS = PILOT_STAYS,
     SILENT = PILOT_IS_SILENT,
     MOVES = PILOT_ONLY_MOVES,
+    ENCLOSES = PILOT_OUTLINES,
     STEPS = COUNTS | STAYS | MOVES
 };
 
 const struct pilot_row pilot_table[] = {
     PART("Where one is"),
-    {KEY("step-on", "Space", "", WATCHING), DO(pilot_step, 1), .flags = COUNTS,
+    {KEY("step-on", "Space", "", WATCHING, COUNTS), DO(pilot_step, 1),
      PAGE("Space Backspace", "a step on, back"), .hint = "on"},
-    {KEY("step-back", "Backspace", "", WATCHING), DO(pilot_step, -1), .flags = COUNTS, .help = "",
+    {KEY("step-back", "Backspace", "", WATCHING, COUNTS), DO(pilot_step, -1), JOINS,
      .hint = "back"},
-    {KEY("first-step", "gg", "", WATCHING), DO(pilot_to_step, -1), .flags = COUNTS,
+    {KEY("first-step", "gg", "", WATCHING, COUNTS), DO(pilot_to_step, -1),
      PAGE("gg G", "first, last, 20G")},
-    {KEY("last-step", "G", "", WATCHING), DO(pilot_to_step, 1), .flags = COUNTS, .help = "",
-     .hint = "end"},
-    {KEY("comments", "c", "", WATCHING), .command = "step comments\n", .flags = PILOT_HAS_PAGES,
+    {KEY("last-step", "G", "", WATCHING, COUNTS), DO(pilot_to_step, 1), JOINS, .hint = "end"},
+    {KEY("comments", "c", "", WATCHING, PILOT_HAS_PAGES), .command = "step comments\n",
      .help = "its comments", .hint = "comments"},
-    {KEY("left", "h", "Left", ARROWS), DO(pilot_move, PILOT_LEFT), .flags = STEPS,
+    {KEY("left", "h", "Left", ARROWS, STEPS), DO(pilot_move, PILOT_LEFT),
      PAGE("h j k l arrows", "move the cross-hair")},
-    {KEY("down", "j", "Down", ARROWS), DO(pilot_move, PILOT_DOWN), .flags = STEPS, .help = ""},
-    {KEY("up", "k", "Up", ARROWS), DO(pilot_move, PILOT_UP), .flags = STEPS, .help = ""},
-    {KEY("right", "l", "Right", ARROWS), DO(pilot_move, PILOT_RIGHT), .flags = STEPS, .help = ""},
-    {KEY("far-left", "H", "Ctrl-Left", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_LEFT),
-     .flags = STEPS, PAGE("H L Ctrl-arrows", "by ten voxels")},
-    {KEY("far-down", "Ctrl-Down", "", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_DOWN),
-     .flags = STEPS, .help = ""},
-    {KEY("far-up", "Ctrl-Up", "", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_UP), .flags = STEPS,
-     .help = ""},
-    {KEY("far-right", "L", "Ctrl-Right", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_RIGHT),
-     .flags = STEPS, .help = ""},
-    {KEY("slice-back", "J", "Page-down", LOOKS), DO(pilot_change_slice, -1),
-     .flags = COUNTS | MOVES, PAGE("J K Page-keys", "the slice")},
-    {KEY("slice-on", "K", "Page-up", LOOKS), DO(pilot_change_slice, 1), .flags = COUNTS | MOVES,
-     .help = ""},
-    {KEY("first-slice", "gg", "", MOVING), DO(pilot_to_slice, -1), .flags = COUNTS | MOVES,
+    {KEY("down", "j", "Down", ARROWS, STEPS), DO(pilot_move, PILOT_DOWN), JOINS},
+    {KEY("up", "k", "Up", ARROWS, STEPS), DO(pilot_move, PILOT_UP), JOINS},
+    {KEY("right", "l", "Right", ARROWS, STEPS), DO(pilot_move, PILOT_RIGHT), JOINS},
+    {KEY("far-left", "H", "Ctrl-Left", ARROWS, STEPS), DO(pilot_move, PILOT_FAR + PILOT_LEFT),
+     PAGE("H L Ctrl-arrows", "by ten voxels")},
+    {KEY("far-down", "Ctrl-Down", "", ARROWS, STEPS), DO(pilot_move, PILOT_FAR + PILOT_DOWN),
+     JOINS},
+    {KEY("far-up", "Ctrl-Up", "", ARROWS, STEPS), DO(pilot_move, PILOT_FAR + PILOT_UP), JOINS},
+    {KEY("far-right", "L", "Ctrl-Right", ARROWS, STEPS), DO(pilot_move, PILOT_FAR + PILOT_RIGHT),
+     JOINS},
+    {KEY("slice-back", "J", "Page-down", LOOKS, COUNTS | MOVES), DO(pilot_change_slice, -1),
+     PAGE("J K Page-keys", "the slice")},
+    {KEY("slice-on", "K", "Page-up", LOOKS, COUNTS | MOVES), DO(pilot_change_slice, 1), JOINS},
+    {KEY("first-slice", "gg", "", MOVING, COUNTS | MOVES), DO(pilot_to_slice, -1),
      .help = "first, last, 90G"},
-    {KEY("last-slice", "G", "", MOVING), DO(pilot_to_slice, 1), .flags = COUNTS | MOVES,
-     .help = ""},
+    {KEY("last-slice", "G", "", MOVING, COUNTS | MOVES), DO(pilot_to_slice, 1), JOINS},
     {.keys = "1-9", .help = "a count: 25l moves 25"},
-    {KEY("next-plane", "Tab", "", MOVING | WATCHING), DO(pilot_next_pane, 1), .flags = MOVES,
+    {KEY("next-plane", "Tab", "", MOVING | WATCHING, MOVES), DO(pilot_next_pane, 1),
      .help = "the next plane"},
-    {KEY("previous-plane", "Shift-Tab", "", MOVING | WATCHING), DO(pilot_next_pane, -1),
-     .flags = MOVES},
-    {KEY("next-seed", "n", "", MOVING), DO(pilot_next_seed, 1), .flags = COUNTS,
+    {KEY("previous-plane", "Shift-Tab", "", MOVING | WATCHING, MOVES), DO(pilot_next_pane, -1)},
+    {KEY("next-seed", "n", "", MOVING, COUNTS), DO(pilot_next_seed, 1),
      .help = "the label's seeds"},
-    {KEY("previous-seed", "N", "", MOVING), DO(pilot_next_seed, -1), .flags = COUNTS, .help = ""},
-    {KEY("centre", "gc", "", MOVING), DO(pilot_go_to_centre, 0), .help = "the label's centre"},
-    {KEY("go-back", "''", "", MOVING), DO(pilot_go_back, 0)},
-    {KEY("mark", "ma-z", "", MOVING), DO(pilot_set_mark, 0),
+    {KEY("previous-seed", "N", "", MOVING, COUNTS), DO(pilot_next_seed, -1), JOINS},
+    {KEY("centre", "gc", "", MOVING, 0), DO(pilot_go_to_centre, 0), .help = "the label's centre"},
+    {KEY("go-back", "''", "", MOVING, 0), DO(pilot_go_back, 0)},
+    {KEY("mark", "ma-z", "", MOVING, 0), DO(pilot_set_mark, 0),
      PAGE("ma-z 'a-z ''", "mark, go there, back")},
-    {KEY("go-to-mark", "'a-z", "", MOVING), DO(pilot_go_to_mark, 0), .help = ""},
-    {KEY("measure", "Da-z", "", BOTH), DO(pilot_measure, 0), .help = "distance of a mark"},
+    {KEY("go-to-mark", "'a-z", "", MOVING, 0), DO(pilot_go_to_mark, 0), JOINS},
+    {KEY("measure", "Da-z", "", BOTH, 0), DO(pilot_measure, 0), .help = "distance of a mark"},
     {.keys = "mouse", .help = "there; right: S"},
-    {KEY("next-hint", ")", "", BOTH), DO(pilot_go_to_hint, 1), .flags = COUNTS,
+    {KEY("next-hint", ")", "", BOTH, COUNTS), DO(pilot_go_to_hint, 1),
      PAGE(") ( gh P", "hints, heat; why")},
-    {KEY("previous-hint", "(", "", BOTH), DO(pilot_go_to_hint, -1), .flags = COUNTS, .help = ""},
-    {KEY("heat", "gh", "", MOVING), DO(pilot_show_heat, 0), .help = ""},
-    {KEY("explain", "P", "", BOTH), DO(pilot_explain, 0), .help = ""},
+    {KEY("previous-hint", "(", "", BOTH, COUNTS), DO(pilot_go_to_hint, -1), JOINS},
+    {KEY("heat", "gh", "", MOVING, 0), DO(pilot_show_heat, 0), JOINS},
+    {KEY("explain", "P", "", BOTH, 0), DO(pilot_explain, 0), JOINS},
     PART("What is planted"),
-    {KEY("plant", "i Enter", "", BOTH), DO(pilot_plant, 0), .flags = CHANGES,
-     .help = "a seed of the label", .hint = "seed"},
-    {KEY("plant-picked", "0-9", "", PICKING), DO(pilot_plant_label, 0), .flags = CHANGES,
+    {KEY("plant", "i Enter", "", BOTH, CHANGES), DO(pilot_plant, 0), .help = "a seed of the label",
+     .hint = "seed"},
+    {KEY("plant-picked", "0-9", "", PICKING, CHANGES), DO(pilot_plant_label, 0),
      .hint = "a seed there"},
-    {KEY("plant-label", "s0-9", "", BOTH), DO(pilot_plant_label, 0), .flags = CHANGES,
+    {KEY("plant-label", "s0-9", "", BOTH, CHANGES), DO(pilot_plant_label, 0),
      .help = "a seed of 0-9"},
-    {KEY("next-label", "b", "", LOOKS), DO(pilot_choose_label, 1), .flags = COUNTS,
+    {KEY("next-label", "b", "", LOOKS, COUNTS), DO(pilot_choose_label, 1),
      .help = "the label: 12b is 12", .hint = "label"},
-    {KEY("previous-label", "B", "", LOOKS), DO(pilot_choose_label, -1), .flags = COUNTS,
-     .help = ""},
-    {KEY("larger", "+", "=", BOTH), DO(pilot_change_radius, 1), .flags = COUNTS,
+    {KEY("previous-label", "B", "", LOOKS, COUNTS), DO(pilot_choose_label, -1), JOINS},
+    {KEY("larger", "+", "=", BOTH, COUNTS), DO(pilot_change_radius, 1),
      .help = "the radius; in mm"},
-    {KEY("smaller", "-", "_", BOTH), DO(pilot_change_radius, -1), .flags = COUNTS, .help = ""},
-    {KEY("millimetres", "M", "", BOTH), DO(pilot_change_unit, 0), .help = ""},
-    {KEY("pen", "v", "", MOVING), DO(pilot_lower_pen, 0), PAGE("v I", "pen draws; stroke's end")},
-    {KEY("stroke", "I", "", MOVING), DO(pilot_begin_stroke, 0), .help = ""},
-    {KEY("range", "t", "", MOVING), DO(pilot_take_range, 0), .flags = COUNTS,
-     .help = "within intensities"},
-    {KEY("type-range", "T", "", BOTH), DO(pilot_begin_range, 0), .then = PILOT_RANGING, .help = ""},
-    {KEY("outline", "@", "", MOVING | OUTLINES), DO(pilot_begin_outline, 0),
+    {KEY("smaller", "-", "_", BOTH, COUNTS), DO(pilot_change_radius, -1), JOINS},
+    {KEY("millimetres", "M", "", BOTH, 0), DO(pilot_change_unit, 0), JOINS},
+    {KEY("pen", "v", "", MOVING, 0), DO(pilot_lower_pen, 0),
+     PAGE("v I", "pen draws; stroke's end")},
+    {KEY("stroke", "I", "", MOVING, 0), DO(pilot_begin_stroke, 0), JOINS},
+    {KEY("range", "t", "", MOVING, COUNTS), DO(pilot_take_range, 0), .help = "within intensities"},
+    {KEY("type-range", "T", "", BOTH, 0), DO(pilot_begin_range, 0), .then = PILOT_RANGING, JOINS},
+    {KEY("outline", "@", "", MOVING | OUTLINES, 0), DO(pilot_begin_outline, 0),
      PAGE("@ U } {", "outline; next in doubt")},
-    {KEY("take-up", "U", "", MOVING | SHAPING), DO(pilot_take_up, 0), .help = ""},
-    {KEY("next-doubt", "}", "", MOVING | SHAPING), DO(pilot_go_to_doubt, 1), .flags = COUNTS,
-     .help = ""},
-    {KEY("previous-doubt", "{", "", MOVING | SHAPING), DO(pilot_go_to_doubt, -1), .flags = COUNTS,
-     .help = ""},
-    {KEY("corner", "a", "", MOVING), DO(pilot_set_corner, 0), .help = "box, area, shell"},
-    {KEY("box", "d", "", MOVING), DO(pilot_plant_box, 0), .flags = CHANGES | PILOT_OUTLINES,
-     .help = ""},
-    {KEY("polygon", "A", "", MOVING), DO(pilot_close_outline, 0), .flags = PILOT_OUTLINES,
-     .help = ""},
-    {KEY("enclose", "S", "", MOVING), DO(pilot_plant_shell, 0), .flags = CHANGES | PILOT_OUTLINES,
-     .help = ""},
-    {KEY("enclose-in-box", "O", "", MOVING), DO(pilot_plant_shell, 1),
-     .flags = CHANGES | PILOT_OUTLINES, .help = ""},
-    {KEY("eliminate", "x", "", BOTH), DO(pilot_show_held, 0), PAGE("x X", "remove marker, tree"),
+    {KEY("take-up", "U", "", MOVING | SHAPING, 0), DO(pilot_take_up, 0), JOINS},
+    {KEY("next-doubt", "}", "", MOVING | SHAPING, COUNTS), DO(pilot_go_to_doubt, 1), JOINS},
+    {KEY("previous-doubt", "{", "", MOVING | SHAPING, COUNTS), DO(pilot_go_to_doubt, -1), JOINS},
+    {KEY("corner", "a", "", MOVING, 0), DO(pilot_set_corner, 0), .help = "box, area, shell"},
+    {KEY("box", "d", "", MOVING, CHANGES | ENCLOSES), DO(pilot_plant_box, 0), JOINS},
+    {KEY("polygon", "A", "", MOVING, ENCLOSES), DO(pilot_close_outline, 0), JOINS},
+    {KEY("enclose", "S", "", MOVING, CHANGES | ENCLOSES), DO(pilot_plant_shell, 0), JOINS},
+    {KEY("enclose-in-box", "O", "", MOVING, CHANGES | ENCLOSES), DO(pilot_plant_shell, 1), JOINS},
+    {KEY("eliminate", "x", "", BOTH, 0), DO(pilot_show_held, 0), PAGE("x X", "remove marker, tree"),
      .hint = "remove"},
-    {KEY("eliminate-tree", "X", "", BOTH), DO(pilot_show_held, 1), .help = ""},
-    {KEY("cut", "c", "", BOTH), .command = "plane @\n", .flags = CHANGES,
-     .help = "cut here; whole"},
-    {KEY("whole", "C", "", BOTH), .command = "plane none\n", .help = ""},
-    {KEY("hide", "e", "", BOTH), DO(pilot_hide, 0), .flags = COUNTS | CHANGES,
+    {KEY("eliminate-tree", "X", "", BOTH, 0), DO(pilot_show_held, 1), JOINS},
+    {KEY("cut", "c", "", BOTH, CHANGES), .command = "plane @\n", .help = "cut here; whole"},
+    {KEY("whole", "C", "", BOTH, 0), .command = "plane none\n", JOINS},
+    {KEY("hide", "e", "", BOTH, COUNTS | CHANGES), DO(pilot_hide, 0),
      .help = "hide, show; show all"},
-    {KEY("show-all", "E", "", BOTH), DO(pilot_show_all, 0), .help = ""},
-    {KEY("drop", "Escape", "", MOVING), DO(pilot_drop_stroke, 0), .help = "no pen, no corners"},
-    {KEY("run", "Space", "", BOTH | OUTLINES), .command = "run\n", .help = "run what waits"},
-    {KEY("undo", "u", "", BOTH | OUTLINES), DO(pilot_undo, -1), .flags = COUNTS | PILOT_SAYS_ALL,
+    {KEY("show-all", "E", "", BOTH, 0), DO(pilot_show_all, 0), JOINS},
+    {KEY("drop", "Escape", "", MOVING, 0), DO(pilot_drop_stroke, 0), .help = "no pen, no corners"},
+    {KEY("run", "Space", "", BOTH | OUTLINES, 0), .command = "run\n", .help = "run what waits"},
+    {KEY("undo", "u", "", BOTH | OUTLINES, COUNTS | PILOT_SAYS_ALL), DO(pilot_undo, -1),
      .help = "undo, redo, again", .hint = "undo"},
-    {KEY("redo", "Ctrl-R", "", BOTH | OUTLINES), DO(pilot_undo, 1), .flags = COUNTS, .help = ""},
-    {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = ""},
+    {KEY("redo", "Ctrl-R", "", BOTH | OUTLINES, COUNTS), DO(pilot_undo, 1), JOINS},
+    {KEY("repeat", ".", "", BOTH, 0), DO(pilot_repeat, 0), JOINS},
     PART("What is shown"),
-    {KEY("turn-right", "r", "Shift-Right", LOOKS), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
+    {KEY("turn-right", "r", "Shift-Right", LOOKS, COUNTS), DO(pilot_turn, PILOT_RIGHT),
      PAGE("r R Shift-arrows", "turn the view")},
-    {KEY("turn-left", "R", "Shift-Left", LOOKS), DO(pilot_turn, PILOT_LEFT), .flags = COUNTS,
-     .help = ""},
-    {KEY("turn-up", "Shift-Up", "", LOOKS), DO(pilot_turn, PILOT_UP), .flags = COUNTS, .help = ""},
-    {KEY("turn-down", "Shift-Down", "", LOOKS), DO(pilot_turn, PILOT_DOWN), .flags = COUNTS,
-     .help = ""},
-    {KEY("roll", ">", "", BOTH), DO(pilot_roll, 1), .flags = COUNTS, PAGE("< >", "roll it")},
-    {KEY("roll-back", "<", "", BOTH), DO(pilot_roll, -1), .flags = COUNTS, .help = ""},
-    {KEY("front", "Va", "", LOOKS), .command = "view front\n",
+    {KEY("turn-left", "R", "Shift-Left", LOOKS, COUNTS), DO(pilot_turn, PILOT_LEFT), JOINS},
+    {KEY("turn-up", "Shift-Up", "", LOOKS, COUNTS), DO(pilot_turn, PILOT_UP), JOINS},
+    {KEY("turn-down", "Shift-Down", "", LOOKS, COUNTS), DO(pilot_turn, PILOT_DOWN), JOINS},
+    {KEY("roll", ">", "", BOTH, COUNTS), DO(pilot_roll, 1), PAGE("< >", "roll it")},
+    {KEY("roll-back", "<", "", BOTH, COUNTS), DO(pilot_roll, -1), JOINS},
+    {KEY("front", "Va", "", LOOKS, 0), .command = "view front\n",
      PAGE("Va p l r s i", "view from a side")},
-    {KEY("back", "Vp", "", LOOKS), .command = "view back\n", .help = ""},
-    {KEY("left-side", "Vl", "", LOOKS), .command = "view left\n", .help = ""},
-    {KEY("right-side", "Vr", "", LOOKS), .command = "view right\n", .help = ""},
-    {KEY("top", "Vs", "", LOOKS), .command = "view top\n", .help = ""},
-    {KEY("bottom", "Vi", "", LOOKS), .command = "view bottom\n", .help = ""},
-    {KEY("nearer", "z", "", LOOKS), DO(pilot_change_zoom, 1), .help = "zoom in, out; fit"},
-    {KEY("farther", "Z", "", LOOKS), DO(pilot_change_zoom, -1), .help = ""},
-    {KEY("fit", "F", "", LOOKS), .command = "zoom fit\n", .help = ""},
-    {KEY("correct", "p", "", MOVING), DO(pilot_begin_picking, 0), .help = "correct the rendition"},
-    {KEY("to-voxel", "p", "", PICKING), DO(pilot_end_picking, 1), .hint = "to its voxel"},
-    {KEY("stop-correcting", "Escape", "", PICKING), DO(pilot_end_picking, 0), .hint = "ends"},
-    {KEY("magnify", "]", "", LOOKS), DO(pilot_magnify, 1), .flags = COUNTS,
+    {KEY("back", "Vp", "", LOOKS, 0), .command = "view back\n", JOINS},
+    {KEY("left-side", "Vl", "", LOOKS, 0), .command = "view left\n", JOINS},
+    {KEY("right-side", "Vr", "", LOOKS, 0), .command = "view right\n", JOINS},
+    {KEY("top", "Vs", "", LOOKS, 0), .command = "view top\n", JOINS},
+    {KEY("bottom", "Vi", "", LOOKS, 0), .command = "view bottom\n", JOINS},
+    {KEY("nearer", "z", "", LOOKS, 0), DO(pilot_change_zoom, 1), .help = "zoom in, out; fit"},
+    {KEY("farther", "Z", "", LOOKS, 0), DO(pilot_change_zoom, -1), JOINS},
+    {KEY("fit", "F", "", LOOKS, 0), .command = "zoom fit\n", JOINS},
+    {KEY("correct", "p", "", MOVING, 0), DO(pilot_begin_picking, 0),
+     .help = "correct the rendition"},
+    {KEY("to-voxel", "p", "", PICKING, 0), DO(pilot_end_picking, 1), .hint = "to its voxel"},
+    {KEY("stop-correcting", "Escape", "", PICKING, 0), DO(pilot_end_picking, 0), .hint = "ends"},
+    {KEY("magnify", "]", "", LOOKS, COUNTS), DO(pilot_magnify, 1),
      PAGE("] [ W", "larger slices; all")},
-    {KEY("reduce", "[", "", LOOKS), DO(pilot_magnify, -1), .flags = COUNTS, .help = ""},
-    {KEY("whole-slices", "W", "", LOOKS), DO(pilot_magnify, 0), .help = ""},
-    {KEY("recentre", "gz", "", MOVING | WATCHING | OUTLINES), DO(pilot_recentre, 0),
+    {KEY("reduce", "[", "", LOOKS, COUNTS), DO(pilot_magnify, -1), JOINS},
+    {KEY("whole-slices", "W", "", LOOKS, 0), DO(pilot_magnify, 0), JOINS},
+    {KEY("recentre", "gz", "", MOVING | WATCHING | OUTLINES, 0), DO(pilot_recentre, 0),
      .help = "around the cross-hair"},
-    {KEY("pan-left", "Alt-Left", "Alt-h", LOOKS), DO(pilot_pan, PILOT_LEFT), .flags = COUNTS,
+    {KEY("pan-left", "Alt-Left", "Alt-h", LOOKS, COUNTS), DO(pilot_pan, PILOT_LEFT),
      PAGE("Alt-arrows", "move them, the view")},
-    {KEY("pan-down", "Alt-Down", "Alt-j", LOOKS), DO(pilot_pan, PILOT_DOWN), .flags = COUNTS,
-     .help = ""},
-    {KEY("pan-up", "Alt-Up", "Alt-k", LOOKS), DO(pilot_pan, PILOT_UP), .flags = COUNTS, .help = ""},
-    {KEY("pan-right", "Alt-Right", "Alt-l", LOOKS), DO(pilot_pan, PILOT_RIGHT), .flags = COUNTS,
-     .help = ""},
-    {KEY("overlay", "o", "", LOOKS), DO(pilot_change_overlay, 0),
+    {KEY("pan-down", "Alt-Down", "Alt-j", LOOKS, COUNTS), DO(pilot_pan, PILOT_DOWN), JOINS},
+    {KEY("pan-up", "Alt-Up", "Alt-k", LOOKS, COUNTS), DO(pilot_pan, PILOT_UP), JOINS},
+    {KEY("pan-right", "Alt-Right", "Alt-l", LOOKS, COUNTS), DO(pilot_pan, PILOT_RIGHT), JOINS},
+    {KEY("overlay", "o", "", LOOKS, 0), DO(pilot_change_overlay, 0),
      PAGE("o y w", "contour; finish; greys")},
-    {KEY("finished", "y", "", LOOKS), DO(pilot_change_labels, 0), .help = ""},
-    {KEY("window", "w", "", LOOKS), .then = PILOT_WINDOWING, .help = ""},
-    {KEY("alone", "f", "", LOOKS), DO(pilot_show_alone, 0), .help = "one pane, all four"},
-    {KEY("command", ":", "", LOOKS), .deed = PILOT_PROMPT, .help = "a command", .hint = "command"},
-    {KEY("keys", "?", "", LOOKS), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
-    {KEY("redraw", "Ctrl-L", "", LOOKS), .deed = PILOT_REDRAW,
+    {KEY("finished", "y", "", LOOKS, 0), DO(pilot_change_labels, 0), JOINS},
+    {KEY("window", "w", "", LOOKS, 0), .then = PILOT_WINDOWING, JOINS},
+    {KEY("alone", "f", "", LOOKS, 0), DO(pilot_show_alone, 0), .help = "one pane, all four"},
+    {KEY("command", ":", "", LOOKS, 0), .deed = PILOT_PROMPT, .help = "a command",
+     .hint = "command"},
+    {KEY("keys", "?", "", LOOKS, 0), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
+    {KEY("redraw", "Ctrl-L", "", LOOKS, 0), .deed = PILOT_REDRAW,
      PAGE("Ctrl-L Ctrl-Z", "draw anew; stop")},
-    {KEY("suspend", "Ctrl-Z", "", LOOKS), .deed = PILOT_SUSPEND, .help = ""},
-    {KEY("leave", "q", "Ctrl-D", LOOKS), .deed = PILOT_LEAVE, .help = "back to the prompt",
+    {KEY("suspend", "Ctrl-Z", "", LOOKS, 0), .deed = PILOT_SUSPEND, JOINS},
+    {KEY("leave", "q", "Ctrl-D", LOOKS, 0), .deed = PILOT_LEAVE, .help = "back to the prompt",
      .hint = "back"},
 
-    {KEY("eliminate-it", "x Enter", "", CONFIRMING), .command = "remove @\n", .flags = CHANGES,
+    {KEY("eliminate-it", "x Enter", "", CONFIRMING, CHANGES), .command = "remove @\n",
      .hint = "removes the hatched marker"},
-    {KEY("eliminate-that-tree", "X Enter", "", CONFIRMING_TREE), .command = "remove @ of=tree\n",
-     .flags = CHANGES, .hint = "removes the hatched tree"},
-    {KEY("keep-it", "Escape", "", CONFIRMING | CONFIRMING_TREE), .hint = "keeps it"},
+    {KEY("eliminate-that-tree", "X Enter", "", CONFIRMING_TREE, CHANGES),
+     .command = "remove @ of=tree\n", .hint = "removes the hatched tree"},
+    {KEY("keep-it", "Escape", "", CONFIRMING | CONFIRMING_TREE, 0), .hint = "keeps it"},
 
-    {KEY("to-edge", "P Enter", "", EXPLAINING), DO(pilot_go_to_edge, 0),
+    {KEY("to-edge", "P Enter", "", EXPLAINING, 0), DO(pilot_go_to_edge, 0),
      .hint = "to its strongest edge"},
-    {KEY("plant-there", "i", "", EXPLAINING), DO(pilot_plant_at_edge, 0),
+    {KEY("plant-there", "i", "", EXPLAINING, 0), DO(pilot_plant_at_edge, 0),
      .hint = "the next label there"},
-    {KEY("plant-label-there", "s0-9", "", EXPLAINING), DO(pilot_plant_at_edge, 1)},
-    {KEY("enclose-there", "S", "", EXPLAINING), DO(pilot_enclose_at_edge, 0), .hint = "shell"},
-    {KEY("stroke-there", "I", "", EXPLAINING), DO(pilot_stroke_at_edge, 0), .hint = "stroke"},
-    {KEY("explained", "Escape", "", EXPLAINING), .hint = "ends"},
+    {KEY("plant-label-there", "s0-9", "", EXPLAINING, 0), DO(pilot_plant_at_edge, 1)},
+    {KEY("enclose-there", "S", "", EXPLAINING, 0), DO(pilot_enclose_at_edge, 0), .hint = "shell"},
+    {KEY("stroke-there", "I", "", EXPLAINING, 0), DO(pilot_stroke_at_edge, 0), .hint = "stroke"},
+    {KEY("explained", "Escape", "", EXPLAINING, 0), .hint = "ends"},
 
-    {KEY("close-outline", "Enter", "A", OUTLINES), DO(pilot_close_outline, 0), .hint = "plants it"},
-    {KEY("take-hold", "v", "", SHAPING), DO(pilot_take_hold, 0), .hint = "takes hold, lets go"},
-    {KEY("drop-outline", "Escape", "", OUTLINES), DO(pilot_drop_outline, 0), .hint = "drops it"},
+    {KEY("close-outline", "Enter", "A", OUTLINES, 0), DO(pilot_close_outline, 0),
+     .hint = "plants it"},
+    {KEY("take-hold", "v", "", SHAPING, 0), DO(pilot_take_hold, 0), .hint = "takes hold, lets go"},
+    {KEY("drop-outline", "Escape", "", OUTLINES, 0), DO(pilot_drop_outline, 0), .hint = "drops it"},
 
-    {KEY("preset", "1-9", "", WINDOWING), DO(pilot_preset, 0), .flags = SILENT},
-    {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
-     .hint = "auto"},
-    {KEY("digits", "0-9 . - e", "", RANGING), DO(pilot_type_range, 0), .flags = STAYS},
-    {KEY("erase", "Backspace", "", RANGING), DO(pilot_erase_typed, 0), .flags = STAYS},
-    {KEY("take-range", "Enter", "", RANGING), DO(pilot_end_range, 0), .hint = "takes it"},
-    {KEY("keep-range", "Escape", "", RANGING), .hint = "leaves"},
+    {KEY("preset", "1-9", "", WINDOWING, SILENT), DO(pilot_preset, 0)},
+    {KEY("window-auto", "a", "", WINDOWING, SILENT), .command = "window auto\n", .hint = "auto"},
+    {KEY("digits", "0-9 . - e", "", RANGING, STAYS), DO(pilot_type_range, 0)},
+    {KEY("erase", "Backspace", "", RANGING, STAYS), DO(pilot_erase_typed, 0)},
+    {KEY("take-range", "Enter", "", RANGING, 0), DO(pilot_end_range, 0), .hint = "takes it"},
+    {KEY("keep-range", "Escape", "", RANGING, 0), .hint = "leaves"},
 
-    {KEY("end-window", "Enter", "Escape w", WINDOWING), .hint = "done"},
+    {KEY("end-window", "Enter", "Escape w", WINDOWING, 0), .hint = "done"},
 };
 const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
 
@@ -264,49 +250,33 @@ static void add_hints(struct buf *out, const struct pilot_state *state, const ch
     }
 }
 
-/* What can be made of the corners that are set. */
-static void add_corners_hint(struct buf *out, const struct pilot_state *state)
-{
-    const size_t corners = state->outline.count;
-    buf_printf(out, "%zu corner%s  ", corners, corners == 1 ? "" : "s");
-    setup_say_key(out, state->setup, "corner", " another  ");
-    if (corners == 1) {
-        setup_say_key(out, state->setup, "box", " box to here  ");
-        setup_say_key(out, state->setup, "enclose-in-box", " faces  ");
-        setup_say_key(out, state->setup, "enclose", " ball's shell  ");
-    } else if (corners > 2) {
-        setup_say_key(out, state->setup, "polygon", " plants the outline  ");
-    }
-    setup_say_key(out, state->setup, "drop", corners == 1 ? " drops it" : " drops them");
-}
-
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out)
 {
+    const struct pilot_setup *setup = state->setup;
     const bool moves = state->mode == PILOT_MOVING;
+    const size_t corners = state->outline.count;
     if (moves && state->pen.is_down) {
-        buf_add_text(out, "moving draws; ");
-        setup_say_key(out, state->setup, "pen", " ends the stroke, ");
-        setup_say_key(out, state->setup, "drop", " drops it");
-    } else if (moves && state->outline.count) {
-        add_corners_hint(out, state);
+        setup_say(out, setup, "moving draws; {pen} ends the stroke, {drop} drops it");
+    } else if (moves && corners) {
+        setup_say(out, setup,
+                  corners == 1   ? "%zu corner  {corner} another  {box} box to here  "
+                                   "{enclose-in-box} faces  {enclose} ball's shell  {drop} drops it"
+                  : corners == 2 ? "%zu corners  {corner} another  {drop} drops them"
+                                 : "%zu corners  {corner} another  {polygon} plants the outline  "
+                                   "{drop} drops them",
+                  corners);
     } else if (moves && state->stroke.is_set) {
-        buf_add_text(out, "one end of a stroke  ");
-        setup_say_key(out, state->setup, "plant", " plants it to here  ");
-        setup_say_key(out, state->setup, "drop", " drops it");
+        setup_say(out, setup, "one end of a stroke  {plant} plants it to here  {drop} drops it");
     } else if (moves && !facts->has_object) {
-        buf_add_text(out, "nothing to show yet: ");
-        setup_say_key(out, state->setup, "plant", " plants a seed here, ");
-        setup_say_key_to(out, state->setup, "plant-label", '0', " background; ");
-        setup_say_key(out, state->setup, "keys", " keys  ");
-        setup_say_key(out, state->setup, "leave", " back");
+        setup_say(out, setup,
+                  "nothing to show yet: {plant} plants a seed here, {plant-label:0} background; "
+                  "{keys} keys  {leave} back");
     } else if (moves && facts->takes_all) {
-        buf_add_text(out, "one label takes all: ");
-        setup_say_key(out, state->setup, "corner", " here, then beyond its edge ");
-        setup_say_key(out, state->setup, "enclose", " encloses it; ");
-        setup_say_key_to(out, state->setup, "plant-label", '0', " background");
+        setup_say(out, setup,
+                  "one label takes all: {corner} here, then beyond its edge {enclose} encloses it; "
+                  "{plant-label:0} background");
     } else if (state->mode == PILOT_WINDOWING) {
-        const struct pilot_setup *setup = state->setup;
         buf_add_text(out, "window ");
         pilot_add_decimal(out, facts->window[0]);
         buf_add_char(out, ' ');

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/scan.h"
-#include "tui/pilot/chord.h"
 
 enum { COUNT_MOST = 9999 };
 
@@ -41,13 +40,15 @@ void pilot_state_release(struct pilot_state *state)
 
 /* ---- finding the row ---- */
 
+/* Return true if one of the words is the event after that leader; with NULL, any key after it. */
 static bool fits_any(const char *words, uint32_t leader, const struct key_event *event)
 {
     struct chord chord;
     const char *word;
     size_t length;
     while (words && chord_next(&words, &word, &length))
-        if (chord_read(word, length, &chord) && chord_fits(&chord, leader, event))
+        if (chord_read(word, length, &chord) &&
+            (event ? chord_fits(&chord, leader, event) : chord.leader == leader))
             return true;
     return false;
 }
@@ -95,17 +96,6 @@ bool pilot_only_moves(const struct pilot_state *state, const struct key_event *e
 
 /* ---- a key that waits for a second one ---- */
 
-static bool has_led(const char *words, uint32_t leader)
-{
-    struct chord chord;
-    const char *word;
-    size_t length;
-    while (chord_next(&words, &word, &length))
-        if (chord_read(word, length, &chord) && chord.leader == leader)
-            return true;
-    return false;
-}
-
 /* What may follow the leader: "gg first-slice  gc centre"; whether anything may. */
 static bool add_led(const struct pilot_state *state, uint32_t leader, struct buf *message)
 {
@@ -116,7 +106,7 @@ static bool add_led(const struct pilot_state *state, uint32_t leader, struct buf
         buf_clear(&keys);
         if (row->name && row->in & PILOT_IN(state->mode))
             setup_add_keys(&keys, setup, row, SIZE_MAX);
-        if (!has_led(buf_text(&keys), leader))
+        if (!fits_any(buf_text(&keys), leader, NULL))
             continue;
         buf_printf(message, "%s%s %s", gap, buf_text(&keys), row->name);
         gap = "  ";
@@ -143,29 +133,13 @@ static void carry_out(struct press *p, const struct pilot_row *row)
         const size_t place = strcspn(row->command, "@");
         buf_add(p->line, row->command, place);
         if (row->command[place])
-            pilot_add_place(p->line, "", p->facts->place);
+            buf_printf(p->line, PLACE, XYZ(p->facts->place));
         buf_add_text(p->line, row->command + place + (row->command[place] != '\0'));
     }
     if (row->act)
         row->act(p);
     if (row->flags & PILOT_CHANGES && p->line->length > before)
         p->state->change = (struct pilot_change){row, *p->event, p->state->count};
-}
-
-static void dispatch(struct press *p)
-{
-    const struct pilot_row *row = find_row(p->state, p->event);
-    if (!row && p->event->key != KEY_OTHER) {
-        buf_add_text(p->message, "this key does nothing here; ");
-        pilot_say_key(p, "keys", " shows the keys");
-    } else if (!row) {
-        return;
-    } else if (p->state->count && !(row->flags & PILOT_COUNTS)) {
-        setup_add_keys(p->message, p->state->setup, row, 1);
-        buf_add_text(p->message, " takes no count; nothing was done");
-    } else {
-        carry_out(p, row);
-    }
 }
 
 void pilot_repeat(struct press *p)
@@ -191,27 +165,16 @@ static bool count_on(struct press *p)
     const struct key_event *event = p->event;
     const bool is_digit = event->key == KEY_CHARACTER && !event->modifiers && !state->leader &&
                           event->point >= '0' && event->point <= '9';
-    const bool counts = state->mode == pilot_home(state) || pilot_outlines(state->mode);
-    if (!is_digit || !counts || find_among(state, event, true))
+    if (!is_digit || find_among(state, event, true) ||
+        (state->mode != pilot_home(state) && !pilot_outlines(state->mode)))
         return false;
     if (state->count == 0 && event->point == '0') {
-        buf_add_text(p->message, "a count begins with 1-9; ");
-        setup_say_key_to(p->message, state->setup, "plant-label", '0', " plants a seed of label 0");
+        pilot_say(p, "a count begins with 1-9; {plant-label:0} plants a seed of label 0");
         return true;
     }
     const uint32_t next = state->count * 10 + (event->point - '0');
     state->count = next < COUNT_MOST ? next : COUNT_MOST;
     buf_printf(p->message, "%u", state->count);
-    return true;
-}
-
-/* True where the key takes back what was begun. */
-static bool take_back(struct press *p)
-{
-    const bool is_begun = p->state->count || p->state->leader;
-    if (!is_begun || p->event->key != KEY_ESCAPE)
-        return false;
-    p->state->count = p->state->leader = 0;
     return true;
 }
 
@@ -274,9 +237,21 @@ enum pilot_deed pilot_press(struct press *p)
     state->is_silent = state->says_all = state->sketches = state->drops = false;
     if (state->mode != state->base && !find_row(state, p->event) && !may_lead(state, p->event))
         state->mode = state->base; /* a key of another mode does what it does there */
-    if (take_back(p) || count_on(p) || lead_on(p))
+    if ((state->count || state->leader) && p->event->key == KEY_ESCAPE) {
+        state->count = state->leader = 0;
         return PILOT_NOTHING;
-    dispatch(p);
+    }
+    if (count_on(p) || lead_on(p))
+        return PILOT_NOTHING;
+    const struct pilot_row *row = find_row(state, p->event);
+    if (row && state->count && !(row->flags & PILOT_COUNTS)) {
+        setup_add_keys(p->message, state->setup, row, 1);
+        buf_add_text(p->message, " takes no count; nothing was done");
+    } else if (row) {
+        carry_out(p, row);
+    } else if (p->event->key != KEY_OTHER) {
+        pilot_say(p, "this key does nothing here; {keys} shows the keys");
+    }
     state->count = state->leader = 0;
     if (p->deed == PILOT_PROMPT || p->deed == PILOT_LEAVE || p->line->length || !is_at_it(state))
         end_stroke(state, p->facts, p->line);
@@ -440,33 +415,26 @@ static bool only_moves(const struct buf *line, uint32_t place[3], bool *moves)
     return *at == '\0' || (*moves && at[0] == '\n' && at[1] == '\0');
 }
 
-/* False where the key does more than move, and changes the state then. */
-static bool show_one(const struct key_event *event, struct pilot_state *state,
-                     const struct pilot_host *host, struct buf *line, struct buf *message)
-{
-    struct pilot_state next = *state;
-    struct pilot_facts facts;
-    struct press press = {&next, event, host, &facts, line, message, 0, PILOT_NOTHING};
-    uint32_t place[3];
-    bool moves;
-    buf_clear(line);
-    if (event->key == KEY_MOUSE || !pilot_only_moves(&next, event) ||
-        !host->facts(host->context, &facts) || pilot_press(&press) != PILOT_NOTHING ||
-        next.mode != state->mode || !only_moves(line, place, &moves))
-        return false;
-    *state = next;
-    if (moves)
-        host->peek(host->context, place);
-    return true;
-}
-
 void typed_ahead_show(const struct typed_ahead *ahead, struct pilot_state *state,
                       const struct pilot_host *host)
 {
     struct buf line = {0}, message = {0};
-    for (size_t i = ahead->taken; i < ahead->count; i++)
-        if (!show_one(ahead->event + i, state, host, &line, &message))
+    for (size_t i = ahead->taken; i < ahead->count; i++) {
+        const struct key_event *event = ahead->event + i;
+        struct pilot_state next = *state;
+        struct pilot_facts facts;
+        struct press press = {&next, event, host, &facts, &line, &message, 0, PILOT_NOTHING};
+        uint32_t place[3];
+        bool moves;
+        buf_clear(&line);
+        if (event->key == KEY_MOUSE || !pilot_only_moves(&next, event) ||
+            !host->facts(host->context, &facts) || pilot_press(&press) != PILOT_NOTHING ||
+            next.mode != state->mode || !only_moves(&line, place, &moves))
             break;
+        *state = next;
+        if (moves)
+            host->peek(host->context, place);
+    }
     buf_release(&line);
     buf_release(&message);
 }

@@ -18,6 +18,8 @@
  *     pilot_plant.c        what rows do that plant or remove
  *     pilot_outline.c      outlines: drawn, taken up, dragged and closed
  *     pilot_press.c        keys and windows of a user, and words and moves that all of them need
+ *     pilot_status.c       the row below the picture
+ *     chord.c              keys as words
  */
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H
@@ -26,7 +28,7 @@
 #include "base/polyline.h"
 #include "tui/keys.h"
 #include "tui/pilot/host.h"
-#include "tui/theme.h"
+#include "tui/cells.h"
 
 /* ---- how the pilot is set up ---- */
 
@@ -62,7 +64,7 @@ struct pilot_setup {
     struct pilot_brush brush; /* to begin with */
     struct setup_window window[SETUP_WINDOWS_MOST];
     size_t windows;
-    bool keeps_back;                              /* no slice is sent ahead (tui/pilot/ahead.h) */
+    bool keeps_back;                              /* no slice is sent ahead (tui/pilot/flow.h) */
     char keys[SETUP_ROWS_MOST][SETUP_KEYS_BYTES]; /* by row; "" where the user has said none */
 };
 
@@ -235,6 +237,19 @@ bool pilot_only_moves(const struct pilot_state *state, const struct key_event *e
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out);
 
+/* Add the row below the picture, without a line feed, for a screen of so many columns: the place of
+ * the cross-hair, the brush, edits that wait, and facts of the voxel.
+ *
+ *     axial at 90,108,90  brush 2 ventricle r3  here 1 brain 1.64 l (+1.2 ml)  intensity 93
+ *
+ * The row consists of parts, each with a rank. A screen that is too narrow shows the parts of the
+ * highest ranks that fit, each whole, in the same order: the place, the brush and the label first,
+ * then names, the volume and its change, the intensity, millimetres, the rest. So nothing moves
+ * when a part far down appears. A `>` at the end says that slices are sent ahead. */
+void pilot_add_status(struct buf *out, const struct pilot_state *state,
+                      const struct pilot_host *host, const struct pilot_facts *facts,
+                      unsigned columns);
+
 /* Adds the radius and the range of a brush, for a user: " r2.5mm 80..120". */
 void pilot_add_brush(struct buf *out, const struct pilot_brush *brush);
 
@@ -302,7 +317,9 @@ enum pilot_flag {
     PILOT_HAS_PAGES = 128  /* its answer has the screen for itself */
 };
 
-/* Words of keys are those of tui/pilot/chord.h; the first row that fits is taken. */
+typedef void pilot_act(struct press *p);
+
+/* The first row that has the key (struct chord) in the present mode is used. */
 struct pilot_row {
     const char *name;    /* NULL: of the page alone */
     const char *keys;    /* on the page, */
@@ -310,7 +327,7 @@ struct pilot_row {
     const char *shown;   /* on the page in place of the keys of this row and those that join it */
     unsigned in;         /* these modes */
     const char *command; /* what it does: this line, with the cross-hair's place for '@', */
-    void (*act)(struct press *);
+    pilot_act *act;
     int by; /* this, or that: which of several things that the function does */
     enum pilot_deed deed;
     enum pilot_mode then; /* the mode afterwards; PILOT_MOVING stands for the state's `base` */
@@ -324,8 +341,8 @@ struct pilot_row {
 extern const struct pilot_row pilot_table[];
 extern const size_t pilot_rows;
 
-/* Gives an action of the table the keys, words of tui/pilot/chord.h. ERR_USAGE for what is no key,
- * or a key that another action was given. */
+/* Give an action of the table the keys (struct chord). ERR_USAGE for a word that names no key and
+ * for a key that another action was given. */
 enum err setup_keys(struct pilot_setup *setup, const struct pilot_row *row, const char *words,
                     struct fault *fault);
 
@@ -340,123 +357,110 @@ const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *r
 void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const struct pilot_row *row,
                     size_t most);
 
-/* Adds the first key of the row of that name, and words after it; of one with a range, as s0-9, the
- * key with this character, as s0. For messages, which name the keys that the user has. */
-void setup_say_key(struct buf *out, const struct pilot_setup *setup, const char *name,
-                   const char *words);
-void setup_say_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c,
-                      const char *words);
+/* Add a message with the keys that the user has: {NAME} is the first key of that row, {NAME:c} the
+ * key with this character where the row has a range: s0 for {plant-label:0}. */
+void setup_say(struct buf *out, const struct pilot_setup *setup, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+#define pilot_say(press, ...) setup_say((press)->message, (press)->state->setup, __VA_ARGS__)
 
-/* ---- what rows do ---- */
+/* ---- keys as words ---- */
 
-/* `by` of pilot_move: which way on the screen, and whether far. */
+/*
+ * Keys as words, in the table of keys and in the configuration:
+ *
+ *     k                    a character
+ *     Tab Page-up          a key with a name: Enter, Escape, Space, Left, Home, Delete ..
+ *     Ctrl-r Shift-Up      with modifiers; Shift is a part of a character, and not named there
+ *     gg 'a                a character after another, its leader
+ *     0-9 a-z sa-z         any character from one to another, alone or after a leader
+ *     any                  any key
+ *
+ * Words are separated by blanks. Pure.
+ */
+struct chord {
+    uint32_t leader; /* 0 for none */
+    enum key key;    /* KEY_PENDING for any */
+    unsigned modifiers;
+    uint32_t first, last; /* of a KEY_CHARACTER */
+};
+
+/* Read the word of `length` bytes. False if it names no key. */
+bool chord_read(const char *word, size_t length, struct chord *chord);
+
+/* Return true if the event, after that leader, is the chord. */
+bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_event *event);
+
+/* Return true if an event is both, or is one and begins the other. */
+bool chord_clashes(const struct chord *a, const struct chord *b);
+
+/* Iterate over words: set *word and *length to the next one and move *at past it. False at the
+ * end. */
+bool chord_next(const char **at, const char **word, size_t *length);
+
+/* ---- functions of rows ---- */
+
+/* `by` of pilot_move: the direction on the screen, and whether far. */
 enum { PILOT_LEFT, PILOT_DOWN, PILOT_UP, PILOT_RIGHT, PILOT_WAYS, PILOT_FAR = PILOT_WAYS };
 
-/* Goes to a place; with the pen down, a stroke leads there. pilot_cross draws none; whether it
- * moves. */
+/* Go to a place; with the pen down a stroke is drawn to it. pilot_cross never draws, and returns
+ * whether the cross-hair moves. */
 void pilot_go_to(struct press *p, const uint32_t place[3]);
 bool pilot_cross(struct press *p, const uint32_t place[3]);
-/* Magnifies slices by so many steps of a quarter or so, or less, around the cross-hair. False where
- * they are as large, or as small, as can be. */
+/* Magnify slices around the cross-hair by steps of about a quarter; fewer than 0 reduce. False at
+ * the largest or smallest size. */
 bool pilot_magnify_by(struct press *p, int64_t steps);
-/* Sets the corners of the last box or polygon once more, beside the cross-hair. False, with a
- * message, where that cannot be. */
+/* Set the corners of the last box or polygon again, relative to the cross-hair. False, with a
+ * message, where they would leave the scene. */
 bool pilot_move_shape(struct press *p);
-/* The corners are set no more, but remembered for that. */
+/* Remember the corners for pilot_move_shape and clear them. */
 void pilot_keep_shape(struct press *p);
-/* One corner more. False, with a message, where it lies in another slice or is one too many. */
+/* Add a corner. False, with a message, if it is in another slice or one too many. */
 bool pilot_add_corner(struct press *p, const uint32_t place[3]);
-/* Where the cross-hair goes to a place, so does an outline that is drawn or held. False where none
- * is begun. */
+/* Extend or drag an outline as the cross-hair goes to a place. False if no outline is begun. */
 bool pilot_outline_to(struct press *p, const uint32_t place[3]);
 void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane);
-/* Takes LOW..HIGH; false where `at` begins with something else. */
+/* Read LOW..HIGH; false where `at` begins with something else. */
 bool pilot_scan_range(const char **at, struct decimal range[2]);
-/* Goes there, draws nothing, and can be taken back: the place before is remembered. */
+/* Go there without drawing and remember the place before, for pilot_go_back. */
 void pilot_remember_place(struct press *p);
 void pilot_jump(struct press *p, const uint32_t place[3]);
-/* The voxel that is meant: under the cross-hair, or the one that the pixel of the rendition shows,
- * and then the cross-hair goes there. False, with a message, where that shows none. */
+/* The voxel that a key acts on: under the cross-hair, or the one that the pixel of the rendition
+ * shows, to which the cross-hair then goes. False, with a message, where the pixel shows none. */
 bool pilot_take_voxel(struct press *p, uint32_t place[3]);
-/* The count typed before the key; `at` moved by so many, and no further than 0 .. end - 1. */
+/* The count typed before the key, else 1; `at` moved by some voxels within 0 .. end - 1. */
 int64_t pilot_times(const struct press *p);
 uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end);
-/* As setup_say_key, to the message. */
-void pilot_say_key(struct press *p, const char *name, const char *words);
-/* A value to a thousandth, or of smaller and of huge values to so many digits. */
+/* A value rounded to a thousandth; very small and very large values to significant digits. */
 struct decimal pilot_decimal(double value);
 double pilot_magnitude(double value);
-/* Whether the path that is shown has one; else false, with a message. */
+/* Return true if the path that is shown has an edge; else false, with a message. */
 bool pilot_has_edge(struct press *p);
-/* " 2 range=80..120": the label of the brush, and where it plants. */
+/* " 2 range=80..120": the label and the range of the brush. */
 void pilot_add_label(struct buf *line, const struct pilot_brush *brush);
 /* "2.5mm", and "80..120" */
 void pilot_add_radius(struct buf *out, const struct pilot_brush *brush);
 void pilot_add_range(struct buf *out, const struct pilot_brush *brush);
-/* " 90,108,90" after some words. */
-void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3]);
-/* The stroke that the pen has drawn, as the lines of its command. */
+/* A place in a command: buf_printf(line, "cross " PLACE, XYZ(place)). */
+#define PLACE      "%u,%u,%u"
+#define XYZ(place) (place)[0], (place)[1], (place)[2]
+/* The commands of the stroke that the pen has drawn. */
 void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line);
 
-/* What rows do. `by` where it matters: 1 for the one, -1 for its counterpart. */
-void pilot_move(struct press *p);         /* one of the ways */
-void pilot_change_slice(struct press *p); /* on, back */
-void pilot_to_slice(struct press *p);     /* the first, the last, that of the count */
-void pilot_next_pane(struct press *p);
-void pilot_set_mark(struct press *p);
-void pilot_go_to_mark(struct press *p);
-void pilot_measure(struct press *p); /* from a mark to the cross-hair */
-void pilot_go_back(struct press *p);
-void pilot_next_seed(struct press *p); /* next, previous */
-void pilot_go_to_centre(struct press *p);
-void pilot_plant(struct press *p);
-void pilot_plant_label(struct press *p);
-void pilot_choose_label(struct press *p); /* next, previous, that of the count */
-void pilot_change_radius(struct press *p);
-void pilot_change_unit(struct press *p); /* of the radius */
-void pilot_take_range(struct press *p);  /* around the intensity at the cross-hair */
-void pilot_begin_range(struct press *p);
-void pilot_type_range(struct press *p);
-void pilot_erase_typed(struct press *p);
-void pilot_end_range(struct press *p);
-void pilot_set_corner(struct press *p);
-void pilot_plant_box(struct press *p);
-void pilot_plant_shell(struct press *p); /* 1: of a box; 0: of a ball */
-void pilot_begin_outline(struct press *p);
-void pilot_close_outline(struct press *p); /* plants it: one of corners, drawn or dragged */
-void pilot_drop_outline(struct press *p);
-void pilot_take_hold(struct press *p);   /* of its line, or lets go */
-void pilot_take_up(struct press *p);     /* the outline that is there, to be corrected */
-void pilot_go_to_doubt(struct press *p); /* next, previous, that of the count */
-void pilot_lower_pen(struct press *p);
-void pilot_begin_stroke(struct press *p);
-void pilot_drop_stroke(struct press *p);
-void pilot_show_held(struct press *p); /* 1: the single tree; 0: its marker */
-void pilot_repeat(struct press *p);
-void pilot_hide(struct press *p);
-void pilot_show_all(struct press *p);
-void pilot_undo(struct press *p); /* undo, redo */
-void pilot_explain(struct press *p);
-void pilot_go_to_edge(struct press *p);    /* that of the path that is shown */
-void pilot_plant_at_edge(struct press *p); /* 1: the label of the digit; 0: what would come next */
-void pilot_enclose_at_edge(struct press *p); /* a shell through it */
-void pilot_stroke_at_edge(struct press *p);
-void pilot_go_to_hint(struct press *p); /* next, previous, that of the count */
-void pilot_show_heat(struct press *p);
-void pilot_turn(struct press *p); /* one of the ways */
-void pilot_roll(struct press *p);
-void pilot_pan(struct press *p); /* one of the ways */
-void pilot_change_zoom(struct press *p);
-void pilot_change_overlay(struct press *p);
-void pilot_change_labels(struct press *p); /* finished ones, the forest's */
-void pilot_magnify(struct press *p);       /* more, less; 0 for whole slices */
-void pilot_recentre(struct press *p);
-void pilot_show_alone(struct press *p);
-void pilot_preset(struct press *p); /* the window of that number */
-/* Where one watches, lines for the host that shows steps: "step on 3". */
-void pilot_step(struct press *p);    /* on, back; by the count */
-void pilot_to_step(struct press *p); /* the first, the last, that of the count */
-void pilot_begin_picking(struct press *p);
-void pilot_end_picking(struct press *p); /* 1: at the voxel; 0: where the cross-hair is */
+/* Functions of rows, by file. `by` of the row is 1 for an action and -1 for its counterpart, unless
+ * the definition says otherwise. */
+pilot_act pilot_repeat;
+pilot_act pilot_move, pilot_change_slice, pilot_to_slice, pilot_next_pane, pilot_set_mark,
+    pilot_go_to_mark, pilot_measure, pilot_go_back, pilot_next_seed, pilot_go_to_centre,
+    pilot_explain, pilot_go_to_edge, pilot_go_to_hint, pilot_show_heat, pilot_undo, pilot_hide,
+    pilot_show_all, pilot_turn, pilot_roll, pilot_change_zoom, pilot_change_overlay,
+    pilot_change_labels, pilot_preset, pilot_magnify, pilot_recentre, pilot_pan, pilot_show_alone,
+    pilot_begin_picking, pilot_end_picking, pilot_step, pilot_to_step;
+pilot_act pilot_choose_label, pilot_change_radius, pilot_change_unit, pilot_take_range,
+    pilot_begin_range, pilot_type_range, pilot_erase_typed, pilot_end_range, pilot_plant,
+    pilot_plant_label, pilot_plant_at_edge, pilot_enclose_at_edge, pilot_stroke_at_edge,
+    pilot_show_held, pilot_lower_pen, pilot_begin_stroke, pilot_drop_stroke, pilot_set_corner,
+    pilot_plant_box, pilot_plant_shell;
+pilot_act pilot_begin_outline, pilot_close_outline, pilot_drop_outline, pilot_take_hold,
+    pilot_take_up, pilot_go_to_doubt;
 
 #endif

@@ -18,12 +18,9 @@
 #include "base/mem.h"
 #include "tui/pilot/pilot_keys.h"
 
-enum {
-    HOLD_MOST = 8,     /* voxels from the line to what takes hold of it */
-    REACH_LEAST = 6,   /* voxels along the line, */
-    REACH_MOST = 1024, /* so that products of coordinates and R^4 stay below 2^63 */
-    CORNERS_LEAST = 3
-};
+enum { HOLD_MOST = 8, CORNERS_LEAST = 3 }; /* voxels from the line to the place that holds it */
+/* Voxels along the line; products of coordinates and R^4 stay below 2^63. */
+enum { REACH_LEAST = 6, REACH_MOST = 1024 };
 
 /* ---- drawing ---- */
 
@@ -49,8 +46,7 @@ bool pilot_add_corner(struct press *p, const uint32_t place[3])
     const bool leaves_plane = p->state->mode == PILOT_OUTLINING && outline->count > 0 &&
                               outline->corner[0][across] != place[across];
     if (leaves_plane || (outline->count >= 2 && !is_flat(outline, place))) {
-        buf_add_text(p->message, "this lies in another slice than the corners so far; ");
-        pilot_say_key(p, "drop", " drops them");
+        pilot_say(p, "this lies in another slice than the corners so far; {drop} drops them");
         return false;
     }
     if (outline->count >= PILOT_CORNERS_MOST && p->state->mode == PILOT_OUTLINING)
@@ -60,13 +56,6 @@ bool pilot_add_corner(struct press *p, const uint32_t place[3])
         return false;
     }
     return true;
-}
-
-/* Where the pen was put down, if it has drawn nothing so far, and on to a place. */
-static void draw_on(struct press *p, const uint32_t place[3])
-{
-    if (p->state->outline.count > 0 || pilot_add_corner(p, p->facts->place))
-        pilot_add_corner(p, place);
 }
 
 /* Nothing is begun any more. */
@@ -122,16 +111,16 @@ void pilot_close_outline(struct press *p)
         return;
     }
     if (outline->count < CORNERS_LEAST) {
-        buf_printf(p->message, "an outline takes %d corners or more, and there %s %zu; ",
-                   CORNERS_LEAST, outline->count == 1 ? "is" : "are", outline->count);
-        pilot_say_key(p, is_drawn ? "drop-outline" : "corner",
-                      is_drawn ? " drops it" : " sets one");
+        pilot_say(p, "an outline takes %d corners or more, and there %s %zu; %s", CORNERS_LEAST,
+                  outline->count == 1 ? "is" : "are", outline->count,
+                  is_drawn ? "{drop-outline} drops it" : "{corner} sets one");
         return;
     }
-    pilot_add_place(p->line, state->brush.label ? "outline " : "fill ", outline->corner[0]);
+    buf_printf(p->line, "%s " PLACE, state->brush.label ? "outline" : "fill",
+               XYZ(outline->corner[0]));
     pilot_add_label(p->line, &state->brush);
     for (size_t i = 1; i < outline->count; i++)
-        pilot_add_place(p->line, " to=", outline->corner[i]);
+        buf_printf(p->line, " to=" PLACE, XYZ(outline->corner[i]));
     if (state->instead)
         buf_printf(p->line, " instead=%u", state->instead);
     buf_add_char(p->line, '\n');
@@ -238,7 +227,7 @@ static bool take_hold_at(struct press *p, const uint32_t place[3])
     return hold->is_set;
 }
 
-/* Takes hold, or lets go. */
+/* Take hold of the line, or let go. */
 void pilot_take_hold(struct press *p)
 {
     if (p->state->hold.is_set)
@@ -278,8 +267,10 @@ static bool bend(struct polyline *out, const struct pilot_hold *hold, const uint
 bool pilot_outline_to(struct press *p, const uint32_t place[3])
 {
     struct pilot_state *state = p->state;
-    if (state->base == PILOT_OUTLINING)
-        draw_on(p, place);
+    /* The first corner is the place where the pen was put down. */
+    if (state->base == PILOT_OUTLINING &&
+        (state->outline.count > 0 || pilot_add_corner(p, p->facts->place)))
+        pilot_add_corner(p, place);
     if (state->base != PILOT_SHAPING || !state->hold.is_set)
         return state->base == PILOT_OUTLINING || state->base == PILOT_SHAPING;
     if (!is_flat(&state->hold.line, place))
@@ -300,8 +291,7 @@ static void take_up(struct press *p, const uint32_t place[3])
     if (!p->host->outline(p->host->context, state->brush.label, state->pane, place, &state->outline,
                           &state->instead, p->message)) {
         end_outline(state);
-        buf_add_text(p->message, "; ");
-        pilot_say_key(p, "outline", " draws an outline");
+        pilot_say(p, "; {outline} draws an outline");
         return;
     }
     state->pen.is_down = false;
@@ -311,10 +301,8 @@ static void take_up(struct press *p, const uint32_t place[3])
 /* Whether one is there that a hand has changed. */
 static bool is_unfinished(struct press *p)
 {
-    if (p->state->is_bent) {
-        pilot_say_key(p, "close-outline", " plants the outline first, ");
-        pilot_say_key(p, "drop-outline", " drops it");
-    }
+    if (p->state->is_bent)
+        pilot_say(p, "{close-outline} plants the outline first, {drop-outline} drops it");
     return p->state->is_bent;
 }
 

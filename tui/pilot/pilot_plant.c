@@ -6,18 +6,15 @@
 
 #include "base/scan.h"
 
-enum {
-    RADIUS_MOST = 32,
-    LABELS = 256,
-    LINE_MOST = 60000 /* bytes; a journal takes 65535 */
-};
+enum { RADIUS_MOST = 32, LABELS = 256 };
+enum { LINE_MOST = 60000 }; /* bytes; a journal takes 65535 */
 
 /* ---- lines ---- */
 
 /* The command of a seed, without its line feed. */
 static void begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
 {
-    pilot_add_place(line, "seed ", place);
+    buf_printf(line, "seed " PLACE, XYZ(place));
     pilot_add_label(line, brush);
     if (!brush->radius)
         return;
@@ -30,7 +27,7 @@ static void add_seed(struct press *p, const uint32_t place[3], const uint32_t *o
 {
     begin_seed(p->line, place, &p->state->brush);
     if (other_end)
-        pilot_add_place(p->line, " to=", other_end);
+        buf_printf(p->line, " to=" PLACE, XYZ(other_end));
     buf_add_char(p->line, '\n');
     p->state->is_silent = false;
 }
@@ -180,10 +177,8 @@ void pilot_enclose_at_edge(struct press *p)
         return;
     }
     pilot_jump(p, way->edge);
-    pilot_add_place(p->line, "seed ", way->root);
-    buf_printf(p->line, " %u shell=yes around=%u", way->next, way->label);
-    pilot_add_place(p->line, " through=", way->edge);
-    buf_add_char(p->line, '\n');
+    buf_printf(p->line, "seed " PLACE " %u shell=yes around=%u through=" PLACE "\n", XYZ(way->root),
+               way->next, way->label, XYZ(way->edge));
     p->state->is_silent = false;
 }
 
@@ -195,8 +190,8 @@ void pilot_show_held(struct press *p)
         return;
     if (p->host->held(p->host->context, place, p->by, &held)) {
         p->state->mode = p->by ? PILOT_CONFIRMING_TREE : PILOT_CONFIRMING;
-        buf_printf(p->message, "%s; ", buf_text(&held));
-        pilot_say_key(p, p->by ? "eliminate-that-tree" : "eliminate-it", " removes it");
+        buf_add_text(p->message, buf_text(&held));
+        pilot_say(p, p->by ? "; {eliminate-that-tree} removes it" : "; {eliminate-it} removes it");
     } else {
         buf_add_text(p->message, "no tree holds this voxel");
     }
@@ -224,8 +219,7 @@ void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts
     const struct pilot_pen *pen = &state->pen;
     const uint32_t(*corner)[3] = (const uint32_t(*)[3])pen->line.corner;
     const char *end = "\n";
-    pilot_add_place(line, "cross ", facts->place);
-    buf_add_text(line, end);
+    buf_printf(line, "cross " PLACE "\n", XYZ(facts->place));
     size_t begin = line->length;
     begin_seed(line, corner[0], &pen->brush);
     for (size_t i = 1; i < pen->line.count; i++) {
@@ -235,7 +229,7 @@ void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts
             begin = line->length;
             begin_seed(line, corner[i - 1], &pen->brush);
         }
-        pilot_add_place(line, " to=", corner[i]);
+        buf_printf(line, " to=" PLACE, XYZ(corner[i]));
     }
     buf_add_text(line, end);
     state->is_silent = false;
@@ -248,24 +242,26 @@ void pilot_lower_pen(struct press *p)
         buf_add_text(p->message, "the pen is up");
 }
 
-void pilot_begin_stroke(struct press *p)
+/* Set one end; the next seed is the other. */
+static void begin_stroke_at(struct press *p, const uint32_t place[3])
 {
-    memcpy(p->state->stroke.place, p->facts->place, sizeof p->state->stroke.place);
+    memcpy(p->state->stroke.place, place, sizeof p->state->stroke.place);
     p->state->stroke.is_set = true;
     buf_add_text(p->message, "one end of a stroke; a seed where the other is draws it");
 }
 
-/* One end of it; the next seed is the other. */
+void pilot_begin_stroke(struct press *p)
+{
+    begin_stroke_at(p, p->facts->place);
+}
+
 void pilot_stroke_at_edge(struct press *p)
 {
-    struct pilot_state *state = p->state;
     if (!pilot_has_edge(p))
         return;
-    state->brush.label = state->way.next;
-    memcpy(state->stroke.place, state->way.edge, sizeof state->stroke.place);
-    state->stroke.is_set = true;
-    pilot_jump(p, state->way.edge);
-    buf_add_text(p->message, "one end of a stroke; a seed where the other is draws it");
+    p->state->brush.label = p->state->way.next;
+    begin_stroke_at(p, p->state->way.edge);
+    pilot_jump(p, p->state->way.edge);
 }
 
 void pilot_drop_stroke(struct press *p)
@@ -287,17 +283,12 @@ void pilot_set_corner(struct press *p)
     const struct polyline *outline = &p->state->outline;
     if (!pilot_add_corner(p, p->facts->place))
         return;
-    buf_printf(p->message, "%zu corner%s", outline->count, outline->count == 1 ? "" : "s");
-    if (outline->count == 2)
-        return;
-    buf_add_text(p->message, "; ");
-    if (outline->count > 1) {
-        pilot_say_key(p, "polygon", " plants the outline");
-        return;
-    }
-    pilot_say_key(p, "box", " plants the box to the cross-hair, ");
-    pilot_say_key(p, "enclose-in-box", " its faces, ");
-    pilot_say_key(p, "enclose", " a ball's shell");
+    pilot_say(p,
+              outline->count == 1   ? "%zu corner; {box} plants the box to the cross-hair, "
+                                      "{enclose-in-box} its faces, {enclose} a ball's shell"
+              : outline->count == 2 ? "%zu corners"
+                                    : "%zu corners; {polygon} plants the outline",
+              outline->count);
 }
 
 /* Whether one corner is set; says what to do where not. */
@@ -306,9 +297,8 @@ static bool has_one_corner(struct press *p, const char *what, const char *corner
     const struct polyline *outline = &p->state->outline;
     if (outline->count == 1)
         return true;
-    buf_printf(p->message, "%s takes one %s, and there are %zu; ", what, corner, outline->count);
-    pilot_say_key(p, outline->count ? "drop" : "corner",
-                  outline->count ? " drops them" : " sets it");
+    pilot_say(p, "%s takes one %s, and there are %zu; %s", what, corner, outline->count,
+              outline->count ? "{drop} drops them" : "{corner} sets it");
     return false;
 }
 
@@ -318,8 +308,7 @@ void pilot_plant_box(struct press *p)
     struct polyline *outline = &p->state->outline;
     if (!has_one_corner(p, "a box", "corner"))
         return;
-    pilot_add_place(p->line, "box ", outline->corner[0]);
-    pilot_add_place(p->line, " ", p->facts->place);
+    buf_printf(p->line, "box " PLACE " " PLACE, XYZ(outline->corner[0]), XYZ(p->facts->place));
     pilot_add_label(p->line, &p->state->brush);
     buf_add_char(p->line, '\n');
     pilot_keep_shape(p);
@@ -333,14 +322,14 @@ void pilot_plant_shell(struct press *p)
     const unsigned inside = p->state->brush.label;
     if (!has_one_corner(p, p->by ? "a box" : "a ball", p->by ? "corner" : "middle"))
         return;
-    pilot_add_place(p->line, p->by ? "box " : "seed ", outline->corner[0]);
+    buf_printf(p->line, "%s " PLACE, p->by ? "box" : "seed", XYZ(outline->corner[0]));
     if (p->by)
-        pilot_add_place(p->line, " ", p->facts->place);
+        buf_printf(p->line, " " PLACE, XYZ(p->facts->place));
     buf_add_text(p->line, " 0 shell=yes");
     if (inside)
         buf_printf(p->line, " around=%u", inside);
     if (!p->by)
-        pilot_add_place(p->line, " through=", p->facts->place);
+        buf_printf(p->line, " through=" PLACE, XYZ(p->facts->place));
     buf_add_char(p->line, '\n');
     pilot_keep_shape(p);
 }

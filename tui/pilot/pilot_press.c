@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tui/pilot/chord.h"
 #include "tui/pilot/pilot_keys.h"
 
 /* ---- windows ---- */
@@ -99,26 +98,34 @@ void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const stru
     }
 }
 
-void setup_say_key(struct buf *out, const struct pilot_setup *setup, const char *name,
-                   const char *words)
+void setup_say(struct buf *out, const struct pilot_setup *setup, const char *format, ...)
 {
-    setup_add_keys(out, setup, setup_row(setup, name), 1);
-    buf_add_text(out, words);
-}
-
-void setup_say_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c,
-                      const char *words)
-{
-    struct buf key = {0};
-    setup_say_key(&key, setup, name, "");
-    const char *range = key.length > 3 ? buf_text(&key) + key.length - 3 : "";
-    if (strcmp(range, "a-z") == 0 || strcmp(range, "0-9") == 0)
-        buf_printf(out, "%.*s%c", (int)key.length - 3, buf_text(&key), c);
-    else
-        buf_add_text(out, buf_text(&key));
-    buf_add_text(out, words);
-    out->failed |= key.failed;
-    buf_release(&key);
+    struct buf words = {0};
+    va_list values;
+    va_start(values, format);
+    buf_vprintf(&words, format, values);
+    va_end(values);
+    for (const char *at = buf_text(&words); *at; at++) {
+        const size_t before = out->length;
+        char name[32], character = '\0';
+        int bytes = 0;
+        if (*at != '{') {
+            buf_add_char(out, *at);
+            continue;
+        }
+        sscanf(at, "{%31[a-z-]:%c}%n", name, &character, &bytes);
+        if (!character)
+            sscanf(at, "{%31[a-z-]}%n", name, &bytes);
+        setup_add_keys(out, setup, setup_row(setup, name), 1);
+        const char *range = out->length > before + 3 ? out->data + out->length - 3 : "";
+        if (character && (strcmp(range, "a-z") == 0 || strcmp(range, "0-9") == 0)) {
+            out->length -= 3;
+            buf_add_char(out, character);
+        }
+        at += bytes - 1;
+    }
+    out->failed |= words.failed;
+    buf_release(&words);
 }
 
 int64_t pilot_times(const struct press *p)
@@ -130,11 +137,6 @@ uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end)
 {
     const int64_t to = (int64_t)at + by;
     return to < 0 ? 0 : to >= (int64_t)end ? end - 1 : (uint32_t)to;
-}
-
-void pilot_say_key(struct press *p, const char *name, const char *words)
-{
-    setup_say_key(p->message, p->state->setup, name, words);
 }
 
 /* ---- decimals ---- */
@@ -159,11 +161,6 @@ void pilot_add_decimal(struct buf *line, double value)
 }
 
 /* ---- lines ---- */
-
-void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3])
-{
-    buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
-}
 
 /* "2.5mm" */
 void pilot_add_radius(struct buf *out, const struct pilot_brush *brush)
@@ -208,8 +205,7 @@ bool pilot_cross(struct press *p, const uint32_t place[3])
 {
     if (memcmp(place, p->facts->place, sizeof p->facts->place) == 0)
         return false;
-    pilot_add_place(p->line, "cross ", place);
-    buf_add_char(p->line, '\n');
+    buf_printf(p->line, "cross " PLACE "\n", XYZ(place));
     p->state->is_silent = true;
     return true;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tui/prompt/line_draw.h"
+#include "tui/prompt/line_edit.h"
 
 #include <stdbool.h>
 #include <stdint.h>

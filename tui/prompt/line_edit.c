@@ -446,25 +446,6 @@ void line_editor_suspend(struct line_editor *e)
  */
 enum { OTHER_EDITOR_BYTES_MOST = 1 << 20 }; /* that are taken back */
 
-/* Runs the editor, which has the terminal, and waits for its end. */
-static enum err run(const char *editor, const char *path, struct fault *fault)
-{
-    struct buf command = {0};
-    int status = 0;
-    buf_printf(&command, "%s \"$@\"", editor);
-    const enum err err = command.failed ? fault_memory(fault, "the editor's name")
-                                        : shell_run(buf_text(&command), path, NULL, &status, fault);
-    buf_release(&command);
-    if (err || status == 0)
-        return err;
-    if (shell_has_none(status))
-        return fault_set(fault, ERR_INPUT,
-                         "there is no editor %s; set VISUAL or EDITOR to one before iftty", editor);
-    return fault_set(fault, ERR_INPUT, "%s ended with %s %d; the line is as it was", editor,
-                     WIFEXITED(status) ? "status" : "signal",
-                     WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
-}
-
 /* One line: what ends lines is a blank, but for the last; the rest has no control characters. */
 static void flatten(struct buf *text)
 {
@@ -484,13 +465,24 @@ static void flatten(struct buf *text)
 static enum err edit_file(struct buf *text, const char *editor, const char *path,
                           struct fault *fault)
 {
-    struct buf written = {0};
+    struct buf written = {0}, command = {0};
+    int status = 0;
     buf_printf(&written, "%s\n", buf_text(text));
-    enum err err = file_write(path, buf_text(&written), written.length, FILE_KEEP, fault);
+    buf_printf(&command, "%s \"$@\"", editor);
+    enum err err = command.failed
+                       ? fault_memory(fault, "the editor's name")
+                       : file_write(path, buf_text(&written), written.length, FILE_KEEP, fault);
     if (!err)
         err = term_set_mode(TERM_AS_FOUND, fault);
     if (!err)
-        err = run(editor, path, fault);
+        err = shell_run(buf_text(&command), path, NULL, &status, fault);
+    if (!err && status != 0 && shell_has_none(status))
+        err = fault_set(fault, ERR_INPUT,
+                        "there is no editor %s; set VISUAL or EDITOR to one before iftty", editor);
+    else if (!err && status != 0)
+        err = fault_set(fault, ERR_INPUT, "%s ended with %s %d; the line is as it was", editor,
+                        WIFEXITED(status) ? "status" : "signal",
+                        WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
     const enum err ours = term_set_mode(TERM_RAW, err ? NULL : fault);
     if (!err && !ours)
         err = file_read(&written, path, OTHER_EDITOR_BYTES_MOST, fault);
@@ -500,6 +492,7 @@ static enum err edit_file(struct buf *text, const char *editor, const char *path
         buf_add(text, buf_text(&written), written.length);
     }
     buf_release(&written);
+    buf_release(&command);
     return err ? err : ours;
 }
 

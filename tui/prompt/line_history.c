@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tui/prompt/line_history.h"
+#include "tui/prompt/line.h"
 
 #include <stdlib.h>
 #include <string.h>

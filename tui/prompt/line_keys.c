@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tui/prompt/line_keys.h"
+#include "tui/prompt/line_edit.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -9,9 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "tui/cells.h"
 #include "tui/prompt/pager.h"
 #include "tui/term.h"
-#include "tui/cells.h"
 
 enum { BARRIER_MS = 2000 };
 
@@ -71,18 +71,9 @@ static enum err print_prompt(const struct repl_host *host, struct fault *fault)
     return print(&prompt, fault);
 }
 
-/* Waits at a terminal that takes in whole lines. Ctrl-C has emptied the line: begin another. */
-static void wait_for_line(const struct repl_host *host)
-{
-    struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
-    while (poll(&ready, 1, -1) < 0 && errno == EINTR) {
-        if (term_write_to(STDOUT_FILENO, "\n", 1, NULL) || print_prompt(host, NULL))
-            return;
-    }
-}
-
 static enum err run_plain(const struct repl_host *host, bool prompts, struct fault *fault)
 {
+    struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
     struct buf output = {0};
     char *line = NULL;
     size_t capacity = 0;
@@ -95,8 +86,10 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
         struct fault ignored;
         if (prompts && print_prompt(host, &ignored))
             break;
-        if (prompts)
-            wait_for_line(host);
+        /* At a terminal that reads whole lines, Ctrl-C has emptied the line: begin another. */
+        while (prompts && poll(&ready, 1, -1) < 0 && errno == EINTR)
+            if (term_write_to(STDOUT_FILENO, "\n", 1, NULL) || print_prompt(host, NULL))
+                break;
         ssize_t length = getline(&line, &capacity, stdin);
         if (length < 0) {
             if (prompts) /* what is printed next begins a line */
@@ -291,36 +284,38 @@ static enum err open_terminal(int in, struct graphics_wish wish, bool prompts,
     return err;
 }
 
+/* The prompt at a terminal, or the screen alone. */
 static enum err run_interactive(const struct repl_host *host, const struct repl_options *options,
-                                struct fault *fault)
+                                bool is_screen, struct fault *fault)
 {
     struct prompt p = {
         .host = host, .history_path = options->history_path, .pages = options->pages};
+    struct line_editor *e = &p.editor;
+    const struct theme *theme = options->theme ? options->theme : &theme_dark;
     struct fault of_history = {0};
     enum err loaded = OK;
-    line_editor_init(&p.editor, host->complete, host->context);
-    p.editor.news = host->news;
-    p.editor.news_descriptor = host->news_descriptor;
-    p.editor.line_of_ctrl_o = host->screen_line;
-    p.editor.pager = options->pages ? options->pager : NULL;
+    bool ended;
+    line_editor_init(e, host->complete, host->context);
+    e->news = host->news;
+    e->news_descriptor = host->news ? host->news_descriptor : -1;
+    e->line_of_ctrl_o = host->screen_line;
+    e->pager = options->pages ? options->pager : NULL;
+    e->knows = host->knows;
+    e->find = host->find;
     if (options->history_path)
-        loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
-    enum err err =
-        open_terminal(STDIN_FILENO, options->graphics, true, &p.facts, &p.editor.input, fault);
+        loaded = line_history_load(&e->history, options->history_path, &of_history);
+    enum err err = open_terminal(STDIN_FILENO, options->graphics, true, &p.facts, &e->input, fault);
     if (!err)
         warn_of_history(&p, loaded, &of_history);
-    if (p.facts.colours != COLOURS_NONE)
-        p.editor.hint = host->hint;
-    p.editor.knows = host->knows;
-    p.editor.find = host->find;
-    p.editor.unanswered = !p.facts.answers;
-    const struct theme *theme = options->theme ? options->theme : &theme_dark;
-    p.editor.grey = p.facts.colours == COLOURS_16 ? theme->hint_16 : theme->hint;
+    e->hint = p.facts.colours != COLOURS_NONE ? host->hint : NULL;
+    e->unanswered = !p.facts.answers;
+    e->grey = p.facts.colours == COLOURS_16 ? theme->hint_16 : theme->hint;
     if (!err)
-        err = run_prompt(&p, fault);
-    probe_leave(&p.facts, p.editor.answers_due);
+        err = is_screen ? host->screen(host->context, &p.facts, e, &ended, fault)
+                        : run_prompt(&p, fault);
+    probe_leave(&p.facts, e->answers_due);
     term_close();
-    line_editor_release(&p.editor);
+    line_editor_release(e);
     return err;
 }
 
@@ -330,34 +325,18 @@ enum err repl_run(const struct repl_host *host, const struct repl_options *optio
     bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const char *name = probe_environment_now().term;
     if (terminal && !probe_is_plain(name))
-        return run_interactive(host, options, fault);
+        return run_interactive(host, options, false, fault);
     return run_plain(host, terminal, fault);
 }
-
-/* ---- the screen alone ---- */
 
 enum err give_screen_once(const struct repl_host *host, struct graphics_wish wish,
                           struct fault *fault)
 {
-    struct terminal_facts facts = {0};
-    struct line_editor editor;
-    bool ended;
+    const struct repl_options options = {.graphics = wish};
     if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO) ||
         probe_is_plain(probe_environment_now().term))
         return fault_set(fault, ERR_USAGE, "this is for a terminal with a screen");
-    line_editor_init(&editor, host->complete, host->context);
-    editor.news_descriptor = -1;
-    enum err err = open_terminal(STDIN_FILENO, wish, true, &facts, &editor.input, fault);
-    editor.knows = host->knows;
-    editor.find = host->find;
-    editor.unanswered = !facts.answers;
-    editor.grey = theme_dark.hint;
-    if (!err)
-        err = host->screen(host->context, &facts, &editor, &ended, fault);
-    probe_leave(&facts, editor.answers_due);
-    term_close();
-    line_editor_release(&editor);
-    return err;
+    return run_interactive(host, &options, true, fault);
 }
 
 /* ---- one picture ---- */

@@ -19,7 +19,7 @@
 #include "base/err.h"
 #include "tui/picture/graphics.h"
 #include "tui/prompt/line_edit.h"
-#include "tui/theme.h"
+#include "tui/cells.h"
 
 /* Output text is printed as it is: names in it have been escaped by the host. */
 struct repl_host {

@@ -1,25 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "tui/pilot/status.h"
+#include "tui/pilot/pilot_keys.h"
 
 #include <string.h>
 
 #include "tui/cells.h"
 
-/* The last goes first. */
-enum rank {
-    FIRST,
-    CHIEF,
-    STATE,
-    INTENSITY,
-    PLACE,
-    NAME,
-    SHOWN,
-    VOLUME,
-    CHANGE,
-    BRUSH_NAME,
-    REST,
-    RANKS
-};
+/* The last is left out first. */
+enum rank { FIRST, CHIEF, STATE, VALUE, WORLD, NAME, SHOWN, VOLUME, CHANGE, BRUSH, REST, RANKS };
 
 enum { PARTS_MOST = 32 };
 
@@ -57,7 +44,6 @@ static void add_part(struct status *s, enum rank rank, const char *text)
 static void add_place(struct status *s, const struct pilot_state *state,
                       const struct pilot_facts *facts)
 {
-    const uint32_t *at = facts->place;
     const bool has_name = facts->plane[state->pane][1] != '\0';
     add_part(s, FIRST, state->pen.is_down ? "PEN DOWN" : "");
     add_part(s, FIRST, pilot_outlines(state->base) ? "OUTLINE" : "");
@@ -72,7 +58,7 @@ static void add_place(struct status *s, const struct pilot_state *state,
         pilot_add_decimal(&s->text, facts->times / 1000.0);
         end_part(s, STATE);
     }
-    buf_printf(&s->text, " at %u,%u,%u", at[0], at[1], at[2]);
+    buf_printf(&s->text, " at " PLACE, XYZ(facts->place));
     end_part(s, FIRST);
 }
 
@@ -85,7 +71,7 @@ static void add_brush(struct status *s, const struct pilot_state *state,
     const size_t number = strcspn(buf_text(&label), " ");
     buf_printf(&s->text, "brush %.*s", (int)number, buf_text(&label));
     end_part(s, CHIEF);
-    add_part(s, BRUSH_NAME, buf_text(&label) + number);
+    add_part(s, BRUSH, buf_text(&label) + number);
     pilot_add_brush(&s->text, &state->brush);
     end_part(s, CHIEF);
     add_part(s, STATE, state->stroke.is_set ? " stroke" : "");
@@ -100,7 +86,7 @@ static void add_known(struct status *s, const struct pilot_facts *facts)
 {
     static const enum rank rank[PILOT_KNOWN] = {
         [PILOT_HERE] = CHIEF,     [PILOT_NAME] = NAME, [PILOT_VOLUME] = VOLUME,
-        [PILOT_CHANGE] = CHANGE,  [PILOT_MM] = PLACE,  [PILOT_INTENSITY] = INTENSITY,
+        [PILOT_CHANGE] = CHANGE,  [PILOT_MM] = WORLD,  [PILOT_INTENSITY] = VALUE,
         [PILOT_IN_FOREST] = REST, [PILOT_SUMS] = REST};
     if (facts->waiting)
         buf_printf(&s->text, "%zu wait%s for space", facts->waiting,
