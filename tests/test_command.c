@@ -1010,72 +1010,59 @@ STORY(goldens_branches_and_records_are_offered)
 
 /* ---- hints ---- */
 
-static void hints(const char *line, const char *expected)
-{
-    struct buf out = {0};
-    command_hint(&out, line, strlen(line));
-    if (strcmp(buf_text(&out), expected) != 0)
-        printf("#   %s\n", line);
-    CHECK_TEXT(buf_text(&out), expected);
-    buf_release(&out);
-}
+#define SHELL_KEYS "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]"
+#define SEED_TO    "[to=X,Y,Z ...] [joined=yes] " SHELL_KEYS
+#define SEED_RANGE "[range=LOW..HIGH] " SEED_TO
+#define SEED_KEYS  "[radius=0..512|Rmm] " SEED_RANGE
 
 STORY(a_hint_is_the_rest_of_the_usage)
 {
-    hints("", "");
-    hints("see", "");
-    hints("seed", " X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                  "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                   "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("  seed   ",
-          "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
-          "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1", " LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                    "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1,1,1", " LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                        "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1,1,1 ", "LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                         "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1,1,1 2", " [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                          "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1,1,1 2 ", "[radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                           "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1,1,1 2 r", "");
-    hints("seed 1,1,1 2 radius=", "0..512|Rmm [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                                  "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1,1,1 2 radius=3", " [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] "
-                                   "[around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed radius=", "0..512|Rmm X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                          "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed radius=3 ", "X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] "
-                            "[around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1,1,1 2 radius=3 ", "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] "
-                                    "[around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("seed 1,1,1 2 radius=3 to=2,2,2 ",
-          "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL] "
-          "[through=X,Y,Z] [within=1..512|Rmm]");
-    hints("range ", "LOW HIGH|none");
-    hints("range 20 ", "HIGH");
-    hints("range none", "");
-    hints("range none ", "");
-    hints("cut 1,1,1", " X,Y,Z");
-    hints("seed 1,1,1 2 3 ", "[radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                             "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]");
-    hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no] [finished=yes|no]");
-    hints("label 2 \"a", "");
-    hints("label \"2\"", " NAME [#rrggbb] [number=1..65533]");
-    hints("\"seed\" ",
-          "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
-          "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
-    hints("\"seed", "");
-    hints("run", " [for=QUESTION]");
-    hints("quit", "");
-    hints("quit ", "");
-    hints("nonsense ", "");
-    hints("# seed ", "");
-    hints("seed \"1\"2 ", "");
+    static const char *const row[][2] = {
+        {"", ""},
+        {"see", ""},
+        {"seed", " X,Y,Z LABEL " SEED_KEYS},
+        {"seed ", "X,Y,Z LABEL " SEED_KEYS},
+        {"  seed   ", "X,Y,Z LABEL " SEED_KEYS},
+        {"seed 1", " LABEL " SEED_KEYS},
+        {"seed 1,1,1", " LABEL " SEED_KEYS},
+        {"seed 1,1,1 ", "LABEL " SEED_KEYS},
+        {"seed 1,1,1 2", " " SEED_KEYS},
+        {"seed 1,1,1 2 ", SEED_KEYS},
+        {"seed 1,1,1 2 r", ""},
+        {"seed 1,1,1 2 radius=", "0..512|Rmm " SEED_RANGE},
+        {"seed 1,1,1 2 radius=3", " " SEED_RANGE},
+        {"seed radius=", "0..512|Rmm X,Y,Z LABEL " SEED_RANGE},
+        {"seed radius=3 ", "X,Y,Z LABEL " SEED_RANGE},
+        {"seed 1,1,1 2 radius=3 ", SEED_RANGE},
+        {"seed 1,1,1 2 radius=3 to=2,2,2 ", SEED_RANGE},
+        {"range ", "LOW HIGH|none"},
+        {"range 20 ", "HIGH"},
+        {"range none", ""},
+        {"range none ", ""},
+        {"cut 1,1,1", " X,Y,Z"},
+        {"seed 1,1,1 2 3 ", SEED_KEYS},
+        {"overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]"},
+        {"slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no] [finished=yes|no]"},
+        {"label 2 \"a", ""},
+        {"label \"2\"", " NAME [#rrggbb] [number=1..65533]"},
+        {"\"seed\" ", "X,Y,Z LABEL " SEED_KEYS},
+        {"\"seed", ""},
+        {"run", " [for=QUESTION]"},
+        {"quit", ""},
+        {"quit ", ""},
+        {"nonsense ", ""},
+        {"# seed ", ""},
+        {"seed \"1\"2 ", ""},
+    };
+    struct buf out = {0};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        buf_clear(&out);
+        command_hint(&out, row[i][0], strlen(row[i][0]));
+        if (strcmp(buf_text(&out), row[i][1]) != 0)
+            printf("#   %s\n", row[i][0]);
+        CHECK_TEXT(buf_text(&out), row[i][1]);
+    }
+    buf_release(&out);
 }
 
 /* ---- the door ---- */
@@ -1092,17 +1079,42 @@ static int fail_on_journal(enum file_step step, const char *path)
     return step == FILE_STEP_WRITE ? ENOSPC : EIO;
 }
 
-/* In place of a file: the record may wait for its sync, since the command changes how one looks and
- * nothing else. */
-static const char only_looks[] = "";
+/*
+ * Deeds are lines to carry out, with "; " between them. "~" comes before those that change how one
+ * looks and nothing else, whose records may wait for their sync, and " > FILE" after those that
+ * write it. "@" is the folder of the test.
+ */
+struct deed {
+    char line[PATH_MAX + 64], file[64];
+    bool only_looks;
+};
+
+/* Take the next deed at *cursor; false at the end. */
+static bool next_deed(struct deed *deed, const char **cursor)
+{
+    const char *at = *cursor;
+    struct buf line = {0}, file = {0}, *to = &line;
+    if (!*at)
+        return false;
+    for (deed->only_looks = *at == '~', at += *at == '~'; *at && *at != ';'; at++)
+        if (strncmp(at, " > ", 3) == 0)
+            to = &file, at += 2;
+        else
+            buf_add(to, *at == '@' ? folder : at, *at == '@' ? strlen(folder) : 1);
+    *cursor = at + strspn(at, "; ");
+    snprintf(deed->line, sizeof deed->line, "%s", buf_text(&line));
+    snprintf(deed->file, sizeof deed->file, "%s", buf_text(&file));
+    buf_release(&line);
+    buf_release(&file);
+    return true;
+}
 
 /* A recorded command fails to be recorded, nothing has happened; then it is recorded. */
-static void fails_then_works(struct interpreter *interp, const char *line, const char *file)
+static void fails_then_works(struct interpreter *interp, const struct deed *deed)
 {
     static const enum file_step step[] = {FILE_STEP_WRITE, FILE_STEP_SYNC};
-    const size_t steps = file == only_looks ? 1 : 2;
-    file = file == only_looks ? NULL : file;
-    for (size_t i = 0; i < steps; i++) {
+    const char *line = deed->line, *file = *deed->file ? deed->file : NULL;
+    for (size_t i = 0; i < (deed->only_looks ? 1 : 2); i++) {
         struct snapshot before;
         take_snapshot(&before, interp);
         failing_step = step[i];
@@ -1126,21 +1138,11 @@ static void fails_then_works(struct interpreter *interp, const char *line, const
     CHECK(journal_audit(interp->journal, NULL) == OK);
 }
 
-struct deed {
-    const char *line, *file;
-};
-
-/* The lines, written into the test's folder where they name "@". */
-static void all_fail_then_work(struct interpreter *interp, const struct deed *deed, size_t count)
+static void all_fail_then_work(struct interpreter *interp, const char *deeds)
 {
-    for (size_t i = 0; i < count; i++) {
-        char line[PATH_MAX + 64];
-        const char *at = strchr(deed[i].line, '@');
-        int head = at ? (int)(at - deed[i].line) : (int)strlen(deed[i].line);
-        snprintf(line, sizeof line, "%.*s%s%s", head, deed[i].line, at ? folder : "",
-                 at ? at + 1 : "");
-        fails_then_works(interp, line, deed[i].file);
-    }
+    struct deed deed;
+    while (next_deed(&deed, &deeds))
+        fails_then_works(interp, &deed);
 }
 
 static void say_nothing(void *context, const char *text)
@@ -1332,185 +1334,51 @@ STORY(a_journal_knows_its_seed_files_again)
 
 STORY(a_command_that_cannot_be_recorded_is_undone)
 {
-    static const struct deed before[] = {
-        {"auto on", only_looks},
-        {"auto off", only_looks},
-        {"label 4 liver #102030", NULL},
-        {"open @/scene.nii", NULL},
-    };
-    static const struct deed deeds[] = {
-        {"label 2 cerebellum", NULL},
-        {"label 0 nothing #010203", NULL},
-        {"label-file @/names.txt", NULL},
-        {"weight morph", NULL},
-        {"adjacency 26", NULL},
-        {"adjacency 6", NULL},
-        {"seed 1,1,1 1", NULL},
-        {"seed 10,9,8 2 radius=1", NULL},
-        {"run", NULL},
-        {"seed-file @/seeds.csv", NULL},
-        {"seed-file @/regions.nii label=4 erode=1 each=2", NULL},
-        {"seed 5,5,5 3", NULL},
-        {"remove 5,5,5", NULL},
-        {"seed 6,2,7 0", NULL},
-        {"save border @/b.nii", "b.nii"},
-        {"weight gauss 1.5", NULL},
-        {"adjacency 26", NULL},
-        {"weight sobel", NULL},
-        {"weight morph radius=2", NULL},
-        {"weight @/weights.nii", NULL},
-        {"weight @/heavier.nii", NULL},
-        {"adjacency 6", NULL},
-        {"weight difference", NULL},
-        {"adjacency 26", NULL},
-        {"polarity 4 50", NULL},
-        {"weight polarity", NULL},
-        {"polarity 4 -50", NULL},
-        {"polarity 2 100", NULL},
-        {"weight @/heavier.nii", NULL},
-        {"weight sobel", NULL},
-        {"mask @/regions.nii regions=0-2", NULL},
-        {"remove 6,2,7", NULL},
-        {"range 0 290.5", NULL},
-        {"run", NULL},
-        {"mask @/regions.nii", NULL},
-        {"range none", NULL},
-        {"weight polarity", NULL},
-        {"mask none", NULL},
-        {"size 40 30", only_looks},
-        {"render", NULL},
-        {"render mode=ii", NULL},
-        {"size 33 32", only_looks},
-        {"render mode=bp", NULL},
-        {"view left", only_looks},
-        {"render mode=ray", NULL},
-        {"turn 10 -5", only_looks},
-        {"zoom 2", only_looks},
-        {"render mode=sp", NULL},
-        {"weight gauss 0.5", NULL},
-        {"zoom fit", only_looks},
-        {"pan 3.5 -1", only_looks},
-        {"render", NULL},
-        {"focus 2,3,4", only_looks},
-        {"hide 2", NULL},
-        {"render", NULL},
-        {"show 2", NULL},
-        {"render", NULL},
-        {"hide all", NULL},
-        {"show 3", NULL},
-        {"render", NULL},
-        {"show all", NULL},
-        {"render", NULL},
-        {"opacity 2 40", NULL},
-        {"render", NULL},
-        {"samples 2", only_looks},
-        {"render mode=sp", NULL},
-        {"seed 8,8,2 1", NULL},
-        {"run", NULL},
-        {"render mode=ray", NULL},
-        {"samples 1", only_looks},
-        {"opacity all 70", NULL},
-        {"clip axial 1-8", NULL},
-        {"render", NULL},
-        {"plane 6,4,3", NULL},
-        {"cut 0,0,0 5,5,5", NULL},
-        {"render mode=ray", NULL},
-        {"clip sagittal 3-10", NULL},
-        {"seed 9,9,3 5", NULL},
-        {"run", NULL},
-        {"plane none", NULL},
-        {"render", NULL},
-        {"opacity 2 0", NULL},
-        {"clip none", NULL},
-        {"label 1 heart #ff0000", NULL},
-        {"shade cubes", only_looks},
-        {"render", NULL},
-        {"light 20 40.5", only_looks},
-        {"cue 60", only_looks},
-        {"edges on", only_looks},
-        {"decorate scale", only_looks},
-        {"samples 2", only_looks},
-        {"background #405060", only_looks},
-        {"context mip", only_looks},
-        {"render", NULL},
-        {"shade surface", only_looks},
-        {"render mode=sp", NULL},
-        {"render @/p.exr", "p.exr"},
-        {"render @/p.png", "p.png"},
-        {"spin 3 @/s%d.png", "s2.png"},
-        {"spin 3 @/s.gif", "s.gif"},
-        {"save labels @/l.nii.gz", "l.nii.gz"},
-        {"golden first", "door.golden/first.exr"},
-        {"golden second", "door.golden/second.png"},
-        {"cross 3,4,5", only_looks},
-        {"window 10 90.5", only_looks},
-        {"mosaic", NULL},
-        {"window auto", only_looks},
-        {"overlay tint marks=off", only_looks},
-        {"slice sagittal", NULL},
-        {"slice coronal 2 @/s.png", "s.png"},
-        {"slice axial @/s.exr zoom=3", "s.exr"},
-        {"overlay none words=off cross=off marks=on", only_looks},
-        {"hint 1", only_looks},
-        {"mosaic @/m.exr", "m.exr"},
-        {"golden third of=sagittal", "door.golden/third.exr"},
-        {"golden fourth of=mosaic", "door.golden/fourth.png"},
-        {"seed 3,3,3 4", NULL},
-        {"render mode=bp", NULL},
-        {"auto on", only_looks},
-        {"seed 7,3,3 5", NULL},
-        {"seed 7,3,3 6", NULL},
-        {"seed 8,8,8 liver radius=2", NULL},
-        {"remove 1,1,1", NULL},
-        {"adjacency 6", NULL},
-        {"render", NULL},
-        {"seed 2,8,1 3", NULL},
-        {"view 30 20 10", only_looks},
-        {"run", NULL},
-        {"undo", NULL},
-        {"undo 7", NULL},
-        {"redo 3", NULL},
-        {"branch other", NULL},
-        {"seed 4,4,4 2", NULL},
-        {"seed 5,5,5 2 radius=1.7mm range=20..190.5 to=6,6,6 to=6,8,6", NULL},
-        {"seed 6,8,6 2 to=2,2,2 to=7,2,9 joined=yes", NULL},
-        {"remove 7,2,9", NULL},
-        {"box 1,1,1 3,4,1 5 range=-10..9999", NULL},
-        {"fill 8,1,3 6 to=11,1,9 to=8,1,9", NULL},
-        {"outline 2,7,3 6 to=5,7,3 to=2,7,5 ring=1", NULL},
-        {"undo", NULL},
-        {"mask @/regions.nii regions=0-2", NULL},
-        {"goto main", NULL},
-        {"render", NULL},
-        {"goto 30", NULL},
-        {"goto other", NULL},
-        {"undo 44", NULL},
-        {"render", NULL},
-        {"redo 12", NULL},
-        {"magnify 2.5 at=3,4,5", only_looks},
-        {"finish majority", NULL},
-        {"finish components voxels=9 label=2", NULL},
-        {"save labels @/f.nii finished=yes", "f.nii"},
-        {"render finished=yes", NULL},
-        {"mosaic finished=yes", NULL},
-        {"slice axial @/fs.exr finished=yes", "fs.exr"},
-        {"golden fifth finished=yes", "door.golden/fifth.exr"},
-        {"finished on", only_looks},
-        {"render", NULL},
-        {"seed 3,7,7 4", NULL},
-        {"mosaic", NULL},
-        {"undo", NULL},
-        {"golden sixth of=sagittal", "door.golden/sixth.exr"},
-        {"finish none", NULL},
-        {"object 2 threshold 0..90 from=3,3,3", NULL},
-        {"labels @/regions.nii erode=1",
-         "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz"},
-        {"orient sform", NULL},
-        {"landmark AC 3,4,5", NULL},
-        {"landmark PC 3,2,5", NULL},
-        {"landmark AC none", NULL},
-        {"origin 74120d6c3f0cc54e2237dc0bced98ab5 volumes=1:900", NULL},
-    };
+    static const char before[] = "~auto on; ~auto off; label 4 liver #102030; open @/scene.nii";
+    static const char deeds[] =
+        "label 2 cerebellum; label 0 nothing #010203; label-file @/names.txt; weight morph; "
+        "adjacency 26; adjacency 6; seed 1,1,1 1; seed 10,9,8 2 radius=1; run; "
+        "seed-file @/seeds.csv; seed-file @/regions.nii label=4 erode=1 each=2; seed 5,5,5 3; "
+        "remove 5,5,5; seed 6,2,7 0; save border @/b.nii > b.nii; weight gauss 1.5; "
+        "adjacency 26; weight sobel; weight morph radius=2; weight @/weights.nii; "
+        "weight @/heavier.nii; adjacency 6; weight difference; adjacency 26; polarity 4 50; "
+        "weight polarity; polarity 4 -50; polarity 2 100; weight @/heavier.nii; weight sobel; "
+        "mask @/regions.nii regions=0-2; remove 6,2,7; range 0 290.5; run; mask @/regions.nii; "
+        "range none; weight polarity; mask none; ~size 40 30; render; render mode=ii; "
+        "~size 33 32; render mode=bp; ~view left; render mode=ray; ~turn 10 -5; ~zoom 2; "
+        "render mode=sp; weight gauss 0.5; ~zoom fit; ~pan 3.5 -1; render; ~focus 2,3,4; hide 2; "
+        "render; show 2; render; hide all; show 3; render; show all; render; opacity 2 40; "
+        "render; ~samples 2; render mode=sp; seed 8,8,2 1; run; render mode=ray; ~samples 1; "
+        "opacity all 70; clip axial 1-8; render; plane 6,4,3; cut 0,0,0 5,5,5; render mode=ray; "
+        "clip sagittal 3-10; seed 9,9,3 5; run; plane none; render; opacity 2 0; clip none; "
+        "label 1 heart #ff0000; ~shade cubes; render; ~light 20 40.5; ~cue 60; ~edges on; "
+        "~decorate scale; ~samples 2; ~background #405060; ~context mip; render; ~shade surface; "
+        "render mode=sp; render @/p.exr > p.exr; render @/p.png > p.png; "
+        "spin 3 @/s%d.png > s2.png; spin 3 @/s.gif > s.gif; save labels @/l.nii.gz > l.nii.gz; "
+        "golden first > door.golden/first.exr; golden second > door.golden/second.png; "
+        "~cross 3,4,5; ~window 10 90.5; mosaic; ~window auto; ~overlay tint marks=off; "
+        "slice sagittal; slice coronal 2 @/s.png > s.png; slice axial @/s.exr zoom=3 > s.exr; "
+        "~overlay none words=off cross=off marks=on; ~hint 1; mosaic @/m.exr > m.exr; "
+        "golden third of=sagittal > door.golden/third.exr; "
+        "golden fourth of=mosaic > door.golden/fourth.png; seed 3,3,3 4; render mode=bp; "
+        "~auto on; seed 7,3,3 5; seed 7,3,3 6; seed 8,8,8 liver radius=2; remove 1,1,1; "
+        "adjacency 6; render; seed 2,8,1 3; ~view 30 20 10; run; undo; undo 7; redo 3; "
+        "branch other; seed 4,4,4 2; "
+        "seed 5,5,5 2 radius=1.7mm range=20..190.5 to=6,6,6 to=6,8,6; "
+        "seed 6,8,6 2 to=2,2,2 to=7,2,9 joined=yes; remove 7,2,9; "
+        "box 1,1,1 3,4,1 5 range=-10..9999; fill 8,1,3 6 to=11,1,9 to=8,1,9; "
+        "outline 2,7,3 6 to=5,7,3 to=2,7,5 ring=1; undo; mask @/regions.nii regions=0-2; "
+        "goto main; render; goto 30; goto other; undo 44; render; redo 12; "
+        "~magnify 2.5 at=3,4,5; finish majority; finish components voxels=9 label=2; "
+        "save labels @/f.nii finished=yes > f.nii; render finished=yes; mosaic finished=yes; "
+        "slice axial @/fs.exr finished=yes > fs.exr; "
+        "golden fifth finished=yes > door.golden/fifth.exr; ~finished on; render; seed 3,7,7 4; "
+        "mosaic; undo; golden sixth of=sagittal > door.golden/sixth.exr; finish none; "
+        "object 2 threshold 0..90 from=3,3,3; "
+        "labels @/regions.nii erode=1 > "
+        "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz; "
+        "orient sform; landmark AC 3,4,5; landmark PC 3,2,5; landmark AC none; "
+        "origin 74120d6c3f0cc54e2237dc0bced98ab5 volumes=1:900";
     struct interpreter interp;
     struct snapshot end, again;
     char path[PATH_MAX];
@@ -1519,16 +1387,17 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     failing_path = path;
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
-    all_fail_then_work(&interp, before, sizeof before / sizeof before[0]);
-    all_fail_then_work(&interp, deeds, sizeof deeds / sizeof deeds[0]);
+    all_fail_then_work(&interp, before);
+    all_fail_then_work(&interp, deeds);
     take_snapshot(&end, &interp);
     interpreter_release(&interp);
     for (unsigned i = 0; i < command_count(); i++) { /* every kind is among them */
         const char *name = command_at(i)->name;
         bool is_there = !(command_at(i)->flags & COMMAND_RECORDED) || strcmp(name, "open") == 0 ||
                         strcmp(name, "interpolate") == 0; /* in a story of its own */
-        for (size_t k = 0; k < sizeof deeds / sizeof deeds[0]; k++)
-            is_there |= strncmp(deeds[k].line, name, strlen(name)) == 0;
+        struct deed deed;
+        for (const char *at = deeds; next_deed(&deed, &at);)
+            is_there |= strncmp(deed.line, name, strlen(name)) == 0;
         if (!CHECK(is_there))
             printf("#   %s\n", name);
     }
@@ -1639,42 +1508,17 @@ STORY(what_the_door_recorded_is_the_same_when_replayed)
     failing_path = path;
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
-    static const struct deed deeds[] = {
-        {"open scene.nii", NULL},
-        {"seed 1,1,1 1", NULL},
-        {"seed 10,9,8 2", NULL},
-        {"run", NULL},
-        {"size 32 32", only_looks},
-        {"adjacency 26", NULL},
-        {"remove 1,1,1", NULL},
-        {"weight sobel", NULL},
-        {"auto on", only_looks},
-        {"weight gauss 2", NULL},
-        {"seed 2,2,2 7 radius=2", NULL},
-        {"weight weights.nii", NULL},
-        {"mask regions.nii regions=0-2", NULL},
-        {"weight polarity", NULL},
-        {"polarity 7 -40", NULL},
-        {"range -5 220.125", NULL},
-        {"adjacency 6", NULL},
-        {"golden third", "replay.golden/third.exr"},
-        {"remove 2,2,2", NULL},
-        {"auto off", only_looks},
-        {"seed 5,6,7 2", NULL},
-        {"remove 9,9,9", NULL},
-        {"cross 5,6,7", only_looks},
-        {"overlay tint", only_looks},
-        {"golden waiting of=axial", "replay.golden/waiting.exr"},
-        {"golden waiting-too of=mosaic", "replay.golden/waiting-too.exr"},
-        {"run", NULL},
-        {"slice coronal 3 zoom=5", NULL},
-        {"golden near of=coronal", "replay.golden/near.exr"},
-        {"seed 8,6,7 2", NULL},
-        {"why 8,6,7", NULL},
-        {"seed 8,6,8 2", NULL},
-        {"golden applied of=coronal", "replay.golden/applied.exr"},
-    };
-    all_fail_then_work(&interp, deeds, sizeof deeds / sizeof deeds[0]);
+    static const char deeds[] =
+        "open scene.nii; seed 1,1,1 1; seed 10,9,8 2; run; ~size 32 32; adjacency 26; "
+        "remove 1,1,1; weight sobel; ~auto on; weight gauss 2; seed 2,2,2 7 radius=2; "
+        "weight weights.nii; mask regions.nii regions=0-2; weight polarity; polarity 7 -40; "
+        "range -5 220.125; adjacency 6; golden third > replay.golden/third.exr; remove 2,2,2; "
+        "~auto off; seed 5,6,7 2; remove 9,9,9; ~cross 5,6,7; ~overlay tint; "
+        "golden waiting of=axial > replay.golden/waiting.exr; "
+        "golden waiting-too of=mosaic > replay.golden/waiting-too.exr; run; "
+        "slice coronal 3 zoom=5; golden near of=coronal > replay.golden/near.exr; seed 8,6,7 2; "
+        "why 8,6,7; seed 8,6,8 2; golden applied of=coronal > replay.golden/applied.exr";
+    all_fail_then_work(&interp, deeds);
     interpreter_release(&interp);
     journal_verifies(path);
 }
@@ -1683,27 +1527,16 @@ STORY(an_interpolated_scene_is_the_same_when_replayed)
 {
     struct interpreter interp;
     char path[PATH_MAX];
-    static const struct deed deeds[] = {
-        {"open scene.nii", NULL},
-        {"size 32 32", only_looks},
-        {"interpolate 1 1 2", NULL},
-        {"render", NULL},
-        {"weight morph radius=2", NULL},
-        {"range 0 211", NULL},
-        {"interpolate 2 1 1", NULL},
-        {"interpolate 1 1 1", NULL},
-        {"seed 1,1,1 1", NULL},
-        {"seed 21,9,17 2", NULL},
-        {"weight sobel", NULL},
-        {"run", NULL},
-        {"golden finer", "finer.golden/finer.exr"},
-        {"golden slice of=sagittal", "finer.golden/slice.exr"},
-    };
+    static const char deeds[] =
+        "open scene.nii; ~size 32 32; interpolate 1 1 2; render; weight morph radius=2; "
+        "range 0 211; interpolate 2 1 1; interpolate 1 1 1; seed 1,1,1 1; seed 21,9,17 2; "
+        "weight sobel; run; golden finer > finer.golden/finer.exr; "
+        "golden slice of=sagittal > finer.golden/slice.exr";
     snprintf(path, sizeof path, "%s", place("finer.iftty"));
     failing_path = path;
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
-    all_fail_then_work(&interp, deeds, sizeof deeds / sizeof deeds[0]);
+    all_fail_then_work(&interp, deeds);
     is_refused(&interp, "interpolate 2 2 2", "a scene is interpolated before its first seed");
     interpreter_release(&interp);
     journal_verifies(path);
@@ -2224,29 +2057,15 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
 
 STORY(pictures_without_memory_leave_everything_as_it_was)
 {
-    static const struct deed row[] = {
-        {"render mode=bp", NULL},
-        {"render @/old.png replace=yes", "old.png"},
-        {"render @/old.exr replace=yes", "old.exr"},
-        {"render @/new.exr", NULL},
-        {"spin 3 @/old.gif replace=yes", "old.gif"},
-        {"spin 3 @/old%d.png replace=yes", "old1.png"},
-        {"spin 3 @/new%d.exr", NULL},
-        {"slice axial 3 @/old.png replace=yes", "old.png"},
-        {"mosaic @/old.exr replace=yes", "old.exr"},
-        {"mosaic", NULL},
-        {"save labels @/old.nii.gz replace=yes", "old.nii.gz"},
-        {"golden bright", NULL},
-        {"golden dark of=mosaic", NULL},
-        {"clip axial 2-5", NULL},
-        {"plane 3,3,3", NULL},
-        {"samples 2", NULL},
-        {"background white", NULL},
-        {"decorate all", NULL},
-        {"shade surface", NULL},
-        {"mosaic @/small.png", NULL},
-        {"render", NULL},
-    };
+    static const char row[] =
+        "render mode=bp; render @/old.png replace=yes > old.png; "
+        "render @/old.exr replace=yes > old.exr; render @/new.exr; "
+        "spin 3 @/old.gif replace=yes > old.gif; spin 3 @/old%d.png replace=yes > old1.png; "
+        "spin 3 @/new%d.exr; slice axial 3 @/old.png replace=yes > old.png; "
+        "mosaic @/old.exr replace=yes > old.exr; mosaic; "
+        "save labels @/old.nii.gz replace=yes > old.nii.gz; golden bright; "
+        "golden dark of=mosaic; clip axial 2-5; plane 3,3,3; samples 2; background white; "
+        "decorate all; shade surface; mosaic @/small.png; render";
     static const char *const before[] = {"old.png",  "old.exr",  "old.gif",   "old0.png",
                                          "old1.png", "old2.png", "old.nii.gz"};
     struct interpreter interp;
@@ -2259,14 +2078,9 @@ STORY(pictures_without_memory_leave_everything_as_it_was)
     must(&interp, "seed 0,0,0 0");
     must(&interp, "run");
     must(&interp, "size 40 30");
-    for (size_t i = 0; i < sizeof row / sizeof row[0] && !check_failures; i++) {
-        char line[PATH_MAX + 64];
-        const char *at = strchr(row[i].line, '@');
-        snprintf(line, sizeof line, "%.*s%s%s",
-                 at ? (int)(at - row[i].line) : (int)strlen(row[i].line), row[i].line,
-                 at ? folder : "", at ? at + 1 : "");
-        fails_at_every_allocation(&interp, line, row[i].file);
-    }
+    struct deed deed;
+    for (const char *at = row; !check_failures && next_deed(&deed, &at);)
+        fails_at_every_allocation(&interp, deed.line, *deed.file ? deed.file : NULL);
     interpreter_release(&interp);
 }
 

@@ -470,7 +470,7 @@ static struct place place_of(const struct act *act, uint32_t cell)
 static enum err find_hints(const struct act *act, const struct hint_list **hints)
 {
     struct session *session = act->session;
-    const enum err err = session->skims ? session_catch_up(session, act->fault) : OK;
+    const enum err err = session_catch_up(session, act->fault);
     return err ? err : session_find_hints(session, hints, NULL, act->fault);
 }
 
@@ -580,7 +580,7 @@ static enum err hint_slices(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          label ? "report: it is of places, and not of slices"
                                : "label: expected an object; doubt is of its border");
-    enum err err = session->skims ? session_catch_up(session, act->fault) : OK;
+    enum err err = session_catch_up(session, act->fault);
     if (!err)
         err = session_labels(session, session_shows_finished(session), &labels, act->fault);
     if (!err)

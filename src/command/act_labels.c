@@ -28,28 +28,11 @@ enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 /* Only a forest that is up to date knows which tree holds a voxel. */
 static enum err find_removed(const struct act *act, struct voxels *v)
 {
-    enum err err = act->session->skims ? session_catch_up(act->session, act->fault) : OK;
+    const enum err err = session_catch_up(act->session, act->fault);
     return err ? err : act_find_voxels(act, NULL, v);
 }
 
 /* ---- single trees ---- */
-
-/* Which seeds were removed, for the journal: "took=X,Y,Z;X,Y,Z". Nothing where they are more than a
- * line should hold. */
-static void add_taken(const struct session *session, struct reply *reply)
-{
-    const struct edit *edit = edits_first(&session->now.lists.pending);
-    const size_t before = edits_count(&session->former.lists.pending),
-                 now = session_pendings(session);
-    const char *between = "took=";
-    if (now - before > TAKEN_MOST)
-        return;
-    for (size_t i = before; i < now; i++) {
-        const struct place p = grid_place(&session->scene->grid, edit[i].cell);
-        buf_printf(&reply->words, "%s%u,%u,%u", between, p.x, p.y, p.z);
-        between = ";";
-    }
-}
 
 /* The seeds that a record says were removed; ERR_CHECK where it does not say it so. */
 static enum err read_taken(const struct grid *grid, const struct record_word *word, uint32_t *seed,
@@ -85,8 +68,15 @@ static enum err remove_trees(const struct act *act)
         err = err ? err : session_erase_trees(session, v.cell, v.count, act->fault);
     }
     voxels_release(&v);
-    if (!err)
-        add_taken(session, act->reply);
+    /* Which seeds were removed, for the journal: "took=X,Y,Z;X,Y,Z". Nothing where they are more
+     * than a line should hold. */
+    const struct edit *edit = edits_first(&session->now.lists.pending);
+    const size_t before = edits_count(&session->former.lists.pending),
+                 now = session_pendings(session);
+    for (size_t i = before; !err && now - before <= TAKEN_MOST && i < now; i++) {
+        const struct place p = grid_place(&session->scene->grid, edit[i].cell);
+        buf_printf(&act->reply->words, "%s%u,%u,%u", i == before ? "took=" : ";", p.x, p.y, p.z);
+    }
     return err;
 }
 
@@ -386,16 +376,6 @@ static enum err read_new(struct volume *map, const struct act *act, char digest[
 
 /* ---- markers ---- */
 
-/* Of labels with so many pieces each: the one with most, of equals the lower number. */
-static unsigned label_of_most(const uint32_t pieces[256])
-{
-    unsigned most = 0;
-    for (unsigned label = 1; label < 256; label++)
-        if (pieces[label] > pieces[most])
-            most = label;
-    return most;
-}
-
 /* All labels in a line, and those of most pieces, which are noise in the map more often. */
 static void write_pieces(const struct act *act, const struct piece_seeds *seeds, size_t planted)
 {
@@ -411,7 +391,9 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
                plural(labels - has_background), has_background ? " and the background" : "",
                seeds->pieces, plural(seeds->pieces), planted, plural(planted));
     for (unsigned i = 0; i < labels && i < LISTED_MOST; i++) {
-        const unsigned label = label_of_most(left);
+        unsigned label = 0; /* of equals the lower number */
+        for (unsigned other = 1; other < 256; other++)
+            label = left[other] > left[label] ? other : label;
         buf_add_text(out, "label ");
         label_report_write_name(out, act->session, label);
         buf_printf(out, ": %u marker%s\n", left[label], plural(left[label]));
@@ -546,15 +528,6 @@ static void announce(const struct act *act, const struct piece_seeds *seeds)
                    (double)seeds->count * SEED_BYTES / 1e6);
 }
 
-static bool has_regions(const struct volume *map)
-{
-    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
-    for (size_t i = 0; i < voxels; i++)
-        if (map->intensity[i] != REGION_NONE)
-            return true;
-    return false;
-}
-
 enum err act_labels(const struct act *act)
 {
     const struct session *session = act->session;
@@ -572,7 +545,11 @@ enum err act_labels(const struct act *act)
     enum err err = copy ? read_recorded(&map, act, copy) : read_new(&map, act, digest);
     if (!err && act->interp->mode == MODE_LIVE)
         err = keep_copy(act, &map, copy ? copy : digest);
-    if (!err && !has_regions(&map))
+    const size_t voxels = err ? 0 : (size_t)map.size[0] * map.size[1] * map.size[2];
+    size_t empty = 0;
+    while (empty < voxels && map.intensity[empty] == REGION_NONE)
+        empty++;
+    if (!err && empty == voxels)
         err = fault_set(act->fault, ERR_INPUT,
                         "%s has no voxel of these regions; nothing was planted",
                         act_text(act, "FILE"));

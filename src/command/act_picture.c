@@ -234,22 +234,6 @@ static enum err turn_around(struct spin *spin)
     return err;
 }
 
-static void write_outcome(const struct spin *spin, struct reply *reply)
-{
-    act_add_digest(spin->act, "spin", spin->digest);
-    if (!spin->path->length)
-        return;
-    buf_add_text(&reply->text, "wrote ");
-    buf_add_safe_text(&reply->text, buf_text(spin->first));
-    if (spin->pattern.counts) {
-        buf_add_text(&reply->text, " to ");
-        buf_add_safe_text(&reply->text, buf_text(spin->path));
-        buf_add_char(&reply->text, '\n');
-    } else {
-        buf_printf(&reply->text, ", %u pictures\n", spin->total);
-    }
-}
-
 /* "yaw,roll": one turn after the other, about each axis once. */
 static enum err read_axes(struct spin *spin)
 {
@@ -296,6 +280,7 @@ static enum err prepare(struct spin *spin)
 
 enum err act_spin(const struct act *act)
 {
+    struct buf *out = &act->reply->text;
     struct spin spin = {.act = act,
                         .count = (unsigned)act_number(act, "N"),
                         .delay_ms = (unsigned)act_number_or(act, "delay", 100),
@@ -309,10 +294,22 @@ enum err act_spin(const struct act *act)
     if (act->interp->mode == MODE_SKIM)
         return session_run(act->session, act->fault);
     err = turn_around(&spin);
-    if (!err)
-        write_outcome(&spin, act->reply);
     image_movie_abandon(&spin.movie);
-    return err;
+    if (err)
+        return err;
+    act_add_digest(act, "spin", spin.digest);
+    if (!spin.path->length)
+        return OK;
+    buf_add_text(out, "wrote ");
+    buf_add_safe_text(out, buf_text(spin.first));
+    if (spin.pattern.counts) {
+        buf_add_text(out, " to ");
+        buf_add_safe_text(out, buf_text(spin.path));
+        buf_add_char(out, '\n');
+    } else {
+        buf_printf(out, ", %u pictures\n", spin.total);
+    }
+    return OK;
 }
 
 /* ---- pictures ---- */
@@ -352,34 +349,29 @@ enum err act_take_picture(const struct act *act, const struct labels *labels, co
     return err;
 }
 
-/* Into the file of that name, which is not empty, or into memory. */
-static enum err draw_into(const struct act *act, const struct drawn_file *file,
-                          const struct labels *labels, struct picture *picture, uint64_t *digest)
-{
-    const struct strips_format *format = image_strips(file->path);
-    const unsigned planes = exr_is_named(file->path) ? PICTURE_EVERY : 0;
-    struct strips *strips = NULL;
-    enum err err = interpreter_will_write(act->interp, file->path, file->mode, act->fault);
-    if (!err)
-        err = strips_begin(&strips, format, file->path, file->mode, picture, planes, act->fault);
-    if (!err)
-        err = export_rows(picture, strips, act->session, labels, file->render, digest, act->fault);
-    if (!err)
-        err = act_note_picture(act, labels, picture);
-    if (err)
-        strips_abandon(strips);
-    return err ? err : strips_end(strips, picture, act->fault);
-}
-
 enum err act_draw_file(const struct act *act, const struct drawn_file *file,
                        const struct labels *labels, uint64_t *digest)
 {
+    const bool is_written = *file->path;
+    const unsigned planes = exr_is_named(file->path) ? PICTURE_EVERY : 0;
     struct picture picture;
+    struct strips *strips = NULL;
+    enum err err = OK;
     export_form(&picture, act->session);
     picture.tiled = file->tiled;
-    const enum err err = *file->path ? draw_into(act, file, labels, &picture, digest)
-                                     : export_rows(&picture, NULL, act->session, labels,
-                                                   file->render, digest, act->fault);
+    if (is_written)
+        err = interpreter_will_write(act->interp, file->path, file->mode, act->fault);
+    if (!err && is_written)
+        err = strips_begin(&strips, image_strips(file->path), file->path, file->mode, &picture,
+                           planes, act->fault);
+    if (!err)
+        err = export_rows(&picture, strips, act->session, labels, file->render, digest, act->fault);
+    if (!err && is_written)
+        err = act_note_picture(act, labels, &picture);
+    if (err)
+        strips_abandon(strips);
+    else if (is_written)
+        err = strips_end(strips, &picture, act->fault);
     picture_release(&picture);
     return err;
 }

@@ -44,14 +44,6 @@ static enum err refuse_missing(struct interpreter *interp, const char *name, con
                            path);
 }
 
-static enum err read_golden(struct interpreter *interp, struct picture *expected,
-                            const struct picture *actual, const char *path, bool *leads_out,
-                            struct fault *fault)
-{
-    const enum err err = interpreter_may_read(interp, path, leads_out, fault);
-    return err ? err : exr_read_golden(expected, path, actual, interp->session->watch, fault);
-}
-
 /* And what they say of themselves, where that has a meaning. */
 static enum err compare_pictures(const struct picture *expected, const struct picture *actual,
                                  const struct interpreter *interp,
@@ -79,9 +71,10 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     const bool has_source = judge && judge->source;
     const char *source = has_source ? judge->source(judge->context, path) : path;
     bool leads_out = false;
-    enum err err = file_exists(source)
-                       ? read_golden(interp, &expected, actual, source, &leads_out, fault)
-                       : refuse_missing(interp, name, source, fault);
+    enum err err = file_exists(source) ? interpreter_may_read(interp, source, &leads_out, fault)
+                                       : refuse_missing(interp, name, source, fault);
+    if (!err)
+        err = exr_read_golden(&expected, source, actual, interp->session->watch, fault);
     bool is_read = !err;
     if (is_read)
         err = compare_pictures(&expected, actual, interp, &difference, fault);
@@ -112,38 +105,33 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
 
 /* ---- storing ---- */
 
-/* A golden image that is there already has to be the same; a PNG that is missing beside it comes
- * again. In this order nobody else's PNG is ever beside an image of ours. */
-static enum err write_both(struct interpreter *interp, const char *name, const char *path,
-                           const char *png, struct picture *picture, struct fault *fault)
-{
-    const bool is_there = file_exists(path), has_png = file_exists(png);
-    enum err err = is_there ? compare_golden(interp, name, path, picture, fault) : OK;
-    if (err)
-        return fault_prefix(fault, err, "it exists already and was left alone");
-    if (!is_there)
-        err = file_may_write(png, FILE_KEEP, fault);
-    if (!err && !is_there)
-        err = act_write_now(interp, path, FILE_KEEP, picture, fault);
-    return err || has_png ? err : act_write_now(interp, png, FILE_KEEP, picture, fault);
-}
-
 /* The EXR is the golden image; the PNG beside it is for people. Both are on the disk before the
- * record is, and after the records that they name (command/golden_files.h). */
+ * record is, and after the records that they name (command/golden_files.h). A golden image that is
+ * there already has to be the same; a PNG that is missing beside it comes again. In this order
+ * nobody else's PNG is ever beside an image of ours. */
 static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              struct picture *picture, struct fault *fault)
 {
-    struct golden_files files = {.folder = -1};
+    struct golden_files files;
+    struct buf *png = arena_buf(&interp->arena);
     enum err err = interp->journal ? journal_sync(interp->journal, fault) : OK;
-    if (!err)
-        err = golden_files_make(&files, buf_text(&interp->home), fault);
-    buf_printf(&files.path, "/%s.png", name);
-    if (!err)
-        err = files.path.failed
-                  ? fault_memory(fault, "a path")
-                  : write_both(interp, name, path, buf_text(&files.path), picture, fault);
+    if (err)
+        return err;
+    err = golden_files_make(&files, buf_text(&interp->home), fault);
+    buf_printf(png, "%s/%s.png", buf_text(&files.path), name);
     golden_files_close(&files);
-    return err;
+    if (err)
+        return err;
+    const bool is_there = file_exists(path), has_png = file_exists(buf_text(png));
+    if (is_there)
+        err = compare_golden(interp, name, path, picture, fault);
+    if (err)
+        return fault_prefix(fault, err, "it exists already and was left alone");
+    if (!is_there)
+        err = file_may_write(buf_text(png), FILE_KEEP, fault);
+    if (!err && !is_there)
+        err = act_write_now(interp, path, FILE_KEEP, picture, fault);
+    return err || has_png ? err : act_write_now(interp, buf_text(png), FILE_KEEP, picture, fault);
 }
 
 /* ---- the command ---- */
@@ -165,25 +153,12 @@ static enum err take_golden(const struct act *act, struct picture *picture)
     return act_take_picture(act, &labels, NULL, picture);
 }
 
-/* Compares it in a replay, or writes it. */
-static enum err settle_golden(const struct act *act, const char *name, struct picture *picture)
-{
-    struct interpreter *interp = act->interp;
-    struct buf *path = act_buf(act);
-    enum err err = golden_path(path, buf_text(&interp->home), name, act->fault);
-    if (!err && interp->mode != MODE_LIVE)
-        err = compare_golden(interp, name, buf_text(path), picture, act->fault);
-    else if (!err)
-        err = write_golden(interp, name, buf_text(path), picture, act->fault);
-    if (!err && interp->mode == MODE_LIVE)
-        act_write_file_line("stored as ", buf_text(path), act->reply);
-    return err;
-}
-
 enum err act_golden(const struct act *act)
 {
-    const struct interpreter *interp = act->interp;
+    struct interpreter *interp = act->interp;
+    const bool is_new = interp->mode == MODE_LIVE;
     struct picture picture = {0};
+    struct buf *path = act_buf(act);
     const char *name = act_text(act, "NAME");
     if (!golden_name_is_valid(name))
         return fault_set(act->fault, ERR_USAGE,
@@ -197,12 +172,19 @@ enum err act_golden(const struct act *act)
     enum err err = take_golden(act, &picture);
     if (err)
         return err;
-    if (!interp->home.length && interp->mode == MODE_LIVE)
+    const bool has_place = interp->home.length || !is_new;
+    if (!has_place)
         buf_add_text(&act->reply->text,
                      "not stored: there is no journal that it could belong to; `--journal FILE` "
                      "records one from the beginning\n");
-    else if (interp->mode == MODE_LIVE || interp->judge)
-        err = settle_golden(act, name, &picture);
+    else
+        err = golden_path(path, buf_text(&interp->home), name, act->fault);
+    if (!err && has_place && is_new)
+        err = write_golden(interp, name, buf_text(path), &picture, act->fault);
+    else if (!err && !is_new && interp->judge)
+        err = compare_golden(interp, name, buf_text(path), &picture, act->fault);
+    if (!err && has_place && is_new)
+        act_write_file_line("stored as ", buf_text(path), act->reply);
     picture_release(&picture);
     return err;
 }
@@ -487,17 +469,6 @@ static struct coverage cover(const struct session *session, const struct labels 
     return count;
 }
 
-/* A map without a label would be taken for an answer by who reads it. */
-static enum err check_labels(const struct act *act, const struct coverage *coverage)
-{
-    if (coverage->labelled || act_is_yes(act, "empty"))
-        return watch_fault(act->session->watch, act->fault);
-    return fault_set(
-        act->fault, ERR_INPUT,
-        "no voxel has a label above 0: plant a `seed` of one first, or write the empty "
-        "map with empty=yes; nothing was written");
-}
-
 static void warn_of_background(struct buf *out, uint64_t voxels, const char *which)
 {
     if (voxels)
@@ -540,8 +511,13 @@ enum err act_save(const struct act *act)
         return err;
     if (has_labels)
         coverage = cover(act->session, &labels);
-    if (what == MAP_LABELS)
-        err = check_labels(act, &coverage);
+    /* A map without a label would be taken for an answer by who reads it. */
+    if (what == MAP_LABELS && !coverage.labelled && !act_is_yes(act, "empty"))
+        return fault_set(
+            act->fault, ERR_INPUT,
+            "no voxel has a label above 0: plant a `seed` of one first, or write the empty "
+            "map with empty=yes; nothing was written");
+    err = watch_fault(act->session->watch, act->fault);
     if (!err)
         err = save(act, &labels, buf_text(path));
     if (err)

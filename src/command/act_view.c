@@ -505,23 +505,18 @@ enum err act_cut(const struct act *act)
 
 /* ---- settings: commands that do no more than set something (session/setting.h) ---- */
 
-static int64_t background_of(const struct value *value)
-{
-    static const uint32_t named[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,
-                                     BACKGROUND_CLEAR};
-    return value->text ? named[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
-}
-
 /* A value as the member holds it. */
 static int64_t held(const struct setting_member *member, const struct value *value)
 {
+    static const uint32_t background[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,
+                                          BACKGROUND_CLEAR};
     switch (member->as) {
     case HELD_AS_SWITCH:
         return value->number == 0;
     case HELD_AS_COUNT:
         return strtol(value->text, NULL, 10);
     case HELD_AS_BACKGROUND:
-        return background_of(value);
+        return value->text ? background[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
     default:
         return value->number;
     }

@@ -269,10 +269,13 @@ void act_write_weight(struct buf *out, const struct kept *kept)
             buf_printf(out, " %u:%d", label, kept->polarity[label]);
 }
 
-/* "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
-static bool write_roi(struct buf *out, const struct session *session)
+/* "region    mask brain.nii regions 1-90, range 40..1200: 880 of 1320 voxels inside" */
+void act_write_region(struct buf *out, const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
+    if (!kept->mask && !kept->has_range)
+        return;
+    buf_add_text(out, "region    ");
     if (kept->mask) {
         buf_add_text(out, "mask ");
         buf_add_safe_text(out, kept->mask_file);
@@ -284,16 +287,8 @@ static bool write_roi(struct buf *out, const struct session *session)
         buf_add_text(out, "..");
         decimal_write(out, &kept->range[1]);
     }
-    return kept->mask || kept->has_range;
-}
-
-void act_write_region(struct buf *out, const struct session *session)
-{
-    struct buf roi = {0};
-    if (write_roi(&roi, session))
-        buf_printf(out, "region    %s: %zu of %zu voxels inside\n", buf_text(&roi),
-                   session->roi_tally.inside, session->scene->grid.voxels);
-    buf_release(&roi);
+    buf_printf(out, ": %zu of %zu voxels inside\n", session->roi_tally.inside,
+               session->scene->grid.voxels);
 }
 
 /* ---- what is shown ---- */
@@ -357,12 +352,15 @@ static void write_view(struct buf *out, const struct session *session)
     buf_add_text(out, unknown ? " up; orientation unknown\n" : " up\n");
 }
 
-/* "all but axial slices 10-60, 1 plane, 2 boxes"; false where nothing is cut away. */
-static bool write_cut(struct buf *out, const struct session *session)
+/* "cut away  all but axial slices 10-60, 1 plane, 2 boxes"; nothing where nothing is. */
+static void write_cut(struct buf *out, const struct session *session)
 {
     const struct cut *cut = &session->now.kept.cut;
     const struct scene *scene = session->scene;
     const char *between = "";
+    if (cut_is_none(cut))
+        return;
+    buf_add_text(out, "cut away  ");
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const int axis = slice_axis(scene, plane);
         if (cut->first[axis] == 0 && cut->last[axis] == UINT32_MAX)
@@ -378,7 +376,7 @@ static bool write_cut(struct buf *out, const struct session *session)
     }
     if (cut->boxes)
         buf_printf(out, "%s%u box%s", between, cut->boxes, cut->boxes == 1 ? "" : "es");
-    return !cut_is_none(cut);
+    buf_add_char(out, '\n');
 }
 
 void act_write_slices(struct buf *out, struct session *session)
@@ -435,19 +433,10 @@ static void write_scene(struct buf *out, const struct session *session)
     levels_write_scale(out, session->levels, "          ");
 }
 
-static void write_forest(struct buf *out, const struct session *session)
-{
-    const size_t seeds = forest_seeds(session->forest), waits = session_pendings(session);
-    buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ", seeds,
-               plural(seeds), waits, plural(waits), session->now.kept.adjacency);
-    act_write_weight(out, &session->now.kept);
-    buf_add_char(out, '\n');
-}
-
 /* The rendition, and slices. */
 static void write_look(struct buf *out, struct session *session)
 {
-    struct buf cut = {0}, opacity = {0};
+    struct buf opacity = {0};
     write_view(out, session);
     buf_add_text(out, "look      ");
     settings_write(out, GROUP_LOOK, &session->now);
@@ -455,12 +444,10 @@ static void write_look(struct buf *out, struct session *session)
     export_opacity(&opacity, &session->now.kept);
     if (opacity.length)
         buf_printf(out, "opacity   %s\n", buf_text(&opacity));
-    if (write_cut(&cut, session))
-        buf_printf(out, "cut away  %s\n", buf_text(&cut));
+    write_cut(out, session);
     buf_add_text(out, "slices    ");
     act_write_slices(out, session);
     buf_release(&opacity);
-    buf_release(&cut);
 }
 
 enum err act_info(const struct act *act)
@@ -472,8 +459,7 @@ enum err act_info(const struct act *act)
         const struct journal *journal = act->interp->journal;
         buf_add_text(out, "journal   ");
         buf_add_safe_text(out, journal_path(journal));
-        buf_printf(out, ", %zu record%s", journal_count(journal), plural(journal_count(journal)));
-        buf_add_char(out, '\n');
+        buf_printf(out, ", %zu record%s\n", journal_count(journal), plural(journal_count(journal)));
     }
     if (!session->has_scene) {
         buf_add_text(out, "no scene is open\n");
@@ -483,7 +469,11 @@ enum err act_info(const struct act *act)
     if (err)
         return err;
     write_scene(out, session);
-    write_forest(out, session);
+    const size_t seeds = forest_seeds(session->forest), waits = session_pendings(session);
+    buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ", seeds,
+               plural(seeds), waits, plural(waits), session->now.kept.adjacency);
+    act_write_weight(out, &session->now.kept);
+    buf_add_char(out, '\n');
     histogram_of_session(&histogram, session);
     histogram_write(out, &histogram, act->interp->has_blocks);
     act_write_region(out, session);

@@ -40,24 +40,17 @@ static bool is_choice(const struct parameter *p)
 
 static void add_form(struct buf *out, const struct parameter *p)
 {
+    static const char *const form[VALUE_WORD + 1] = {
+        [VALUE_POSITION] = "X,Y,Z",     [VALUE_LINE] = "X,Y,Z",  [VALUE_RANGE] = "A-B",
+        [VALUE_LIST] = "A-B,C",         [VALUE_LABEL] = "LABEL", [VALUE_COLOUR] = "#rrggbb",
+        [VALUE_INTERVAL] = "LOW..HIGH",
+    };
     const double unit = p->type == VALUE_DECIMAL ? 1000 : 1;
     const bool is_number = p->type == VALUE_DECIMAL || p->type == VALUE_NUMBER;
-    if (p->form)
-        buf_add_text(out, p->form);
-    else if (p->type == VALUE_POSITION || p->type == VALUE_LINE)
-        buf_add_text(out, "X,Y,Z");
-    else if (p->type == VALUE_RANGE)
-        buf_add_text(out, "A-B");
-    else if (p->type == VALUE_LIST)
-        buf_add_text(out, "A-B,C");
-    else if (p->type == VALUE_INTERVAL)
-        buf_add_text(out, "LOW..HIGH");
+    if (p->form || form[p->type])
+        buf_add_text(out, p->form ? p->form : form[p->type]);
     else if (p->type == VALUE_RADIUS)
         buf_printf(out, "%lld..%lld|Rmm", (long long)p->least, (long long)p->most);
-    else if (p->type == VALUE_LABEL)
-        buf_add_text(out, "LABEL");
-    else if (p->type == VALUE_COLOUR)
-        buf_add_text(out, "#rrggbb");
     else if (p->type == VALUE_FILE && p->keyed)
         buf_add_text(out, "FILE");
     else if (is_number && p->keyed)
@@ -318,15 +311,10 @@ static bool starts_so(const struct offers *o, const char *word, size_t length)
     return length > 0 && length >= typed && memcmp(word, o->typed, typed) == 0;
 }
 
-static void offer_noted(const struct offers *o, const char *word, size_t length, struct note note)
+static void offer(const struct offers *o, const char *word, size_t length, struct note note)
 {
     if (starts_so(o, word, length))
         write_offer(o->out, word, length, o->quoted, false, note);
-}
-
-static void offer(const struct offers *o, const char *word, size_t length)
-{
-    offer_noted(o, word, length, (struct note){0});
 }
 
 /* What help says of a choice: of the value alone, or with its key. */
@@ -347,8 +335,7 @@ static struct note choice_note(const struct command *command, const struct param
 static void offer_commands(const struct offers *o)
 {
     for (unsigned i = 0; i < command_count(); i++)
-        offer_noted(o, command_at(i)->name, strlen(command_at(i)->name),
-                    note_of(command_at(i)->summary));
+        offer(o, command_at(i)->name, strlen(command_at(i)->name), note_of(command_at(i)->summary));
 }
 
 static bool needs_quotes(const char *word)
@@ -374,7 +361,7 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
         char note[32];
         snprintf(note, sizeof note, "label %d", label);
         if (!p->keyed || !needs_quotes(name))
-            offer_noted(&offers, name, strlen(name), note_of(note));
+            offer(&offers, name, strlen(name), note_of(note));
     }
 }
 
@@ -490,7 +477,7 @@ static void offer_goldens(const struct offers *o)
         listing_read(&listing, buf_text(&files.path), o->typed);
     for (size_t i = 0; i < listing.count; i++)
         if (file_is_named(listing.name[i], ending))
-            offer(o, listing.name[i], strlen(listing.name[i]) - strlen(ending));
+            offer(o, listing.name[i], strlen(listing.name[i]) - strlen(ending), (struct note){0});
     listing_release(&listing);
     golden_files_close(&files);
 }
@@ -503,12 +490,12 @@ static void offer_points(const struct offers *o)
     const size_t points = history->points;
     const bool any = o->typed[0] != '\0';
     for (size_t i = 0; i < history->branches; i++)
-        offer(o, history->branch[i].name, strlen(history->branch[i].name));
+        offer(o, history->branch[i].name, strlen(history->branch[i].name), (struct note){0});
     for (size_t i = any || points < POINTS_OFFERED ? 0 : points - POINTS_OFFERED; i < points; i++) {
         const struct point *point = &history->point[i];
         char number[24];
         const int length = snprintf(number, sizeof number, "%zu", point->record);
-        offer_noted(o, number, (size_t)length, note_of(point->command ? point->command : ""));
+        offer(o, number, (size_t)length, note_of(point->command ? point->command : ""));
     }
 }
 
@@ -520,7 +507,7 @@ static void offer_values(const struct offers *o, const struct command *command,
     const char *choices = p->choices ? p->choices : "";
     struct choice choice;
     while (choice_next(&choice, &choices))
-        offer_noted(o, choice.word, choice.length, choice_note(command, p, &choice));
+        offer(o, choice.word, choice.length, choice_note(command, p, &choice));
     switch (p->type) {
     case VALUE_COMMAND:
         offer_commands(o);
@@ -552,8 +539,7 @@ static void offer_keys(const struct offers *o, const struct partial *partial)
         usage_form(&form, &p[i]);
         note.text = command_note(partial->command, p[i].name, strlen(p[i].name), &note.length);
         if (p[i].keyed && (!partial->value[i].given || p[i].type == VALUE_LINE))
-            offer_noted(o, buf_text(&key), key.length,
-                        note.length ? note : note_of(buf_text(&form)));
+            offer(o, buf_text(&key), key.length, note.length ? note : note_of(buf_text(&form)));
         buf_release(&form);
         buf_release(&key);
     }

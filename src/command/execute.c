@@ -113,26 +113,20 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
 
 /* Up to the last record that has words of the forest nothing is computed; after it nothing is left
  * to compute. What opens a scene is carried out in full either way. */
-static enum err skim_record(struct resume *resume, const struct record *record, struct fault *fault)
-{
-    struct session *session = resume->interp->session;
-    struct record unjudged = *record;
-    if (!session->has_scene)
-        return compare_record(resume, record, fault);
-    if (record->number <= resume->last && !session->skims)
-        session_skim(session);
-    if (record->number == resume->last)
-        return compare_forest(resume, record, fault);
-    unjudged.has_result = false;
-    return compare_record(resume, &unjudged, fault);
-}
-
 static enum err resume_record(void *context, const struct record *record, struct fault *fault)
 {
     struct resume *resume = context;
+    struct session *session = resume->interp->session;
+    struct record unjudged = *record;
+    const bool skims = resume->interp->mode == MODE_SKIM && session->has_scene;
     resume->interp->recorded_words = record->result;
-    enum err err = resume->interp->mode == MODE_SKIM ? skim_record(resume, record, fault)
-                                                     : compare_record(resume, record, fault);
+    if (skims && record->number <= resume->last && !session->skims)
+        session_skim(session);
+    if (skims && record->number != resume->last)
+        unjudged.has_result = false;
+    const enum err err = skims && record->number == resume->last
+                             ? compare_forest(resume, record, fault)
+                             : compare_record(resume, &unjudged, fault);
     resume->interp->recorded_words = NULL;
     return err;
 }
@@ -202,16 +196,6 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
 
 /* ---- carried out ---- */
 
-/* How many edits wait that a command applies before anything else, so that it is about all that the
- * user has planted. One that is recorded does so whenever its record is carried
- * out again; a question only when it is asked: the record of its own `run` does it then. */
-static size_t edits_to_apply(const struct interpreter *interp, const struct command *command)
-{
-    const struct session *session = interp->session;
-    const bool applies = command->flags & COMMAND_RECORDED || interp->mode == MODE_LIVE;
-    return command->flags & COMMAND_ANSWERS && applies ? session_pendings(session) : 0;
-}
-
 static enum err apply(const struct interpreter *interp, struct session *session,
                       struct reply *reply, struct fault *fault)
 {
@@ -235,7 +219,12 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     uint64_t begin = clock_ns();
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
-    interp->applied = edits_to_apply(interp, command);
+    /* A command that answers applies the edits that wait before anything else, so that it is about
+     * all that the user has planted. One that is recorded does so whenever its record is carried
+     * out again; a question only when it is asked: the record of its own `run` does it then. */
+    const bool applies = command->flags & COMMAND_ANSWERS &&
+                         (command->flags & COMMAND_RECORDED || interp->mode == MODE_LIVE);
+    interp->applied = applies ? session_pendings(session) : 0;
     const bool edits = command->flags & COMMAND_EDITS || interp->applied,
                reports = edits && interp->mode == MODE_LIVE && !session->skims;
     enum err err = command->flags & COMMAND_NEEDS_SCENE ? session_complete(session, fault) : OK;
@@ -305,24 +294,6 @@ static enum err begin_journal(struct interpreter *interp, struct buf *told, stru
     return OK;
 }
 
-static enum err append(struct interpreter *interp, const char *command, const struct reply *reply,
-                       struct fault *fault)
-{
-    const struct session *session = interp->session;
-    const bool only_looks = /* the command has changed how one looks, and nothing else (J1) */
-        !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
-        kept_equals(&session->now.kept, &session->former.kept);
-    enum err err = OK;
-    if (interp->journal && only_looks)
-        err = journal_note(interp->journal, command, fault);
-    else if (interp->journal)
-        err = journal_append(interp->journal, command, buf_text(&reply->words), fault);
-    return err ? fault_prefix(fault, err,
-                              "the command is undone, because it could not be recorded "
-                              "(`journal FILE` continues in another file)")
-               : OK;
-}
-
 /* In the history, and in the journal where commands are new; of a question that has applied what
  * waited, the run. */
 static enum err record(struct interpreter *interp, const struct command *command,
@@ -332,12 +303,21 @@ static enum err record(struct interpreter *interp, const struct command *command
     snprintf(run, sizeof run, RUN_FOR "%s", command->name);
     const bool is_question = !(command->flags & COMMAND_RECORDED);
     const char *line = is_question ? run : buf_text(&reply->canonical);
-    enum err err = history_note(&interp->history, interp->session, line, fault);
+    const struct session *session = interp->session;
+    enum err err = history_note(&interp->history, session, line, fault);
     if (!err && interp->mode == MODE_LIVE)
         err = begin_journal(interp, &reply->text, fault);
-    if (!err && interp->mode == MODE_LIVE)
-        err = append(interp, line, reply, fault);
-    return err;
+    if (err || interp->mode != MODE_LIVE || !interp->journal)
+        return err;
+    const bool only_looks = /* the command has changed how one looks, and nothing else (J1) */
+        !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
+        kept_equals(&session->now.kept, &session->former.kept);
+    err = only_looks ? journal_note(interp->journal, line, fault)
+                     : journal_append(interp->journal, line, buf_text(&reply->words), fault);
+    return err ? fault_prefix(fault, err,
+                              "the command is undone, because it could not be recorded "
+                              "(`journal FILE` continues in another file)")
+               : OK;
 }
 
 /* ---- settled ---- */
@@ -404,14 +384,6 @@ static enum err refuse_to_change(const struct call *call, struct fault *fault)
                      call->command->name);
 }
 
-static bool has_changed_more(const struct interpreter *interp)
-{
-    const struct session *session = interp->session;
-    return interp->written.length || interp->history.goes_to != POINT_NONE || session->has_edited ||
-           session->has_regrown || !kept_equals(&session->now.kept, &session->former.kept) ||
-           !edit_lists_are_copies(&session->now.lists, &session->former.lists);
-}
-
 enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
                           struct fault *fault)
 {
@@ -426,8 +398,14 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
         err = refuse_to_change(&call, fault);
     } else {
         session_mark(interp->session);
+        const struct session *session = interp->session;
         err = carry_out(interp, &call, line, reply, fault);
-        if (!err && has_changed_more(interp))
+        const bool has_changed_more =
+            interp->written.length || interp->history.goes_to != POINT_NONE ||
+            session->has_edited || session->has_regrown ||
+            !kept_equals(&session->now.kept, &session->former.kept) ||
+            !edit_lists_are_copies(&session->now.lists, &session->former.lists);
+        if (!err && has_changed_more)
             err = refuse_to_change(&call, fault);
         settle(interp, err == OK);
     }
@@ -437,67 +415,56 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
 
 /* ---- sketched ---- */
 
-static enum err sketch(struct interpreter *interp, const struct call *call, const char *line,
-                       struct fault *fault)
-{
-    struct reply reply = {0};
-    command_write(&reply.canonical, call);
-    session_mark(interp->session);
-    enum err err = carry_out(interp, call, line, &reply, fault);
-    if (!err)
-        err = history_note(&interp->history, interp->session, buf_text(&reply.canonical), fault);
-    settle(interp, err == OK);
-    reply_release(&reply);
-    return err;
-}
-
 enum err interpreter_sketch(struct interpreter *interp, const char *line, struct fault *fault)
 {
     struct session *session = interp->session;
+    struct reply reply = {0};
     struct call call;
     enum err err = command_parse(&call, line, session, fault);
     if (err || !call.command)
         return err;
     if (!session->has_scene || !(call.command->flags & COMMAND_SKETCHED)) {
         err = fault_set(fault, ERR_USAGE, "%s cannot be sketched", call.command->name);
-    } else {
-        if (!interp->sketch.is_begun)
-            interp->sketch = (struct sketch){.is_begun = true,
-                                             .place = history_place(&interp->history),
-                                             .outlook = session->now.outlook,
-                                             .markers = session->markers.count};
-        err = sketch(interp, &call, line, fault);
+        call_release(&call);
+        return err;
     }
+    if (!interp->sketch.is_begun)
+        interp->sketch = (struct sketch){.is_begun = true,
+                                         .place = history_place(&interp->history),
+                                         .outlook = session->now.outlook,
+                                         .markers = session->markers.count};
+    command_write(&reply.canonical, &call);
+    session_mark(session);
+    err = carry_out(interp, &call, line, &reply, fault);
+    if (!err)
+        err = history_note(&interp->history, session, buf_text(&reply.canonical), fault);
+    settle(interp, err == OK);
+    reply_release(&reply);
     call_release(&call);
     return err;
-}
-
-/* Seeds go back by the way through the history, in one edit. */
-static enum err take_back_sketch(struct interpreter *interp, struct fault *fault)
-{
-    struct session *session = interp->session;
-    struct history *history = &interp->history;
-    const struct sketch *was = &interp->sketch;
-    enum err err = history_go(history, session, was->place.present, history->on, false, fault);
-    struct state before = session->now;
-    before.outlook = was->outlook;
-    return err ? err : session_go(session, &before, NULL, 0, fault);
 }
 
 enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault)
 {
     struct session *session = interp->session;
-    if (!interp->sketch.is_begun)
+    struct history *history = &interp->history;
+    const struct sketch *was = &interp->sketch;
+    if (!was->is_begun)
         return OK;
     session_mark(session);
     watch_ignore_stop(session->watch);
-    const enum err err = take_back_sketch(interp, fault);
-    history_settle(&interp->history, false);
+    /* Seeds go back by the way through the history, in one edit. */
+    enum err err = history_go(history, session, was->place.present, history->on, false, fault);
+    struct state before = session->now;
+    before.outlook = was->outlook;
+    if (!err)
+        err = session_go(session, &before, NULL, 0, fault);
+    history_settle(history, false);
     if (err) {
         session_rollback(session);
         return err;
     }
-    history_forget(&interp->history, &interp->sketch.place);
+    history_forget(history, &was->place);
     session_drop_markers(session, interp->sketch.markers);
     session_settle(session);
     watch_begin(session->watch);

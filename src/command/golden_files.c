@@ -83,8 +83,14 @@ enum {
 
 /* ---- the folder ---- */
 
-static enum err open_folder(struct golden_files *files, bool makes, struct fault *fault)
+static enum err open_files(struct golden_files *files, const char *journal, bool makes,
+                           struct fault *fault)
 {
+    *files = (struct golden_files){.folder = -1};
+    const enum err err = golden_folder(&files->path, journal, fault);
+    golden_journal_name(&files->name, journal);
+    if (err || files->path.failed || files->name.failed)
+        return err ? err : fault_memory(fault, "a path");
     const char *path = buf_text(&files->path);
     if (makes && mkdir(path, 0777) == 0 && !file_step_sync_folder(path))
         return fault_errno(fault, "sync the folder of", path);
@@ -97,17 +103,6 @@ static enum err open_folder(struct golden_files *files, bool makes, struct fault
                          "nothing there was listed, written or removed; put a folder in its place",
                          path);
     return fault_errno(fault, makes ? "make the folder" : "read the folder", path);
-}
-
-static enum err open_files(struct golden_files *files, const char *journal, bool makes,
-                           struct fault *fault)
-{
-    *files = (struct golden_files){.folder = -1};
-    enum err err = golden_folder(&files->path, journal, fault);
-    golden_journal_name(&files->name, journal);
-    if (!err && (files->path.failed || files->name.failed))
-        err = fault_memory(fault, "a path");
-    return err ? err : open_folder(files, makes, fault);
 }
 
 enum err golden_files_open(struct golden_files *files, const char *journal, struct fault *fault)

@@ -322,9 +322,8 @@ static bool can_join(const struct act *act)
 static enum err look_inside(const struct act *act, const uint32_t middle[3], uint8_t *inside,
                             bool *is_reached)
 {
-    const struct session *session = act->session;
-    const enum err err = session->skims ? session_catch_up(act->session, act->fault) : OK;
-    const struct scene *scene = session->scene;
+    const enum err err = session_catch_up(act->session, act->fault);
+    const struct scene *scene = act->session->scene;
     const struct cell *at = &scene->cell[grid_cell(&scene->grid, middle[0], middle[1], middle[2])];
     *inside = at->label;
     *is_reached = cell_is_reached(at);
@@ -445,20 +444,10 @@ static enum err find_reach(uint16_t *number, const struct act *act, const struct
     return err ? err : session_add_reach(session, &reach, number, act->fault);
 }
 
-/* A ball that `within` says a reach of, or not. */
-static enum err plant_ball(const struct act *act, struct voxels *voxels)
-{
-    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
-    enum err err = act_has(act, "within") ? find_reach(&planting.reach, act, voxels) : OK;
-    if (!err)
-        err = plant_all(act, &planting, voxels, (int16_t)act_number(act, "LABEL"));
-    voxels_release(voxels);
-    return err;
-}
-
 enum err act_seed(const struct act *act)
 {
     const bool is_shell = act_is_yes(act, "shell");
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     struct voxels voxels = {0};
     if (act_has(act, "within") && (is_shell || act_has(act, "to|joined")))
         return fault_set(act->fault, ERR_USAGE,
@@ -477,8 +466,11 @@ enum err act_seed(const struct act *act)
                          "was planted",
                          (long long)act_number(act, "LABEL"));
     enum err err = act_find_voxels(act, act_value(act, "to"), &voxels);
+    if (!err && act_has(act, "within"))
+        err = find_reach(&planting.reach, act, &voxels);
     if (!err)
-        err = plant_ball(act, &voxels);
+        err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
+    voxels_release(&voxels);
     if (!err && act_has(act, "joined"))
         session_join(act->session);
     return err ? err : free_around_way(act);
@@ -502,14 +494,6 @@ enum err act_box(const struct act *act)
 /* ---- `fill`, `outline` ---- */
 
 enum { OUTLINE_RING = 3 }; /* did as well as all outside the outline, in bench effort */
-
-static bool plants_another(const struct markers *markers, int16_t label)
-{
-    bool found = false;
-    for (size_t m = 0; !found && m < markers->count; m++)
-        found = markers->marker[m].label > 0 && markers->marker[m].label != label;
-    return found;
-}
 
 /* Leaves out what a record says: "spared=1-7,12", by the order of the ring, or "spared=0". */
 static enum err leave_out_recorded(struct voxels *ring, const struct record_word *word,
@@ -544,14 +528,17 @@ static enum err spare_others(const struct act *act, struct voxels *ring, int16_t
     struct record_word word;
     struct buf *spared = act_buf(act);
     size_t kept = 0, runs = 0;
-    if (!plants_another(markers, label))
+    bool has_another = false;
+    for (size_t m = 0; m < markers->count; m++)
+        has_another |= markers->marker[m].label > 0 && markers->marker[m].label != label;
+    if (!has_another)
         return OK;
     if (act_find_recorded(act, "spared", &word)) {
         buf_add_blank(&act->reply->words);
         buf_printf(&act->reply->words, "spared=%.*s", (int)word.value_length, word.value);
         return leave_out_recorded(ring, &word, act->fault);
     }
-    enum err err = session->skims ? session_catch_up(session, act->fault) : OK;
+    enum err err = session_catch_up(session, act->fault);
     for (size_t i = 0, first = 0; !err && i <= all; i++) {
         const int16_t seed = i < all ? markers_seed(markers, ring->cell[i]) : 0,
                       holds = seed == EDIT_ERASE ? session->scene->cell[ring->cell[i]].label : seed;

@@ -168,9 +168,9 @@ static const struct command command_table[] = {
      {NEED("HOW", VALUE_WORD, .is_kept = true, .choices = "file|sform|qform")},
      "the sides that its axes run towards",
      "Three letters, as in LPI, name the sides that x, y and z run towards: R or L, A or P, S or "
-     "I. They are for files that say nothing, or contradict themselves; pictures say then that "
-     "the user has told it. sform and qform choose between the two that a NIfTI may have. file "
-     "takes what the file says.\n"
+     "I. They are for files that say nothing, or contradict themselves; pictures say then that the "
+     "user has told it. sform and qform choose between the two that a NIfTI may have. file takes "
+     "what the file says.\n"
      "A wrong answer swaps left and right in every picture and report. A map that is saved says as "
      "much of its place as the file of the scene.",
      "orient RAS"},
@@ -194,8 +194,7 @@ static const struct command command_table[] = {
       KEYED("dropped", VALUE_WORD, .is_kept = true, .form = "LABEL:N/OF,..")},
      "which procedure this journal was made by",
      "`iftty apply` records it; it changes no voxel. PROCEDURE is the last chain of the "
-     "procedure's "
-     "journal, `none` for no more; `info` shows it.\n"
+     "procedure's journal, `none` for no more; `info` shows it.\n"
      "digest: of the procedure, as `iftty log --procedure` writes it.\n"
      "by, as: how it was carried over, and what of it was planted.\n"
      "pull: twelve numbers, in rows of four: x, y, z of this scene's world, in millimetres to the "
@@ -237,10 +236,9 @@ static const struct command command_table[] = {
      {NEED("LOW", VALUE_REAL, .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
      "restrict trees to a range of intensities",
      "No tree grows where the intensity, as `why` prints it, is below LOW or above HIGH: numbers "
-     "of "
-     "up to 19 digits, as in 1.5e-3. They are compared with those of the file; where 16 bits do "
-     "not "
-     "tell these apart, the answer says how many voxels are in doubt. With a `mask`, both hold.",
+     "of up to 19 digits, as in 1.5e-3. They are compared with those of the file; where 16 bits do "
+     "not tell these apart, the answer says how many voxels are in doubt. With a `mask`, both "
+     "hold.",
      "range 40 1200.5"},
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD, .is_kept = true),
@@ -273,8 +271,8 @@ static const struct command command_table[] = {
      "step.\n"
      "joined=yes: one marker, and one undo, with the command before, which has planted seeds of "
      "the same label: for a stroke that is too long for a line of the journal.\n"
-     "shell=yes: of the ball, only the voxels that have a neighbour outside: says at once that "
-     "the object lies inside. What other objects than the one inside hold now is left out.\n"
+     "shell=yes: of the ball, only the voxels that have a neighbour outside: says at once that the "
+     "object lies inside. What other objects than the one inside hold now is left out.\n"
      "around: the object inside; unless given, that in the middle.\n"
      "through: of a shell, a voxel that it goes through, instead of its radius.\n"
      "within: of a ball, how far from PLACE its trees grow, as radius has it: a correction changes "
@@ -285,8 +283,8 @@ static const struct command command_table[] = {
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),
       NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN, HOLLOW},
      "plant a box, or a rectangle in a slice",
-     "Between two corners, both included." WITHIN_NOTE
-     "\nshell=yes: its six faces alone, as `seed` has it.\n"
+     "Between two corners, both included." WITHIN_NOTE "\n"
+     "shell=yes: its six faces alone, as `seed` has it.\n"
      "around: the object inside; unless given, that in the middle.",
      "box 80,90,50 120,110,50 2"},
     {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E | P),
@@ -344,9 +342,9 @@ static const struct command command_table[] = {
      "radius, or `within` as they say, its seeds give way, the border is found anew, and the piece "
      "stays as it is beyond.\n"
      "regions: the values of the map; all unless given. What is not chosen is background.\n"
-     "as: the labels that they become, one for each of `regions`. Without it, up to 255 regions "
-     "of which some are no labels 1..255 become labels in rising order: they keep their numbers, "
-     "by which `label-file` names them and `save labels` writes them.\n"
+     "as: the labels that they become, one for each of `regions`. Without it, up to 255 regions of "
+     "which some are no labels 1..255 become labels in rising order: they keep their numbers, by "
+     "which `label-file` names them and `save labels` writes them.\n"
      "label: the label of all of them but the background.\n"
      "erode: rounds, 0 unless given; each removes the voxels that have a face neighbour of another "
      "label, so that borders are found anew. A piece too small for it keeps its innermost voxels.\n"
@@ -361,8 +359,8 @@ static const struct command command_table[] = {
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
       NEED("RANGE", VALUE_INTERVAL), KEYED("from", VALUE_POSITION)},
      "plant what is connected, within a range",
-     "One marker of all voxels whose intensity, as `why` prints it, is in the range, and that "
-     "hang together by faces with a seed of the label which lies in it. Voxels with seeds of other "
+     "One marker of all voxels whose intensity, as `why` prints it, is in the range, and that hang "
+     "together by faces with a seed of the label which lies in it. Voxels with seeds of other "
      "labels are left out, and let nothing through: a stroke of the background cuts off what "
      "leaks. Each object may have a range of its own. Its trees grow on beyond the range, until "
      "they meet those of other labels.\n"
@@ -392,8 +390,8 @@ static const struct command command_table[] = {
      "take back the last change of the segmentation",
      "Seeds and eliminators, runs, weights, regions of interest, labels, `hide`, `show`, cuts and "
      "the finish; the view stays. The last COUNT of them, 1 unless given, as far back as `open`, "
-     "in earlier sessions too. Exact, and recorded itself. `redo` is the way back, `history` "
-     "lists the commands.\n"
+     "in earlier sessions too. Exact, and recorded itself. `redo` is the way back, `history` lists "
+     "the commands.\n"
      "A command that takes more than 500 voxels from a label, and by each seed more than a "
      "hundredth of what the label had that gets them, says so, with the edge that they came "
      "through; unless a seed took no more than those before, of voxels as bright.",
@@ -484,8 +482,7 @@ static const struct command command_table[] = {
      "show only the slices from A to B",
      "The number of a slice is the index of its voxels along its axis, as in X,Y,Z and `slice`. A "
      "and B are shown too. Each PLANE has a range of its own; `none` shows the whole again. "
-     "Borders, pictures and `save border` follow; the "
-     "labels do not change.",
+     "Borders, pictures and `save border` follow; the labels do not change.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "none"),
@@ -596,9 +593,9 @@ static const struct command command_table[] = {
       KEYED("reach", VALUE_NUMBER, .least = 1, .most = FINISH_BAND_MOST),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
      "smooth and clean the labels that are handed on",
-     "Adds a step to the list, which `finished=yes` carries out in its order; without "
-     "STEP, prints the list. The segmentation itself does not change, and more seeds can be "
-     "planted at any time. `save` and `stats` with finished=yes name the labels that the finish "
+     "Adds a step to the list, which `finished=yes` carries out in its order; without STEP, prints "
+     "the list. The segmentation itself does not change, and more seeds can be planted at any "
+     "time. `save` and `stats` with finished=yes name the labels that the finish "
      "deletes, reduces to less than half or breaks into more pieces.\n" FINISH_NOTES
      "none: removes all steps.\n"
      "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which heed the spacing.\n"
@@ -616,8 +613,7 @@ static const struct command command_table[] = {
       KEYED("empty", VALUE_CHOICE, .choices = "yes|no")},
      "write a map, surfaces, the seeds, names of labels",
      "A map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as .seg.nrrd are "
-     "a segmentation of 3D Slicer, with the "
-     "names and colours of labels.\n"
+     "a segmentation of 3D Slicer, with the names and colours of labels.\n"
      "labels: uint8, or uint16 where labels have numbers of their own above 255 (`labels`). A "
      "voxel that no seed reaches is 0; how many there are is said.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
@@ -646,9 +642,8 @@ static const struct command command_table[] = {
      "which file the journal is, or continue in another",
      "The whole journal so far is written to FILE first, with its golden images and copies of "
      "labels beside it, so that it replays alone; later commands are recorded there. The former "
-     "file stays as it was when it "
-     "was last intact. For a disk that is full or failing, a journal that was deleted or replaced, "
-     "or one opened with --read-only. Not recorded.",
+     "file stays as it was when it was last intact. For a disk that is full or failing, a journal "
+     "that was deleted or replaced, or one opened with --read-only. Not recorded.",
      "journal"},
     {COMMAND("sync", act_sync, GROUP_KEPT, 0),
      {MAY("WHEN", VALUE_CHOICE, .choices = FILE_SYNC_WORDS)},
@@ -704,18 +699,16 @@ static const struct command command_table[] = {
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
      "where the border between labels is least certain",
      "The first COUNT places, 10 unless given, the least certain first: how large each is, what "
-     "its "
-     "least certain voxel has cost, the label beside it with what that would have cost there, the "
-     "edge between the two, and the strongest edge on the path to the voxel.\n"
+     "its least certain voxel has cost, the label beside it with what that would have cost there, "
+     "the edge between the two, and the strongest edge on the path to the voxel.\n"
      "A voxel of the border is certain by what the other label would have to pay more, and by how "
-     "far the edge stands above what its own label had paid three steps before. The tenth of "
-     "the border that is least certain is weak; what hangs together of that in a block of 16 "
-     "voxels a side is a place, and the places with most such voxels, and the weakest, come "
-     "first. It takes about as long as a run, and no time where nothing has changed since.\n"
+     "far the edge stands above what its own label had paid three steps before. The tenth of the "
+     "border that is least certain is weak; what hangs together of that in a block of 16 voxels a "
+     "side is a place, and the places with most such voxels, and the weakest, come first. It takes "
+     "about as long as a run, and no time where nothing has changed since.\n"
      "slice: instead of places, the five slices of all three planes whose doubt is greatest: of "
      "each voxel 4u(1 - u), where u is what `finish relax` makes of the label there, 1 inside and "
-     "0 "
-     "outside. To `outline` what comes first is the shortest way to an object. Slices of an "
+     "0 outside. To `outline` what comes first is the shortest way to an object. Slices of an "
      "outline, and those beside it, are left out.\n"
      "In what `iftty apply` has made, places of the label whose volume is farthest from the "
      "procedure's come before others.\n"

@@ -381,7 +381,7 @@ enum { PLACES_MOST = 2048 };
 /* Places as they are gathered, each once; their paths are its own. */
 struct gathering {
     struct confine_place place[PLACES_MOST];
-    char *path[PLACES_MOST];
+    struct arena paths;
     size_t places;
     bool is_full; /* or there was no memory */
 };
@@ -389,15 +389,15 @@ struct gathering {
 static void gather_part(struct gathering *g, const char *path, size_t length, unsigned rights)
 {
     for (size_t i = 0; i < g->places; i++)
-        if (g->place[i].rights == rights && strlen(g->path[i]) == length &&
-            memcmp(g->path[i], path, length) == 0)
+        if (g->place[i].rights == rights && strlen(g->place[i].path) == length &&
+            memcmp(g->place[i].path, path, length) == 0)
             return;
-    char *own = length && g->places < PLACES_MOST ? strndup(path, length) : NULL;
-    g->is_full |= length && !own;
-    if (!own)
+    g->is_full |= length && g->places == PLACES_MOST;
+    if (!length || g->is_full)
         return;
-    g->path[g->places] = own;
-    g->place[g->places++] = (struct confine_place){own, rights};
+    struct buf *own = arena_buf(&g->paths);
+    buf_add(own, path, length);
+    g->place[g->places++] = (struct confine_place){buf_text(own), rights};
 }
 
 static void gather(struct gathering *g, const char *path, unsigned rights)
@@ -408,24 +408,20 @@ static void gather(struct gathering *g, const char *path, unsigned rights)
 
 static void gather_folder_of(struct gathering *g, const char *path, unsigned rights)
 {
-    struct buf folder = {0};
-    file_folder(&folder, path);
-    g->is_full |= folder.failed;
-    gather(g, buf_text(&folder), rights);
-    buf_release(&folder);
+    struct buf *folder = arena_buf(&g->paths);
+    file_folder(folder, path);
+    gather(g, buf_text(folder), rights);
 }
 
 /* A scene that lies anywhere, and what is read with it. */
 static void gather_scene(struct gathering *g, const char *path)
 {
-    struct buf other = {0};
+    struct buf *other = arena_buf(&g->paths);
     gather(g, path, CONFINE_READ);
     if (path && file_is_named(path, HEADERS_ALONE))
         gather_folder_of(g, path, CONFINE_READ);
-    if (path && pair_other(&other, path))
-        gather(g, buf_text(&other), CONFINE_READ);
-    g->is_full |= other.failed;
-    buf_release(&other);
+    if (path && pair_other(other, path))
+        gather(g, buf_text(other), CONFINE_READ);
 }
 
 bool trust_confine(const struct trust_places *places)
@@ -463,8 +459,7 @@ bool trust_confine(const struct trust_places *places)
     gather(&g, places->goldens, CONFINE_READ);
     for (const char *const *at = places->linked; at && *at; at++)
         gather(&g, *at, CONFINE_READ);
-    const bool is_confined = !g.is_full && confine_to(g.place, g.places);
-    while (g.places > 0)
-        free(g.path[--g.places]);
+    const bool is_confined = !g.is_full && !arena_failed(&g.paths) && confine_to(g.place, g.places);
+    arena_release(&g.paths);
     return is_confined;
 }

@@ -327,6 +327,8 @@ void session_skim(struct session *session)
 
 enum err session_catch_up(struct session *session, struct fault *fault)
 {
+    if (!session->skims)
+        return OK;
     session->skims = false;
     return follow(session, NULL, 0, fault);
 }

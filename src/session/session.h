@@ -198,7 +198,8 @@ enum err session_go(struct session *session, const struct state *state, const st
 
 /* From now on session_go changes seeds and settings alone, and nothing is computed or drawn, until
  * session_catch_up has computed what all of it would have come to. For the caller who carries out
- * many commands and looks at the last state only. */
+ * many commands and looks at the last state only. session_catch_up does nothing in a session that
+ * does not skim. */
 void session_skim(struct session *session);
 enum err session_catch_up(struct session *session, struct fault *fault);
 
