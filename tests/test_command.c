@@ -1067,13 +1067,13 @@ STORY(a_hint_is_the_rest_of_the_usage)
 
 /* ---- the door ---- */
 
-static const char *failing_path;
+static char journal_file[PATH_MAX];
 static enum file_step failing_step;
 static unsigned failed_steps;
 
 static int fail_on_journal(enum file_step step, const char *path)
 {
-    if (step != failing_step || strcmp(path, failing_path) != 0)
+    if (step != failing_step || strcmp(path, journal_file) != 0)
         return 0;
     failed_steps++;
     return step == FILE_STEP_WRITE ? ENOSPC : EIO;
@@ -1151,18 +1151,27 @@ static void say_nothing(void *context, const char *text)
     buf_add_text(kept, text);
 }
 
-/* Carried out again from the file, by another interpreter, everything is the same. */
-static void journal_verifies(const char *path)
+/* Carried out again from the journal, by another interpreter, everything is the same; or where `words`
+ * is not NULL, a file that was changed is told from the one that was planted. */
+static void replay_tells(const char *words)
 {
     struct buf told = {0};
     struct interpreter interp;
     const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_interpreter(&interp);
-    enum err err = replay_aloud(&interp, path, &printer, &fault);
-    if (!CHECK(err == OK))
+    fault = (struct fault){.text = ""};
+    const enum err err = replay_aloud(&interp, journal_file, &printer, &fault);
+    if (!CHECK((err == OK) == !words))
         printf("#   %s\n", fault.text);
+    buf_add_text(&told, fault.text);
+    CHECK_HAS(buf_text(&told), words ? words : "");
     interpreter_release(&interp);
     buf_release(&told);
+}
+
+static void journal_verifies(void)
+{
+    replay_tells(NULL);
 }
 
 /* ---- seeds out of files ---- */
@@ -1289,47 +1298,37 @@ STORY(a_seed_file_that_is_wrong_plants_nothing)
     interpreter_release(&interp);
 }
 
-/* Carried out again, a changed file is told from the one that was planted. */
-static void replay_tells(const char *path, const char *words)
+/* A new journal, the steps of whose file fail while fail_on_journal is the hook. */
+static void begin_recording(struct interpreter *interp, const char *name)
 {
-    struct buf told = {0};
-    struct interpreter interp;
-    const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
-    begin_interpreter(&interp);
-    fault = (struct fault){.text = ""};
-    CHECK(replay_aloud(&interp, path, &printer, &fault) != OK);
-    buf_add_text(&told, fault.text);
-    CHECK_HAS(buf_text(&told), words);
-    interpreter_release(&interp);
-    buf_release(&told);
+    snprintf(journal_file, sizeof journal_file, "%s", place(name));
+    begin_interpreter(interp);
+    CHECK(interpreter_create_journal(interp, journal_file, &fault) == OK);
 }
 
 STORY(a_journal_knows_its_seed_files_again)
 {
     struct interpreter interp;
-    char path[PATH_MAX];
-    snprintf(path, sizeof path, "%s", place("files.iftty"));
     make_seed_files();
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    begin_recording(&interp, "files.iftty");
     must(&interp, "open scene.nii");
     must(&interp, "label 2 cerebellum");
     must(&interp, "seed-file seeds.csv");
     must(&interp, "seed-file regions.nii each=3 erode=1 generator=5");
     must(&interp, "run");
     interpreter_release(&interp);
-    journal_verifies(path);
+    journal_verifies();
     write_text("seeds.csv", "10,9,8,2\n1,1,1,1\n"); /* the same seeds */
-    journal_verifies(path);
+    journal_verifies();
     write_text("seeds.csv", "10,9,8,2\n1,1,2,1\n");
-    replay_tells(path, "file is ");
+    replay_tells("file is ");
     make_seed_files();
     make_regions("regions.nii", size[0], 1);
-    replay_tells(path, "file is ");
+    replay_tells("file is ");
     CHECK(unlink(place("regions.nii")) == 0);
-    replay_tells(path, "there is no file regions.nii beside the journal or among the scenes");
+    replay_tells("there is no file regions.nii beside the journal or among the scenes");
     make_seed_files();
-    journal_verifies(path);
+    journal_verifies();
 }
 
 STORY(a_command_that_cannot_be_recorded_is_undone)
@@ -1381,12 +1380,8 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         "origin 74120d6c3f0cc54e2237dc0bced98ab5 volumes=1:900";
     struct interpreter interp;
     struct snapshot end, again;
-    char path[PATH_MAX];
     struct buf told = {0};
-    snprintf(path, sizeof path, "%s", place("door.iftty"));
-    failing_path = path;
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    begin_recording(&interp, "door.iftty");
     all_fail_then_work(&interp, before);
     all_fail_then_work(&interp, deeds);
     take_snapshot(&end, &interp);
@@ -1402,7 +1397,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
             printf("#   %s\n", name);
     }
     begin_interpreter(&interp); /* and resumed, it is the same session */
-    if (!CHECK(interpreter_resume_journal(&interp, path, &told, &fault) == OK))
+    if (!CHECK(interpreter_resume_journal(&interp, journal_file, &told, &fault) == OK))
         printf("#   %s\n", fault.text);
     take_snapshot(&again, &interp);
     again.rendered = end.rendered, again.picture = end.picture;
@@ -1472,13 +1467,12 @@ STORY(voxels_too_long_for_any_picture_are_refused_in_so_many_words)
 STORY(a_file_that_was_replaced_comes_back)
 {
     struct interpreter interp;
-    char path[PATH_MAX], line[PATH_MAX + 64];
+    char line[PATH_MAX + 64];
     struct buf former = {0}, now = {0};
-    snprintf(path, sizeof path, "%s", place("replaced.iftty"));
-    failing_path = path;
+    snprintf(journal_file, sizeof journal_file, "%s", place("replaced.iftty"));
     failing_step = FILE_STEP_SYNC;
     begin_with_scene(&interp);
-    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    CHECK(interpreter_create_journal(&interp, journal_file, &fault) == OK);
     must(&interp, "seed 1,1,1 1");
     snprintf(line, sizeof line, "save labels %s", place("replaced.nii"));
     must(&interp, line);
@@ -1503,11 +1497,7 @@ STORY(a_file_that_was_replaced_comes_back)
 STORY(what_the_door_recorded_is_the_same_when_replayed)
 {
     struct interpreter interp;
-    char path[PATH_MAX];
-    snprintf(path, sizeof path, "%s", place("replay.iftty"));
-    failing_path = path;
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    begin_recording(&interp, "replay.iftty");
     static const char deeds[] =
         "open scene.nii; seed 1,1,1 1; seed 10,9,8 2; run; ~size 32 32; adjacency 26; "
         "remove 1,1,1; weight sobel; ~auto on; weight gauss 2; seed 2,2,2 7 radius=2; "
@@ -1520,33 +1510,29 @@ STORY(what_the_door_recorded_is_the_same_when_replayed)
         "why 8,6,7; seed 8,6,8 2; golden applied of=coronal > replay.golden/applied.exr";
     all_fail_then_work(&interp, deeds);
     interpreter_release(&interp);
-    journal_verifies(path);
+    journal_verifies();
 }
 
 STORY(an_interpolated_scene_is_the_same_when_replayed)
 {
     struct interpreter interp;
-    char path[PATH_MAX];
     static const char deeds[] =
         "open scene.nii; ~size 32 32; interpolate 1 1 2; render; weight morph radius=2; "
         "range 0 211; interpolate 2 1 1; interpolate 1 1 1; seed 1,1,1 1; seed 21,9,17 2; "
         "weight sobel; run; golden finer > finer.golden/finer.exr; "
         "golden slice of=sagittal > finer.golden/slice.exr";
-    snprintf(path, sizeof path, "%s", place("finer.iftty"));
-    failing_path = path;
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    begin_recording(&interp, "finer.iftty");
     all_fail_then_work(&interp, deeds);
     is_refused(&interp, "interpolate 2 2 2", "a scene is interpolated before its first seed");
     interpreter_release(&interp);
-    journal_verifies(path);
+    journal_verifies();
 }
 
 /* Random edits, each of which fails at random: the journal alone tells what the session is. */
 STORY(random_edits_fail_at_random)
 {
     struct interpreter interp;
-    char path[PATH_MAX], line[128];
+    char line[128];
     static const char *const weights[] = {"morph",       "morph radius=3", "sobel",
                                           "gauss 0.75",  "difference",     "polarity",
                                           "weights.nii", "heavier.nii"};
@@ -1561,11 +1547,8 @@ STORY(random_edits_fail_at_random)
         "slice axial 3",  "slice coronal zoom=4", "slice sagittal 5 zoom=fit", "mosaic",
         "window 20 99.5", "overlay contour",      "overlay tint marks=on"};
     unsigned undone = 0;
-    snprintf(path, sizeof path, "%s", place("random.iftty"));
-    failing_path = path;
     seed = 3;
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    begin_recording(&interp, "random.iftty");
     must(&interp, "open scene.nii");
     must(&interp, "size 24 24");
     for (unsigned i = 0; i < 600 && check_failures < 5; i++) {
@@ -1632,7 +1615,7 @@ STORY(random_edits_fail_at_random)
     CHECK(undone > 90);
     CHECK(journal_audit(interp.journal, NULL) == OK);
     interpreter_release(&interp);
-    journal_verifies(path);
+    journal_verifies();
 }
 
 /* ---- weights and regions of interest ---- */
@@ -1805,29 +1788,26 @@ STORY(a_roi_or_weights_that_are_wrong_change_nothing)
 STORY(a_journal_knows_its_weights_and_masks_again)
 {
     struct interpreter interp;
-    char path[PATH_MAX];
-    snprintf(path, sizeof path, "%s", place("maps.iftty"));
     make_seed_files();
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    begin_recording(&interp, "maps.iftty");
     must(&interp, "open scene.nii");
     must(&interp, "weight weights.nii");
     must(&interp,
          "range 0 9"); /* hides from the region of interest what the mask does further off */
     must(&interp, "mask regions.nii");
     interpreter_release(&interp);
-    journal_verifies(path);
+    journal_verifies();
     make_regions("regions.nii", size[0], 253); /* 255 is 1 and above too */
-    journal_verifies(path);
+    journal_verifies();
     make_regions("regions.nii", size[0], 254); /* 256 is 0 */
-    replay_tells(path, "file is ");
+    replay_tells("file is ");
     CHECK(unlink(place("regions.nii")) == 0);
-    replay_tells(path, "there is no file regions.nii beside the journal or among the scenes");
+    replay_tells("there is no file regions.nii beside the journal or among the scenes");
     make_seed_files();
     make_weights("weights.nii", 1);
-    replay_tells(path, "weights is ");
+    replay_tells("weights is ");
     make_seed_files();
-    journal_verifies(path);
+    journal_verifies();
 }
 
 /* Stops at the look whose number this is, and says so from then on, as Ctrl-C does. */

@@ -27,6 +27,13 @@ static const char *words_of(const char *text)
     return buf_text(&config.words);
 }
 
+static void read_file(void)
+{
+    config_release(&config);
+    config_init(&config);
+    config_read(&config);
+}
+
 static const char *keys_of(const char *name)
 {
     static struct buf keys;
@@ -193,48 +200,35 @@ STORY(the_file_is_where_the_environment_says)
     setenv("XDG_CONFIG_HOME", folder, 1);
     unsetenv("IFTTY_CONFIG");
     CHECK(mkdir(buf_text(&path), 0700) == 0);
-    config_init(&config);
-    config_read(&config); /* none */
+    read_file(); /* none */
     CHECK_TEXT(buf_text(&config.words), "");
     CHECK_TEXT(buf_text(&config.start), "finish relax\nfinished on\n");
-    config_release(&config);
     buf_add_text(&path, "/config");
     CHECK(file_write(buf_text(&path), "brush 9\nx", 9, FILE_KEEP, NULL) == OK);
-    config_init(&config);
-    config_read(&config);
+    read_file();
     CHECK_INT(config.setup.brush.label, 9);
     CHECK_HAS(buf_text(&config.words), "/iftty/config:2: expected theme");
-    config_release(&config);
     setenv("IFTTY_CONFIG", "", 1);
-    config_init(&config);
-    config_read(&config);
+    read_file();
     CHECK_INT(config.setup.brush.label, 1);
     CHECK_TEXT(buf_text(&config.start), "finish relax\nfinished on\n");
-    config_release(&config);
     CHECK(file_write(buf_text(&path), "start none", 10, FILE_REPLACE, NULL) == OK);
     setenv("IFTTY_CONFIG", buf_text(&path), 1);
-    config_init(&config);
-    config_read(&config); /* a start of one's own, or none, takes the place of the usual one */
+    read_file(); /* a start of one's own, or none, takes the place of the usual one */
     CHECK_TEXT(buf_text(&config.start), "");
-    config_release(&config);
     setenv("IFTTY_CONFIG", folder, 1); /* a folder is none */
-    config_init(&config);
-    config_read(&config);
+    read_file();
     CHECK_HAS(buf_text(&config.words), "left out\n");
-    config_release(&config);
     buf_add_text(&path, "-of-mine"); /* what somebody names is to be there, */
     setenv("IFTTY_CONFIG", buf_text(&path), 1);
-    config_init(&config);
-    config_read(&config);
+    read_file();
     CHECK_HAS(buf_text(&config.words), "-of-mine: No such file or directory; left out\n");
-    config_release(&config);
     unsetenv("IFTTY_CONFIG"); /* and where one cannot be looked for, none may be wanted */
     buf_clear(&path);
     buf_printf(&path, "%s/round", folder);
     CHECK(symlink("round", buf_text(&path)) == 0);
     setenv("XDG_CONFIG_HOME", buf_text(&path), 1);
-    config_init(&config);
-    config_read(&config);
+    read_file();
     CHECK_HAS(buf_text(&config.words), "symbolic links; left out\n");
     config_release(&config);
     unsetenv("XDG_CONFIG_HOME");
