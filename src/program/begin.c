@@ -183,12 +183,6 @@ static void find_linked(struct linked *linked, const char *journal)
     buf_release(&bytes);
 }
 
-static void release_linked(struct linked *linked)
-{
-    while (linked->count)
-        free(linked->path[--linked->count]);
-}
-
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
                         struct fault *fault)
 {
@@ -225,7 +219,8 @@ enum err begin_confined(const struct options *o, const char *journal, const char
     buf_release(&images);
     buf_release(&volumes);
     buf_release(&goldens);
-    release_linked(&linked);
+    while (linked.count)
+        free(linked.path[--linked.count]);
     buf_release(&outside);
     return err;
 }

@@ -60,40 +60,16 @@ static bool agree(const struct lesson *lesson, unsigned least, struct buf *missi
 
 /* ---- the steps ---- */
 
-static bool object_is_planted(const struct lesson *lesson, struct buf *missing)
-{
-    return are_planted(lesson, OBJECT, missing);
-}
-
-static bool is_held_on_a_side(const struct lesson *lesson, struct buf *missing)
-{
-    return are_planted(lesson, BACKGROUND, missing) && agree(lesson, 7500, missing);
-}
-
-static bool is_held_on_both(const struct lesson *lesson, struct buf *missing)
-{
-    return agree(lesson, 9200, missing);
-}
-
-static bool is_whole(const struct lesson *lesson, struct buf *missing)
-{
-    return agree(lesson, 9500, missing);
-}
-
-static bool is_named(const struct lesson *lesson, struct buf *missing)
-{
-    buf_add_text(missing, lesson->has_name ? "" : "label 1 has no name yet");
-    return lesson->has_name;
-}
-
 struct step {
     const char *about;
     struct {
         const char *keys, *what;
     } key[KEYS_MOST];
     const char *command; /* the same at the prompt */
-    /* Else says in a few words what is missing. */
-    bool (*has_come)(const struct lesson *lesson, struct buf *missing);
+    /* The step is done when this holds: */
+    int planted;   /* seeds of this label are on the right side; -1: of none */
+    unsigned dice; /* labels agree with the truth as far as this, in ten thousandths */
+    bool is_named; /* label 1 has a name */
 };
 
 static const struct step step[] = {
@@ -101,34 +77,48 @@ static const struct step step[] = {
      {{"3L", "30 voxels to the screen's right, out of a ventricle into white matter"},
       {"i", "a ball of label 1 in the object: all voxels are its own so far"}},
      "seed 60,108,90 1 radius=6",
-     object_is_planted},
+     .planted = OBJECT},
     {"what touches it",
      {{"4L", "40 voxels on, into the skull"},
       {"s0", "a ball of the background in what touches the object"}},
      "seed 20,108,90 0 radius=6",
-     is_held_on_a_side},
+     .planted = BACKGROUND,
+     .dice = 7500},
     {"the other side",
      {{"14H", "140 voxels to the other side"},
       {"i", "the same there: now it is the brain, and the muscles of the neck"}},
      "seed 160,108,90 0 radius=6",
-     is_held_on_both},
+     .planted = -1,
+     .dice = 9200},
     {"what has leaked",
      {{"80J", "80 slices down, beside the neck"},
       {"I", "one end of a stroke"},
       {"14L", "140 voxels through what has leaked"},
       {"i", "a stroke of the background: 1.69 litres of brain"}},
      "seed 160,108,10 0 radius=6 to=20,108,10",
-     is_whole},
-    {"a name", {{NULL, NULL}}, "label 1 brain", is_named},
+     .planted = -1,
+     .dice = 9500},
+    {"a name", {{NULL, NULL}}, "label 1 brain", .planted = -1, .is_named = true},
 };
 
 enum { STEPS = sizeof step / sizeof step[0] };
+
+/* Otherwise adds in a few words what is missing. */
+static bool has_come(const struct step *s, const struct lesson *lesson, struct buf *missing)
+{
+    if ((s->planted >= 0 && !are_planted(lesson, s->planted, missing)) ||
+        (s->dice && !agree(lesson, s->dice, missing)))
+        return false;
+    if (s->is_named && !lesson->has_name)
+        buf_add_text(missing, "label 1 has no name yet");
+    return missing->length == 0;
+}
 
 /* The first that has not come, and what is missing; STEPS where all have. */
 static unsigned present(const struct lesson *lesson, struct buf *missing)
 {
     unsigned n = 0;
-    while (n < STEPS && step[n].has_come(lesson, missing))
+    while (n < STEPS && has_come(&step[n], lesson, missing))
         n++;
     return n;
 }

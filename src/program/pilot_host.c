@@ -19,13 +19,8 @@
 #include "session/tally.h"
 #include "show/draw.h"
 #include "show/label_report.h"
-#include "show/panes.h"
+#include "program/panes.h"
 #include "tui/pilot/pilot_keys.h"
-
-_Static_assert((int)PILOT_AXIAL == (int)PANE_AXIAL && (int)PILOT_CORONAL == (int)PANE_CORONAL &&
-                   (int)PILOT_SAGITTAL == (int)PANE_SAGITTAL &&
-                   (int)PILOT_RENDITION == (int)PANE_RENDITION,
-               "the pilot's panes are those that are shown");
 
 enum {
     CORNERS_LEAST = 3,
@@ -44,7 +39,7 @@ static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 
 /* ---- facts ---- */
 
-/* The label above 0 of which the last edit changed most voxels; 0 for none. */
+/* The label above 0 whose voxel count the last edit changed most; 0 for none. */
 static unsigned changed_most(const struct session *session)
 {
     const uint64_t *before, *voxels = session_shown_voxels(session, &before);
@@ -195,7 +190,7 @@ static bool is_hidden(void *context, unsigned number)
     return !session_of(context)->now.kept.visible[number];
 }
 
-/* A voxel in the middle of those that a marker decides about; CELL_NONE where others cover it. */
+/* A voxel in the middle of the visible part of a marker; CELL_NONE if others cover all of it. */
 static uint32_t middle_of(const struct markers *markers, uint32_t number)
 {
     const struct marker *marker = markers->marker + number - 1;
@@ -221,7 +216,7 @@ static bool seed(void *context, unsigned number, int64_t by, uint32_t place[3])
         if (!marker->stands || marker->label != (int)number)
             continue;
         const uint32_t middle = middle_of(markers, n);
-        if (middle == here && (by > 0 || at == 0)) /* of two at one place, the further one */
+        if (middle == here && (by > 0 || at == 0)) /* the further one of two at one place */
             at = count;
         if (middle != CELL_NONE)
             cell[count++] = middle;
@@ -241,7 +236,7 @@ static bool centre(void *context, unsigned number, uint32_t place[3])
 
 static bool why(void *context, const uint32_t place[3], struct pilot_way *out, struct buf *words)
 {
-    struct way *way = &((struct pilot_interpreter *)context)->way;
+    struct way *way = &((struct pilot_interpreter *)context)->panes.way;
     const struct session *session = session_of(context);
     const struct forest *forest = session->forest;
     const struct grid *grid = &session->scene->grid;
@@ -290,7 +285,7 @@ static unsigned hints(void *context)
 
 static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)
 {
-    struct held *found = &((struct pilot_interpreter *)context)->held;
+    struct held *found = &((struct pilot_interpreter *)context)->panes.held;
     const struct session *session = session_of(context);
     uint32_t seed[3];
     if (session_find_held(found, session, cell_at(session, place), tree, NULL) != OK)
@@ -345,7 +340,7 @@ static uint32_t find_marker(struct polyline *line, const struct session *session
         if (!marker->stands || marker->joined || marker->label != (int)number || !marker->voxels)
             continue;
         grid_find(grid, markers->cover[marker->first].cell, first);
-        if (first[axis] == place[axis] && /* else no contour of it lies in the slice */
+        if (first[axis] == place[axis] && /* otherwise it has no contour in the slice */
             contour_of_marker(line, grid, markers, n, NULL) == OK && is_near(line, axis, place))
             return n;
     }
@@ -403,39 +398,20 @@ static bool doubt(void *context, unsigned number, unsigned rank, enum pilot_pane
 
 /* ---- the picture ---- */
 
-/* An onlooker would see margins of half a forest: no heat for him. */
 static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *wish,
                      struct fault *fault)
 {
     const struct pilot_setup *setup = wish->setup ? wish->setup : &pilot_setup_default;
-    struct outline_mark outline = {.corner = wish->corner, .corners = wish->corners};
     struct buf line[PANES_LINES] = {{0}};
-    struct panes_wish panes = {.width = wish->width,
-                               .height = wish->height,
-                               .cell_width = wish->cell_width,
-                               .cell_height = wish->cell_height,
-                               .pane = (enum pane)wish->pane,
-                               .is_alone = wish->is_alone,
-                               .words = wish->words,
-                               .heat = wish->heat && !pilot->onlooker,
-                               .within_ns = wish->within_ns,
-                               .held = wish->marks_held ? &pilot->held : NULL,
-                               .way = wish->marks_way ? &pilot->way : NULL,
-                               .former = pilot->former,
-                               .pixel = wish->marks_pixel ? wish->pixel : NULL,
-                               .corner = wish->corner,
-                               .corners = wish->marks_corners ? wish->corners : 0,
-                               .outline = wish->marks_outline ? &outline : NULL};
-    memcpy(outline.rgb, session_of(pilot)->now.kept.palette.rgb[wish->label], sizeof outline.rgb);
-    buf_add_text(line, "nothing to show yet"); /* what stands in an empty rendition */
+    struct pilot_wish now = *wish;
+    now.heat &= !pilot->onlooker; /* who would see margins of half a forest */
+    buf_add_text(line, "nothing to show yet");
     if (!pilot->watches) {
         setup_say(line + 1, setup, "{plant} plants a seed of the label");
         setup_say(line + 2, setup, "{plant-label:0} one of the background");
     }
     setup_say(line + 3, setup, "{keys} shows the keys");
-    for (int i = 0; i < PANES_LINES; i++)
-        panes.line[i] = buf_text(line + i);
-    const enum err err = panes_draw(&pilot->panes, session_of(pilot), &panes, fault);
+    const enum err err = panes_draw(&pilot->panes, session_of(pilot), &now, line, fault);
     for (int i = 0; i < PANES_LINES; i++)
         buf_release(line + i);
     return err;
@@ -449,12 +425,12 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     const enum err err = draw(pilot, wish, fault);
     if (err)
         return err;
-    for (enum pane pane = PANE_AXIAL; pane < PANE_RENDITION; pane++)
+    for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++)
         pilot->slice[pane] = panes_box(panes, pane);
     *view = (struct image_view){.width = wish->width,
                                 .height = wish->height,
                                 .rgba = panes->canvas.rgba,
-                                .focus = panes_box(panes, (enum pane)wish->pane),
+                                .focus = panes_box(panes, wish->pane),
                                 .words = panes->canvas.words,
                                 .note = panes->note,
                                 .notes = panes->notes,
@@ -475,9 +451,9 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
 }
 
 /* Those of the pane where one moves come first. */
-static enum pane first_of(const struct pilot_wish *wish)
+static enum pilot_pane first_of(const struct pilot_wish *wish)
 {
-    return wish->pane < PILOT_RENDITION ? (enum pane)wish->pane : PANE_AXIAL;
+    return wish->pane < PILOT_RENDITION ? wish->pane : PILOT_AXIAL;
 }
 
 static uint64_t name_ahead(void *context, const struct pilot_wish *wish, unsigned number)
@@ -530,8 +506,7 @@ static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32
                 uint32_t place[3])
 {
     const struct pilot_interpreter *pilot = context;
-    return panes_pan(&pilot->panes, session_of(context), (enum pane)pane, (int[]){right, down},
-                     middle, place);
+    return panes_pan(&pilot->panes, session_of(context), pane, (int[]){right, down}, middle, place);
 }
 
 static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t pixel[2])
@@ -589,7 +564,7 @@ static void look_on(void *context, const struct pilot_onlooker *onlooker)
     console_look_on(onlooker ? &pilot->looks_on : NULL);
 }
 
-/* ---- while nobody waits ---- */
+/* ---- while the pilot is idle ---- */
 
 struct finishing {
     struct session *session;
@@ -658,10 +633,4 @@ void pilot_host_fill(struct pilot_host *host)
     host->seed = seed;
     host->centre = centre;
     host->is_hidden = is_hidden;
-}
-
-void pilot_interpreter_release(struct pilot_interpreter *pilot)
-{
-    panes_release(&pilot->panes);
-    way_release(&pilot->way);
 }

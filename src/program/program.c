@@ -110,24 +110,18 @@ static bool is_named(const struct program *program, const char *name)
     return name && program->name ? strcmp(program->name, name) == 0 : name == program->name;
 }
 
-/* The parts of a command line that choose a program: its first operand, and its options. */
-struct hints {
-    const char *operand;
-    struct option_words words; /* at its beginning */
-};
-
 /* True where the command line holds the option that a form is called by. */
-static bool gives_form(const struct hints *hints, const char *form)
+static bool gives_form(struct option_words w, const char *form)
 {
-    for (struct option_words w = hints->words; option_next(&w);)
+    while (option_next(&w))
         if (w.is_option && strcmp(w.name, form) == 0)
             return true;
     return false;
 }
 
-static bool takes_all(const struct program *program, const struct hints *hints)
+static bool takes_all(const struct program *program, struct option_words w)
 {
-    for (struct option_words w = hints->words; option_next(&w);)
+    while (option_next(&w))
         if (w.is_option && !option_find(w.table, program->option, w.name))
             return false;
     return true;
@@ -136,7 +130,7 @@ static bool takes_all(const struct program *program, const struct hints *hints)
 /* The form that is given, of several that which takes all options; else the row without a form, or
  * NULL. */
 static const struct program *choose(const struct program_table *table, const char *name,
-                                    const struct hints *hints)
+                                    const struct option_words *words)
 {
     const struct program *plain = NULL, *form = NULL;
     for (unsigned i = 0; i < table->rows; i++) {
@@ -145,7 +139,7 @@ static const struct program *choose(const struct program_table *table, const cha
             continue;
         if (!p->form)
             plain = p;
-        else if (gives_form(hints, p->form) && (!form || takes_all(p, hints)))
+        else if (gives_form(*words, p->form) && (!form || takes_all(p, *words)))
             form = p;
     }
     return form ? form : plain;
@@ -376,26 +370,26 @@ static enum err read_words(const struct program_table *table, struct option_word
 enum err program_read(const struct program_table *table, int count, char **word,
                       struct options *options, struct fault *fault)
 {
-    struct hints hints = {.words = {.table = &table->option, .word = word, .count = count}};
-    const char *name = NULL;
-    for (struct option_words w = hints.words; !hints.operand && option_next(&w);)
+    const struct option_words words = {.table = &table->option, .word = word, .count = count};
+    const char *name = NULL, *operand = NULL;
+    for (struct option_words w = words; !operand && option_next(&w);)
         if (!w.is_option)
-            hints.operand = w.text;
+            operand = w.text;
     options->help = false;
     for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++)
         options->help |= strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0;
     for (unsigned i = 0; i < table->rows && !name; i++)
-        name = is_named(table->row + i, hints.operand) ? hints.operand : NULL;
-    const struct program *program = choose(table, name, &hints);
+        name = is_named(table->row + i, operand) ? operand : NULL;
+    const struct program *program = choose(table, name, &words);
     options->program = program;
     if (options->help)
         return OK;
-    if (!program && hints.operand)
-        return fault_set(fault, ERR_USAGE, "there is no program %s; see `%s --help`", hints.operand,
+    if (!program && operand)
+        return fault_set(fault, ERR_USAGE, "there is no program %s; see `%s --help`", operand,
                          table->called);
     if (!program)
         return fault_set(fault, ERR_USAGE, "name a program; see `%s --help`", table->called);
-    enum err err = read_words(table, hints.words, name != NULL, options, fault);
+    enum err err = read_words(table, words, name != NULL, options, fault);
     return err ? err : check_operands(table, options, fault);
 }
 

@@ -88,6 +88,8 @@ struct options {
 
 enum { PROGRAM_OPTIONS_MOST = 26 };
 
+typedef enum err program_run(const struct options *options, struct fault *fault);
+
 struct program {
     const char *name;  /* NULL: of a command line that names none */
     const char *form;  /* "--bisect", which its command line holds; NULL: none */
@@ -96,7 +98,7 @@ struct program {
     uint8_t option[PROGRAM_OPTIONS_MOST]; /* rows of the options' table, ended by 0 */
     const char *summary;                  /* one line */
     const char *detail;                   /* more, a paragraph a line; or NULL */
-    enum err (*run)(const struct options *options, struct fault *fault);
+    program_run *run;
 };
 
 struct program_table {

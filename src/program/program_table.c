@@ -12,68 +12,18 @@
 
 enum { RECORDS_MOST = 999999999 };
 
-enum {
-    JOURNAL = 1,
-    READ_ONLY,
-    SCENE,
-    OUT,
-    REPLAY_OUT,
-    EVIDENCE_OUT,
-    WHOLE,
-    KEEP_GOING,
-    GRAPHICS,
-    SMOOTH,
-    PROCESSES,
-    FROM,
-    UNTIL,
-    DIFF_UNTIL,
-    STRICT,
-    NO_STRICT,
-    EXPECT,
-    SHARD,
-    FAIL_FAST,
-    TIMINGS,
-    REMOVE_ORPHANS,
-    JUNIT,
-    HTML,
-    JSON,
-    CSV,
-    REGIONS,
-    AS,
-    BINARY,
-    RESAMPLE,
-    HISTOGRAM,
-    VOLUME,
-    PICTURE,
-    SLICES,
-    SURFACE,
-    SLICES_SCENE,
-    FROM_STEP,
-    UNTIL_STEP,
-    BY,
-    PLANT_AS,
-    FIT,
-    LANDMARKS_OF,
-    ORIENT,
-    APPLY_OUT,
-    PROCEDURE_SCENE,
-    LIMIT_MEMORY,
-    LIMIT_TIME,
-    LIMIT_OUTPUT,
-    UNCONFINED,
-    /* what says which form is meant */
-    COMMANDS,
-    VERSION,
-    BISECT,
-    ACCEPT,
-    ONLY,
-    SCRIPT,
-    CHECK,
-    ANONYMISE,
-    REPAIR,
-    RESEAL,
-    PROCEDURE,
-};
+/* Rows of the table below, by the programs that take them. */
+enum { JOURNAL = 1, READ_ONLY, SCENE, OUT, REPLAY_OUT, EVIDENCE_OUT, WHOLE, KEEP_GOING };
+enum { GRAPHICS = KEEP_GOING + 1, SMOOTH };
+enum { PROCESSES = SMOOTH + 1, FROM, UNTIL, DIFF_UNTIL, STRICT, NO_STRICT, EXPECT };
+enum { SHARD = EXPECT + 1, FAIL_FAST, TIMINGS, REMOVE_ORPHANS, JUNIT, HTML };
+enum { JSON = HTML + 1, CSV, REGIONS, AS, BINARY, RESAMPLE, HISTOGRAM, VOLUME };
+enum { PICTURE = VOLUME + 1, SLICES, SURFACE, SLICES_SCENE };
+enum { FROM_STEP = SLICES_SCENE + 1, UNTIL_STEP, BY, PLANT_AS, FIT, LANDMARKS_OF, ORIENT };
+enum { APPLY_OUT = ORIENT + 1, PROCEDURE_SCENE };
+enum { LIMIT_MEMORY = PROCEDURE_SCENE + 1, LIMIT_TIME, LIMIT_OUTPUT, UNCONFINED };
+enum { COMMANDS = UNCONFINED + 1, VERSION, BISECT, ACCEPT, ONLY, SCRIPT, CHECK };
+enum { ANONYMISE = CHECK + 1, REPAIR, RESEAL, PROCEDURE };
 
 static enum err read_graphics(const struct option *option, const char *text, void *out,
                               struct fault *fault)
@@ -226,23 +176,16 @@ static const struct option option[] = {
 
 enum { FILES_MOST = 1 << 20 };
 
-#define ONE(what)       .words = what, .least = 1, .most = 1
-#define TWO(what)       .words = what, .least = 2, .most = 2
-#define AT_MOST_1(what) .words = what, .least = 0, .most = 1
 #define SESSION_OPTIONS JOURNAL, READ_ONLY, SCENE, OUT, GRAPHICS, SMOOTH
 #define LIMIT_OPTIONS   LIMIT_MEMORY, LIMIT_TIME, LIMIT_OUTPUT, UNCONFINED
 
+/* Name, form, operands, the least and the most of them. */
 static const struct program program[] = {
-    {AT_MOST_1("[SCENE|JOURNAL]"), .option = {SESSION_OPTIONS},
+    {NULL, NULL, "[SCENE|JOURNAL]", 0, 1, .option = {SESSION_OPTIONS},
      .summary = "the prompt, on a new scene or a journal", .run = run_prompt},
-    {.form = "-c",
-     .words = "",
-     .option = {COMMANDS, SESSION_OPTIONS, WHOLE, KEEP_GOING},
-     .summary = "carry out these commands",
-     .run = run_commands},
-    {.name = "run",
-     ONE("FILE|-"),
-     .option = {SESSION_OPTIONS, WHOLE, KEEP_GOING, JSON},
+    {NULL, "-c", "", 0, 0, .option = {COMMANDS, SESSION_OPTIONS, WHOLE, KEEP_GOING},
+     .summary = "carry out these commands", .run = run_commands},
+    {"run", NULL, "FILE|-", 1, 1, .option = {SESSION_OPTIONS, WHOLE, KEEP_GOING, JSON},
      .summary = "carry out the commands of a script or journal",
      .detail = "Each command is acknowledged, once its record is on the disk, by a line that "
                "begins `ok N`, where N is the number of the record, or `ok -` for a command that "
@@ -254,9 +197,7 @@ static const struct program program[] = {
                "image differs; 2 bad usage, also of a command; 3 bad input or I/O, a full disk "
                "too; 130 Ctrl-C.",
      .run = run_script},
-    {.name = "serve",
-     AT_MOST_1("[SCENE|JOURNAL]"),
-     .option = {JOURNAL, READ_ONLY, SCENE, OUT},
+    {"serve", NULL, "[SCENE|JOURNAL]", 0, 1, .option = {JOURNAL, READ_ONLY, SCENE, OUT},
      .summary = "a session for a script: lines of JSON",
      .detail = "Requests on standard input and answers on standard output, one a line: "
                "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} is a command as at the prompt, "
@@ -265,17 +206,12 @@ static const struct program program[] = {
                "what is open. A journal is begun as by the prompt. src/program/README.md has all "
                "of it, and examples/python a client.",
      .run = run_serve},
-    {.name = "replay",
-     ONE("JOURNAL"),
-     .option = {SCENE, REPLAY_OUT, LIMIT_OPTIONS},
+    {"replay", NULL, "JOURNAL", 1, 1, .option = {SCENE, REPLAY_OUT, LIMIT_OPTIONS},
      .summary = "carry a journal out again, compare results",
      .detail = "The journal may be a stranger's: it reads the scene that it names, writes below "
                "one folder, and takes no more than the limits allow.",
      .run = run_replay},
-    {.name = "verify",
-     .words = "JOURNAL...",
-     .least = 1,
-     .most = FILES_MOST,
+    {"verify", NULL, "JOURNAL...", 1, FILES_MOST,
      .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, SHARD, FAIL_FAST, TIMINGS,
                 REMOVE_ORPHANS, JSON, JUNIT, HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
      .summary = "the same quietly, with golden images; TAP",
@@ -283,32 +219,22 @@ static const struct program program[] = {
                "out in a process of its own, by the rules of `replay`. Nothing is written but what "
                "these options name.",
      .run = run_verify},
-    {.name = "verify",
-     .form = "--bisect",
-     TWO("A B"),
-     .option = {BISECT},
-     .summary = "the first record that differs in two journals",
-     .run = run_verify_bisect},
-    {.name = "verify",
-     .form = "--accept",
-     ONE("JOURNAL"),
-     .option = {ACCEPT, ONLY, SCENE},
+    {"verify", "--bisect", "A B", 2, 2, .option = {BISECT},
+     .summary = "the first record that differs in two journals", .run = run_verify_bisect},
+    {"verify", "--accept", "JOURNAL", 1, 1, .option = {ACCEPT, ONLY, SCENE},
      .summary = "make golden images anew, and record why",
      .detail = "Those that differ or are missing. Refused where CI is set: this is a person's "
                "decision. The former journal is kept "
                "beside the new one.",
      .run = run_accept},
-    {.name = "tutorial",
-     AT_MOST_1("[JOURNAL]"),
-     .option = {GRAPHICS, SMOOTH},
+    {"tutorial", NULL, "[JOURNAL]", 0, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "a first organ in ten minutes, step by step",
      .detail = "A session at prompt and pilot on the head ch2 of Debian's mricron-data, which says "
                "what to do next. A step has come when what it is about is there, however that was "
                "done: seeds, and Dice's coefficient with mricron's own extraction of the brain. "
                "JOURNAL is one that was left midway. Nothing but the journal stays behind.",
      .run = run_tutorial},
-    {.name = "watch",
-     ONE("JOURNAL"),
+    {"watch", NULL, "JOURNAL", 1, 1,
      .option = {FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
      .summary = "watch how a journal was made, step by step",
      .detail = "Replays the journal by the rules of `replay`, and shows its steps in the pilot: "
@@ -316,17 +242,12 @@ static const struct program program[] = {
                "all keys. A gesture is drawn before it is carried out, and what it changed is "
                "hatched. Nothing is written. At the end it says whether the journal is verified.",
      .run = run_watch},
-    {.name = "diff",
-     TWO("A B"),
-     .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},
+    {"diff", NULL, "A B", 2, 2, .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},
      .summary = "where two journals part; how labels differ",
      .detail = "The first command that differs and, for each label, the voxels in both and "
                "Dice's coefficient. A and B may be scripts as well.",
      .run = run_diff},
-    {.name = "apply",
-     .words = "PROCEDURE SCENE...",
-     .least = 2,
-     .most = FILES_MOST,
+    {"apply", NULL, "PROCEDURE SCENE...", 2, FILES_MOST,
      .option = {BY, PLANT_AS, VOLUME, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
                 LIMIT_OPTIONS},
      .summary = "carry a procedure to other scenes",
@@ -337,82 +258,49 @@ static const struct program program[] = {
          "skipped where it is what would be made. Seeds whose intensities are none of the "
          "object are dropped, and counted. Status 1: a scene was refused.",
      .run = run_apply},
-    {.name = "compare",
-     TWO("A B"),
+    {"compare", NULL, "A B", 2, 2,
      .option = {VOLUME, REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},
      .summary = "how far two label maps agree",
      .detail = "For each label, and all together: overlap (Dice, Jaccard), volumes, and distances "
                "between the two objects and their surfaces, as the command `compare` prints them. "
                "Both maps lie on one grid, or B is resampled to that of A.",
      .run = run_compare},
-    {.name = "log", ONE("JOURNAL"), .summary = "print a journal", .run = run_log},
-    {.name = "log",
-     .form = "--script",
-     ONE("JOURNAL"),
-     .option = {SCRIPT},
-     .summary = "its commands alone",
+    {"log", NULL, "JOURNAL", 1, 1, .summary = "print a journal", .run = run_log},
+    {"log", "--script", "JOURNAL", 1, 1, .option = {SCRIPT}, .summary = "its commands alone",
      .run = run_log_script},
-    {.name = "log",
-     .form = "--anonymise",
-     ONE("JOURNAL"),
-     .option = {ANONYMISE, SCRIPT},
-     .summary = "the same without names of files and free text",
-     .run = run_log_anonymise},
-    {.name = "log",
-     .form = "--check",
-     ONE("JOURNAL"),
-     .option = {CHECK},
+    {"log", "--anonymise", "JOURNAL", 1, 1, .option = {ANONYMISE, SCRIPT},
+     .summary = "the same without names of files and free text", .run = run_log_anonymise},
+    {"log", "--check", "JOURNAL", 1, 1, .option = {CHECK},
      .summary = "whether it is intact, torn or edited",
-     .detail = "By the chain of its records alone: nothing is carried out.",
-     .run = run_log_check},
-    {.name = "log",
-     .form = "--procedure",
-     ONE("JOURNAL"),
-     .option = {PROCEDURE, SCENE, LIMIT_OPTIONS},
+     .detail = "By the chain of its records alone: nothing is carried out.", .run = run_log_check},
+    {"log", "--procedure", "JOURNAL", 1, 1, .option = {PROCEDURE, SCENE, LIMIT_OPTIONS},
      .summary = "what `apply` needs of it, and no image",
      .detail =
          "Labels and their grid, percentiles of intensities, gestures, landmarks, weights and "
          "finish, as text into FILE; where that is -, it is printed. No image, no comment, and "
          "no name of a file; labels keep theirs. Nothing is overwritten.",
      .run = run_log_procedure},
-    {.name = "log",
-     .form = "--repair",
-     ONE("JOURNAL"),
-     .option = {REPAIR},
-     .summary = "keep what is sound, and the rest beside it",
-     .run = run_log_repair},
-    {.name = "log",
-     .form = "--reseal",
-     ONE("JOURNAL"),
-     .option = {RESEAL, ACCEPT, SCENE},
+    {"log", "--repair", "JOURNAL", 1, 1, .option = {REPAIR},
+     .summary = "keep what is sound, and the rest beside it", .run = run_log_repair},
+    {"log", "--reseal", "JOURNAL", 1, 1, .option = {RESEAL, ACCEPT, SCENE},
      .summary = "give an edited journal its results anew",
      .detail = "With --accept "
                "WHY golden images are made anew in the same step, as by `verify --accept`; without "
                "it they are left alone, and such a journal is refused where they are others. The "
                "former journal is kept beside the new one.",
      .run = run_reseal},
-    {.name = "show",
-     ONE("PICTURE"),
-     .option = {GRAPHICS, SMOOTH},
+    {"show", NULL, "PICTURE", 1, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "show a picture inline, if the terminal can",
-     .detail = "Prints nothing where standard output is no terminal.",
-     .run = run_show},
-    {.name = "info",
-     AT_MOST_1("[FILE]"),
-     .option = {JSON, HISTOGRAM, VOLUME},
+     .detail = "Prints nothing where standard output is no terminal.", .run = run_show},
+    {"info", NULL, "[FILE]", 0, 1, .option = {JSON, HISTOGRAM, VOLUME},
      .summary = "what a picture, scene, journal or iftty is",
      .detail = "Without FILE: the version, and how the kernel confines `replay` and `verify`.",
      .run = run_info},
-    {.name = "help",
-     AT_MOST_1("[COMMAND|PROGRAM]"),
+    {"help", NULL, "[COMMAND|PROGRAM]", 0, 1,
      .summary = "the commands of prompt, script and journal",
-     .detail = "`iftty help keys` lists the keys of the prompt.",
-     .run = run_help},
-    {.form = "--version",
-     .words = "",
-     .option = {VERSION},
-     .summary = "versions of program, semantics, libraries",
-     .run = run_version},
+     .detail = "`iftty help keys` lists the keys of the prompt.", .run = run_help},
+    {NULL, "--version", "", 0, 0, .option = {VERSION},
+     .summary = "versions of program, semantics, libraries", .run = run_version},
 };
 
 const struct program_table program_table = {

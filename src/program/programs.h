@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The functions of the programs, for the table (program_table.c). What each does is said there. */
+/* The functions of the programs, for the table (program_table.c), which describes them. */
 #ifndef PROGRAM_PROGRAMS_H
 #define PROGRAM_PROGRAMS_H
 
@@ -8,42 +8,21 @@
 #include "base/buf.h"
 #include "command/interpreter.h"
 #include "engine/labels.h"
-#include "engine/way.h"
 #include "image/volume_format.h"
 #include "journal/replay.h"
 #include "program/program.h"
-#include "show/panes.h"
+#include "program/panes.h"
 #include "tui/picture/image_view.h"
 #include "tui/pilot/host.h"
 #include "tui/pilot/pilot_keys.h"
 
-enum err run_prompt(const struct options *options, struct fault *fault);
-enum err run_version(const struct options *options, struct fault *fault);
-enum err run_script(const struct options *options, struct fault *fault);
-enum err run_commands(const struct options *options, struct fault *fault);
-enum err run_serve(const struct options *options, struct fault *fault);
-enum err run_replay(const struct options *options, struct fault *fault);
-enum err run_tutorial(const struct options *options, struct fault *fault);
-enum err run_watch(const struct options *options, struct fault *fault);
-enum err run_verify(const struct options *options, struct fault *fault);
-enum err run_verify_bisect(const struct options *options, struct fault *fault);
-enum err run_accept(const struct options *options, struct fault *fault);
-enum err run_reseal(const struct options *options, struct fault *fault);
-enum err run_diff(const struct options *options, struct fault *fault);
-enum err run_apply(const struct options *options, struct fault *fault);
-enum err run_log_procedure(const struct options *options, struct fault *fault);
-enum err run_compare(const struct options *options, struct fault *fault);
-enum err run_log(const struct options *options, struct fault *fault);
-enum err run_log_script(const struct options *options, struct fault *fault);
-enum err run_log_check(const struct options *options, struct fault *fault);
-enum err run_log_anonymise(const struct options *options, struct fault *fault);
-enum err run_log_repair(const struct options *options, struct fault *fault);
-enum err run_show(const struct options *options, struct fault *fault);
-enum err run_info(const struct options *options, struct fault *fault);
-enum err run_help(const struct options *options, struct fault *fault);
+program_run run_prompt, run_version, run_script, run_commands, run_serve, run_replay, run_tutorial,
+    run_watch, run_verify, run_verify_bisect, run_accept, run_reseal, run_diff, run_apply,
+    run_log_procedure, run_compare, run_log, run_log_script, run_log_check, run_log_anonymise,
+    run_log_repair, run_show, run_info, run_help;
 
-/* What programs begin and end with: an interpreter as the options want it, and the walls around a
- * journal that may be a stranger's. */
+/* Beginning and end of programs: an interpreter set up by the options, and the confinement of
+ * journals that may be a stranger's. */
 
 /* With the scene, folder and journal of the options. Lines about a journal that is resumed go to
  * standard error. To be released, whatever is returned. */
@@ -53,8 +32,8 @@ enum err begin_by_options(struct interpreter *interp, const struct options *o, s
  * programs that carry out commands one by one, and look at voxels in no other way. */
 void begin_to_wait(struct interpreter *interp);
 
-/* The scene or journal that a session is to begin with, or NULL, and whether it is a journal, which
- * is resumed then. ERR_USAGE, ERR_INPUT and ERR_IO for options that do not go with it. */
+/* The scene or journal of the command line, or NULL; `resumes` is set for a journal. ERR_USAGE,
+ * ERR_INPUT and ERR_IO for options that contradict it. */
 enum err begin_check(const struct options *o, const char **first, bool *resumes,
                      struct fault *fault);
 
@@ -65,7 +44,7 @@ struct volume_choice begin_volume(const struct options *o, size_t which);
  * or with NULL, and was given no journal. */
 void begin_journal_name(struct buf *journal, const char *first);
 
-/* Syncs what the journal has not synced yet, when a session ends that ends with `err`. */
+/* Sync the journal at the end of a session that ends with `err`. */
 enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault);
 
 /* Before anything is carried out that a journal says: the limits of the options, and the kernel's
@@ -76,7 +55,7 @@ enum err begin_confined(const struct options *o, const char *journal, const char
 /* The same in the process that verifies one journal, where `context` is the options. */
 enum err begin_one(void *context, const char *journal, struct fault *fault);
 
-/* What is shown of a session: the picture of the last command, and the colours that it needs. */
+/* The picture of the last command, and its colours. */
 
 /* The colours of the labels that can show, and of the background, which is a shade of one too, for
  * a palette; how many. */
@@ -200,9 +179,6 @@ struct pilot_interpreter {
     bool smooth;        /* all bits of every colour, where the terminal can */
     struct panes panes; /* the last picture, */
     struct raster_box slice[PANES_SLICES], beyond; /* and where slices are in it, and beyond */
-    struct held held;      /* what was asked for last, until the next command, */
-    struct way way;        /* and the path that was */
-    const uint8_t *former; /* labels [cells] before what is shown has changed them, or NULL */
     uint32_t hue[256];
 
     const struct pilot_onlooker *onlooker; /* while a command is carried out, or NULL */
@@ -214,8 +190,6 @@ struct pilot_interpreter {
 /* Fills in all of a host but its context, execute and finished. The context that these functions
  * are given begins with a struct pilot_interpreter. */
 void pilot_host_fill(struct pilot_host *host);
-
-void pilot_interpreter_release(struct pilot_interpreter *pilot);
 
 /*
  * A journal to watch: its replay leaves a history (session/history.h), whose points are the steps,

@@ -491,15 +491,6 @@ static void before_suspending(void *context)
         journal_catch_up(prompt->interp.journal, NULL);
 }
 
-/* "ch2" for /data/ch2.nii.gz. */
-static void name_prompt(struct prompt *prompt)
-{
-    const char *name = prompt->first ? file_name(prompt->first) : "session";
-    size_t n = strcspn(name, ".:");
-    n = n ? n : strlen(name);
-    snprintf(prompt->name, sizeof prompt->name, "%.*s", (int)(n < 20 ? n : 20), name);
-}
-
 /* The session is over when what it wrote is on the disk; Ctrl-C gives up what is not begun. */
 static void finish_pictures(struct prompt *prompt)
 {
@@ -548,7 +539,12 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
                          "%s is no journal of a lesson; `iftty tutorial` begins one", prompt.first);
     if (lesson && !prompt.resumes)
         prompt.first = LESSON_SCENE;
-    name_prompt(&prompt);
+    /* "ch2" for /data/ch2.nii.gz */
+    const char *name = prompt.first ? file_name(prompt.first) : "session";
+    const size_t n = strcspn(name, ".:");
+    snprintf(prompt.name, sizeof prompt.name, "%.20s", name);
+    if (n && n < 20)
+        prompt.name[n] = '\0';
     begin_journal_name(&journal, lesson ? "tutorial" : prompt.first);
     if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
         console_handle_interrupts();
@@ -588,7 +584,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
         print_journal(prompt.interp.journal);
     reply_release(&prompt.reply);
     config_release(&prompt.config);
-    pilot_interpreter_release(&prompt.pilot);
+    panes_release(&prompt.pilot.panes);
     pilot_state_release(&prompt.state);
     interpreter_release(&prompt.interp);
     buf_release(&journal);

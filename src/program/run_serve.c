@@ -194,7 +194,7 @@ static void carry_out(struct server *s, const struct request *request)
             answer_fault(&s->line, id, &fault, NULL, NULL);
         else
             answer_array(&s->line, id, &s->interp, &array);
-        array_release(&array);
+        buf_release(&array.path);
     }
     put(s);
 }
@@ -227,26 +227,8 @@ static void serve(struct server *s)
 
 /* ---- beginning and end ---- */
 
-/* What the prompt begins with. A journal of --journal that is there was left for here, where it is
- * watched. */
-static enum err open_first(struct server *s, const char *journal, const char *scene,
-                           struct buf *told, struct fault *fault)
-{
-    struct buf line = {0};
-    enum err err = OK;
-    if (journal)
-        err = interpreter_resume_journal(&s->interp, journal, told, fault);
-    if (!err && scene) {
-        buf_add_text(&line, "open ");
-        command_write_word(&line, scene);
-        err = interpreter_execute(&s->interp, buf_text(&line), &s->reply, fault);
-        buf_add_text(told, buf_text(err ? &s->reply.list : &s->reply.text));
-    }
-    buf_release(&line);
-    return err;
-}
-
-/* As the prompt: edits run at once, unless a journal is gone on with that says how. */
+/* As the prompt: edits run at once, unless a resumed journal says how. An existing journal of
+ * --journal is resumed here, under the watch. */
 static enum err begin(struct server *s, const struct options *o, struct buf *name, struct buf *told,
                       struct fault *fault)
 {
@@ -256,6 +238,8 @@ static enum err begin(struct server *s, const struct options *o, struct buf *nam
     if (err)
         return err;
     const bool goes_on = o->journal && file_exists(o->journal);
+    const char *journal = resumes ? first : goes_on ? o->journal : NULL;
+    struct buf line = {0};
     struct options plain = *o;
     plain.journal = goes_on ? NULL : o->journal;
     begin_journal_name(name, first);
@@ -266,14 +250,17 @@ static enum err begin(struct server *s, const struct options *o, struct buf *nam
         s->interp.new_journal = buf_text(name);
     if (!err)
         err = exchange_begin(&s->exchange, fault);
-    if (!err)
-        err = open_first(s,
-                         resumes   ? first
-                         : goes_on ? o->journal
-                                   : NULL,
-                         resumes ? NULL : first, told, fault);
+    if (!err && journal)
+        err = interpreter_resume_journal(&s->interp, journal, told, fault);
+    if (!err && first && !resumes) {
+        buf_add_text(&line, "open ");
+        command_write_word(&line, first);
+        err = interpreter_execute(&s->interp, buf_text(&line), &s->reply, fault);
+        buf_add_text(told, buf_text(err ? &s->reply.list : &s->reply.text));
+    }
     if (!err && !resumes)
         err = interpreter_execute(&s->interp, "auto on", &s->reply, fault);
+    buf_release(&line);
     return err;
 }
 

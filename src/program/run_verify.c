@@ -170,21 +170,16 @@ enum err run_verify_bisect(const struct options *o, struct fault *fault)
     return bisect_journals(o->word[0], o->word[1], &console_printer, fault);
 }
 
-static struct diff_options diff_options_of(const struct options *o)
-{
-    return (struct diff_options){.path = {o->word[0], o->word[1]},
-                                 .side = {.scene_path = o->scene,
-                                          .last = o->until,
-                                          .begin = begin_one,
-                                          .context = (void *)(uintptr_t)o,
-                                          .watch = console_watch()},
-                                 .picture = o->picture,
-                                 .json = o->json};
-}
-
 enum err run_diff(const struct options *o, struct fault *fault)
 {
-    const struct diff_options how = diff_options_of(o);
+    const struct diff_options how = {.path = {o->word[0], o->word[1]},
+                                     .side = {.scene_path = o->scene,
+                                              .last = o->until,
+                                              .begin = begin_one,
+                                              .context = (void *)(uintptr_t)o,
+                                              .watch = console_watch()},
+                                     .picture = o->picture,
+                                     .json = o->json};
     console_handle_interrupts();
     return diff_journals(&how, &console_printer, fault);
 }

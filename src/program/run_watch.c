@@ -470,12 +470,6 @@ static enum err step_on(struct watching *w, size_t by, struct fault *fault)
     return step_to(w, w->is_over ? w->last + 1 : shown->at + by, fault);
 }
 
-static enum err step_back(struct watching *w, size_t by, struct fault *fault)
-{
-    const size_t from = w->is_over ? w->last + 1 : w->watched.at;
-    return watched_carry_out(&w->watched, from > by ? from - by : 0, fault);
-}
-
 static enum err step_line(struct watching *w, const char *at, struct buf *output,
                           struct fault *fault)
 {
@@ -496,9 +490,10 @@ static enum err step_line(struct watching *w, const char *at, struct buf *output
     if (is_to && (size_t)n > w->last)
         return fault_set(fault, ERR_USAGE, "expected a step 0..%zu", w->last);
     const bool was_over = w->is_over;
+    const size_t by = (size_t)n, from = was_over ? w->last + 1 : w->watched.at;
     const enum err err = is_to   ? step_to(w, (size_t)n, fault)
                          : is_on ? step_on(w, (size_t)n, fault)
-                                 : step_back(w, (size_t)n, fault);
+                                 : watched_carry_out(&w->watched, from > by ? from - by : 0, fault);
     if (!err && was_over && !is_on)
         w->is_over = false;
     return err;
@@ -519,7 +514,7 @@ static enum err execute(void *context, const char *line, struct buf *output, str
         buf_add_text(output, buf_text(err ? &w->reply.list : &w->reply.text));
     }
     console_erase_progress();
-    w->pilot.former = w->is_over ? NULL : watched_former(&w->watched);
+    w->pilot.panes.former = w->is_over ? NULL : watched_former(&w->watched);
     return err;
 }
 
@@ -620,7 +615,7 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
     buf_release(&words);
     watched_release(&w.watched);
     reply_release(&w.reply);
-    pilot_interpreter_release(&w.pilot);
+    panes_release(&w.pilot.panes);
     pilot_state_release(&w.state);
     return err;
 }

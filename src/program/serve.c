@@ -254,11 +254,6 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
     return err;
 }
 
-void array_release(struct array_file *array)
-{
-    buf_release(&array->path);
-}
-
 /* ---- pictures ---- */
 
 enum err picture_write(struct buf *path, const struct exchange *exchange, uint32_t width,
@@ -546,14 +541,6 @@ static enum err take_id(struct buf *id, const struct json_member *m, struct faul
     return OK;
 }
 
-static enum err take_words(struct buf *words, const struct json_member *m, struct fault *fault)
-{
-    if (m->kind != JSON_TEXT)
-        return fault_set(fault, ERR_USAGE, "%s: expected a text", buf_text(&m->key));
-    buf_add(words, buf_text(&m->text), m->text.length);
-    return OK;
-}
-
 static enum err take_member(struct request *request, unsigned key, const struct json_member *m,
                             struct fault *fault)
 {
@@ -569,8 +556,11 @@ static enum err take_member(struct request *request, unsigned key, const struct 
                    ? OK
                    : fault_set(fault, ERR_USAGE, "finished: expected true or false");
     default:
+        if (m->kind != JSON_TEXT)
+            return fault_set(fault, ERR_USAGE, "%s: expected a text", buf_text(&m->key));
         request->kind = key == KEY_ARRAY ? REQUEST_ARRAY : REQUEST_COMMAND;
-        return take_words(&request->words, m, fault);
+        buf_add(&request->words, buf_text(&m->text), m->text.length);
+        return OK;
     }
 }
 
@@ -640,17 +630,13 @@ static void cancel(struct inbox *inbox, const struct request *cancel)
             is_of(&inbox->waiting[inbox->first + i], cancel);
 }
 
-static bool is_blank(const struct buf *line)
-{
-    return strspn(buf_text(line), " \t\r") == line->length;
-}
-
 /* The line at hand has come to its end. */
 static enum err end_line(struct inbox *inbox, struct fault *fault)
 {
     struct request request = {0};
     enum err err = inbox->line.failed ? fault_memory(fault, "a request") : OK;
-    if (!err && !inbox->is_too_long && is_blank(&inbox->line))
+    const bool is_blank = strspn(buf_text(&inbox->line), " \t\r") == inbox->line.length;
+    if (!err && !inbox->is_too_long && is_blank)
         return OK;
     if (!err && inbox->is_too_long) {
         fault_set(&request.fault, ERR_USAGE, "the line is longer than %d bytes; it is passed over",

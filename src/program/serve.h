@@ -130,7 +130,6 @@ struct array_file {
 enum err array_write(struct array_file *out, const struct exchange *exchange,
                      struct interpreter *interp, const char *name, bool finished,
                      struct fault *fault);
-void array_release(struct array_file *array);
 
 /* Writes a picture as PNG, which replaces the one before it; *path is the file. */
 enum err picture_write(struct buf *path, const struct exchange *exchange, uint32_t width,

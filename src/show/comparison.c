@@ -82,13 +82,6 @@ static void figures_add_volume(struct buf *out, int columns, const char *sign,
     buf_release(&words);
 }
 
-/* A line below a table of millimetres where the file does not say how large voxels are. */
-static void figures_add_spacing(struct buf *out, bool is_unknown)
-{
-    if (is_unknown)
-        buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
-}
-
 bool comparison_has(const struct comparison *comparison, unsigned label)
 {
     return !label || comparison->overlap.a[label] || comparison->overlap.b[label];
@@ -285,21 +278,16 @@ static enum err spread_from(struct work *w, uint8_t contour, struct fault *fault
     return distance_spread(w->squared, w->box.size, w->scale, w->team, w->watch, fault);
 }
 
-static enum err measure_towards(struct label_distances *d, struct work *w, int direction,
-                                struct fault *fault)
-{
-    const enum err err = spread_from(w, in_set[!direction], fault);
-    if (err)
-        return err;
-    take_farthest(d, w, in_set[direction]);
-    return take_surface(d, w, direction, fault);
-}
-
 static enum err measure(struct label_distances *d, struct work *w, struct fault *fault)
 {
-    enum err err = measure_towards(d, w, 0, fault);
-    if (!err)
-        err = measure_towards(d, w, 1, fault);
+    enum err err = OK;
+    for (int direction = 0; !err && direction < 2; direction++) {
+        err = spread_from(w, in_set[!direction], fault);
+        if (err)
+            break;
+        take_farthest(d, w, in_set[direction]);
+        err = take_surface(d, w, direction, fault);
+    }
     d->has_surfaces = !err && w->count[0] && w->count[1];
     if (!d->has_surfaces)
         return err;
@@ -346,15 +334,6 @@ enum err comparison_make(struct comparison *comparison, const struct compared *c
 
 /* ---- classes ---- */
 
-static uint8_t class_of(const struct work *w, size_t voxel, double most_mm)
-{
-    if (!(w->set[voxel] & IN_A))
-        return 0;
-    const double part = fmin(in_mm(w, w->squared[voxel]) / most_mm, 1);
-    const int steps = (int)lround(part * COMPARISON_CLASS_STEPS);
-    return (uint8_t)(COMPARISON_CLASS_ON + (w->set[voxel] & IN_B ? -steps : steps));
-}
-
 enum err comparison_classify(uint8_t *class, const struct grid *grid,
                              const struct compared *compared, double most_mm, struct team *team,
                              struct watch *watch, struct fault *fault)
@@ -372,8 +351,15 @@ enum err comparison_classify(uint8_t *class, const struct grid *grid,
     for (uint32_t z = 0; z < w.box.size[2] && !err; z++)
         for (uint32_t y = 0; y < w.box.size[1]; y++) {
             uint8_t *row = class + grid_cell(grid, w.first[0], w.first[1] + y, w.first[2] + z);
-            for (uint32_t x = 0; x < w.box.size[0]; x++)
-                row[x] = class_of(&w, voxel++, most_mm);
+            for (uint32_t x = 0; x < w.box.size[0]; x++, voxel++) {
+                const double part = fmin(in_mm(&w, w.squared[voxel]) / most_mm, 1);
+                const int steps = (int)lround(part * COMPARISON_CLASS_STEPS);
+                if (w.set[voxel] & IN_A)
+                    row[x] =
+                        (uint8_t)(COMPARISON_CLASS_ON + (w.set[voxel] & IN_B ? -steps : steps));
+                else
+                    row[x] = 0;
+            }
         }
     work_release(&w);
     return err;
@@ -535,7 +521,8 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
     if (is_odd)
         buf_add_text(out, "surfaces inside of an object, around cavities, lie further apart than "
                           "its voxels\n");
-    figures_add_spacing(out, report->geometry->spacing_unknown);
+    if (report->geometry->spacing_unknown)
+        buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
     if (geometry_fill(report->geometry) < 1)
         buf_printf(out, "axes are sheared by %.2g degrees: distances are as if they were not\n",
                    geometry_shear(report->geometry));

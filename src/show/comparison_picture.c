@@ -130,15 +130,14 @@ static enum err render(uint8_t *class, double *most_mm, struct session *session,
 
 static enum err take_picture(struct picture *picture, struct session *session, struct fault *fault)
 {
-    struct canvas frame;
-    enum err err = session_show_frame(&frame, session, fault);
+    const struct rendition r = session_picture(session);
+    const uint32_t background = background_opaque(session->now.outlook.background);
+    const enum err err = picture_init(picture, r.width, r.height, false, fault);
     if (err)
         return err;
-    err = picture_init(picture, frame.width, frame.height, false, fault);
-    if (!err)
-        memcpy(picture->rgba, frame.rgba, (size_t)4 * frame.width * frame.height);
-    canvas_release(&frame);
-    return err;
+    memcpy(picture->rgba, r.rgba, (size_t)4 * r.width * r.height);
+    background_put(picture->rgba, r.width, r.height, background);
+    return OK;
 }
 
 /* ---- the bar ---- */
@@ -178,14 +177,13 @@ static void write_names(const struct canvas *canvas, const struct comparison_rep
     int64_t top = notes_margin(unit);
     const int64_t room = canvas->width / 2 - 2 * (int64_t)unit; /* clear of the upper letter */
     for (int i = 0; i < 2 && notes_side(canvas) >= NOTES_BARS_FROM; i++) {
-        struct buf words = {0}, safe = {0};
-        buf_printf(&words, "%c  %s", 'A' + i, report->name[i]);
-        buf_add_safe_text(&safe, buf_text(&words));
+        struct buf safe = {0};
+        buf_printf(&safe, "%c  ", 'A' + i);
+        buf_add_safe_text(&safe, report->name[i]);
         while (safe.length && text_width(safe.data, unit) > room)
             safe.data[--safe.length] = '\0';
         text_draw(canvas, notes_margin(unit), top, unit, buf_text(&safe), &notes_light);
         top += text_line(unit);
-        buf_release(&words);
         buf_release(&safe);
     }
 }
@@ -371,22 +369,6 @@ static void write_report(const struct canvas *canvas, const struct comparison_re
 
 /* ---- the whole ---- */
 
-static enum err note(struct picture *picture, const struct session *session,
-                     const struct comparison_report *report, const uint32_t place[3],
-                     struct fault *fault)
-{
-    struct buf words = {0};
-    buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels, through %u,%u,%u",
-               report->comparison->overlap.differing, report->comparison->overlap.voxels, place[0],
-               place[1], place[2]);
-    enum err err = words.failed ? fault_memory(fault, "a note on a picture")
-                                : export_notes(picture, session, NULL, fault);
-    if (!err)
-        err = picture_note(picture, "iftty:differ", buf_text(&words), fault);
-    buf_release(&words);
-    return err;
-}
-
 enum err comparison_picture_draw(struct picture *picture, struct session *session,
                                  const struct compared *compared,
                                  const struct comparison_report *report, const uint32_t place[3],
@@ -405,8 +387,15 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
                      : fault_memory(fault, "a picture");
     free(difference);
     if (!err) {
+        struct buf words = {0};
         write_report(&canvas, report);
-        err = note(picture, session, report, place, fault);
+        buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels, through %u,%u,%u",
+                   report->comparison->overlap.differing, report->comparison->overlap.voxels,
+                   place[0], place[1], place[2]);
+        err = export_notes(picture, session, NULL, fault);
+        if (!err)
+            err = export_note(picture, "iftty:differ", &words, fault);
+        buf_release(&words);
     }
     if (err)
         picture_release(picture);

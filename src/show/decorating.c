@@ -14,6 +14,7 @@
 #include "session/state.h"
 #include "session/tally.h"
 #include "show/draw.h"
+#include "show/label_report.h"
 #include "show/pictures.h"
 
 _Static_assert(sizeof((struct legend_line *)0)->name == LABEL_NAME_BYTES, "a name fits a line");
@@ -57,11 +58,7 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
         else
             snprintf(next->name, sizeof next->name, "label %u", label);
         struct buf words = {0};
-        if (session->scene->spacing_unknown)
-            buf_printf(&words, "%llu voxel%s", (unsigned long long)voxels[label],
-                       voxels[label] == 1 ? "" : "s");
-        else
-            tally_write_volume(&words, &session->geometry, voxels[label]);
+        label_report_write_extent(&words, session, voxels[label]);
         snprintf(next->amount, 32, "%s", words.failed ? "" : buf_text(&words));
         buf_release(&words);
     }

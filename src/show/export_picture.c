@@ -20,138 +20,6 @@
 #include "show/decorating.h"
 #include "show/pictures.h"
 
-struct exporting {
-    const struct session *session;
-    const struct picture *picture;
-    struct strips *file;           /* or NULL */
-    struct decorating *decorating; /* or NULL */
-    const struct context *context; /* or NULL */
-    pthread_mutex_t lock;          /* of all below */
-    struct label_set labels;       /* that are shown */
-    uint64_t digest;               /* rendition_digest */
-    enum err err;
-    struct fault fault;
-};
-
-bool export_is_large(const struct session *session)
-{
-    const struct view *view = &session->now.outlook.view;
-    return (uint64_t)view->width * view->height > SAMPLES_STORED_MOST;
-}
-
-/* What is around the objects, and over them: they are seen as the file will show them. */
-static enum err finish_colours(const struct exporting *e, const struct rendition *rows,
-                               uint32_t top, struct fault *fault)
-{
-    const uint32_t width = rows->width;
-    if (e->context)
-        mip_put_behind(rows->rgba, rows->rgba, e->context->mip.brightness + (size_t)top * width,
-                       (size_t)rows->height * width);
-    if (e->context || e->decorating)
-        memset(rows->blank, 0, (size_t)rows->tiles_x * rows->tiles_y * sizeof *rows->blank);
-    if (!e->decorating)
-        return OK;
-    const size_t pixels = (size_t)rows->height * width;
-    uint8_t *layer = mem_new(4 * pixels);
-    const struct canvas canvas = {.width = width,
-                                  .height = e->picture->height,
-                                  .stride = width,
-                                  .rgba = layer,
-                                  .from = top,
-                                  .rows = rows->height};
-    if (!layer)
-        return fault_memory(fault, "what is drawn over a picture");
-    const enum err err = decoration_draw(&canvas, &e->decorating->of, fault);
-    canvas_lay_over(layer, rows->rgba, pixels);
-    memcpy(rows->rgba, layer, 4 * pixels);
-    free(layer);
-    return err;
-}
-
-/* The memory of row `top` of the picture and of those after it; false where there is none. */
-static bool lend(const struct exporting *e, uint32_t top, uint32_t most, struct picture *to)
-{
-    if (e->file)
-        return strips_lend(e->file, top, most, to) > 0;
-    if (e->picture->rgba)
-        *to = picture_rows(e->picture, top, most);
-    return e->picture->rgba;
-}
-
-static void take(void *context, const struct rendition *rows, uint32_t top)
-{
-    struct exporting *e = context;
-    const uint32_t height = e->picture->height, width = rows->width;
-    struct label_set labels = {{0}};
-    struct fault fault = {0};
-    struct picture to;
-    const enum err err = finish_colours(e, rows, top, &fault);
-    const uint64_t digest = rendition_digest_rows(rows, top);
-    label_set_add(&labels, rows);
-    pthread_mutex_lock(&e->lock);
-    for (int i = 0; i < 4; i++)
-        e->labels.bits[i] |= labels.bits[i];
-    e->digest += digest;
-    if (err && !e->err) {
-        e->err = err;
-        e->fault = fault;
-    }
-    pthread_mutex_unlock(&e->lock);
-    for (uint32_t y = 0; y < rows->height && lend(e, top + y, rows->height - y, &to);
-         y += to.height) {
-        export_fill(&to, e->session, rows, (size_t)y * width);
-        if (!to.depth_mm)
-            background_put_rows(to.rgba, width, top + y, to.height, height,
-                                e->session->now.outlook.background);
-        if (e->file)
-            strips_give(e->file, top + y, to.height);
-    }
-}
-
-/* A rendition of one sample a pixel that is there is left alone, so that going back needs no
- * memory; others, and large ones, are let go of. */
-static enum err draw(struct exporting *e, struct session *session, const struct labels *labels,
-                     enum render_mode mode, struct fault *fault)
-{
-    const struct outlook *outlook = &session->now.outlook;
-    struct pictures *p;
-    enum err err = pictures_begin(&p, session, fault);
-    if (!err && outlook->decorations) {
-        err = decorating_begin(&e->decorating, session, labels, fault);
-        if (!err)
-            err = session_aim(session, outlook, &e->decorating->camera, fault);
-    }
-    if (err)
-        return err;
-    if (outlook->look.samples > 1 || export_is_large(session))
-        pictures_release_rendition(p);
-    e->context = outlook->context ? &p->context : NULL;
-    e->digest = rendition_digest_begin(outlook->view.width, outlook->view.height);
-    p->rendered = RENDERED_NOT;
-    p->take = take;
-    p->take_context = e;
-    err = session_draw_labels(session, labels, mode, fault);
-    p->take = NULL;
-    p->rendered = RENDERED_NOT;
-    return !err && e->err ? fault_set(fault, e->err, "%s", e->fault.text) : err;
-}
-
-enum err export_rows(struct picture *picture, struct strips *file, struct session *session,
-                     const struct labels *labels, enum render_mode mode, uint64_t *digest,
-                     struct fault *fault)
-{
-    struct exporting e = {.session = session, .picture = picture, .file = file};
-    pthread_mutex_init(&e.lock, NULL);
-    const enum err err = draw(&e, session, labels, mode, fault);
-    pthread_mutex_destroy(&e.lock);
-    decorating_end(e.decorating);
-    *digest = e.digest;
-    if (!err)
-        return export_rendition_notes(picture, session, &e.labels, fault);
-    picture_release(picture);
-    return err;
-}
-
 /* ---- where it was seen from ---- */
 
 #define ONE30 1073741824.0
@@ -288,35 +156,39 @@ void export_opacity(struct buf *out, const struct kept *kept)
     buf_release(&others);
 }
 
+enum err export_note(struct picture *picture, const char *name, struct buf *words,
+                     struct fault *fault)
+{
+    const enum err err = words->failed ? fault_memory(fault, "a note on a picture")
+                                       : picture_note(picture, name, buf_text(words), fault);
+    buf_release(words);
+    return err;
+}
+
 /* How the scene is seen: notes that need words made for them. */
 static enum err add_view_notes(struct picture *picture, const struct session *session,
                                struct fault *fault)
 {
-    const struct cut *away = &session->now.kept.cut;
-    struct buf seen = {0}, cut = {0}, opacity = {0}, look = {0};
-    write_view(&seen, session);
-    settings_write(&look, GROUP_LOOK, &session->now);
-    write_cut(&cut, away, &session->scene->grid);
+    const struct cut *cut = &session->now.kept.cut;
+    struct buf words = {0}, opacity = {0};
+    write_view(&words, session);
+    enum err err = export_note(picture, "iftty:view", &words, fault);
+    if (!err && !cut_is_none(cut)) {
+        write_cut(&words, cut, &session->scene->grid);
+        err = export_note(picture, "iftty:cut", &words, fault);
+    }
     export_opacity(&opacity, &session->now.kept);
-    const bool fits = !seen.failed && !cut.failed && !opacity.failed && !look.failed;
-    enum err err = fits ? OK : fault_memory(fault, "a note on a picture");
-    if (!err)
-        err = picture_note(picture, "iftty:view", buf_text(&seen), fault);
-    if (!err && !cut_is_none(away))
-        err = picture_note(picture, "iftty:cut", buf_text(&cut), fault);
-    if (!err && opacity.length)
-        err = picture_note(picture, "iftty:opacity", buf_text(&opacity), fault);
-    if (!err)
-        err = picture_note(picture, "iftty:look", buf_text(&look), fault);
-    buf_release(&seen);
-    buf_release(&cut);
+    if (!err && (opacity.length || opacity.failed))
+        err = export_note(picture, "iftty:opacity", &opacity, fault);
     buf_release(&opacity);
-    buf_release(&look);
-    return err;
+    if (err)
+        return err;
+    settings_write(&words, GROUP_LOOK, &session->now);
+    return export_note(picture, "iftty:look", &words, fault);
 }
 
 static enum err add_label_note(struct picture *picture, const struct session *session,
-                               const struct label_set *shown, struct fault *fault)
+                               const bool shown[256], struct fault *fault)
 {
     struct buf labels = {0};
     if (!shown)
@@ -328,7 +200,7 @@ static enum err add_label_note(struct picture *picture, const struct session *se
     json_object(&json, NULL);
     for (unsigned label = 1; label < 256; label++) {
         const uint8_t *rgb = kept->palette.rgb[label];
-        if (!(shown->bits[label >> 6] >> (label & 63) & 1))
+        if (!shown[label])
             continue;
         snprintf(number, sizeof number, "%u", label);
         json_object(&json, number);
@@ -342,15 +214,11 @@ static enum err add_label_note(struct picture *picture, const struct session *se
     json_end(&json);
     if (!labels.failed)
         labels.data[--labels.length] = '\0'; /* no line feed */
-    const enum err err = labels.failed
-                             ? fault_memory(fault, "a note on a picture")
-                             : picture_note(picture, "iftty:labels", buf_text(&labels), fault);
-    buf_release(&labels);
-    return err;
+    return export_note(picture, "iftty:labels", &labels, fault);
 }
 
-enum err export_notes(struct picture *picture, const struct session *session,
-                      const struct label_set *shown, struct fault *fault)
+enum err export_notes(struct picture *picture, const struct session *session, const bool shown[256],
+                      struct fault *fault)
 {
     char scene[32];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
@@ -372,8 +240,8 @@ enum err export_notes(struct picture *picture, const struct session *session,
     return err;
 }
 
-enum err export_rendition_notes(struct picture *picture, const struct session *session,
-                                const struct label_set *shown, struct fault *fault)
+static enum err export_rendition_notes(struct picture *picture, const struct session *session,
+                                       const bool shown[256], struct fault *fault)
 {
     char scale[32], context[64]; /* slices have a scale of their own, and nothing behind objects */
     const int32_t *window = session->pictures->context.mip.of.window;
@@ -393,14 +261,14 @@ enum err export_rendition_notes(struct picture *picture, const struct session *s
 
 /* ---- planes ---- */
 
-void label_set_add(struct label_set *set, const struct rendition *r)
+static void list_labels(bool shown[256], const struct rendition *r)
 {
     for (size_t i = 0; i < (size_t)r->width * r->height; i++)
-        label_set_put(set, r->label[i]);
+        shown[r->label[i]] = true;
 }
 
-void export_fill(const struct picture *to, const struct session *session, const struct rendition *r,
-                 size_t first)
+static void export_fill(const struct picture *to, const struct session *session,
+                        const struct rendition *r, size_t first)
 {
     const size_t pixels = (size_t)to->width * to->height;
     /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
@@ -432,28 +300,28 @@ void export_form(struct picture *picture, const struct session *session)
 enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition shown = session_picture(session), *r = &shown;
-    struct label_set labels = {{0}};
+    bool labels[256] = {false};
     enum err err = picture_init(picture, r->width, r->height, true, fault);
     if (err)
         return err;
-    label_set_add(&labels, r);
+    list_labels(labels, r);
     export_fill(picture, session, r, 0);
     seen_from(&picture->space, session);
-    return export_rendition_notes(picture, session, &labels, fault);
+    return export_rendition_notes(picture, session, labels, fault);
 }
 
 enum err export_colours(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition shown = session_picture(session), *r = &shown;
-    struct label_set labels = {{0}};
+    bool labels[256] = {false};
     const enum err err = picture_init(picture, r->width, r->height, false, fault);
     if (err)
         return err;
-    label_set_add(&labels, r);
+    list_labels(labels, r);
     memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
     background_put(picture->rgba, r->width, r->height, session->now.outlook.background);
     picture->is_clear = session->now.outlook.background == BACKGROUND_CLEAR;
-    return export_rendition_notes(picture, session, &labels, fault);
+    return export_rendition_notes(picture, session, labels, fault);
 }
 
 enum err export_background(struct picture *picture, const struct session *session,
@@ -478,5 +346,139 @@ enum err export_normals(struct picture *picture, const struct session *session, 
     const enum err err = picture_add_normals(picture, fault);
     if (!err)
         seen_normals(picture->normal, r->normal, (size_t)r->width * r->height, &session->geometry);
+    return err;
+}
+
+/* ---- pictures that are not stored ---- */
+
+struct exporting {
+    const struct session *session;
+    const struct picture *picture;
+    struct strips *file;           /* or NULL */
+    struct decorating *decorating; /* or NULL */
+    const struct context *context; /* or NULL */
+    pthread_mutex_t lock;          /* of all below */
+    bool labels[256];              /* that are shown */
+    uint64_t digest;               /* rendition_digest */
+    enum err err;
+    struct fault fault;
+};
+
+bool export_is_large(const struct session *session)
+{
+    const struct view *view = &session->now.outlook.view;
+    return (uint64_t)view->width * view->height > SAMPLES_STORED_MOST;
+}
+
+/* What is around the objects, and over them: they are seen as the file will show them. */
+static enum err finish_colours(const struct exporting *e, const struct rendition *rows,
+                               uint32_t top, struct fault *fault)
+{
+    const uint32_t width = rows->width;
+    if (e->context)
+        mip_put_behind(rows->rgba, rows->rgba, e->context->mip.brightness + (size_t)top * width,
+                       (size_t)rows->height * width);
+    if (e->context || e->decorating)
+        memset(rows->blank, 0, (size_t)rows->tiles_x * rows->tiles_y * sizeof *rows->blank);
+    if (!e->decorating)
+        return OK;
+    const size_t pixels = (size_t)rows->height * width;
+    uint8_t *layer = mem_new(4 * pixels);
+    const struct canvas canvas = {.width = width,
+                                  .height = e->picture->height,
+                                  .stride = width,
+                                  .rgba = layer,
+                                  .from = top,
+                                  .rows = rows->height};
+    if (!layer)
+        return fault_memory(fault, "what is drawn over a picture");
+    const enum err err = decoration_draw(&canvas, &e->decorating->of, fault);
+    canvas_lay_over(layer, rows->rgba, pixels);
+    memcpy(rows->rgba, layer, 4 * pixels);
+    free(layer);
+    return err;
+}
+
+/* The memory of row `top` of the picture and of those after it; false where there is none. */
+static bool lend(const struct exporting *e, uint32_t top, uint32_t most, struct picture *to)
+{
+    if (e->file)
+        return strips_lend(e->file, top, most, to) > 0;
+    if (e->picture->rgba)
+        *to = picture_rows(e->picture, top, most);
+    return e->picture->rgba;
+}
+
+static void take(void *context, const struct rendition *rows, uint32_t top)
+{
+    struct exporting *e = context;
+    const uint32_t height = e->picture->height, width = rows->width;
+    bool labels[256] = {false};
+    struct fault fault = {0};
+    struct picture to;
+    const enum err err = finish_colours(e, rows, top, &fault);
+    const uint64_t digest = rendition_digest_rows(rows, top);
+    list_labels(labels, rows);
+    pthread_mutex_lock(&e->lock);
+    for (int label = 0; label < 256; label++)
+        e->labels[label] |= labels[label];
+    e->digest += digest;
+    if (err && !e->err) {
+        e->err = err;
+        e->fault = fault;
+    }
+    pthread_mutex_unlock(&e->lock);
+    for (uint32_t y = 0; y < rows->height && lend(e, top + y, rows->height - y, &to);
+         y += to.height) {
+        export_fill(&to, e->session, rows, (size_t)y * width);
+        if (!to.depth_mm)
+            background_put_rows(to.rgba, width, top + y, to.height, height,
+                                e->session->now.outlook.background);
+        if (e->file)
+            strips_give(e->file, top + y, to.height);
+    }
+}
+
+/* A rendition of one sample a pixel that is there is left alone, so that going back needs no
+ * memory; others, and large ones, are let go of. */
+static enum err draw(struct exporting *e, struct session *session, const struct labels *labels,
+                     enum render_mode mode, struct fault *fault)
+{
+    const struct outlook *outlook = &session->now.outlook;
+    struct pictures *p;
+    enum err err = pictures_begin(&p, session, fault);
+    if (!err && outlook->decorations) {
+        err = decorating_begin(&e->decorating, session, labels, fault);
+        if (!err)
+            err = session_aim(session, outlook, &e->decorating->camera, fault);
+    }
+    if (err)
+        return err;
+    if (outlook->look.samples > 1 || export_is_large(session))
+        pictures_release_rendition(p);
+    e->context = outlook->context ? &p->context : NULL;
+    e->digest = rendition_digest_begin(outlook->view.width, outlook->view.height);
+    p->rendered = RENDERED_NOT;
+    p->take = take;
+    p->take_context = e;
+    err = session_draw_labels(session, labels, mode, fault);
+    p->take = NULL;
+    p->rendered = RENDERED_NOT;
+    return !err && e->err ? fault_set(fault, e->err, "%s", e->fault.text) : err;
+}
+
+enum err export_rows(struct picture *picture, struct strips *file, struct session *session,
+                     const struct labels *labels, enum render_mode mode, uint64_t *digest,
+                     struct fault *fault)
+{
+    struct exporting e = {.session = session, .picture = picture, .file = file};
+    pthread_mutex_init(&e.lock, NULL);
+    const enum err err = draw(&e, session, labels, mode, fault);
+    pthread_mutex_destroy(&e.lock);
+    decorating_end(e.decorating);
+    *digest = e.digest;
+    if (!err)
+        return export_rendition_notes(picture, session, e.labels, fault);
+    picture_release(picture);
     return err;
 }

@@ -18,19 +18,13 @@
 #include "session/session.h"
 #include "show/draw.h"
 
-/* Labels that pixels show, 0 among them: a bit each. */
-struct label_set {
-    uint64_t bits[4];
-};
-
-static inline void label_set_put(struct label_set *set, uint8_t label)
-{
-    set->bits[label >> 6] |= UINT64_C(1) << (label & 63);
-}
-
 /* What every picture says of itself: program, scene, view; and the labels shown, or NULL. */
-enum err export_notes(struct picture *picture, const struct session *session,
-                      const struct label_set *shown, struct fault *fault);
+enum err export_notes(struct picture *picture, const struct session *session, const bool shown[256],
+                      struct fault *fault);
+
+/* Adds a note of these words, which are released in any case. */
+enum err export_note(struct picture *picture, const char *name, struct buf *words,
+                     struct fault *fault);
 
 /* "100 %, 30 % of label 1": the usual opacity, and that of others; nothing where all are opaque. */
 void export_opacity(struct buf *out, const struct kept *kept);
@@ -49,15 +43,6 @@ enum err export_colours(struct picture *picture, const struct session *session,
 
 /* What is known of it before it is drawn: sizes, where it is seen from, how files hold it. */
 void export_form(struct picture *picture, const struct session *session);
-
-/* Fills in rgba, and what else there is of planes, with pixels of a rendition from `first` on. */
-void export_fill(const struct picture *to, const struct session *session,
-                 const struct rendition *from, size_t first);
-void label_set_add(struct label_set *set, const struct rendition *rendition);
-
-/* What a picture of a rendition says of itself. After an error it is released. */
-enum err export_rendition_notes(struct picture *picture, const struct session *session,
-                                const struct label_set *shown, struct fault *fault);
 
 /* ---- more of those that are ---- */
 

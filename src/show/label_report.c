@@ -248,12 +248,6 @@ enum slice_plane label_report_write_doubt(struct buf *out, const struct session 
     return plane;
 }
 
-static void add_three(struct figures *figures, const char *const name[3], const double value[3])
-{
-    for (int a = 0; a < 3; a++)
-        figures_add(figures, name[a], value[a]);
-}
-
 /* ---- measures ---- */
 
 static double surface_mm2(const struct label_report *report, unsigned label)
@@ -339,20 +333,25 @@ static bool has_row(const struct label_report *report, unsigned label)
 
 static struct figures figures_of(const struct label_report *report, unsigned label)
 {
-    static const char *const centre_name[] = {"centre_x", "centre_y", "centre_z"};
-    static const char *const place_name[] = {"centre_x_mm", "centre_y_mm", "centre_z_mm"};
-    static const char *const first_name[] = {"first_x", "first_y", "first_z"};
-    static const char *const last_name[] = {"last_x", "last_y", "last_z"};
+    enum { CENTRE, PLACE, FIRST, LAST, POINTS };
+    static const char *const name[POINTS][3] = {
+        [CENTRE] = {"centre_x", "centre_y", "centre_z"},
+        [PLACE] = {"centre_x_mm", "centre_y_mm", "centre_z_mm"},
+        [FIRST] = {"first_x", "first_y", "first_z"},
+        [LAST] = {"last_x", "last_y", "last_z"}};
     const struct label_sums *s = &report->stats[label].sums;
+    const double mm3 = report->geometry->spacing_unknown ? NAN : tally_voxel_mm3(report->geometry);
     struct figures f = {.count = 0};
-    double centre[3], place[3], range[2];
-    find_centre(centre, s);
-    find_place(place, report->geometry, centre);
+    double point[POINTS][3], range[2];
+    find_centre(point[CENTRE], s);
+    find_place(point[PLACE], report->geometry, point[CENTRE]);
+    for (int a = 0; a < 3; a++) {
+        point[FIRST][a] = s->voxels ? (double)s->first[a] : NAN;
+        point[LAST][a] = s->voxels ? (double)s->last[a] : NAN;
+    }
     find_range(range, report, label);
     figures_add(&f, "voxels", (double)s->voxels);
-    figures_add(&f, "volume_mm3",
-                (double)s->voxels *
-                    (report->geometry->spacing_unknown ? NAN : tally_voxel_mm3(report->geometry)));
+    figures_add(&f, "volume_mm3", (double)s->voxels * mm3);
     figures_add(&f, "surface_mm2", surface_mm2(report, label));
     figures_add(&f, "components", report->stats[label].components);
     figures_add(&f, "holes", report->stats[label].holes);
@@ -361,13 +360,8 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     figures_add(&f, "minimum", range[0]);
     figures_add(&f, "median", median(report, label));
     figures_add(&f, "maximum", range[1]);
-    add_three(&f, centre_name, centre);
-    add_three(&f, place_name, place);
-    const bool has = s->voxels > 0;
-    for (int a = 0; a < 3; a++)
-        figures_add(&f, first_name[a], has ? (double)s->first[a] : NAN);
-    for (int a = 0; a < 3; a++)
-        figures_add(&f, last_name[a], has ? (double)s->last[a] : NAN);
+    for (int i = 0; i < POINTS * 3; i++)
+        figures_add(&f, name[i / 3][i % 3], point[i / 3][i % 3]);
     figures_add(&f, "gained", report->gained ? (double)report->gained[label] : NAN);
     figures_add(&f, "lost", report->lost ? (double)report->lost[label] : NAN);
     figures_add(&f, "change", change(report, label));
@@ -417,14 +411,7 @@ static struct figures csv_figures_of(const struct label_report *report, unsigned
 
 void label_report_write_csv(struct buf *out, const struct label_report *report)
 {
-    static const struct label_stats one[1] = {{.sums.voxels = 1}};
-    static const struct area_weights none;
-    const struct label_report any = {.stats = one,
-                                     .area = &none,
-                                     .label_number = report->label_number,
-                                     .geometry = report->geometry,
-                                     .levels = report->levels};
-    const struct figures names = csv_figures_of(&any, 0);
+    const struct figures names = csv_figures_of(report, 0);
     figures_write_csv_names(out, &names);
     for (unsigned label = 1; label < 256; label++) {
         if (!has_row(report, label))

@@ -330,7 +330,7 @@ enum err slicing_export(struct picture *picture, const struct session *session,
                         const struct canvas *canvas, struct fault *fault)
 {
     const size_t pixels = (size_t)canvas->width * canvas->height;
-    struct label_set shown = {{0}};
+    bool shown[256] = {false};
     enum err err = picture_init(picture, canvas->width, canvas->height, false, fault);
     if (err)
         return err;
@@ -344,12 +344,12 @@ enum err slicing_export(struct picture *picture, const struct session *session,
         for (size_t k = 4 * i; k < 4 * i + 4; k++)
             picture->rgba[k] = canvas->rgba[k];
         const uint8_t label = shows ? labels_at(labels, cell) : 0;
-        label_set_put(&shown, label);
+        shown[label] = true;
         picture->label[i] = label;
         picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
     if (!err)
-        err = export_notes(picture, session, &shown, fault);
+        err = export_notes(picture, session, shown, fault);
     if (!err)
         err = note_kind(picture, session, kind, fault);
     if (err)

@@ -314,7 +314,7 @@ static uint32_t brightest(uint32_t colour)
 
 /* ---- which ladders ---- */
 
-/* Cross-hair and eliminator (render/notes.c), the pane that keys go to (src/show/panes.c). */
+/* Cross-hair and eliminator (render/notes.c), the pane that keys go to (src/program/panes.c). */
 enum { ACCENTS = 3 };
 static const uint32_t accent[ACCENTS] = {0xFFDC00, 0xFF4838, 0xE6C85A};
 

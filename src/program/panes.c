@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "show/panes.h"
+#include "program/panes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -45,7 +45,7 @@ static void fill(const struct canvas *pane, const struct voxels *inside, const u
         }
 }
 
-/* Whether a line from one to the other stays on one side of the pane. */
+/* True if a line from one pixel to the other stays on one side of the pane. */
 static bool is_beside(const struct canvas *pane, const int64_t from[2], const int64_t to[2])
 {
     const int64_t size[2] = {pane->width, pane->height};
@@ -71,11 +71,11 @@ static void draw_line(const struct canvas *pane, const int64_t from[2], const in
     }
 }
 
-/* Over the slice in a box of the canvas, which has its cells, words and what lies below. Without
+/* Draw the outline over the slice in a box of a canvas with cells, words and greys below. Without
  * memory the line alone. */
-static void outline_mark_draw(const struct canvas *canvas, const struct scene *scene,
-                              const struct slice_choice *slice, const struct mosaic_box *box,
-                              const struct outline_mark *mark)
+static void draw_outline(const struct canvas *canvas, const struct scene *scene,
+                         const struct slice_choice *slice, const struct mosaic_box *box,
+                         const struct pilot_wish *mark, const uint8_t rgb[3])
 {
     const struct canvas pane = canvas_part(canvas, box->left, box->top, box->width, box->height);
     struct voxels inside = {0};
@@ -85,7 +85,7 @@ static void outline_mark_draw(const struct canvas *canvas, const struct scene *s
         if (mark->corner[i][plan.across] != slice->place[plan.across])
             return;
     if (paint_polygon(&inside, &scene->grid, mark->corner, mark->corners, NULL, NULL) == OK)
-        fill(&pane, &inside, mark->rgb);
+        fill(&pane, &inside, rgb);
     voxels_release(&inside);
     for (size_t i = 0; i < mark->corners; i++) {
         const uint32_t *end[2] = {mark->corner[i], mark->corner[(i + 1) % mark->corners]};
@@ -99,19 +99,20 @@ static void outline_mark_draw(const struct canvas *canvas, const struct scene *s
     }
 }
 
-_Static_assert((int)PANE_AXIAL == (int)SLICE_AXIAL && (int)PANE_CORONAL == (int)SLICE_CORONAL &&
-                   (int)PANE_SAGITTAL == (int)SLICE_SAGITTAL &&
-                   (int)PANE_RENDITION == (int)MOSAIC_RENDITION,
-               "panes are planes, and those of a mosaic");
+_Static_assert((int)PILOT_AXIAL == (int)SLICE_AXIAL && (int)PILOT_CORONAL == (int)SLICE_CORONAL &&
+                   (int)PILOT_SAGITTAL == (int)SLICE_SAGITTAL &&
+                   (int)PILOT_RENDITION == (int)MOSAIC_RENDITION,
+               "the pilot's panes are planes, and those of a mosaic");
 
 void panes_release(struct panes *p)
 {
     canvas_release(&p->canvas);
     canvas_release(&p->beyond);
+    way_release(&p->way);
     *p = (struct panes){0};
 }
 
-/* What the slice of a pane is. */
+/* The slice of a pane. */
 static struct slice_choice slice_of(const struct panes *p, const struct session *session,
                                     enum slice_plane plane)
 {
@@ -132,7 +133,7 @@ static void mark_point(const struct canvas *canvas, int64_t column, int64_t row,
     }
 }
 
-/* The pixel that stands for a voxel in a slice, be it of that slice or not. False beside it. */
+/* Find the pixel of a voxel in a slice, or of its projection onto it. False outside the box. */
 static bool find_pixel(const struct scene *scene, const struct slice_choice *slice,
                        const struct mosaic_box *box, uint32_t cell, int64_t pixel[2])
 {
@@ -182,7 +183,7 @@ static enum err draw_heat(const struct panes *p, struct session *session, struct
                 if (cell == CELL_NONE || !heat[cell] || canvas->words[at] ||
                     !(is_grey || over_tint))
                     continue;
-                const unsigned quarters = heat[cell] + 1u; /* of the heat's colour: 2 or 3 */
+                const unsigned quarters = heat[cell] + 1u; /* parts of the heat's colour: 2 or 3 */
                 for (int k = 0; k < 3; k++) {
                     const unsigned hue = PANES_HEAT_HUE >> (16 - 8 * k) & 255;
                     pixel[k] = (uint8_t)((hue * quarters + grey * (4 - quarters)) / 4);
@@ -194,27 +195,29 @@ static enum err draw_heat(const struct panes *p, struct session *session, struct
 
 /* In the middle of a box, where it has room for them. */
 static void draw_lines(const struct canvas *canvas, const struct mosaic_box *box,
-                       const char *const line[PANES_LINES])
+                       const struct buf line[PANES_LINES])
 {
     const int64_t width = box->width, height = box->height;
     static const struct ink grey = {{200, 200, 200}, {0, 0, 0}};
     const uint32_t tall = notes_tall(least(box->width, box->height));
     const int64_t apart = 2 * (int64_t)tall;
     int64_t widest = 0;
-    for (int i = 0; i < PANES_LINES; i++)
-        widest = text_width(line[i], tall) > widest ? text_width(line[i], tall) : widest;
+    for (int i = 0; i < PANES_LINES; i++) {
+        const int64_t wide = text_width(buf_text(line + i), tall);
+        widest = wide > widest ? wide : widest;
+    }
     for (int i = 0; i < PANES_LINES && widest <= width && PANES_LINES * apart <= height; i++)
-        text_draw(canvas, box->left + (width - text_width(line[i], tall)) / 2,
-                  box->top + (height - PANES_LINES * apart + tall) / 2 + i * apart, tall, line[i],
-                  &grey);
+        text_draw(canvas, box->left + (width - text_width(buf_text(line + i), tall)) / 2,
+                  box->top + (height - PANES_LINES * apart + tall) / 2 + i * apart, tall,
+                  buf_text(line + i), &grey);
 }
 
 /* ---- notes ---- */
 
 enum { BAR_FROM_COLUMNS = 16, BAR_FROM_ROWS = 7 }; /* cells of a pane */
 
-/* A pane in cells: the first ones, and the last that are no other pane's neighbours, so that no two
- * letters stand together. */
+/* A pane in cells: its first ones, and the last that no other pane touches, so that letters of two
+ * panes are apart. */
 struct cells {
     uint32_t left, top, right, bottom;
 };
@@ -295,27 +298,27 @@ bool panes_have_object(const struct session *session)
     return has;
 }
 
-/* Known without colours: every second pixel of what is held, and oblique lines over what has
- * another label than before, between which it is seen what. */
-static bool is_hatched(const struct session *session, const struct panes_wish *wish, uint32_t cell,
-                       uint32_t x, uint32_t y)
+/* Hatching that is seen without colours: every second pixel of held voxels, and oblique lines over
+ * voxels with a changed label, with the label's colour between the lines. */
+static bool is_hatched(const struct panes *p, const struct session *session, bool marks_held,
+                       uint32_t cell, uint32_t x, uint32_t y)
 {
     enum { APART = 5 };
-    return (wish->held && (x + y) % 2 == 0 && session_is_held(session, wish->held, cell)) ||
-           (wish->former && (x + y) % APART == 0 &&
-            wish->former[cell] != session->scene->cell[cell].label);
+    return (marks_held && (x + y) % 2 == 0 && session_is_held(session, &p->held, cell)) ||
+           (p->former && (x + y) % APART == 0 &&
+            p->former[cell] != session->scene->cell[cell].label);
 }
 
 static void draw_marks(struct panes *p, const struct session *session,
-                       const struct panes_wish *wish)
+                       const struct pilot_wish *wish)
 {
     const struct scene *scene = session->scene;
     const struct canvas *canvas = &p->canvas;
-    if (wish->held || wish->former) {
+    if (wish->marks_held || p->former) {
         for (uint32_t y = 0; y < canvas->height; y++)
             for (uint32_t x = 0; x < canvas->width; x++) {
                 const uint32_t at = canvas->cell[y * canvas->stride + x];
-                if (at != CELL_NONE && is_hatched(session, wish, at, x, y))
+                if (at != CELL_NONE && is_hatched(p, session, wish->marks_held, at, x, y))
                     memcpy(canvas_pixel(canvas, x, y), white, sizeof white);
             }
     }
@@ -323,18 +326,18 @@ static void draw_marks(struct panes *p, const struct session *session,
         const struct mosaic_box *box = &p->panel.layout.box[plane];
         const struct slice_choice slice = slice_of(p, session, plane);
         uint32_t pixel[2];
-        if (wish->outline && box->width > 0)
-            outline_mark_draw(canvas, scene, &slice, box, wish->outline);
-        for (size_t i = 0; i < wish->corners && box->width > 0; i++)
+        if (box->width == 0)
+            continue;
+        if (wish->marks_outline)
+            draw_outline(canvas, scene, &slice, box, wish,
+                         session->now.kept.palette.rgb[wish->label]);
+        for (size_t i = 0; wish->marks_corners && i < wish->corners; i++)
             if (slice_pixel_of(scene, &slice, box->width, box->height, wish->corner[i], pixel))
                 mark_point(canvas, (int64_t)box->left + pixel[0], (int64_t)box->top + pixel[1], 1);
+        if (wish->marks_way)
+            mark_way(canvas, scene, &slice, box, &p->way);
     }
-    for (enum slice_plane plane = SLICE_AXIAL; wish->way && plane <= SLICE_SAGITTAL; plane++) {
-        const struct slice_choice slice = slice_of(p, session, plane);
-        if (p->panel.layout.box[plane].width > 0)
-            mark_way(canvas, scene, &slice, &p->panel.layout.box[plane], wish->way);
-    }
-    if (wish->pixel && session_frame(session)->depth) {
+    if (wish->marks_pixel && session_frame(session)->depth) {
         const struct mosaic_point at =
             mosaic_point_of(canvas->width, canvas->height, &p->panel.choice, session_frame(session),
                             wish->pixel[0], wish->pixel[1]);
@@ -342,8 +345,8 @@ static void draw_marks(struct panes *p, const struct session *session,
     }
 }
 
-enum err panes_draw(struct panes *p, struct session *session, const struct panes_wish *wish,
-                    struct fault *fault)
+enum err panes_draw(struct panes *p, struct session *session, const struct pilot_wish *wish,
+                    const struct buf line[PANES_LINES], struct fault *fault)
 {
     const struct mosaic_box *box = p->panel.layout.box;
     p->notes = 0;
@@ -370,28 +373,28 @@ enum err panes_draw(struct panes *p, struct session *session, const struct panes
         canvas_box(&p->canvas, left + width - 1, top, 1, height, yellow);
     }
     if (wish->words && !panes_have_object(session))
-        draw_lines(&p->canvas, &box[PANE_RENDITION], wish->line);
+        draw_lines(&p->canvas, &box[PILOT_RENDITION], line);
     draw_marks(p, session, wish);
     if (!wish->words)
         add_notes(p, session);
     return OK;
 }
 
-struct raster_box panes_box(const struct panes *p, enum pane pane)
+struct raster_box panes_box(const struct panes *p, enum pilot_pane pane)
 {
     const struct mosaic_box *box = &p->panel.layout.box[pane];
     return (struct raster_box){box->left, box->top, box->width, box->height};
 }
 
-/* A slice beside what is shown. */
+/* A slice next to the one shown. */
 struct beyond {
     enum slice_plane plane;
     uint32_t place[3];
 };
 
-/* False where there is none on that side, or the pane is not shown. */
+/* False if the scene ends on that side, or the pane is not shown. */
 static bool find_beyond(struct beyond *b, const struct panes *p, const struct session *session,
-                        enum pane first, unsigned number)
+                        enum pilot_pane first, unsigned number)
 {
     const int64_t far = (int64_t)number / 6 + 1;
     int64_t by[PANES_SLICES] = {0};
@@ -406,8 +409,8 @@ static bool find_beyond(struct beyond *b, const struct panes *p, const struct se
            slice_index(scene, b->plane, b->place) == here + by[b->plane];
 }
 
-/* Where slices are magnified, which part of one is shown hangs on the cross-hair. */
-uint64_t panes_name_beyond(const struct panes *p, struct session *session, enum pane first,
+/* The cross-hair decides about the part of a magnified slice that is shown. */
+uint64_t panes_name_beyond(const struct panes *p, struct session *session, enum pilot_pane first,
                            unsigned number)
 {
     struct beyond b;
@@ -431,7 +434,8 @@ uint64_t panes_name_beyond(const struct panes *p, struct session *session, enum 
     return name ? name : 1;
 }
 
-bool panes_draw_beyond(struct panes *p, struct session *session, enum pane first, unsigned number)
+bool panes_draw_beyond(struct panes *p, struct session *session, enum pilot_pane first,
+                       unsigned number)
 {
     struct beyond b;
     canvas_release(&p->beyond);
@@ -439,7 +443,7 @@ bool panes_draw_beyond(struct panes *p, struct session *session, enum pane first
            slicing_draw_below(&p->beyond, session, &p->panel, b.plane, b.place, NULL) == OK;
 }
 
-bool panes_pan(const struct panes *p, const struct session *session, enum pane pane,
+bool panes_pan(const struct panes *p, const struct session *session, enum pilot_pane pane,
                const int by[2], uint32_t middle[3], uint32_t place[3])
 {
     const struct mosaic_box *box = &p->panel.layout.box[pane];
