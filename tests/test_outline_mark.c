@@ -5,7 +5,7 @@
  */
 #include "program/programs.h"
 #include "session/paint.h"
-#include "show/panes.h"
+#include "program/panes.h"
 #include "tests/interpreting.h"
 
 static struct interpreter interp;
@@ -20,15 +20,14 @@ static void begin(void)
     must(&interp, "cross 12,14,9");
 }
 
-static void draw(struct panes *panes, const struct outline_mark *mark)
+static void draw(struct panes *panes, const struct pilot_wish *mark)
 {
-    const struct panes_wish wish = {.width = 320,
-                                    .height = 320,
-                                    .cell_width = 8,
-                                    .cell_height = 16,
-                                    .line = {"", "", "", ""},
-                                    .outline = mark};
-    CHECK(panes_draw(panes, interp.session, &wish, NULL) == OK);
+    static const struct buf no_words[PANES_LINES];
+    struct pilot_wish wish = mark ? *mark : (struct pilot_wish){.label = 0};
+    wish.width = wish.height = 320;
+    wish.cell_width = 8;
+    wish.cell_height = 16;
+    CHECK(panes_draw(panes, interp.session, &wish, no_words, NULL) == OK);
 }
 
 static bool is_of(const struct voxels *voxels, uint32_t cell)
@@ -46,7 +45,7 @@ static bool is_rgb(const struct canvas *canvas, uint32_t x, uint32_t y, const ui
 
 /* Of the pixels: how many have the label's colour, and how many others differ from those without
  * the outline. */
-static void compare(const struct panes *with, const struct panes *without, enum pane pane,
+static void compare(const struct panes *with, const struct panes *without, enum pilot_pane pane,
                     const struct voxels *inside, const uint8_t rgb[3], unsigned *dots,
                     unsigned *others)
 {
@@ -67,23 +66,25 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
 {
     static const uint32_t corner[][3] = {{4, 5, 9}, {20, 6, 9}, {22, 18, 9}, {9, 24, 9}};
     static const uint8_t colour[3] = {250, 10, 130};
-    struct outline_mark mark = {.corner = corner, .corners = 4, .rgb = {250, 10, 130}};
+    const struct pilot_wish mark = {
+        .corner = corner, .corners = 4, .label = 7, .marks_outline = true};
     struct panes with = {0}, without = {0};
     struct voxels inside = {0};
     unsigned dots, others, all = 0;
     begin();
+    must(&interp, "label 7 outline #fa0a82");
     const struct scene *scene = interp.session->scene;
     CHECK(paint_polygon(&inside, &scene->grid, corner, 4, NULL, NULL) == OK);
     draw(&without, NULL);
     draw(&with, &mark);
-    compare(&with, &without, PANE_AXIAL, &inside, colour, &dots, &others);
-    const struct raster_box box = panes_box(&with, PANE_AXIAL);
+    compare(&with, &without, PILOT_AXIAL, &inside, colour, &dots, &others);
+    const struct raster_box box = panes_box(&with, PILOT_AXIAL);
     for (uint32_t y = box.top; y < box.top + box.height; y++)
         for (uint32_t x = box.left; x < box.left + box.width; x++)
             all += is_of(&inside, with.canvas.cell[y * with.canvas.stride + x]);
     CHECK(dots > all / 5 && dots < all / 3);
     CHECK(others > 100); /* the line */
-    for (enum pane pane = PANE_CORONAL; pane <= PANE_RENDITION; pane++) {
+    for (enum pilot_pane pane = PILOT_CORONAL; pane <= PILOT_RENDITION; pane++) {
         compare(&with, &without, pane, &inside, colour, &dots, &others);
         CHECK_INT(dots + others, 0);
     }
@@ -91,7 +92,7 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     must(&interp, "cross 12,14,10"); /* in the next slice there is nothing of it */
     draw(&without, NULL);
     draw(&with, &mark);
-    compare(&with, &without, PANE_AXIAL, &inside, colour, &dots, &others);
+    compare(&with, &without, PILOT_AXIAL, &inside, colour, &dots, &others);
     CHECK_INT(dots + others, 0);
     must(&interp, "cross 12,14,9");
     must(&interp, "magnify 300 at=12,14,9"); /* its corners are far beside the pane */

@@ -83,7 +83,7 @@ static int64_t off_grey(int eye, const struct seen *a)
     return a->lab[eye][1] * a->lab[eye][1] + a->lab[eye][2] * a->lab[eye][2];
 }
 
-/* From the yellows of the cross-hair, and of the pilot's frames (src/show/panes.c). */
+/* From the yellows of the cross-hair, and of the pilot's frames (src/program/panes.c). */
 static int64_t off_marks(int eye, const struct seen *a)
 {
     static const uint8_t frame[3] = {230, 200, 90};

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # What is shown, as users meet it: hide, show, opacity and context are recorded and gone on with,
-# and all but context undone; pictures follow, and a journal that was made with them verifies.
+# and all but context undone; so are occlusion and creases of `shade`, which edits that are undone
+# leave alone. Pictures follow, and a journal that was made with them verifies.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
@@ -127,6 +128,81 @@ expect 0 "$iftty" info c.golden/axial.png
 ! grep -q "iftty:context" "$work/out" || fail "a slice has a context:" "$(cat "$work/out")"
 close_story
 
+cat >script <<'END'
+open synth:geom:60x60x60
+seed 2,2,2 0
+seed 16,24,30 1 radius=4
+seed 40,24,30 2 radius=4
+run
+size 120 120
+zoom fit
+info
+golden plain
+shade surface ao=60
+info
+golden dark
+remove 40,24,30
+run
+undo 2
+info
+golden undone
+shade surface ao=0
+golden off
+shade surface creases=yes
+golden creases
+shade surface ao=60 creases=yes
+info
+golden both
+shade surface ao=60
+shade surface
+opacity all 50
+shade surface ao=60
+golden through
+shade surface
+golden clear
+END
+
+golden_of() { # NAME: the digest of a golden image
+    sed -n "/^golden $1\$/{n;s/.* picture=\\([0-9a-f]*\\).*/\\1/p;}" a.iftty
+}
+begin "words of shade are recorded, stand when edits are undone, and are printed"
+rm -f a.iftty
+expect 0 "$iftty" run script --journal a.iftty
+out_has "look      shade surface, light"
+out_has "look      shade surface ao=60, light"
+same "$(grep -c 'shade surface ao=60, light' "$work/out")" 2
+has_line a.iftty "shade surface ao=60"
+out_has "look      shade surface ao=60 creases=yes, light"
+has_line a.iftty "shade surface ao=60 creases=yes"
+expect 0 "$iftty" info a.golden/dark.png
+out_has "iftty:look: shade surface ao=60, light"
+expect 0 "$iftty" info a.golden/off.png
+out_has "iftty:look: shade surface, light"
+expect 0 "$iftty" info a.golden/both.png
+out_has "iftty:look: shade surface ao=60 creases=yes, light"
+close_story
+
+begin "without them, and where objects are translucent, pictures are as they were"
+same "$(golden_of plain)" "$(golden_of off)"
+same "$(golden_of dark)" "$(golden_of undone)"
+same "$(golden_of through)" "$(golden_of clear)"
+[ "$(golden_of plain)" != "$(golden_of dark)" ] || fail "nothing is darker"
+# The objects do not touch, so each has the surface that it has by itself in any case.
+same "$(golden_of plain)" "$(golden_of creases)"
+same "$(golden_of dark)" "$(golden_of both)"
+close_story
+
+begin "a journal with them verifies, for any number of threads, and resumes"
+for threads in 1 2 5; do
+    IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
+done
+printf 'info\nshade surface ao=7\ninfo\n' >more
+expect 0 "$iftty" run more --journal a.iftty
+out_has "look      shade surface, light"
+out_has "look      shade surface ao=7, light"
+expect 0 "$iftty" verify a.iftty
+close_story
+
 begin "what is none of them is named, and nothing is recorded"
 refused() { # COMMAND WORDS
     rm -f n.iftty
@@ -144,6 +220,13 @@ refused 'opacity 1 101' "PERCENT: expected a number 0..100, not 101"
 refused 'opacity 1 0.5' "PERCENT: expected a number 0..100, not 0.5"
 refused 'context' "missing: WHAT; usage: context none|mip"
 refused 'context max' "WHAT: expected none|mip, not max"
+for wrong in ao=101 ao=-1 ao=half ao=; do
+    refused "shade surface $wrong" "ao: expected a number 0..100"
+done
+for wrong in 40 oa=40; do
+    refused "shade surface $wrong" "usage: shade surface|cubes [ao=PERCENT] [creases=yes|no]"
+done
+refused "shade surface creases=on" "creases: expected yes|no, not on"
 for command in 'hide all' 'opacity 1 30' 'context mip'; do
     expect 2 "$iftty" -c "$command"
     err_has "${command%% *} needs a scene; open one first"

@@ -109,6 +109,26 @@ static int grey_at(const struct canvas *s, uint32_t x, uint32_t y)
     return p[0] == p[1] && p[1] == p[2] ? p[0] : -1;
 }
 
+/* Check pixels: {x, y, grey}..., and {x, y, red, green, blue}... */
+static void shows(const struct canvas *canvas, const int (*pixel)[5], size_t count, bool greys)
+{
+    for (size_t i = 0; i < count; i++) {
+        const int *p = pixel[i], green = greys ? p[2] : p[3], blue = greys ? p[2] : p[4];
+        if (!CHECK(is_rgb(canvas, (uint32_t)p[0], (uint32_t)p[1], p[2], green, blue)))
+            printf("#   at %d,%d\n", p[0], p[1]);
+    }
+}
+#define PIXELS(...)          (const int[][5]){__VA_ARGS__}, sizeof((int[][5]){__VA_ARGS__}) / sizeof(int[5])
+#define GREYS(canvas, ...)   shows(canvas, PIXELS(__VA_ARGS__), true)
+#define COLOURS(canvas, ...) shows(canvas, PIXELS(__VA_ARGS__), false)
+/* Of a canvas that shows nothing more. */
+#define DRAWN_GREYS(scene, choice, style, width, height, ...)                                      \
+    do {                                                                                           \
+        struct canvas drawn = take(scene, choice, style, width, height);                           \
+        GREYS(&drawn, __VA_ARGS__);                                                                \
+        canvas_release(&drawn);                                                                    \
+    } while (0)
+
 static bool same_pixels(const struct canvas *a, const struct canvas *b)
 {
     return a->width == b->width && a->height == b->height &&
@@ -125,32 +145,16 @@ STORY(slices_lie_as_radiologists_look_at_them)
 
     /* Right-anterior is top left; rows of 1.5 mm: 3 voxels in the middle of 5 pixels. */
     struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 1, MM);
-    struct canvas s = take(scene, &choice, &style, 4, 5);
-    CHECK_INT(grey_at(&s, 0, 0), 230);
-    CHECK_INT(grey_at(&s, 3, 0), 200);
-    CHECK_INT(grey_at(&s, 0, 4), 150);
-    CHECK_INT(grey_at(&s, 3, 4), 120);
-    CHECK_INT(grey_at(&s, 3, 1), 200);
-    CHECK_INT(grey_at(&s, 3, 2), 160);
-    CHECK_INT(grey_at(&s, 3, 3), 120);
-    canvas_release(&s);
+    DRAWN_GREYS(scene, &choice, &style, 4, 5, {0, 0, 230}, {3, 0, 200}, {0, 4, 150}, {3, 4, 120},
+                {3, 1, 200}, {3, 2, 160}, {3, 3, 120});
 
     /* Right-superior is top left. */
     choice = slice_number(scene, SLICE_CORONAL, 0, MM);
-    s = take(scene, &choice, &style, 4, 6);
-    CHECK_INT(grey_at(&s, 0, 0), 150);
-    CHECK_INT(grey_at(&s, 3, 2), 120);
-    CHECK_INT(grey_at(&s, 0, 3), 30);
-    CHECK_INT(grey_at(&s, 3, 5), 0);
-    canvas_release(&s);
+    DRAWN_GREYS(scene, &choice, &style, 4, 6, {0, 0, 150}, {3, 2, 120}, {0, 3, 30}, {3, 5, 0});
 
     /* Anterior-superior is top left, and slice 3 is the patient's rightmost. */
     choice = slice_number(scene, SLICE_SAGITTAL, 3, MM);
-    s = take(scene, &choice, &style, 5, 6);
-    CHECK_INT(grey_at(&s, 0, 0), 230);
-    CHECK_INT(grey_at(&s, 4, 0), 150);
-    CHECK_INT(grey_at(&s, 4, 5), 30);
-    canvas_release(&s);
+    DRAWN_GREYS(scene, &choice, &style, 5, 6, {0, 0, 230}, {4, 0, 150}, {4, 5, 30});
     scene_free(scene);
 }
 
@@ -161,8 +165,7 @@ STORY(a_slice_lies_in_the_middle_or_around_its_place)
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     struct slice_choice choice = slice_number(scene, SLICE_CORONAL, 0, MM);
     struct canvas s = take(scene, &choice, &style, 8, 10);
-    CHECK_INT(grey_at(&s, 2, 2), 150);
-    CHECK_INT(grey_at(&s, 5, 7), 0);
+    GREYS(&s, {2, 2, 150}, {5, 7, 0});
     CHECK(s.cell[2 * 8 + 1] == CELL_NONE && is_rgb(&s, 1, 2, 0, 0, 0));
     CHECK(s.cell[1 * 8 + 2] == CELL_NONE && s.cell[8 * 8 + 5] == CELL_NONE);
     CHECK_INT(s.cell[2 * 8 + 2], grid_cell(&scene->grid, 3, 0, 1));
@@ -172,22 +175,11 @@ STORY(a_slice_lies_in_the_middle_or_around_its_place)
     /* Sixteen columns of a quarter: only twelve are seen, as far to the patient's right as goes. */
     choice = slice_number(scene, SLICE_CORONAL, 0, MM / 4);
     choice.place[0] = 3;
-    s = take(scene, &choice, &style, 12, 24);
-    CHECK_INT(grey_at(&s, 0, 0), 150);
-    CHECK_INT(grey_at(&s, 11, 0), 130);
-    canvas_release(&s);
+    DRAWN_GREYS(scene, &choice, &style, 12, 24, {0, 0, 150}, {11, 0, 130});
     choice.place[0] = 0;
-    s = take(scene, &choice, &style, 12, 24);
-    CHECK_INT(grey_at(&s, 0, 0), 140);
-    CHECK_INT(grey_at(&s, 11, 0), 120);
-    canvas_release(&s);
+    DRAWN_GREYS(scene, &choice, &style, 12, 24, {0, 0, 140}, {11, 0, 120});
     choice.place[0] = 2; /* its four pixels in the middle of eight */
-    s = take(scene, &choice, &style, 8, 24);
-    CHECK_INT(grey_at(&s, 1, 0), 150);
-    CHECK_INT(grey_at(&s, 2, 0), 140);
-    CHECK_INT(grey_at(&s, 5, 0), 140);
-    CHECK_INT(grey_at(&s, 6, 0), 130);
-    canvas_release(&s);
+    DRAWN_GREYS(scene, &choice, &style, 8, 24, {1, 0, 150}, {2, 0, 140}, {5, 0, 140}, {6, 0, 130});
     scene_free(scene);
 }
 
@@ -244,6 +236,18 @@ STORY(slices_of_any_size_and_spacing_fit)
     }
 }
 
+/* Axes in any direction; spacings of half a millimetre and up to `more_nm` more. */
+static struct scene *random_scene(uint64_t *seed, const uint32_t size[3], uint32_t more_nm)
+{
+    struct scene *scene = NULL;
+    CHECK(scene_new(&scene, size, NULL) == OK);
+    for (int a = 0; a < 3; a++) {
+        scene->world_sign[a] = check_below(seed, 2) ? 1 : -1;
+        scene->spacing_nm[a] = 500000 + check_below(seed, more_nm);
+    }
+    return scene;
+}
+
 /* At random: the voxel under a pixel is the one that was drawn there, and a voxel of a pixel or
  * more is shown by the pixel that its centre lies in. */
 STORY(a_pixel_knows_its_voxel)
@@ -259,12 +263,7 @@ STORY(a_pixel_knows_its_voxel)
             size[a] = 1 + check_below(&seed, 12);
             choice.place[a] = check_below(&seed, size[a]);
         }
-        if (!CHECK(scene_new(&scene, size, NULL) == OK))
-            return;
-        for (int a = 0; a < 3; a++) {
-            scene->world_sign[a] = check_below(&seed, 2) ? 1 : -1;
-            scene->spacing_nm[a] = 500000 + check_below(&seed, 2000000);
-        }
+        scene = random_scene(&seed, size, 2000000);
         choice.pixel_pm = check_below(&seed, 3) ? 1 + check_random(&seed) % (2 * MM) : 0;
         struct canvas s =
             take(scene, &choice, &style, 1 + check_below(&seed, 40), 1 + check_below(&seed, 40));
@@ -417,11 +416,7 @@ STORY(the_pixel_of_a_voxel_is_where_its_centre_lies)
             size[a] = 1 + check_below(&seed, 12);
             choice.place[a] = check_below(&seed, size[a]);
         }
-        CHECK(scene_new(&scene, size, NULL) == OK);
-        for (int a = 0; a < 3; a++) {
-            scene->world_sign[a] = check_below(&seed, 2) ? 1 : -1;
-            scene->spacing_nm[a] = 500000 + check_below(&seed, 1000000);
-        }
+        scene = random_scene(&seed, size, 1000000);
         slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
                       SLICE_TIMES_ONE + check_below(&seed, 3000));
         wrong += !slice_pixel_of(scene, &choice, width, height, choice.place, pixel);
@@ -459,11 +454,7 @@ STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
             choice.place[a] = check_below(&seed, size[a]);
             choice.middle[a] = check_below(&seed, size[a]);
         }
-        CHECK(scene_new(&scene, size, NULL) == OK);
-        for (int a = 0; a < 3; a++) {
-            scene->world_sign[a] = check_below(&seed, 2) ? 1 : -1;
-            scene->spacing_nm[a] = 500000 + check_below(&seed, 2000000);
-        }
+        scene = random_scene(&seed, size, 2000000);
         slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
                       SLICE_TIMES_ONE + check_below(&seed, 20000));
         slice_plan_init(&before, scene, &choice, width, height);
@@ -592,32 +583,25 @@ STORY(labels_tint_or_are_outlined)
     style.overlay = SLICE_CONTOUR;
     s = take(scene, &choice, &style, 8, 9);
     CHECK_INT(grey_at(&s, 0, 0), 110); /* the picture's edge is no contour */
-    CHECK_INT(grey_at(&s, 0, 1), 110);
-    CHECK(is_rgb(&s, 0, 2, 255, 0, 1));
-    CHECK(is_rgb(&s, 0, 3, 0x50, 0x60, 0x70));
-    CHECK_INT(grey_at(&s, 2, 8), 20);
-    CHECK(is_rgb(&s, 3, 8, 0x50, 0x60, 0x70));
+    COLOURS(&s, {0, 1, 110, 110, 110}, {0, 2, 255, 0, 1}, {0, 3, 0x50, 0x60, 0x70},
+            {2, 8, 20, 20, 20}, {3, 8, 0x50, 0x60, 0x70});
     CHECK_INT(grey_at(&s, 4, 8), 2);  /* a hairline in the background: a quarter of 10, */
     CHECK_INT(grey_at(&s, 5, 8), 10); /* and nothing beyond */
     canvas_release(&s);
 
     /* Where the picture goes on beyond the scene, there is background. */
     s = take(scene, &choice, &style, 10, 11);
-    CHECK(is_rgb(&s, 1, 1, 255, 0, 1) && is_rgb(&s, 1, 9, 0x50, 0x60, 0x70));
-    CHECK(is_rgb(&s, 0, 1, 0, 0, 0));
+    COLOURS(&s, {1, 1, 255, 0, 1}, {1, 9, 0x50, 0x60, 0x70}, {0, 1, 0, 0, 0});
     canvas_release(&s);
 
     /* A hidden label is background. */
     visible[1] = false;
     s = take(scene, &choice, &style, 8, 9);
-    CHECK(is_rgb(&s, 0, 2, 255, 0, 1));
-    CHECK_INT(grey_at(&s, 0, 3), 17);
-    CHECK_INT(grey_at(&s, 3, 8), 20);
+    COLOURS(&s, {0, 2, 255, 0, 1}, {0, 3, 17, 17, 17}, {3, 8, 20, 20, 20});
     style.overlay = SLICE_TINT;
     canvas_release(&s);
     s = take(scene, &choice, &style, 8, 9);
-    CHECK_INT(grey_at(&s, 0, 8), 30);
-    CHECK(is_rgb(&s, 0, 0, 158, 73, 74));
+    COLOURS(&s, {0, 8, 30, 30, 30}, {0, 0, 158, 73, 74});
     canvas_release(&s);
     visible[1] = true;
 
@@ -625,9 +609,7 @@ STORY(labels_tint_or_are_outlined)
     style.overlay = SLICE_CONTOUR;
     choice = slice_number(scene, SLICE_SAGITTAL, 3, MM / 2);
     s = take(scene, &choice, &style, 9, 12);
-    CHECK(is_rgb(&s, 2, 0, 255, 0, 1));
-    CHECK(is_rgb(&s, 3, 0, 0x50, 0x60, 0x70));
-    CHECK_INT(grey_at(&s, 4, 0), 190);
+    COLOURS(&s, {2, 0, 255, 0, 1}, {3, 0, 0x50, 0x60, 0x70}, {4, 0, 190, 190, 190});
     canvas_release(&s);
     scene_free(scene);
 }
@@ -641,10 +623,8 @@ STORY(contours_are_thicker_in_larger_pictures)
     struct canvas s = take(scene, &choice, &style, 400, 450); /* 100 columns, 150 rows a voxel */
     CHECK(is_rgb(&s, 0, 149, 255, 0, 1) && is_rgb(&s, 0, 148, 255, 0, 1));
     CHECK_INT(grey_at(&s, 0, 147), 27); /* a hairline inside: there is room for it */
-    CHECK_INT(grey_at(&s, 0, 146), 110);
-    CHECK(is_rgb(&s, 199, 449, 0x50, 0x60, 0x70) && is_rgb(&s, 198, 449, 0x50, 0x60, 0x70));
-    CHECK_INT(grey_at(&s, 197, 449), 5);
-    CHECK_INT(grey_at(&s, 196, 449), 20);
+    COLOURS(&s, {0, 146, 110, 110, 110}, {199, 449, 0x50, 0x60, 0x70}, {198, 449, 0x50, 0x60, 0x70},
+            {197, 449, 5, 5, 5}, {196, 449, 20, 20, 20});
     canvas_release(&s);
     scene_free(scene);
 }
@@ -730,17 +710,11 @@ STORY(a_cross_leaves_its_voxel_free)
     /* Voxel 1, 2 has columns 16 to 23, rows 0 to 11; the lines are column 20 and row 6, and leave
      * half a voxel and one pixel free. */
     struct canvas s = take(scene, &choice, &style, 32, 36);
-    CHECK_INT(grey_at(&s, 20, 6), 210);
-    CHECK_INT(grey_at(&s, 13, 6), 220);
+    GREYS(&s, {20, 6, 210}, {13, 6, 220});
     CHECK(is_rgb(&s, 12, 6, 243, 220, 73)); /* a third of 220 */
-    CHECK(is_rgb(&s, 0, 6, 247, 223, 77));
-    CHECK_INT(grey_at(&s, 27, 6), 200);
-    CHECK(is_rgb(&s, 28, 6, 237, 213, 67));
-    CHECK_INT(grey_at(&s, 20, 13), 170);
-    CHECK(is_rgb(&s, 20, 14, 227, 203, 57));
-    CHECK(is_rgb(&s, 20, 35, 213, 190, 43));
-    CHECK_INT(grey_at(&s, 21, 35), 130);
-    CHECK_INT(grey_at(&s, 0, 7), 230);
+    COLOURS(&s, {0, 6, 247, 223, 77}, {27, 6, 200, 200, 200}, {28, 6, 237, 213, 67},
+            {20, 13, 170, 170, 170}, {20, 14, 227, 203, 57}, {20, 35, 213, 190, 43},
+            {21, 35, 130, 130, 130}, {0, 7, 230, 230, 230});
     canvas_release(&s);
     scene_free(scene);
 }
@@ -775,15 +749,10 @@ STORY(seeds_are_dots_and_eliminators_crosses)
     style.mark = mark;
     style.marks = 4;
     struct canvas s = take(scene, &choice, &style, 41, 41);
-    CHECK(is_rgb(&s, 5, 6, 255, 0, 1) && is_rgb(&s, 4, 6, 255, 0, 1) &&
-          is_rgb(&s, 5, 7, 255, 0, 1));
-    CHECK(is_rgb(&s, 5, 4, 0, 0, 0));
-    CHECK(is_rgb(&s, 6, 30, 225, 225, 225));
-    CHECK(is_rgb(&s, 20, 6, 0x50, 0x60, 0x70) && is_rgb(&s, 18, 6, 255, 255, 255));
-    CHECK(is_rgb(&s, 20, 20, 255, 72, 56) && is_rgb(&s, 22, 18, 255, 72, 56));
-    CHECK(is_rgb(&s, 18, 18, 255, 72, 56) && is_rgb(&s, 22, 20, 0, 0, 0));
-    CHECK(is_rgb(&s, 32, 22, 255, 72, 56) && is_rgb(&s, 31, 20, 255, 255, 255));
-    CHECK(is_rgb(&s, 30, 30, 0, 0, 0) && is_rgb(&s, 34, 34, 0, 0, 0));
+    COLOURS(&s, {5, 6, 255, 0, 1}, {4, 6, 255, 0, 1}, {5, 7, 255, 0, 1}, {5, 4, 0, 0, 0},
+            {6, 30, 225, 225, 225}, {20, 6, 0x50, 0x60, 0x70}, {18, 6, 255, 255, 255},
+            {20, 20, 255, 72, 56}, {22, 18, 255, 72, 56}, {18, 18, 255, 72, 56}, {22, 20, 0, 0, 0},
+            {32, 22, 255, 72, 56}, {31, 20, 255, 255, 255}, {30, 30, 0, 0, 0}, {34, 34, 0, 0, 0});
     canvas_release(&s);
     style.marks_seeds = false;
     s = take(scene, &choice, &style, 41, 41);
@@ -976,9 +945,7 @@ STORY(bars_tell_lengths_and_greys)
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     struct slice_choice choice = {.plane = SLICE_AXIAL, .pixel_pm = MM, .notes = SLICE_SCALE};
     struct canvas s = take(scene, &choice, &style, 200, 200), words;
-    CHECK(is_rgb(&s, 4, 195, 232, 232, 232) && is_rgb(&s, 53, 195, 232, 232, 232));
-    CHECK(is_rgb(&s, 3, 195, 0, 0, 0) && is_rgb(&s, 54, 195, 0, 0, 0));
-    CHECK(is_rgb(&s, 4, 193, 232, 232, 232) && is_rgb(&s, 5, 193, 0, 0, 0));
+    GREYS(&s, {4, 195, 232}, {53, 195, 232}, {3, 195, 0}, {54, 195, 0}, {4, 193, 232}, {5, 193, 0});
     CHECK(canvas_init(&words, 200, 200, 0, NULL) == OK);
     text_draw(&words, 4, 180, 8, "50 mm", &notes_light);
     for (uint32_t y = 175; y < 190; y++)

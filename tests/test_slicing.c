@@ -15,7 +15,7 @@
 #include "image/exr_write.h"
 #include "image/volume.h"
 #include "render/notes.h"
-#include "show/panes.h"
+#include "program/panes.h"
 #include "show/pictures.h"
 #include "show/slicing.h"
 #include "tests/interpreting.h"
@@ -814,14 +814,15 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
     struct panes panes = {.notes = 0};
     begin_values(&interp, 1, 0);
     for (size_t l = 0; l < LINES; l++) {
-        const struct panes_wish wish = {
+        static const struct buf no_words[PANES_LINES];
+        const struct pilot_wish wish = {
             .width = 320, .height = 320, .cell_width = 8, .cell_height = 16};
         must(&interp, lines[l]);
-        CHECK(panes_draw(&panes, interp.session, &wish, &fault) == OK);
+        CHECK(panes_draw(&panes, interp.session, &wish, no_words, &fault) == OK);
         for (unsigned i = 0; i < NUMBERS; i++) {
-            const uint64_t new = panes_name_beyond(&panes, interp.session, PANE_AXIAL, i);
+            const uint64_t new = panes_name_beyond(&panes, interp.session, PILOT_AXIAL, i);
             uint64_t sum = 0;
-            CHECK_INT(panes_draw_beyond(&panes, interp.session, PANE_AXIAL, i), new != 0);
+            CHECK_INT(panes_draw_beyond(&panes, interp.session, PILOT_AXIAL, i), new != 0);
             const struct canvas *c = &panes.beyond;
             for (size_t k = 0; new &&k < (size_t)c->width * c->height; k++)
                 sum += hash_mix_at(k, c->below[k]);

@@ -119,22 +119,17 @@ close_story
 begin "--from and --until say where it begins and ends"
 enter_anew "$iftty watch e.iftty --from 3 --until 4; echo ends \$?"
 see '^step 3 of 6, record [0-9]+: seed 12,10,8 1 radius=2$'
-see '^drawn, and not carried out yet'
 type_letters "3"
 press Space
 see '^the end: 6 steps, 1[0-9] records; steps after 4 are left out$'
-see '^verified: '
-press BSpace
-see '^step 4 of 6, '
 type_letters "5G"
 see 'expected a step 0\.\.4$'
 type_letters "q"
 see '^ends 0$'
-enter_anew "$iftty watch e.iftty --from 7; echo ends \$?"
-see 'expected a step 1\.\.6'
-see '^ends 2$'
-enter_anew "$iftty watch e.iftty --from 4 --until 3; echo ends \$?"
-see '^ends 2$'
+for wrong in '--from 7' '--from 4 --until 3'; do
+    enter_anew "$iftty watch e.iftty $wrong; echo ends \$?"
+    see '^ends 2$'
+done
 close_story
 
 # The program at a terminal of its own: its exit code, and what it writes.

@@ -56,7 +56,7 @@ int main(int count, char **word)
     if (err)
         fprintf(stderr, "%s\n", fault.text);
     const bool good = !err && write_picture(&view, word[7]);
-    pilot_interpreter_release(&pilot);
+    panes_release(&pilot.panes);
     interpreter_release(&interp);
     buf_release(&told);
     return good ? 0 : 1;
