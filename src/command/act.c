@@ -10,8 +10,8 @@
 #include "session/map.h"
 #include "show/label_loss.h"
 
-/* Names, colours and own numbers of labels, by hand and out of tables; and what regions of atlases
- * become. */
+/* Names, colours and own numbers of labels, from commands and tables; labels for the regions of
+ * atlases; helpers shared by all acts. */
 
 /* ---- by hand ---- */
 
@@ -44,7 +44,7 @@ enum err act_label(const struct act *act)
     return act_go(act);
 }
 
-/* ---- regions of an atlas, and what they are called ---- */
+/* ---- regions of an atlas, and their names ---- */
 
 enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label)
 {
@@ -267,7 +267,7 @@ enum err act_take_labels(const struct act *act, struct labels *labels)
                           act->session->now.kept.finish.count > 0;
     const bool finished =
         as_shown ? session_shows_finished(act->session) : act_is_yes(act, "finished");
-    if (as_shown) { /* the record says what is handed on, whatever is shown where it is replayed */
+    if (as_shown) { /* pictures may show other labels in a replay */
         struct call said = *act->call;
         call_set(&said, "finished", !finished, finished ? "yes" : "no");
         buf_clear(&act->reply->canonical);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A command that is being carried out, and what all acts have in common. */
+/* A command during its execution, and helpers shared by all acts. */
 #ifndef COMMAND_ACT_H
 #define COMMAND_ACT_H
 
@@ -19,41 +19,41 @@
 struct labels;
 struct volume;
 
-/* A command that is being carried out: by whom, with which values, and where its answer goes. */
+/* A command during its execution: its caller, its values and the destination of its answer. */
 struct act {
     struct interpreter *interp;
     struct session *session; /* the interpreter's */
     const struct call *call; /* NULL where no command is carried out */
-    struct state *next;      /* a copy of the session's state, to be changed; act_go goes there */
+    struct state *next; /* a copy of the session's state for the act to change; act_go applies it */
     struct reply *reply;
     struct fault *fault;
 };
 
-/* An empty buffer that lives as long as the command. */
+/* Return an empty buffer that is released at the end of the command. */
 static inline struct buf *act_buf(const struct act *act)
 {
     return arena_buf(&act->interp->arena);
 }
 
-/* What the command was given for the parameter of this name, which it has in the table. */
+/* Return the value given for the parameter of this name, which the command has in the table. */
 static inline const struct value *act_value(const struct act *act, const char *name)
 {
     return call_value(act->call, name);
 }
 
-/* Whether one of these parameters, "a|b|c", is given. */
+/* True if one of these parameters, "a|b|c", is given. */
 static inline bool act_has(const struct act *act, const char *names)
 {
     return call_has(act->call, names);
 }
 
-/* The word that it is given as (struct value); NULL where it is not given, or no word. */
+/* Return the word given (struct value); NULL if none is given or the value is no word. */
 static inline const char *act_text(const struct act *act, const char *name)
 {
     return act_value(act, name)->text;
 }
 
-/* The number; where it is not given, 0, or `usual`. */
+/* Return the number given; else 0, or `usual`. */
 static inline int64_t act_number(const struct act *act, const char *name)
 {
     return act_value(act, name)->number;
@@ -64,115 +64,116 @@ static inline int64_t act_number_or(const struct act *act, const char *name, int
     return act_has(act, name) ? act_number(act, name) : usual;
 }
 
-/* The place X,Y,Z, or the first and last of a range. */
+/* Return the place X,Y,Z, or the first and last of a range. */
 static inline const uint32_t *act_place(const struct act *act, const char *name)
 {
     return act_value(act, name)->place;
 }
 
-/* Of the choices yes|no; "no" where it is not given. */
+/* True for "yes" of the choices yes|no; "no" unless given. */
 static inline bool act_is_yes(const struct act *act, const char *name)
 {
     return act_has(act, name) && act_number(act, name) == 0;
 }
 
-/* ---- what they have in common ---- */
+/* ---- shared by acts ---- */
 
-/* Has the session take on the state act->next. */
+/* Apply act->next, the new state, to the session. */
 enum err act_go(const struct act *act);
 
-/* `err`, with the name of a file before its words. */
+/* Put the name of a file before the words of an error; return `err`. */
 enum err act_naming(const char *file, enum err err, struct fault *fault);
 
-/* A name is a word of less than `room` bytes that no number, colour or option can be mistaken for;
- * ERR_USAGE for another. */
+/* Check a name: a word of less than `room` bytes that cannot be mistaken for a number, a colour or
+ * an option. ERR_USAGE. */
 enum err act_check_name(const char *name, size_t room, struct fault *fault);
 
-/* What `replace=yes|no` says. */
+/* The mode given by `replace=yes|no`. */
 enum file_mode act_file_mode(const struct act *act);
 
-/* A line of the answer: what was done with the file at `path`, as "wrote "; and the file among
- * those that the command has written, which is all that act_note_file does. */
+/* Add a line to the answer: "wrote ", say, and the path; and add the path to the files written by
+ * the command. act_note_file only does the latter. */
 void act_write_file_line(const char *doing, const char *path, struct reply *reply);
 void act_note_file(const char *path, struct reply *reply);
 
-/* ERR_USAGE where `report`, if it is given, ends in neither .json nor .csv. */
+/* ERR_USAGE if `report` is given and ends in neither .json nor .csv. */
 enum err act_check_report(const struct act *act);
 
-/* Writes the text to the file that `report` names, if it is given and replay writes it, and says
- * so. */
+/* Write the text to the file of `report=`, if it is given and the mode allows it, and add a line to
+ * the answer. */
 enum err act_write_report(const struct act *act, const struct buf *text);
 
-/* The labels that a command saves or counts, once the edits that wait have been run: with
- * `finished=yes`, the finished ones, whose digest is added to the words of the record. Where
- * somebody sits at a prompt and does not give `finished=`, it is as pictures show them, and the
- * record says which. In a session that skims they are of no meaning. */
+/* Return the labels that a command saves or counts, after `run` of the waiting edits. With
+ * `finished=yes` these are the finished labels, and their digest is added to the words of the
+ * record. At a prompt, without `finished=`, the labels are those of the pictures, and the record
+ * contains the choice. The labels of a skimming session are undefined. */
 enum err act_take_labels(const struct act *act, struct labels *labels);
 
-/* Adds a line for each label that the finished labels delete, halve or break
- * (report/label_loss.h). `only_new`: one short line, of the labels that the call before has not
- * named. ERR_MEMORY, ERR_CANCELLED. */
+/* Add a line for each label that the finish deletes, halves or breaks (show/label_loss.h).
+ * `only_new`: a single short line that names only labels not named by the previous call.
+ * ERR_MEMORY, ERR_CANCELLED. */
 enum err act_write_losses(struct interpreter *interp, const struct labels *labels, bool only_new,
                           struct watch *watch, struct buf *out, struct fault *fault);
 
-/* The same for a picture: where `finished=` is not given, as `finished on|off` has it. */
+/* The same for a picture: without `finished=`, use the setting `finished on|off`. */
 enum err act_take_shown(const struct act *act, struct labels *labels);
 
-/* Adds "KEY=DIGEST" to the words of the record; and that of the weights. */
+/* Add "KEY=DIGEST" to the words of the record; and the digest of the weights. */
 void act_add_digest(const struct act *act, const char *key, uint64_t digest);
 void act_add_weights(const struct act *act);
 
-/* Where a map has to be, by `resample`, and which volume of its file is meant. */
+/* Return the position required of a map (`resample`), and the volume chosen in its file. */
 struct map_place act_map_place(const struct act *act);
 
-/* Reads the map FILE, in the place of the scene or, with `resample=yes`, wherever it lies. The
- * caller releases it, also on error. */
+/* Read the map FILE. It must fit the scene's grid unless `resample=yes`. The caller releases the
+ * map, also on error. */
 enum err act_read_map(const struct act *act, struct volume *map);
 
-/* Where a journal comes from: landmarks, by which scenes are matched, and the procedure that it was
- * made by (act_ask.c). */
+/* Origin of a journal: landmarks, which match scenes, and the procedure that made the journal
+ * (act_ask.c). */
 
 struct session;
 
-/* Adds the lines of `info` about both; none where there is nothing. */
+/* Add the lines of `info` about both; nothing without them. */
 void act_write_origin(struct buf *out, const struct session *session);
 
-/* What regions of an atlas become, and what they are called (act.c). */
+/* Regions of an atlas: their labels and their names (act.c). */
 
-/* regions_new of `regions` and `as`, by the own numbers of labels (session/map.h); ERR_USAGE
- * where a label for all is given too, which may be NULL. */
+/* Call regions_new with `regions` and `as`, and translate by the labels' own numbers
+ * (session/map.h). ERR_USAGE if a single label for all is given too; `label` may be NULL. */
 enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label);
 
 /*
- * The table that lies beside an atlas, "aal.nii.txt" beside "aal.nii.gz": what its regions are
- * called. It is looked at for advice alone, and not where a journal of somebody else is replayed.
+ * The table next to an atlas, "aal.nii.txt" for "aal.nii.gz", with the names of its regions. It is
+ * used for advice only, and never in the replay of a stranger's journal.
  */
 
-/* Empty where there is none that can be read; the caller releases it. */
+/* Read the table; empty if it cannot be read. The caller releases it. */
 struct label_table atlas_table(const struct act *act, const char *path);
 
-/* After labels were planted out of FILE, of `regions` and `as`: a line with the command that names
- * them, where one of them (`has`, but for the background) has no name, and the table is there. */
+/* After seeds were planted from FILE with `regions` and `as`: add a line with the command that
+ * names the labels, if the table exists and one of the labels in `has`, other than the background,
+ * has no name. */
 void atlas_advise_names(const struct act *act, const bool has[256]);
 
 /* Pictures of the session, as commands show and store them (act_picture.c). */
 
-/* Adds to the notes of a picture the journal, where its chain stands, and how the labels that it
- * shows were finished. */
+/* Add notes to a picture: the journal, its current chain, and how the shown labels were
+ * finished. */
 enum err act_note_picture(const struct act *act, const struct labels *labels,
                           struct picture *picture);
 
-/* The rendition, which shows these labels, as a picture with all notes, for a file of that name,
- * which says what of it the file holds; or NULL, for a golden image. */
+/* Make a picture of the current rendition, which shows these labels, with all notes. `name` is the
+ * file name, which determines the planes; NULL for a golden image. */
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
                           struct picture *picture);
 
-/* The same of one that is yet to be drawn (show/export_picture.h), as colours, and its digest. */
+/* Draw a rendition (show/export_picture.h) as colours, with its digest. */
 enum err act_draw_picture(const struct act *act, const struct labels *labels, enum render_mode mode,
                           struct picture *picture, uint64_t *digest);
 
-/* Draws one right into a file, which is there when this returns: of image_strips, at a path that
- * interpreter_output_path gave; where that is empty, for its digest alone. */
+/* Draw a picture directly into a file of image_strips. `path` comes from interpreter_output_path;
+ * if it is empty, only the digest is computed. */
 struct drawn_file {
     const char *path;
     enum file_mode mode;
@@ -182,99 +183,99 @@ struct drawn_file {
 enum err act_draw_file(const struct act *act, const struct drawn_file *file,
                        const struct labels *labels, uint64_t *digest);
 
-/* Runs the edits that wait, and makes the rendition, finished where that is asked for, of whose
- * labels *labels is. */
+/* Run the waiting edits and make the rendition of *labels, finished if requested. */
 enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels);
 
-/* Adds the digest of the rendition to the words of the record. */
+/* Add the digest of the rendition to the words of the record. */
 void act_add_picture_digest(const struct act *act);
 
-/* A picture as a file that is there when this returns. */
+/* Write a picture before returning. */
 enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
                        const struct picture *picture, struct fault *fault);
 
-/* Writes a picture to `path`, which interpreter_output_path gave, or has the picture writer do it,
- * and says so. The picture is released, also on error. */
+/* Write a picture to `path`, which comes from interpreter_output_path, or queue it for the picture
+ * writer, and add a line to the answer. The picture is released, also on error. */
 enum err act_write_picture(const struct act *act, const char *path, enum file_mode mode,
                            struct picture *picture);
 
-/* A slice or mosaic as a picture with notes, and its digest among the words. The caller releases
- * the picture. */
+/* Make a picture of a slice or mosaic with notes, and add its digest to the words of the record.
+ * The caller releases the picture. */
 enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
                          struct picture *picture);
 
-/* Planting, as all commands that plant do it (planting.c). */
+/* Planting, shared by all commands that plant (planting.c). */
 
-/* What a command plants: how many voxels it was, and how many not, for being outside the region of
- * interest, or beyond the intensities `within`, or, for a shell, of an object that is neither the
- * one inside nor the shell's own label. */
+/* Counts of a planting: voxels planted, and voxels left out because they are outside the region of
+ * interest, beyond the intensities `within`, or, for a shell, in an object that is neither the
+ * enclosed one nor of the shell's own label. */
 struct planting {
     struct interval within;
-    uint16_t reach; /* of the seeds (forest_add_reach), or 0 */
+    uint16_t reach; /* the seeds' reach (forest_add_reach), or 0 */
     bool is_shell;
-    uint8_t inside; /* the label of the object inside a shell */
-    bool yields;    /* it is the piece of a segmentation (session_plant_piece), of these runs: */
+    uint8_t inside; /* label of the enclosed object of a shell */
+    bool yields;    /* it is a piece of a segmentation (session_plant_piece) with these runs: */
     const struct marker_run *run;
     size_t runs;
     size_t planted, outside, beyond, others;
-    size_t unsure; /* taken or not, of levels that the range splits */
+    size_t unsure; /* voxels of levels that contain an end of the range */
 };
 
-/* `range` is the parameter of that name, given or not, or NULL. */
+/* `range` is the value of that parameter, or NULL. */
 struct planting act_begin_planting(const struct session *session, const struct value *range);
 
-/* Plants one more marker, of those of the cells that may be planted, which come to the front. */
+/* Plant one marker on those of the cells that are allowed; they are moved to the front of
+ * `cell`. */
 enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
                    int16_t label);
 
-/* Says what was left out; ERR_INPUT where that was all. */
+/* Report the voxels left out; ERR_INPUT if all were left out. */
 enum err act_write_planting(const struct act *act, const struct planting *planting);
 
-/* Of so many voxels, the level stands for values on both sides of an end of a range: says so, and
- * how large a level is; nothing of none. */
+/* Report voxels whose level contains values on both sides of an end of the range, and the step
+ * between levels; nothing for 0 voxels. */
 void act_write_unsure(const struct act *act, size_t voxels);
 
-/* The voxels of a ball of `radius` at PLACE, or, where `to` is not NULL and given, of a stroke. */
+/* Find the voxels of a ball of `radius` at PLACE, or of a stroke if `to` is given; `to` may be
+ * NULL. */
 enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels);
 
-/* The word of a record that says what a command found in the forest, so that a session which
- * continues the journal needs none to know it. */
+/* Find the word of a record with a result that was computed from the forest, so that resuming a
+ * journal does not need the forest. */
 struct record_word;
 bool act_find_recorded(const struct act *act, const char *key, struct record_word *word);
 
-/* Adds to the words of the record the numbers of the markers that the command has put up. */
+/* Add the numbers of the command's new markers to the words of the record. */
 void act_add_markers(const struct act *act);
 
 /* Counts of labels (act_figures.c). */
 
-/* A line for each label that has voxels: its seeds, voxels and volume. */
+/* Add a line for each label that has voxels: its seeds, voxels and volume. */
 enum err act_write_counts(const struct act *act);
 
-/* What is said of a session: the lines of `info`, and the words of them that other answers have
- * (answers.c). */
+/* Parts of the answers about a session, shared by `info` and others (answers.c). */
 
-/* A line: where a voxel is, its intensity, its label, and the seed of its tree. */
+/* Add a line about a voxel: its position, intensity and label, and the seed of its tree. */
 void act_write_voxel(struct buf *out, const struct session *session, uint32_t cell);
 
-/* A line where edits wait for `run`: what was answered of the labels is without them. */
+/* Add a line if edits are waiting for `run`, which the answer does not include. */
 void act_write_waiting(const struct act *act);
 
-/* A line where there is nothing to answer about. */
+/* Add a line if no seed is planted. */
 void act_write_no_seeds(const struct act *act);
 
-/* Adds "1234 voxels changed, label 3 brain: 1.24 l (+12 ml), label 2: 142 ml, 12.3 ms": the voxels
- * that have another label; the volumes of the labels that became larger or smaller, the largest
- * first, at most six of them and never that of label 0; and the time. For a command that has edited
- * the forest, after session_count_before and session_count_labels. Where finished labels are shown,
- * "1234 voxels changed before finishing" since the volumes are those of the forest. */
+/* Add "1234 voxels changed, label 3 brain: 1.24 l (+12 ml), label 2: 142 ml, 12.3 ms": the number
+ * of voxels with another label; the volumes of changed labels, the largest first, at most six,
+ * without label 0; and the time. Call it after session_count_before, an edit of the forest and
+ * session_count_labels. If finished labels are shown, the text is "1234 voxels changed before
+ * finishing", since the volumes are those of the forest. */
 void volumes_write(struct buf *out, const struct session *session, bool is_finished,
                    uint64_t took_ns);
 
-/* After it, for a surprise (show/label_loss.h): "this `seed` took 1.2 l of label 1 brain through
- * 93,40,61; undo takes it back". NULL: what waited has. */
+/* Add a line about a surprise (show/label_loss.h): "this `seed` took 1.2 l of label 1 through
+ * 93,40,61; undo takes it back". `command` is NULL for edits that were waiting. */
 void surprise_write(struct buf *out, struct session *session, const char *command);
 
-/* A line about the seed that would take a voxel, but ends before it (`seed within=`). */
+/* Add a line about the seed that would own the voxel if its reach (`seed within=`) were larger. */
 void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell);
 
 /* " of 1x1x1.5 mm" or " of unknown size"; "axes towards RAS". */
@@ -284,14 +285,15 @@ void act_write_axes(struct buf *out, const struct geometry *geometry);
 /* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
 void act_write_weight(struct buf *out, const struct kept *kept);
 
-/* A line: the region of interest, and how many voxels are inside; nothing where there is none. */
+/* Add a line: the region of interest and its number of voxels; nothing without a
+ * region. */
 void act_write_region(struct buf *out, const struct session *session);
 
-/* "finish    majority radius=1, largest" as a line, and whether pictures show it; nothing where
- * there are no steps. */
+/* Add the line "finish majority radius=1, largest", and whether pictures show finished labels;
+ * nothing if there are no steps. */
 void act_write_finish(struct buf *out, const struct session *session);
 
-/* What slices show: "through 90,108,90: axial 90, ...; window 0 142, overlay contour". */
+/* Describe the slices: "through 90,108,90: axial 90, ...; window 0 142, overlay contour". */
 void act_write_slices(struct buf *out, struct session *session);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Questions about places: nothing changes, and nothing is recorded but where `hint` leads. */
+/* Questions about places: they change and record nothing, except for `hint`. */
 #include "show/histogram.h"
 
 #include <math.h>
@@ -73,7 +73,7 @@ static enum err check_pull(const struct act *act)
                                            "pull: expected twelve numbers with commas between");
 }
 
-/* "1:1200000,2:150000" into volume[256], or where that is NULL, "1:12/3400,.." */
+/* Read "1:1200000,2:150000" into volume[256], or check "1:12/3400,.." if it is NULL. */
 static enum err read_list(const struct act *act, const char *key, uint32_t *volume)
 {
     const char *at = act_text(act, key);
@@ -147,7 +147,7 @@ void act_write_origin(struct buf *out, const struct session *session)
         buf_printf(out, "origin    %s\n", kept->origin);
 }
 
-/* ---- what is under a pixel ---- */
+/* ---- the voxel under a pixel ---- */
 
 static enum err refuse_pixel(uint32_t column, uint32_t row, uint32_t width, uint32_t height,
                              struct fault *fault)
@@ -156,8 +156,8 @@ static enum err refuse_pixel(uint32_t column, uint32_t row, uint32_t width, uint
                      width, height);
 }
 
-/* The voxel that a pixel of the rendition shows, or CELL_NONE. What the pilot has drawn may be at a
- * zoom of its own. */
+/* Find the voxel at a pixel of the rendition, or CELL_NONE. The pilot's rendition may have another
+ * zoom. */
 static enum err voxel_of_rendition(struct session *session, const struct labels *labels,
                                    uint32_t column, uint32_t row, uint32_t *cell,
                                    struct fault *fault)
@@ -174,7 +174,7 @@ static enum err voxel_of_rendition(struct session *session, const struct labels 
     return OK;
 }
 
-/* "3.61 mm from the border of label 1 brain, at 70,101,95" */
+/* Add "3.61 mm from the border of label 1 brain, at 70,101,95". */
 static void write_border_distance(struct buf *out, const struct session *session, uint32_t cell)
 {
     const struct scene *scene = session->scene;
@@ -213,7 +213,7 @@ enum err act_pick(const struct act *act)
         err = voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
     else if (!err && (column >= view->width || row >= view->height))
         err = refuse_pixel(column, row, view->width, view->height, act->fault);
-    else if (!err) /* as it would be drawn now */
+    else if (!err) /* by the picture that would be drawn now */
         err = slicing_cell_at(&cell, session, (enum slice_kind)(of - 1), &labels, column, row,
                               act->fault);
     if (err)
@@ -240,7 +240,7 @@ enum { PROFILE_ROWS = 8, MARGIN = 9 };
 
 /* ---- distances and angles ---- */
 
-/* From the centre of a voxel to that of another: in voxels, and in millimetres. */
+/* Offset between the centres of two voxels, in voxels and in millimetres. */
 struct offset {
     double voxels[3], mm[3];
 };
@@ -264,8 +264,8 @@ static double product(const double u[3], const double v[3])
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* A line: "25.50 mm, 17.00 voxels from 10,20,30 to 27,20,30"; in voxels alone where their distances
- * are unknown. */
+/* Add a line "25.50 mm, 17.00 voxels from 10,20,30 to 27,20,30"; in voxels only if their size is
+ * unknown. */
 static void write_distance(const struct act *act, const uint32_t from[3], const uint32_t to[3])
 {
     struct buf *out = &act->reply->text;
@@ -277,7 +277,7 @@ static void write_distance(const struct act *act, const uint32_t from[3], const 
                to[2]);
 }
 
-/* In degrees; never where one of both goes nowhere. */
+/* Compute an angle in degrees; neither vector may be 0. */
 static double angle_between(const double u[3], const double v[3])
 {
     const double cross[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
@@ -313,9 +313,9 @@ struct profile {
     const uint32_t *from, *to;
     int64_t steps;
     unsigned columns;
-    double mean[CHART_COLUMNS]; /* of each column */
+    double mean[CHART_COLUMNS]; /* column by column */
     char label[CHART_COLUMNS + 1];
-    double least, most, sum; /* of all voxels */
+    double least, most, sum; /* over all voxels */
 };
 
 static const struct cell *cell_at(const struct profile *p, int64_t step, uint32_t at[3])
@@ -327,7 +327,7 @@ static const struct cell *cell_at(const struct profile *p, int64_t step, uint32_
     return p->session->scene->cell + grid_cell(&p->session->scene->grid, at[0], at[1], at[2]);
 }
 
-/* Column c has the voxels from count * c / columns on. */
+/* Average the voxels of a column, from count * c / columns on. */
 static void take_column(struct profile *p, unsigned column)
 {
     const int64_t count = p->steps + 1, first = count * column / p->columns;
@@ -354,7 +354,7 @@ static void draw(struct buf *out, const struct profile *p, bool has_blocks)
     uint16_t eighths[CHART_COLUMNS];
     char top[16], bottom[16];
     const double wide = p->most > p->least ? p->most - p->least : 1;
-    for (unsigned c = 0; c < p->columns; c++) /* the least value has one eighth */
+    for (unsigned c = 0; c < p->columns; c++) /* the least value has height 1 */
         eighths[c] = (uint16_t)(1 + (p->mean[c] - p->least) / wide * (8 * PROFILE_ROWS - 1));
     snprintf(top, sizeof top, "%.6g", p->most);
     snprintf(bottom, sizeof bottom, "%.6g", p->least);
@@ -401,11 +401,11 @@ enum err act_profile(const struct act *act)
     return OK;
 }
 
-/* ---- how a voxel came to its label ---- */
+/* ---- why a voxel has its label ---- */
 
-enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
+enum { RISES_MOST = 8 }; /* number of rises of the cost listed by `why` */
 
-/* Which label would take the voxel, were it not for the seeds of its own. */
+/* Report the label that would own the voxel without the seeds of its own label. */
 static enum err write_rival(const struct act *act, uint32_t at)
 {
     const struct session *session = act->session;
@@ -424,7 +424,7 @@ static enum err write_rival(const struct act *act, uint32_t at)
     return OK;
 }
 
-/* How a voxel came to its label: its path back to the seed, and where on it the cost rose. */
+/* Answer `why`: the path of a voxel to its seed, and the rises of the cost along it. */
 enum err act_why(const struct act *act)
 {
     const struct session *session = act->session;
@@ -458,15 +458,15 @@ enum err act_why(const struct act *act)
 
 /* ---- the least certain places of the border ---- */
 
-enum { LISTED = 10 }; /* unless a number is given */
+enum { LISTED = 10 }; /* default of COUNT */
 
 static struct place place_of(const struct act *act, uint32_t cell)
 {
     return grid_place(&act->session->scene->grid, cell);
 }
 
-/* The hints of the present forest. In a session that skims it is computed first: only a journal
- * that was edited by hand has such a record. */
+/* Find the hints of the current forest. A skimming session computes it first, which only happens
+ * for a journal edited by hand. */
 static enum err find_hints(const struct act *act, const struct hint_list **hints)
 {
     struct session *session = act->session;
@@ -476,8 +476,8 @@ static enum err find_hints(const struct act *act, const struct hint_list **hints
 
 /* ---- in words ---- */
 
-/* "3  at 93,40,61: 812 voxels, 0.81 ml; label 1 brain at a cost of 12, label 0 at 12, an edge of 2
- * between them; strongest edge into 90,41,60" */
+/* Add "3 at 93,40,61: 812 voxels, 0.81 ml; label 1 brain at a cost of 12, label 0 at 12, an edge of
+ * 2 between them; strongest edge into 90,41,60". */
 static enum err write_hint(const struct act *act, const struct hint *hint, size_t number)
 {
     const struct session *session = act->session;
@@ -544,7 +544,7 @@ static bool is_wanted(const struct act *act, const struct hint *hint)
     return !label->given || hint->label == label->number || hint->other == label->number;
 }
 
-/* All of them. */
+/* Write all hints to the report. */
 static enum err write_report(const struct act *act, const struct hint_list *hints)
 {
     struct buf *text = act_buf(act);
@@ -567,7 +567,7 @@ static enum err write_report(const struct act *act, const struct hint_list *hint
 
 /* ---- the commands ---- */
 
-/* "1  coronal y=108: 1.2 ml in doubt, at 90,108,72" */
+/* Add lines "1 coronal y=108: 1.2 ml in doubt, at 90,108,72". */
 static enum err hint_slices(const struct act *act)
 {
     struct session *session = act->session;
@@ -637,7 +637,7 @@ enum err act_hints(const struct act *act)
     return err;
 }
 
-/* Recorded as the `cross` that it comes to: no replay has to find it again. */
+/* Record the resulting `cross`, so that a replay does not search again. */
 enum err act_hint(const struct act *act)
 {
     const size_t number = (size_t)act_number(act, "N");

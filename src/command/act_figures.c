@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is known of each label, and how far labels agree with those of a file. */
+/* Statistics of labels, and their comparison with a file. */
 #include "command/act.h"
 
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 
 /* ---- counts ---- */
 
-/* Of the forest: seeds, and voxels that a seed reaches. */
+/* Seeds and reached voxels of the forest, by label. */
 struct counts {
     size_t seeds[256], voxels[256];
 };
@@ -149,9 +149,9 @@ enum err act_stats(const struct act *act)
     return err;
 }
 
-/* ---- `compare`: the labels beside those of a file ---- */
+/* ---- `compare` ---- */
 
-/* The session's; where one is chosen, that one alone. */
+/* Get the session's labels; with `label`, only that one. */
 static enum err take_own(struct compared *compared, const struct act *act, struct labels *labels)
 {
     const struct grid *grid = &act->session->scene->grid;
@@ -170,7 +170,7 @@ static enum err take_own(struct compared *compared, const struct act *act, struc
     return watch_fault(act->session->watch, act->fault);
 }
 
-/* The map's. */
+/* Get the labels of the map. */
 static enum err take_map(struct compared *compared, bool listed[256], const struct act *act)
 {
     struct watch *watch = act->session->watch;
@@ -195,8 +195,8 @@ static enum err take_map(struct compared *compared, bool listed[256], const stru
     return err;
 }
 
-/* "picture": slices, through the place that is named, or the voxel where both are farthest apart,
- * or the cross-hair; or "surface". Nothing where it is not asked for. */
+/* Write "picture", slices through the given place, or the voxel with the largest distance, or the
+ * cross-hair; or "surface". Nothing if the parameter is not given. */
 static enum err write_picture(const struct act *act, const char *which,
                               const struct compared *compared, const struct labels *labels,
                               const struct comparison_report *report)
@@ -256,7 +256,7 @@ enum err act_compare(const struct act *act)
     struct session *session = act->session;
     struct compared compared = {0};
     struct labels labels = {0};
-    bool listed[256] = {false}; /* labels with a name or asked for */
+    bool listed[256] = {false}; /* labels with a name or requested */
     struct comparison *comparison = mem_new(sizeof *comparison);
     enum err err = comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison");
     if (!err && act_has(act, "at") && !act_has(act, "picture"))

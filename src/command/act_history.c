@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Commands that go to other states of the segmentation: undo, redo, goto, branch, history; and
- * those about the journal: in which file it is, and when it is synced. */
+ * commands about the journal: its file, and when it is synced. */
 #include "command/golden_files.h"
 #include "command/act.h"
 
@@ -12,7 +12,7 @@
 
 enum { LISTED = 20 };
 
-/* The number and the words of the command that led to a point. */
+/* Add the number and the words of the command that led to a point. */
 static void write_point(struct buf *out, const struct history *history, uint32_t at)
 {
     const struct point *point = history->point + at;
@@ -20,7 +20,7 @@ static void write_point(struct buf *out, const struct history *history, uint32_t
     buf_add_safe_excerpt(out, point->command, strlen(point->command));
 }
 
-/* Goes there, and says, for user and journal, where the session is now. */
+/* Go to a point, and report it in the answer and in the words of the record. */
 static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool moves_tip)
 {
     struct history *history = &act->interp->history;
@@ -37,13 +37,13 @@ static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool mov
         buf_printf(&reply->text, ", %zu edit%s waiting for `run`%s", waits, plural(waits),
                    act->session->now.outlook.runs_by_itself ? " or the next edit" : "");
     buf_add_char(&reply->text, '\n');
-    if (!history->moves_tip && on->point != to) /* the tip of the branch stays ahead, or behind */
+    if (!history->moves_tip && on->point != to) /* the tip of the branch does not move */
         buf_printf(&reply->text, "%s stays at record %zu: `goto %s` leads back\n", on->name,
                    history->point[on->point].record, on->name);
     return OK;
 }
 
-/* "undone: 12 seed 90,33,60 2", the latest of them first, of at most some. */
+/* Add lines "undone: 12 seed 90,33,60 2", the latest first, up to LISTED. */
 static void write_undone(const struct history *history, uint32_t to, struct reply *reply)
 {
     unsigned count = 0;
@@ -58,7 +58,7 @@ static void write_undone(const struct history *history, uint32_t to, struct repl
         buf_printf(&reply->text, "and %u before these\n", count - LISTED);
 }
 
-/* So many commands back or on, or as many as there are. */
+/* Go back or forward by COUNT commands, or to the first or last. */
 static enum err go_by(const struct act *act, bool back)
 {
     const struct history *history = &act->interp->history;
@@ -106,7 +106,7 @@ enum err act_branch(const struct act *act)
     return err;
 }
 
-/* A line for each of the last `count` points, the latest last, and for the branches. */
+/* Add a line for each of the last `count` points, the latest last, with branches. */
 enum err act_history(const struct act *act)
 {
     const struct history *history = &act->interp->history;
@@ -126,10 +126,10 @@ enum err act_history(const struct act *act)
     return OK;
 }
 
-/* ---- the journal: it says what was done, not where it is stored, so none is recorded ---- */
+/* ---- the journal: these commands are not recorded in it ---- */
 
-/* Golden images lie in a folder beside their journal, and so go with it. `made` is the path of the
- * folder that they were copied to, or empty where there are none. */
+/* Copy the golden images next to a journal. `made` is the path of the new folder, or empty without
+ * golden images. */
 static enum err take_goldens_along(struct buf *made, const struct journal *from, const char *to,
                                    struct fault *fault)
 {
@@ -159,9 +159,9 @@ static enum err continue_in(const struct act *act, const char *path)
     buf_add_text(former, buf_text(&interp->home));
     file_folder(former_folder, buf_text(former));
     file_folder(folder, path);
-    if (arena_failed(&interp->arena)) /* what follows is not taken back */
+    if (arena_failed(&interp->arena)) /* the following steps cannot be undone */
         return fault_memory(fault, "a path");
-    if (file_exists(path)) /* said before anything is copied */
+    if (file_exists(path)) /* checked before anything is copied */
         return fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
     enum err err = take_goldens_along(goldens, interp->journal, path, fault);
     if (!err)
@@ -172,14 +172,14 @@ static enum err continue_in(const struct act *act, const char *path)
         folder_remove(buf_text(goldens));
     if (err)
         interpreter_set_home(interp, buf_text(former), NULL);
-    /* Its records are copied byte for byte, and their names with them. */
+    /* Records are copied byte for byte, including their names of files. */
     else if (!file_is_same(buf_text(former_folder), buf_text(folder)))
         buf_add_text(&act->reply->text, "what it has read so far it names as seen from its former "
                                         "folder; --scene FILE says where the scene is\n");
     return err;
 }
 
-/* The whole record so far in a new file, and what lies beside it: golden images, labels. */
+/* Copy the whole journal to a new file, with its golden images and labels. */
 static enum err record_in(const struct act *act, const char *name)
 {
     struct interpreter *interp = act->interp;

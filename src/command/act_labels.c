@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The command `labels`: markers out of a segmentation that is there already. */
+/* The command `labels`, which makes markers from an existing segmentation; and commands that remove
+ * seeds and run. */
 #include "show/label_report.h"
 
 #include <stdlib.h>
@@ -19,13 +20,11 @@
 #include "session/paint.h"
 #include "session/piece_seeds.h"
 
-/* Commands that remove seeds, and run. */
-
-enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
+enum { TAKEN_MOST = 256 }; /* seeds in the record of one command */
 
 /* ---- eliminators ---- */
 
-/* Only a forest that is up to date knows which tree holds a voxel. */
+/* The tree of a voxel is known only in an up-to-date forest. */
 static enum err find_removed(const struct act *act, struct voxels *v)
 {
     const enum err err = session_catch_up(act->session, act->fault);
@@ -34,7 +33,7 @@ static enum err find_removed(const struct act *act, struct voxels *v)
 
 /* ---- single trees ---- */
 
-/* The seeds that a record says were removed; ERR_CHECK where it does not say it so. */
+/* Read the removed seeds from a record; ERR_CHECK if the word is invalid. */
 static enum err read_taken(const struct grid *grid, const struct record_word *word, uint32_t *seed,
                            size_t *count, struct fault *fault)
 {
@@ -68,8 +67,7 @@ static enum err remove_trees(const struct act *act)
         err = err ? err : session_erase_trees(session, v.cell, v.count, act->fault);
     }
     voxels_release(&v);
-    /* Which seeds were removed, for the journal: "took=X,Y,Z;X,Y,Z". Nothing where they are more
-     * than a line should hold. */
+    /* Record the removed seeds: "took=X,Y,Z;X,Y,Z"; nothing if there are too many for a line. */
     const struct edit *edit = edits_first(&session->now.lists.pending);
     const size_t before = edits_count(&session->former.lists.pending),
                  now = session_pendings(session);
@@ -82,7 +80,7 @@ static enum err remove_trees(const struct act *act)
 
 /* ---- markers ---- */
 
-/* The numbers that a record says were removed: an array that the caller frees. */
+/* Read the removed markers from a record, an array that the caller frees. */
 static enum err read_removed(const struct markers *markers, const struct record_word *word,
                              uint32_t **number, size_t *count, struct fault *fault)
 {
@@ -102,7 +100,7 @@ static enum err read_removed(const struct markers *markers, const struct record_
     return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "removed: expected N,N-N");
 }
 
-/* Of a whole stroke, or of an outline without its ring. */
+/* Count the seeds of a whole stroke, or of an outline without its ring. */
 static size_t seeds_of(const struct markers *markers, uint32_t number)
 {
     const int16_t label = markers->marker[number - 1].label;
@@ -145,7 +143,7 @@ static enum err remove_markers(const struct act *act)
     if (!err)
         err = session_take_away(session, number, count, act->fault);
     if (!err) {
-        /* Which markers were removed: "removed=3,7-9", in order. */
+        /* Record the removed markers: "removed=3,7-9", in order. */
         struct buf *words = &act->reply->words;
         buf_add_blank(words);
         buf_add_text(words, "removed=");
@@ -163,7 +161,7 @@ static enum err remove_markers(const struct act *act)
     return err;
 }
 
-/* In a ball, voxels that no tree holds are ignored, unless that is all of them. */
+/* Voxels without a tree are ignored, unless the ball has no others. */
 enum err act_remove(const struct act *act)
 {
     enum { MARKER };
@@ -186,12 +184,12 @@ enum err act_run(const struct act *act)
 
 enum { LISTED_MOST = 10 };
 
-/* From how many pieces on a map may be noise; and what a seed takes with all that comes of it. */
+/* Number of pieces from which a map may be noise; memory for a seed with all its data. */
 enum { NOISE_PIECES = 1000, SEED_BYTES = 94 };
 
-/* ---- the copy beside the journal ---- */
+/* ---- the copy next to the journal ---- */
 
-/* An empty path where there is no journal that it could lie beside. */
+/* Find the path of the copy; empty if there is no journal. */
 static enum err find_copy(struct buf *path, const struct act *act, const char *digest)
 {
     const struct interpreter *interp = act->interp;
@@ -204,7 +202,8 @@ static enum err find_copy(struct buf *path, const struct act *act, const char *d
     return err;
 }
 
-/* One that is there already has the same content. A journal opened read-only gets none. */
+/* Write the copy, unless it exists: then its content is the same. Nothing is written for a journal
+ * opened read-only. */
 static enum err keep_copy(const struct act *act, const struct volume *map, const char *digest)
 {
     struct interpreter *interp = act->interp;
@@ -228,7 +227,7 @@ static enum err keep_copy(const struct act *act, const struct volume *map, const
 
 /* ---- the labels ---- */
 
-/* The labels become what the record says. */
+/* Number the labels by the record. */
 static enum err take_numbers(const struct act *act, const char *list)
 {
     struct numbering_tally tally;
@@ -250,8 +249,7 @@ static enum err take_numbers(const struct act *act, const char *list)
     return OK;
 }
 
-/* Where regions that are chosen are no labels by their numbers: which become labels, by `numbers`
- * and `as`. */
+/* If chosen regions are not labels by their numbers, choose labels for them: `numbers` and `as`. */
 static enum err number_regions(struct buf *numbers, uint16_t *as, const struct act *act,
                                const struct volume *map)
 {
@@ -270,7 +268,7 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
     return err;
 }
 
-/* Those that stand for no region are told, where all regions are meant. */
+/* Without `regions`, reject values that are no regions. */
 static enum err find_regions(struct volume *map, const struct act *act)
 {
     const uint64_t beyond =
@@ -308,7 +306,7 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
     return err;
 }
 
-/* On the scene's grid; the digest says whether it is what it was. */
+/* Read a copy on the scene's grid; its digest is checked by the caller. */
 static enum err read_copy(struct volume *map, const struct act *act, const char *path)
 {
     const struct session *session = act->session;
@@ -325,7 +323,7 @@ static enum err read_copy(struct volume *map, const struct act *act, const char 
                : err;
 }
 
-/* Out of the copy that was recorded, or where it is gone, out of the file, if that is the same. */
+/* Read the recorded copy, or if it is missing, the file, which must be the same. */
 static enum err read_recorded(struct volume *map, const struct act *act, const char *recorded)
 {
     const struct value *numbered = act_value(act, "numbers");
@@ -357,7 +355,7 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
                            has_copy ? buf_text(path) : act_text(act, "FILE"), digest, recorded);
 }
 
-/* The record says which labels they were: the command ends in copy=DIGEST. */
+/* Read the file; the record ends in copy=DIGEST. */
 static enum err read_new(struct volume *map, const struct act *act, char digest[LABEL_COPY_DIGEST])
 {
     struct buf *numbers = act_buf(act);
@@ -376,7 +374,7 @@ static enum err read_new(struct volume *map, const struct act *act, char digest[
 
 /* ---- markers ---- */
 
-/* All labels in a line, and those of most pieces, which are noise in the map more often. */
+/* Report all labels in a line, then those with most pieces, which may be noise. */
 static void write_pieces(const struct act *act, const struct piece_seeds *seeds, size_t planted)
 {
     struct buf *out = &act->reply->text;
@@ -391,7 +389,7 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
                plural(labels - has_background), has_background ? " and the background" : "",
                seeds->pieces, plural(seeds->pieces), planted, plural(planted));
     for (unsigned i = 0; i < labels && i < LISTED_MOST; i++) {
-        unsigned label = 0; /* of equals the lower number */
+        unsigned label = 0; /* the lowest one of equals */
         for (unsigned other = 1; other < 256; other++)
             label = left[other] > left[label] ? other : label;
         buf_add_text(out, "label ");
@@ -412,9 +410,8 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
                    seeds->small, plural(seeds->small));
 }
 
-/* Whether seeds of an object that stood before are left where they are: in the background that
- * stands for regions which are not chosen, so that these take nothing from those that were chosen
- * before. */
+/* True for a seed of an older object in the background of regions that are not chosen. It is kept,
+ * so that these regions do not overwrite regions chosen before. */
 static bool is_left(const struct act *act, const struct volume *map, uint32_t cell)
 {
     const struct session *session = act->session;
@@ -430,8 +427,8 @@ static int compare_cells(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* Adds the voxels of a piece in which other labels have had seeds, but for the first `own`, which
- * it has by itself. */
+/* Add the voxels of a piece that have seeds of other labels, except for the first `own`, its own
+ * seeds. */
 static enum err take_over(struct voxels *out, const struct act *act, const struct piece *piece,
                           struct marker_run run, size_t own)
 {
@@ -448,8 +445,8 @@ static enum err take_over(struct voxels *out, const struct act *act, const struc
     return OK;
 }
 
-/* The voxels that a piece gives seeds to: all that it has by itself, and since it decides in all of
- * it, those where others have had seeds. */
+/* Find the voxels where a piece plants: all its own seeds, and, since it decides in all of it,
+ * those with seeds of other labels. */
 static enum err find_voxels(struct voxels *out, const struct act *act,
                             const struct piece_seeds *seeds, const struct volume *map, size_t i)
 {
@@ -497,7 +494,7 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
     voxels_release(&voxels);
     act->next->lists = act->session->now.lists;
     if (!err && !kept_equals(&act->next->kept, &act->session->now.kept))
-        err = act_go(act); /* to the own numbers of labels */
+        err = act_go(act); /* to the labels' own numbers */
     if (err)
         return err;
     write_pieces(act, seeds, planting.planted);
@@ -512,7 +509,7 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
     return act_naming(act_text(act, "FILE"), act_write_planting(act, &planting), act->fault);
 }
 
-/* Before much is planted: where most voxels are seeds, the file is not what it was taken for. */
+/* Warn before planting if most voxels would be seeds: the file is probably no segmentation. */
 static void announce(const struct act *act, const struct piece_seeds *seeds)
 {
     const struct session *session = act->session;

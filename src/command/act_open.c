@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Commands that open a scene, and say how it lies. */
+/* Commands that open a scene and set its orientation. */
 #include "image/levels.h"
 #include "image/volume_format.h"
 #include "command/act.h"
@@ -11,12 +11,12 @@
 #include "base/scan.h"
 #include "journal/record.h"
 
-/* ---- what `open` is told ---- */
+/* ---- parameters of `open` ---- */
 
 static const char RAW[] = "raw:";
 enum { SERIES_MOST = 100000 };
 
-/* "X,Y,Z": three numbers of at least one unit, which has so many decimals. */
+/* Read "X,Y,Z": three numbers of at least one unit, with this number of decimals. */
 static bool read_three(uint32_t out[3], const char *text, unsigned places)
 {
     int64_t number[3];
@@ -27,7 +27,7 @@ static bool read_three(uint32_t out[3], const char *text, unsigned places)
     return true;
 }
 
-/* "A-B,C-D,E-F" */
+/* Read "A-B,C-D,E-F". */
 static enum err choose_box(struct volume_choice *choice, const char *list, struct fault *fault)
 {
     int64_t first, last;
@@ -61,7 +61,7 @@ static enum err choose_layout(struct raw_layout *raw, const struct act *act)
     return OK;
 }
 
-/* "3", or a piece of a description. */
+/* Read "3", or a part of a description. */
 static enum err choose_series(struct volume_choice *choice, const char *text, struct fault *fault)
 {
     int64_t number;
@@ -112,7 +112,7 @@ static enum err choose(struct volume_choice *choice, const char **name, const st
     return err;
 }
 
-/* The weight that it begins with. */
+/* The initial weight. */
 
 enum { PLACES_NUMBER = 0, PLACES_DECIMAL = 3 };
 #define ARGUMENT_RANGE(name, type, least, most)                                                    \
@@ -124,7 +124,7 @@ static const struct {
     int64_t least, most;
 } argument[] = {WEIGHT_ARGUMENTS(ARGUMENT_RANGE, ARGUMENT_RANGE)};
 
-/* ":1.5" or nothing, for a weight of this row. */
+/* Read ":1.5" or nothing, for a weight of this row. */
 static bool scan_argument(uint32_t *out, const char *text, const struct weight_row *row)
 {
     int64_t number = row->usual;
@@ -157,7 +157,7 @@ static enum err read_weight(struct weight_choice *weight, const char *text, stru
 
 /* ---- the scene ---- */
 
-/* The answer of a command that gave the session its scene. */
+/* Report the new scene. */
 static void write_scene(const struct act *act)
 {
     const struct session *session = act->session;
@@ -172,7 +172,7 @@ static void write_scene(const struct act *act)
     buf_printf(&reply->text, ", %.1f MB\n", (double)session_memory(session) / 1e6);
 }
 
-/* What the file leaves open, and what it means; who says how the scene lies is recorded. */
+/* Report facts missing in the file; the source of the orientation is recorded. */
 static void write_orientation(const struct act *act)
 {
     const struct session *session = act->session;
@@ -188,7 +188,7 @@ static void write_orientation(const struct act *act)
                                    "voxels\n");
 }
 
-/* Finds the file of a scene. A journal is none: it is not opened, but gone on with. */
+/* Find the file of a scene. A journal is rejected: `open` does not resume it. */
 static enum err find_scene(const struct act *act, const char *name, bool by_proof, struct buf *path)
 {
     const enum err err = interpreter_find_scene(act->interp, name, by_proof, path, act->fault);
@@ -209,7 +209,7 @@ static enum err find_scene(const struct act *act, const char *name, bool by_proo
     return err;
 }
 
-/* What is said of a file, and would be left out of a scene that is none; as it was in records. */
+/* Reject parameters about a file for a synthetic scene. Old records may have them. */
 static enum err check_words(const struct act *act, const char *name)
 {
     if (strncmp(name, "synth:", 6) != 0 || act->interp->mode != MODE_LIVE)
@@ -223,8 +223,8 @@ static enum err check_words(const struct act *act, const char *name)
     return OK;
 }
 
-/* A new record ends in weight=NAME, so that it means the same under another default; one without it
- * means `morph`. */
+/* A new record ends in weight=NAME, so that it means the same under another default; a record
+ * without it means `morph`. */
 static enum err take_first_weight(const struct act *act, bool *recorded)
 {
     struct session *session = act->session;
@@ -234,7 +234,7 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
     const char *given = act_text(act, "weight");
     *recorded = false;
     if (session->has_scene)
-        return OK; /* session_open refuses */
+        return OK; /* session_open reports the error */
     if (given)
         err = read_weight(weight, given, act->fault);
     else
@@ -244,7 +244,7 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
     return err ? err : session_go(session, &next, NULL, 0, act->fault);
 }
 
-/* The proof of the scene that the record at hand has, of all of a file with a header. */
+/* Get the proof of a scene from the current record; only for a whole file with a header. */
 static bool has_proof(const struct act *act, const struct volume_choice *choice,
                       char proof[SHA256_HEX])
 {
@@ -258,8 +258,8 @@ static bool has_proof(const struct act *act, const struct volume_choice *choice,
     return true;
 }
 
-/* Opens a file that a stranger's record leads to, if it is the scene of which that has the proof.
- * Else nothing is shown or said of it, and `choice` is for another: only a stop is an error. */
+/* Open a file outside of the allowed folders if it is the scene of the record's proof. Else report
+ * nothing and restore `choice`; only a stop is an error. */
 static enum err open_outside(const struct act *act, const char *name, struct volume_choice *choice,
                              const char *proof)
 {
@@ -278,8 +278,8 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
     return session->has_scene ? OK : watch_fault(watch, act->fault);
 }
 
-/* What is recorded: a series by its number, whatever piece of its description was given, since
- * descriptions may be about the patient. */
+/* Record a series by its number in place of a part of its description, which may be about the
+ * patient. */
 static void write_canonical(const struct act *act, bool has_weight)
 {
     struct buf *canonical = &act->reply->canonical;
@@ -327,15 +327,15 @@ enum err act_open(const struct act *act)
     if (err)
         return err;
     const bool is_private = act_is_yes(act, "private");
-    /* What pictures say that it is called: the last part of the name that the command gives,
-     * wherever the file was found. The name of a folder is often a patient's. */
+    /* The name of the scene in pictures is the last part of the name in the command. The name of a
+     * folder is often a patient's. */
     const bool is_said = !is_private && !file_is_folder(buf_text(path));
     session_name_scene(session, is_said ? file_name(name) : "", is_private);
     write_canonical(act, has_weight);
     write_scene(act);
     write_orientation(act);
-    /* Where intensities are not exact: the ends of their scale, how many voxels are beyond each,
-     * and a digest of the file's values that a level may stand for. */
+    /* For inexact intensities: the ends of the scale, the number of voxels beyond each, and a
+     * digest of the file's values. */
     const struct levels *levels = session->levels;
     if (levels)
         buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
@@ -357,8 +357,8 @@ enum err act_interpolate(const struct act *act)
     return err;
 }
 
-/* What the file says is not put in doubt by letters: where it is wrong, it is wrong for every other
- * program, too, and for the maps of the scene. */
+/* Letters cannot contradict the file: if it is wrong, it is wrong for every other program and for
+ * the maps of the scene, too. */
 static enum err check_orient(const struct session *session, const char *how, struct fault *fault)
 {
     const struct geometry *said = &session->said;

@@ -21,16 +21,15 @@
 #include "show/export_picture.h"
 #include "show/slicing.h"
 
-/* The turntable: pictures all the way around, about one axis after the other, as files or as one
- * that is animated. */
+/* The turntable: pictures of full turns about one axis or several, as files or as one animated
+ * file. */
 
-/* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and
- * what follows it. */
+/* A name like "turn%03d.png": the part before the number, the number of digits, and the rest. */
 struct pattern {
     const char *name, *rest;
     size_t before;
     int digits;
-    bool counts; /* else the name is of one file for all pictures */
+    bool counts; /* else it is one file for all pictures */
 };
 
 static bool read_pattern(struct pattern *pattern, const char *name)
@@ -54,32 +53,33 @@ static bool read_pattern(struct pattern *pattern, const char *name)
 
 struct spin {
     const struct act *act;
-    struct labels labels; /* that are shown */
+    struct labels labels; /* labels shown */
     struct pattern pattern;
-    bool takes_rows, is_streamed;    /* pictures are not stored; they go right into files */
-    unsigned axis[3], axes;          /* one turn about each of these angles of a view */
-    unsigned count, total, delay_ms; /* pictures of a turn, and of all */
+    bool takes_rows,
+        is_streamed;        /* pictures are not stored; rows are written directly into files */
+    unsigned axis[3], axes; /* angles of a view, with one turn about each */
+    unsigned count, total, delay_ms; /* pictures of one turn, and of all turns */
     enum file_mode mode;
-    struct image_movie movie; /* the file that the image helper has not finished */
+    struct image_movie movie; /* the unfinished file of the image helper */
     struct buf *name, *path, *first;
     uint64_t digest;
 };
 
 /* ---- files ---- */
 
-/* Whether the image helper writes the files. */
+/* True if the image helper writes the files. */
 static bool is_helped(const struct spin *spin)
 {
     return !image_strips(spin->pattern.name);
 }
 
-/* Waits until the image helper has finished its file. */
+/* Wait until the image helper has finished its file. */
 static enum err finish_file(struct spin *spin)
 {
     return spin->movie.helper ? image_movie_end(&spin->movie, spin->act->fault) : OK;
 }
 
-/* The next file, or the only one. */
+/* Begin the next file, or the only one. */
 static enum err begin_file(struct spin *spin, const struct picture *like)
 {
     const char *path = buf_text(spin->path);
@@ -94,7 +94,7 @@ static enum err begin_file(struct spin *spin, const struct picture *like)
                              counts ? 0 : spin->delay_ms, fault);
 }
 
-/* Where picture `number` goes; nowhere, where replay writes none. */
+/* Find the path of picture `number`; empty if a replay does not write it. */
 static enum err find_path(struct spin *spin, unsigned number)
 {
     const struct act *act = spin->act;
@@ -103,13 +103,13 @@ static enum err find_path(struct spin *spin, unsigned number)
     buf_add(spin->name, pattern->name, pattern->before);
     if (pattern->counts)
         buf_printf(spin->name, "%0*u%s", pattern->digits, number, pattern->rest);
-    if (spin->name->failed) /* it would be cleared */
+    if (spin->name->failed) /* the next function would clear it */
         return fault_memory(act->fault, "a file name");
     return interpreter_output_path(act->interp, buf_text(spin->name), spin->path, act->fault);
 }
 
-/* A picture as the file, or part of one, that it is to be. The image helper compresses it while the
- * next one is drawn. */
+/* Write a picture as a file or a part of one. The image helper compresses it while the next one is
+ * drawn. */
 static enum err write_picture(struct spin *spin, unsigned number, const struct picture *picture)
 {
     const struct act *act = spin->act;
@@ -127,8 +127,8 @@ static enum err write_picture(struct spin *spin, unsigned number, const struct p
 
 /* ---- pictures ---- */
 
-/* Of picture `number`: the angle of its turn is a part of one beyond where it was, to the nearest
- * thousandth. */
+/* Return the view of picture `number`: its angle is rounded to the nearest thousandth of a
+ * degree. */
 static struct view view_of(const struct spin *spin, const struct view *from, unsigned number)
 {
     struct view view = *from;
@@ -139,7 +139,8 @@ static struct view view_of(const struct spin *spin, const struct view *from, uns
     return view;
 }
 
-/* The zoom at which what is shown fits all pictures, around its middle as the first one has it. */
+/* Find the zoom at which the shown objects fit in all pictures, around their middle in the first
+ * one. */
 static enum err fit_turns(const struct spin *spin, struct view *from)
 {
     const struct session *session = spin->act->session;
@@ -162,7 +163,7 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
     return watch_fault(session->watch, spin->act->fault);
 }
 
-/* With all maps of the rendition, for what looks at them. */
+/* Draw a rendition with all its planes. */
 static enum err draw_whole(struct spin *spin, struct picture *picture, uint64_t *digest)
 {
     struct session *session = spin->act->session;
@@ -184,7 +185,7 @@ static enum err show_turned(struct spin *spin, const struct view *from, unsigned
     struct picture picture = {0};
     uint64_t digest = 0;
     enum err err = session_set_view(session, &view, spin->act->fault);
-    if (!err && spin->is_streamed) { /* right into a file */
+    if (!err && spin->is_streamed) { /* directly into a file */
         err = find_path(spin, number);
         const struct drawn_file file = {buf_text(spin->path), spin->mode, RENDER_ONCE, false};
         if (!err)
@@ -218,8 +219,7 @@ static enum err turn_around(struct spin *spin)
     if (!err)
         err = find_path(spin, 0);
     buf_add_text(spin->first, buf_text(spin->path));
-    if (!err && spin->path->length &&
-        is_helped(spin)) /* it loads its libraries while one is drawn */
+    if (!err && spin->path->length && is_helped(spin)) /* it loads its libraries meanwhile */
         err = image_helper_start(spin->act->interp->helper, fault);
     for (unsigned i = 0; i < spin->total && !err; i++) {
         watch_poll(session->watch, "turntable", i, spin->total);
@@ -234,7 +234,7 @@ static enum err turn_around(struct spin *spin)
     return err;
 }
 
-/* "yaw,roll": one turn after the other, about each axis once. */
+/* Read "yaw,roll": one turn after the other, about each axis once. */
 static enum err read_axes(struct spin *spin)
 {
     static const char axes[] = "yaw|pitch|roll";
@@ -338,7 +338,7 @@ enum err act_take_picture(const struct act *act, const struct labels *labels, co
     const bool has_all = !name || exr_is_named(name);
     enum err err = has_all ? export_picture(picture, act->session, act->fault)
                            : export_colours(picture, act->session, act->fault);
-    if (!err && !name) /* goldens are both: an OpenEXR file, and a picture for people */
+    if (!err && !name) /* goldens are an OpenEXR file and a PNG */
         err = export_background(picture, act->session, act->fault);
     else if (!err && has_all)
         err = export_normals(picture, act->session, act->fault);
@@ -411,9 +411,9 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
     const bool is_beside =
         interp->writer && interp->mode == MODE_LIVE && picture_writer_takes(path);
     enum err err;
-    if (is_beside) { /* a job for the picture writer, which gets it once the command is recorded */
+    if (is_beside) { /* a job for the picture writer, queued once the command is recorded */
         if (picture_writer_holds(interp->writer, path))
-            picture_writer_wait(interp->writer, NULL, NULL); /* for what it finds there */
+            picture_writer_wait(interp->writer, NULL, NULL); /* so that its file exists */
         interpreter_note_kept(interp, path, mode);
         err = picture_job_new(&interp->job, path, mode, picture, act->fault);
     } else {
@@ -435,7 +435,7 @@ enum err act_render_labels(const struct act *act, enum render_mode mode, struct 
     return err ? err : session_decorate(act->session, labels, act->fault);
 }
 
-/* Into a file of which so much is drawn that none of it is to be stored. */
+/* Write a picture that is too large to store directly into a file. */
 static enum err render_large(const struct act *act, const char *name, enum render_mode mode)
 {
     struct labels labels;
@@ -509,7 +509,7 @@ enum err act_render(const struct act *act)
 
 /* ---- how slices are shown ---- */
 
-/* Goes to the next state, and says how slices are shown now. */
+/* Apply the next state, and describe the slices. */
 static enum err go_and_say(const struct act *act)
 {
     enum err err = act_go(act);
@@ -525,7 +525,7 @@ enum err act_cross(const struct act *act)
     return go_and_say(act);
 }
 
-/* In place of what `slice zoom=` had them be. */
+/* Set the magnification in place of `slice zoom=`. */
 static void magnify(struct slice_settings *slices, uint32_t times, const uint32_t *middle)
 {
     slices->zoom = 0;
@@ -566,8 +566,8 @@ enum err act_window(const struct act *act)
 
 /* ---- pictures of slices ---- */
 
-/* Draws it, and adds its digest to the words; the caller releases the canvas. `with_cells` also
- * finds which voxel each pixel shows. */
+/* Draw a picture of slices, and add its digest to the words of the record; the caller releases the
+ * canvas. `with_cells` also finds the voxel of each pixel. */
 static enum err draw(const struct act *act, enum slice_kind kind, const struct labels *labels,
                      bool with_cells, struct canvas *canvas)
 {
@@ -593,7 +593,7 @@ enum err act_take_slices(const struct act *act, enum slice_kind kind, const stru
     return err;
 }
 
-/* To the file that is named, or inline. */
+/* Write to FILE, or show inline. */
 static enum err show_or_write(const struct act *act, enum slice_kind kind)
 {
     struct picture picture = {0};

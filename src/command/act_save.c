@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a session hands on in files: finished labels, maps, surfaces, seeds, names of labels. */
+/* Files written from a session: golden images, finished labels, maps, surfaces, seeds, names of
+ * labels. */
 #include "command/act.h"
 
 #include <string.h>
@@ -19,7 +20,7 @@
 #include "show/label_report.h"
 #include "show/label_table.h"
 
-/* The command `golden`: stores a picture beside the journal, and compares it in a replay. */
+/* The command `golden`: store a picture next to the journal, and compare it in a replay. */
 
 /* ---- comparing ---- */
 
@@ -28,7 +29,7 @@ static struct golden_planes planes_of(const struct picture *p)
     return (struct golden_planes){p->width, p->height, {p->rgba, p->depth_mm, p->label, p->voxel}};
 }
 
-/* The image is gone: which file is to be restored, where its PNG shows that it was there. */
+/* Report a missing image, and the file to restore if its PNG exists. */
 static enum err refuse_missing(struct interpreter *interp, const char *name, const char *path,
                                struct fault *fault)
 {
@@ -44,7 +45,7 @@ static enum err refuse_missing(struct interpreter *interp, const char *name, con
                            path);
 }
 
-/* And what they say of themselves, where that has a meaning. */
+/* Compare the pixels, then the notes. */
 static enum err compare_pictures(const struct picture *expected, const struct picture *actual,
                                  const struct interpreter *interp,
                                  struct golden_difference *difference, struct fault *fault)
@@ -82,7 +83,7 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
         picture_release(&expected);
         return err;
     }
-    if (err) { /* any of these is a failure of the image */
+    if (err) { /* each of these is a failure of the image */
         is_read = is_read && !leads_out;
         if (leads_out)
             golden_refuse_link(source, fault);
@@ -90,7 +91,7 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
             fault_prefix(fault, err, "golden image %s", name);
         err = fault ? fault_set(fault, ERR_CHECK, "%s", fault->text) : ERR_CHECK;
     }
-    if (is_read && err) /* for people, who look at both */
+    if (is_read && err) /* for people who compare the two */
         export_background(&expected, interp->session, NULL);
     const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
                                            is_read ? &difference : NULL};
@@ -105,10 +106,10 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
 
 /* ---- storing ---- */
 
-/* The EXR is the golden image; the PNG beside it is for people. Both are on the disk before the
- * record is, and after the records that they name (command/golden_files.h). A golden image that is
- * there already has to be the same; a PNG that is missing beside it comes again. In this order
- * nobody else's PNG is ever beside an image of ours. */
+/* The EXR is the golden image; the PNG next to it is for people. Both are on the disk before their
+ * record, and after the records that they name (command/golden_files.h). An existing golden image
+ * must be the same; a missing PNG is written again. In this order no foreign PNG is ever next to an
+ * image of the journal. */
 static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              struct picture *picture, struct fault *fault)
 {
@@ -136,7 +137,7 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
 
 /* ---- the command ---- */
 
-/* The rendition, which takes in the edits that wait, or a slice or mosaic; and its digest. */
+/* Make the picture, after applying waiting edits, and its digest. */
 static enum err take_golden(const struct act *act, struct picture *picture)
 {
     struct labels labels;
@@ -191,7 +192,7 @@ enum err act_golden(const struct act *act)
 
 /* ---- `finish`, `finished` ---- */
 
-/* What is given beside the name: what the row takes, and nothing else. */
+/* Read the parameters of a step: those of its row, and no others. */
 static enum err take_argument(struct finish_step *step, const struct act *act)
 {
     static const struct {
@@ -276,7 +277,7 @@ static void row_of_labels(void *context, uint32_t y, uint32_t z, uint8_t *label)
     labels_copy_row(labels, grid_row(&labels->scene->grid, y, z), label);
 }
 
-/* `joins`: all labels as one. */
+/* Make the surface; `joins`: all labels as one. */
 static enum err make_surface(struct surface **surface, const struct act *act,
                              const struct labels *labels, bool joins)
 {
@@ -314,7 +315,7 @@ static enum err write_surface(const struct act *act, const struct labels *labels
     return surface_write(path, how, &document, session->watch, act->fault);
 }
 
-/* What each surface has and encloses, and where it lies. */
+/* Report the size and position of each surface. */
 static void answer(const struct act *act, const struct surface *surface, bool joins)
 {
     struct buf *out = &act->reply->text;
@@ -354,7 +355,7 @@ static enum err save_surface(const struct act *act, const struct labels *labels,
 
 /* ---- `save` ---- */
 
-/* What is saved comes after the maps. */
+/* Numbers of MAP after the maps. */
 enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES, SAVE_SURFACE };
 
 static enum err save_seeds(const struct act *act, const char *path, enum file_mode how)
@@ -411,7 +412,7 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     return err;
 }
 
-/* Those that mean nothing to what is saved are refused. */
+/* Reject parameters without meaning for MAP. */
 static enum err check_parameters(const struct act *act)
 {
     const int64_t what = act_number(act, "MAP");
@@ -444,8 +445,8 @@ static enum err save(const struct act *act, const struct labels *labels, const c
                : export_map(act->session, (enum map)what, labels, path, how, act->fault);
 }
 
-/* Of a map of labels: voxels with a label above 0, and those that no seed reaches, for they are
- * outside the region of interest or not. */
+/* Coverage of a map of labels: voxels with a label above 0, and unreached voxels, outside the
+ * region of interest or not. */
 struct coverage {
     uint64_t labelled, outside, unreached;
 };
@@ -476,7 +477,7 @@ static void warn_of_background(struct buf *out, uint64_t voxels, const char *whi
                    which, voxels == 1 ? "has" : "have");
 }
 
-/* What a user might not expect of what was written. */
+/* Warn about contents that may be unexpected. */
 static void warn(const struct act *act, const char *path, const struct coverage *coverage,
                  bool finished)
 {
@@ -511,7 +512,7 @@ enum err act_save(const struct act *act)
         return err;
     if (has_labels)
         coverage = cover(act->session, &labels);
-    /* A map without a label would be taken for an answer by who reads it. */
+    /* An empty map would be mistaken for a result. */
     if (what == MAP_LABELS && !coverage.labelled && !act_is_yes(act, "empty"))
         return fault_set(
             act->fault, ERR_INPUT,

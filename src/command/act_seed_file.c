@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Seeds out of a file. */
+/* The command `seed-file`. */
 #include "command/act.h"
 
 #include <stdlib.h>
@@ -37,7 +37,7 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
                             fault);
 }
 
-/* What the parameters say of regions, with the labels that they become, which the caller frees. */
+/* Read the parameters about regions; the caller frees the labels `as`. */
 static enum err choose_regions(struct region_choice *choice, uint16_t **as, const struct act *act)
 {
     *choice = (struct region_choice){
@@ -83,7 +83,7 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     return err;
 }
 
-/* "region 2001 Precentral_L is label 1, 13 seeds" */
+/* Add "region 2001 Precentral_L is label 1, 13 seeds". */
 static void write_region(const struct act *act, const struct label_table *table, uint32_t region,
                          unsigned label, size_t count)
 {
@@ -100,7 +100,7 @@ static void write_region(const struct act *act, const struct label_table *table,
     buf_printf(out, ", %zu seed%s\n", count, plural(count));
 }
 
-/* Where the user has said which labels they become: which did. `end` is where each ends. */
+/* With `as`: report the label of each region. `end` has the end of each region. */
 static void write_regions(const struct act *act, const char *atlas, const uint16_t *as,
                           const size_t *end)
 {
@@ -119,7 +119,7 @@ static void write_regions(const struct act *act, const char *atlas, const uint16
     label_table_release(&table);
 }
 
-/* Those of a list may end within a distance. */
+/* Plant a region; a group of a list may have a reach. */
 static enum err plant_region(const struct act *act, struct planting *planting,
                              const struct seeds *seeds, const struct region_choice *choice,
                              uint32_t region, const struct voxels *at)
@@ -140,7 +140,7 @@ static enum err plant_region(const struct act *act, struct planting *planting,
     return err ? err : act_plant(act, planting, at->cell, at->count, group->label);
 }
 
-/* Each region is a marker. */
+/* Plant each region as a marker. */
 static enum err plant(const struct act *act, const struct seeds *seeds, const char *path,
                       const struct region_choice *choice, struct planting *planting)
 {
@@ -159,7 +159,8 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
         bool has[256] = {false};
         begin = 0;
         for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++])
-            if (end[r] > begin && region_label(choice, r) < 256) /* beyond: groups of a list */
+            if (end[r] > begin &&
+                region_label(choice, r) < 256) /* higher numbers are groups of a list */
                 has[region_label(choice, r)] = true;
         atlas_advise_names(act, has);
     }
@@ -172,7 +173,7 @@ enum err act_seed_file(const struct act *act)
 {
     struct buf *path = act_buf(act);
     struct seeds seeds = {0};
-    struct region_choice choice = {.label = label_of(act)}; /* all there is of a list */
+    struct region_choice choice = {.label = label_of(act)}; /* for a list, only the label is used */
     uint16_t *as = NULL;
     const char *name = act_text(act, "FILE");
     enum err err = interpreter_find_file(act->interp, name, path, act->fault);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Commands that change the view, what of the objects it shows, and what of the scene is cut away;
- * and all settings. */
+/* Commands about arc weights and the region of interest, the view, shown objects and cuts; and all
+ * settings. */
 #include "command/act.h"
 
 #include <stdio.h>
@@ -18,11 +18,9 @@
 #include "session/map.h"
 #include "show/slicing.h"
 
-/* Commands that say what a forest grows by: arc weights, and the region of interest. */
-
 /* ---- arc weights ---- */
 
-/* After a command that may have changed weights. */
+/* Add the digest of the weights after a command that may have changed them. */
 static enum err add_weights(const struct act *act, enum err err)
 {
     if (!err)
@@ -58,7 +56,7 @@ static enum err weigh_by_file(const struct act *act, const char *name)
 
 #define ARGUMENT_NAME(name, type, least, most) name
 
-/* What is given beside the name: what the row takes, and nothing else. */
+/* Read the parameters of a weight: those of its row, and no others. */
 static enum err take_argument(struct weight_choice *choice, const struct act *act)
 {
     static const char *const name[] = {WEIGHT_ARGUMENTS(ARGUMENT_NAME, ARGUMENT_NAME)};
@@ -106,7 +104,7 @@ enum err act_polarity(const struct act *act)
 
 /* ---- the region of interest ---- */
 
-/* After a command that may have changed it: what is inside now. */
+/* Report the region of interest after a command that may have changed it. */
 static enum err add_roi(const struct act *act, enum err err)
 {
     const struct session *session = act->session;
@@ -178,7 +176,7 @@ enum err act_mask(const struct act *act)
                                 : session_set_mask(act->session, NULL, NULL, NULL, act->fault));
 }
 
-/* Of all voxels of the scene. */
+/* Count the voxels of the scene whose level contains an end of the range. */
 static size_t count_unsure(const struct session *session, const struct decimal range[2])
 {
     const struct grid *grid = &session->scene->grid;
@@ -216,7 +214,7 @@ static int32_t whole_turn(int64_t angle)
     return (int32_t)(turned < 0 ? turned + VIEW_TURN : turned);
 }
 
-static const char *const angle_name[3] = {"YAW", "PITCH", "ROLL"}; /* of a view's angles */
+static const char *const angle_name[3] = {"YAW", "PITCH", "ROLL"}; /* the angles of a view */
 
 enum err act_view(const struct act *act)
 {
@@ -241,8 +239,8 @@ enum err act_turn(const struct act *act)
     return act_go(act);
 }
 
-/* What is shown, at the present angles; recorded as the zoom and place that it comes to: no replay
- * has to know what was shown. */
+/* Fit the shown objects at the current angles. The resulting zoom and place are recorded, so that a
+ * replay does not depend on the objects. */
 static enum err fit_shown(const struct act *act)
 {
     struct view *view = &act->next->outlook.view;
@@ -300,7 +298,7 @@ enum err act_focus(const struct act *act)
     return act_go(act);
 }
 
-/* One label, or where a word is given, all of them. */
+/* Set one label, or all of them if a word is given. */
 static enum err set_visible(const struct act *act, bool is_visible)
 {
     const struct value *label = act_value(act, "LABEL");
@@ -340,7 +338,7 @@ static const char *const side[3][2] = {
 };
 enum { SLAB_NONE = 3 }; /* the choice after these */
 
-/* ", feet to head": the patient's sides, from slice 0 of a plane on; nothing where nobody knows. */
+/* ", feet to head": the patient's sides from slice 0 on; nothing if the orientation is unknown. */
 static void write_sides(char out[24], const struct session *session, enum slice_plane plane)
 {
     static const uint32_t first[3] = {0};
@@ -386,7 +384,7 @@ enum err act_clip(const struct act *act)
 
 /* ---- planes and boxes ---- */
 
-/* "A,B,C": a direction whose longest component has 30 bits; false for anything else. */
+/* Read "A,B,C": a direction whose longest component has 30 bits; false for anything else. */
 static bool scan_direction(const char *text, int64_t direction[3])
 {
     int64_t longest = 0;
@@ -400,7 +398,7 @@ static bool scan_direction(const char *text, int64_t direction[3])
     return longest && !*text;
 }
 
-/* Which way is out of what stays, by `normal`. */
+/* Read `normal`: the direction out of the part that stays. */
 static enum err read_normal(const struct act *act, int64_t normal[3])
 {
     const char *word = act_text(act, "normal");
@@ -415,7 +413,7 @@ static enum err read_normal(const struct act *act, int64_t normal[3])
         view_by_name(word, angle);
         view_look(&(struct view){.angle = {angle[0], angle[1], angle[2]}}, right, up, ahead);
         for (int a = 0; a < 3; a++)
-            normal[a] = -ahead[a] / 2; /* of 30 bits */
+            normal[a] = -ahead[a] / 2; /* 30 bits */
     } else if (!scan_direction(word, normal)) {
         return fault_set(act->fault, ERR_USAGE,
                          "normal: expected " VIEW_NAMES
@@ -426,7 +424,7 @@ static enum err read_normal(const struct act *act, int64_t normal[3])
     return OK;
 }
 
-/* The plane through the voxel, at right angles to `normal` or to the present view. */
+/* Compute the plane through the voxel, perpendicular to `normal` or to the current view. */
 static enum err make_plane(const struct act *act, struct cut_plane *plane)
 {
     const struct scene *scene = act->session->scene;
@@ -505,7 +503,7 @@ enum err act_cut(const struct act *act)
 
 /* ---- settings: commands that do no more than set something (session/setting.h) ---- */
 
-/* A value as the member holds it. */
+/* Return a value in the representation of the member. */
 static int64_t held(const struct setting_member *member, const struct value *value)
 {
     static const uint32_t background[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,

@@ -18,7 +18,7 @@ void anonymiser_release(struct anonymiser *anonymiser)
 
 /* ---- names of files ---- */
 
-/* From 1, in the order in which they were met. */
+/* Return the number of a name, from 1, in order of appearance. */
 static unsigned number_of(struct anonymiser *anonymiser, const char *name)
 {
     unsigned number = 1;
@@ -30,12 +30,13 @@ static unsigned number_of(struct anonymiser *anonymiser, const char *name)
     return number;
 }
 
-/* Of files that are no volumes and no tables of labels. */
+/* Endings of files other than volumes and tables of labels. */
 #define OTHER_ENDINGS                                                                              \
     ".png|.jpg|.jpeg|.tif|.tiff|.gif|.bmp|.webp|.csv|.tsv|.txt|.json|.html|.xml|.stl|.ply|.obj|"   \
     ".vtp|.vtk|.img|.raw|.dcm|.mha|.mhd|.mnc|.h5|.hdf5|.ims|.mrc|.tfm|.mat|.iftty|" EXR_NAMES
 
-/* ".nii.gz", ".png", "%03d.png"; "" where the ending is of no format: it may be a person's name. */
+/* Return ".nii.gz", ".png", "%03d.png"; "" for an ending of no known format, which may be a
+ * person's name. */
 static const char *ending_of(const char *name)
 {
     const char *percent = strchr(name, '%');
@@ -77,7 +78,7 @@ static bool is_number(const char *word)
     return word[strspn(word, "0123456789.-")] == '\0';
 }
 
-/* Judges a value by its parameter, or NULL where no parameter takes it. */
+/* Decide about a value by its parameter, NULL if it fits none. */
 static enum fate judge(const struct parameter *p, const char *value)
 {
     const bool is_numbers = value[strspn(value, "0123456789abcdefABCDEF.,:/+-")] == '\0';
@@ -89,11 +90,11 @@ static enum fate judge(const struct parameter *p, const char *value)
         return p->is_scene && strncmp(value, "synth:", 6) == 0 ? WORD_STAYS : WORD_IS_FILE;
     if (p->type == VALUE_WORD && !p->is_kept)
         return WORD_GOES;
-    /* A path is none of the other types, but a slash may stand between numbers. */
+    /* Other types contain no path, except for slashes between numbers. */
     return strchr(value, '/') && !(p->is_kept && is_numbers) ? WORD_IS_FILE : WORD_STAYS;
 }
 
-/* Adds a word after the name of the command, and notes that its parameter is filled. */
+/* Add a word after the name of the command, and mark its parameter as given. */
 static void add_word(struct anonymiser *anonymiser, struct buf *out, const struct command *command,
                      struct value *value, const char *word, const char *as_written, size_t length)
 {
@@ -125,7 +126,7 @@ void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const cha
         const char *rest = command;
         buf_clear(&word);
         if (!command_take_word(&rest, &word, COMMAND_QUOTES)) {
-            buf_add_text(out, " ..."); /* a quote that does not end: no word is sure */
+            buf_add_text(out, " ..."); /* unterminated quote: no word can be trusted */
             break;
         }
         if (n == 0) {

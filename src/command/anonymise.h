@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Commands without the words that may name a person.
+ * Remove the words of commands that may name a person.
  *
- * A file becomes "scene" (the one that `open` opens) or "file-N", with its ending, where that is of
- * a format, and, in a turntable, its %03d; the same file keeps the same name. Free text (the
+ * A file becomes "scene" (the one opened by `open`) or "file-N", with its ending if that is a known
+ * format, and with %03d in a turntable; the same file keeps the same name. Free text (the
  * description of a series, the name of a data set, names of files to skip) is left out with its
- * key. Numbers, choices, digests and the names of labels, landmarks, branches and golden images
- * stay, since other commands use them.
+ * key. Numbers, choices, digests and the names of labels, landmarks, branches and golden images are
+ * kept, since other commands use them.
  *
- * The table of commands decides (is_kept of session/setting.h): a word stays only where its row
- * says so. A word that no parameter takes is left as a number or becomes a file.
+ * The table of commands decides (is_kept of session/setting.h): a word is kept only if its row says
+ * so. A word that fits no parameter is kept if it is a number, and else becomes a file.
  */
 #ifndef COMMAND_ANONYMISE_H
 #define COMMAND_ANONYMISE_H
@@ -17,11 +17,11 @@
 #include "base/buf.h"
 
 struct anonymiser {
-    struct buf names; /* of files met so far, in order, each ended by NUL */
+    struct buf names; /* files in order of appearance, each ended by NUL */
 };
 void anonymiser_release(struct anonymiser *anonymiser);
 
-/* Adds a command of a journal or script, without its line feed. */
+/* Add a command of a journal or script, without its line feed. */
 void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const char *command);
 
 #endif

@@ -35,7 +35,7 @@ void act_write_no_seeds(const struct act *act)
 
 /* ---- seeds that end within a distance (`seed within=`) ---- */
 
-/* ", within 12 voxels of 10,14,9" for a seed that has a reach. */
+/* Add ", within 12 voxels of 10,14,9" for a seed that has a reach. */
 static void write_reach(struct buf *out, const struct session *session, uint32_t seed)
 {
     const struct reach *reach = forest_reach(session->forest, seed);
@@ -84,7 +84,7 @@ static enum err write_reaches(const struct act *act)
 
 /* ---- voxels ---- */
 
-/* The weight of the voxel; where weights are those of steps, of the step from its predecessor. */
+/* Add the weight of the voxel, or, for weights of steps, of the step from its predecessor. */
 static void write_voxel_weight(struct buf *out, const struct session *session,
                                const struct cell *cell)
 {
@@ -128,11 +128,11 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     buf_add_char(out, '\n');
 }
 
-/* ---- what an edit has done to the labels ---- */
+/* ---- changes of labels by an edit ---- */
 
 enum { LISTED_MOST = 6 };
 
-/* The labels whose number of voxels has changed, the largest first; of equals, the lower number. */
+/* Find the labels whose number of voxels has changed, the largest first, then the lowest number. */
 static unsigned changed_labels(const struct session *session, uint8_t label[255])
 {
     unsigned count = 0;
@@ -197,7 +197,7 @@ void surprise_write(struct buf *out, struct session *session, const char *comman
     buf_add_text(out, "; undo takes it back\n");
 }
 
-/* ---- the scene, and what a forest in it grows by ---- */
+/* ---- the scene, weights and the region of interest ---- */
 
 void act_write_spacing(struct buf *out, const struct session *session)
 {
@@ -219,7 +219,7 @@ void act_write_axes(struct buf *out, const struct geometry *geometry)
                    geometry->orientation == ORIENTATION_TOLD ? " as told by the user" : "");
 }
 
-/* "part      4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2" */
+/* Add "part 4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2". */
 static void write_part(struct buf *out, const struct map_part *part)
 {
     const struct volume_choice *choice = &part->choice;
@@ -291,7 +291,7 @@ void act_write_region(struct buf *out, const struct session *session)
                session->scene->grid.voxels);
 }
 
-/* ---- what is shown ---- */
+/* ---- view and slices ---- */
 
 void act_write_finish(struct buf *out, const struct session *session)
 {
@@ -302,13 +302,13 @@ void act_write_finish(struct buf *out, const struct session *session)
     buf_add_text(out, session->now.outlook.shows_finished ? "; pictures show it\n" : "\n");
 }
 
-/* The patient's sides that a direction of the picture leads to, "front and left", or of an unknown
- * orientation the axes, "+y and -x": those within some 67 degrees of it. */
+/* Add the patient's sides in a direction of the picture, "front and left", or the axes, "+y and
+ * -x", if the orientation is unknown: those within about 67 degrees. */
 static void write_sides(struct buf *out, const int32_t direction[3], bool sides_unknown)
 {
     static const struct {
         int axis;
-        const char *side[2]; /* where the direction is above 0 along the axis, and below */
+        const char *side[2]; /* for a positive and a negative component */
     } row[2][3] = {{{1, {"front", "back"}}, {0, {"right", "left"}}, {2, {"head", "feet"}}},
                    {{1, {"+y", "-y"}}, {0, {"+x", "-x"}}, {2, {"+z", "-z"}}}};
     const int32_t least = view_sine(22500);
@@ -322,7 +322,7 @@ static void write_sides(struct buf *out, const int32_t direction[3], bool sides_
     }
 }
 
-/* Lines: the view, and how the patient lies in the picture. */
+/* Add lines about the view and the orientation of the patient in the picture. */
 static void write_view(struct buf *out, const struct session *session)
 {
     const struct view *view = &session->now.outlook.view;
@@ -352,7 +352,7 @@ static void write_view(struct buf *out, const struct session *session)
     buf_add_text(out, unknown ? " up; orientation unknown\n" : " up\n");
 }
 
-/* "cut away  all but axial slices 10-60, 1 plane, 2 boxes"; nothing where nothing is. */
+/* Add "cut away all but axial slices 10-60, 1 plane, 2 boxes"; nothing without cuts. */
 static void write_cut(struct buf *out, const struct session *session)
 {
     const struct cut *cut = &session->now.kept.cut;
@@ -400,7 +400,7 @@ void act_write_slices(struct buf *out, struct session *session)
 
 /* ---- the commands ---- */
 
-/* Of labels that are other numbers in files. */
+/* Add a line about labels with other numbers in files. */
 static void write_numbers(struct buf *out, const struct kept *kept)
 {
     unsigned count = 0, least = UINT16_MAX, most = 0;
@@ -417,7 +417,7 @@ static void write_numbers(struct buf *out, const struct kept *kept)
                    count == 1 ? " is" : "s are", least, most);
 }
 
-/* The scene, its part of the file, and what its values are in the file. */
+/* Add the scene, its part of the file, and the values of the file. */
 static void write_scene(struct buf *out, const struct session *session)
 {
     const struct geometry *geometry = &session->geometry;
@@ -433,7 +433,7 @@ static void write_scene(struct buf *out, const struct session *session)
     levels_write_scale(out, session->levels, "          ");
 }
 
-/* The rendition, and slices. */
+/* Add the look of the rendition, and the slices. */
 static void write_look(struct buf *out, struct session *session)
 {
     struct buf opacity = {0};
@@ -482,8 +482,8 @@ enum err act_info(const struct act *act)
     write_numbers(out, &session->now.kept);
     act_write_origin(out, session);
     write_look(out, session);
-    /* The scene's bytes a voxel are what README promises; the rest does not depend on its
-     * voxels, but for answers, which are made when they are asked for. */
+    /* README promises the bytes per voxel of the scene; the rest does not depend on its size,
+     * except for answers, which are computed on request. */
     const struct session_memory parts = session_memory_parts(act->session);
     buf_printf(out, "memory    %.1f MB: scene %.1f, %.1f bytes a voxel; seeds %.1f; pictures %.1f",
                (double)session_memory(act->session) / 1e6, (double)parts.scene / 1e6,

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A command that is being typed: which words may stand at the cursor, by the table, by what the
- * session knows, and by what is on the disk; and what may follow.
+ * Usage, help and completion of commands.
  *
- * Words come as they are to be typed. Where one of them needs quotes all are given them, and so
- * they are where a quote was typed: they have a beginning in common then. A folder has no closing
- * quote, since what is in it may follow. What a word means comes after a tab: the summary of a
- * command, what help says of a choice, a label's number, the command of a record.
+ * Completion offers words by the table, the session and the files on the disk, as they are typed.
+ * If one of them needs quotes, all are quoted, so that they have a common prefix; the same if a
+ * quote was typed. A folder has no closing quote, since its files can follow. A tab and an
+ * explanation may follow a word: the summary of a command, the help of a choice, a label's number,
+ * the command of a record.
  */
 #include "command/command.h"
 
@@ -27,12 +27,12 @@
 #include "journal/golden.h"
 #include "session/setting.h"
 
-/* Columns; summaries have the 50 that are left. */
+/* Columns; 50 remain for summaries. */
 enum { INDENT = 4, SUMMARY_COLUMN = 30, USAGE_MOST = 76, LINE_MOST = 80 };
 
 /* ---- usage and help ---- */
 
-/* Whether its choices are all that it may be. */
+/* True if its choices are its only values. */
 static bool is_choice(const struct parameter *p)
 {
     return p->type == VALUE_CHOICE || p->type == VALUE_PARTS;
@@ -66,7 +66,7 @@ void usage_form(struct buf *out, const struct parameter *p)
     add_form(out, p);
 }
 
-/* "LABEL", "[radius=0..32]"; "LOW HIGH|none" where the next one is paired with it. */
+/* Add "LABEL" or "[radius=0..32]"; "LOW HIGH|none" if the next one is paired with it. */
 static void add_parameter(struct buf *out, const struct parameter *p)
 {
     const bool brackets = p->optional && !p->paired;
@@ -101,7 +101,7 @@ void command_usage(struct buf *out, const struct command *command)
     usage_rest(out, command->parameter, NULL);
 }
 
-/* Text in lines, each indented and at most `most` columns wide, that end where a gap does. */
+/* Add text in indented lines of at most `most` columns, broken at a gap. */
 static void add_lines(struct buf *out, const char *text, size_t length, const char *gap,
                       size_t indent, size_t most)
 {
@@ -147,7 +147,7 @@ const char *command_note(const struct command *command, const char *word, size_t
     return "";
 }
 
-/* The usage, and the summary beside it, or below one that is too long. */
+/* Add the usage, and the summary in the same line, or below if the usage is too long. */
 static void list_command(struct buf *out, const struct command *command)
 {
     const size_t before = out->length;
@@ -183,23 +183,21 @@ void command_help(struct buf *out, const struct command *command)
 
 /* ---- the line, as far as the cursor ---- */
 
-/* Which words are whole, which parameters they fill, and what the word at the cursor is about to
- * be. */
+/* The complete words, the parameters they fill, and the word at the cursor. */
 struct partial {
-    const struct command *command;       /* that the first word names, where it is whole; or NULL */
-    unsigned words;                      /* whole ones before the cursor */
-    struct value value[PARAMETERS_MOST]; /* only `given` is set: by whole words */
+    const struct command *command;       /* named by the first word, if complete; or NULL */
+    unsigned words;                      /* complete ones before the cursor */
+    struct value value[PARAMETERS_MOST]; /* only `given` is set, by complete words */
 
     struct buf word; /* at the cursor, without its quotes; empty after a blank */
-    size_t start;    /* the byte of the line where it begins, with the quote that it may have */
+    size_t start;    /* its first byte in the line, including a quote */
     bool quoted;     /* it begins with a quote, */
-    bool closed;     /* which has ended: nothing can be added to the word */
-    int parameter;   /* that it would fill, or -1 */
+    bool closed;     /* which is closed: nothing can be added to the word */
+    int parameter;   /* for the word, or -1 */
     size_t key;      /* bytes of `word` that are "radius=" */
 };
 
-/* The parameter is given as this word; so nothing more is to be said of it, nor of one that is
- * paired with it and goes without saying. */
+/* Mark the parameter as given, and the one paired with it if the word is a choice. */
 static void give(struct partial *p, int i, const char *word)
 {
     const struct parameter *parameter = p->command->parameter + i;
@@ -220,7 +218,7 @@ static void take_whole_word(struct partial *p)
         give(p, i, word);
 }
 
-/* The words of `line`, up to the one at its end. */
+/* Read the words of `line`, up to the one at its end. */
 static bool read_words(struct partial *p, const char *line)
 {
     const char *at = line;
@@ -243,8 +241,8 @@ static bool read_words(struct partial *p, const char *line)
     return true;
 }
 
-/* Reads line[0..cursor). False without memory, in a comment, and after a quote that something else
- * than a blank follows. The caller releases the word, whatever comes of it. */
+/* Read line[0..cursor). False without memory, in a comment, and after a quote not followed by a
+ * blank. The caller releases the word in any case. */
 static bool read_partial(struct partial *partial, const char *line, size_t cursor)
 {
     struct buf before = {0};
@@ -265,16 +263,16 @@ static bool read_partial(struct partial *partial, const char *line, size_t curso
 
 /* ---- words ---- */
 
-enum { POINTS_OFFERED = 20 }; /* the latest, where no digit was typed */
+enum { POINTS_OFFERED = 20 }; /* the latest ones, if no digit was typed */
 
 struct offers {
     struct buf *out;
-    const char *typed; /* of the value, without quotes */
+    const char *typed; /* part of the value, without quotes */
     bool quoted;
     const struct interpreter *interp;
 };
 
-/* A part of a text that says what a word means; nothing by default. */
+/* An explanation of a word, a part of another text; {0} for none. */
 struct note {
     const char *text;
     size_t length;
@@ -285,7 +283,7 @@ static struct note note_of(const char *text)
     return (struct note){text, strlen(text)};
 }
 
-/* One word, between quotes where they were asked for; open-ended without the closing one. */
+/* Add one word, in quotes if requested; `open` leaves out the closing quote. */
 static void write_offer(struct buf *out, const char *word, size_t length, bool quoted, bool open,
                         struct note note)
 {
@@ -317,7 +315,7 @@ static void offer(const struct offers *o, const char *word, size_t length, struc
         write_offer(o->out, word, length, o->quoted, false, note);
 }
 
-/* What help says of a choice: of the value alone, or with its key. */
+/* Return the help of a choice: by its value, or with its key. */
 static struct note choice_note(const struct command *command, const struct parameter *p,
                                const struct choice *choice)
 {
@@ -347,7 +345,8 @@ static bool needs_quotes(const char *word)
     return needs;
 }
 
-/* Names of several words stand between quotes, as do all beside them; a key's value has none. */
+/* Names of several words are quoted, and then all others too; the value of a key cannot be
+ * quoted. */
 static void offer_labels(const struct offers *o, const struct parameter *p)
 {
     struct offers offers = *o;
@@ -367,23 +366,23 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
 
 /* ---- the names in a folder ---- */
 
-enum { LISTING_MOST = 20000 }; /* names; a larger folder is listed in part */
+enum { LISTING_MOST = 20000 }; /* names; a larger folder is truncated */
 
 struct listing {
-    struct buf store;  /* the names, each ended by NUL; a folder's ends in / */
-    const char **name; /* numbers in them in order */
+    struct buf store;  /* names, each ended by NUL; a folder's ends in / */
+    const char **name; /* pointers to the names, sorted */
     size_t count;
 };
 
-/* A name that a command can hold: no control characters, nothing that is not UTF-8. One that begins
- * with a dot only where the dot was typed. */
+/* True for a name that a command can contain: UTF-8 without control characters. A name with a
+ * leading dot only if the dot was typed. */
 static bool is_fit(const char *name, const char *begin)
 {
     return strncmp(name, begin, strlen(begin)) == 0 && (name[0] != '.' || begin[0] == '.') &&
            strcmp(name, ".") != 0 && strcmp(name, "..") != 0 && *safe_end(name) == '\0';
 }
 
-/* Also through a link. */
+/* Follow links. */
 static bool is_folder(int folder, const struct dirent *entry)
 {
     struct stat status;
@@ -398,7 +397,7 @@ static int compare(const void *a, const void *b)
     return strverscmp(*x, *y);
 }
 
-/* Names that begin so. Without memory, or where the folder cannot be read, none. */
+/* Read the names with this prefix; none without memory or if the folder cannot be read. */
 static void listing_read(struct listing *listing, const char *folder, const char *begin)
 {
     *listing = (struct listing){0};
@@ -466,7 +465,7 @@ static void offer_files(const struct offers *o)
     buf_release(&path);
 }
 
-/* Those of the present journal that are there. */
+/* Offer the existing golden images of the current journal. */
 static void offer_goldens(const struct offers *o)
 {
     static const char ending[] = ".exr";
@@ -561,7 +560,7 @@ void command_complete(struct buf *out, size_t *word_start, const char *line, siz
             const struct parameter *p = partial.command->parameter;
             if (i >= 0)
                 offer_values(&offers, partial.command, &p[i]);
-            /* of a number that may be left out before a file, the file too */
+            /* an optional number before a file: offer files too */
             if (i >= 0 && partial.key == 0 && p[i].type == VALUE_NUMBER && p[i].optional &&
                 p[i + 1].type == VALUE_FILE)
                 offer_values(&offers, partial.command, &p[i + 1]);
@@ -572,7 +571,7 @@ void command_complete(struct buf *out, size_t *word_start, const char *line, siz
     buf_release(&partial.word);
 }
 
-/* ---- what may follow ---- */
+/* ---- hints ---- */
 
 void command_hint(struct buf *out, const char *line, size_t length)
 {
@@ -580,7 +579,7 @@ void command_hint(struct buf *out, const char *line, size_t length)
     struct buf rest = {0};
     bool knows = read_partial(&p, line, length);
     const bool begins = p.word.length == 0;
-    if (p.words == 0 && !p.quoted) /* the name itself may be whole already */
+    if (p.words == 0 && !p.quoted) /* the name itself may be complete */
         p.command = begins ? NULL : command_find(buf_text(&p.word));
     knows = knows && p.command && (!p.quoted || p.closed) &&
             (begins || p.words == 0 || p.parameter >= 0);

@@ -23,12 +23,12 @@
 
 struct resume {
     struct interpreter *interp;
-    size_t last;     /* number of the last record that has words of the forest; 0 for none */
-    bool catches_up; /* the record at hand is that one */
+    size_t last;     /* number of the last record with words about the forest; 0 for none */
+    bool catches_up; /* the current record is that one */
     struct replay_report report;
 };
 
-/* What records say of the forest. */
+/* The words of a record about the forest. */
 #define FOREST_WORDS "forest|labels|seeds|pending"
 
 static void add_forest_words(struct buf *out, const char *words)
@@ -70,7 +70,7 @@ static void look_for_last(void *context, const struct record *record)
     buf_release(&words);
 }
 
-/* Where the session catches up, the words are of the forest that all commands so far have made. */
+/* When the session catches up, compare the words with the forest of all commands so far. */
 static enum err execute_again(void *context, const char *command, struct buf *words,
                               struct fault *fault)
 {
@@ -111,8 +111,8 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
     return err;
 }
 
-/* Up to the last record that has words of the forest nothing is computed; after it nothing is left
- * to compute. What opens a scene is carried out in full either way. */
+/* When skimming, compute nothing up to the last record with words about the forest. The command
+ * that opens the scene is always executed in full. */
 static enum err resume_record(void *context, const struct record *record, struct fault *fault)
 {
     struct resume *resume = context;
@@ -146,7 +146,7 @@ static enum err carry_out_again(struct interpreter *interp, const char *path, st
     return err;
 }
 
-/* What processes that were killed have left beside the journal. */
+/* Remove the drafts and pictures that killed processes have left next to the journal. */
 static void clear_away(struct interpreter *interp, const char *path, struct buf *told)
 {
     const struct buf *bytes = journal_bytes(interp->journal);
@@ -169,7 +169,7 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
     if (!err)
         err = carry_out_again(interp, path, told, fault);
     if (err == ERR_CHECK && !interp->resumes_in_full) {
-        interp->mode = MODE_RESUME; /* as if no command had been carried out */
+        interp->mode = MODE_RESUME; /* start again */
         interp->resumes_in_full = true;
         history_release(&interp->history);
         session_begin_again(interp->session);
@@ -206,7 +206,8 @@ static enum err apply(const struct interpreter *interp, struct session *session,
                    interp->applied);
     enum err err = session_run(session, fault);
     if (!err &&
-        interp->mode == MODE_LIVE) /* what the answer says of the last edit is of this one */
+        interp->mode ==
+            MODE_LIVE) /* the answer is about the command, without the edits that were waiting */
         err = session_count_labels(session, fault);
     return err;
 }
@@ -219,9 +220,9 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     uint64_t begin = clock_ns();
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
-    /* A command that answers applies the edits that wait before anything else, so that it is about
-     * all that the user has planted. One that is recorded does so whenever its record is carried
-     * out again; a question only when it is asked: the record of its own `run` does it then. */
+    /* A command that answers first applies the waiting edits, so that the answer includes all
+     * seeds. A recorded command does so in a replay too; a question only when it is asked, since a
+     * `run` is recorded for it. */
     const bool applies = command->flags & COMMAND_ANSWERS &&
                          (command->flags & COMMAND_RECORDED || interp->mode == MODE_LIVE);
     interp->applied = applies ? session_pendings(session) : 0;
@@ -240,7 +241,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)
         err = session_run(session, fault);
-    if (!(command->flags & COMMAND_RECORDED)) /* what there is to record is a run */
+    if (!(command->flags & COMMAND_RECORDED)) /* its record is a `run` without words */
         buf_clear(&reply->words);
     if (!err && edits)
         add_digests(&reply->words, session);
@@ -270,11 +271,11 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
         fault_append(fault, "; replace=yes writes over it");
     if (err && fault)
         command_point_at(call, line, fault);
-    if (!err || (watch && watch->stopped)) /* what ended early may have found fault with anything */
+    if (!err || (watch && watch->stopped)) /* a stop may have caused any other error */
         err = watch_fault(watch, fault);
     if (interpreter_is_wary(interp))
         err = limits_judge(err, &interp->written, fault);
-    if (err == ERR_CANCELLED) /* it does not matter where that was noticed */
+    if (err == ERR_CANCELLED) /* wherever the stop was noticed */
         fault_set(fault, err, "cancelled; nothing has changed");
     return err;
 }
@@ -294,8 +295,8 @@ static enum err begin_journal(struct interpreter *interp, struct buf *told, stru
     return OK;
 }
 
-/* In the history, and in the journal where commands are new; of a question that has applied what
- * waited, the run. */
+/* Add to the history and, for new commands, to the journal. For a question that applied waiting
+ * edits, record a `run`. */
 static enum err record(struct interpreter *interp, const struct command *command,
                        struct reply *reply, struct fault *fault)
 {
@@ -309,7 +310,7 @@ static enum err record(struct interpreter *interp, const struct command *command
         err = begin_journal(interp, &reply->text, fault);
     if (err || interp->mode != MODE_LIVE || !interp->journal)
         return err;
-    const bool only_looks = /* the command has changed how one looks, and nothing else (J1) */
+    const bool only_looks = /* the command changed only the view (J1) */
         !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
         kept_equals(&session->now.kept, &session->former.kept);
     err = only_looks ? journal_note(interp->journal, line, fault)
@@ -322,7 +323,7 @@ static enum err record(struct interpreter *interp, const struct command *command
 
 /* ---- settled ---- */
 
-/* All that the command has done stands, or nothing of it. */
+/* Commit or roll back all changes of the command. */
 static void settle(struct interpreter *interp, bool stands)
 {
     interpreter_settle_files(interp, stands);
@@ -453,7 +454,7 @@ enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault
         return OK;
     session_mark(session);
     watch_ignore_stop(session->watch);
-    /* Seeds go back by the way through the history, in one edit. */
+    /* Restore the seeds through the history, in one edit. */
     enum err err = history_go(history, session, was->place.present, history->on, false, fault);
     struct state before = session->now;
     before.outlook = was->outlook;

@@ -126,7 +126,7 @@ void golden_files_close(struct golden_files *files)
     buf_release(&files->chains);
 }
 
-/* ---- what the journal's records say ---- */
+/* ---- records of the journal ---- */
 
 static void add_name(struct buf *named, const char *name, size_t length, const char *ending)
 {
@@ -187,13 +187,13 @@ static bool is_named(const struct golden_files *files, const char *name)
     return at < end;
 }
 
-/* ---- what an image says ---- */
+/* ---- notes of an image ---- */
 
-/* Who made an image, by its notes. */
+/* Origin of an image, by its notes. */
 struct maker {
     char chain[CHAIN_BYTES];
     struct buf journal;
-    bool has_journal; /* pictures of a private scene do not */
+    bool has_journal; /* false for pictures of a private scene */
 };
 
 static void take_note(struct maker *maker, const char *name, const char *value, size_t length)
@@ -245,7 +245,7 @@ static bool is_of_neighbour(const struct golden_files *files, const char *journa
     return is_there;
 }
 
-/* By its notes: made after the last record, at another, or by another journal. */
+/* Classify by notes: made after the last record, at another record, or by another journal. */
 static enum file_of judge_maker(const struct golden_files *files, const struct maker *maker)
 {
     const bool is_of_name =
@@ -305,8 +305,8 @@ enum file_of golden_files_judge(const struct golden_files *files, const char *na
 
 /* ---- removing ---- */
 
-/* The PNG first: the image, by which it is found, is removed only where no PNG stays. An empty one
- * is what a kill leaves on some file systems (base/file.h). */
+/* Remove the PNG first: the image, which identifies it, is removed only if no PNG remains. A kill
+ * leaves an empty PNG on some file systems (base/file.h). */
 static bool remove_png(const struct golden_files *files, const char *image)
 {
     struct buf png = {0};
@@ -332,7 +332,7 @@ enum err golden_files_remove(const struct golden_files *files, const char *name,
     struct stat status;
     if (files->folder >= 0 && fstatat(files->folder, name, &status, AT_SYMLINK_NOFOLLOW) != 0 &&
         errno == ENOENT)
-        return OK; /* with its image, say */
+        return OK; /* removed together with its image */
     const enum file_of of = files->folder < 0 ? FILE_FOREIGN : golden_files_judge(files, name);
     if (of != FILE_LEFTOVER && of != FILE_STRAY)
         return fault_set(fault, ERR_CHECK,
@@ -354,7 +354,7 @@ enum err golden_files_remove(const struct golden_files *files, const char *name,
 static enum err copy_link(const char *from, const char *to, struct fault *fault)
 {
     char *real = realpath(from, NULL);
-    const bool is_made = !real || symlink(real, to) == 0; /* one that leads nowhere is left out */
+    const bool is_made = !real || symlink(real, to) == 0; /* a dangling link is left out */
     free(real);
     return is_made ? OK : fault_errno(fault, "make the link", to);
 }

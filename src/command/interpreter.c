@@ -91,7 +91,7 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
     if (err)
         return err;
     err = journal_set_sync(interp->journal, interp->sync, fault);
-    if (err) { /* no thread can be had: as if it had not been begun */
+    if (err) { /* no thread is available: undo the creation */
         journal_close(interp->journal);
         interp->journal = NULL;
         file_discard(path);
@@ -200,8 +200,8 @@ enum err interpreter_find_file(const struct interpreter *interp, const char *nam
 
 /* ---- names as records have them ---- */
 
-/* out = `name`, which is a whole path or as seen from the folder that one is in, as a whole path
- * without "." and ".." at its beginning. What stands before it has no links. */
+/* out = the absolute path of `name` without "." and ".." at its beginning. The current folder is
+ * resolved without links. */
 static bool make_whole(struct buf *out, const char *name)
 {
     char *here = *name == '/' ? NULL : realpath(".", NULL);
@@ -226,8 +226,8 @@ static bool make_whole(struct buf *out, const char *name)
     return fine && !out->failed;
 }
 
-/* out = the whole path `path` as seen from the folder, a whole path without links; false where they
- * have nothing in common but "/". */
+/* out = the absolute path `path` relative to the folder, an absolute path without links; false if
+ * they have only "/" in common. */
 static bool see_from(struct buf *out, const char *path, const char *folder)
 {
     size_t common = 0, ups = 0;
@@ -248,8 +248,7 @@ static bool see_from(struct buf *out, const char *path, const char *folder)
     return common > 1 && !out->failed;
 }
 
-/* What a user means by the name of a file that is to be read lies here, or beside the journal:
- * which of them is not guessed. */
+/* Reject a name that is found both here and next to the journal with different content. */
 static enum err check_one(const char *here, const char *beside, const char *name,
                           struct fault *fault)
 {
@@ -262,7 +261,7 @@ static enum err check_one(const char *here, const char *beside, const char *name
                      name);
 }
 
-/* out = `name` as seen from the folder of the journal, or a whole path. */
+/* out = `name` relative to the folder of the journal, or an absolute path. */
 static enum err settle(struct buf *out, const char *name, const char *journal, struct fault *fault)
 {
     struct buf folder = {0}, beside = {0}, path = {0}, whole = {0};
@@ -350,7 +349,7 @@ enum err interpreter_may_read(const struct interpreter *interp, const char *path
     const enum beneath answer =
         interpreter_is_wary(interp) ? trust_look_at_golden(path, leads_out) : BENEATH_FINE;
     if (answer == BENEATH_FINE || answer == BENEATH_MISSING)
-        return OK; /* the reader says that it is missing */
+        return OK; /* the reader reports that it is missing */
     return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,
                      answer == BENEATH_OUTSIDE ? "leads out of its folder"
                                                : "is not a regular file");
@@ -358,7 +357,7 @@ enum err interpreter_may_read(const struct interpreter *interp, const char *path
 
 /* ---- files that are written ---- */
 
-/* The path that stands for `name` below the folder, or NULL; and which name a path stands for. */
+/* Return the path below the folder for `name`, or NULL; or search by `path`. */
 static const char *place_of(const struct buf *placed, const char *name, const char *path)
 {
     const char *at = buf_text(placed), *end = at + placed->length;
@@ -383,8 +382,8 @@ static void write_place(struct buf *path, const char *folder, const char *name, 
     buf_add_text(path, name + stem);
 }
 
-/* By the last part of its name: whatever a journal says, that is in the folder. Names that differ
- * get places that do, and one name always the same. */
+/* Use the last part of the name only, so that the file is in the folder whatever a journal says.
+ * Different names get different paths, and a name always the same one. */
 static enum err place_below(struct interpreter *interp, const char *name, struct buf *path,
                             struct fault *fault)
 {
@@ -401,7 +400,7 @@ static enum err place_below(struct interpreter *interp, const char *name, struct
         write_place(path, interp->out_folder, last, number++);
     while (!path->failed && place_of(placed, NULL, buf_text(path)));
     if (path->failed || !buf_reserve(placed, strlen(name) + path->length + 2)) {
-        placed->failed = false; /* what it holds is whole */
+        placed->failed = false; /* its content is still valid */
         return fault_memory(fault, "a path");
     }
     buf_add(placed, name, strlen(name) + 1);
@@ -424,7 +423,7 @@ enum err interpreter_output_path(struct interpreter *interp, const char *name, s
 
 /* ---- files that go with a command ---- */
 
-/* Whether this replay has written it. */
+/* True if this replay has written it. */
 static bool has_made(const struct interpreter *interp, const char *path)
 {
     const char *at = buf_text(&interp->made), *end = at + interp->made.length;
@@ -447,15 +446,16 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
     if (interpreter_is_wary(interp))
         limits_will_write();
     if (interp->writer && picture_writer_holds(interp->writer, path))
-        picture_writer_wait(interp->writer, NULL, NULL); /* one after the other */
+        picture_writer_wait(interp->writer, NULL, NULL); /* one write at a time */
     if (interp->journal && interp->mode == MODE_LIVE)
-        err = journal_catch_up(interp->journal, fault); /* what led to it is on the disk */
+        err = journal_catch_up(interp->journal,
+                               fault); /* records before the file is written are on the disk */
     if (err)
         return err;
     interpreter_note_kept(interp, path, mode);
     if (file_exists(path)) {
         if (mode == FILE_KEEP)
-            return OK; /* the writer refuses */
+            return OK; /* the writer rejects it */
         if (interpreter_is_wary(interp) && !has_made(interp, path))
             return fault_set(
                 fault, ERR_IO,
@@ -470,10 +470,10 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
         if (backup.length)
             file_discard(buf_text(&backup));
         interp->made.failed =
-            false; /* what it holds is whole; interpreter_settle_files clears the other */
+            false; /* its content is still valid; interpreter_settle_files clears the other */
         err = fault_memory(fault, "a file name");
     }
-    if (!err) { /* there is room for all */
+    if (!err) { /* cannot fail: the memory is reserved */
         buf_add(&interp->made, path, made);
         buf_add(&interp->written, path, strlen(path) + 1);
         buf_add(&interp->written, buf_text(&backup), backup.length + 1);
@@ -482,7 +482,7 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
     return err;
 }
 
-/* Backups go when the command stands; else files are again what they were. */
+/* Remove the backups of a successful command; else restore the files. */
 void interpreter_settle_files(struct interpreter *interp, bool stands)
 {
     const char *at = buf_text(&interp->written), *end = at + interp->written.length;

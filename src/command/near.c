@@ -8,7 +8,7 @@
 #include "base/choice.h"
 #include "base/least.h"
 
-/* Mistakes that a word of this length may have. */
+/* Largest distance for a word of this length. */
 static unsigned limit_for(size_t length)
 {
     return length < 3 ? 0 : length < 6 ? 1 : length < 9 ? 2 : 3;
@@ -24,8 +24,8 @@ static char small(char c)
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
-/* The mistakes that lead from `a` to `b`, by the table of those that lead from the first i bytes to
- * the first j, of which three rows are kept. No byte is mistaken twice. */
+/* Compute the distance of `a` and `b` by the table of distances of their prefixes, keeping
+ * three rows. No byte is edited twice. */
 static unsigned mistakes_between(const char *a, size_t a_length, const char *b, size_t b_length)
 {
     unsigned row[3][NEAR_BYTES_MOST + 1] = {{0}};

@@ -33,8 +33,7 @@ void command_try_names(struct near *near)
     }
 }
 
-/* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
- * xyz; `help` lists them". */
+/* Report an unknown name: "WHAT sede; did you mean seed?", or "WHAT xyz; `help` lists them". */
 static enum err unknown(struct fault *fault, const char *what, const char *word)
 {
     struct near near = near_to(word);
@@ -48,8 +47,8 @@ static enum err unknown(struct fault *fault, const char *what, const char *word)
 
 /* ---- words ---- */
 
-/* A journal is UTF-8 text, so a command is; what a terminal would obey is no part of it either. The
- * first byte that is not so, or the end. */
+/* Return the first byte that is not UTF-8 text or is a control character other than a tab, or the
+ * end. */
 static const char *end_of_text(const char *line)
 {
     for (line = safe_end(line); *line == '\t'; line = safe_end(line + 1))
@@ -57,7 +56,7 @@ static const char *end_of_text(const char *line)
     return line;
 }
 
-/* The same error, about the byte of `line` that `place` is. */
+/* Set the position of an error to `place` in `line`. */
 static enum err at_place(enum err err, const char *line, const char *place, struct fault *fault)
 {
     if (fault)
@@ -65,7 +64,7 @@ static enum err at_place(enum err err, const char *line, const char *place, stru
     return err;
 }
 
-/* Bytes of "name=" where a value between double quotes follows and ends the word; else 0. */
+/* Return the length of "name=" if a value in double quotes follows and ends the word; else 0. */
 static size_t length_of_key(const char *word)
 {
     const size_t key = strspn(word, "abcdefghijklmnopqrstuvwxyz-");
@@ -98,7 +97,7 @@ bool command_take_word(const char **cursor, struct buf *out, const char *quotes)
     return **cursor == '\0' || **cursor == ' ' || **cursor == '\t';
 }
 
-/* The words of a line, each ended by NUL, one after the other in `out`. */
+/* Add the words of a line to `out`, each ended by NUL. */
 static enum err split(struct buf *out, unsigned *count, const char *line, const char *quotes,
                       struct fault *fault)
 {
@@ -126,13 +125,13 @@ static enum err split(struct buf *out, unsigned *count, const char *line, const 
 
 /* ---- values ---- */
 
-/* What places and names of labels are looked up in. */
+/* Scene and names for positions and labels. */
 struct known {
     const struct session *session;
     const struct kept *kept;
 };
 
-/* "LABELS: expected none|tint or a number 1..3, not tnit; did you mean tint?" */
+/* Report "LABELS: expected none|tint or a number 1..3, not tnit; did you mean tint?". */
 static enum err expect(struct fault *fault, const struct parameter *p, const char *word,
                        const char *expected)
 {
@@ -247,7 +246,7 @@ static enum err read_range(struct value *value, const struct parameter *p, const
     return OK;
 }
 
-/* The word itself is the value, each range as it is. */
+/* The word itself is the value. */
 static enum err read_list(struct value *value, const struct parameter *p, const char *word,
                           struct fault *fault)
 {
@@ -315,7 +314,7 @@ static enum err read_colour(struct value *value, const struct parameter *p, cons
     return OK;
 }
 
-/* One part more of several. */
+/* Add one of several parts. */
 static enum err read_part(struct value *value, const struct parameter *p, const char *word,
                           int choice, struct fault *fault)
 {
@@ -377,7 +376,7 @@ static enum err read_value(struct value *value, const struct parameter *p, const
 
 /* ---- calls ---- */
 
-/* An optional number before an optional file is left out where a word is a file: has a dot. */
+/* True if an optional number before an optional file is skipped, since the word has a dot. */
 static bool is_passed_over(const struct parameter *p, const char *word)
 {
     return p->type == VALUE_NUMBER && p->optional && !p->keyed && p[1].type == VALUE_FILE &&
@@ -412,7 +411,7 @@ static enum err usage_fault(struct fault *fault, const struct command *command, 
     return err;
 }
 
-/* A word "key=value" that is not understood, and whose key is near one that the command has. */
+/* Report a word "key=value" whose key is near a key of the command. */
 static bool is_near_a_key(const struct command *command, const char *word, struct fault *fault)
 {
     const struct parameter *p = command->parameter;
@@ -454,7 +453,7 @@ static enum err fill(struct call *call, const char *word, const struct known *kn
     return err;
 }
 
-/* A line begins where the command does. */
+/* Put the position of the command in front of its line. */
 static enum err lead_line(struct call *call, struct value *value, struct fault *fault)
 {
     struct polyline whole = {0};
@@ -469,7 +468,7 @@ static enum err lead_line(struct call *call, struct value *value, struct fault *
     return fits ? OK : fault_memory(fault, "a line");
 }
 
-/* The words of a line that has been split, from the first on. */
+/* Read the words of a line after `split`. */
 static enum err read_words(struct call *call, unsigned count, const struct known *known,
                            unsigned *wrong, struct fault *fault)
 {
@@ -496,7 +495,7 @@ static enum err read_words(struct call *call, unsigned count, const struct known
     return line ? lead_line(call, line, fault) : OK;
 }
 
-/* Where the word of this number begins; after the last one, a blank later. */
+/* Return the position of the word of this number; after the last word, one byte behind. */
 static const char *place_of_word(const char *line, unsigned number, const char *quotes)
 {
     struct buf word = {0};
@@ -536,7 +535,7 @@ enum err command_parse_by(struct call *call, const char *line, const struct sess
     return err;
 }
 
-/* Whether words of an error name this one: not as a part of another. */
+/* True if the words of an error contain this word, not as a part of another. */
 static bool names(const char *text, const char *word)
 {
     static const char after[] = " ,;:?";
@@ -579,7 +578,7 @@ void call_release(struct call *call)
 
 /* ---- by name ---- */
 
-/* Which parameter it is, in the order of the table. */
+/* Return the number of a parameter in the table. */
 static size_t number_of(const struct command *command, const char *name, size_t length)
 {
     const struct parameter *p = command->parameter;
@@ -610,7 +609,7 @@ bool call_has(const struct call *call, const char *names)
     return has;
 }
 
-/* ---- lines beside others ---- */
+/* ---- comparing lines ---- */
 
 bool command_opens(struct buf *name, const char *line)
 {
@@ -715,7 +714,7 @@ void command_write(struct buf *out, const struct call *call)
     for (int i = 0; p[i].type; i++) {
         const struct value *value = &call->value[i];
         if (!value->given && p[i].type == VALUE_LINE && !p[i].optional)
-            write_corner(out, p[i].name, call->value->place); /* a line that stays at its place */
+            write_corner(out, p[i].name, call->value->place); /* the line is a single place */
         if (!value->given)
             continue;
         if (p[i].type == VALUE_LINE) {

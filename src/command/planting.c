@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons, and objects by
- * their intensities. */
+/* Commands that plant seeds: balls and strokes, shells, boxes, polygons, and objects by their
+ * intensities. */
 #include "command/act.h"
 
 #include <stdio.h>
@@ -18,7 +18,7 @@
 #include "session/markers.h"
 #include "session/paint.h"
 
-/* ---- what may be planted ---- */
+/* ---- seeds of a command ---- */
 
 struct planting act_begin_planting(const struct session *session, const struct value *range)
 {
@@ -29,9 +29,8 @@ struct planting act_begin_planting(const struct session *session, const struct v
                       : all};
 }
 
-/* A shell cuts no object but the one that it encloses. Trees that are refused at a shell by their
- * label, so that shells may cross other objects, left as much to correct in scenes of three and
- * four objects. */
+/* A shell cuts no object other than the enclosed one. Letting shells cross other objects, with
+ * trees refused by label, did not reduce the corrections in scenes of three and four objects. */
 static bool is_of_another(const struct planting *planting, const struct cell *at, int16_t label)
 {
     return planting->is_shell && at->label && at->label != planting->inside && at->label != label;
@@ -121,7 +120,7 @@ bool act_find_recorded(const struct act *act, const char *key, struct record_wor
     return act->session->skims && recorded && record_word_find(recorded, key, strlen(key), word);
 }
 
-/* One marker of the voxels, which are let go of. */
+/* Plant one marker on the voxels and release them. */
 static enum err plant_all(const struct act *act, struct planting *planting, struct voxels *voxels,
                           int16_t label)
 {
@@ -138,18 +137,18 @@ static enum err plant(const struct act *act, struct voxels *voxels)
     return plant_all(act, &planting, voxels, (int16_t)act_number(act, "LABEL"));
 }
 
-/* ---- what gives way ---- */
+/* ---- voxels freed by a gesture ---- */
 
 /*
- * A gesture frees the pieces of a file that it is planted in (session/markers.h) as far as it says
- * how far it is to be heeded, or three times its radius around its middle; that of a box is half
- * its thinnest side, and that of a polygon 0. No less than FREES_LEAST voxels, no more than
- * FREES_MORE voxels around what is planted, and FREES_MOST in all; voxels of a radius in
- * millimetres are as long as their shortest side. tests/bench/README.md has the figures.
+ * A gesture frees the pieces of a file around it (session/markers.h): up to its `within`, or three
+ * times its radius around its middle. The radius of a box is half its thinnest side, that of a
+ * polygon 0. The distance is at least FREES_LEAST voxels, at most FREES_MORE voxels beyond the
+ * planted ones, and at most FREES_MOST in all; for a radius in millimetres a voxel is as long as
+ * its shortest side. tests/bench/README.md has the figures.
  */
 enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10, FREES_MOST = 160 };
 
-/* The marker that the command has planted frees voxels, which are let go of. */
+/* Free voxels for the marker that the command has planted, and release them. */
 static enum err free_voxels(const struct act *act, struct voxels *voxels, enum err err)
 {
     const struct session *session = act->session;
@@ -174,7 +173,7 @@ static int64_t freed_radius(int64_t radius, int64_t voxel)
 
 static const uint32_t ones[3] = {1, 1, 1};
 
-/* Around balls at each step of a way. */
+/* Free balls at each step of a way. */
 static enum err free_around_way(const struct act *act)
 {
     const struct session *session = act->session;
@@ -222,7 +221,7 @@ static enum err free_around_box(const struct act *act)
                        paint_box(&voxels, grid, first, last, session->watch, act->fault));
 }
 
-/* Adds the balls around the voxels first..last of a row. */
+/* Add the balls around the voxels first..last of a row. */
 static enum err add_around(struct voxels *out, const struct act *act, const struct brush *brush,
                            uint32_t first, uint32_t last)
 {
@@ -239,7 +238,7 @@ static enum err add_around(struct voxels *out, const struct act *act, const stru
     return err;
 }
 
-/* One marker of voxels in a slice, which are let go of; it frees what lies around them. */
+/* Plant one marker on voxels in a slice, free their neighbourhood, and release them. */
 static enum err plant_in_slice(const struct act *act, struct planting *planting,
                                struct voxels *voxels, int16_t label)
 {
@@ -266,7 +265,7 @@ static enum err plant_in_slice(const struct act *act, struct planting *planting,
 
 /* ---- balls and strokes ---- */
 
-/* What a distance is counted in: voxels, or nanometres of their spacing. */
+/* Find the unit of a distance: voxels, or nanometres of their spacing. */
 static enum err find_unit(const uint32_t **unit, const struct act *act, const char *name,
                           const struct value *distance)
 {
@@ -305,7 +304,7 @@ enum err act_find_voxels(const struct act *act, const struct value *to, struct v
     return err;
 }
 
-/* The command before has planted, as its one marker, seeds of the label. */
+/* True if the previous command has planted seeds of the label as its only marker. */
 static bool can_join(const struct act *act)
 {
     const int64_t label = act_number(act, "LABEL");
@@ -318,7 +317,7 @@ static bool can_join(const struct act *act)
 
 /* ---- shells ---- */
 
-/* The label that the middle of a shell has now, and whether a seed reaches it. */
+/* Find the current label in the middle of a shell, and whether a seed reaches it. */
 static enum err look_inside(const struct act *act, const uint32_t middle[3], uint8_t *inside,
                             bool *is_reached)
 {
@@ -330,7 +329,7 @@ static enum err look_inside(const struct act *act, const uint32_t middle[3], uin
     return err;
 }
 
-/* Plants a shell around the object `around`, unless given that in its middle. */
+/* Plant a shell around the object `around`, by default the one in its middle. */
 static enum err plant_shell(const struct act *act, struct voxels *voxels, const uint32_t middle[3])
 {
     const int16_t label = (int16_t)act_number(act, "LABEL");
@@ -359,9 +358,8 @@ static enum err refuse_shell(const struct act *act, const char *why)
     return fault_set(act->fault, ERR_USAGE, "shell: %s; nothing was planted", why);
 }
 
-/* The radius of the ball that the voxel `through` lies on: in the world, or in voxels where nobody
- * knows how large those are; no less than the distance of the centres, so that the voxel is in it.
- */
+/* Compute the radius of the ball through the voxel `through`: in millimetres, or in voxels if their
+ * size is unknown; rounded up, so that the voxel is inside. */
 static enum err find_radius(struct value *radius, const struct act *act)
 {
     const uint32_t *middle = act_place(act, "PLACE"), *through = act_place(act, "through");
@@ -422,7 +420,7 @@ static enum err plant_hollow_box(const struct act *act)
 
 /* ---- `seed` ---- */
 
-/* The number of the reach of a ball's seeds; no seed of it lies beyond. */
+/* Find the number of the reach of a ball's seeds; all of them must be inside. */
 static enum err find_reach(uint16_t *number, const struct act *act, const struct voxels *voxels)
 {
     struct session *session = act->session;
@@ -493,15 +491,15 @@ enum err act_box(const struct act *act)
 
 /* ---- `fill`, `outline` ---- */
 
-enum { OUTLINE_RING = 3 }; /* did as well as all outside the outline, in bench effort */
+enum { OUTLINE_RING = 3 }; /* as good as the whole outside in the effort benchmark */
 
-/* Leaves out what a record says: "spared=1-7,12", by the order of the ring, or "spared=0". */
+/* Leave out the recorded voxels: "spared=1-7,12", by their order in the ring, or "spared=0". */
 static enum err leave_out_recorded(struct voxels *ring, const struct record_word *word,
                                    struct fault *fault)
 {
     const char *at = word->value, *end = word->value + word->value_length;
     const int64_t all = (int64_t)ring->count;
-    int64_t next = 0, first, last; /* `next` of them are looked at */
+    int64_t next = 0, first, last; /* the first `next` are done */
     bool fits = true;
     ring->count = 0;
     do {
@@ -515,11 +513,11 @@ static enum err leave_out_recorded(struct voxels *ring, const struct record_word
     return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "spared: expected N,N-N");
 }
 
-/* A word of the record says what is left out, unless that is more than a line should hold. */
+/* Runs in the word of a record; with more, nothing is recorded. */
 enum { SPARED_MOST = 256 };
 
-/* What belongs to another object, by its seed or as of the last run, is left out: that one's own
- * seeds hold the label back, and a ring of the background would cut into it. */
+/* Leave out voxels of other objects, by their seeds or the last run: their own seeds hold the label
+ * back, and a ring of background would cut into them. */
 static enum err spare_others(const struct act *act, struct voxels *ring, int16_t label)
 {
     struct session *session = act->session;
@@ -559,7 +557,7 @@ static enum err spare_others(const struct act *act, struct voxels *ring, int16_t
     return err;
 }
 
-/* The marker of the inside goes on with a ring of the background. */
+/* Add a ring of background to the marker of the inside. */
 static enum err plant_ring(const struct act *act, struct voxels *ring, int16_t label,
                            size_t *others)
 {
@@ -606,7 +604,7 @@ enum err act_fill(const struct act *act)
     return plant_polygon(act, 0);
 }
 
-/* Whatever part of it has the number. */
+/* Remove the marker `instead`, given by any of its parts. */
 static enum err take_former(const struct act *act)
 {
     const struct markers *markers = &act->session->markers;
@@ -635,21 +633,21 @@ enum err act_outline(const struct act *act)
     return err ? err : plant_polygon(act, (int)ring);
 }
 
-/* ---- `object`: what is connected to a seed within a range ---- */
+/* ---- `object`: components within a range that contain a seed ---- */
 
-/* What is looked through: which voxels may belong to the object, and their pieces. */
+/* The search: voxels that may belong to the object, and their components. */
 struct search {
     const struct act *act;
     int16_t label;
     struct planting planting;
-    size_t unsure; /* voxels of the scene, of levels that the range splits */
+    size_t unsure; /* voxels of levels that contain an end of the range */
     uint8_t *may;  /* [grid.cells], 0 or 1 */
     struct components found;
     bool *is_taken; /* by component */
     struct voxels voxels;
 };
 
-/* In the range, in the region of interest, and without a seed of another label. */
+/* True in the range, in the region of interest, and without a seed of another label. */
 static bool may_belong(const struct search *s, uint32_t cell)
 {
     const struct cell *at = s->act->session->scene->cell + cell;
@@ -714,7 +712,7 @@ static enum err take_pieces(struct search *s)
     return OK;
 }
 
-/* The voxel that was named does not belong to it. */
+/* Report why the voxel `from` does not belong to the object. */
 static enum err refuse_place(const struct search *s)
 {
     const struct session *session = s->act->session;
@@ -734,7 +732,7 @@ static enum err refuse_place(const struct search *s)
                      place[0], place[1], place[2], buf_text(why));
 }
 
-/* An object ends where trees of another label begin, and nowhere else. */
+/* Warn if no other label has a seed: only trees of another label end an object. */
 static void warn_of_no_other(const struct search *s)
 {
     const struct session *session = s->act->session;

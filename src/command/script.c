@@ -13,22 +13,22 @@
 
 enum { LINE_BYTES_MOST = 65536 };
 
-/* One line without its line feed; false at the end. Of a line that is too long for any command so
- * much is read that it stays too long. */
+/* Read one line without its line feed; false at the end. Of a line that is too long for any
+ * command, read enough that it remains too long. */
 static bool read_line(FILE *input, struct buf *line)
 {
     int c;
     buf_clear(line);
     while ((c = getc(input)) != EOF && c != '\n')
         if (line->length < LINE_BYTES_MOST)
-            buf_add_char(line, (char)(c ? c : 1)); /* a zero byte would hide what follows it */
+            buf_add_char(line, (char)(c ? c : 1)); /* a zero byte would hide the rest of the line */
     if (line->length && line->data[line->length - 1] == '\r')
         line->data[--line->length] = '\0';
     return c != EOF || line->length > 0;
 }
 
-/* Whether a line goes into the journal with the command that follows: a comment or a blank line,
- * but no header of a journal. */
+/* True if a line is stored in the journal with the next command: a comment or a blank line, but no
+ * header of a journal. */
 static bool is_comment(const char *line)
 {
     const bool is_header = strncmp(line, RECORD_HEADER, sizeof RECORD_HEADER - 1) == 0;
@@ -59,25 +59,25 @@ bool script_opens_scene(FILE *input, bool *knows)
     return opens;
 }
 
-/* ---- what is recorded already ---- */
+/* ---- lines already recorded ---- */
 
-/* What of a script the journal has. */
+/* The part of a script that the journal already has. */
 struct recorded {
     struct interpreter *interp;
     enum recorded_mode {
         RECORDED_UNDECIDED, /* until the first line that would be recorded */
-        RECORDED_NOTHING,   /* the script adds to the journal, or there is none */
-        RECORDED_FOLLOWS,   /* the record at hand is yet to be met */
-        RECORDED_ENDS,      /* all records have been met */
+        RECORDED_NOTHING,   /* the script is appended to the journal, if any */
+        RECORDED_FOLLOWS,   /* `record` has no line yet */
+        RECORDED_ENDS,      /* all records have their lines */
     } mode;
-    size_t records;       /* of the journal, before the first line */
+    size_t records;       /* in the journal before the first line */
     struct buf journal;   /* its bytes then */
-    struct walk walk;     /* over them */
-    struct record record; /* at hand */
-    size_t other_comment; /* the first record whose comments are others than the script's, or 0 */
-    struct buf comments;  /* of the script, since the last record */
-    const struct kept_settings *settings; /* before it, as the history has them, and */
-    struct kept kept;                     /* as lines are read by them: labels have these names */
+    struct walk walk;     /* over these bytes */
+    struct record record; /* the next one */
+    size_t other_comment; /* the first record whose comments differ from the script's, or 0 */
+    struct buf comments;  /* in the script since the last record */
+    const struct kept_settings *settings; /* before `record`, by the history, */
+    struct kept kept;                     /* and the names of labels to read lines with */
 };
 
 static void step(struct recorded *recorded)
@@ -86,7 +86,7 @@ static void step(struct recorded *recorded)
         recorded->mode = RECORDED_ENDS;
 }
 
-/* Before the first line of `input`, which is read ahead and put back where that can be done. */
+/* Initialise before the first line of `input`, which is read ahead if it can be rewound. */
 static enum err recorded_begin(struct recorded *recorded, struct interpreter *interp, FILE *input,
                                struct fault *fault)
 {
@@ -112,7 +112,7 @@ static enum err recorded_begin(struct recorded *recorded, struct interpreter *in
     return OK;
 }
 
-/* What labels were called before the record. */
+/* Return the names that labels had before the record. */
 static const struct kept *kept_then(struct recorded *recorded)
 {
     const struct interpreter *interp = recorded->interp;
@@ -125,7 +125,7 @@ static const struct kept *kept_then(struct recorded *recorded)
     return recorded->settings ? &recorded->kept : &interp->session->now.kept;
 }
 
-/* Whether words of a record are values that the record of this call adds by itself. */
+/* True if the words of a record are values that it adds to this call. */
 static bool are_added(const struct call *call, const char *words)
 {
     const struct parameter *p = call->command->parameter;
@@ -142,7 +142,7 @@ static bool are_added(const struct call *call, const char *words)
     return all;
 }
 
-/* Whether the record is one that this call leads to. */
+/* True if the record is a result of this call. */
 static bool leads_to(const struct call *call, const char *canonical, const char *command)
 {
     const size_t length = strlen(canonical);
@@ -183,7 +183,7 @@ static enum err differs(const struct recorded *recorded, const char *line, struc
     return ERR_INPUT;
 }
 
-/* The comments that were held back go with the command that follows. */
+/* Store the comments read so far with the next command. */
 static enum err give_comments(struct recorded *recorded, struct fault *fault)
 {
     enum err err = OK;
@@ -197,8 +197,8 @@ static enum err give_comments(struct recorded *recorded, struct fault *fault)
     return err;
 }
 
-/* `call` is of the line, which is written as its record has it, as far as that is known without
- * carrying it out: with files as seen from the journal, and a series by its number. */
+/* Compare a line with the next record. The call is written as its record would be, as far as known
+ * without executing it: with files relative to the journal, and a series by its number. */
 static enum err take(struct recorded *recorded, const char *line, struct call *call, bool *taken,
                      struct reply *reply, struct fault *fault)
 {
@@ -213,7 +213,8 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
         call_set(call, "series", session->series, NULL);
     command_write(&reply->canonical, call);
     const bool is_met = leads_to(call, buf_text(&reply->canonical), recorded->record.command);
-    if (recorded->mode == RECORDED_UNDECIDED && is_recorded) /* by the first that would be */
+    if (recorded->mode == RECORDED_UNDECIDED &&
+        is_recorded) /* decided by the first line to be recorded */
         recorded->mode =
             is_met || (opens && session->has_scene) ? RECORDED_FOLLOWS : RECORDED_NOTHING;
     *taken = recorded->mode == RECORDED_FOLLOWS;
@@ -229,7 +230,7 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
              memcmp(buf_text(comments), recorded->walk.bytes + record->offset, length) != 0))
             recorded->other_comment = record->number;
         buf_clear(&recorded->comments);
-        if (is_recorded) { /* with what its record adds */
+        if (is_recorded) { /* including words added by the record */
             buf_clear(&reply->canonical);
             buf_add_text(&reply->canonical, record->command);
         }
@@ -242,9 +243,9 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
     return reply->canonical.failed || reply->text.failed ? fault_memory(fault, "an answer") : OK;
 }
 
-/* Whether the line stands before where the script goes on: then *taken, and it is not to be carried
- * out; `reply` and interp->acknowledged are what its record has. ERR_INPUT where line and record
- * differ: *taken too. */
+/* *taken: the line comes before the point where the script continues, and is not executed; `reply`
+ * and interp->acknowledged are filled from its record. ERR_INPUT, with *taken, if line and record
+ * differ. */
 static enum err recorded_take(struct recorded *recorded, const char *line, bool *taken,
                               struct reply *reply, struct fault *fault)
 {
@@ -253,13 +254,13 @@ static enum err recorded_take(struct recorded *recorded, const char *line, bool 
     struct call call;
     *taken = false;
     if (recorded->mode == RECORDED_UNDECIDED &&
-        journal_count(interp->journal) > recorded->records) /* by a question */
+        journal_count(interp->journal) > recorded->records) /* a question was recorded */
         recorded->mode = RECORDED_NOTHING;
     if (!follows && recorded->mode != RECORDED_UNDECIDED)
         return give_comments(recorded, fault);
     reply_clear(reply);
     *taken = *line == '#' || *line == '\0' || follows;
-    if (is_comment(line)) { /* held back until its command is met, or is not */
+    if (is_comment(line)) { /* stored with the next command that is executed */
         buf_add_text(&recorded->comments, line);
         buf_add_char(&recorded->comments, '\n');
     }
@@ -267,7 +268,7 @@ static enum err recorded_take(struct recorded *recorded, const char *line, bool 
         return recorded->comments.failed ? fault_memory(fault, "a comment") : OK;
     const struct kept *kept = follows ? kept_then(recorded) : &interp->session->now.kept;
     if (command_parse_by(&call, line, interp->session, kept,
-                         fault)) /* the door says it, where it has to */
+                         fault)) /* interpreter_execute reports the error */
         return follows ? differs(recorded, line, fault) : OK;
     const enum err err = call.command ? take(recorded, line, &call, taken, reply, fault) : OK;
     call_release(&call);
@@ -311,16 +312,16 @@ static void warn(const struct printer *printer, const char *name, size_t line,
 
 /* ---- runs ---- */
 
-/* A run of a script, with what of it the journal has. */
+/* A run of a script, with the part already recorded. */
 struct run {
     struct interpreter *interp;
     const char *name;
     const struct printer *printer;
     struct recorded recorded;
-    bool goes_on; /* a line was carried out that the journal does not have */
+    bool goes_on; /* a line was executed that is not in the journal */
 };
 
-/* Which line the run goes on with; 0 for none. */
+/* Report the line at which the run continues; 0 for none. */
 static void say_what_is_left(const struct run *run, size_t line)
 {
     const size_t other = run->recorded.other_comment;
@@ -342,7 +343,7 @@ static void say_what_is_left(const struct run *run, size_t line)
     buf_release(&text);
 }
 
-/* A question after the last record, whose file the run that was interrupted has written. */
+/* True for a question after the last record whose file was written by the interrupted run. */
 static bool was_answered(const struct run *run, const char *line)
 {
     struct interpreter *interp = run->interp;
@@ -356,7 +357,7 @@ static bool was_answered(const struct run *run, const char *line)
     return is_question;
 }
 
-/* Carries it out, unless that is recorded already: then *taken. */
+/* Execute a line, unless it is already recorded: then *taken. */
 static enum err run_line(struct run *run, const char *line, size_t number, bool *taken,
                          struct reply *reply, struct fault *fault)
 {
@@ -381,7 +382,7 @@ static enum err run_line(struct run *run, const char *line, size_t number, bool 
     return err;
 }
 
-/* The next line; false at the end, or where the watch stops. */
+/* Read the next line; false at the end, or if the watch stops. */
 static bool next_line(const struct interpreter *interp, FILE *input, struct buf *line,
                       const struct printer *printer)
 {
@@ -410,7 +411,7 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
             continue;
         const enum err err = run_line(&run, buf_text(&line), number, &taken, &reply, fault);
         if (err) {
-            /* What there is to choose from, before the error that is about it. */
+            /* Print the list to choose from before the error. */
             struct buf text = {0};
             add_indented(&text, &reply.list);
             if (text.length)

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Scripts: the lines of a file or pipe, carried out one after the other.
+ * Scripts: the lines of a file or pipe, executed in order.
  *
- * Nothing here prints: a `struct printer` takes the lines.
+ * Nothing here prints: a `struct printer` receives the lines.
  *
- * A run that was interrupted goes on after its last record. A session has one scene, so a script
- * that opens one can add nothing to a journal that has its scene already: it must be the script
- * that the journal was recorded from. Its lines are then taken one by one beside the records, in
- * canonical form, names of labels as they were there; a line that led to the next record is not
- * carried out again. After the last record the script goes on as any other. Where a line and the
- * record differ, nothing is carried out at all: somebody has changed one of them.
+ * An interrupted run continues after its last record. A session has one scene, so a script that
+ * opens a scene cannot be added to a journal that already has one: it must be the script that the
+ * journal was recorded from. Its lines are compared with the records in canonical form, with the
+ * names that labels had at that record; a line that led to the next record is not executed again.
+ * After the last record the script continues as usual. If a line and its record differ, nothing is
+ * executed: one of the files was changed.
  *
  *     script                  journal
- *     open a.nii              open a.nii weight=morph       what a record adds (`added`)
+ *     open a.nii              open a.nii weight=morph       added by the record (`added`)
  *     seed 1,2,3 liver        seed 1,2,3 2
- *     stats                   run for=stats                 what a question has applied
- *     zoom fit                zoom 2.5 at=9,9,9             what it came to (`comes_to`)
- *     seed 4,5,6 liver                                      goes on here
+ *     stats                   run for=stats                 edits applied by a question
+ *     zoom fit                zoom 2.5 at=9,9,9             result of the command (`comes_to`)
+ *     seed 4,5,6 liver                                      continues here
  */
 #ifndef COMMAND_SCRIPT_H
 #define COMMAND_SCRIPT_H
@@ -29,24 +29,24 @@ struct printer {
     void *context;
     void (*print)(void *context, const char *text);          /* whole lines, to standard output */
     void (*warn)(void *context, const char *text);           /* whole lines, to standard error */
-    void (*show)(void *context, struct interpreter *interp); /* the picture; may be NULL */
-    /* Before a line is read, which may take any time, and after; may be NULL. */
+    void (*show)(void *context, struct interpreter *interp); /* shows the picture; may be NULL */
+    /* Called before and after reading a line, which may take any time; may be NULL. */
     void (*waits)(void *context, bool waits);
 };
 
-/* Carries out the lines of `input`, whose name is `name` in messages. Each command is acknowledged
- * by "ok N COMMAND", once it is record N, by "ok - COMMAND" where it is none; its answer follows,
- * indented. The first error ends the run, unless `keep_going`; where the session's watch stops a
- * command, or is found to stop between two, it ends in any case: ERR_CANCELLED. *stopped is the
- * line that it ended at then, 0 where it came to the end. Result lines of a journal are skipped. */
+/* Execute the lines of `input`, which messages call `name`. Each command is acknowledged by "ok N
+ * COMMAND", if it is record N, or by "ok - COMMAND"; its answer follows, indented. The first error
+ * ends the run, unless `keep_going`. If the session's watch stops, the run ends in any case:
+ * ERR_CANCELLED. *stopped is the line at which the run ended, 0 at the end of the script. Result
+ * lines of a journal are skipped. */
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
                     const struct printer *printer, size_t *stopped, struct fault *fault);
 
-/* Whether the rest of `input`, or all from where it stands, opens a scene; it is put back to where
- * it stood. False also where that cannot be done: *knows says which. */
+/* True if the rest of `input` opens a scene; the position of `input` is restored. False also if
+ * that is impossible; *knows is false then. */
 bool script_opens_scene(FILE *input, bool *knows);
 
-/* "ok N COMMAND" or "ok - COMMAND", and the answer, for a command that was just carried out. */
+/* Print "ok N COMMAND" or "ok - COMMAND", and the answer of a command that was just executed. */
 void script_acknowledge(const struct interpreter *interp, const struct reply *reply,
                         const struct printer *printer);
 

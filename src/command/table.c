@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* THE table of commands. */
+/* The table of commands. */
 #include "command/table.h"
 
 #include "base/file_log.h"
@@ -16,7 +16,7 @@
 #include "session/seed_file.h"
 #include "show/slicing.h"
 
-/* What rows of other tables say of themselves. */
+/* Notes of rows of other tables. */
 #define VOLUME_NOTE(format, note)                          note
 #define WEIGHT_NOTE(kind, name, argument, usual, help)     help
 #define WEIGHT_NOTES                                       WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
@@ -57,12 +57,12 @@
 enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
 enum { VOLUMES_MOST = 65535 };
 
-/* What every row begins with, on one line. */
+/* First members of a row, on one line. */
 #define COMMAND(NAME, ACT, GROUP, FLAGS)        NAME, NULL, NULL, ACT, GROUP, FLAGS
 #define CALLED(NAME, ALSO, ACT, GROUP, FLAGS)   NAME, ALSO, NULL, ACT, GROUP, FLAGS
 #define COMES_TO(WHAT, NAME, ACT, GROUP, FLAGS) NAME, NULL, WHAT, ACT, GROUP, FLAGS
 
-/* Parameters: name, type, and what the type needs of .choices, .least and .most. */
+/* Parameters: name, type, and .choices, .least and .most as the type requires. */
 #define NEED(...)                                                                                  \
     {                                                                                              \
         __VA_ARGS__, .optional = false                                                             \
@@ -80,22 +80,22 @@ enum { VOLUMES_MOST = 65535 };
         __VA_ARGS__, .optional = true, .paired = true                                              \
     }
 
-/* What all ways to plant have in common. */
+/* Parameters shared by all commands that plant. */
 #define BRUSH       KEYED("radius", VALUE_RADIUS, .most = 32)
 #define WITHIN      KEYED("range", VALUE_INTERVAL)
 #define WITHIN_NOTE "\nrange: only voxels whose intensity, as `why` prints it, is LOW to HIGH."
 
-/* What encloses an object. */
+/* Parameters of shells. */
 #define HOLLOW                                                                                     \
     KEYED("shell", VALUE_CHOICE, .choices = "yes"), KEYED("around", VALUE_LABEL, .most = 255)
 
-/* Labels as the finish has them. */
+/* Parameters for finished labels. */
 #define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
 #define LEFT_NOTE     "\nfinished=yes: labels as `finish` leaves them."
 #define SHOWN_NOTE    LEFT_NOTE " Unless given, as `finished` has it."
 #define FINISHED_NOTE LEFT_NOTE " Unless given at a prompt, as `finished` has it."
 
-/* What all that read a map have in common. */
+/* Parameters shared by all commands that read a map. */
 #define OF_MAP                                                                                     \
     KEYED("resample", VALUE_CHOICE, .choices = "yes|no"),                                          \
         KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                                       \
@@ -105,7 +105,7 @@ enum { VOLUMES_MOST = 65535 };
     "voxels; without it, one that is off by more than half a voxel is refused.\n"                  \
     "volume, data: which one of several, as `open` has them."
 
-/* What those of weights are made of. */
+/* Parameters of weights. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
 #define KEYED_WEIGH(name, type, low, high) KEYED(name, VALUE_##type, .least = low, .most = high)
 
@@ -117,9 +117,9 @@ enum {
     P = COMMAND_PLANTS,
     A = COMMAND_ANSWERS,
     C = COMMAND_CARRIED,
-    TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
+    TURNS = 10 * VIEW_TURN, /* angles beyond one turn are reduced */
     PANS = 1000 * VIEW_SIDE_MOST,
-    RING_MOST = 16, /* more would be a stroke of the background */
+    RING_MOST = 16, /* a wider ring would be a stroke of the background */
 };
 
 const char *const command_group_name[GROUPS] = {

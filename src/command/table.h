@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the commands of the table do: act_NAME carries NAME out (command/act.h). */
+/* Functions of the commands: act_NAME executes NAME (command/act.h). */
 #ifndef COMMAND_TABLE_H
 #define COMMAND_TABLE_H
 
@@ -8,10 +8,10 @@
 struct act;
 typedef enum err act_function(const struct act *act);
 
-/* What `open raw:FILE type=` takes. */
+/* Voxel types of `open raw:FILE type=`. */
 #define OPEN_TYPES "int8|uint8|int16|uint16|int32|uint32|int64|uint64|float32|float64"
 
-/* What `origin by=` and `as=` take: how a procedure was carried over, and what was planted. */
+/* Values of `origin by=` and `as=`: transfer of a procedure, and its seeds. */
 #define ORIGIN_WAYS   "world|landmarks|affine|file"
 #define ORIGIN_PLANTS "labels|seeds"
 
@@ -30,7 +30,7 @@ act_function act_seed_file;
 act_function act_labels, act_remove, act_run;
 /* act_history.c */
 act_function act_undo, act_redo, act_goto, act_branch, act_history, act_journal, act_sync;
-/* act_view.c; act_set carries all settings out (session/setting.h) */
+/* act_view.c; act_set executes all settings (session/setting.h) */
 act_function act_weight, act_polarity, act_mask, act_range, act_view, act_turn, act_zoom, act_pan,
     act_focus, act_hide, act_show, act_opacity, act_clip, act_plane, act_cut, act_set;
 /* act_picture.c */

@@ -18,7 +18,8 @@
 
 enum { POLL_EVERY_NS = 20000000 };
 static const uint64_t DEFAULT_TIME_MS = 3600000, DEFAULT_OUTPUT = 4000000000;
-static const uint64_t HELPER_LEAST = 512000000; /* with less it could not write every picture */
+static const uint64_t HELPER_LEAST =
+    512000000; /* the least with which it can write every picture */
 
 enum state { WITHIN, TOO_LONG, TOO_MUCH_MEMORY, TOO_MUCH_OUTPUT };
 
@@ -26,7 +27,7 @@ static struct {
     bool hold;
     struct limits limits;
     uint64_t begun_ns, polled_ns, output_bytes;
-    uint64_t rests_since_ns; /* 0: it works */
+    uint64_t rests_since_ns; /* 0: not resting */
     enum state state;
     struct rlimit file_size; /* as it was */
     bool is_file_size_set;
@@ -34,7 +35,7 @@ static struct {
 
 /* ---- options ---- */
 
-/* A decimal with one of the units, each of which is worth so many; at least 1, at most 2^53. */
+/* Read a decimal with a unit; `worth` has the factor of each unit. The result is 1 to 2^53. */
 static bool read_amount(uint64_t *out, const char *text, const char *units, const uint64_t *worth)
 {
     int64_t thousandths;
@@ -95,7 +96,7 @@ void limits_begin(const struct limits *limits)
         now.limits.memory_bytes > HELPER_LEAST ? now.limits.memory_bytes : HELPER_LEAST;
     volume_helper_memory_most = image_helper_memory_most;
     volume_helper_is_wary = true;
-    signal(SIGXFSZ, SIG_IGN); /* a write that would grow a file too large is an error of its own */
+    signal(SIGXFSZ, SIG_IGN); /* so that writing too much is an error, not a signal */
 }
 
 void limits_rest(bool rests)
@@ -148,7 +149,7 @@ void limits_will_write(void)
 
 /* ---- after a command ---- */
 
-/* What the journal does beyond a limit, and what became of that. */
+/* Report the exceeded limit and its consequence. */
 static enum err refuse_limit(enum state state, const char *end, struct fault *fault)
 {
     const struct {
@@ -176,7 +177,7 @@ enum err limits_judge(enum err err, const struct buf *written, struct fault *fau
     limits_stop();
     if (now.state != WITHIN)
         return refuse_limit(now.state, "it was stopped", fault);
-    /* An error that a limit has caused names its option. */
+    /* Name the option if a limit has caused the error. */
     if ((err == ERR_LIMIT || err == ERR_MEMORY) && fault && strstr(fault->text, "memory"))
         fault_prefix(fault, err, "--limit-memory allows %g MB",
                      (double)now.limits.memory_bytes / 1e6);
@@ -191,7 +192,7 @@ enum err limits_judge(enum err err, const struct buf *written, struct fault *fau
         if (lstat(at, &status) == 0)
             bytes += (uint64_t)status.st_size;
         at += strlen(at) + 1; /* the path */
-        at += strlen(at) + 1; /* and what belongs to it */
+        at += strlen(at) + 1; /* and its backup */
     }
     if (bytes > now.limits.output_bytes - now.output_bytes)
         return refuse_limit(TOO_MUCH_OUTPUT, "this file was removed", fault);
@@ -199,10 +200,10 @@ enum err limits_judge(enum err err, const struct buf *written, struct fault *fau
     return OK;
 }
 
-/* Files that may name others with their voxels, which are to lie beside them. */
+/* Headers whose voxels may be in other files of the same folder. */
 static const char HEADERS_ALONE[] = ".mhd|.nhdr|.h5|.hdf5|.hdf|.ims";
 
-/* ---- a name that a journal gives ---- */
+/* ---- names in a journal ---- */
 
 static enum beneath look_in(struct buf *path, const char *folder, size_t length, const char *name)
 {
@@ -213,8 +214,8 @@ static enum beneath look_in(struct buf *path, const char *folder, size_t length,
     return answer;
 }
 
-/* The first place that has something of this name decides: a link that leads out is an error, and
- * no reason to search a folder of scenes. */
+/* The first place with this name decides: a link that leads out is an error, and the folders of
+ * scenes are not searched. */
 static enum beneath look_everywhere(struct buf *path, const char *home, const char *scenes,
                                     const char *name)
 {
@@ -232,7 +233,7 @@ static enum beneath look_everywhere(struct buf *path, const char *home, const ch
     return answer;
 }
 
-/* OK where the answer is that of a file that may be read, or of a folder where that is taken. */
+/* OK for a file that may be read, or a folder if allowed; else the error. */
 static enum err refuse(enum beneath answer, const char *name, const struct trust_sought *sought,
                        struct fault *fault)
 {
@@ -260,7 +261,7 @@ static enum err refuse(enum beneath answer, const char *name, const struct trust
                      sought->kind, name, where, hint, sought->undone);
 }
 
-/* What makes a pair with `name`, found as `path`, is read with it; FINE where nothing does. */
+/* Check the other file of a pair, with `name` found as `path`; FINE without one. */
 static enum beneath look_at_other(struct buf *other, const struct buf *path, const char *name)
 {
     const size_t length = path->length - strlen(name) - 1;
@@ -306,9 +307,8 @@ static bool is_regular(const char *path)
     return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/* Of a pair, the other file is the one that really lies beside it, and both are read there: a
- * header that a stranger puts beside a link would choose which bytes of a file are voxels, few
- * enough to be guessed. */
+/* Resolve both files of a pair, and the other one must be next to the real file: a stranger's
+ * header next to a link could select voxels few enough to be guessed. */
 static bool take_pair(struct buf *path)
 {
     struct buf other = {0};
@@ -348,9 +348,9 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
     return leads_out;
 }
 
-/* ---- beside a journal ---- */
+/* ---- golden images ---- */
 
-/* The last step of the path alone is a link, to a regular file. */
+/* True if the last part of the path is a link to a regular file. */
 static bool is_link_to_file(const char *path, const char *folder, const char *goldens)
 {
     struct stat status;
@@ -378,12 +378,12 @@ enum beneath trust_look_at_golden(const char *path, bool *leads_out)
 
 enum { PLACES_MOST = 2048 };
 
-/* Places as they are gathered, each once; their paths are its own. */
+/* Collected places, each once; the arena owns their paths. */
 struct gathering {
     struct confine_place place[PLACES_MOST];
     struct arena paths;
     size_t places;
-    bool is_full; /* or there was no memory */
+    bool is_full; /* too many places */
 };
 
 static void gather_part(struct gathering *g, const char *path, size_t length, unsigned rights)
@@ -413,7 +413,7 @@ static void gather_folder_of(struct gathering *g, const char *path, unsigned rig
     gather(g, buf_text(folder), rights);
 }
 
-/* A scene that lies anywhere, and what is read with it. */
+/* Add a scene anywhere, with the files read together with it. */
 static void gather_scene(struct gathering *g, const char *path)
 {
     struct buf *other = arena_buf(&g->paths);
@@ -426,7 +426,7 @@ static void gather_scene(struct gathering *g, const char *path)
 
 bool trust_confine(const struct trust_places *places)
 {
-    /* What any program needs: its libraries, what they read as they start, and /dev/null. */
+    /* Required by every program: its libraries, their data, and /dev/null. */
     static const char *const read[] = {
         "/usr/lib",       "/usr/lib32", "/usr/lib64",          "/lib",
         "/lib64",         "/usr/share", "/usr/local/lib",      "/etc/ld.so.cache",
@@ -449,7 +449,7 @@ bool trust_confine(const struct trust_places *places)
         gather(&g, *at, CONFINE_WRITE);
         gather_folder_of(&g, *at, CONFINE_EMPTY);
     }
-    /* A journal may be a link to one, whose folder is not the one that names are looked up in. */
+    /* A journal may be a link; names are resolved in the folder of the link. */
     for (int i = 0; i < places->journals; i++) {
         struct stat status;
         gather_folder_of(&g, places->journal[i], CONFINE_READ);
