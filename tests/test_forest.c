@@ -9,8 +9,8 @@
 #include "engine/roi.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
+#include "tests/plain_forest.h"
 #include "tests/stopping.h"
-#include "tests/world.h"
 
 static const struct weight_choice morph = {WEIGHT_MORPH, 1};
 
@@ -131,14 +131,6 @@ static void set_row_intensities(struct world *w, const uint16_t *intensity)
         voxel(w, x, 0, 0)->intensity = intensity[x];
 }
 
-static const uint32_t *row_costs(struct world *w)
-{
-    static uint32_t cost[128];
-    for (uint32_t x = 0; x < w->scene->grid.size[0]; x++)
-        cost[x] = key_cost(voxel(w, x, 0, 0)->key);
-    return cost;
-}
-
 static void set_arcs(struct world *w, enum arc_kind kind, int of_1, int of_2)
 {
     struct arc_rule rule = {.kind = kind};
@@ -152,7 +144,7 @@ static void set_arcs(struct world *w, enum arc_kind kind, int of_1, int of_2)
 static void row_costs_are(struct world *w, const uint32_t *expected)
 {
     for (uint32_t x = 0; x < w->scene->grid.size[0]; x++)
-        CHECK_INT(row_costs(w)[x], expected[x]);
+        CHECK_INT(key_cost(voxel(w, x, 0, 0)->key), expected[x]);
 }
 
 STORY(a_difference_is_the_same_both_ways)
@@ -229,7 +221,7 @@ STORY(no_tree_passes_a_roi)
     const uint64_t before = forest_digest(w.forest);
     put_up(&w, &none);
     CHECK_TEXT(row_labels(&w), "1111111");
-    uint64_t *bits = mask_new(&w.scene->grid);
+    uint64_t *bits = mem_new(mask_bytes(&w.scene->grid));
     mask.mask = bits;
     for (uint32_t x = 0; bits && x < 5; x++) {
         const uint32_t c = grid_cell(&w.scene->grid, x, 0, 0);
@@ -325,157 +317,22 @@ static void paint(struct world *w, enum texture texture, uint64_t *random)
         weight_compute(w->scene, forest_adjacency(w->forest), &morph, &(struct weight_work){0});
 }
 
-/* What the forest follows from, seeds apart. */
-static void copy_scene(struct world *to, const struct world *from)
-{
-    for (size_t i = 0; i < from->scene->grid.cells; i++) {
-        struct cell *cell = to->scene->cell + i;
-        cell->weight = from->scene->cell[i].weight;
-        cell->intensity = from->scene->cell[i].intensity;
-        if (from->scene->cell[i].flags & CELL_OUTSIDE) {
-            cell->flags |= CELL_OUTSIDE;
-            cell->key = 0;
-        }
-    }
-    forest_set_arcs(to->forest, forest_arcs(from->forest));
-}
-
 /* The same seeds planted at once into an empty forest. */
-static bool equals_scratch(struct world *w)
+static bool equals_scratch(const struct world *w)
 {
-    const struct grid *g = &w->scene->grid;
-    struct world fresh =
-        world_new(g->size[0], g->size[1], g->size[2], forest_adjacency(w->forest)->count);
-    struct edit *seed = malloc((g->voxels + 1) * sizeof *seed);
-    size_t seeds = 0;
-    copy_scene(&fresh, w);
-    for (size_t i = 0; i < g->cells; i++)
-        if (w->scene->cell[i].flags & CELL_SEED)
-            seed[seeds++] = (struct edit){(uint32_t)i, w->scene->cell[i].label, 0};
-    CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
-    bool same = world_is_same(w, &fresh);
-    free(seed);
-    world_free(&fresh);
-    return same;
+    return world_equals_scratch(w, NULL, NULL, 0);
 }
 
-/* The weight of an arc, from its definition. */
-static uint32_t slow_weight(const struct world *w, size_t s, size_t t, uint8_t label)
+/* The fixed point of the equation, and so the textbook's costs. */
+static bool equals_fixed_point(const struct world *w)
 {
-    const struct arc_rule *rule = forest_arcs(w->forest);
-    const int64_t from = w->scene->cell[s].intensity, to = w->scene->cell[t].intensity;
-    const int64_t a = from > to ? rule->polarity[label] : -rule->polarity[label];
-    int64_t weight = w->scene->cell[t].weight;
-    if (rule->kind == ARC_DIFFERENCE)
-        weight = llabs(from - to);
-    if (rule->kind == ARC_POLARITY)
-        weight = (llabs(from - to) * 100 + llabs(from - to) * a) / 100;
-    return (uint32_t)(weight < 65535 ? weight : 65535);
-}
-
-/* The textbook: relax the cheapest unfinished voxel, searched for among all. */
-static bool costs_equal_textbook(struct world *w)
-{
-    const struct grid *g = &w->scene->grid;
-    const struct adjacency *adjacency = forest_adjacency(w->forest);
-    struct {
-        uint32_t cost;
-        bool done;
-    } *node = malloc(g->cells * sizeof *node);
-    bool same = true;
-    for (size_t i = 0; i < g->cells; i++) {
-        node[i].cost = w->scene->cell[i].flags & CELL_SEED ? 0 : UINT32_MAX;
-        node[i].done = w->scene->cell[i].flags & (CELL_RIM | CELL_OUTSIDE);
-    }
-    for (;;) {
-        size_t best = g->cells;
-        for (size_t i = 0; i < g->cells; i++)
-            if (!node[i].done && node[i].cost != UINT32_MAX &&
-                (best == g->cells || node[i].cost < node[best].cost))
-                best = i;
-        if (best == g->cells)
-            break;
-        node[best].done = true;
-        for (unsigned k = 0; k < adjacency->count; k++) {
-            size_t t = best + (size_t)adjacency->offset[k];
-            uint32_t weight = slow_weight(w, best, t, 0);
-            uint32_t offer = weight > node[best].cost ? weight : node[best].cost;
-            if (!node[t].done && offer < node[t].cost)
-                node[t].cost = offer;
-        }
-    }
-    for (size_t i = 0; i < g->cells; i++) {
-        uint64_t key = w->scene->cell[i].key;
-        if (!(w->scene->cell[i].flags & (CELL_RIM | CELL_OUTSIDE)))
-            same &= key == KEY_NONE ? node[i].cost == UINT32_MAX : key_cost(key) == node[i].cost;
-    }
-    free(node);
-    return same;
-}
-
-struct slow_key {
-    uint32_t cost, hops;
-    size_t root;
-    bool reached, done;
-};
-
-static bool is_below(const struct slow_key *a, const struct slow_key *b)
-{
-    if (!a->reached || !b->reached)
-        return a->reached;
-    if (a->cost != b->cost)
-        return a->cost < b->cost;
-    return a->hops != b->hops ? a->hops < b->hops : a->root < b->root;
-}
-
-/* The fixed point: the least key that is not final yet is final, searched for among all. */
-static bool keys_equal_fixed_point(struct world *w)
-{
-    const struct grid *g = &w->scene->grid;
-    const struct adjacency *adjacency = forest_adjacency(w->forest);
-    struct slow_key *node = calloc(g->cells, sizeof *node);
-    uint8_t *label = calloc(g->cells, 1);
-    bool same = true;
-    for (size_t i = 0; i < g->cells; i++) {
-        node[i].done = w->scene->cell[i].flags & (CELL_RIM | CELL_OUTSIDE);
-        if (w->scene->cell[i].flags & CELL_SEED) {
-            node[i] = (struct slow_key){0, 0, i, true, false};
-            label[i] = w->scene->cell[i].label;
-        }
-    }
-    for (;;) {
-        size_t best = 0; /* of the rim: done */
-        for (size_t i = 0; i < g->cells; i++)
-            if (!node[i].done && node[i].reached && (!best || is_below(&node[i], &node[best])))
-                best = i;
-        if (!best)
-            break;
-        node[best].done = true;
-        for (unsigned k = 0; k < adjacency->count; k++) {
-            const size_t t = best + (size_t)adjacency->offset[k];
-            const uint32_t weight = slow_weight(w, best, t, label[node[best].root]);
-            struct slow_key offer = {weight, 0, node[best].root, true, false};
-            if (weight <= node[best].cost) {
-                offer.cost = node[best].cost;
-                offer.hops = node[best].hops + 1;
-            }
-            if (!node[t].done && is_below(&offer, &node[t]))
-                node[t] = offer;
-        }
-    }
-    for (size_t i = 0; i < g->cells; i++) {
+    static struct planted planted;
+    static struct plain key[CELLS_MOST];
+    for (size_t i = 0; i < w->scene->grid.cells; i++) {
         const struct cell *cell = w->scene->cell + i;
-        if (cell->flags & (CELL_RIM | CELL_OUTSIDE))
-            same &= cell->key == 0 && cell->label == 0;
-        else if (node[i].reached)
-            same &= cell->key == key_make(node[i].cost, node[i].hops, (uint32_t)node[i].root) &&
-                    cell->label == label[node[i].root];
-        else
-            same &= cell->key == KEY_NONE && cell->label == 0;
+        planted.label[i] = cell->flags & CELL_SEED ? cell->label : EDIT_ERASE;
     }
-    free(node);
-    free(label);
-    return same;
+    return equals_plain(w, &planted, key);
 }
 
 /* One to four edits: plantings of three labels, erasures of seeds and of nothing, and now and then
@@ -530,7 +387,7 @@ static void random_roi(struct world *w, struct edit *batch, uint64_t *random)
     const uint32_t part = 1 + check_below(random, 10);
     struct roi roi = roi_none();
     size_t count = 0;
-    uint64_t *bits = check_below(random, 3) ? mask_new(g) : NULL;
+    uint64_t *bits = check_below(random, 3) ? mem_new(mask_bytes(g)) : NULL;
     roi.mask = bits;
     for (size_t i = 0; bits && i < g->cells; i++)
         if (check_below(random, 11) < part)
@@ -569,11 +426,10 @@ static void random_roi_session(uint64_t seed, unsigned steps)
             random_arcs(&w, &random);
         else if (rebuilds)
             random_roi(&w, batch, &random);
-        const bool polar = forest_arcs(w.forest)->kind == ARC_POLARITY;
         if (!CHECK((rebuilds ? forest_rebuild(w.forest, NULL)
                              : forest_edit(w.forest, batch, count, NULL)) == OK) ||
-            !CHECK(keys_equal_fixed_point(&w)) || !CHECK(equals_scratch(&w)) ||
-            !CHECK(forest_check(w.forest, &fault)) || !CHECK(polar || costs_equal_textbook(&w))) {
+            !CHECK(equals_fixed_point(&w)) || !CHECK(equals_scratch(&w)) ||
+            !CHECK(forest_check(w.forest, &fault))) {
             printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
             break;
         }
@@ -608,7 +464,7 @@ static void random_session(uint64_t seed, unsigned steps)
             border_recount(&border);
         }
         if (fine && step % 8 == 0)
-            fine = CHECK(costs_equal_textbook(&w));
+            fine = CHECK(equals_fixed_point(&w));
         if (!fine) {
             printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
             break;

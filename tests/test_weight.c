@@ -6,10 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "engine/weight_gradient.h"
 #include "engine/weight.h"
 #include "tests/check.h"
+#include "tests/scarce_memory.h"
 
 static const struct weight_choice morph1 = {WEIGHT_MORPH, 1}, morph2 = {WEIGHT_MORPH, 2},
                                   morph3 = {WEIGHT_MORPH, 3}, sobel = {WEIGHT_SOBEL, 0},
@@ -329,8 +329,9 @@ static struct volume slow_morph(const struct volume *v, unsigned neighbours, uin
     return high;
 }
 
-static struct volume slow_sobel(const struct volume *v)
+static struct volume slow_sobel(const struct volume *v, unsigned neighbours, uint32_t nothing)
 {
+    (void)neighbours, (void)nothing;
     struct volume out = *v;
     for (size_t i = 0; i < count_of(v); i++) {
         int64_t g[3] = {0, 0, 0};
@@ -362,8 +363,9 @@ static struct volume smoothed_along(const struct volume *v, const struct gauss *
     return out;
 }
 
-static struct volume slow_gauss(const struct volume *v, uint32_t sigma)
+static struct volume slow_gauss(const struct volume *v, unsigned neighbours, uint32_t sigma)
 {
+    (void)neighbours;
     struct gauss g;
     struct volume s = *v, out = *v;
     gauss_init(&g, sigma);
@@ -399,18 +401,6 @@ static bool weighs_as(const struct scene *scene, const struct volume *expected)
 }
 
 /* What each weight of the table is, in other words: of a voxel, or of the arc between two. */
-static struct volume slow_sobel_of(const struct volume *v, unsigned neighbours, uint32_t nothing)
-{
-    (void)neighbours, (void)nothing;
-    return slow_sobel(v);
-}
-
-static struct volume slow_gauss_of(const struct volume *v, unsigned neighbours, uint32_t sigma)
-{
-    (void)neighbours;
-    return slow_gauss(v, sigma);
-}
-
 static int64_t slow_difference(int64_t from, int64_t to, int64_t percent)
 {
     (void)percent;
@@ -428,8 +418,8 @@ static const struct oracle {
     struct volume (*of_voxels)(const struct volume *, unsigned neighbours, uint32_t argument);
     int64_t (*of_arc)(int64_t from, int64_t to, int64_t percent);
 } oracles[WEIGHT_FILE] = {[WEIGHT_MORPH] = {.of_voxels = slow_morph},
-                          [WEIGHT_SOBEL] = {.of_voxels = slow_sobel_of},
-                          [WEIGHT_GAUSS] = {.of_voxels = slow_gauss_of},
+                          [WEIGHT_SOBEL] = {.of_voxels = slow_sobel},
+                          [WEIGHT_GAUSS] = {.of_voxels = slow_gauss},
                           [WEIGHT_DIFFERENCE] = {.of_arc = slow_difference},
                           [WEIGHT_POLARITY] = {.of_arc = slow_polarity}};
 
@@ -459,10 +449,13 @@ STORY(every_weight_of_the_table_is_what_its_oracle_says)
         }
         if (!of_voxels)
             arcs_weigh_as(weight_arcs(kind), oracle);
-        for (unsigned i = 0; of_voxels && i < 30; i++) {
-            const uint32_t argument = row->takes == WEIGHT_TAKES_RADIUS  ? 1 + i % RADIUS_MOST
-                                      : row->takes == WEIGHT_TAKES_SIGMA ? SIGMA_LEAST + 100 * i
-                                                                         : 0;
+        const unsigned rounds = kind == WEIGHT_MORPH ? 1830 : kind == WEIGHT_SOBEL ? 530 : 330;
+        for (unsigned i = 0; of_voxels && i < rounds && check_failures < 3; i++) {
+            const uint32_t most = check_below(&seed, 2) ? 1500 : SIGMA_MOST;
+            const uint32_t argument = row->takes == WEIGHT_TAKES_RADIUS ? 1 + i / 2 % RADIUS_MOST
+                                      : row->takes == WEIGHT_TAKES_SIGMA
+                                          ? SIGMA_LEAST + check_below(&seed, most - SIGMA_LEAST + 1)
+                                          : 0;
             const unsigned neighbours = i % 2 ? 26 : 6;
             const struct weight_choice by = {kind, argument};
             const struct volume v = random_volume();
@@ -472,22 +465,6 @@ STORY(every_weight_of_the_table_is_what_its_oracle_says)
             CHECK(weighs_as(scene, &expected));
             scene_free(scene);
         }
-    }
-}
-
-STORY(morph_is_what_rounds_over_the_adjacency_give)
-{
-    for (unsigned i = 0; i < 300 && check_failures < 3; i++) {
-        const struct volume v = random_volume();
-        struct scene *scene = scene_of_volume(&v);
-        for (uint32_t n = 0; n < 6; n++) {
-            const unsigned neighbours = n % 2 ? 26 : 6;
-            const struct weight_choice by = {WEIGHT_MORPH, 1 + n / 2};
-            const struct volume expected = slow_morph(&v, neighbours, by.argument);
-            weigh(scene, neighbours, &by);
-            CHECK(weighs_as(scene, &expected));
-        }
-        scene_free(scene);
     }
 }
 
@@ -525,33 +502,6 @@ STORY(scenes_wider_and_higher_than_tiles_have_the_same_morph)
             wrong += cell->weight != (is_rim ? 0 : morph_by_cell(cell, &adjacency));
         }
         CHECK(wrong == 0);
-        scene_free(scene);
-    }
-}
-
-STORY(sobel_is_what_twenty_seven_products_give)
-{
-    for (unsigned i = 0; i < 500 && check_failures < 3; i++) {
-        const struct volume v = random_volume();
-        const struct volume expected = slow_sobel(&v);
-        struct scene *scene = scene_of_volume(&v);
-        weigh(scene, 6, &sobel);
-        CHECK(weighs_as(scene, &expected));
-        scene_free(scene);
-    }
-}
-
-STORY(gauss_is_what_whole_volumes_give)
-{
-    for (unsigned i = 0; i < 300 && check_failures < 3; i++) {
-        const uint32_t most = check_below(&seed, 2) ? 1500 : SIGMA_MOST;
-        const struct weight_choice by = {WEIGHT_GAUSS,
-                                         SIGMA_LEAST + check_below(&seed, most - SIGMA_LEAST + 1)};
-        const struct volume v = random_volume();
-        const struct volume expected = slow_gauss(&v, by.argument);
-        struct scene *scene = scene_of_volume(&v);
-        weigh(scene, 6, &by);
-        CHECK(weighs_as(scene, &expected));
         scene_free(scene);
     }
 }
@@ -682,12 +632,6 @@ STORY(a_plain_scene_tells_what_its_cells_will_hold)
 
 /* ---- memory ---- */
 
-static bool allow_nothing(size_t bytes)
-{
-    (void)bytes;
-    return false;
-}
-
 STORY(without_memory_the_room_is_what_it_was)
 {
     static const uint16_t values[24] = {0};
@@ -696,7 +640,7 @@ STORY(without_memory_the_room_is_what_it_was)
     struct fault fault = {.text = ""};
     CHECK(weight_work_reserve(&work, &scene->grid, &sobel, &fault) == OK);
     const struct weight_work before = work;
-    mem_allows = allow_nothing;
+    allow_allocations(0);
     CHECK(weight_work_reserve(&work, &scene->grid, &gauss1, &fault) == ERR_MEMORY);
     CHECK(weight_work_reserve(&work, &scene->grid, &sobel, &fault) == OK);
     CHECK(weight_work_reserve(&work, &scene->grid, &morph1, &fault) == OK);

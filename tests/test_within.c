@@ -7,17 +7,16 @@
 
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "base/team.h"
 #include "engine/forest.h"
 #include "engine/roi.h"
-#include "tests/world.h"
+#include "tests/plain_forest.h"
+#include "tests/scarce_memory.h"
+#include "tests/stopping.h"
 
-enum { CELLS_MOST = 12 * 12 * 12, LABELS = 4, REACHES = 6 };
+enum { LABELS = 4 };
 
-/* The plain copy of what random worlds have: reach[n - 1] has number n. */
-static struct reach plain_reach[REACHES];
-static unsigned plain_reaches;
+static unsigned plain_reaches; /* of the world */
 
 static uint16_t add_reach(struct world *w, uint32_t x, uint32_t y, uint32_t z, int64_t radius)
 {
@@ -141,109 +140,7 @@ STORY(distances_are_in_whole_units_and_the_ball_is_closed)
     CHECK(reach_holds(&wide, 65533, 65533, 65533) && !reach_holds(&wide, 0, 0, 0));
 }
 
-/* ---- the oracle: Dijkstra's, without a queue, over what the test itself remembers ---- */
-
-struct plain {
-    uint32_t cost, hops, root; /* cost UINT32_MAX: none */
-};
-
-static bool is_less(const struct plain *a, const struct plain *b)
-{
-    return a->cost != b->cost   ? a->cost < b->cost
-           : a->hops != b->hops ? a->hops < b->hops
-                                : a->root < b->root;
-}
-
-static const struct plain nothing = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
-
-/* The seeds, as the test itself remembers them. */
-struct planted {
-    int16_t label[CELLS_MOST]; /* or EDIT_ERASE */
-    uint16_t reach[CELLS_MOST];
-};
-
-static bool plainly_allowed(const struct planted *planted, uint32_t root, const int32_t at[3])
-{
-    const unsigned number = planted->reach[root];
-    if (!number)
-        return true;
-    const struct reach *reach = &plain_reach[number - 1];
-    double sum = 0; /* exact: small numbers */
-    for (int a = 0; a < 3; a++) {
-        const double way = ((double)at[a] - reach->centre[a]) * reach->unit[a];
-        sum += way * way;
-    }
-    return sum <= (double)reach->radius * (double)reach->radius;
-}
-
-static uint32_t plain_weight(const struct world *w, uint32_t s, uint32_t t, int label)
-{
-    const struct arc_rule *rule = forest_arcs(w->forest);
-    const struct cell *cell = w->scene->cell;
-    const int64_t from = cell[s].intensity, to = cell[t].intensity;
-    if (rule->kind == ARC_TARGET)
-        return cell[t].weight;
-    if (rule->kind == ARC_DIFFERENCE)
-        return (uint32_t)llabs(from - to);
-    const int64_t a = from > to ? rule->polarity[label] : -rule->polarity[label];
-    const int64_t weight = llabs(from - to) * (100 + a) / 100;
-    return (uint32_t)(weight < 65535 ? weight : 65535);
-}
-
-/* What s offers t, along the way. */
-static struct plain plain_offer(const struct world *w, const struct planted *planted,
-                                const struct plain *key, uint32_t s, uint32_t t,
-                                const int32_t at[3])
-{
-    const struct plain from = key[s];
-    if (from.cost == UINT32_MAX || !plainly_allowed(planted, from.root, at))
-        return nothing;
-    const uint32_t weight = plain_weight(w, s, t, planted->label[from.root]);
-    return weight > from.cost ? (struct plain){weight, 0, from.root}
-                              : (struct plain){from.cost, from.hops + 1, from.root};
-}
-
-/* Offers what s has to each neighbour that is not done. */
-static void offer_around(const struct world *w, const struct planted *planted, struct plain *key,
-                         const bool *done, uint32_t s, bool corners)
-{
-    const struct grid *g = &w->scene->grid;
-    const struct place p = grid_place(g, s);
-    for (int32_t z = -1; z <= 1; z++)
-        for (int32_t y = -1; y <= 1; y++)
-            for (int32_t x = -1; x <= 1; x++) {
-                const int moved = (x != 0) + (y != 0) + (z != 0);
-                const int32_t n[3] = {(int32_t)p.x + x, (int32_t)p.y + y, (int32_t)p.z + z};
-                if (!moved || (moved > 1 && !corners) || !grid_contains(g, n[0], n[1], n[2]))
-                    continue;
-                const uint32_t t = grid_cell(g, (uint32_t)n[0], (uint32_t)n[1], (uint32_t)n[2]);
-                const struct plain offer = plain_offer(w, planted, key, s, t, n);
-                if (!done[t] && is_less(&offer, &key[t]))
-                    key[t] = offer;
-            }
-}
-
-/* The least key that is not done is right, for all offers that come are above it: searched for
- * among all. */
-static void solve(const struct world *w, const struct planted *planted, struct plain *key)
-{
-    static bool done[CELLS_MOST];
-    const size_t cells = w->scene->grid.cells;
-    for (uint32_t c = 0; c < cells; c++) {
-        done[c] = w->scene->cell[c].flags & (CELL_RIM | CELL_OUTSIDE);
-        key[c] = planted->label[c] != EDIT_ERASE ? (struct plain){0, 0, c} : nothing;
-    }
-    for (;;) {
-        uint32_t best = 0; /* of the rim */
-        for (uint32_t c = 0; c < cells; c++)
-            if (!done[c] && key[c].cost != UINT32_MAX && (!best || is_less(&key[c], &key[best])))
-                best = c;
-        if (!best)
-            return;
-        done[best] = true;
-        offer_around(w, planted, key, done, best, forest_adjacency(w->forest)->count == 26);
-    }
-}
+/* ---- against the oracle ---- */
 
 /* Voxels without a key, beside one that has one, or beside such a voxel. */
 static size_t plain_refused(const struct world *w, const struct plain *key)
@@ -274,61 +171,8 @@ static size_t plain_refused(const struct world *w, const struct plain *key)
 static bool equals_oracle(const struct world *w, const struct planted *planted)
 {
     static struct plain key[CELLS_MOST];
-    const struct grid *g = &w->scene->grid;
-    bool same = true;
-    solve(w, planted, key);
-    for (size_t c = 0; c < g->cells; c++) {
-        const struct cell *cell = w->scene->cell + c;
-        if (cell->flags & (CELL_RIM | CELL_OUTSIDE))
-            same &= cell->key == 0 && cell->label == 0;
-        else if (key[c].cost == UINT32_MAX)
-            same &= cell->key == KEY_NONE && cell->label == 0;
-        else
-            same &= cell->key == key_make(key[c].cost, key[c].hops, key[c].root) &&
-                    cell->label == planted->label[key[c].root];
-    }
-    const size_t holes = forest_limited_seeds(w->forest) ? plain_refused(w, key) : 0;
-    return same && refused(w) == holes;
-}
-
-/* ---- from scratch ---- */
-
-static bool equals_scratch(const struct world *w, const struct planted *planted, struct team *team)
-{
-    static struct edit seed[CELLS_MOST];
-    const struct grid *g = &w->scene->grid;
-    struct world fresh =
-        world_new(g->size[0], g->size[1], g->size[2], forest_adjacency(w->forest)->count);
-    size_t seeds = 0;
-    bool same = true;
-    CHECK(forest_set_team(fresh.forest, team, NULL) == OK);
-    for (size_t i = 0; i < g->cells; i++) {
-        const struct cell *from = w->scene->cell + i;
-        struct cell *to = fresh.scene->cell + i;
-        to->weight = from->weight;
-        to->intensity = from->intensity;
-        if (from->flags & CELL_OUTSIDE) {
-            to->flags |= CELL_OUTSIDE;
-            to->key = 0;
-        }
-        if (planted->label[i] != EDIT_ERASE)
-            seed[seeds++] = (struct edit){(uint32_t)i, planted->label[i], planted->reach[i]};
-    }
-    for (unsigned i = 0; i < plain_reaches; i++) {
-        uint16_t number;
-        same &=
-            forest_add_reach(fresh.forest, &plain_reach[i], &number, NULL) == OK && number == i + 1;
-    }
-    forest_set_arcs(fresh.forest, forest_arcs(w->forest));
-    CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
-    for (size_t i = 0; i < g->cells; i++)
-        same &= w->scene->cell[i].key == fresh.scene->cell[i].key &&
-                w->scene->cell[i].label == fresh.scene->cell[i].label;
-    same &= forest_digest(w->forest) == forest_digest(fresh.forest) &&
-            forest_label_digest(w->forest) == forest_label_digest(fresh.forest) &&
-            forest_seeds(w->forest) == seeds;
-    world_free(&fresh);
-    return same;
+    const bool same = equals_plain(w, planted, key);
+    return same && refused(w) == (forest_limited_seeds(w->forest) ? plain_refused(w, key) : 0);
 }
 
 /* ---- random edits ---- */
@@ -420,16 +264,10 @@ static void random_roi(struct world *w, struct planted *planted, uint64_t *rando
     CHECK(forest_rebuild(w->forest, NULL) == OK);
 }
 
-static bool stop_later(void *context, const char *what, uint64_t served, uint64_t total)
-{
-    (void)what, (void)served, (void)total;
-    return --*(int *)context < 0;
-}
-
 /* An edit that is stopped after some looks, if it is not done by then. */
 static bool edit_stopped(struct world *w, const struct edit *edit, size_t count, int looks)
 {
-    struct watch watch = {.context = &looks, .poll = stop_later, .step = 1};
+    struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
     w->scene->watch = &watch;
     const enum err err = forest_edit(w->forest, edit, count, NULL);
     w->scene->watch = NULL;
@@ -490,7 +328,8 @@ static void random_session(uint64_t seed, unsigned steps, struct team *team)
     }
     for (unsigned step = 0; step < steps; step++) {
         random_edit(&w, &planted, &random);
-        if (!CHECK(equals_oracle(&w, &planted)) || !CHECK(equals_scratch(&w, &planted, team)) ||
+        if (!CHECK(equals_oracle(&w, &planted)) ||
+            !CHECK(world_equals_scratch(&w, team, plain_reach, plain_reaches)) ||
             !CHECK(forest_check(w.forest, &fault))) {
             printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
             break;
@@ -519,18 +358,12 @@ STORY(threads_change_nothing)
 
 /* ---- what cannot be had ---- */
 
-static bool allow_none(size_t bytes)
-{
-    (void)bytes;
-    return false;
-}
-
 STORY(without_memory_nothing_has_changed)
 {
     struct world w = world_new(10, 1, 1, 6);
     const struct reach reach = {{4, 0, 0}, {1, 1, 1}, 2};
     uint16_t number = 0;
-    mem_allows = allow_none;
+    allow_allocations(0);
     CHECK_INT(forest_add_reach(w.forest, &reach, &number, NULL), ERR_MEMORY);
     mem_allows = NULL;
     plant(&w, 4, 1, 0);
@@ -538,7 +371,7 @@ STORY(without_memory_nothing_has_changed)
     CHECK(forest_add_reach(w.forest, &reach, &number, NULL) == OK);
     plant(&w, 4, 1, number);
     size_t voxels;
-    mem_allows = allow_none;
+    allow_allocations(0);
     CHECK_INT(forest_count_refused(w.forest, &voxels, NULL), ERR_MEMORY);
     mem_allows = NULL;
     CHECK_INT(refused(&w), 5);

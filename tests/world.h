@@ -38,4 +38,39 @@ static inline void world_free(struct world *w)
     scene_free(w->scene);
 }
 
+/* Whether the forest is the one that its seeds give, planted at once in a world without any. Reaches
+ * are those that were added to the forest, in their order. */
+static inline bool world_equals_scratch(const struct world *w, struct team *team,
+                                        const struct reach *reach, unsigned reaches)
+{
+    const struct grid *g = &w->scene->grid;
+    struct world fresh =
+        world_new(g->size[0], g->size[1], g->size[2], forest_adjacency(w->forest)->count);
+    struct edit *seed = malloc((g->voxels + 1) * sizeof *seed);
+    size_t seeds = 0;
+    CHECK(!team || forest_set_team(fresh.forest, team, NULL) == OK);
+    for (uint32_t i = 0; i < g->cells; i++) {
+        const struct cell *from = w->scene->cell + i;
+        struct cell *to = fresh.scene->cell + i;
+        to->weight = from->weight;
+        to->intensity = from->intensity;
+        if (from->flags & CELL_OUTSIDE) {
+            to->flags |= CELL_OUTSIDE;
+            to->key = 0;
+        }
+        if (from->flags & CELL_SEED)
+            seed[seeds++] = (struct edit){i, from->label, forest_reach_number(w->forest, i)};
+    }
+    for (unsigned i = 0; i < reaches; i++) {
+        uint16_t number;
+        CHECK(forest_add_reach(fresh.forest, &reach[i], &number, NULL) == OK && number == i + 1);
+    }
+    forest_set_arcs(fresh.forest, forest_arcs(w->forest));
+    CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
+    const bool same = world_is_same(w, &fresh);
+    free(seed);
+    world_free(&fresh);
+    return same;
+}
+
 #endif

@@ -9,6 +9,7 @@
 
 #include "base/choice.h"
 #include "base/least.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/near.h"
 #include "engine/roi.h"
@@ -148,7 +149,7 @@ static enum err mask_by_file(const struct act *act)
         err = act_naming(name,
                          map_to_regions(&map, regions[0], regions[1], session->watch, act->fault),
                          act->fault);
-    if (!err && !(mask = mask_new(&session->scene->grid)))
+    if (!err && !(mask = mem_new(mask_bytes(&session->scene->grid))))
         err = fault_memory(act->fault, "a mask");
     if (!err) {
         fill_mask(mask, &map, session->scene);

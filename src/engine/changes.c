@@ -44,30 +44,25 @@ void change_log_release(struct change_log *log)
 
 /* ---- labels of before all grows anew ---- */
 
-static bool take_row(struct former_labels *former, const struct scene *scene, struct span row)
-{
-    for (uint32_t c = row.first; c < row.end; c++) {
-        const struct cell *cell = scene->cell + c;
-        const uint8_t label = cell->flags & CELL_TOUCHED ? cell->former_label : cell->label;
-        scene_fetch_ahead(scene, c);
-        if (former->count && former->run[former->count - 1].label == label) {
-            former->run[former->count - 1].end = c + 1;
-            continue;
-        }
-        if (!mem_grow(&former->run, &former->capacity, former->count + 1, sizeof *former->run))
-            return false;
-        former->run[former->count++] = (struct label_run){c + 1, label};
-    }
-    return true;
-}
-
 void former_labels_take(struct former_labels *former, const struct scene *scene)
 {
     struct grid_walk w = scene_walk(scene, "labels of before", NULL, 0);
     bool fits = true;
     former->count = 0;
     while (fits && grid_walk_next(&w))
-        fits = take_row(former, scene, w.row);
+        for (uint32_t c = w.row.first; fits && c < w.row.end; c++) {
+            const struct cell *cell = scene->cell + c;
+            const uint8_t label = cell->flags & CELL_TOUCHED ? cell->former_label : cell->label;
+            scene_fetch_ahead(scene, c);
+            if (former->count && former->run[former->count - 1].label == label) {
+                former->run[former->count - 1].end = c + 1;
+                continue;
+            }
+            fits =
+                mem_grow(&former->run, &former->capacity, former->count + 1, sizeof *former->run);
+            if (fits)
+                former->run[former->count++] = (struct label_run){c + 1, label};
+        }
     former->taken = fits && !(scene->watch && scene->watch->stopped);
 }
 

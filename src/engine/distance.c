@@ -116,17 +116,6 @@ struct spreading {
     struct room room[TEAM_MOST];
 };
 
-/* `columns` lines side by side, the first voxel of the first one at `first`. */
-static void spread_lines(const struct spreading *s, const struct room *room, uint64_t *first,
-                         size_t columns, size_t stride)
-{
-    for (size_t i = 0; i < room->length; i++)
-        for (size_t c = 0; c < columns; c++)
-            room->from[c * room->length + i] = first[i * stride + c];
-    for (size_t c = 0; c < columns; c++)
-        spread_line(room, room->from + c * room->length, first + c, stride, s->step);
-}
-
 /* Along y and z, lines lie side by side along x. */
 static void spread_share(void *context, unsigned worker)
 {
@@ -140,7 +129,12 @@ static void spread_share(void *context, unsigned worker)
     for (size_t sheet = share.first; sheet < share.end; sheet++)
         for (size_t x = 0; x < row; x += COLUMNS) {
             const size_t columns = row - x < COLUMNS ? row - x : COLUMNS;
-            spread_lines(s, room, s->squared + sheet * apart + x, columns, stride);
+            uint64_t *first = s->squared + sheet * apart + x;
+            for (size_t i = 0; i < room->length; i++)
+                for (size_t c = 0; c < columns; c++)
+                    room->from[c * room->length + i] = first[i * stride + c];
+            for (size_t c = 0; c < columns; c++)
+                spread_line(room, room->from + c * room->length, first + c, stride, s->step);
             if (!task_advance(&task, columns * room->length))
                 return;
         }

@@ -256,8 +256,35 @@ static bool give_round(const struct giving *g, unsigned taker, struct task *task
     return any && task_advance(task, 1);
 }
 
-enum err finish_give_away(struct finish_work *work, const uint8_t *of, finish_choose *choose,
-                          const struct finish_step *step, unsigned taker, struct fault *fault)
+/* Which components a step gives away. */
+static void choose_pieces(bool *waits, const struct components *found,
+                          const struct finish_step *step)
+{
+    size_t largest[256];
+    uint32_t voxels[256] = {0};
+    for (size_t i = 0; i < found->count; i++) {
+        const struct component *item = &found->item[i];
+        if (item->voxels > voxels[item->label]) {
+            voxels[item->label] = item->voxels;
+            largest[item->label] = i;
+        }
+    }
+    for (size_t i = 0; i < found->count; i++) {
+        const struct component *item = &found->item[i];
+        const bool may_go = item->label != 0 && finish_is_for(step, item->label);
+        if (step->kind == FINISH_LARGEST)
+            waits[i] = may_go && i != largest[item->label];
+        else if (step->kind == FINISH_COMPONENTS)
+            waits[i] = may_go && item->voxels < step->argument;
+        else if (step->kind == FINISH_HOLES)
+            waits[i] = item->label == 0 && !item->at_edge;
+        else
+            waits[i] = item->label != 0;
+    }
+}
+
+enum err finish_give_away(struct finish_work *work, const uint8_t *of,
+                          const struct finish_step *step, struct fault *fault)
 {
     struct watch *watch = work->scene->watch;
     struct components found;
@@ -268,12 +295,13 @@ enum err finish_give_away(struct finish_work *work, const uint8_t *of, finish_ch
                             mem_array(found.count, sizeof *giving.taker)};
     if (giving.waits && giving.taker) {
         struct task task = task_begin(watch, "pieces of labels", 0);
-        choose(&found, step, giving.waits);
+        choose_pieces(giving.waits, &found, step);
         finish_clear(work);
         for (size_t i = 0; i < found.count && task_advance(&task, 16); i++)
             if (giving.waits[i])
                 mark_piece(&found, &found.item[i], work->next, 1);
-        while (give_round(&giving, taker, &task))
+        while (give_round(&giving, step->kind == FINISH_HOLES ? step->label : FINISH_ALL_LABELS,
+                          &task))
             ;
         err = watch_fault(watch, fault);
     } else {
@@ -285,57 +313,21 @@ enum err finish_give_away(struct finish_work *work, const uint8_t *of, finish_ch
     return err;
 }
 
-/* ---- the steps: which components go ---- */
-
-static bool may_go(const struct component *item, const struct finish_step *step)
-{
-    return item->label != 0 && finish_is_for(step, item->label);
-}
-
-static void choose_but_largest(const struct components *found, const struct finish_step *step,
-                               bool *waits)
-{
-    size_t largest[256];
-    uint32_t voxels[256] = {0};
-    for (size_t i = 0; i < found->count; i++) {
-        const struct component *item = &found->item[i];
-        if (item->voxels > voxels[item->label]) {
-            voxels[item->label] = item->voxels;
-            largest[item->label] = i;
-        }
-    }
-    for (size_t i = 0; i < found->count; i++)
-        waits[i] = may_go(&found->item[i], step) && i != largest[found->item[i].label];
-}
-
-static void choose_small(const struct components *found, const struct finish_step *step,
-                         bool *waits)
-{
-    for (size_t i = 0; i < found->count; i++)
-        waits[i] = may_go(&found->item[i], step) && found->item[i].voxels < step->argument;
-}
-
-static void choose_holes(const struct components *found, const struct finish_step *step,
-                         bool *waits)
-{
-    (void)step;
-    for (size_t i = 0; i < found->count; i++)
-        waits[i] = found->item[i].label == 0 && !found->item[i].at_edge;
-}
+/* ---- the steps ---- */
 
 enum err finish_largest(struct finish_work *work, const struct finish_step *step,
                         struct fault *fault)
 {
-    return finish_give_away(work, work->label, choose_but_largest, step, FINISH_ALL_LABELS, fault);
+    return finish_give_away(work, work->label, step, fault);
 }
 
 enum err finish_components(struct finish_work *work, const struct finish_step *step,
                            struct fault *fault)
 {
-    return finish_give_away(work, work->label, choose_small, step, FINISH_ALL_LABELS, fault);
+    return finish_give_away(work, work->label, step, fault);
 }
 
 enum err finish_holes(struct finish_work *work, const struct finish_step *step, struct fault *fault)
 {
-    return finish_give_away(work, work->label, choose_holes, step, step->label, fault);
+    return finish_give_away(work, work->label, step, fault);
 }

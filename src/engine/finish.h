@@ -207,12 +207,9 @@ void finish_box_include(struct finish_box *box, const struct finish_box *other);
 enum err finish_find_boxes(struct finish_box box[256], const struct finish_work *work,
                            const char *what, struct fault *fault);
 
-/* Gives away components of `of`, work->label or work->next, each of which has one label of
- * work->label: those of which `choose` says that they wait, and of these all, or those that `taker`
- * takes alone. */
-typedef void finish_choose(const struct components *found, const struct finish_step *step,
-                           bool *waits);
-enum err finish_give_away(struct finish_work *work, const uint8_t *of, finish_choose *choose,
-                          const struct finish_step *step, unsigned taker, struct fault *fault);
+/* Gives away those components of `of` that the step removes. `of` is work->label, or work->next:
+ * 0, or the label of work->label in voxels to be given away. */
+enum err finish_give_away(struct finish_work *work, const uint8_t *of,
+                          const struct finish_step *step, struct fault *fault);
 
 #endif

@@ -392,18 +392,10 @@ static enum err find_lost(struct finish_work *work, const struct finish_step *st
     return err ? err : watch_fault(work->scene->watch, fault);
 }
 
-static void choose_lost(const struct components *found, const struct finish_step *step, bool *waits)
-{
-    (void)step;
-    for (size_t i = 0; i < found->count; i++)
-        waits[i] = found->item[i].label != 0;
-}
-
 enum err finish_open(struct finish_work *work, const struct finish_step *step, struct fault *fault)
 {
     const enum err err = find_lost(work, step, true, fault);
-    return err ? err
-               : finish_give_away(work, work->next, choose_lost, step, FINISH_ALL_LABELS, fault);
+    return err ? err : finish_give_away(work, work->next, step, fault);
 }
 
 enum err finish_close(struct finish_work *work, const struct finish_step *step, struct fault *fault)

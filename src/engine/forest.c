@@ -79,13 +79,6 @@ static void set_reaches(struct forest *forest, const struct edit *edit, size_t c
     }
 }
 
-static void plant_seed(struct forest *forest, uint32_t at, uint8_t label)
-{
-    forest->cell[at].flags |= CELL_SEED;
-    forest->seeds++;
-    accept(forest, at, key_make(0, 0, at), label, DIRECTION_NONE);
-}
-
 /*
  * Changes the seeds and queues what follows; the pass does the rest. First every tree that
  * goes is cleared, then the cleared voxels take their offers, then seeds are planted. A seed that
@@ -108,17 +101,14 @@ static void change_seeds(struct forest *forest, const struct edit *edit, size_t 
         return;
     set_reaches(forest, edit, count);
     reoffer_cleared(forest);
-    for (size_t i = 0; !is_stopped(forest) && i < count && goes_on(forest, 1); i++)
-        if (edit[i].label != EDIT_ERASE && !(forest->cell[edit[i].cell].flags & CELL_SEED))
-            plant_seed(forest, edit[i].cell, (uint8_t)edit[i].label);
-}
-
-static bool is_in_order(const struct edit *edit, size_t count)
-{
-    for (size_t i = 1; i < count; i++)
-        if (edit[i - 1].cell >= edit[i].cell)
-            return false;
-    return true;
+    for (size_t i = 0; !is_stopped(forest) && i < count && goes_on(forest, 1); i++) {
+        const uint32_t at = edit[i].cell;
+        if (edit[i].label == EDIT_ERASE || forest->cell[at].flags & CELL_SEED)
+            continue;
+        forest->cell[at].flags |= CELL_SEED;
+        forest->seeds++;
+        accept(forest, at, key_make(0, 0, at), (uint8_t)edit[i].label, DIRECTION_NONE);
+    }
 }
 
 /* Fills batch with the last edit of each voxel, in the order of cells. */
@@ -149,7 +139,9 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
     if (!mem_grow(&forest->batch, &forest->batch_capacity, count, sizeof *forest->batch) ||
         !mem_grow(&forest->inverse, &forest->inverse_capacity, count, sizeof *forest->inverse))
         return fault_memory(fault, "an edit");
-    const bool in_order = is_in_order(edit, count);
+    bool in_order = true;
+    for (size_t i = 1; in_order && i < count; i++)
+        in_order = edit[i - 1].cell < edit[i].cell;
     forest->edits = count;
     const enum err err = in_order ? OK : put_in_order(forest, edit, count, fault);
     if (err)
@@ -486,62 +478,6 @@ void forest_free(struct forest *forest)
     free(forest->reaches.item);
     mem_pages_free(forest->reaches.of, forest->scene->grid.cells * sizeof *forest->reaches.of);
     free(forest);
-}
-
-/* ---- reaches of seeds ---- */
-
-enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
-                          struct fault *fault)
-{
-    struct reaches *all = &forest->reaches;
-    if (all->count == UINT16_MAX)
-        return fault_set(fault, ERR_LIMIT,
-                         "%d markers of this session end within a distance already, and no more "
-                         "are held; nothing was planted",
-                         UINT16_MAX);
-    if (!all->of)
-        all->of = mem_pages(forest->scene->grid.cells * sizeof *all->of);
-    if (!all->of || !mem_grow(&all->item, &all->capacity, all->count + 1, sizeof *all->item))
-        return fault_memory(fault, "the reach of a marker");
-    all->item[all->count++] = *reach;
-    *number = (uint16_t)all->count;
-    return OK;
-}
-
-const struct reach *forest_reach(const struct forest *forest, uint32_t seed)
-{
-    return forest->reaches.of ? reach_of(forest, seed) : NULL;
-}
-
-uint16_t forest_reach_number(const struct forest *forest, uint32_t seed)
-{
-    return forest->reaches.of ? forest->reaches.of[seed] : 0;
-}
-
-bool forest_may_hold(const struct forest *forest, uint32_t root, uint32_t cell)
-{
-    return !forest->reaches.of ||
-           tree_may_hold(forest, root, grid_place(&forest->scene->grid, cell));
-}
-
-uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell)
-{
-    const struct cell *here = forest->cell + cell;
-    uint64_t least = KEY_NONE;
-    for (unsigned i = 0; i < forest->adjacency.count; i++) {
-        const struct cell *from = here + forest->adjacency.offset[i];
-        if (here->flags & CELL_OUTSIDE || !cell_is_reached(from) ||
-            forest_may_hold(forest, key_root(from->key), cell))
-            continue;
-        const uint64_t offer = key_extend(from->key, arc_weight_now(&forest->arcs, from, here));
-        least = offer < least ? offer : least;
-    }
-    return least;
-}
-
-size_t forest_limited_seeds(const struct forest *forest)
-{
-    return forest->reaches.seeds;
 }
 
 /* ---- what others ask ---- */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Walks through the whole forest: its invariants checked, and the voxels counted that every tree
- * around them is kept from. */
+/* The invariants of a forest, checked at every voxel; and the reaches of its seeds, with the voxels
+ * that every tree around them is kept from. */
 #include "engine/forest.h"
 
 #include <stdlib.h>
@@ -11,20 +11,19 @@
 
 /* ---- the invariants of engine/forest.h, at every voxel ---- */
 
-/* What the equation of the forest gives for one voxel, from its neighbours' keys. */
-static uint64_t solve_at(const struct forest *forest, uint32_t at)
+/* The least key that neighbours offer a voxel: of those whose trees may hold it, or of the others. */
+static uint64_t least_offer(const struct forest *forest, uint32_t at, bool may_hold)
 {
-    const struct adjacency *adjacency = &forest->adjacency;
     const struct cell *cell = forest->cell + at;
-    uint64_t best = cell->flags & CELL_SEED ? key_make(0, 0, at) : KEY_NONE;
-    for (unsigned i = 0; i < adjacency->count; i++) {
-        const struct cell *neighbour = cell + adjacency->offset[i];
-        if (!cell_is_reached(neighbour) || !forest_may_hold(forest, key_root(neighbour->key), at))
+    uint64_t least = KEY_NONE;
+    for (unsigned i = 0; i < forest->adjacency.count; i++) {
+        const struct cell *from = cell + forest->adjacency.offset[i];
+        if (!cell_is_reached(from) || forest_may_hold(forest, key_root(from->key), at) != may_hold)
             continue;
-        uint64_t offer = key_extend(neighbour->key, arc_weight_now(&forest->arcs, neighbour, cell));
-        best = offer < best ? offer : best;
+        const uint64_t offer = key_extend(from->key, arc_weight_now(&forest->arcs, from, cell));
+        least = offer < least ? offer : least;
     }
-    return best;
+    return least;
 }
 
 static const char *voxel_wrong(const struct forest *forest, uint32_t at)
@@ -36,7 +35,9 @@ static const char *voxel_wrong(const struct forest *forest, uint32_t at)
                        cell->flags != CELL_OUTSIDE
                    ? "S2: outside the region of interest, but not as the rim"
                    : NULL;
-    if (cell->key != solve_at(forest, at))
+    const uint64_t best =
+        cell->flags & CELL_SEED ? key_make(0, 0, at) : least_offer(forest, at, true);
+    if (cell->key != best)
         return "T1: its key does not solve the equation of the forest";
     if (cell->flags & ~CELL_SEED || cell->former_label)
         return "it is marked as if in the middle of a pass";
@@ -82,7 +83,51 @@ bool forest_check(const struct forest *forest, struct fault *fault)
     return true;
 }
 
-/* ---- voxels that every tree around them is kept from ---- */
+/* ---- reaches of seeds ---- */
+
+enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
+                          struct fault *fault)
+{
+    struct reaches *all = &forest->reaches;
+    if (all->count == UINT16_MAX)
+        return fault_set(fault, ERR_LIMIT,
+                         "%d markers of this session end within a distance already, and no more "
+                         "are held; nothing was planted",
+                         UINT16_MAX);
+    if (!all->of)
+        all->of = mem_pages(forest->scene->grid.cells * sizeof *all->of);
+    if (!all->of || !mem_grow(&all->item, &all->capacity, all->count + 1, sizeof *all->item))
+        return fault_memory(fault, "the reach of a marker");
+    all->item[all->count++] = *reach;
+    *number = (uint16_t)all->count;
+    return OK;
+}
+
+const struct reach *forest_reach(const struct forest *forest, uint32_t seed)
+{
+    return forest->reaches.of ? reach_of(forest, seed) : NULL;
+}
+
+uint16_t forest_reach_number(const struct forest *forest, uint32_t seed)
+{
+    return forest->reaches.of ? forest->reaches.of[seed] : 0;
+}
+
+bool forest_may_hold(const struct forest *forest, uint32_t root, uint32_t cell)
+{
+    return !forest->reaches.of ||
+           tree_may_hold(forest, root, grid_place(&forest->scene->grid, cell));
+}
+
+size_t forest_limited_seeds(const struct forest *forest)
+{
+    return forest->reaches.seeds;
+}
+
+uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell)
+{
+    return forest->cell[cell].flags & CELL_OUTSIDE ? KEY_NONE : least_offer(forest, cell, false);
+}
 
 struct flood {
     const struct forest *forest;
@@ -132,7 +177,7 @@ enum err forest_count_refused(const struct forest *forest, size_t *voxels, struc
     *voxels = 0;
     if (forest->reaches.seeds == 0)
         return OK;
-    flood.seen = mask_new(&forest->scene->grid);
+    flood.seen = mem_new(mask_bytes(&forest->scene->grid));
     const bool fits = flood.seen && flood_scene(&flood);
     *voxels = flood.voxels;
     free(flood.seen);

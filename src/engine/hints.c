@@ -84,15 +84,6 @@ static bool add_row(struct finding *f, struct span row)
     return true;
 }
 
-static enum err find_border(struct finding *f, struct fault *fault)
-{
-    for (struct grid_walk w = scene_walk(f->scene, "borders of labels", NULL, 0);
-         grid_walk_next(&w);)
-        if (!add_row(f, w.row))
-            return fault_memory(fault, "the border");
-    return watch_fault(f->scene->watch, fault);
-}
-
 /* ---- what is weak ---- */
 
 enum { CERTAINTIES = 3 * MARGIN_NONE };
@@ -241,7 +232,11 @@ enum err hints_find(struct hint_list *hints, const struct forest *forest, const 
     memcpy(f.face, by_faces.offset, sizeof f.face);
     memcpy(f.corner, by_corners.offset, sizeof f.corner);
     hints->count = 0;
-    enum err err = find_border(&f, fault);
+    struct grid_walk w = scene_walk(scene, "borders of labels", NULL, 0);
+    bool fits = true;
+    while (fits && grid_walk_next(&w))
+        fits = add_row(&f, w.row);
+    enum err err = fits ? watch_fault(scene->watch, fault) : fault_memory(fault, "the border");
     if (!err)
         err = find_limits(&f, fault);
     for (size_t i = 0; heat && !err && i < f.count; i++) {

@@ -341,16 +341,17 @@ static void add_pairs(struct label_pairs *pairs, uint32_t cell, const struct pla
     for (int a = 0; a < 3; a++)
         is_inside &=
             place[a] >= REACH * pairs->step[a] && place[a] + REACH * pairs->step[a] < grid->size[a];
-    if (!is_inside) {
+    if (!is_inside || pairs->step[0] > 1) {
         found[0] = 1;
         for (int kind = 1; kind < PAIR_KINDS; kind++)
             for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++) {
                 const struct neighbour *n = &pairs->around[i];
-                if (grid_contains(grid, at->x + (int64_t)n->step[0], at->y + (int64_t)n->step[1],
+                if (is_inside ||
+                    grid_contains(grid, at->x + (int64_t)n->step[0], at->y + (int64_t)n->step[1],
                                   at->z + (int64_t)n->step[2]))
                     found[kind] += (pairs->label + cell)[n->offset] == label;
             }
-    } else if (pairs->step[0] == 1) {
+    } else {
         /* A step along x is one voxel, so the five that count in a row are among eight consecutive
          * bytes. */
         const uint8_t *const middle = pairs->label + cell - REACH;
@@ -370,17 +371,6 @@ static void add_pairs(struct label_pairs *pairs, uint32_t cell, const struct pla
                 of[0] = equal[2];
                 of[1] = (uint32_t)equal[1] + equal[3];
                 of[2] = (uint32_t)equal[0] + equal[4];
-            }
-    } else {
-        /* The same, where a step along x is several voxels. */
-        const ptrdiff_t *step = pairs->cells;
-        for (int z = -REACH; z <= REACH; z++)
-            for (int y = -REACH; y <= REACH; y++) {
-                const uint8_t *row = pairs->label + cell + z * step[2] + y * step[1];
-                uint32_t *of = &found[kind_of(0, y, z)];
-                of[0] += *row == label;
-                for (int x = 1; x <= REACH; x++)
-                    of[x] += (uint32_t)(row[-x * step[0]] == label) + (row[x * step[0]] == label);
             }
     }
     for (int kind = 0; kind < PAIR_KINDS; kind++)

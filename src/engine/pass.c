@@ -54,11 +54,6 @@ struct offers {
     size_t count;
 };
 
-static inline uint64_t key_seen(const struct cell *cell)
-{
-    return __atomic_load_n(&cell->key, __ATOMIC_RELAXED);
-}
-
 /* One addition, where an index would be multiplied first. */
 static inline const struct cell *neighbour_of(const struct forest *forest, const struct cell *cell,
                                               unsigned direction)
@@ -281,7 +276,7 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
         const uint64_t offer = kind.limits && refuses(forest, reach, place, i)
                                    ? KEY_NONE
                                    : key_greater(key_rise(weight, root), hop);
-        const uint64_t present = kind.shares ? key_seen(t) : t->key;
+        const uint64_t present = kind.shares ? __atomic_load_n(&t->key, __ATOMIC_RELAXED) : t->key;
         bool matters = offer < present;
         if (kind.mends)
             matters |= (t->direction == i) & (offer != present);
@@ -499,12 +494,6 @@ static void meet(struct pass *pass, struct team *team, unsigned number)
         pass->waited_ns += clock_ns() - begin;
 }
 
-/* Whether the first worker has waited for long, and for most of its time. */
-static bool waits_too_long(const struct pass *pass)
-{
-    return pass->waited_ns > PATIENCE_NS && pass->waited_ns > (clock_ns() - pass->begin_ns) / 2;
-}
-
 static void serve_own(struct forest *forest, struct worker *worker, uint32_t level)
 {
     queue_serve(worker->queue, level);
@@ -514,15 +503,6 @@ static void serve_own(struct forest *forest, struct worker *worker, uint32_t lev
     serve(forest, worker, level);
     if ((level & 0xFFFF) == KEY_HOPS_LIMIT && worker->served > before)
         worker->too_far = true;
-}
-
-/* After a level: `served` voxels in all. */
-static bool is_cancelled(struct forest *forest, uint64_t served)
-{
-    if (!forest->task.watch)
-        return false;
-    forest->task.done = served;
-    return (!task_poll(&forest->task) && forest->may_stop) || forest->cut_short;
 }
 
 /* What one worker does in a pass. */
@@ -548,10 +528,13 @@ static void work(void *context, unsigned number)
         for (unsigned i = number; i < end; i++)
             serve_own(forest, forest->worker + i, level);
         meet(pass, team, number);
-        if (number == 0 && team)
-            forest->alone = waits_too_long(pass);
-        const bool cancelled = number == 0 && is_cancelled(forest, all.served);
+        bool cancelled = false;
         if (number == 0) {
+            /* Whether it has waited for long, and for most of its time. */
+            forest->alone = forest->alone || (team && pass->waited_ns > PATIENCE_NS &&
+                                              pass->waited_ns > (clock_ns() - pass->begin_ns) / 2);
+            forest->task.done = all.served;
+            cancelled = (!task_poll(&forest->task) && forest->may_stop) || forest->cut_short;
             forest->level = level;
             forest->pauses = forest->may_stop && watch_wants_show(forest->task.watch);
         }

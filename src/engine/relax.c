@@ -114,7 +114,8 @@ static bool compare(struct relax_kept *kept, const struct finish_work *work)
     struct comparing c = {kept, work, field, mem_new(workers * sizeof *c.by)};
     const bool has_room = field && c.by;
     for (unsigned label = 1; has_room && label < 256; label++)
-        relax_kept_find(kept, work, (uint8_t)label, &field[label]);
+        if (kept->field[label])
+            relax_field_read(&field[label], work, (uint8_t)label, kept->field[label]);
     for (unsigned worker = 0; has_room && worker < workers; worker++)
         c.by[worker].moved = finish_box_none();
     if (has_room)
@@ -128,51 +129,33 @@ static bool compare(struct relax_kept *kept, const struct finish_work *work)
     return has_room;
 }
 
-/* Of a scene of that many cells, nothing yet. */
-static bool begin_keeping(struct relax_kept *kept, size_t cells)
-{
-    relax_kept_release(kept);
-    kept->cells = cells;
-    kept->most = cells * sizeof(struct cell);
-    kept->label = mem_pages(cells);
-    kept->stays = mem_pages(cells);
-    return kept->label && kept->stays;
-}
-
-void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work, uint32_t sweeps,
-                       uint32_t reach)
+/* Forgets the fields that others, of these labels and this scene, may differ from. Without memory
+ * it forgets all, and keeps none; stopped by the scene's watch, it goes on the next time. */
+static void follow_labels(struct relax_kept *kept, const struct finish_work *work, uint32_t sweeps,
+                          uint32_t reach)
 {
     const size_t cells = work->scene->grid.cells;
-    const bool is_new = kept->cells != cells || kept->sweeps != sweeps || kept->reach != reach;
-    if ((is_new && !begin_keeping(kept, cells)) || !compare(kept, work)) {
+    if (kept->cells != cells || kept->sweeps != sweeps || kept->reach != reach) {
         relax_kept_release(kept);
-        return;
+        *kept = (struct relax_kept){.cells = cells,
+                                    .most = cells * sizeof(struct cell),
+                                    .label = mem_pages(cells),
+                                    .stays = mem_pages(cells),
+                                    .sweeps = sweeps,
+                                    .reach = reach};
     }
-    kept->sweeps = sweeps;
-    kept->reach = reach;
+    if (!kept->label || !kept->stays || !compare(kept, work))
+        relax_kept_release(kept);
 }
 
-/* ---- fields ---- */
-
-bool relax_kept_find(const struct relax_kept *kept, const struct finish_work *work, uint8_t which,
-                     struct relax_field *field)
+/* Keeps a field, if there is room. */
+static void keep_field(struct relax_kept *kept, const struct relax_field *field)
 {
-    if (kept->field[which])
-        relax_field_read(field, work, which, kept->field[which]);
-    return kept->field[which] != NULL;
-}
-
-void relax_kept_add(struct relax_kept *kept, const struct relax_field *field)
-{
-    const size_t bytes = relax_field_stored_bytes(field);
-    if (!kept->cells || kept->field[field->which] || kept->bytes + bytes > kept->most)
+    if (!kept->cells || kept->field[field->which])
         return;
-    struct relax_stored *stored = mem_pages(bytes);
-    if (!stored)
-        return;
-    relax_field_store(field, stored, bytes);
+    struct relax_stored *stored = relax_field_store(field, kept->most - kept->bytes);
     kept->field[field->which] = stored;
-    kept->bytes += bytes;
+    kept->bytes += stored ? stored->bytes : 0;
 }
 
 /* ---- one field after another, or some side by side ---- */
@@ -259,10 +242,13 @@ static void see_kept(struct relaxing *r, relax_see *see, void *context)
     size_t left = 0;
     for (size_t i = 0; i < r->count; i++) {
         const struct item item = r->item[i];
-        if (relax_kept_find(work->kept, work, item.label, &field))
+        const struct relax_stored *stored = work->kept->field[item.label];
+        if (stored) {
+            relax_field_read(&field, work, item.label, stored);
             see(context, &field);
-        else
+        } else {
             r->item[left++] = item;
+        }
     }
     r->count = left;
 }
@@ -281,7 +267,7 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
     /* A field that is alone has changed with each edit. */
     struct relax_kept *kept = label == FINISH_ALL_LABELS && r->count > 1 ? work->kept : NULL;
     if (!err && kept)
-        relax_kept_follow(kept, work, sweeps, reach);
+        follow_labels(kept, work, sweeps, reach);
     if (!err && kept)
         see_kept(r, see, context);
     for (size_t i = 0; !err && i < r->count; i += r->fields) {
@@ -289,7 +275,7 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
         for (unsigned n = 0; !err && n < r->fields; n++) {
             see(context, &r->field[n]);
             if (kept)
-                relax_kept_add(kept, &r->field[n]);
+                keep_field(kept, &r->field[n]);
         }
         err = err ? err : watch_fault(watch, fault);
         if (!err && watch_wants_show(watch) && !watch->ignores_stop)

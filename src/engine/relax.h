@@ -95,9 +95,9 @@ struct relax_part {
 bool relax_field_next(const struct relax_field *field, uint32_t y, uint32_t z,
                       struct relax_part *part);
 
-/* Stores a field that was made in so many bytes; and has one read again, alone, which was. */
-size_t relax_field_stored_bytes(const struct relax_field *field);
-void relax_field_store(const struct relax_field *field, struct relax_stored *stored, size_t bytes);
+/* Stores a field that was made, in at most so many bytes (NULL: no memory, or it takes more), which
+ * mem_pages_free frees; and has one read again, alone, which was. */
+struct relax_stored *relax_field_store(const struct relax_field *field, size_t most);
 void relax_field_read(struct relax_field *field, const struct finish_work *work, uint8_t which,
                       const struct relax_stored *stored);
 
@@ -112,16 +112,6 @@ struct relax_kept {
     uint32_t sweeps, reach;
     struct relax_stored *field[256]; /* NULL: not kept */
 };
-
-/* Forgets the fields that others, of these labels and this scene, may differ from. Without memory
- * it forgets all, and keeps none; stopped by the scene's watch, it goes on the next time. */
-void relax_kept_follow(struct relax_kept *kept, const struct finish_work *work, uint32_t sweeps,
-                       uint32_t reach);
-
-/* Has the field of a label, to be read alone, if it is kept; and keeps it if there is room. */
-bool relax_kept_find(const struct relax_kept *kept, const struct finish_work *work, uint8_t which,
-                     struct relax_field *field);
-void relax_kept_add(struct relax_kept *kept, const struct relax_field *field);
 
 size_t relax_kept_memory(const struct relax_kept *kept);
 void relax_kept_release(struct relax_kept *kept);

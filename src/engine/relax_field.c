@@ -697,19 +697,18 @@ bool relax_field_rests(const struct relax_field *f, uint32_t x, uint32_t y, uint
     return !(known_at(f, row * f->chunk_words + chunk / 64) >> chunk % 64 & 1);
 }
 
-size_t relax_field_stored_bytes(const struct relax_field *f)
-{
-    size_t chunks = 0;
-    for (size_t word = 0; word < f->rows * f->chunk_words; word++)
-        chunks += (size_t)__builtin_popcountll(known_at(f, word));
-    return sizeof(struct relax_stored) + f->rows * f->chunk_words * sizeof(uint64_t) +
-           f->rows * sizeof(uint32_t) + chunks * sizeof(int32_t[RELAX_CHUNK]);
-}
-
-void relax_field_store(const struct relax_field *f, struct relax_stored *stored, size_t bytes)
+struct relax_stored *relax_field_store(const struct relax_field *f, size_t most)
 {
     const size_t chunks = f->words * WORD_CHUNKS, words = f->rows * f->chunk_words;
     uint32_t count = 0;
+    for (size_t word = 0; word < words; word++)
+        count += (uint32_t)__builtin_popcountll(known_at(f, word));
+    const size_t bytes = sizeof(struct relax_stored) + words * sizeof(uint64_t) +
+                         f->rows * sizeof(uint32_t) + count * sizeof(int32_t[RELAX_CHUNK]);
+    struct relax_stored *stored = bytes <= most ? mem_pages(bytes) : NULL;
+    if (!stored)
+        return NULL;
+    count = 0;
     stored->bytes = bytes;
     stored->box = f->box;
     stored->known = (uint64_t *)(stored + 1);
@@ -729,6 +728,7 @@ void relax_field_store(const struct relax_field *f, struct relax_stored *stored,
             }
         }
     }
+    return stored;
 }
 
 /* ---- read ---- */

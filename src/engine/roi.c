@@ -4,16 +4,10 @@
 #include <assert.h>
 
 #include "base/hash.h"
-#include "base/mem.h"
 
 size_t mask_bytes(const struct grid *grid)
 {
     return (grid->cells / 64 + 1) * sizeof(uint64_t);
-}
-
-uint64_t *mask_new(const struct grid *grid)
-{
-    return mem_new(mask_bytes(grid));
 }
 
 struct roi_tally roi_tally(const struct roi *roi, const struct scene *scene)

@@ -37,8 +37,7 @@ static inline bool roi_holds(const struct roi *roi, const struct scene *scene, u
            (!roi->mask || roi->mask[cell >> 6] >> (cell & 63) & 1);
 }
 
-/* A mask that holds nothing yet, or NULL when out of memory; freed by free(). */
-uint64_t *mask_new(const struct grid *grid);
+/* Of a mask; where they are 0, it holds nothing. */
 size_t mask_bytes(const struct grid *grid);
 
 /* What it would do to a scene, whatever region of interest the scene has now. Of no use where the

@@ -67,17 +67,6 @@ static void slopes_of_row(struct slopes *s, const struct scene *scene, uint32_t 
     }
 }
 
-/* No part exceeds 16 * 65535 < 2^20, so the squares add up to less than 2^42. */
-static uint16_t sobel_at(const struct slopes *s, uint32_t x)
-{
-    const int32_t *a = s->along_y + x, *b = s->along_z + x;
-    const int64_t gx = s->level[x + 2] - s->level[x];
-    const int64_t gy = a[0] + 2 * a[1] + a[2];
-    const int64_t gz = b[0] + 2 * b[1] + b[2];
-    const uint32_t length = square_root((uint64_t)(gx * gx + gy * gy + gz * gz)) / 16;
-    return (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
-}
-
 static void sobel_weigh(struct scene *scene, const struct adjacency *adjacency, uint32_t argument,
                         struct slab slab, void *work)
 {
@@ -89,8 +78,16 @@ static void sobel_weigh(struct scene *scene, const struct adjacency *adjacency, 
     struct grid_walk w = grid_walk(grid, scene->watch, "weights", slab, slab.first);
     while (grid_walk_next(&w)) {
         slopes_of_row(&slopes, scene, w.y, w.z);
-        for (uint32_t x = 0; x < grid->size[0]; x++)
-            scene->cell[w.row.first + x].weight = sobel_at(&slopes, x);
+        for (uint32_t x = 0; x < grid->size[0]; x++) {
+            /* No part exceeds 16 * 65535 < 2^20, so the squares add up to less than 2^42. */
+            const int32_t *a = slopes.along_y + x, *b = slopes.along_z + x;
+            const int64_t gx = slopes.level[x + 2] - slopes.level[x];
+            const int64_t gy = a[0] + 2 * a[1] + a[2];
+            const int64_t gz = b[0] + 2 * b[1] + b[2];
+            const uint32_t slope = square_root((uint64_t)(gx * gx + gy * gy + gz * gz)) / 16;
+            scene->cell[w.row.first + x].weight =
+                (uint16_t)(slope < WEIGHT_MOST ? slope : WEIGHT_MOST);
+        }
     }
 }
 

@@ -29,24 +29,21 @@ struct tile {
     uint16_t value[3][ROWS + 2][STRIDE];
 };
 
-static void take_row(uint16_t *out, const struct tile *tile, uint32_t y, uint32_t z)
-{
-    const struct grid *grid = &tile->scene->grid;
-    const struct cell *cell = tile->scene->cell + grid_row(grid, y, z).first;
-    const struct cell *first = cell + tile->x;
-    out[0] = cell[grid_held((int64_t)tile->x - 1, grid->size[0])].intensity;
-    for (uint32_t i = 0; i < tile->width; i++)
-        out[1 + i] = first[i].intensity;
-    out[1 + tile->width] = cell[grid_held(tile->x + tile->width, grid->size[0])].intensity;
-}
-
 /* Plane z - 1 into its place in the ring. */
 static void take_plane(struct tile *tile, uint32_t z)
 {
     const struct grid *grid = &tile->scene->grid;
-    for (uint32_t j = 0; j < tile->rows + 2; j++)
-        take_row(tile->value[z % 3][j], tile, grid_held((int64_t)tile->y + j - 1, grid->size[1]),
-                 grid_held((int64_t)z - 1, grid->size[2]));
+    const uint32_t *size = grid->size, before = grid_held((int64_t)z - 1, size[2]);
+    for (uint32_t j = 0; j < tile->rows + 2; j++) {
+        const uint32_t y = grid_held((int64_t)tile->y + j - 1, size[1]);
+        const struct cell *cell = tile->scene->cell + grid_row(grid, y, before).first;
+        const struct cell *first = cell + tile->x;
+        uint16_t *out = tile->value[z % 3][j];
+        out[0] = cell[grid_held((int64_t)tile->x - 1, size[0])].intensity;
+        for (uint32_t i = 0; i < tile->width; i++)
+            out[1 + i] = first[i].intensity;
+        out[1 + tile->width] = cell[grid_held(tile->x + tile->width, size[0])].intensity;
+    }
 }
 
 static uint16_t larger(uint16_t a, uint16_t b)

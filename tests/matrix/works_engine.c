@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/mem.h"
 #include "engine/labels.h"
 #include "engine/roi.h"
 #include "tests/surface_check.h"
@@ -101,7 +102,7 @@ static void excludes(struct team *team)
     struct forest *forest = NULL;
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
-    uint64_t *bits = mask_new(&scene->grid);
+    uint64_t *bits = mem_new(mask_bytes(&scene->grid));
     struct roi roi = {bits, 20, 210};
     size_t count = 0;
     must_hold(bits != NULL, "room for a mask");
