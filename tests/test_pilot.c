@@ -396,8 +396,7 @@ STORY(seeds_brushes_and_strokes)
     CHECK(state.pen.is_down && message.length == 0);
     CHECK_TEXT(type("l"), "cross 19,40,30\nseed 19,40,30 2 to=20,40,30\n");
     CHECK(state.sketches);
-    press(KEY_ESCAPE, 0, 0);
-    CHECK_TEXT(type("l"), "cross 19,40,30\n");
+    KEYS("<Escape>l|cross 19,40,30");
     CHECK(!state.sketches);
 }
 
@@ -441,16 +440,12 @@ STORY(a_brush_within_intensities)
     CHECK_TEXT(typed_range("80..120.5"), "seed 20,25,30 1 range=80..120.5\n");
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         CHECK_TEXT(typed_range(wrong[i]), "seed 20,25,30 1 range=80..120.5\n");
-    type("T5");
-    press(KEY_ENTER, 0, 0);
-    CHECK_TEXT(buf_text(&message),
-               "expected LOW..HIGH, as in 40..1200.5, not 5; the brush is as it was");
+    KEYS("T5<Enter>|*|expected LOW..HIGH, as in 40..1200.5, not 5; the brush is as it was");
     for (int i = 0; i < 100; i++)
         type(i ? "1" : "T");
     CHECK_INT(strlen(state.typed), PILOT_RANGE_BYTES - 1);
     CHECK_TEXT(typed_range(""), "seed 20,25,30 1\n"); /* the limits are gone */
-    type("pT5..6");
-    press(KEY_ENTER, 0, 0);
+    KEYS("pT5..6<Enter>");
     CHECK(state.mode == PILOT_PICKING && state.brush.has_range);
 }
 
@@ -496,19 +491,14 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
          "<at 9,16,8>a|*|this lies in another slice than the corners so far; Escape drops them",
          "<z=7>a|*|3 corners; A plants the outline");
     facts.intensity = 100;
-    type("10t");
-    CHECK_TEXT(type("A"), "outline 5,6,7 2 range=90..110 to=15,6,7 to=9,16,7\n");
+    KEYS("10tA|outline 5,6,7 2 range=90..110 to=15,6,7 to=9,16,7");
     CHECK_INT(state.outline.count, 0);
     type("a");
     CHECK_TEXT(hint_now(), "1 corner  a another  d box to here  O faces  S ball's shell  "
                            "Escape drops it");
-    facts.place[0]++;
-    type("a");
-    facts.place[1]++;
-    type("a");
+    KEYS("<x+1>a<y+1>a");
     CHECK_TEXT(hint_now(), "3 corners  a another  A plants the outline  Escape drops them");
-    press(KEY_ESCAPE, 0, 0);
-    CHECK_TEXT(buf_text(&message), "the corners are dropped");
+    KEYS("<Escape>|*|the corners are dropped");
     CHECK_INT(state.outline.count, 0);
     type("I");
     CHECK_TEXT(hint_now(), "one end of a stroke  i plants it to here  Escape drops it");
@@ -538,8 +528,7 @@ STORY(an_outline_is_drawn_freehand_by_keys)
          "5lr|turn 15",             /* which one may look around meanwhile */
          "w|", "<Enter>|*|*|outlining");
     CHECK_INT(state.outline.count, 4);
-    press(KEY_ENTER, 0, 0);
-    CHECK_TEXT(buf_text(&line), "outline 20,25,30 1 to=25,25,30 to=25,29,30 to=20,29,30\n");
+    KEYS("<Enter>|outline 20,25,30 1 to=25,25,30 to=25,29,30 to=20,29,30");
     CHECK(state.mode == PILOT_MOVING && state.outline.count == 0);
     CHECK_TEXT(walk("K"), "cross 20,29,31\n");
     CHECK_TEXT(type("."), "outline 20,25,31 1 to=25,25,31 to=25,29,31 to=20,29,31\n");
@@ -598,14 +587,10 @@ STORY(an_outline_that_is_there_is_dragged_and_planted)
     begin();
     outline_side = 20;
     outline_marker = 0;
-    facts.place[2] = 7;
-    CHECK_TEXT(type("U"), "");
-    CHECK_TEXT(buf_text(&message), "a square of label 1");
-    CHECK(state.mode == PILOT_SHAPING);
+    KEYS("<z=7>U||a square of label 1|shaping");
     CHECK_TEXT(hint_now(), "the mouse drags it  Enter plants it  v takes hold, lets go  "
                            "Escape drops it");
-    press(KEY_ENTER, 0, 0); /* as it is */
-    CHECK_TEXT(buf_text(&line), "outline 4,4,7 1 to=24,4,7 to=24,24,7 to=4,24,7\n");
+    KEYS("<Enter>|outline 4,4,7 1 to=24,4,7 to=24,24,7 to=4,24,7" /* as it is */);
     outline_marker = 12;
     type("U");
     shown_pane = PILOT_AXIAL;
@@ -628,9 +613,7 @@ STORY(an_outline_that_is_there_is_dragged_and_planted)
          "<Enter>");
     CHECK_HAS(buf_text(&line), "outline 4,3,7 1 to=");
     CHECK_HAS(buf_text(&line), " instead=12\n");
-    type("U");
-    memcpy(facts.place, (uint32_t[]){4, 14, 7}, sizeof facts.place);
-    type("v");
+    KEYS("U<at 4,14,7>v");
     walk("2h");
     const size_t bent = state.outline.count;
     CHECK(state.hold.is_set && bent > 4);
@@ -639,9 +622,7 @@ STORY(an_outline_that_is_there_is_dragged_and_planted)
     press(KEY_ESCAPE, 0, 0); /* and gone */
     CHECK(state.mode == PILOT_MOVING && state.outline.count == 0 && state.instead == 0);
     outline_side = 0;
-    type("U");
-    CHECK_TEXT(buf_text(&message), "label 1 is not here; @ draws an outline");
-    CHECK(state.mode == PILOT_MOVING);
+    KEYS("U|*|label 1 is not here; @ draws an outline|moving");
 }
 
 STORY(the_slice_that_is_least_certain_comes_with_its_outline)
@@ -660,12 +641,9 @@ STORY(the_slice_that_is_least_certain_comes_with_its_outline)
     CHECK_HAS(buf_text(&line), "outline 4,4,1 1 to=");
     CHECK_INT(state.doubt, 0);
     outline_side = 0; /* nothing of it lies there yet */
-    CHECK_TEXT(type("2}"), "cross 9,9,2\n");
-    CHECK(state.mode == PILOT_MOVING);
-    CHECK_HAS(buf_text(&message), "label 1 is not here; @ draws an outline");
+    KEYS("2}|cross 9,9,2|*label 1 is not here; @ draws an outline|moving");
     doubts = 0;
-    CHECK_TEXT(type("}"), "");
-    CHECK_TEXT(buf_text(&message), "nothing of label 1 is in doubt");
+    KEYS("}||nothing of label 1 is in doubt");
 }
 
 STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
@@ -689,8 +667,7 @@ STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
     CHECK(state.drops && !state.pen.is_down);
     CHECK_TEXT(buf_text(&line), "");
     CHECK_TEXT(buf_text(&message), "the stroke is dropped, and the pen is up");
-    walk("vl");
-    CHECK_TEXT(walk("q"), "cross 17,27,29\nseed 18,27,29 2 radius=2 to=17,27,29\n");
+    WALK("vlq|cross 17,27,29 / seed 18,27,29 2 radius=2 to=17,27,29");
     CHECK(deed == PILOT_LEAVE);
 }
 
@@ -731,9 +708,7 @@ STORY(an_eliminator_shows_first_what_it_takes)
          "xl|cross 19,25,30", /* another key does what it does, and nothing goes */
          "x10l|cross 10,25,30", "xs2|seed 20,25,30 2", "x<Escape>||*|moving");
     has_tree = false;
-    type("x");
-    CHECK_HAS(buf_text(&message), "no tree holds this voxel");
-    CHECK(state.mode == PILOT_MOVING);
+    KEYS("x|*|*no tree holds this voxel|moving");
 }
 
 STORY(a_path_is_shown_and_its_strongest_edge_corrected)
@@ -741,9 +716,7 @@ STORY(a_path_is_shown_and_its_strongest_edge_corrected)
     begin();
     shown_way = (struct pilot_way){
         .label = 1, .next = 3, .root = {5, 6, 7}, .has_edge = true, .edge = {9, 10, 11}};
-    CHECK_TEXT(type("P"), "");
-    CHECK(state.mode == PILOT_EXPLAINING);
-    CHECK_TEXT(buf_text(&message), "why 20");
+    KEYS("P||why 20|explaining");
     buf_clear(&message);
     pilot_keys_hint(&state, &facts, &message);
     CHECK_TEXT(buf_text(&message), "P to its strongest edge  i the next label there  S shell  "
@@ -758,11 +731,9 @@ STORY(a_path_is_shown_and_its_strongest_edge_corrected)
          "P4|",              /* no digit alone plants */
          "l|cross 5,14,11", "P<Escape>|*|*|moving");
     shown_way.has_edge = false;
-    CHECK_TEXT(type("Pi"), "");
-    CHECK_HAS(buf_text(&message), "there is no edge to go to");
+    KEYS("Pi||*there is no edge to go to");
     has_tree = false;
-    CHECK_TEXT(type("P"), "");
-    CHECK(state.mode == PILOT_MOVING);
+    KEYS("P||*|moving");
     has_tree = true;
     CHECK_TEXT(type("pP"), "cross 32,24,9\n"); /* of what the rendition shows */
     CHECK(state.mode == PILOT_EXPLAINING && state.base == PILOT_PICKING);
@@ -890,8 +861,7 @@ STORY(what_is_no_command)
     CHECK(deed == PILOT_SUSPEND);
     type("?");
     CHECK(deed == PILOT_SHOW_KEYS);
-    CHECK_TEXT(type("Y"), "");
-    CHECK_HAS(buf_text(&message), "? shows the keys");
+    KEYS("Y||*? shows the keys");
     press(KEY_OTHER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
     CHECK_TEXT(buf_text(&message), "");
@@ -900,9 +870,7 @@ STORY(what_is_no_command)
 STORY(what_was_chosen_stays_from_one_time_to_the_next)
 {
     begin();
-    type("7b3+");
-    press(KEY_TAB, 0, 0);
-    type("mkIv12");
+    KEYS("7b3+<Tab>mkIv12");
     pilot_state_enter(&state);
     CHECK(state.mode == PILOT_MOVING && !state.pen.is_down && state.count == 0);
     CHECK(state.brush.label == 7 && state.brush.radius == 3 && state.pane == PILOT_CORONAL);
@@ -1051,11 +1019,9 @@ STORY(what_is_magnified_can_be_moved)
          "<Alt-Left>|cross 21,25,30 / magnify 3 at=9,10,0", /* no stroke */
          "v<Tab>2|", "<Alt-Down>|magnify 3 at=10,12,1");
     goes_on = false;
-    CHECK_TEXT(arrow(KEY_DOWN, KEY_ALT), "");
-    CHECK_HAS(buf_text(&message), "the slice ends there");
+    KEYS("<Alt-Down>||*the slice ends there");
     goes_on = true;
-    type("p");
-    CHECK_TEXT(arrow(KEY_DOWN, KEY_ALT), "pan 0 16\n"); /* where one corrects, the rendition */
+    KEYS("p<Alt-Down>|pan 0 16" /* where one corrects, the rendition */);
 }
 
 STORY(one_pane_has_the_whole_screen_or_none)
@@ -1075,8 +1041,7 @@ STORY(the_wheel_takes_the_question_about_a_tree_away)
 {
     begin();
     shown_pane = PILOT_AXIAL;
-    type("x");
-    CHECK(state.mode == PILOT_CONFIRMING);
+    KEYS("x|*|*|confirming");
     CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 20,25,31\n"); /* where another tree may be */
     CHECK(state.mode == PILOT_MOVING);
     KEYS("x||*x removes it", "x|remove 20,25,30");

@@ -20,6 +20,24 @@ is_last_record() {
 recorded() {
     comes_true is_last_record "$1" || fail "the last command is '$(last_record)', not '$1'"
 }
+# Keys, or a line of the colon, and the record that they make, by default the line itself.
+types() {
+    type_letters "$1"
+    recorded "$2"
+}
+presses() {
+    press "$1"
+    recorded "$2"
+}
+commands() {
+    type_letters ":"
+    enter "$1"
+    recorded "${2:-$1}"
+}
+commanding() {
+    type_letters ":"
+    entering "$1" "$2"
+}
 # Whether the magnified slices go on around another voxel than this.
 has_panned() {
     case $(last_record) in *"at=$1") return 1 ;; "magnify "*) return 0 ;; *) return 1 ;; esac
@@ -44,8 +62,7 @@ begin "pilot takes the whole screen: slices, and where the cross-hair is"
 enter_anew "$iftty --graphics blocks s.nii"
 see '^24x20x16 voxels'
 see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
-enter "pilot"
-see '^axial at 12,10,8  brush 1 r3  no label  intensity [0-9]*  [-0-9.,]* mm$'
+entering "pilot" '^axial at 12,10,8  brush 1 r3  no label  intensity [0-9]*  [-0-9.,]* mm$'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 close_story
 
@@ -54,146 +71,104 @@ see '^nothing to show yet: i plants a seed here'
 close_story
 
 begin "the brush has a radius, which - makes smaller"
-type_letters "3-"
-see '^axial at 12,10,8  brush 1  no label  intensity '
+typing "3-" '^axial at 12,10,8  brush 1  no label  intensity '
 close_story
 
 begin "keys move, seed, undo and turn, each as the command it is"
-press Right
-recorded "cross 11,10,8"
-type_letters "3k"
-recorded "cross 11,13,8"
-type_letters "s2"
-recorded "seed 11,13,8 2"
+presses Right "cross 11,10,8"
+types "3k" "cross 11,13,8"
+types "s2" "seed 11,13,8 2"
 see 'voxels changed'
 see '^axial at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
-press Tab
-see '^coronal at [0-9]*,13,[0-9]* '
+pressing Tab '^coronal at [0-9]*,13,[0-9]* '
 see '^one label takes all: a here, then beyond its edge S encloses it; s0 background$'
-type_letters "++s1"
-recorded "seed 11,13,8 1 radius=2"
+types "++s1" "seed 11,13,8 1 radius=2"
 see '^coronal .*at 11,13,8  brush 1 r2  here 1 [0-9.]* m[lm][3 ]'
-type_letters "u"
-recorded "undo"
+types "u" "undo"
 see '^undone: [0-9]+ seed 11,13,8 1 radius=2; after [0-9]+ seed 11,13,8 2'
-press C-r
-recorded "redo"
-press S-Right
-recorded "turn 15"
+presses C-r "redo"
+presses S-Right "turn 15"
 type_letters "I"
 press Up
-type_letters "-s3"
-recorded "seed 11,13,9 3 radius=1 to=11,13,8"
+types "-s3" "seed 11,13,9 3 radius=1 to=11,13,8"
 close_story
 
 begin "the pen that is down is told in colour, and by what the keys do"
 type_letters "v"
-press Tab
-see '^PEN DOWN  sagittal '
+pressing Tab '^PEN DOWN  sagittal '
 see '^moving draws; v ends the stroke, Escape drops it$'
 tmux_here capture-pane -e -p -t prompt | grep -q '41m.*PEN DOWN' || fail "it is not in colour"
-press Escape
-see '^sagittal '
+pressing Escape '^sagittal '
 press Tab Tab
 see '^coronal '
 close_story
 
 begin "a stroke of the pen is one record when it is lifted, and none when it is dropped"
 at=$(last_record)
-type_letters "vlljj"
-see '^PEN DOWN'
+typing "vlljj" '^PEN DOWN'
 same "$(last_record)" "$at"
-press Escape
-see 'the stroke is dropped, and the pen is up'
+pressing Escape 'the stroke is dropped, and the pen is up'
 same "$(last_record)" "$at"
-type_letters "vlljjv"
-recorded "seed 11,13,9 3 radius=1 to=9,13,9 to=9,13,7"
-type_letters "u"
-see '^undone: [0-9]+ seed '
-type_letters ":cross 11,13,9"
-press Enter
-recorded "cross 11,13,9"
-press Escape
-see '^i seed '
+types "vlljjv" "seed 11,13,9 3 radius=1 to=9,13,9 to=9,13,7"
+typing "u" '^undone: [0-9]+ seed '
+commands "cross 11,13,9"
+pressing Escape '^i seed '
 close_story
 
 begin "an Alt-KEY that does nothing is Escape, then KEY; one that pans still does"
 press M-:
 type_letters "finish largest"
-press Enter
-recorded "finish largest"
+presses Enter "finish largest"
 press M-:
 type_letters "finish none"
-press Enter
-recorded "finish none"
+presses Enter "finish none"
 type_letters "3"
 press M-:
 type_letters "zoom 2"
-press Enter
-recorded "zoom 2"
-type_letters ":zoom 1"
-press Enter
-recorded "zoom 1"
+presses Enter "zoom 2"
+commands "zoom 1"
 type_letters "?" # a page of keys: Escape leaves it
 see 'keys'
 press M-:
 type_letters "zoom 3"
-press Enter
-recorded "zoom 3"
-type_letters ":zoom 1"
-press Enter
-recorded "zoom 1"
-press M-h
-recorded "pan -16 0"
-press M-l
-recorded "pan 16 0"
+presses Enter "zoom 3"
+commands "zoom 1"
+presses M-h "pan -16 0"
+presses M-l "pan 16 0"
 close_story
 
 begin "finished labels are shown as one works, and the forest's again, by one key"
-type_letters "y"
-see '`:finish relax` has them settle on the edges'
-type_letters ":finish relax sweeps=9"
-press Enter
-recorded "finish relax sweeps=9"
+typing "y" '`:finish relax` has them settle on the edges'
+commands "finish relax sweeps=9"
 see '^the finish (breaks|reduces|deletes) label' # a page, since labels are lost from
 see '^[(]any key[)]$'
 type_letters " "
-type_letters "y"
-recorded "finished on"
+types "y" "finished on"
 tmux_here resize-window -t prompt -x 100 -y 24 # the place in mm comes before that word
 see '^coronal at 11,13,9  brush 3 r1  finished  '
-type_letters "s1"
-recorded "seed 11,13,9 1 radius=1"
-press Escape
-see '^i seed ' # with the u before that, it would be Alt
+types "s1" "seed 11,13,9 1 radius=1"
+pressing Escape '^i seed ' # with the u before that, it would be Alt
 see '^coronal at 11,13,9  brush 1 r1  finished  '
 tmux_here resize-window -t prompt -x 80 -y 24
-type_letters "uy"
-recorded "finished off"
+types "uy" "finished off"
 see '^coronal .*at 11,13,9  brush 1 r1  here '
 type_letters "3b"
-press Escape
-see '^i seed '
+pressing Escape '^i seed '
 close_story
 
 begin "keys walk through hints, and tell how a voxel came to its label"
 is_cross() {
     case $(last_record) in "cross "*) return 0 ;; *) return 1 ;; esac
 }
-type_letters ")"
-see '^1  at [0-9]+,[0-9]+,[0-9]+: [0-9]+ voxels?, [0-9.]+ m[lm].*; label '
+typing ")" '^1  at [0-9]+,[0-9]+,[0-9]+: [0-9]+ voxels?, [0-9.]+ m[lm].*; label '
 comes_true is_cross
-type_letters "gh"
-see '^red, where the border is least certain'
-type_letters "P"
-see '^label [0-9].*, cost [0-9]+, [0-9]+ steps?'
+typing "gh" '^red, where the border is least certain'
+typing "P" '^label [0-9].*, cost [0-9]+, [0-9]+ steps?'
 see '^P to its strongest edge .* Escape ends$' # and what keys do there
 press Escape
 type_letters "gh:cross 11,13,9"
-press Enter
-recorded "cross 11,13,9"
-press Escape
-see '^i seed '
+presses Enter "cross 11,13,9"
+pressing Escape '^i seed '
 close_story
 
 begin "what is pasted acts nowhere: it stands in the line of the colon"
@@ -202,103 +177,72 @@ before=$(last_record)
 tmux_here paste-buffer -p -b paste -t prompt
 hint='( \[range=LOW\.\.HIGH\] \[shell=yes\] \[around=LABEL\])?' # of a command
 see "^:box 10 xx u seed 1,1,1 2 q$hint\$"
-press Escape
-see '^i seed '
+pressing Escape '^i seed '
 type_letters ":label 5 "
 tmux_here paste-buffer -p -b paste -t prompt
 see '^:label 5 box 10 xx u seed 1,1,1 2 q( \[number=1\.\.65533\])?$'
-press Enter
-see '^error: '
-type_letters "?"
-see 'a seed of the label'
+pressing Enter '^error: '
+typing "?" 'a seed of the label'
 tmux_here paste-buffer -p -b paste -t prompt
 sleep 0.3
 see 'a seed of the label' # a page of text takes none
-press Escape
-see '^coronal '
+pressing Escape '^coronal '
 same "$(last_record)" "$before"
 close_story
 
 begin "x shows the marker first, and removes it then"
-type_letters "x"
-see '^marker [0-9]+: [0-9]+ trees?, [0-9]+ voxels?, label [0-9].*; x removes it'
-type_letters "x"
-recorded "remove 11,13,9"
+typing "x" '^marker [0-9]+: [0-9]+ trees?, [0-9]+ voxels?, label [0-9].*; x removes it'
+types "x" "remove 11,13,9"
 close_story
 
 begin "? tells the keys, and any key goes back"
-type_letters "?"
-see 'a seed of the label'
-type_letters "i"
-see '^coronal at [0-9]*,13,[0-9]* '
+typing "?" 'a seed of the label'
+typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
 close_story
 
 begin "Tab finds commands and keys by a piece of a word, each with its key"
 type_letters ":cont"
-press Tab
-see '^context  '
+pressing Tab '^context  '
 see '^overlay contour  o in the pilot: '
 see '^:cont$'
-press Escape
-see '^i seed ' # the row above stays while a line is edited
+pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":pen"
-press Tab
-see "^v  *in the pilot, pen: pen draws; stroke's end$"
+pressing Tab "^v  *in the pilot, pen: pen draws; stroke's end$"
 see '^:pen$'
-press Escape
-see '^i seed ' # the row above stays while a line is edited
+pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":und" # what begins so is completed as ever
-press Tab
-see '^:undo \[COUNT\]$'
-press Escape
-see '^i seed ' # the row above stays while a line is edited
+pressing Tab '^:undo \[COUNT\]$'
+pressing Escape '^i seed ' # the row above stays while a line is edited
 close_story
 
 begin "/ shows the keys that have a word in them"
-type_letters "?"
-see '^What is planted$'
-type_letters "/contour"
-see '^/contour$'
+typing "?" '^What is planted$'
+typing "/contour" '^/contour$'
 see '^  o  *overlay  *contour; finish; greys$'
-press Enter
-see '^/ shows what has a word in it; any other key leaves$'
-type_letters "i"
-see '^coronal at [0-9]*,13,[0-9]* '
+pressing Enter '^/ shows what has a word in it; any other key leaves$'
+typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
 close_story
 
 begin "a colon takes a command; what says more than a line has a page"
-type_letters ":"
-enter "label 3 node"
-recorded "label 3 node"
+commands "label 3 node"
 tmux_here resize-window -t prompt -x 100 -y 24 # the brush's name is the first to fall out
 see '^coronal at 11,13,9  brush 3 node r1  here '
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal at 11,13,9  brush 3 r1  here '
-type_letters ":"
-enter "help seed"
-see 'plant a seed'
+commanding "help seed" 'plant a seed'
 see '\(any key\)'
-press Enter
-see '^coronal at [0-9]*,13,[0-9]* '
-type_letters ":"
-enter "sed 1"
-see 'error: unknown command sed'
+pressing Enter '^coronal at [0-9]*,13,[0-9]* '
+commanding "sed 1" 'error: unknown command sed'
 close_story
 
 begin "an answer longer than the screen comes page by page"
-type_letters ":"
-enter "help"
-see '^The scene'
+commanding "help" '^The scene'
 see '^-- more --$'
-press Space
-see '^outline X,Y,Z '
-type_letters "q"
-see '^coronal at [0-9]*,13,[0-9]* '
-type_letters ":"
-enter "help"
-see '^The scene'
+pressing Space '^outline X,Y,Z '
+typing "q" '^coronal at [0-9]*,13,[0-9]* '
+commanding "help" '^The scene'
 is_another_page() {
     screen_text >page
     grep -q '^-- more --$\|^[(]any key[)]$' page && ! cmp -s page former
@@ -311,8 +255,7 @@ for page in 1 2 3 4 5 6 7 8 9; do
 done
 see '^quit  *leave'
 see '^[(]any key[)]$'
-press Escape
-see '^coronal at [0-9]*,13,[0-9]* '
+pressing Escape '^coronal at [0-9]*,13,[0-9]* '
 close_story
 
 begin "a message of more than a row takes both, until the next key"
@@ -320,55 +263,41 @@ type_letters ":"
 enter "seed 1,1,1 a-name-that-no-label-has-been-given-and-that-is-long"
 see '^error: LABEL: expected'
 see 'name one with'
-press Tab
-see '^sagittal '
+pressing Tab '^sagittal '
 press Tab Tab
 see '^coronal at [0-9]*,13,[0-9]* '
 close_story
 
 begin "what the keys do in a mode stands below as long as it lasts, and fits"
 type_letters "w"
-press Left
-see '^window [-0-9.]+ [-0-9.]+  arrows  a auto  Enter done  1 bone  2 brain  3 lung'
-press Enter
-see '^i seed '
-type_letters "w2"
-recorded "window 0 80"
+pressing Left '^window [-0-9.]+ [-0-9.]+  arrows  a auto  Enter done  1 bone  2 brain  3 lung'
+pressing Enter '^i seed '
+types "w2" "window 0 80"
 see '^the window of brain$'
 type_letters "p"
-press Left
-see '^CORRECT at pixel [0-9]+,[0-9]+  0-9 a seed there  p to its voxel  Escape ends$'
+pressing Left '^CORRECT at pixel [0-9]+,[0-9]+  0-9 a seed there  p to its voxel  Escape ends$'
 see '^CORRECT  (axial|coronal|sagittal) '
-press Escape
-see '^i seed '
-type_letters ":"
-enter "size 16 16"
-recorded "size 16 16"
+pressing Escape '^i seed '
+commands "size 16 16"
 type_letters "plllllllllllllljjjjjjjjjjjjjj" # to the last of the pane's pixels, which are more
 see '^CORRECT at pixel [2-9][0-9],[2-9][0-9]  '
-press Escape
-see '^i seed '
-type_letters ":"
-enter "size 512 512"
-recorded "size 512 512"
+pressing Escape '^i seed '
+commands "size 512 512"
 close_story
 
 begin "slices are magnified and moved by commands; what has the screen is no command"
-type_letters "]]"
-recorded "magnify 1.5 at=11,13,9"
+types "]]" "magnify 1.5 at=11,13,9"
 see '^coronal x1.5 at 11,13,9 '
 press M-Up # to the sides all is seen
 comes_true has_panned 11,13,9 || fail "$(last_record)"
-type_letters "gz"
-recorded "magnify 1.5 at=11,13,9"
+types "gz" "magnify 1.5 at=11,13,9"
 before=$(grep -c . s-1.iftty)
 type_letters "f"
 comes_true sides_are 'S' 'I' 40 || fail "$(screen_text)"
 type_letters "f"
 comes_true sides_are_not 'S' 'I' 40 || fail "$(screen_text)"
 same "$(grep -c . s-1.iftty)" "$before"
-type_letters "W"
-recorded "magnify fit"
+types "W" "magnify fit"
 see '^coronal at 11,13,9 '
 close_story
 
@@ -379,65 +308,40 @@ screen_text | head -n 22 | grep -q '^A' && fail "there is no A on the left of a 
 type_letters ":"
 enter "overlay words=off"
 comes_true no_words || fail "$(screen_text)"
-type_letters ":"
-enter "overlay words=on"
-see '^ *[0-9]+ mm'
+commanding "overlay words=on" '^ *[0-9]+ mm'
 close_story
 
 begin "boxes, polygons, millimetres and intensities, each as the command it is"
-type_letters ":"
-enter "cross 12,13,8"
-see '^coronal at 12,13,8'
-type_letters "2ba"
-see '^1 corner; d plants the box'
-type_letters "2l3k"
-see '^coronal at 10,13,11  brush 2 r1 1 corner  '
-type_letters "d"
-recorded "box 12,13,8 10,13,11 2"
-type_letters "aha"
-recorded "cross 11,13,11"
-type_letters "j"
-recorded "cross 11,13,10"
-type_letters "aA"
-recorded "outline 10,13,11 2 to=11,13,11 to=11,13,10"
+commanding "cross 12,13,8" '^coronal at 12,13,8'
+typing "2ba" '^1 corner; d plants the box'
+typing "2l3k" '^coronal at 10,13,11  brush 2 r1 1 corner  '
+types "d" "box 12,13,8 10,13,11 2"
+types "aha" "cross 11,13,11"
+types "j" "cross 11,13,10"
+types "aA" "outline 10,13,11 2 to=11,13,11 to=11,13,10"
 type_letters "T-99999..99999"
 see '^intensities LOW..HIGH, or none: -99999..99999_  Enter takes it  Escape leaves$'
-press Enter
-see '^coronal at 11,13,10  brush 2 r1 -99999..99999  '
-type_letters "M"
-see 'radius 1mm, intensities'
-type_letters "i"
-recorded "seed 11,13,10 2 radius=1mm range=-99999..99999"
+pressing Enter '^coronal at 11,13,10  brush 2 r1 -99999..99999  '
+typing "M" 'radius 1mm, intensities'
+types "i" "seed 11,13,10 2 radius=1mm range=-99999..99999"
 type_letters "M-T"
-press Enter
-see '^the brush: label 2, radius 0$'
+pressing Enter '^the brush: label 2, radius 0$'
 close_story
 
 begin "an outline is drawn, closed, taken up again, dragged, and takes the place of what it was"
-type_letters ":"
-enter "cross 12,13,8"
-see '^coronal at 12,13,8'
-type_letters "@"
-see '^OUTLINE  coronal at 12,13,8'
+commanding "cross 12,13,8" '^coronal at 12,13,8'
+typing "@" '^OUTLINE  coronal at 12,13,8'
 see '^moving, or the mouse, draws an outline  Enter plants it  Escape drops it$'
-type_letters "4l4k4h"
-see '^OUTLINE  coronal at 12,13,12  brush 2 4 corners'
-press Enter
-recorded "outline 12,13,8 2 to=8,13,8 to=8,13,12 to=12,13,12"
-type_letters "U"
-see '^the outline of marker [0-9]+$'
-type_letters "v"
-see '^held: moving drags it  Enter plants it  v takes hold, lets go  Escape drops it$'
+typing "4l4k4h" '^OUTLINE  coronal at 12,13,12  brush 2 4 corners'
+presses Enter "outline 12,13,8 2 to=8,13,8 to=8,13,12 to=12,13,12"
+typing "U" '^the outline of marker [0-9]+$'
+typing "v" '^held: moving drags it  Enter plants it  v takes hold, lets go  Escape drops it$'
 type_letters "2h"
 press Enter
 comes_true replaces_outline || fail "$(last_record)"
-type_letters "}"
-see ' in doubt; the (border|outline) of '
-press Escape
-see '^the outline is dropped$'
-type_letters ":"
-enter "cross 11,13,10"
-see '^through 11,13,10'
+typing "}" ' in doubt; the (border|outline) of '
+pressing Escape '^the outline is dropped$'
+commanding "cross 11,13,10" '^through 11,13,10'
 for plane in 1 2 3; do # it may be any of them
     press Tab
     comes_true shows ' at 11,13,10 '
@@ -447,10 +351,8 @@ see '^coronal at 11,13,10'
 close_story
 
 begin "stopped and continued, the screen comes back"
-press C-z
-see '[Ss]topped'
-enter "fg"
-see '^coronal at [0-9]*,13,[0-9]* '
+pressing C-z '[Ss]topped'
+entering "fg" '^coronal at [0-9]*,13,[0-9]* '
 close_story
 
 begin "another size of the window is another picture"
@@ -463,16 +365,12 @@ see '^coronal at .* mm  mean [0-9.]*, SD [0-9.]*, [0-9.]* x [0-9.]* x [0-9.]* m'
 enter ":seed 20,4,3 0"
 see '^this `seed` took .* of label 1 through 20,4,2; undo takes it back$' # lines are a page
 see '^[(]any key[)]$'
-type_letters " "
-see '^coronal at [0-9]*,13,[0-9]* '
+typing " " '^coronal at [0-9]*,13,[0-9]* '
 enter ":cross 20,4,3"
 see '^coronal at [0-9]*,4,.*  here 0  changed [0-9] [0-9.]* m[lm]3? .*  intensity '
-type_letters "u"
-recorded "undo"
-enter ":cross 11,13,10"
-see '^through 11,13,10'
-type_letters "lh"
-see '^i seed  b label'
+types "u" "undo"
+entering ":cross 11,13,10" '^through 11,13,10'
+typing "lh" '^i seed  b label'
 tmux_here resize-window -t prompt -x 80 -y 24
 comes_true stands_in_row 23 || fail "the screen is:" "$(screen_text | grep .)"
 close_story
@@ -481,30 +379,24 @@ begin "the smallest window: the keys page by page, and the pen is loud"
 tmux_here resize-window -t prompt -x 20 -y 10
 see '^coronal at 11,13,10$'
 see '^i seed  q back$' # nothing is cut within a word, and how to leave is there
-type_letters "?"
-see '^h j k l arrows$'
+typing "?" '^h j k l arrows$'
 see '^  move the$'
 see '^-- more --$'
 tmux_here resize-window -t prompt -x 80 -y 24
 see 'h j k l arrows   move the cross-hair     H L Ctrl-arrows'
 tmux_here resize-window -t prompt -x 20 -y 10
 see '^h j k l arrows$'
-type_letters "q"
-see '^coronal at 11'
-type_letters "v"
-see '^PEN DOWN  coronal$'
-press Escape
-see '^coronal at 11'
+typing "q" '^coronal at 11'
+typing "v" '^PEN DOWN  coronal$'
+pressing Escape '^coronal at 11'
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal at'
 close_story
 
 begin "q goes back to the prompt, with the screen as it was before"
-type_letters "q"
-see '^s>$'
+typing "q" '^s>$'
 see '^24x20x16 voxels'
-enter "quit"
-see '^journal: '
+entering "quit" '^journal: '
 sane
 close_story
 
@@ -516,24 +408,19 @@ close_story
 begin "no side is named where nobody knows it"
 enter_anew "$iftty --graphics blocks u.nii"
 see '^u>$'
-press C-o
-see '^ *10 mm'
+pressing C-o '^ *10 mm'
 see '^z=8 at 12,10,8 .* orientation unknown'
-press Tab
-see '^y=10 at 12,10,8 '
+pressing Tab '^y=10 at 12,10,8 '
 screen_text | head -n 22 | grep -q '[RLAPSI]' && fail "$(screen_text)"
-type_letters "q"
-see '^u>$'
-enter "quit"
-see '^journal: '
+typing "q" '^u>$'
+entering "quit" '^journal: '
 sane
 close_story
 
 begin "Ctrl-O is the pilot too; killed there, the terminal is sane"
 enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
 see '^s-1>$'
-press C-o
-see '^axial'
+pressing C-o '^axial'
 kill -TERM "$(cat pid)"
 see '[Tt]erminated'
 sane
@@ -543,13 +430,11 @@ close_story
 begin "killed while the pen is down, all but that stroke is in the journal"
 enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
 see '^s-1>$'
-press C-o
-see '^axial'
+pressing C-o '^axial'
 type_letters "s4"
 comes_true grep -q '^seed .* 4' s-1.iftty || fail "$(last_record)"
 last=$(last_record)
-type_letters "vlllkkk"
-see '^PEN DOWN'
+typing "vlllkkk" '^PEN DOWN'
 shows_stroke() { # the cross-hair is where the keys have led
     screen_text | grep -q "^PEN DOWN .* at $1 "
 }
@@ -568,10 +453,8 @@ expect 0 "$iftty" log --check s-1.iftty
 grep -q '^intact' out || fail "$(cat out)"
 enter_anew "$iftty --graphics blocks s-1.iftty"
 see '^s-1>$'
-enter "undo"
-see "^undone: [0-9]* $last"
-enter "quit"
-see '^journal: '
+entering "undo" "^undone: [0-9]* $last"
+entering "quit" '^journal: '
 sane
 close_story
 
@@ -585,8 +468,7 @@ END
 if "$iftty" run reference >/dev/null 2>&1; then
     enter_anew "IFTTY_CONFIG= $iftty --graphics blocks ch2.nii.gz"
     see '^ch2>$'
-    press C-o
-    see '^axial at 90,108,90  brush 1 r6'
+    pressing C-o '^axial at 90,108,90  brush 1 r6'
     keys=$(sed -n '/^<!-- organ/,/^<!-- end of organ/s/^    \([^ ]*\) .*/\1/p' "$top/README.md")
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     for key in $keys; do type_letters "$key"; done
@@ -596,10 +478,8 @@ if "$iftty" run reference >/dev/null 2>&1; then
     tmux_here resize-window -t prompt -x 110 -y 24
     see 'finished  here 1 1\.69 l'
     tmux_here resize-window -t prompt -x 80 -y 24
-    type_letters "q"
-    see '^ch2>$'
-    enter "quit"
-    see '^journal: ' # what is typed before is the prompt's, and goes with it
+    typing "q" '^ch2>$'
+    entering "quit" '^journal: ' # what is typed before is the prompt's, and goes with it
     sane
     "$iftty" log --script ch2-1.iftty >organ
     echo "compare ch2bet.nii.gz label=1 finished=yes" >>organ
@@ -625,23 +505,17 @@ enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
 see '^config:4: there is no action undu; did you mean undo\?; left out$'
 see '^config:7: LABELS: expected '
 see '^s>$'
-press C-o
-see '^axial at 12,10,8  brush 7 r2'
-type_letters "P"
-recorded "seed 12,10,8 7 radius=2"
-type_letters "?"
-see '^  P +a seed of the label'
+pressing C-o '^axial at 12,10,8  brush 7 r2'
+types "P" "seed 12,10,8 7 radius=2"
+typing "?" '^  P +a seed of the label'
 type_letters "q"
-type_letters "w5"
-recorded "window -20 140"
+types "w5" "window -20 140"
 type_letters "q"
-enter "quit"
-see '^journal: '
+entering "quit" '^journal: '
 grep -qx 'overlay tint' s-1.iftty || fail "the command is not recorded"
 enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s-1.iftty"
 see 'resumed as they left it'
-enter "quit"
-see '^journal: '
+entering "quit" '^journal: '
 same "$(grep -cx 'overlay tint' s-1.iftty)" 1 # a session that goes on does not begin
 expect 0 "$iftty" verify s-1.iftty
 IFTTY_CONFIG=config expect 0 "$iftty" -c "open s.nii"
@@ -656,16 +530,12 @@ enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
 see '^s>$'
 type_letters "see"
 press C-u
-press C-o
-see '^axial'
-type_letters "v"
-see '^PEN DOWN'
+pressing C-o '^axial'
+typing "v" '^PEN DOWN'
 ! tmux_here capture-pane -e -p -t prompt | grep -q "$(printf '\033')\[[0-9;]*[34][0-8][;m]" ||
     fail "there are colours"
-type_letters "q"
-see '^s>$'
-enter "quit"
-see '^journal: '
+typing "q" '^s>$'
+entering "quit" '^journal: '
 sane
 close_story
 
@@ -673,8 +543,7 @@ begin "keys typed while a command runs are taken after it, in their order"
 rm -f synth-*.iftty
 enter_anew "$iftty --graphics blocks synth:geom:240x240x240"
 see '^Ctrl-O: the pilot'
-press C-o
-see '^axial at 120,120,120'
+pressing C-o '^axial at 120,120,120'
 type_letters "ilK2ls2u"
 comes_true grep -q '^undo$' synth-1.iftty || fail "$(cat synth-1.iftty)"
 same "$(grep -v '^[=#]' synth-1.iftty | tail -n 6 | paste -s -d ' ')" \

@@ -877,6 +877,7 @@ static bool cancel_opening(struct terminal *t)
 STORY(ctrl_c_takes_back_a_line_or_a_command)
 {
     struct terminal t;
+    struct buf journal_text = {0};
     start_without_scene(&t);
     type(&t, "seed 1,1,1");
     SEE_BEGIN(&t, "session> seed 1,1,1");
@@ -891,6 +892,9 @@ STORY(ctrl_c_takes_back_a_line_or_a_command)
     type(&t, "info\r");
     SEE(&t, "no scene is open");
     quit(&t);
+    CHECK(file_read(&journal_text, "session-1.iftty", 1 << 20, NULL) == OK);
+    CHECK(!strstr(buf_text(&journal_text), "\nopen "));
+    buf_release(&journal_text);
     unlink("session-1.iftty");
 }
 

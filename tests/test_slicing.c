@@ -31,6 +31,17 @@ static void refused(struct interpreter *interp, const char *line, const char *wo
     CHECK(!interp->shows_picture);
 }
 
+/* Lines separated by semicolons. */
+static void must_all(struct interpreter *interp, const char *lines)
+{
+    char line[128];
+    for (size_t n; *lines; lines += n + strspn(lines + n, "; ")) {
+        n = strcspn(lines, ";");
+        snprintf(line, sizeof line, "%.*s", (int)n, lines);
+        must(interp, line);
+    }
+}
+
 /* ---- heads in every orientation ---- */
 
 enum { SIDE = 20 };
@@ -162,10 +173,7 @@ static void heads_are_bright_where_they_are(unsigned number, double to_mm[3][4],
         if (quaternion)
             use_qform("head.nii", quaternion, qfac);
         begin_interpreter(&interp);
-        must(&interp, "open head.nii");
-        must(&interp, "size 100 100");
-        must(&interp, "window 2 150");
-        must(&interp, "overlay cross=off");
+        must_all(&interp, "open head.nii; size 100 100; window 2 150; overlay cross=off");
         bright_is(&interp, "LRPAIS"[side]);
         interpreter_release(&interp);
     }
@@ -276,9 +284,7 @@ static void begin_values(struct interpreter *interp, float slope, float intercep
 {
     write_values("values.nii", slope, intercept);
     begin_interpreter(interp);
-    must(interp, "open values.nii");
-    must(interp, "size 10 10");
-    must(interp, "overlay none cross=off marks=off words=off");
+    must_all(interp, "open values.nii; size 10 10; overlay none cross=off marks=off words=off");
 }
 
 /* The grey of voxel x, y of axial slice z: columns run from the patient's right, rows from A. */
@@ -383,11 +389,8 @@ STORY(titles_say_where_a_scene_is_however_far_that_is)
         write_values("values.nii", 1, 0);
         move_values(row[i].mm);
         begin_interpreter(&interp);
-        must(&interp, "open values.nii");
-        must(&interp, "size 200 200");
-        must(&interp, "window 60000 60001");
-        must(&interp, "overlay none cross=off marks=off");
-        must(&interp, "slice axial 5");
+        must_all(&interp, "open values.nii; size 200 200; window 60000 60001; overlay none "
+                          "cross=off marks=off; slice axial 5");
         CHECK(is_titled(&interp, row[i].axial));
         must(&interp, "slice sagittal 5");
         CHECK(is_titled(&interp, row[i].sagittal));
@@ -423,9 +426,7 @@ STORY(a_zoom_stays_until_it_fits_again)
 {
     struct interpreter interp;
     begin_values(&interp, 1, 0);
-    must(&interp, "window 0 1000");
-    must(&interp, "cross 2,2,0");
-    must(&interp, "slice axial zoom=5");
+    must_all(&interp, "window 0 1000; cross 2,2,0; slice axial zoom=5");
     CHECK_TEXT(buf_text(&reply.canonical), "slice axial zoom=5");
     CHECK_INT(grey_of(&interp, 7, 5), 6); /* the voxel 2,2: 22 */
     CHECK_INT(grey_of(&interp, 3, 3), 6);
@@ -442,9 +443,7 @@ STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
 {
     struct interpreter interp;
     begin_values(&interp, 1, 0);
-    must(&interp, "window 0 1000");
-    must(&interp, "cross 2,2,0");
-    must(&interp, "magnify 5");
+    must_all(&interp, "window 0 1000; cross 2,2,0; magnify 5");
     CHECK_TEXT(buf_text(&reply.canonical), "magnify 5");
     CHECK_HAS(buf_text(&reply.text), ", magnified 5, overlay ");
     CHECK(!interp.shows_picture);
@@ -503,11 +502,8 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
 {
     struct interpreter interp;
     begin_values(&interp, 1, 0);
-    must(&interp, "size 60 60");
-    must(&interp, "window 0 100000");
-    must(&interp, "label 3 thing #0102fd");
-    must(&interp, "overlay marks=on");
-    must(&interp, "cross 0,0,4");
+    must_all(&interp,
+             "size 60 60; window 0 100000; label 3 thing #0102fd; overlay marks=on; cross 0,0,4");
     marks_are(&interp, false, false, false);
     must(&interp, "seed 3,3,4 3");
     marks_are(&interp, true, false, true);
@@ -521,9 +517,7 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
     marks_are(&interp, false, true, false);
     must(&interp, "cross 0,0,5"); /* marks lie in their slice */
     marks_are(&interp, false, false, false);
-    must(&interp, "cross 0,0,4");
-    must(&interp, "auto on");
-    must(&interp, "seed 2,2,4 3");
+    must_all(&interp, "cross 0,0,4; auto on; seed 2,2,4 3");
     marks_are(&interp, true, false, false);
     must(&interp, "remove 5,5,4 radius=2");
     marks_are(&interp, false, true, false);
@@ -541,10 +535,7 @@ STORY(hidden_labels_are_not_overlaid)
 {
     struct interpreter interp;
     begin_values(&interp, 1, 0);
-    must(&interp, "label 3 thing #ff0000");
-    must(&interp, "seed 3,3,4 3");
-    must(&interp, "run");
-    must(&interp, "slice axial 4");
+    must_all(&interp, "label 3 thing #ff0000; seed 3,3,4 3; run; slice axial 4");
     const uint64_t plain = canvas_digest(&interp.shown);
     must(&interp, "overlay tint");
     must(&interp, "slice axial");
@@ -598,9 +589,7 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     begin_values(&interp, 1, 0);
     const uint32_t fitting = view_fitting_zoom(interp.session->scene, 100, 100, 1);
     CHECK(fitting > VIEW_ZOOM_ONE);
-    must(&interp, "size 100 100");
-    must(&interp, "seed 3,3,4 3");
-    must(&interp, "render");
+    must_all(&interp, "size 100 100; seed 3,3,4 3; render");
     const uint64_t rendered = rendition_digest(session_frame(interp.session));
     CHECK_INT(zoom_of_panel(&interp), fitting);
     CHECK(rendition_digest(session_frame(interp.session)) != rendered);
@@ -610,9 +599,7 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     CHECK_INT(zoom_of_panel(&interp), fitting);
     must(&interp, "turn 20"); /* looks from elsewhere, and as near */
     CHECK_INT(zoom_of_panel(&interp), fitting);
-    must(&interp, "turn -20");
-    must(&interp, "mosaic");
-    must(&interp, "render");
+    must_all(&interp, "turn -20; mosaic; render");
     CHECK(rendition_digest(session_frame(interp.session)) == rendered);
     must(&interp, "zoom 2");
     CHECK_INT(zoom_of_panel(&interp), 2 * VIEW_ZOOM_ONE);
@@ -701,9 +688,7 @@ STORY(a_panel_follows_what_is_shown)
     const uint32_t fitting = view_fitting_zoom(scene, 100, 100, 1);
     const uint32_t *n = scene->grid.size, middle[3] = {n[0] / 2, n[1] / 2, n[2] / 2};
     char line[96];
-    must(&interp, "size 100 100");
-    must(&interp, "auto on");
-    must(&interp, "seed 0,0,0 0");
+    must_all(&interp, "size 100 100; auto on; seed 0,0,0 0");
     CHECK_INT(zoom_of_panel(&interp), fitting); /* nothing is shown */
     snprintf(line, sizeof line, "seed %u,%u,%u 3 within=1", middle[0], middle[1], middle[2]);
     must(&interp, line);
@@ -865,9 +850,7 @@ STORY(without_memory_nothing_is_shown)
 {
     struct interpreter interp;
     begin_values(&interp, 1, 0);
-    must(&interp, "seed 3,3,4 3");
-    must(&interp, "size 50 50");
-    must(&interp, "overlay marks=on");
+    must_all(&interp, "seed 3,3,4 3; size 50 50; overlay marks=on");
     for (unsigned left = 0; left < 200; left++) {
         allow_allocations(left);
         const enum err err = execute(&interp, "mosaic");
@@ -964,9 +947,7 @@ STORY(an_exr_of_a_slice_holds_labels_and_voxels)
     struct interpreter interp;
     struct picture picture;
     begin_values(&interp, 1, 0);
-    must(&interp, "seed 3,3,4 3");
-    must(&interp, "run");
-    must(&interp, "size 12 10");
+    must_all(&interp, "seed 3,3,4 3; run; size 12 10");
     MUST_MENTION(&interp, "slice axial 4 slice.exr", "wrote slice.exr");
     refused(&interp, "slice axial 4 slice.exr", "exists");
     must(&interp, "slice axial 4 slice.exr replace=yes");

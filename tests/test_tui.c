@@ -645,8 +645,7 @@ STORY(each_terminal_gets_the_graphics_it_has)
         {"linux", "", &graphics_blocks, COLOURS_16},
         {"dumb", "", &graphics_none, COLOURS_NONE},
         {"", "", &graphics_none, COLOURS_NONE},
-        {"rxvt-unicode-256color", "\033[?1;2c", &graphics_blocks, COLOURS_256},
-    };
+        {"rxvt-unicode-256color", "\033[?1;2c", &graphics_blocks, COLOURS_256}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct terminal_facts f = decide(cases[i].term, cases[i].replies, "auto", false);
         CHECK_TEXT(f.graphics->name, cases[i].graphics->name);
@@ -1105,28 +1104,26 @@ STORY(the_table_of_keys_names_them_all)
     static const struct {
         const char *bytes;
         unsigned found;
-    } cases[] = {
-        {"\x01", LINE_HOME},
-        {"\033[H", LINE_HOME},
-        {"\x1f", LINE_UNDO},
-        {"\033.", LINE_CITE},
-        {"\033u", LINE_UPPER},
-        {"\033U", LINE_UPPER},
-        {"\033[1;2D", LINE_LEFT}, /* with Shift */
-        {"\033[1;3D", LINE_WORD_LEFT},
-        {"\033[1;6C", LINE_WORD_RIGHT}, /* Ctrl and Shift */
-        {"\033[3;5~", LINE_KILL_WORD_RIGHT},
-        {"\033<", LINE_OLDEST},
-        {"\x18", DUTY_MORE},
-        {"\x18\x05", DUTY_OTHER_EDITOR},
-        {"\x18\x18", DUTY_NONE},
-        {"\x18\x18\x05", LINE_END},
-        {"\x18x\x05", LINE_END},
-        {"\033[2~", DUTY_NONE},
-        {"\033q", DUTY_NONE},
-        {"\033\u00e9", DUTY_NONE},
-        {"\r", DUTY_SUBMIT},
-    };
+    } cases[] = {{"\x01", LINE_HOME},
+                 {"\033[H", LINE_HOME},
+                 {"\x1f", LINE_UNDO},
+                 {"\033.", LINE_CITE},
+                 {"\033u", LINE_UPPER},
+                 {"\033U", LINE_UPPER},
+                 {"\033[1;2D", LINE_LEFT}, /* with Shift */
+                 {"\033[1;3D", LINE_WORD_LEFT},
+                 {"\033[1;6C", LINE_WORD_RIGHT}, /* Ctrl and Shift */
+                 {"\033[3;5~", LINE_KILL_WORD_RIGHT},
+                 {"\033<", LINE_OLDEST},
+                 {"\x18", DUTY_MORE},
+                 {"\x18\x05", DUTY_OTHER_EDITOR},
+                 {"\x18\x18", DUTY_NONE},
+                 {"\x18\x18\x05", LINE_END},
+                 {"\x18x\x05", LINE_END},
+                 {"\033[2~", DUTY_NONE},
+                 {"\033q", DUTY_NONE},
+                 {"\033\u00e9", DUTY_NONE},
+                 {"\r", DUTY_SUBMIT}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct keys keys = {0};
         struct key_event event;

@@ -32,6 +32,19 @@ shows() {
 see() {
     comes_true shows "$1" || fail "the screen is:" "$(screen_text | grep .)"
 }
+# Keys or a line, and a line of the screen that matches then.
+typing() {
+    type_letters "$1"
+    see "$2"
+}
+pressing() {
+    press "$1"
+    see "$2"
+}
+entering() {
+    enter "$1"
+    see "$2"
+}
 # A line to the shell, once the screen shows nothing of what was before: that would be taken for
 # what the line gives.
 enter_anew() {
