@@ -32,9 +32,8 @@ static void go_full_screen(enum term_mode mode)
     struct fault fault;
     if (term_open(0, 1, &fault))
         _exit(90);
-    term_set_answers(known_to_answer);
     term_set_sequences(BEGIN, END);
-    term_set_recovery(RECOVER);
+    term_set_recovery(RECOVER, known_to_answer);
     if (term_set_mode(mode, &fault) || term_write("ready", 5, &fault))
         _exit(91);
 }

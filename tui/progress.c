@@ -68,20 +68,6 @@ static void put_line(struct progress *progress, const struct buf *line)
     buf_release(&out);
 }
 
-/* Whether it can be estimated how long the step will go on. */
-static bool estimate_left(const struct progress *progress, uint64_t now_ns,
-                          struct progress_step *step)
-{
-    const uint64_t took_ns = now_ns - progress->step_ns;
-    if (step->total <= step->done || step->done <= progress->step_done ||
-        took_ns < LEFT_AFTER_MS * UINT64_C(1000000))
-        return false;
-    const double rate = (double)(step->done - progress->step_done) / (double)took_ns;
-    const double left_s = (double)(step->total - step->done) / rate / 1e9;
-    step->seconds_left = left_s < 1e9 ? (uint64_t)(left_s + 0.5) : 1000000000;
-    return true;
-}
-
 void progress_show(struct progress *progress, const char *what, uint64_t done, uint64_t total,
                    uint64_t now_ns)
 {
@@ -110,7 +96,14 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
         return;
     struct progress_step step = {.what = what, .done = done, .total = total};
     step.seconds = (now_ns - progress->begun_ns) / (1000 * ms);
-    step.knows_left = estimate_left(progress, now_ns, &step);
+    const uint64_t took_ns = now_ns - progress->step_ns;
+    step.knows_left =
+        step.total > step.done && step.done > progress->step_done && took_ns >= LEFT_AFTER_MS * ms;
+    if (step.knows_left) {
+        const double rate = (double)(step.done - progress->step_done) / (double)took_ns;
+        const double left_s = (double)(step.total - step.done) / rate / 1e9;
+        step.seconds_left = left_s < 1e9 ? (uint64_t)(left_s + 0.5) : 1000000000;
+    }
     progress_line(&line, &step, progress->has_blocks, progress->columns - 1);
     put_line(progress, &line);
     buf_release(&line);

@@ -270,15 +270,11 @@ void term_set_sequences(const char *begin, const char *end)
     update_guardian();
 }
 
-void term_set_recovery(const char *recover)
+void term_set_recovery(const char *recover, bool answers)
 {
     set_text(&term.recover, recover);
-    update_guardian();
-}
-
-void term_set_answers(bool answers)
-{
     term.answers = answers;
+    update_guardian();
 }
 
 /* From here on the new end is written, though its beginning is written only now. */

@@ -47,10 +47,10 @@ void term_close(void);
 
 /* What is written when our modes begin and when they end (bracketed paste on and off, say). Less
  * than TERM_WORDS bytes each, or none is; needed before the first term_set_mode. `recover` is
- * that of T5; ESC \ where none is set. */
+ * that of T5, ESC \ by default; `answers` is set if the terminal is known to answer ESC[c, for T8. */
 enum { TERM_WORDS = 128 };
 void term_set_sequences(const char *begin, const char *end);
-void term_set_recovery(const char *recover);
+void term_set_recovery(const char *recover, bool answers);
 
 /* The same while our modes are on, as for a full screen: what ends the former is written, then what
  * begins the new. */
@@ -63,9 +63,6 @@ enum err term_change_sequences(const char *begin, const char *end, struct fault 
 /* Writes what ends our modes while they are on still, so that answers to what is asked after it
  * are read and not echoed. The next term_set_mode or term_close does not write it again. */
 enum err term_write_end(struct fault *fault);
-
-/* Whether the terminal is known to answer ESC[c: for T8. No at first. */
-void term_set_answers(bool answers);
 
 enum err term_set_mode(enum term_mode mode, struct fault *fault);
 

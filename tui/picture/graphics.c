@@ -75,7 +75,7 @@ const struct graphics *graphics_choose(const struct probe_replies *replies,
     return all_of(wish.of[wish.count - 1], replies, e);
 }
 
-static const char *recovery_of(const struct terminal_facts *facts)
+const char *graphics_recovery(const struct terminal_facts *facts)
 {
     return facts->graphics->recovery ? facts->graphics->recovery : "\033\\";
 }
@@ -88,16 +88,10 @@ enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts,
     char words[TERM_WORDS];
     const enum err err = probe_terminal(graphics_asks(wish, &e), &replies, facts, typed, fault);
     facts->graphics = graphics_choose(&replies, &e, wish);
-    snprintf(words, sizeof words, "%s%s", recovery_of(facts),
+    snprintf(words, sizeof words, "%s%s", graphics_recovery(facts),
              facts->synchronizes ? "\033[?2026l" : "");
-    term_set_recovery(words);
-    term_set_answers(facts->answers);
+    term_set_recovery(words, facts->answers);
     return err;
-}
-
-void graphics_add_recovery(const struct terminal_facts *facts, struct buf *out)
-{
-    buf_add_text(out, recovery_of(facts));
 }
 
 /* ---- a picture at the prompt ---- */

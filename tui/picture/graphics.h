@@ -53,8 +53,8 @@ const struct graphics *graphics_choose(const struct probe_replies *replies,
 enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault);
 
-/* Adds what ends a picture that the line has cut in two, where nobody knows whether it did. */
-void graphics_add_recovery(const struct terminal_facts *facts, struct buf *out);
+/* The sequence that ends a picture if the line has cut it in two, and is harmless otherwise. */
+const char *graphics_recovery(const struct terminal_facts *facts);
 
 /* ---- a picture at the prompt ---- */
 

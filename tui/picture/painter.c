@@ -178,13 +178,6 @@ static void send_strip(struct painter *p, const struct image_view *view, unsigne
     take_strip(k, i, image);
 }
 
-static bool is_looked_at(const struct image_view *view, const struct raster_box *box)
-{
-    return box->left >= view->focus.left && box->top >= view->focus.top &&
-           box->left < view->focus.left + view->focus.width &&
-           box->top < view->focus.top + view->focus.height;
-}
-
 /* Finds the strips of a view, and sends those that the terminal has not (painter_keep). */
 static void send_strips(struct painter *p, const struct image_view *view, size_t budget,
                         struct buf *out)
@@ -205,8 +198,11 @@ static void send_strips(struct painter *p, const struct image_view *view, size_t
     for (unsigned round = 0; budget > 0 && round < 2; round++)
         for (unsigned i = 0; i < k->strips; i++) {
             const size_t length = out->length;
-            struct strips_image *image = find_strip(k, key[i]); /* black ones are much alike */
-            if (k->number[i] || is_looked_at(view, &k->strip[i].box) == (round > 0))
+            struct strips_image *image = find_strip(k, key[i]); /* black strips are often equal */
+            const struct raster_box *box = &k->strip[i].box;
+            const bool in_focus = box->left - view->focus.left < view->focus.width &&
+                                  box->top - view->focus.top < view->focus.height;
+            if (k->number[i] || in_focus == (round > 0))
                 continue;
             if (image) {
                 take_strip(k, i, image);
@@ -409,21 +405,6 @@ static bool fill_raster(struct painter *p, const struct image_view *view)
     return true;
 }
 
-static void show_whole(struct painter *p, const struct image_view *view, struct buf *out)
-{
-    const struct raster raster = raster_of(p, 1);
-    const struct raster_box all = {0, 0, p->width, p->height};
-    const struct graphics *g = p->facts.graphics;
-    p->effort = view->is_slow ? PNG_SLOW_LINE : view->is_coarse ? PNG_FILE : PNG_FAST;
-    p->is_worn = false;
-    if (g->whole)
-        g->whole(p, &raster, out);
-    else
-        g->patch(p, &raster, &all, out);
-    if (g->remove)
-        p->holder = g;
-}
-
 /* Whether a picture has a palette: it must, it must not, or only one that has all its colours. */
 enum palette_need { PALETTE_ALWAYS, PALETTE_NEVER, PALETTE_EXACT };
 
@@ -434,21 +415,15 @@ static enum palette_need need_of(const struct painter *p, const struct image_vie
     return view->smooth ? PALETTE_NEVER : PALETTE_EXACT;
 }
 
-/* Whether the palette that is there, or none, will do for a picture that changes the last one. */
-static bool can_compare(const struct painter *p, const struct image_view *view)
-{
-    const enum palette_need need = need_of(p, view);
-    if (!p->is_shown || p->is_worn || (need == PALETTE_NEVER && p->has_palette) ||
-        (need == PALETTE_ALWAYS && !p->has_palette) ||
-        (need == PALETTE_EXACT && p->has_palette && !p->shades.is_exact))
-        return false;
-    return !p->has_palette || shades_serve(&p->shades, view);
-}
-
 /* True where patches make it, with stale->count 0 where nothing is to be done. */
 static bool can_patch(struct painter *p, const struct image_view *view, struct stale *stale)
 {
-    if (!can_compare(p, view) || !fill_raster(p, view))
+    /* The palette that is there, or none, must serve the picture too. */
+    const enum palette_need need = need_of(p, view);
+    if (!p->is_shown || p->is_worn || (need == PALETTE_NEVER && p->has_palette) ||
+        (need == PALETTE_ALWAYS && !p->has_palette) ||
+        (need == PALETTE_EXACT && p->has_palette && !p->shades.is_exact) ||
+        (p->has_palette && !shades_serve(&p->shades, view)) || !fill_raster(p, view))
         return false;
     const struct raster now = raster_of(p, 1), then = raster_of(p, 0);
     const struct graphics *g = p->facts.graphics;
@@ -493,17 +468,30 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
     return stale->cost < all / 2;
 }
 
-/* Palette and memory for a picture that goes whole; false without memory. */
-static bool begin_whole(struct painter *p, const struct image_view *view)
+static bool show_whole(struct painter *p, const struct image_view *view, struct buf *out)
 {
     const enum palette_need need = need_of(p, view);
     size_t bytes;
     p->has_palette =
         need == PALETTE_ALWAYS || (need == PALETTE_EXACT && shades_take_exact(&p->shades, view));
-    return (need != PALETTE_ALWAYS || shades_choose(&p->shades, view)) &&
-           size_multiply((size_t)p->width * (p->has_palette ? 1 : 3), p->height, &bytes) &&
-           mem_grow(&p->of[0].bytes, &p->of[0].capacity, bytes, 1) &&
-           mem_grow(&p->of[1].bytes, &p->of[1].capacity, bytes, 1);
+    if ((need == PALETTE_ALWAYS && !shades_choose(&p->shades, view)) ||
+        !size_multiply((size_t)p->width * (p->has_palette ? 1 : 3), p->height, &bytes) ||
+        !mem_grow(&p->of[0].bytes, &p->of[0].capacity, bytes, 1) ||
+        !mem_grow(&p->of[1].bytes, &p->of[1].capacity, bytes, 1))
+        return false;
+    fill_raster(p, view);
+    const struct raster raster = raster_of(p, 1);
+    const struct raster_box all = {0, 0, p->width, p->height};
+    const struct graphics *g = p->facts.graphics;
+    p->effort = view->is_slow ? PNG_SLOW_LINE : view->is_coarse ? PNG_FILE : PNG_FAST;
+    p->is_worn = false;
+    if (g->whole)
+        g->whole(p, &raster, out);
+    else
+        g->patch(p, &raster, &all, out);
+    if (g->remove)
+        p->holder = g;
+    return !out->failed;
 }
 
 static bool show_pixels(struct painter *p, const struct image_view *view, struct buf *out)
@@ -551,11 +539,7 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
             p->facts.graphics->patch(p, &raster, &stale.box[i], out);
         return !out->failed;
     }
-    if (!begin_whole(p, view))
-        return false;
-    fill_raster(p, view);
-    show_whole(p, view, out);
-    return !out->failed;
+    return show_whole(p, view, out);
 }
 
 /* ---- pictures ---- */

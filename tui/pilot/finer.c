@@ -39,16 +39,6 @@ static struct tile tile_at(const struct refine *r, uint32_t left, uint32_t top)
                          least(REFINE_TILE, r->height - top)};
 }
 
-static bool tile_differs(const struct refine *r, const uint8_t *wanted, const struct tile *t)
-{
-    for (uint32_t y = t->top; y < t->top + t->height; y++) {
-        const size_t at = 4 * ((size_t)y * r->width + t->left);
-        if (memcmp(r->rgba + at, wanted + at, (size_t)4 * t->width) != 0)
-            return true;
-    }
-    return false;
-}
-
 /* The pixel in the middle of a block of `coarse` pixels a side; outside words, if possible. */
 static size_t middle_of(const struct refine *r, const struct image_view *wanted, uint32_t left,
                         uint32_t top, uint32_t coarse)
@@ -122,7 +112,14 @@ static bool list_stale(struct refine *r, const struct image_view *wanted, bool i
     for (uint32_t top = 0; top < r->height; top += REFINE_TILE)
         for (uint32_t left = 0; left < r->width; left += REFINE_TILE) {
             const struct tile t = tile_at(r, left, top);
-            if (is_within(&wanted->focus, &t) != in_focus || !tile_differs(r, wanted->rgba, &t))
+            bool differs = false;
+            if (is_within(&wanted->focus, &t) != in_focus)
+                continue;
+            for (uint32_t y = top; !differs && y < top + t.height; y++) {
+                const size_t at = 4 * ((size_t)y * r->width + left);
+                differs = memcmp(r->rgba + at, wanted->rgba + at, (size_t)4 * t.width) != 0;
+            }
+            if (!differs)
                 continue;
             const enum below below = below_of(wanted, &t);
             if (below == BELOW_THERE)

@@ -21,7 +21,7 @@
  *   L2 while the oldest answer is overdue nothing is sent: the line has become slower or is stuck,
  *      and only the frames already sent can queue up. After FLOW_LIMIT_NS all of them are given up.
  *      The transfer may have been cut on the way, so the next frame begins with a recovery sequence
- *      (`failed`, graphics_add_recovery), and one frame at a time is sent until the late answers
+ *      (`failed`, graphics_recovery), and one frame at a time is sent until the late answers
  *      have been assigned;
  *   L3 a frame has as many bytes as the line carries in FLOW_TARGET_NS: a larger picture is sent
  *      coarser, since quality drops before latency does. When nothing moves the caller sends the

@@ -113,19 +113,16 @@ static unsigned rows_of_text(const struct pilot *p)
 /* What stands above the last row, where a host has steps to tell of. */
 static void add_captions(struct buf *out, const struct pilot *p, const struct term_size *size)
 {
-    struct buf lines = {0}, line = {0};
+    struct buf lines = {0};
     p->host->caption(p->host->context, &lines);
     const char *at = buf_text(&lines);
     for (unsigned i = 0; i < PILOT_CAPTIONS; i++) {
-        const size_t n = strcspn(at, "\n");
-        buf_clear(&line);
-        buf_add(&line, at, n);
-        add_row(out, size->rows - rows_of_text(p) + i, size->columns, buf_text(&line), "");
-        at += n + (at[n] == '\n');
+        add_row(out, size->rows - rows_of_text(p) + i, size->columns, at, "");
+        at += strcspn(at, "\n");
+        at += *at == '\n';
     }
-    out->failed |= lines.failed || line.failed;
+    out->failed |= lines.failed;
     buf_release(&lines);
-    buf_release(&line);
 }
 
 /* Whether what is said of one key ends before this byte. */
@@ -307,7 +304,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         return OK;
     }
     if (p->flow.failed) { /* nobody knows what has arrived */
-        graphics_add_recovery(p->facts, &out);
+        buf_add_text(&out, graphics_recovery(p->facts));
         painter_drop(&p->painter, &out);
         ahead_forget(&p->sent);
         p->is_blank = true;

@@ -168,29 +168,20 @@ void pilot_go_back(struct press *p)
         buf_add_text(p->message, "there was no jump to go back from");
 }
 
-static void say_no_label(struct press *p, const char *has)
-{
-    buf_add_text(p->message, "label ");
-    p->host->label(p->host->context, p->state->brush.label, p->message);
-    buf_add_text(p->message, has);
-}
-
+/* With 0, to the label's centre. */
 void pilot_next_seed(struct press *p)
 {
+    const struct pilot_host *host = p->host;
+    const unsigned label = p->state->brush.label;
     uint32_t place[3];
-    if (p->host->seed(p->host->context, p->state->brush.label, p->by * pilot_times(p), place))
+    if (p->by ? host->seed(host->context, label, p->by * pilot_times(p), place)
+              : host->centre(host->context, label, place)) {
         pilot_jump(p, place);
-    else
-        say_no_label(p, " has no seed");
-}
-
-void pilot_go_to_centre(struct press *p)
-{
-    uint32_t place[3];
-    if (p->host->centre(p->host->context, p->state->brush.label, place))
-        pilot_jump(p, place);
-    else
-        say_no_label(p, " has no voxel");
+        return;
+    }
+    buf_add_text(p->message, "label ");
+    host->label(host->context, label, p->message);
+    buf_add_text(p->message, p->by ? " has no seed" : " has no voxel");
 }
 
 /* ---- why, and where labels are uncertain ---- */

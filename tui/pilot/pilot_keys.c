@@ -53,25 +53,21 @@ static bool fits_any(const char *words, uint32_t leader, const struct key_event 
     return false;
 }
 
-/* Whether a row has the key: by the keys that the user has given it, `own`, or by those of the
- * table, of which the user's take the place. */
-static bool has_key(const struct pilot_state *state, const struct pilot_row *row,
-                    const struct key_event *event, bool own)
-{
-    const char *words = setup_own(state->setup, row);
-    if (own)
-        return fits_any(words, state->leader, event);
-    return (!words && fits_any(row->keys, state->leader, event)) ||
-           fits_any(row->also, state->leader, event);
-}
-
+/* Find the row by the user's keys (`own`), or by those of the table that the user's do not
+ * replace. */
 static const struct pilot_row *find_among(const struct pilot_state *state,
                                           const struct key_event *event, bool own)
 {
     const struct pilot_setup *setup = state->setup;
-    for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++)
-        if (row->name && row->in & PILOT_IN(state->mode) && has_key(state, row, event, own))
+    for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++) {
+        if (!row->name || !(row->in & PILOT_IN(state->mode)))
+            continue;
+        const char *words = setup_own(setup, row);
+        if (own ? fits_any(words, state->leader, event)
+                : (!words && fits_any(row->keys, state->leader, event)) ||
+                      fits_any(row->also, state->leader, event))
             return row;
+    }
     return NULL;
 }
 
@@ -193,8 +189,8 @@ static bool lead_on(struct press *p)
 
 /* ---- strokes ---- */
 
-/* Whether the pen goes on with the stroke, with the same brush. */
-static bool is_at_it(const struct pilot_state *state)
+/* Return true if the pen is down and draws with the brush of its stroke. */
+static bool has_same_brush(const struct pilot_state *state)
 {
     const struct pilot_brush *a = &state->pen.brush, *b = &state->brush;
     const bool in_same = a->has_range == b->has_range &&
@@ -253,7 +249,8 @@ enum pilot_deed pilot_press(struct press *p)
         pilot_say(p, "this key does nothing here; {keys} shows the keys");
     }
     state->count = state->leader = 0;
-    if (p->deed == PILOT_PROMPT || p->deed == PILOT_LEAVE || p->line->length || !is_at_it(state))
+    if (p->deed == PILOT_PROMPT || p->deed == PILOT_LEAVE || p->line->length ||
+        !has_same_brush(state))
         end_stroke(state, p->facts, p->line);
     return p->deed;
 }

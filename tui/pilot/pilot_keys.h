@@ -450,16 +450,16 @@ void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts
  * the definition says otherwise. */
 pilot_act pilot_repeat;
 pilot_act pilot_move, pilot_change_slice, pilot_to_slice, pilot_next_pane, pilot_set_mark,
-    pilot_go_to_mark, pilot_measure, pilot_go_back, pilot_next_seed, pilot_go_to_centre,
-    pilot_explain, pilot_go_to_edge, pilot_go_to_hint, pilot_show_heat, pilot_undo, pilot_hide,
-    pilot_show_all, pilot_turn, pilot_roll, pilot_change_zoom, pilot_change_overlay,
-    pilot_change_labels, pilot_preset, pilot_magnify, pilot_recentre, pilot_pan, pilot_show_alone,
-    pilot_begin_picking, pilot_end_picking, pilot_step, pilot_to_step;
+    pilot_go_to_mark, pilot_measure, pilot_go_back, pilot_next_seed, pilot_explain,
+    pilot_go_to_edge, pilot_go_to_hint, pilot_show_heat, pilot_undo, pilot_hide, pilot_show_all,
+    pilot_turn, pilot_roll, pilot_change_zoom, pilot_change_overlay, pilot_change_labels,
+    pilot_preset, pilot_magnify, pilot_recentre, pilot_pan, pilot_show_alone, pilot_begin_picking,
+    pilot_end_picking, pilot_step, pilot_to_step;
 pilot_act pilot_choose_label, pilot_change_radius, pilot_change_unit, pilot_take_range,
     pilot_begin_range, pilot_type_range, pilot_erase_typed, pilot_end_range, pilot_plant,
-    pilot_plant_label, pilot_plant_at_edge, pilot_enclose_at_edge, pilot_stroke_at_edge,
-    pilot_show_held, pilot_lower_pen, pilot_begin_stroke, pilot_drop_stroke, pilot_set_corner,
-    pilot_plant_box, pilot_plant_shell;
+    pilot_plant_at_edge, pilot_enclose_at_edge, pilot_stroke_at_edge, pilot_show_held,
+    pilot_lower_pen, pilot_begin_stroke, pilot_drop_stroke, pilot_set_corner, pilot_plant_box,
+    pilot_plant_shell;
 pilot_act pilot_begin_outline, pilot_close_outline, pilot_drop_outline, pilot_take_hold,
     pilot_take_up, pilot_go_to_doubt;
 

@@ -139,20 +139,17 @@ void pilot_end_range(struct press *p)
 
 /* ---- seeds ---- */
 
+/* With 1, a seed of the label that the key is. */
 void pilot_plant(struct press *p)
 {
     struct pilot_state *state = p->state;
     uint32_t place[3];
+    if (p->by)
+        state->brush.label = p->event->point - '0';
     if (!pilot_take_voxel(p, place))
         return;
     add_seed(p, place, state->stroke.is_set ? state->stroke.place : NULL);
     state->stroke.is_set = false;
-}
-
-void pilot_plant_label(struct press *p)
-{
-    p->state->brush.label = p->event->point - '0';
-    pilot_plant(p);
 }
 
 /* As large as the brush, whose label it then is. */

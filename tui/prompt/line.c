@@ -88,18 +88,6 @@ static void line_undo_note(struct line_undo *u, const struct line_change *change
     }
 }
 
-/* Takes the last step off: *removed is what to put back, valid until the next note. False where
- * there is none. */
-static bool line_undo_take(struct line_undo *u, struct line_change *change, const char **removed)
-{
-    if (u->count == 0)
-        return false;
-    *change = u->change[--u->count];
-    u->removed.length -= change->removed;
-    *removed = buf_text(&u->removed) + u->removed.length;
-    return true;
-}
-
 /* ---- the line ---- */
 
 void line_init(struct line *l, const struct line_history *history)
@@ -267,11 +255,12 @@ void line_paste(struct line *l, const char *bytes, size_t length)
 
 static void undo(struct line *l)
 {
-    struct line_change change;
-    const char *removed;
-    if (!line_undo_take(&l->undo, &change, &removed))
+    if (l->undo.count == 0)
         return;
-    struct line_undo kept = l->undo; /* what is taken back is no step */
+    struct line_undo kept = l->undo; /* the change that undoes a step is no step */
+    const struct line_change change = kept.change[--kept.count];
+    kept.removed.length -= change.removed;
+    const char *removed = buf_text(&kept.removed) + kept.removed.length;
     l->undo = (struct line_undo){0};
     change_text(l, change.at, change.at + change.added, removed, change.removed, STEP_NEW);
     line_undo_release(&l->undo);
@@ -378,23 +367,6 @@ static bool is_wanted(const struct line *l, size_t place)
            !is_entry(l, place);
 }
 
-static size_t older(const struct line *l)
-{
-    for (size_t place = l->place; place-- > 0;)
-        if (is_wanted(l, place))
-            return place;
-    return l->place;
-}
-
-static size_t newer(const struct line *l)
-{
-    size_t place = l->place;
-    do
-        place++;
-    while (place < l->history->count && !is_wanted(l, place));
-    return place;
-}
-
 /* ---- last words ---- */
 
 /* The last word of a line, with its quotes. */
@@ -439,14 +411,21 @@ static void recall(struct line *l, enum line_action action, enum line_last befor
         buf_clear(&l->prefix);
         buf_add(&l->prefix, buf_text(&l->text), l->cursor);
     }
-    if (action == LINE_CITE)
+    size_t place = l->place;
+    if (action == LINE_CITE) {
         cite(l, before == LAST_CITED);
-    else if (action == LINE_OLDER)
-        show_entry(l, older(l), step);
-    else if (action == LINE_NEWER)
-        show_entry(l, newer(l), step);
-    else
+    } else if (action == LINE_OLDER) {
+        while (place > 0 && !is_wanted(l, place - 1))
+            place--;
+        show_entry(l, place > 0 ? place - 1 : l->place, step);
+    } else if (action == LINE_NEWER) {
+        do
+            place++;
+        while (place < l->history->count && !is_wanted(l, place));
+        show_entry(l, place, step);
+    } else {
         show_entry(l, action == LINE_OLDEST ? 0 : l->history->count, step);
+    }
 }
 
 /* ---- actions ---- */
@@ -587,16 +566,6 @@ void line_search_end(struct line *l, bool keep)
 
 enum { SUGGESTIONS_TRIED = 50 }; /* lines that begin so, newest first */
 
-/* The rest would begin with a character, not with a mark upon the last one typed. */
-static bool goes_on(const char *rest)
-{
-    uint32_t point;
-    if (*rest == '\0')
-        return false;
-    char_read(rest, strlen(rest), &point);
-    return point == CHAR_BROKEN || char_width(point) > 0;
-}
-
 const char *line_suggestion(const struct line *l, line_knows_function *knows, void *context)
 {
     const size_t length = l->text.length;
@@ -605,10 +574,16 @@ const char *line_suggestion(const struct line *l, line_knows_function *knows, vo
         return "";
     for (size_t i = l->history->count; i-- > 0 && tried < SUGGESTIONS_TRIED;) {
         const char *entry = l->history->line[i];
-        if (strncmp(entry, l->text.data, length) != 0 || !goes_on(entry + length))
+        const char *rest = entry + length;
+        uint32_t point;
+        if (strncmp(entry, l->text.data, length) != 0 || *rest == '\0')
+            continue;
+        /* The rest must begin with a character, not with a mark on the last one typed. */
+        char_read(rest, strlen(rest), &point);
+        if (point != CHAR_BROKEN && char_width(point) == 0)
             continue;
         if (knows(context, entry))
-            return entry + length;
+            return rest;
         tried++;
     }
     return "";

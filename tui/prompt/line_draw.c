@@ -84,19 +84,6 @@ static bool add_hint(const struct line_content *content, unsigned columns, unsig
     return true;
 }
 
-/* As many lines as there are rows for; how many. */
-static size_t add_below(const char *lines, size_t rows, struct buf *out)
-{
-    size_t count = 0;
-    for (const char *at = lines ? lines : ""; *at && count < rows; count++) {
-        const size_t length = strcspn(at, "\n");
-        buf_add_text(out, "\r\n");
-        buf_add(out, at, length);
-        at += length + (at[length] == '\n');
-    }
-    return count;
-}
-
 void line_draw(struct line_drawing *drawing, const struct line_content *content, unsigned columns,
                unsigned rows, struct buf *out)
 {
@@ -125,7 +112,14 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
     walk_text(&w, content->text, content->length);
     walk_wrap(&w);
     const bool hints = add_hint(content, columns, w.column, out);
-    const size_t below = add_below(content->below, rows - (last - first + 1), out);
+    size_t below = 0; /* lines, as many as there are rows for */
+    for (const char *at = content->below ? content->below : "";
+         *at && below < rows - (last - first + 1); below++) {
+        const size_t length = strcspn(at, "\n");
+        buf_add_text(out, "\r\n");
+        buf_add(out, at, length);
+        at += length + (at[length] == '\n');
+    }
     if (hints || below || w.row != cursor.row || w.column != cursor.column) {
         if (last + below > cursor.row)
             buf_printf(out, "\033[%zuA", last + below - cursor.row);
@@ -226,22 +220,19 @@ static void add_cropped(struct buf *out, const char *text, size_t length, size_t
     buf_add_safe(out, text, end);
 }
 
-static void list_notes(const char *words, size_t stride, unsigned columns, struct buf *out)
+/* A row of a list: a word, and beside it as much of the text up to its line feed as fits. */
+static void list_row(const char *word, size_t length, const char *text, size_t stride,
+                     unsigned columns, struct buf *out)
 {
-    for (const char *at = words; *at; at += strcspn(at, "\n"), at += *at == '\n') {
-        if (*at != '\t')
-            continue;
-        const char *about = at + 1, *said = about + strcspn(about, "\t\n");
-        const size_t length = (size_t)(said - about), width = cells_width(about, length);
-        said += *said == '\t';
-        buf_add_safe(out, about, length);
+    const size_t width = cells_width(word, length), bytes = strcspn(text, "\n");
+    buf_add_safe(out, word, length);
+    if (bytes > 0)
         buf_printf(out, "%*s", (int)(stride > width ? stride - width : 1), "");
-        add_cropped(out, said, strcspn(said, "\n"), columns - stride - 1);
-        buf_add_text(out, "\r\n");
-    }
+    add_cropped(out, text, bytes, columns - stride - 1);
+    buf_add_text(out, "\r\n");
 }
 
-/* Each word in a row, with its meaning. */
+/* Each word in a row with its meaning, and the notes below. */
 static void list_meanings(const struct candidates *c, size_t stride, unsigned columns,
                           struct buf *out)
 {
@@ -249,13 +240,14 @@ static void list_meanings(const struct candidates *c, size_t stride, unsigned co
     for (const char *at = c->words, *word; (word = take(&at, &length));) {
         const char *meaning = word[length] == '\t' ? word + length + 1 : "";
         strip(c, &word, &length);
-        buf_add_safe(out, word, length);
-        if (*meaning && *meaning != '\n')
-            buf_printf(out, "%*s", (int)(stride - cells_width(word, length)), "");
-        add_cropped(out, meaning, strcspn(meaning, "\n"), columns - stride - 1);
-        buf_add_text(out, "\r\n");
+        list_row(word, length, meaning, stride, columns, out);
     }
-    list_notes(c->words, stride, columns, out);
+    for (const char *at = c->words; *at; at += strcspn(at, "\n"), at += *at == '\n') {
+        if (*at != '\t')
+            continue;
+        const char *said = at + 1 + strcspn(at + 1, "\t\n");
+        list_row(at + 1, (size_t)(said - at - 1), said + (*said == '\t'), stride, columns, out);
+    }
 }
 
 void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out)

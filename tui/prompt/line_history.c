@@ -18,20 +18,15 @@ void line_history_release(struct line_history *h)
     *h = (struct line_history){0};
 }
 
-static bool is_worth_keeping(const struct line_history *h, const char *text, size_t length)
+bool line_history_add(struct line_history *h, const char *text, size_t length)
 {
+    const char *last = h->count > 0 ? h->line[h->count - 1] : "";
     if (length == 0 || length > LINE_HISTORY_LONGEST || text[0] == ' ')
         return false;
     for (size_t i = 0; i < length; i++)
         if ((unsigned char)text[i] < 32 || text[i] == 127)
             return false;
-    const char *last = h->count > 0 ? h->line[h->count - 1] : "";
-    return strlen(last) != length || memcmp(last, text, length) != 0;
-}
-
-bool line_history_add(struct line_history *h, const char *text, size_t length)
-{
-    if (!is_worth_keeping(h, text, length) ||
+    if ((strlen(last) == length && memcmp(last, text, length) == 0) ||
         !mem_grow(&h->line, &h->capacity, h->count + 1, sizeof *h->line))
         return false;
     char *copy = strndup(text, length);

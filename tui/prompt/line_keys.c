@@ -83,15 +83,6 @@ static bool has_key(const char *keys, const char *name, bool *is_part)
     return false;
 }
 
-static unsigned find(const char *name)
-{
-    bool is_part = false;
-    for (unsigned i = 0; i < ROWS && *name; i++)
-        if (table[i].keys && has_key(table[i].keys, name, &is_part))
-            return table[i].action;
-    return is_part ? DUTY_MORE : DUTY_NONE;
-}
-
 unsigned line_key_find(const struct key_event *event, char before[LINE_KEYS_MOST])
 {
     const unsigned all = event->modifiers;
@@ -103,7 +94,13 @@ unsigned line_key_find(const struct key_event *event, char before[LINE_KEYS_MOST
         char name[LINE_KEYS_MOST / 2];
         name_key(event, tried[i], name, sizeof name);
         snprintf(keys, sizeof keys, "%.18s%s%s", before, *before ? " " : "", name);
-        found = event->key == KEY_CHARACTER && tried[i] == 0 ? DUTY_NONE : find(keys);
+        const bool is_plain = event->key == KEY_CHARACTER && tried[i] == 0;
+        bool is_part = false;
+        unsigned row = 0;
+        while (row < ROWS && !(table[row].keys && has_key(table[row].keys, keys, &is_part)))
+            row++;
+        if (!is_plain && *keys)
+            found = row < ROWS ? table[row].action : is_part ? DUTY_MORE : DUTY_NONE;
     }
     snprintf(before, LINE_KEYS_MOST, "%s", found == DUTY_MORE ? keys : "");
     return found;

@@ -116,22 +116,18 @@ static enum err print_pages(struct line_editor *e, const struct buf *wrapped, st
     return err;
 }
 
-/* What has been typed meanwhile, once the answers that are due have come. */
-static bool is_typed_on(struct line_editor *e)
-{
-    line_editor_take_answers(e);
-    term_read(&e->input, 0, -1);
-    return e->pasting || e->taken < e->input.length;
-}
-
 enum err page_text(struct line_editor *e, const struct buf *text, bool *paged, struct fault *fault)
 {
     const struct term_size size = term_size();
     struct buf wrapped = {0};
     enum err err = OK;
     cells_wrap(&wrapped, text, size.columns);
-    *paged =
-        !wrapped.failed && pager_page_end(&wrapped, 0, &size) < wrapped.length && !is_typed_on(e);
+    *paged = !wrapped.failed && pager_page_end(&wrapped, 0, &size) < wrapped.length;
+    if (*paged) { /* unless keys were typed meanwhile: they follow the answers that are due */
+        line_editor_take_answers(e);
+        term_read(&e->input, 0, -1);
+        *paged = !e->pasting && e->taken == e->input.length;
+    }
     if (*paged && !pager_run(e->pager, text))
         err = print_pages(e, &wrapped, fault);
     buf_release(&wrapped);

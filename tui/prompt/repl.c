@@ -125,7 +125,7 @@ static void add_picture(struct prompt *p, struct buf *out)
     if (!p->host->picture || !p->host->picture(p->host->context, &view))
         return;
     if (e->answers_due > 0 && probe_await(e->answers_due, BARRIER_MS, &e->input) == 0)
-        graphics_add_recovery(&p->facts, out);
+        buf_add_text(out, graphics_recovery(&p->facts));
     e->answers_due = 0;
     const struct term_size size = term_size();
     size_t before = out->length;
