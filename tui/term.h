@@ -47,7 +47,7 @@ void term_close(void);
 
 /* What is written when our modes begin and when they end (bracketed paste on and off, say). Less
  * than TERM_WORDS bytes each, or none is; needed before the first term_set_mode. `recover` is
- * that of T5, ESC \ by default; `answers` is set if the terminal is known to answer ESC[c, for T8. */
+ * that of T5, ESC \ by default; `answers` is set if the terminal answers ESC[c, for T8. */
 enum { TERM_WORDS = 128 };
 void term_set_sequences(const char *begin, const char *end);
 void term_set_recovery(const char *recover, bool answers);
