@@ -326,7 +326,7 @@ STORY(memory_that_runs_out_leaves_what_is_shown)
         mem_allows = NULL;
         canvas_release(&canvas);
     }
-    CHECK(err == OK && refused > 20);
+    CHECK(err == OK && refused > 15);
     is_exact(&interp);
     interpreter_release(&interp);
 }
