@@ -608,7 +608,7 @@ digests() { # of the last edit of journal $1
     echo "$(last_word forest "$1") $(last_word labels "$1") $(last_word seeds "$1")"
 }
 
-begin "any order of seeds, in batches, by any neighbours on the way: the same; and in four ways drawn"
+begin "any order of seeds, in batches, by any neighbours: the same; and in four ways drawn"
 one='seed 2,3,4 1' two='seed 6,10,8 2 radius=2' three='seed 20,10,8 3' four='seed 20,18,3 4'
 expect 0 "$iftty" -c "open s.nii; $one; $two; $three; $four; run; size 60 50
     render mode=sp; render mode=bp; render mode=ii; render mode=ray" --journal a1.iftty

@@ -152,35 +152,29 @@ struct linked {
     size_t count;
 };
 
-static void add_linked(struct linked *linked, const struct buf *folder, const char *name)
-{
-    struct buf path = {0};
-    bool leads_out;
-    buf_printf(&path, "%s/%s", buf_text(folder), name);
-    char *real = !path.failed && linked->count < LINKED_MOST &&
-                         trust_look_at_golden(buf_text(&path), &leads_out) == BENEATH_FINE &&
-                         leads_out
-                     ? realpath(buf_text(&path), NULL)
-                     : NULL;
-    if (real)
-        linked->path[linked->count++] = real;
-    buf_release(&path);
-}
-
 /* Only files that the journal's records name. One that cannot be read is left to the replay. */
 static void find_linked(struct linked *linked, const char *journal)
 {
     struct golden_files files;
-    struct buf bytes = {0};
+    struct buf bytes = {0}, path = {0};
     if (golden_files_open(&files, journal, NULL) == OK && files.folder >= 0 &&
         file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) == OK &&
         golden_files_read(&files, buf_text(&bytes), bytes.length, NULL) == OK) {
         const char *name = buf_text(&files.named), *end = name + files.named.length;
-        for (; name < end; name += strlen(name) + 1)
-            add_linked(linked, &files.path, name);
+        for (; name < end && linked->count < LINKED_MOST; name += strlen(name) + 1) {
+            bool leads_out = false;
+            buf_clear(&path);
+            buf_printf(&path, "%s/%s", buf_text(&files.path), name);
+            if (path.failed || trust_look_at_golden(buf_text(&path), &leads_out) != BENEATH_FINE ||
+                !leads_out)
+                continue;
+            linked->path[linked->count] = realpath(buf_text(&path), NULL);
+            linked->count += linked->path[linked->count] != NULL;
+        }
     }
     golden_files_close(&files);
     buf_release(&bytes);
+    buf_release(&path);
 }
 
 enum err begin_confined(const struct options *o, const char *journal, const char *written,

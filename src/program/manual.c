@@ -9,11 +9,11 @@
  * there are escaped, and no line is longer than LINE_MOST.
  */
 #include <ctype.h>
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/buf.h"
+#include "base/file.h"
 #include "base/version.h"
 #include "command/command.h"
 #include "program/program.h"
@@ -115,8 +115,8 @@ static void add_title(struct buf *out, const char *name, int section, const char
 {
     buf_add_text(out, ".TH ");
     add_capitals(out, name);
-    buf_printf(out, " %d %s \"iftty %s\"\n.ad l\n.SH NAME\n", section, PROGRAM_DATE,
-               PROGRAM_VERSION);
+    buf_printf(out, " %d " PROGRAM_DATE " \"iftty " PROGRAM_VERSION "\"\n.ad l\n.SH NAME\n",
+               section);
     add_escaped(out, name, strlen(name));
     buf_add_text(out, " \\- ");
     add_text(out, summary, "");
@@ -295,18 +295,13 @@ static size_t find_offers(struct offer offer[OPTIONS_MOST], const char *name)
     return n;
 }
 
-/* True for the program that has commands as operands. */
-static bool takes_commands(unsigned row)
-{
-    return strstr(program_table.row[row].words, "COMMAND");
-}
-
 /* Adds the words that the program of a row takes, besides files. */
 static void add_operands(struct buf *out, unsigned row)
 {
-    if (!*name_of(row) || takes_commands(row))
+    const bool has_commands = strstr(program_table.row[row].words, "COMMAND");
+    if (!*name_of(row) || has_commands)
         add_names(out, " ");
-    for (unsigned k = 0; takes_commands(row) && k < command_count(); k++)
+    for (unsigned k = 0; has_commands && k < command_count(); k++)
         buf_printf(out, " %s", command_at(k)->name);
 }
 
@@ -407,7 +402,7 @@ static void add_fish(struct buf *out)
             buf_printf(out, "complete -c iftty -n __fish_use_subcommand -a %s", name);
             add_fish_help(out, program_table.row[i].summary);
         }
-        if (takes_commands(i)) {
+        if (strstr(program_table.row[i].words, "COMMAND")) {
             buf_printf(out, "complete -c iftty -n '__fish_seen_subcommand_from %s' -a '", name);
             add_operands(out, i);
             buf_add_text(out, "'\n");
@@ -432,17 +427,16 @@ static void add_fish(struct buf *out)
 
 /* ---- files ---- */
 
-/* Writes a file and empties the text. False, after a line on standard error, where it cannot be
- * written. */
+/* Write a file and empty the text. False, after a message, on error. */
 static bool write_file(const char *folder, const char *name, struct buf *text)
 {
     char path[4096];
+    struct fault fault = {.text = "out of memory"};
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = text->failed ? NULL : fopen(path, "w");
-    bool written = file && fwrite(text->data, 1, text->length, file) == text->length;
-    written = file && fclose(file) == 0 && written;
+    const bool written =
+        !text->failed && !file_write(path, text->data, text->length, FILE_REPLACE, &fault);
     if (!written)
-        fprintf(stderr, "iftty-manual: cannot write %s: %s\n", path, strerror(errno));
+        fprintf(stderr, "iftty-manual: %s\n", fault.text);
     buf_clear(text);
     return written;
 }

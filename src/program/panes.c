@@ -45,16 +45,6 @@ static void fill(const struct canvas *pane, const struct voxels *inside, const u
         }
 }
 
-/* True if a line from one pixel to the other stays on one side of the pane. */
-static bool is_beside(const struct canvas *pane, const int64_t from[2], const int64_t to[2])
-{
-    const int64_t size[2] = {pane->width, pane->height};
-    for (int i = 0; i < 2; i++)
-        if ((from[i] < 0 && to[i] < 0) || (from[i] >= size[i] && to[i] >= size[i]))
-            return true;
-    return false;
-}
-
 /* From pixel to pixel; dotted ones are every third. */
 static void draw_line(const struct canvas *pane, const int64_t from[2], const int64_t to[2],
                       bool is_dotted)
@@ -94,7 +84,12 @@ static void draw_outline(const struct canvas *canvas, const struct scene *scene,
             const struct slice_side *side = &plan.side[k % 2];
             at[k / 2][k % 2] = slice_side_pixel(side, slice_side_counted(side, end[k / 2]));
         }
-        if (!is_beside(&pane, at[0], at[1]))
+        const int64_t size[2] = {pane.width, pane.height};
+        bool is_outside = false; /* on one side of the pane */
+        for (int k = 0; k < 2; k++)
+            is_outside |=
+                (at[0][k] < 0 && at[1][k] < 0) || (at[0][k] >= size[k] && at[1][k] >= size[k]);
+        if (!is_outside)
             draw_line(&pane, at[0], at[1], i + 1 == mark->corners);
     }
 }

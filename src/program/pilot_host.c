@@ -19,6 +19,7 @@
 #include "session/tally.h"
 #include "show/draw.h"
 #include "show/label_report.h"
+#include "show/pictures.h"
 #include "program/panes.h"
 #include "tui/pilot/pilot_keys.h"
 
@@ -144,7 +145,6 @@ static bool facts(void *context, struct pilot_facts *out)
                                 .intensity =
                                     levels_value(&session->geometry, session->levels,
                                                  scene->cell[cell_at(session, s->cross)].intensity),
-                                .zoom = session_fitting_view(session).zoom,
                                 .times = s->times,
                                 .frame_width = frame->depth ? frame->width : outlook->view.width,
                                 .frame_height = frame->depth ? frame->height : outlook->view.height,
@@ -155,7 +155,11 @@ static bool facts(void *context, struct pilot_facts *out)
                                          : session_is_rough(session)      ? PILOT_ROUGH
                                                                           : PILOT_FINISHED,
                                 .has_finish = session->now.kept.finish.count > 0};
-    out->fits_itself = session_fits_itself(session, out->middle);
+    const struct view fitting = session_fitting_view(session);
+    out->zoom = fitting.zoom;
+    out->fits_itself = memcmp(fitting.focus, outlook->view.focus, sizeof fitting.focus) != 0;
+    if (out->fits_itself)
+        memcpy(out->middle, session->pictures->own.place, sizeof out->middle);
     window_values(out->window, session);
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         out->size[plane] = scene->grid.size[plane];
@@ -583,7 +587,11 @@ static bool poll_finishing(void *context, const char *what, uint64_t done, uint6
 static void show_finishing(void *context)
 {
     struct finishing *f = context;
-    session_show_refining(f->session, f->onlooker->draw, f->onlooker->context);
+    struct scene *scene = f->session->scene;
+    struct watch *const watch = scene->watch;
+    scene->watch = NULL; /* the watch of the work must not stop pictures */
+    f->onlooker->draw(f->onlooker->context);
+    scene->watch = watch;
 }
 
 static enum err finish(void *context, const struct pilot_onlooker *onlooker, struct buf *news,

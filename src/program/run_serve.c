@@ -91,17 +91,6 @@ static void put_notice(struct server *s, const char *line)
     put(s);
 }
 
-/* Without waiting: a line of less than PIPE_BUF bytes goes into a pipe that has room. */
-static void put_progress(struct server *s, const char *what, uint64_t done, uint64_t total,
-                         bool stops)
-{
-    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
-    if (poll(&out, 1, 0) != 1 || !(out.revents & POLLOUT))
-        return;
-    answer_progress(&s->line, id_at_hand(s), what, done, total, stops);
-    put(s);
-}
-
 /* ---- while a command is carried out ---- */
 
 static void take_in(struct server *s)
@@ -122,8 +111,13 @@ static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t 
     const bool stops = console->poll(console->context, NULL, 0, 0) || s->inbox.stops || terminated;
     if (what && s->has_greeted && now - s->begun_ns >= PROGRESS_AFTER_MS * ms &&
         now - s->told_ns >= PROGRESS_EVERY_MS * ms) {
+        struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
         s->told_ns = now;
-        put_progress(s, what, done, total, stops);
+        /* A line of less than PIPE_BUF bytes does not block in a pipe that has room. */
+        if (poll(&out, 1, 0) == 1 && out.revents & POLLOUT) {
+            answer_progress(&s->line, id_at_hand(s), what, done, total, stops);
+            put(s);
+        }
     }
     return stops;
 }
@@ -136,19 +130,6 @@ static void announce(void *context, const char *line)
 }
 
 /* ---- requests ---- */
-
-/* What the command has shown, which a terminal would have inline. The command stands, whatever
- * comes of it. */
-static void show(struct server *s, struct buf *picture)
-{
-    struct fault fault;
-    const struct image_view view = shown_picture(&s->interp, true);
-    if (view.rgba &&
-        picture_write(picture, &s->exchange, view.width, view.height, view.rgba, &fault)) {
-        buf_clear(picture);
-        put_notice(s, fault.text);
-    }
-}
 
 static enum err execute(struct server *s, const char *line, struct fault *fault)
 {
@@ -167,8 +148,13 @@ static void answer_do(struct server *s, const struct request *request)
     if (execute(s, line, &fault)) {
         answer_fault(&s->line, id, &fault, line, buf_text(&s->reply.list));
     } else {
-        if (s->interp.shows_picture)
-            show(s, &picture);
+        const struct image_view view =
+            s->interp.shows_picture ? shown_picture(&s->interp, true) : (struct image_view){0};
+        if (view.rgba && /* the command stands if it cannot be written */
+            picture_write(&picture, &s->exchange, view.width, view.height, view.rgba, &fault)) {
+            buf_clear(&picture);
+            put_notice(s, fault.text);
+        }
         answer_command(&s->line, id, &s->interp, &s->reply,
                        picture.length ? buf_text(&picture) : NULL);
     }
@@ -199,29 +185,25 @@ static void carry_out(struct server *s, const struct request *request)
     put(s);
 }
 
-/* Waits until something comes, or whoever is to read has gone, or a signal ends the session. */
-static void wait_for_more(struct server *s)
-{
-    struct pollfd on[] = {{.fd = STDIN_FILENO, .events = POLLIN},
-                          {.fd = wake[0], .events = POLLIN},
-                          {.fd = STDOUT_FILENO, .events = 0}};
-    if (poll(on, sizeof on / sizeof *on, -1) < 0)
-        return;
-    s->is_gone |= (on[2].revents & POLLERR) != 0;
-    if (on[0].revents)
-        take_in(s);
-}
-
 static void serve(struct server *s)
 {
     while (!terminated && !s->is_gone && s->interp.wish != WISH_QUIT) {
+        struct pollfd on[] = {{.fd = STDIN_FILENO, .events = POLLIN},
+                              {.fd = wake[0], .events = POLLIN},
+                              {.fd = STDOUT_FILENO, .events = 0}};
         const struct request *request = inbox_next(&s->inbox);
-        if (request)
+        if (request) {
             carry_out(s, request);
-        else if (s->inbox.is_over || s->broken)
+            continue;
+        }
+        if (s->inbox.is_over || s->broken)
             break;
-        else
-            wait_for_more(s);
+        /* Wait for a request, for the reader of the answers to go, or for a signal. */
+        if (poll(on, sizeof on / sizeof *on, -1) < 0)
+            continue;
+        s->is_gone |= (on[2].revents & POLLERR) != 0;
+        if (on[0].revents)
+            take_in(s);
     }
 }
 

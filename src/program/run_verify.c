@@ -59,26 +59,6 @@ enum err run_replay(const struct options *o, struct fault *fault)
 
 enum { SHARDS_MOST = 10000 };
 
-struct shard {
-    unsigned number, of; /* 1..of */
-};
-
-static bool is_in_shard(const struct shard *shard, const char *path)
-{
-    struct buf bytes = {0};
-    char hex[SHA256_HEX];
-    uint64_t first;
-    bool has = true;
-    if (!file_read(&bytes, path, JOURNAL_BYTES_MAX, NULL)) {
-        const char *at = hex;
-        sha256_bytes_hex(hex, buf_text(&bytes), bytes.length);
-        hex[16] = '\0';
-        has = !scan_hex(&at, 16, &first) || first % shard->of == shard->number - 1;
-    }
-    buf_release(&bytes);
-    return has;
-}
-
 /* Keeps the journals of the shard "K/N" alone, in their order. */
 static enum err shard_keep(struct journal_list *journals, const char *text, struct fault *fault)
 {
@@ -88,12 +68,23 @@ static enum err shard_keep(struct journal_list *journals, const char *text, stru
     if (!scan_integer(&at, 1, SHARDS_MOST, &number) || !scan_text(&at, "/") ||
         !scan_integer(&at, number, SHARDS_MOST, &of) || *at)
         return fault_set(fault, ERR_USAGE, "--shard: expected K/N, as 1/4 to 4/4, not %s", text);
-    const struct shard shard = {(unsigned)number, (unsigned)of};
-    for (size_t i = 0; i < journals->count; i++)
-        if (is_in_shard(&shard, journals->path[i]))
+    for (size_t i = 0; i < journals->count; i++) {
+        struct buf bytes = {0};
+        char hex[SHA256_HEX];
+        uint64_t first;
+        bool is_kept = true;
+        if (!file_read(&bytes, journals->path[i], JOURNAL_BYTES_MAX, NULL)) {
+            const char *digit = hex;
+            sha256_bytes_hex(hex, buf_text(&bytes), bytes.length);
+            hex[16] = '\0';
+            is_kept = !scan_hex(&digit, 16, &first) || first % (uint64_t)of == (uint64_t)number - 1;
+        }
+        buf_release(&bytes);
+        if (is_kept)
             journals->path[kept++] = journals->path[i];
         else
             free(journals->path[i]);
+    }
     journals->count = kept;
     return OK;
 }

@@ -366,24 +366,19 @@ void watched_title(struct buf *out, const struct watched *w)
     buf_add_text(out, point->branch == history->on ? "  (undone later)" : "  (on another branch)");
 }
 
-static void describe_drawn(struct buf *out, const struct watched *w)
-{
-    buf_add_text(out, "drawn, and not carried out yet");
-    if (w->has_place)
-        buf_printf(out, ": at %u,%u,%u", w->place[0], w->place[1], w->place[2]);
-    if (w->label >= 0) {
-        buf_add_text(out, w->has_place ? ", label " : ": label ");
-        label_report_write_name(out, w->interp->session, (unsigned)w->label);
-    }
-}
-
 void watched_describe(struct buf *out, const struct watched *w)
 {
     const struct session *session = w->interp->session;
     const size_t waits = session_pendings(session);
     unsigned said = 0, more = 0;
     if (w->is_drawn) {
-        describe_drawn(out, w);
+        buf_add_text(out, "drawn, and not carried out yet");
+        if (w->has_place)
+            buf_printf(out, ": at %u,%u,%u", w->place[0], w->place[1], w->place[2]);
+        if (w->label >= 0) {
+            buf_add_text(out, w->has_place ? ", label " : ": label ");
+            label_report_write_name(out, session, (unsigned)w->label);
+        }
         return;
     }
     for (unsigned label = 0; w->at && label < 256; label++) {
@@ -456,20 +451,6 @@ static enum err show_end(struct watching *w, struct fault *fault)
     return err;
 }
 
-static enum err step_to(struct watching *w, size_t step, struct fault *fault)
-{
-    return step > w->last ? show_end(w, fault) : watched_draw(&w->watched, step, fault);
-}
-
-/* Carries out a step that is drawn, as the first of them. */
-static enum err step_on(struct watching *w, size_t by, struct fault *fault)
-{
-    const struct watched *shown = &w->watched;
-    if (shown->is_drawn && --by == 0)
-        return watched_carry_out(&w->watched, shown->at, fault);
-    return step_to(w, w->is_over ? w->last + 1 : shown->at + by, fault);
-}
-
 static enum err step_line(struct watching *w, const char *at, struct buf *output,
                           struct fault *fault)
 {
@@ -491,9 +472,13 @@ static enum err step_line(struct watching *w, const char *at, struct buf *output
         return fault_set(fault, ERR_USAGE, "expected a step 0..%zu", w->last);
     const bool was_over = w->is_over;
     const size_t by = (size_t)n, from = was_over ? w->last + 1 : w->watched.at;
-    const enum err err = is_to   ? step_to(w, (size_t)n, fault)
-                         : is_on ? step_on(w, (size_t)n, fault)
-                                 : watched_carry_out(&w->watched, from > by ? from - by : 0, fault);
+    /* A step that is drawn is carried out as the first of those that `step on N` goes on by. */
+    const bool carries_out = is_on && w->watched.is_drawn;
+    const size_t to = is_to ? by : is_on ? from + by - carries_out : from > by ? from - by : 0;
+    const enum err err = is_back || (carries_out && by == 1)
+                             ? watched_carry_out(&w->watched, to, fault)
+                         : to > w->last ? show_end(w, fault)
+                                        : watched_draw(&w->watched, to, fault);
     if (!err && was_over && !is_on)
         w->is_over = false;
     return err;

@@ -192,45 +192,28 @@ static enum err find_map(enum map *map, const char *name, struct fault *fault)
     return ERR_USAGE;
 }
 
-/* Edits that wait are applied. */
-static enum err prepare(struct interpreter *interp, struct fault *fault)
-{
-    struct session *session = interp->session;
-    struct reply reply = {0};
-    enum err err = OK;
-    if (!session->has_scene)
-        return fault_set(fault, ERR_USAGE, "no scene is open; open one first");
-    if (session_pendings(session))
-        err = interpreter_execute(interp, "run", &reply, fault);
-    reply_release(&reply);
-    return err ? err : interpreter_drop_sketch(interp, fault);
-}
-
-/* Of the file that was written: voxels are all that follows its header. */
-static enum err describe(struct array_file *out, struct fault *fault)
-{
-    struct volume_reader reader;
-    const enum err err = volume_begin(&reader, buf_text(&out->path), NULL, NULL, fault);
-    out->type = reader.header.type;
-    out->offset = reader.header.offset;
-    volume_close(&reader);
-    return err;
-}
-
 enum err array_write(struct array_file *out, const struct exchange *exchange,
                      struct interpreter *interp, const char *name, bool finished,
                      struct fault *fault)
 {
     struct session *session = interp->session;
+    struct volume_reader reader;
     struct labels labels;
     struct buf file = {0};
     enum map map;
-    *out = (struct array_file){0};
+    *out = (struct array_file){.name = name};
     enum err err = find_map(&map, name, fault);
     if (!err && finished && map != MAP_LABELS)
         err = fault_set(fault, ERR_USAGE, "finished: of labels alone");
+    if (!err && !session->has_scene)
+        err = fault_set(fault, ERR_USAGE, "no scene is open; open one first");
+    if (!err && session_pendings(session)) {
+        struct reply reply = {0};
+        err = interpreter_execute(interp, "run", &reply, fault);
+        reply_release(&reply);
+    }
     if (!err)
-        err = prepare(interp, fault);
+        err = interpreter_drop_sketch(interp, fault);
     session_mark(session);
     if (!err)
         err = session_complete(session, fault);
@@ -241,8 +224,12 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
         err = place_file(&out->path, exchange, buf_text(&file), fault);
     if (!err)
         err = export_map(session, map, &labels, buf_text(&out->path), FILE_REPLACE, fault);
-    if (!err)
-        err = describe(out, fault);
+    if (!err) { /* voxels are all that follows the header of the file */
+        err = volume_begin(&reader, buf_text(&out->path), NULL, NULL, fault);
+        out->type = reader.header.type;
+        out->offset = reader.header.offset;
+        volume_close(&reader);
+    }
     buf_release(&file);
     if (!err || watch_stops(session->watch))
         err = watch_fault(session->watch, fault);
@@ -250,7 +237,6 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
         session_rollback(session);
     else
         session_settle(session);
-    out->name = name;
     return err;
 }
 
@@ -271,37 +257,8 @@ enum err picture_write(struct buf *path, const struct exchange *exchange, uint32
 
 /* ---- what is open ---- */
 
-static void add_spacing(struct json *json, const struct geometry *geometry)
-{
-    if (geometry->spacing_unknown) {
-        json_text(json, "spacing", "unknown");
-        return;
-    }
-    json_array(json, "spacing");
-    for (int a = 0; a < 3; a++)
-        json_real(json, NULL, geometry->spacing_nm[a] / 1e6, 9);
-    json_end(json);
-}
-
-/* From voxel indices to millimetres, four rows as in NIfTI; null where nobody knows. */
-static void add_affine(struct json *json, const struct geometry *geometry)
-{
-    static const double last[4] = {0, 0, 0, 1};
-    if (!geometry_has_place(geometry)) {
-        json_word(json, "affine", "null");
-        return;
-    }
-    json_array(json, "affine");
-    for (int row = 0; row < 4; row++) {
-        json_array(json, NULL);
-        for (int column = 0; column < 4; column++)
-            json_real(json, NULL, row < 3 ? geometry->to_mm[row][column] : last[column], 17);
-        json_end(json);
-    }
-    json_end(json);
-}
-
-/* How a grid lies: of the scene, and of every array. */
+/* The grid of the scene and of every array: size, spacing, axes, and the affine map from voxel
+ * indices to millimetres, four rows as in NIfTI; null if it is not known. */
 static void add_grid(struct json *json, const struct session *session)
 {
     const struct geometry *geometry = &session->geometry;
@@ -310,10 +267,28 @@ static void add_grid(struct json *json, const struct session *session)
     for (int a = 0; a < 3; a++)
         json_count(json, NULL, session->scene->grid.size[a]);
     json_end(json);
-    add_spacing(json, geometry);
+    if (geometry->spacing_unknown) {
+        json_text(json, "spacing", "unknown");
+    } else {
+        json_array(json, "spacing");
+        for (int a = 0; a < 3; a++)
+            json_real(json, NULL, geometry->spacing_nm[a] / 1e6, 9);
+        json_end(json);
+    }
     geometry_axes(axes, geometry);
     json_text(json, "axes", geometry->orientation == ORIENTATION_UNKNOWN ? "unknown" : axes);
-    add_affine(json, geometry);
+    if (!geometry_has_place(geometry)) {
+        json_word(json, "affine", "null");
+        return;
+    }
+    json_array(json, "affine");
+    for (int row = 0; row < 4; row++) {
+        json_array(json, NULL);
+        for (int column = 0; column < 4; column++)
+            json_real(json, NULL, row < 3 ? geometry->to_mm[row][column] : column == 3, 17);
+        json_end(json);
+    }
+    json_end(json);
 }
 
 /* As it is found from any folder. */
@@ -381,30 +356,23 @@ void answer_greeting(struct buf *out, const struct interpreter *interp, const ch
 
 /* ---- of a command ---- */
 
-/* A word of a record: a count as a number, all else as a text. Digests are longer than any count
- * (record_word_is_digest), and a number with other zeros before it is none. */
-static void add_word(struct json *json, const char *key, const struct record_word *word)
-{
-    const char *at = word->value;
-    int64_t number;
-    const bool is_count = word->value_length <= 15 && (*at != '0' || word->value_length == 1) &&
-                          scan_integer(&at, 0, INT64_MAX, &number) &&
-                          at == word->value + word->value_length;
-    if (is_count)
-        json_count(json, key, (uint64_t)number);
-    else
-        json_bytes(json, key, word->value, word->value_length);
-}
-
+/* The words of a record: a count as a number, all else as a text. Digests are longer than any count
+ * (record_word_is_digest), and a number with leading zeros is not a count. */
 static void add_words(struct json *json, const struct buf *words)
 {
     const char *at = buf_text(words), *end = at + words->length;
     struct record_word word;
     json_object(json, "words");
     while (record_word_next(&at, end, &word)) {
+        const char *digit = word.value;
         struct buf key = {0};
+        int64_t number;
         buf_add(&key, word.key, word.key_length);
-        add_word(json, buf_text(&key), &word);
+        if (word.value_length <= 15 && (*digit != '0' || word.value_length == 1) &&
+            scan_integer(&digit, 0, INT64_MAX, &number) && digit == word.value + word.value_length)
+            json_count(json, buf_text(&key), (uint64_t)number);
+        else
+            json_bytes(json, buf_text(&key), word.value, word.value_length);
         json->out->failed |= key.failed;
         buf_release(&key);
     }

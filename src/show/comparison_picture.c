@@ -28,17 +28,6 @@ enum { NEAREST = COMPARISON_CLASS_ON, STEPS = COMPARISON_CLASS_STEPS };
 static const uint8_t inside_rgb[3] = {20, 80, 220}, on_rgb[3] = {206, 206, 206},
                      outside_rgb[3] = {214, 30, 24};
 
-static void take_colours(struct palette *palette)
-{
-    for (int class = 1; class < 256; class ++) {
-        const int off = abs(class - NEAREST);
-        const uint8_t *end = class < NEAREST ? inside_rgb : outside_rgb;
-        for (int k = 0; k < 3; k++)
-            palette->rgb[class][k] =
-                (uint8_t)((end[k] * off + on_rgb[k] * (STEPS - off) + STEPS / 2) / STEPS);
-    }
-}
-
 /* ---- the rendition ---- */
 
 /* How the session is to be for it. */
@@ -48,7 +37,13 @@ static struct state state_of(const struct session *session)
     struct kept *kept = &state.kept;
     memset(kept->visible + 1, true, 255 * sizeof *kept->visible);
     memset(kept->opacity + 1, BORDER_OPAQUE, 255);
-    take_colours(&kept->palette);
+    for (int class = 1; class < 256; class ++) {
+        const int off = abs(class - NEAREST);
+        const uint8_t *end = class < NEAREST ? inside_rgb : outside_rgb;
+        for (int k = 0; k < 3; k++)
+            kept->palette.rgb[class][k] =
+                (uint8_t)((end[k] * off + on_rgb[k] * (STEPS - off) + STEPS / 2) / STEPS);
+    }
     state.outlook.shows_finished = 0;
     state.outlook.look.creases = false; /* colours lie on one surface */
     state.outlook.decorations &= DECORATE_LETTERS | DECORATE_SCALE;

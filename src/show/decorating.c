@@ -95,22 +95,6 @@ enum err session_show_frame(struct canvas *canvas, const struct session *session
     return OK;
 }
 
-/* Room for what is drawn over the frame, which is clear. */
-static enum err begin_layer(struct pictures *p, struct fault *fault)
-{
-    const size_t pixels = pixels_of(p->session);
-    if (p->decorated_pixels != pixels) {
-        free(p->decorated);
-        p->decorated_pixels = 0;
-        p->decorated = mem_array(pixels, 4);
-        if (!p->decorated)
-            return fault_memory(fault, "a picture");
-        p->decorated_pixels = pixels;
-    }
-    memset(p->decorated, 0, 4 * pixels);
-    return OK;
-}
-
 /* What is behind the objects, in the middle of the picture. */
 static bool is_bright(const struct session *session)
 {
@@ -167,10 +151,17 @@ enum err session_decorate(struct session *session, const struct labels *labels, 
     if (!session->now.outlook.decorations || session->skims)
         return OK;
     enum err err = pictures_begin(&p, session, fault);
-    if (!err)
-        err = begin_layer(p, fault);
     if (err)
         return err;
+    const size_t pixels = pixels_of(session);
+    if (p->decorated_pixels != pixels) {
+        free(p->decorated);
+        p->decorated = mem_array(pixels, 4);
+        p->decorated_pixels = p->decorated ? pixels : 0;
+    }
+    if (!p->decorated)
+        return fault_memory(fault, "a picture");
+    memset(p->decorated, 0, 4 * pixels);
     const struct canvas canvas = {.width = frame->width,
                                   .height = frame->height,
                                   .stride = frame->width,
@@ -183,7 +174,7 @@ enum err session_decorate(struct session *session, const struct labels *labels, 
     d->camera = p->camera;
     err = decoration_draw(&canvas, &d->of, fault);
     decorating_end(d);
-    canvas_lay_over(p->decorated, frame->rgba, pixels_of(session));
+    canvas_lay_over(p->decorated, frame->rgba, pixels);
     return err;
 }
 

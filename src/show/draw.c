@@ -624,15 +624,6 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
     return err;
 }
 
-void session_show_refining(struct session *session, void (*draw)(void *context), void *context)
-{
-    struct scene *scene = session->scene;
-    struct watch *const watch = scene->watch;
-    scene->watch = NULL;
-    draw(context);
-    scene->watch = watch;
-}
-
 /* ---- following the session ---- */
 
 static void mark(struct pictures *p)
@@ -753,19 +744,6 @@ enum err session_draw(struct session *session, enum render_mode mode, struct fau
     return session_draw_labels(session, &labels, mode, fault);
 }
 
-/* What there is at once of what is not drawn yet. */
-static enum err draw_hastily(struct pictures *p, const struct view *view, enum rendered as,
-                             struct glance *glance, struct fault *fault)
-{
-    const struct border *border = border_of(p, as);
-    glance->is_hasty = true;
-    if (!mesh_is_current(&p->mesh, border, shade_kind(look_of(p))))
-        return OK;
-    glance->rendition = &p->coarse.rendition;
-    glance->coarse = COARSE;
-    return draw_coarse(p, view, border, fault);
-}
-
 /* As large as it fits, around its own middle where that makes it an eighth larger: anew where it no
  * longer fits, or could be a quarter larger. */
 static enum err fit_shown(struct pictures *p, const struct border *border, struct fault *fault)
@@ -818,10 +796,17 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
         return err;
     labels->finished = finished ? p->live.label : NULL;
     glance->rendition = session_frame(session);
-    const bool is_soon = p->coarse.took_ns && p->coarse.took_ns < within_ns &&
-                         mesh_is_current(&p->mesh, border_of(p, as), shade_kind(look_of(p)));
-    if (within_ns && p->rendered != as && !is_soon && !session->now.outlook.context)
-        return draw_hastily(p, &view, as, glance, fault);
+    const struct border *border = border_of(p, as);
+    const bool is_current = mesh_is_current(&p->mesh, border, shade_kind(look_of(p)));
+    const bool is_soon = p->coarse.took_ns && p->coarse.took_ns < within_ns && is_current;
+    glance->is_hasty = within_ns && p->rendered != as && !is_soon && !session->now.outlook.context;
+    if (glance->is_hasty && !is_current)
+        return OK;
+    if (glance->is_hasty) {
+        glance->rendition = &p->coarse.rendition;
+        glance->coarse = COARSE;
+        return draw_coarse(p, &view, border, fault);
+    }
     err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
     glance->rendition = session_frame(session);
     return err;
@@ -842,15 +827,6 @@ struct view session_fitting_view(const struct session *session)
     if (p && p->own.has_place && !(view.focus[0] | view.focus[1] | view.focus[2]))
         view_focus_on(&view, scene, p->own.place);
     return view;
-}
-
-bool session_fits_itself(const struct session *session, uint32_t place[3])
-{
-    const struct view *view = &session->now.outlook.view, own = session_fitting_view(session);
-    const bool fits = memcmp(own.focus, view->focus, sizeof own.focus) != 0;
-    if (fits)
-        memcpy(place, session->pictures->own.place, 3 * sizeof *place);
-    return fits;
 }
 
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)

@@ -54,11 +54,9 @@ struct glance {
 enum err session_draw_fitting(struct session *session, const uint32_t room[2], uint64_t within_ns,
                               struct glance *glance, struct labels *labels, struct fault *fault);
 
-/* The view as panels have it: while zoom and focus are those that a scene is opened with, which
- * nobody has chosen, those at which what was shown last fits, however it is turned; and whether
- * that has another `place` in its middle than the view. */
+/* The view as panels have it: while zoom and focus are those of a newly opened scene, a view that
+ * fits the objects shown last in any direction; its middle is then pictures.own.place. */
 struct view session_fitting_view(const struct session *session);
-bool session_fits_itself(const struct session *session, uint32_t place[3]);
 
 /* Whose labels the rendition shows, as they are now. */
 enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
@@ -84,12 +82,9 @@ enum err session_sum_shown(struct session *session, unsigned label, struct label
 /* Whether what a panel would show now is rough. */
 bool session_is_rough(const struct session *session);
 
-/* Makes it exact, under a watch of its own. ERR_CANCELLED where that has stopped it, ERR_LIMIT,
- * ERR_MEMORY: nothing has changed then. */
+/* Make it exact under a watch of its own, whose `show` draws with scene->watch = NULL: it must not
+ * stop pictures. ERR_CANCELLED, ERR_LIMIT, ERR_MEMORY: nothing has changed. */
 enum err session_refine(struct session *session, struct watch *watch, struct fault *fault);
-
-/* To be called from `show` of that watch: `draw` makes pictures, which the watch does not stop. */
-void session_show_refining(struct session *session, void (*draw)(void *context), void *context);
 
 /* ---- the window of greys ---- */
 

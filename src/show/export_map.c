@@ -133,19 +133,6 @@ enum err export_map(const struct session *session, enum map map, const struct la
     return err;
 }
 
-/* ",12,70,110,95" for a seed that has a reach. */
-static void write_reach(struct buf *out, const struct reach *reach)
-{
-    if (!reach)
-        return;
-    if (reach->unit[0] == 1)
-        buf_printf(out, ",%lld", (long long)reach->radius);
-    else
-        buf_printf(out, ",%lld.%06lldmm", (long long)(reach->radius / 1000000),
-                   (long long)(reach->radius % 1000000));
-    buf_printf(out, ",%u,%u,%u", reach->centre[0], reach->centre[1], reach->centre[2]);
-}
-
 enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault)
 {
     const struct grid *grid = &session->scene->grid;
@@ -155,13 +142,21 @@ enum err export_seeds(struct buf *out, const struct session *session, struct fau
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                if (session->scene->cell[c].flags & CELL_SEED) {
-                    buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z,
-                               session->scene->cell[c].label);
-                    write_reach(out, forest_reach(session->forest, c));
-                    buf_add_char(out, '\n');
-                }
+            for (uint32_t c = row.first; c < row.end; c++) {
+                const struct reach *reach = forest_reach(session->forest, c);
+                if (!(session->scene->cell[c].flags & CELL_SEED))
+                    continue;
+                buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z, session->scene->cell[c].label);
+                if (reach && reach->unit[0] == 1)
+                    buf_printf(out, ",%lld", (long long)reach->radius);
+                else if (reach)
+                    buf_printf(out, ",%lld.%06lldmm", (long long)(reach->radius / 1000000),
+                               (long long)(reach->radius % 1000000));
+                if (reach)
+                    buf_printf(out, ",%u,%u,%u", reach->centre[0], reach->centre[1],
+                               reach->centre[2]);
+                buf_add_char(out, '\n');
+            }
         }
     return out->failed ? fault_memory(fault, "a list of seeds")
                        : watch_fault(session->watch, fault);

@@ -399,17 +399,6 @@ static void write_line(struct buf *out, struct label_writing *writing,
     buf_add_char(out, '\n');
 }
 
-/* 256 of red, of green and of blue; what names there are is not in it. */
-static void write_lut(struct buf *out, struct label_writing *writing, const struct kept *kept)
-{
-    for (int k = 0; k < 3; k++)
-        for (unsigned l = 0; l < LABELS; l++)
-            buf_add_char(out, l ? (char)kept->palette.rgb[l][k] : '\0');
-    for (unsigned l = 1; l < LABELS; l++)
-        if (*kept->label_name[l] && writing->changed++ == 0)
-            writing->first_changed = l;
-}
-
 void label_table_write(struct buf *out, struct label_writing *writing,
                        enum label_table_format format, const struct kept *kept,
                        const bool used[256])
@@ -422,8 +411,13 @@ void label_table_write(struct buf *out, struct label_writing *writing,
         [TABLE_FREESURFER] = "# No. Label_Name R G B A\n0 Unknown 0 0 0 0\n",
         [TABLE_MRICRON] = ""};
     *writing = (struct label_writing){0};
-    if (format == TABLE_LUT) {
-        write_lut(out, writing, kept);
+    if (format == TABLE_LUT) { /* 256 of red, of green and of blue, and no names */
+        for (int k = 0; k < 3; k++)
+            for (unsigned l = 0; l < LABELS; l++)
+                buf_add_char(out, l ? (char)kept->palette.rgb[l][k] : '\0');
+        for (unsigned l = 1; l < LABELS; l++)
+            if (*kept->label_name[l] && writing->changed++ == 0)
+                writing->first_changed = l;
         return;
     }
     buf_add_text(out, head[format]);

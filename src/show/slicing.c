@@ -101,24 +101,19 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
 {
     const struct slice_settings *s = &session->now.outlook.slices;
     int32_t window[2];
-    sketch->mark = NULL;
-    sketch->style.overlay = s->overlay;
-    sketch->style.palette = &session->now.kept.palette;
-    sketch->style.visible = session->now.kept.visible;
-    sketch->style.crosses = s->crosses;
-    sketch->style.marks_seeds = s->marks;
-    sketch->style.marked = (struct mark_choice){markers_show, &session->markers};
-    sketch->style.thin = false;
-    sketch->style.filled = (struct mark_choice){NULL, NULL};
-    sketch->style.mark = NULL;
-    sketch->style.marks = 0;
+    *sketch = (struct sketch){.style = {.overlay = s->overlay,
+                                        .palette = &session->now.kept.palette,
+                                        .visible = session->now.kept.visible,
+                                        .crosses = s->crosses,
+                                        .marks_seeds = s->marks,
+                                        .marked = {markers_show, &session->markers},
+                                        .least = sketch->least,
+                                        .most = sketch->most}};
     if (s->marks && !list_marks(sketch, session))
         return fault_memory(fault, "the marks of a slice");
     window_of(window, session);
     slice_window(sketch->style.grey, window[0], window[1]);
     window_words(sketch->least, sketch->most, session);
-    sketch->style.least = sketch->least;
-    sketch->style.most = sketch->most;
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
         write_title(sketch->title[plane], session, plane);
     return OK;
