@@ -264,18 +264,18 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *notice
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-static enum err append_record(struct journal *journal, const char *command, const char *words,
-                              bool may_wait, struct fault *fault)
+enum err journal_append(struct journal *journal, const char *command, const char *words,
+                        struct fault *fault)
 {
     struct buf bytes = {0};
     struct record_chain chain = journal->chain;
     const struct record record = {
-        .number = journal->count + 1, .command = command, .result = words};
+        .number = journal->count + 1, .command = command, .result = words ? words : ""};
     const char *header = journal->count == 0 ? buf_text(&journal->header) : "";
     enum err err =
         record_encode(&bytes, &chain, header, buf_text(&journal->comments), &record, fault);
     if (!err)
-        err = append_bytes(journal, &bytes, may_wait, fault);
+        err = append_bytes(journal, &bytes, words == NULL, fault);
     if (err)
         fault_prefix(fault, err, "not recorded");
     if (!err) {
@@ -285,17 +285,6 @@ static enum err append_record(struct journal *journal, const char *command, cons
     }
     buf_release(&bytes);
     return err;
-}
-
-enum err journal_append(struct journal *journal, const char *command, const char *words,
-                        struct fault *fault)
-{
-    return append_record(journal, command, words, false, fault);
-}
-
-enum err journal_note(struct journal *journal, const char *command, struct fault *fault)
-{
-    return append_record(journal, command, "", true, fault);
 }
 
 enum err journal_comment(struct journal *journal, const char *comment, struct fault *fault)
@@ -399,31 +388,6 @@ const struct buf *journal_bytes(const struct journal *journal)
 const char *journal_chain(const struct journal *journal)
 {
     return journal->chain.hex;
-}
-
-enum err journal_audit(const struct journal *journal, struct fault *fault)
-{
-    struct buf bytes = {0};
-    struct walk walk = {0};
-    struct record record;
-    enum err err = file_read(&bytes, journal_path(journal), JOURNAL_BYTES_MAX, fault);
-    if (!err)
-        err = walk_begin(&walk, bytes.data, bytes.length, fault);
-    while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
-        ;
-    const bool tail_is_fine = walk.over == WALK_END || (walk.over == WALK_TORN && journal->log &&
-                                                        file_log_is_ragged(journal->log)); /* J2 */
-    const bool content_is_ours = walk.offset == journal->kept.length &&
-                                 walk.records == journal->count &&
-                                 strcmp(walk.chain.hex, journal->chain.hex) == 0; /* J3 */
-    if (!err && (!tail_is_fine || !content_is_ours))
-        err = fault_set(fault, ERR_CHECK,
-                        "%s holds %zu record%s in %zu bytes; acknowledged were %zu in %zu",
-                        journal_path(journal), walk.records, plural(walk.records), walk.offset,
-                        journal->count, journal->kept.length);
-    walk_release(&walk);
-    buf_release(&bytes);
-    return err;
 }
 
 /* ---- without running it ---------------------------------------------------------------------- */

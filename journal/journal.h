@@ -5,9 +5,9 @@
  * Promises, by numbers that the tests use too:
  *   J1 a command is acknowledged only after its record is synced: when journal_append returns OK,
  *      the record is on the disk, with all before it. A command that changes nothing of the
- *      segmentation is acknowledged when its record is written (journal_note): a loss of power may
- *      take such records of the last second, from the end, and never one that was appended. A
- *      caller can ask for less by journal_set_sync;
+ *      segmentation is acknowledged when its record is written: a loss of power may remove such
+ *      records of the last second from the end, and never a record of another command. A caller
+ *      can ask for less by journal_set_sync;
  *   J2 the file is always header + valid records + at most one torn record;
  *   J3 bytes before the end of the valid part never change;
  *   J4 replay reproduces every recorded word, or stops at the first that differs and says which
@@ -72,13 +72,11 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *notice
                         struct fault *fault);
 
 /* Appends the record of a command that has been carried out: one write, one sync. Words are
- * "key=value key=value" or "". On failure the journal is what it was (J5). */
+ * "key=value key=value" or "". NULL is for a command that changes nothing of the segmentation: its
+ * record has no words, and its sync waits for a second at most, or for the next record with words
+ * or journal_catch_up. On failure the journal is what it was (J5). */
 enum err journal_append(struct journal *journal, const char *command, const char *words,
                         struct fault *fault);
-
-/* The same for a command that changes nothing of the segmentation, whose record has no words: its
- * sync waits for a second at most, and for the next journal_append or journal_catch_up. */
-enum err journal_note(struct journal *journal, const char *command, struct fault *fault);
 
 /* What waits so is synced: before a file is published that it led to, or the process is stopped. */
 enum err journal_catch_up(struct journal *journal, struct fault *fault);
@@ -109,10 +107,6 @@ const char *journal_path(const struct journal *journal);
 size_t journal_count(const struct journal *journal);            /* records */
 const struct buf *journal_bytes(const struct journal *journal); /* the valid part: J7 */
 const char *journal_chain(const struct journal *journal); /* 32 digits; zeros without a record */
-
-/* Reads the file again and says whether J2 and J3 hold: every byte that was acknowledged is there,
- * and nothing else. OK, ERR_CHECK, or why the file cannot be read. */
-enum err journal_audit(const struct journal *journal, struct fault *fault);
 
 /* Gives up the lock; fine with NULL. */
 void journal_close(struct journal *journal);

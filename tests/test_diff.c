@@ -7,8 +7,7 @@
 
 #include "render/notes.h"
 #include "show/decorating.h"
-#include "verify/diff.h"
-#include "verify/first_difference.h"
+#include "verify/verify_inside.h"
 #include "tests/interpreting.h"
 
 /* ---- where commands part ---- */

@@ -11,12 +11,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/buf.h"
 #include "base/clock.h"
-#include "base/file.h"
-#include "journal/journal.h"
-#include "tests/check.h"
 #include "tests/folder.h"
+#include "tests/journals.h"
 
 static char folder[FOLDER_LENGTH];
 
@@ -24,46 +21,6 @@ static char folder[FOLDER_LENGTH];
 static const char *place(const char *name)
 {
     return file_in(folder, name);
-}
-
-static void content(struct buf *out, const char *path)
-{
-    CHECK(file_read(out, path, JOURNAL_BYTES_MAX, NULL) == OK);
-}
-
-static void put(const char *path, const void *bytes, size_t length)
-{
-    CHECK(file_write(path, bytes, length, FILE_REPLACE, NULL) == OK);
-}
-
-static bool is_file_of(const char *path, const struct buf *bytes)
-{
-    struct buf found = {0};
-    content(&found, path);
-    const bool same =
-        found.length == bytes->length && memcmp(found.data, bytes->data, found.length) == 0;
-    buf_release(&found);
-    return same;
-}
-
-static enum err append(struct journal *journal, size_t n, struct fault *fault)
-{
-    char command[64], words[64];
-    snprintf(command, sizeof command, "seed %zu,2,3 1", n);
-    snprintf(words, sizeof words, "forest=%016zx seeds=%zu", n * 77, n);
-    return journal_append(journal, command, words, fault);
-}
-
-/* A new journal of `records`, open. */
-static struct journal *make(const char *path, size_t records)
-{
-    struct journal *journal;
-    unlink(path);
-    if (!CHECK(journal_create(&journal, path, 1, NULL) == OK))
-        abort();
-    for (size_t n = 1; n <= records; n++)
-        CHECK(append(journal, n, NULL) == OK);
-    return journal;
 }
 
 static enum err open_again(struct journal **journal, const char *path, struct fault *fault)
@@ -79,7 +36,7 @@ static void holds(const char *path, size_t records)
     if (!CHECK(open_again(&journal, path, NULL) == OK))
         return;
     CHECK_INT(journal_count(journal), records);
-    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(journal_audit(journal, false));
     journal_close(journal);
 }
 
@@ -122,7 +79,7 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
     for (enum harm harm = DELETED; harm < HARMS; harm++) {
         struct fault fault;
         struct buf left = {0};
-        struct journal *journal = make(path, 3);
+        struct journal *journal = make_journal(path, 3);
         unlink(other);
         do_harm(path, harm);
         if (file_exists(path))
@@ -133,11 +90,11 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
             CHECK_HAS(fault.text, "not recorded");
             CHECK_INT(journal_count(journal), 3);
         }
-        CHECK(left.data ? is_file_of(path, &left) : !file_exists(path));
+        CHECK(left.data ? is_file_of(path, left.data, left.length) : !file_exists(path));
         CHECK(journal_continue(journal, other, &fault) == OK); /* and the session goes on */
         CHECK_TEXT(journal_path(journal), other);
         CHECK(append(journal, 4, NULL) == OK);
-        CHECK(left.data ? is_file_of(path, &left) : !file_exists(path));
+        CHECK(left.data ? is_file_of(path, left.data, left.length) : !file_exists(path));
         journal_close(journal);
         holds(other, 4);
         buf_release(&left);
@@ -147,7 +104,7 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
 STORY(a_file_whose_times_alone_have_changed_is_written_to)
 {
     const char *path = place("touched.iftty");
-    struct journal *journal = make(path, 3);
+    struct journal *journal = make_journal(path, 3);
     usleep(20000);
     CHECK(chmod(path, 0640) == 0 && utimensat(AT_FDCWD, path, NULL, 0) == 0);
     CHECK(append(journal, 4, NULL) == OK);
@@ -162,7 +119,7 @@ STORY(line_ends_of_windows_are_named)
     struct journal_condition condition;
     struct journal *journal;
     const char *path = place("windows.iftty");
-    journal_close(make(path, 2));
+    journal_close(make_journal(path, 2));
     content(&bytes, path);
     for (size_t from = 0; from < 60;
          from += 30, buf_clear(&windows)) { /* all lines; but the first */
@@ -202,7 +159,7 @@ STORY(going_on_elsewhere_is_all_or_nothing)
     strcpy(path, place("from.iftty"));
     strcpy(other, place("to.iftty"));
     for (unsigned steps = 0; steps < 24; steps++) {
-        struct journal *journal = make(path, 3);
+        struct journal *journal = make_journal(path, 3);
         struct fault fault = {.text = ""};
         unlink(other);
         steps_left = steps / 2;
@@ -217,14 +174,14 @@ STORY(going_on_elsewhere_is_all_or_nothing)
         }
         CHECK_TEXT(journal_path(journal), err ? path : other);
         CHECK(append(journal, 4, NULL) == OK);
-        CHECK(journal_audit(journal, NULL) == OK);
+        CHECK(journal_audit(journal, false));
         journal_close(journal);
         holds(path, err ? 4 : 3);
         if (!err)
             holds(other, 4);
     }
     CHECK(failures >= 6 && failures < 24);
-    struct journal *journal = make(path, 1);
+    struct journal *journal = make_journal(path, 1);
     struct fault fault;
     CHECK(journal_continue(journal, other, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "exists already");
@@ -251,7 +208,7 @@ static int count_syncs(enum file_step step, const char *path)
 STORY(records_are_synced_when_that_was_asked_for)
 {
     const char *path = place("modes.iftty");
-    struct journal *journal = make(path, 1);
+    struct journal *journal = make_journal(path, 1);
     syncs = bad_syncs = 0;
     file_step_hook = count_syncs;
     CHECK(append(journal, 2, NULL) == OK);
@@ -284,7 +241,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     char path[FILE_LENGTH];
     struct fault fault;
     strcpy(path, place("doubt.iftty"));
-    struct journal *journal = make(path, 2);
+    struct journal *journal = make_journal(path, 2);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     for (size_t n = 3; n <= 6; n++)
         CHECK(append(journal, n, NULL) == OK);
@@ -305,7 +262,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     CHECK_INT(journal_count(journal), 6);
     CHECK(append(journal, 7, NULL) == OK);
     file_step_hook = NULL;
-    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(journal_audit(journal, false));
     journal_close(journal);
     holds(path, 7);
     buf_release(&bytes);
@@ -315,23 +272,23 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
 {
     char path[FILE_LENGTH];
     strcpy(path, place("views.iftty"));
-    struct journal *journal = make(path, 1);
+    struct journal *journal = make_journal(path, 1);
     syncs = bad_syncs = 0;
     file_step_hook = count_syncs;
     for (size_t n = 2; n <= 6; n++)
-        CHECK(journal_note(journal, "turn 15", NULL) == OK);
+        CHECK(journal_append(journal, "turn 15", NULL, NULL) == OK);
     CHECK(syncs <= 1); /* it may have taken long */
     const uint64_t begin = clock_ns();
     while (syncs < 1 && clock_ns() - begin < UINT64_C(60000000000))
         usleep(10000);
     CHECK_INT(syncs, 1); /* though nothing else was done */
-    CHECK(journal_note(journal, "turn 15", NULL) == OK);
+    CHECK(journal_append(journal, "turn 15", NULL, NULL) == OK);
     CHECK(journal_catch_up(journal, NULL) == OK);
     CHECK_INT(syncs, 2);
     CHECK(journal_catch_up(journal, NULL) == OK && syncs == 2); /* nothing waits */
     struct buf synced = {0}, bytes = {0};
     content(&synced, path);
-    CHECK(journal_note(journal, "turn 15", NULL) == OK);
+    CHECK(journal_append(journal, "turn 15", NULL, NULL) == OK);
     bad_syncs = 1; /* that of the next record, or of the thread: the page is gone */
     append(journal, 9, NULL);
     content(&bytes, path);
@@ -343,7 +300,7 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     fclose(file);
     CHECK(append(journal, 10, NULL) == OK);
     file_step_hook = NULL;
-    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(journal_audit(journal, false));
     journal_close(journal);
     buf_release(&synced);
     buf_release(&bytes);
@@ -364,11 +321,11 @@ STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
 {
     char path[FILE_LENGTH];
     strcpy(path, place("off.iftty"));
-    struct journal *journal = make(path, 1);
+    struct journal *journal = make_journal(path, 1);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     const unsigned before = threads();
     CHECK(before > 0);
-    CHECK(journal_note(journal, "turn 15", NULL) == OK);
+    CHECK(journal_append(journal, "turn 15", NULL, NULL) == OK);
     CHECK_INT(threads(), before);
     journal_close(journal);
 }
@@ -382,7 +339,7 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
     struct buf before = {0};
     strcpy(path, place("held.iftty"));
     strcpy(other, place("mine.iftty"));
-    struct journal *journal = make(path, 3), *second;
+    struct journal *journal = make_journal(path, 3), *second;
     snprintf(wanted, sizeof wanted, "process %ld (test_durable)", (long)getpid());
     CHECK(open_again(&second, path, &fault) == ERR_IO);
     CHECK_HAS(fault.text, wanted);
@@ -393,12 +350,12 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
     CHECK(journal_only_looks(second));
     CHECK_INT(journal_count(second), 3);
     CHECK(append(second, 4, NULL) == OK); /* in memory */
-    CHECK(is_file_of(path, &before));
+    CHECK(is_file_of(path, before.data, before.length));
     CHECK(journal_sync(second, NULL) == OK);
     CHECK(journal_continue(second, other, NULL) == OK);
     CHECK(append(second, 5, NULL) == OK);
     journal_close(second);
-    CHECK(is_file_of(path, &before));
+    CHECK(is_file_of(path, before.data, before.length));
     holds(other, 5);
     CHECK(append(journal, 4, NULL) == OK);
     journal_close(journal);
@@ -412,7 +369,7 @@ STORY(a_lock_that_a_child_holds_for_a_moment_is_waited_for)
     char path[FILE_LENGTH];
     struct fault fault;
     strcpy(path, place("moment.iftty"));
-    struct journal *journal = make(path, 2), *second;
+    struct journal *journal = make_journal(path, 2), *second;
     fflush(stdout);
     const pid_t child = fork();
     if (child == 0) {
@@ -446,7 +403,7 @@ STORY(where_there_are_no_locks_a_file_stands_for_one)
     strcpy(path, place("nfs.iftty"));
     snprintf(lock, sizeof lock, "%s.lock", path);
     file_step_hook = has_no_locks;
-    journal = make(path, 2);
+    journal = make_journal(path, 2);
     CHECK_TEXT(journal_lock_file(journal), lock);
     CHECK(open_again(&second, path, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "is being written by another session, by process ");
@@ -491,14 +448,14 @@ STORY(looking_leaves_a_torn_tail_alone)
     struct journal *journal;
     struct buf bytes = {0}, notice = {0};
     strcpy(path, place("looked.iftty"));
-    journal_close(make(path, 3));
+    journal_close(make_journal(path, 3));
     CHECK(truncate(path, 200) == 0);
     content(&bytes, path);
     const struct journal_resume looking = {.semantics = 1, .only_looks = true};
     CHECK(journal_open(&journal, path, &looking, &notice, NULL) == OK);
     CHECK_HAS(buf_text(&notice), "left where it is");
     journal_close(journal);
-    CHECK(is_file_of(path, &bytes));
+    CHECK(is_file_of(path, bytes.data, bytes.length));
     CHECK(!file_exists(place("looked.iftty.torn-1")));
     buf_release(&bytes);
     buf_release(&notice);
@@ -525,7 +482,7 @@ static void open_flipped(const char *path, const struct buf *bytes, size_t befor
     const enum err err = open_again(&journal, path, NULL);
     if (err) {
         CHECK(err == ERR_INPUT);
-        CHECK(is_file_of(path, bytes)); /* refused, and untouched */
+        CHECK(is_file_of(path, bytes->data, bytes->length)); /* refused, and untouched */
         if (before > 0 && CHECK(journal_repair(path, 1, &told, NULL) == OK))
             holds(path, before);
     } else {
@@ -546,7 +503,7 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
     char path[FILE_LENGTH], name[32];
     size_t before = 0;
     strcpy(path, place("flip.iftty"));
-    journal_close(make(path, RECORDS));
+    journal_close(make_journal(path, RECORDS));
     content(&bytes, path);
     for (size_t at = 0; at < bytes.length; at++) {
         for (unsigned bit = 0; bit < 8; bit++) {

@@ -17,9 +17,8 @@
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
-#include "verify/evidence.h"
-#include "verify/orphan.h"
-#include "verify/reseal.h"
+#include "verify/verify_inside.h"
+#include "verify/verify.h"
 
 static char folder[FOLDER_LENGTH];
 

@@ -217,7 +217,7 @@ STORY(a_rollback_gives_the_former_scene_back)
         CHECK(session->inside->former_scene.scene == NULL);
         CHECK(rendered ? session->pictures->camera.scene == session->scene : !session->pictures);
         CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 66, 84, 50)}, 1,
-                            1, NULL) == OK);
+                            1, 0, NULL) == OK);
         CHECK(session_run(session, NULL) == OK);
         CHECK(forest_check(session->forest, NULL) && border_check(&session->border, NULL));
         session_free(session);
@@ -230,7 +230,7 @@ STORY(once_seeds_are_there_it_is_refused)
     struct fault fault = {0};
     begin(&session);
     const uint64_t digest = session->scene_digest;
-    CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1, 1,
+    CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1, 1, 0,
                         NULL) == OK);
     CHECK(session_interpolate(session, 7, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "this one has 0 seeds and 1 waiting edit;");
@@ -259,7 +259,7 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     CHECK(finer.inside > tally.inside && finer.inside == session->roi_tally.inside);
     const uint32_t dark = grid_cell(&session->scene->grid, 0, 0, 0);
     CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 66, 110, 100)}, 1, 1,
-                        NULL) == OK);
+                        0, NULL) == OK);
     CHECK(session_run(session, NULL) == OK);
     CHECK(session->scene->cell[dark].label == 0 && forest_check(session->forest, NULL));
     session_mark(session);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The journal as a file: failing writes and syncs, short writes, power loss, kill -9, the lock.
+ * The journal as a file: failing writes and syncs, short writes, power loss, the lock.
  */
 #include <errno.h>
 #include <signal.h>
@@ -9,12 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/buf.h"
-#include "base/file.h"
-#include "journal/journal.h"
-#include "journal/record.h"
-#include "tests/check.h"
 #include "tests/folder.h"
+#include "tests/journals.h"
 
 static char folder[FOLDER_LENGTH];
 
@@ -31,37 +27,6 @@ static const char *place(const char *name)
     if (count == 64)
         abort();
     return strcpy(path[count++], wanted);
-}
-
-static void content(struct buf *out, const char *path)
-{
-    CHECK(file_read(out, path, JOURNAL_BYTES_MAX, NULL) == OK);
-}
-
-static void put(const char *path, const void *bytes, size_t length)
-{
-    CHECK(file_write(path, bytes, length, FILE_REPLACE, NULL) == OK);
-}
-
-static bool is_file_of(const char *path, const void *bytes, size_t length)
-{
-    struct buf found = {0};
-    content(&found, path);
-    const bool same =
-        found.length == length && (length == 0 || memcmp(found.data, bytes, length) == 0);
-    buf_release(&found);
-    return same;
-}
-
-/* The command and words of record n of every journal here. */
-static enum err append(struct journal *journal, size_t n, struct fault *fault)
-{
-    char command[64], words[64];
-    snprintf(command, sizeof command, "seed %zu,2,3 1", n);
-    snprintf(words, sizeof words, "forest=%016zx seeds=%zu", n * 77, n);
-    if (n % 3 == 0)
-        CHECK(journal_comment(journal, "# every third", NULL) == OK);
-    return journal_append(journal, command, words, fault);
 }
 
 static enum err count_record(void *context, const struct record *record, struct fault *fault)
@@ -90,20 +55,13 @@ static struct journal *reopen(const char *path, size_t records, struct buf *noti
     }
     CHECK_INT(count, records);
     CHECK_INT(journal_count(journal), records);
-    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(journal_audit(journal, false));
     return journal;
 }
 
-/* A journal of `records` at `path`, closed again. */
 static void make(const char *path, size_t records)
 {
-    struct journal *journal;
-    unlink(path);
-    if (!CHECK(journal_create(&journal, path, 1, NULL) == OK))
-        return;
-    for (size_t n = 1; n <= records; n++)
-        CHECK(append(journal, n, NULL) == OK);
-    journal_close(journal);
+    journal_close(make_journal(path, records));
 }
 
 STORY(a_journal_is_created_continued_and_kept)
@@ -147,7 +105,7 @@ STORY(comments_become_part_of_the_next_record)
     CHECK(journal_append(journal, "run", "", NULL) == OK);
     CHECK(journal_append(journal, "undo", "", NULL) == OK);
     CHECK(journal_comment(journal, "# lost: nothing follows", NULL) == OK);
-    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(journal_audit(journal, false));
     journal_close(journal);
     content(&bytes, path);
     static const char first[] = "# iftty journal 1 semantics 1\n# first\n\nrun\n= 1 chain=";
@@ -171,25 +129,10 @@ STORY(a_refused_command_changes_nothing)
     CHECK(strchr(fault.text, '\x1b') == NULL);
     CHECK(journal_append(journal, "run", "not words", NULL) == ERR_INPUT);
     CHECK(journal_comment(journal, "no comment", NULL) == ERR_INPUT);
-    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(journal_audit(journal, false));
     CHECK(append(journal, 3, NULL) == OK);
     journal_close(journal);
     journal_close(reopen(path, 3, NULL));
-}
-
-STORY(the_audit_sees_a_file_that_somebody_else_changed)
-{
-    struct buf bytes = {0};
-    struct fault fault;
-    const char *path = place("audit.iftty");
-    make(path, 2);
-    struct journal *journal = reopen(path, 2, NULL);
-    content(&bytes, path);
-    CHECK(truncate(path, (off_t)bytes.length - 1) == 0);
-    CHECK(journal_audit(journal, &fault) == ERR_CHECK);
-    CHECK_HAS(fault.text, "holds 1 record in");
-    journal_close(journal);
-    buf_release(&bytes);
 }
 
 /* ---- torn and damaged files ---- */
@@ -411,7 +354,7 @@ static bool run_failing_session(unsigned steps, bool stay_failed, int number)
         }
         CHECK_INT(journal_count(journal), acknowledged);
         if (!cut_failed)
-            CHECK(journal_audit(journal, NULL) != ERR_CHECK); /* J2, J3 at every moment */
+            CHECK(journal_audit(journal, true)); /* J2, J3 at every moment */
     }
     journal_close(journal);
     file_step_hook = NULL;
@@ -486,7 +429,7 @@ STORY(nothing_follows_an_append_that_could_not_be_taken_back)
     CHECK_INT(journal_count(journal), 1);
     file_step_hook = NULL;
     CHECK(append(journal, 2, &fault) == OK);
-    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(journal_audit(journal, false));
     journal_close(journal);
     journal_close(reopen(path, 2, NULL));
 }
@@ -511,7 +454,7 @@ STORY(a_short_write_is_taken_back)
         CHECK_HAS(fault.text, strerror(EFBIG));
         setrlimit(RLIMIT_FSIZE, &former);
         CHECK(is_file_of(path, before.data, before.length));
-        CHECK(journal_audit(journal, NULL) == OK);
+        CHECK(journal_audit(journal, false));
     }
     signal(SIGXFSZ, handler);
     CHECK(append(journal, 3, NULL) == OK);
@@ -609,56 +552,6 @@ STORY(a_second_writer_is_told_so)
     CHECK(append(journal, 2, NULL) == OK);
     journal_close(journal);
     journal_close(reopen(path, 2, NULL)); /* and it can be had again */
-}
-
-/* Appends for ever and tells the parent after each acknowledgement. */
-static void append_until_killed(const char *path, int pipe_end)
-{
-    struct journal *journal;
-    const struct journal_resume resume = {.semantics = 1};
-    if (journal_open(&journal, path, &resume, NULL, NULL) != OK)
-        _exit(1);
-    for (size_t n = journal_count(journal) + 1; append(journal, n, NULL) == OK; n++)
-        if (write(pipe_end, &n, sizeof n) != sizeof n)
-            break;
-    _exit(1);
-}
-
-STORY(kill_9_loses_nothing_that_was_acknowledged)
-{
-    const char *path = place("killed.iftty");
-    size_t acknowledged = 0;
-    make(path, 0);
-    for (int round = 0; round < 8; round++) {
-        int ends[2];
-        if (!CHECK(pipe(ends) == 0))
-            return;
-        fflush(stdout);
-        pid_t child = fork();
-        if (child == 0)
-            append_until_killed(path, ends[1]);
-        close(ends[1]);
-        size_t n;
-        for (int i = 0; i < 5 + round && read(ends[0], &n, sizeof n) == sizeof n; i++)
-            acknowledged = n;
-        usleep((useconds_t)(round * 700)); /* anywhere in the next record */
-        kill(child, SIGKILL);
-        CHECK(WIFSIGNALED(wait_for(child)));
-        while (read(ends[0], &n, sizeof n) == sizeof n)
-            acknowledged = n;
-        close(ends[0]);
-        struct journal *journal;
-        size_t count = 0;
-        const struct journal_resume resume = {
-            .semantics = 1, .on_record = count_record, .context = &count};
-        if (!CHECK(journal_open(&journal, path, &resume, NULL, NULL) == OK))
-            return;
-        /* one more may have been synced and not been told any more */
-        CHECK(count == acknowledged || count == acknowledged + 1);
-        CHECK(journal_audit(journal, NULL) == OK);
-        journal_close(journal);
-    }
-    CHECK(acknowledged >= 40);
 }
 
 int main(void)

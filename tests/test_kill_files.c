@@ -25,9 +25,8 @@
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 #include "tests/orphans.h"
-#include "verify/evidence.h"
+#include "verify/verify_inside.h"
 #include "journal/journal.h"
-#include "verify/orphan.h"
 
 /* Below the test's own folder, which is the working folder: where the victim works, and what it
  * leaves when nobody kills it. */

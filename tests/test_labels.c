@@ -8,7 +8,7 @@
 
 #include "command/execute.h"
 #include "base/mem.h"
-#include "session/piece_seeds.h"
+#include "session/seed_file.h"
 #include "session/map.h"
 #include "tests/small_scene.h"
 

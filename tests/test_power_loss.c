@@ -25,6 +25,7 @@
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
+#include "tests/journals.h"
 
 enum { BLOCK = 512, FILES_MOST = 64, TRIALS = 40 };
 
@@ -289,7 +290,7 @@ static void open_what_is_left(void)
     read_all(&before, path);
     if (CHECK(journal_open(&journal, path, &how, NULL, &why) == OK)) {
         CHECK(count == acknowledged || count == acknowledged + 1);
-        CHECK(journal_audit(journal, NULL) == OK);
+        CHECK(journal_audit(journal, false));
         journal_close(journal);
     } else {
         printf("#   %zu acknowledged: %s\n", acknowledged, why.text);
@@ -352,7 +353,7 @@ static int watch_step(enum file_step step, const char *path)
     return 0;
 }
 
-static void append(struct journal *journal, size_t n)
+static void append_long(struct journal *journal, size_t n)
 {
     char command[64], words[128], comment[1200] = "";
     const size_t width = 1 + n * 397 % (sizeof comment - 1);
@@ -389,7 +390,7 @@ STORY(a_loss_of_power_takes_nothing_that_was_acknowledged)
         file_step_hook = watch_step;
         CHECK(journal_create(&journal, path, 1, NULL) == OK);
         for (size_t n = 1; n <= 6; n++)
-            append(journal, n);
+            append_long(journal, n);
         lose_power();
         file_step_hook = NULL;
         CHECK(losses > 20 * TRIALS / 2);
@@ -413,8 +414,8 @@ STORY(a_journal_that_was_only_begun_gets_its_name_synced)
     fclose(fopen(path, "we"));
     file_step_hook = watch_step;
     CHECK(journal_open(&journal, path, &how, NULL, NULL) == OK);
-    append(journal, 1);
-    append(journal, 2);
+    append_long(journal, 1);
+    append_long(journal, 2);
     file_step_hook = NULL;
     journal_close(journal);
     begin(5);
@@ -433,7 +434,7 @@ STORY(a_loss_of_power_while_a_torn_tail_is_mended)
         const char *path = begin(seed);
         CHECK(journal_create(&journal, path, 1, NULL) == OK);
         for (size_t n = 1; n <= 3; n++)
-            append(journal, n);
+            append_long(journal, n);
         journal_close(journal);
         FILE *file = fopen(path, "ae");
         fputs(tail, file);
@@ -444,7 +445,7 @@ STORY(a_loss_of_power_while_a_torn_tail_is_mended)
         torn_length = strlen(tail);
         file_step_hook = watch_step;
         CHECK(journal_open(&journal, path, &how, NULL, NULL) == OK);
-        append(journal, 4);
+        append_long(journal, 4);
         file_step_hook = NULL;
         journal_close(journal);
         CHECK(losses_of_bytes > 20);
@@ -459,17 +460,17 @@ STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
     path_in(other, folder, "other.iftty");
     CHECK(journal_create(&journal, path, 1, NULL) == OK);
     for (size_t n = 1; n <= 3; n++)
-        append(journal, n);
+        append_long(journal, n);
     sync_file(path);
     names_on_disk = present_names(names);
     file_step_hook = watch_step; /* the former file is what is opened after each loss */
     CHECK(journal_continue(journal, other, NULL) == OK);
     opened = "other.iftty";
     lose_power();
-    append(journal, 4);
+    append_long(journal, 4);
     lose_power();
     file_step_hook = NULL;
-    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(journal_audit(journal, false));
     journal_close(journal);
 }
 
@@ -503,13 +504,13 @@ STORY(without_syncs_what_was_synced_last_is_there)
         struct synced_name now[FILES_MOST];
         const char *path = begin(31 + s);
         CHECK(journal_create(&journal, path, 1, NULL) == OK);
-        append(journal, 1);
-        append(journal, 2);
+        append_long(journal, 1);
+        append_long(journal, 2);
         CHECK(journal_set_sync(journal, sync[s], NULL) == OK);
         sync_file(path);
         names_on_disk = present_names(names);
         for (size_t n = 3; n <= 12; n++)
-            append(journal, n);
+            append_long(journal, n);
         const unsigned count = present_names(now);
         for (unsigned trial = 0; trial < 10 * TRIALS; trial++) {
             clear(after);
@@ -518,7 +519,7 @@ STORY(without_syncs_what_was_synced_last_is_there)
         }
         CHECK(losses_of_bytes > 100);
         CHECK(journal_sync(journal, NULL) == OK);
-        CHECK(journal_audit(journal, NULL) == OK);
+        CHECK(journal_audit(journal, false));
         journal_close(journal);
     }
 }
@@ -598,7 +599,7 @@ static void write_record(struct journal *journal, size_t n)
         file_step_hook = NULL;
         edits_acknowledged = n;
     } else {
-        CHECK(journal_note(journal, command, NULL) == OK);
+        CHECK(journal_append(journal, command, NULL, NULL) == OK);
     }
     written = n;
     lose_power_over_views();

@@ -183,7 +183,7 @@ STORY(counts_follow_whatever_is_done)
     for (uint32_t i = 0; i < 5; i++)
         CHECK(session_plant(interp.session,
                             (uint32_t[]){grid_cell(&interp.session->scene->grid, 3 + i, 7, 9)}, 1,
-                            9, NULL) == OK);
+                            9, 0, NULL) == OK);
     CHECK(session_run(interp.session, NULL) == OK);
     stands(interp.session);
     CHECK(interp.session->tally.voxels[9] >= 5);

@@ -7,8 +7,7 @@
 #include <zlib.h>
 
 #include "verify/replay_file.h"
-#include "verify/first_difference.h"
-#include "verify/verify_result.h"
+#include "verify/verify_inside.h"
 #include "image/png.h"
 #include "journal/record.h"
 #include "tests/check.h"

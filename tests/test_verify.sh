@@ -468,14 +468,4 @@ expect 2 "$iftty" verify --bisect b1.iftty b2.iftty b3.iftty
 expect 3 "$iftty" verify --bisect b1.iftty missing
 close_story
 
-begin "the first of a thousand records that differs is found"
-{ echo 'open s.nii'; awk 'BEGIN { for (i = 1; i < 1000; i++) print "turn 1" }'; } >many
-expect 0 "$iftty" run many --journal m1.iftty
-sed 's/^turn 1$/&/; 700s/turn 1/turn 2/' many >many2
-expect 0 "$iftty" run many2 --journal m2.iftty
-expect 1 "$iftty" verify --bisect m1.iftty m2.iftty
-out_has "# record 700 is the first that differs: another command stands there"
-out_has "not ok 1 - m1.iftty and m2.iftty (699 records the same)"
-close_story
-
 finish

@@ -18,7 +18,7 @@
 #include "session/map.h"
 #include "session/markers.h"
 #include "session/paint.h"
-#include "session/piece_seeds.h"
+#include "session/seed_file.h"
 
 enum { TAKEN_MOST = 256 }; /* seeds in the record of one command */
 

@@ -16,7 +16,7 @@
 #include "journal/journal.h"
 #include "journal/replay.h"
 #include "session/markers.h"
-#include "session/semantics.h"
+#include "session/session.h"
 #include "show/draw.h"
 
 /* ---- resumed ---- */
@@ -313,8 +313,7 @@ static enum err record(struct interpreter *interp, const struct command *command
     const bool only_looks = /* the command changed only the view (J1) */
         !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
         kept_equals(&session->now.kept, &session->former.kept);
-    err = only_looks ? journal_note(interp->journal, line, fault)
-                     : journal_append(interp->journal, line, buf_text(&reply->words), fault);
+    err = journal_append(interp->journal, line, only_looks ? NULL : buf_text(&reply->words), fault);
     return err ? fault_prefix(fault, err,
                               "the command is undone, because it could not be recorded "
                               "(`journal FILE` continues in another file)")

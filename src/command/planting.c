@@ -60,7 +60,7 @@ enum err act_plant(const struct act *act, struct planting *planting, uint32_t *c
     return planting->yields
                ? session_plant_piece(act->session, cell, kept, label, planting->run, planting->runs,
                                      act->fault)
-               : session_plant_within(act->session, cell, kept, label, planting->reach, act->fault);
+               : session_plant(act->session, cell, kept, label, planting->reach, act->fault);
 }
 
 static void write_left_out(struct buf *out, const char *why, size_t count)

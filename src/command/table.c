@@ -12,7 +12,6 @@
 #include "render/view.h"
 #include "show/export_map.h"
 #include "session/setting.h"
-#include "session/piece_seeds.h"
 #include "session/seed_file.h"
 #include "show/slicing.h"
 

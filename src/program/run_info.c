@@ -32,7 +32,7 @@
 #include "program/programs.h"
 #include "show/export_picture.h"
 #include "show/histogram.h"
-#include "session/semantics.h"
+#include "session/session.h"
 #include "tui/cells.h"
 #include "tui/prompt/line_edit.h"
 #include "tui/prompt/repl.h"

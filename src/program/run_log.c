@@ -8,7 +8,7 @@
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "program/programs.h"
-#include "session/semantics.h"
+#include "session/session.h"
 
 /* ---- commands without what names people ---- */
 

@@ -42,13 +42,7 @@ void session_drop_markers(struct session *session, size_t count)
 }
 
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
-                       struct fault *fault)
-{
-    return session_plant_within(session, cell, count, label, 0, fault);
-}
-
-enum err session_plant_within(struct session *session, const uint32_t *cell, size_t count,
-                              int16_t label, uint16_t reach, struct fault *fault)
+                       uint16_t reach, struct fault *fault)
 {
     struct task task = task_begin(session->watch, "edits", count);
     enum err err = markers_add(&session->markers, label, cell, count, session->watch, fault);
@@ -67,7 +61,7 @@ enum err session_plant_piece(struct session *session, const uint32_t *cell, size
                              int16_t label, const struct marker_run *run, size_t runs,
                              struct fault *fault)
 {
-    const enum err err = session_plant(session, cell, count, label, fault);
+    const enum err err = session_plant(session, cell, count, label, 0, fault);
     return err ? err : markers_yield(&session->markers, run, runs, fault);
 }
 
@@ -249,7 +243,7 @@ enum err session_erase_trees(struct session *session, const uint32_t *cell, size
     size_t seeds;
     enum err err = find_seeds(session, cell, count, &seed, &seeds, fault);
     if (!err)
-        err = seeds ? session_plant(session, seed, seeds, EDIT_ERASE, fault)
+        err = seeds ? session_plant(session, seed, seeds, EDIT_ERASE, 0, fault)
                     : holds_nothing(session, fault);
     free(seed);
     return err;
@@ -264,7 +258,7 @@ enum err session_erase_seeds(struct session *session, const uint32_t *seed, size
         if (!(session->scene->cell[seed[i]].flags & CELL_SEED) && !seed_waits(&waiting, seed[i]))
             err = fault_set(fault, ERR_CHECK, "no seed is planted where one was taken away");
     free(waiting.at);
-    return err ? err : session_plant(session, seed, count, EDIT_ERASE, fault);
+    return err ? err : session_plant(session, seed, count, EDIT_ERASE, 0, fault);
 }
 
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault)

@@ -44,21 +44,11 @@ uint64_t session_changed_voxels(const struct session *session)
     return changed == CHANGES_UNKNOWN && had_none ? all - background : changed;
 }
 
-static bool has_edited(const struct session *session)
-{
-    return session->has_edited || session->has_regrown;
-}
-
-void session_note_edit(struct session *session)
-{
-    if (has_edited(session))
-        session->inside->tally_before_edit = session->former_tally;
-}
-
 const uint64_t *session_voxels_before_edit(const struct session *session)
 {
-    const struct tally *before =
-        has_edited(session) ? &session->former_tally : &session->inside->tally_before_edit;
+    const struct tally *before = session->has_edited || session->has_regrown
+                                     ? &session->former_tally
+                                     : &session->inside->tally_before_edit;
     return before->stale || session->tally.stale ? NULL : before->voxels;
 }
 
@@ -202,7 +192,7 @@ static enum err put_worst_first(struct hint_list *hints, struct session *session
 
 /* ---- hints ---- */
 
-void hinting_release(struct hinting *hinting)
+static void hinting_release(struct hinting *hinting)
 {
     hints_release(&hinting->hints);
     free(hinting->heat);
@@ -295,10 +285,18 @@ enum err session_new(struct session **session, struct fault *fault)
 
 enum err session_take_semantics(struct session *session, unsigned semantics, struct fault *fault)
 {
-    const enum err err = semantics_check(semantics, fault);
-    if (!err)
-        session->semantics = semantics;
-    return err;
+    if (semantics < SEMANTICS_LEAST)
+        return fault_set(fault, ERR_INPUT,
+                         "it has semantics %u, of a build before 1.0, and this program knows %d: "
+                         "`iftty log --script FILE` prints its commands, for `iftty run`",
+                         semantics, SEMANTICS);
+    if (semantics > SEMANTICS)
+        return fault_set(fault, ERR_INPUT,
+                         "it has semantics %u, and this program knows %d: a newer iftty verifies "
+                         "and continues it",
+                         semantics, SEMANTICS);
+    session->semantics = semantics;
+    return OK;
 }
 
 /* What is made of a scene, or looks at one, goes before it. */
@@ -433,7 +431,8 @@ void session_mark(struct session *session)
         session->scene->watch = session->watch;
     state_assign(&session->former, &session->now);
     session->former_markers = session->markers.count;
-    session_note_edit(session);
+    if (session->has_edited || session->has_regrown)
+        session->inside->tally_before_edit = session->former_tally;
     session->former_tally = session->tally;
     session->inside->former_has_scene = session->has_scene;
     if (session->pictures)

@@ -66,7 +66,7 @@ struct watch;
  * (tests/test_layout.sh). Pointers are borrowed: they are valid until the next command.
  */
 struct session {
-    unsigned semantics; /* of the journal at hand (session/semantics.h) */
+    unsigned semantics; /* of the journal at hand */
     struct state now;
     struct markers markers; /* of all states; those of `now` are the ones that stand */
     struct team *team;      /* the threads that compute; NULL for one */
@@ -110,7 +110,21 @@ void session_free(struct session *session);
 /* As it was when it was new, but for its watch and session_let_wait. */
 void session_begin_again(struct session *session);
 
-/* Sets the semantics of a session that has done nothing yet; ERR_INPUT for unknown ones. */
+/*
+ * Semantics: the version of the meaning of commands and of their results.
+ *
+ * A journal has the number in line 1 (journal/FORMAT.md), a session has the number of its journal,
+ * and new journals have SEMANTICS. Each change of meaning raises SEMANTICS and is described in
+ * FORMAT.md; code that such a change is about compares session->semantics and keeps the former
+ * meaning for older journals.
+ *
+ * 12 is the number of version 1.0, and stays open until 1.0 is frozen. Numbers below
+ * SEMANTICS_LEAST belong to builds before 1.0 and are refused.
+ */
+enum { SEMANTICS = 12, SEMANTICS_LEAST = 12 };
+
+/* Sets the semantics of a session that has carried out no command yet. ERR_INPUT for a number that
+ * is not known, with the command to use instead. */
 enum err session_take_semantics(struct session *session, unsigned semantics, struct fault *fault);
 
 /* ---- what it knows besides ---- */
@@ -248,17 +262,14 @@ size_t session_pendings(const struct session *session);
 /* As if the markers after the first `count` had never been put up. */
 void session_drop_markers(struct session *session, size_t count);
 
-/* Puts up a marker: seeds of a label, that wait for a run; or, for EDIT_ERASE, that are to go. */
-enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
-                       struct fault *fault);
-
-/* The number of a reach, for session_plant_within (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
+/* The number of a reach, for session_plant (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
 enum err session_add_reach(struct session *session, const struct reach *reach, uint16_t *number,
                            struct fault *fault);
 
-/* The same of seeds that have a reach: the number of one, or 0. */
-enum err session_plant_within(struct session *session, const uint32_t *cell, size_t count,
-                              int16_t label, uint16_t reach, struct fault *fault);
+/* Puts up a marker: seeds of a label, that wait for a run; or, for EDIT_ERASE, that are to go.
+ * `reach` is the number of theirs, or 0. */
+enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
+                       uint16_t reach, struct fault *fault);
 
 /* The same of a piece of a segmentation, which yields (session/markers.h): its runs, none where all
  * of it is planted. */

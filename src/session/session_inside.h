@@ -13,7 +13,6 @@
 #include "engine/scene.h"
 #include "image/geometry.h"
 #include "render/border.h"
-#include "session/semantics.h"
 #include "session/state.h"
 #include "session/tally.h"
 
@@ -47,7 +46,6 @@ struct hinting {
     uint64_t forest, labels, weights, origin; /* digests */
     unsigned adjacency;
 };
-void hinting_release(struct hinting *hinting);
 
 /* Doubt that was found last, and a digest of what of. */
 struct doubting {
@@ -102,9 +100,6 @@ void session_place(struct session *session, const struct kept *kept);
  * without them; and says it: `weight_digest`. */
 bool session_may_wait(const struct session *session);
 enum err session_foretell(struct session *session, struct fault *fault);
-
-/* Before the next command: what the tally was before the last one that edited. */
-void session_note_edit(struct session *session);
 
 /* Pictures of it do not fit any more. */
 void session_forget_pictures(struct session *session);

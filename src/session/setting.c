@@ -235,66 +235,36 @@ static const struct state_field {
     FIELD(outlook.view.angle, MADE_CAMERA),
     FIELD(outlook.view.zoom, MADE_CAMERA),
     FIELD(outlook.view.focus, MADE_CAMERA),
-    FIELD(outlook.slices.cross, 0),
-    FIELD(outlook.slices.zoom, 0),
-    FIELD(outlook.slices.times, 0),
-    FIELD(outlook.slices.has_middle, 0),
-    FIELD(outlook.slices.middle, 0),
     FIELD(outlook.slices.has_window, MADE_BY_WINDOW),
     FIELD(outlook.slices.window, MADE_BY_WINDOW),
 };
 
-/* A part of a state. */
-struct extent {
-    size_t first, end;
-};
-static const struct extent of_kept = {offsetof(struct state, kept),
-                                      offsetof(struct state, outlook)},
-                           of_outlook = {offsetof(struct state, outlook),
-                                         offsetof(struct state, lists)};
+_Static_assert(offsetof(struct state, kept) == 0, "a struct kept is the beginning of a state");
 
-/* What follows from a member that lies in the part, where it differs. */
-static unsigned compare_member(const char *a, const char *b, const struct extent *part,
+/* What follows from a member before `end`, where it differs. */
+static unsigned compare_member(const char *a, const char *b, size_t end,
                                const struct state_field *field)
 {
-    const size_t at = field->at - part->first;
-    const bool differs = field->at >= part->first && field->at < part->end &&
-                         memcmp(a + at, b + at, field->bytes) != 0;
+    const bool differs = field->at < end && memcmp(a + field->at, b + field->at, field->bytes) != 0;
     return differs ? DIFFERS | field->made : 0;
 }
 
-/* DIFFERS and what follows from the members that do, or 0; a and b are two of that part. */
-static unsigned compare(const void *a, const void *b, const struct extent *part)
+/* DIFFERS and what follows from the members before `end` that differ, or 0. */
+static unsigned compare(const void *a, const void *b, size_t end)
 {
     unsigned made = 0;
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
-        made |= compare_member(a, b, part, &fields[i]);
+        made |= compare_member(a, b, end, &fields[i]);
     for (const struct command *setting = setting_table; setting->name; setting++)
         for (const struct parameter *p = setting->parameter; p->type; p++)
-            made |= compare_member(a, b, part,
+            made |= compare_member(a, b, end,
                                    &(struct state_field){p->sets.at, p->sets.bytes, p->sets.made});
     return made;
 }
 
 bool kept_equals(const struct kept *a, const struct kept *b)
 {
-    return compare(a, b, &of_kept) == 0;
-}
-
-bool outlook_equals(const struct outlook *a, const struct outlook *b)
-{
-    return compare(a, b, &of_outlook) == 0;
-}
-
-size_t state_bytes_compared(void)
-{
-    size_t bytes = 0;
-    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
-        bytes += fields[i].bytes;
-    for (const struct command *setting = setting_table; setting->name; setting++)
-        for (const struct parameter *p = setting->parameter; p->type; p++)
-            bytes += p->sets.bytes;
-    return bytes;
+    return compare(a, b, sizeof *a) == 0;
 }
 
 /* Whether a label is shown in renditions of one, and not in those of the other. */
@@ -310,8 +280,7 @@ static bool hides_others(const uint8_t a[256], const uint8_t b[256])
  * and the context. */
 unsigned state_difference(const struct state *a, const struct state *b)
 {
-    unsigned made =
-        compare(&a->kept, &b->kept, &of_kept) | compare(&a->outlook, &b->outlook, &of_outlook);
+    unsigned made = compare(a, b, sizeof *a);
     if (made & MADE_BY_POLARITY && b->kept.weight.kind == WEIGHT_POLARITY)
         made |= MADE_WEIGHTS;
     if (made & MADE_BY_WINDOW && (!cut_is_none(&b->kept.cut) || b->outlook.context))
@@ -366,9 +335,7 @@ void settings_write(struct buf *out, enum command_group group, const struct stat
 {
     const char *between = "";
     for (const struct command *setting = setting_table; setting->name; setting++) {
-        const struct setting_member *first = &setting->parameter->sets;
-        if (setting->group != group ||
-            (first->is_late && setting_get(state, first) == first->usual))
+        if (setting->group != group)
             continue;
         buf_add_text(out, between);
         setting_write(out, setting, state);

@@ -5,8 +5,7 @@
  * From the table come the commands themselves, with their parameters and help (command/command.h),
  * what sets them (act_set), what a session begins with, whether two states are equal and
  * what follows where they are not, and the words of `info` and of notes on pictures. So one setting
- * more is a member, its row, and the code that heeds it; one of the look is `is_late`, since golden
- * images that are there already say nothing of it.
+ * more is a member, its row, and the code that heeds it.
  */
 #ifndef SESSION_SETTING_H
 #define SESSION_SETTING_H
@@ -76,11 +75,9 @@ struct setting_member {
     size_t at, bytes; /* in struct state (session/state.h): an integer, */
     bool is_signed;
     enum held_as as;
-    int64_t usual; /* as which a session begins, as it is held */
-    bool stays;    /* where it is not given; else it is as usual again */
-    bool is_late;  /* notes leave the setting out while it is as usual: pictures that were made
-                      before there was such a setting say the same */
-    unsigned made; /* MADE_... of what follows from it */
+    int64_t usual;          /* as which a session begins, as it is held */
+    bool stays;             /* where it is not given; else it is as usual again */
+    unsigned made;          /* MADE_... of what follows from it */
     enum setting_says says; /* of the setting, at its first parameter */
 };
 
@@ -151,13 +148,9 @@ void setting_put(struct state *state, const struct setting_member *member, int64
 /* As a session begins. */
 struct state state_default(void);
 
-/* Two are the same where every member is: each is a setting (session/setting.h), or a row of
- * setting.c. Maps are, where they are one and the same. */
+/* Two are the same where every member is: each is a setting, or a row of setting.c. Maps are, where
+ * they are one and the same. */
 bool kept_equals(const struct kept *a, const struct kept *b);
-bool outlook_equals(const struct outlook *a, const struct outlook *b);
-
-/* Bytes of both that these look at: all of them, with none between, up to the last member. */
-size_t state_bytes_compared(void);
 
 /* MADE_... of what follows from the members in which two differ. */
 unsigned state_difference(const struct state *a, const struct state *b);
@@ -169,7 +162,7 @@ void setting_write(struct buf *out, const struct command *setting, const struct 
 /* The words of these bits of VALUE_PARTS. */
 void setting_write_parts(struct buf *out, const char *choices, int64_t bits);
 
-/* The same of all of a group, with commas between, but for late ones that are as usual. */
+/* The same of all of a group, with commas between. */
 void settings_write(struct buf *out, enum command_group group, const struct state *state);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "verify/diff.h"
+#include "verify/verify.h"
+#include "verify/verify_inside.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -19,7 +20,6 @@
 #include "show/comparison_picture.h"
 #include "show/decorating.h"
 #include "show/draw.h"
-#include "verify/first_difference.h"
 
 /* ---- the picture of both ---- */
 

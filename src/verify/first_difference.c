@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "verify/first_difference.h"
+#include "verify/verify.h"
+#include "verify/verify_inside.h"
 
 #include <string.h>
 

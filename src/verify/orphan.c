@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "verify/orphan.h"
+#include "verify/verify_inside.h"
 
 #include <dirent.h>
 #include <stdlib.h>
@@ -14,7 +14,6 @@
 #include "journal/journal.h"
 #include "command/trust.h"
 #include "show/slicing.h"
-#include "verify/evidence.h"
 
 /* What may be taken for a picture of the journal by a person who looks into the folder. */
 #define PICTURE_NAMES EXR_NAMES "|.png|.jpg|.jpeg|.tif|.tiff|.gif|.bmp|.webp"

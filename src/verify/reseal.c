@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "verify/reseal.h"
+#include "verify/verify.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -13,8 +13,7 @@
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "show/export_picture.h"
-#include "verify/orphan.h"
-#include "verify/verify.h"
+#include "verify/verify_inside.h"
 
 enum {
     WHY_MOST = 1000,         /* bytes of a reason */

@@ -11,9 +11,8 @@
 #include "journal/journal.h"
 #include "show/draw.h"
 #include "show/export_picture.h"
-#include "verify/orphan.h"
+#include "verify/verify_inside.h"
 #include "verify/replay_file.h"
-#include "verify/verify_result.h"
 
 enum {
     PICTURES_MOST = 64 << 20,               /* bytes of pictures that a report holds */
@@ -94,7 +93,7 @@ static enum err refuse_torn(uint64_t offset, const char *who, struct fault *faul
  * What cannot be seen in a journal itself is that its last records are gone, with the digests of
  * all others in place: for that there is --expect. A recorded word that this build does not give is
  * a failure of any replay (journal/replay.h), and so is a number of semantics that it does not know
- * (session/semantics.h).
+ * (session/session.h).
  */
 static enum err judge_strictly(const struct replay_report *report, bool lacks_goldens,
                                struct fault *fault)

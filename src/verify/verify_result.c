@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "verify/verify_result.h"
+#include "verify/verify_inside.h"
 
 #include <inttypes.h>
 #include <string.h>

@@ -157,7 +157,7 @@ static enum err time_edits(struct session *session, struct times *times, struct 
             at[a] = grid->size[a] / 4 + (uint32_t)(draw(&state) % (grid->size[a] / 2 + 1));
         const uint32_t cell = grid_cell(grid, at[0], at[1], at[2]);
         uint64_t begin = clock_ns();
-        err = session_plant(session, &cell, 1, (uint8_t)(i % 3), fault);
+        err = session_plant(session, &cell, 1, (uint8_t)(i % 3), 0, fault);
         err = err ? err : session_run(session, fault);
         add_since(&times[PLANT], begin);
         begin = clock_ns();
@@ -201,7 +201,7 @@ static enum err time_session(struct interpreter *interp, struct bench_way *way, 
     if (!err && way->threads > 1)
         err = time_growing(scene, seed, 6, team, &times[TOGETHER], fault);
     for (int i = 0; !err && i < SEEDS; i++)
-        err = session_plant(session, &seed[i].cell, 1, seed[i].label, fault);
+        err = session_plant(session, &seed[i].cell, 1, seed[i].label, 0, fault);
     if (!err)
         err = session_run(session, fault);
     if (!err)
