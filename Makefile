@@ -426,8 +426,8 @@ $(VOLUME_PARTS) $(REGISTER_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(HELPER_FLAGS) -c -o $@ $<
 
-$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/helper/csa.o $(BUILD)/src/image/inflated.o \
-                       $(BUILD)/src/image/units.o $(CONFINED)
+$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/helper/csa.o \
+                       $(BUILD)/src/image/reader_common.o $(CONFINED)
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
 

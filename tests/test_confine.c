@@ -89,7 +89,7 @@ STORY(the_image_helper_is_confined_before_the_first_pixel_comes)
     struct picture picture;
     CHECK_INT(image_helper_new(&helper, program("iftty-image"), NULL), OK);
     struct image_movie movie = {helper, file_in(folder, "a.gif"), .mode = FILE_REPLACE};
-    CHECK_INT(picture_init(&picture, 8, 8, false, NULL), OK);
+    CHECK_INT(picture_init(&picture, 8, 8, 0, NULL), OK);
     CHECK_INT(image_movie_begin(&movie, &picture, 2, 0, NULL), OK);
     const int taker = child_of(getpid());
     int worker = 0;

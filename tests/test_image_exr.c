@@ -21,7 +21,7 @@ static uint64_t chance = 1;
 static struct picture sample(uint32_t width, uint32_t height, bool all_planes)
 {
     struct picture p;
-    CHECK_INT(picture_init(&p, width, height, all_planes, NULL), OK);
+    CHECK_INT(picture_init(&p, width, height, all_planes ? PICTURE_BUT_NORMAL : 0, NULL), OK);
     if (all_planes)
         CHECK_INT(picture_add_normals(&p, NULL), OK);
     for (size_t i = 0; i < (size_t)width * height; i++) {

@@ -21,7 +21,7 @@ static struct image_helper *helper;
 static struct picture sample(uint32_t width, uint32_t height)
 {
     struct picture p;
-    CHECK_INT(picture_init(&p, width, height, true, NULL), OK);
+    CHECK_INT(picture_init(&p, width, height, PICTURE_BUT_NORMAL, NULL), OK);
     for (size_t i = 0; i < (size_t)width * height; i++) {
         for (size_t c = 0; c < 3; c++)
             p.rgba[4 * i + c] = (uint8_t)(i * (2 * c + 3) + 40 * c);

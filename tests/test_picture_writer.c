@@ -22,7 +22,7 @@ static char program[4096];
 static struct picture sample(uint8_t level)
 {
     struct picture p;
-    CHECK_INT(picture_init(&p, 60, 40, false, NULL), OK);
+    CHECK_INT(picture_init(&p, 60, 40, 0, NULL), OK);
     memset(p.rgba, level, (size_t)60 * 40 * 4);
     for (size_t i = 3; i < (size_t)60 * 40 * 4; i += 4)
         p.rgba[i] = 255;

@@ -335,7 +335,7 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
                           struct picture *picture)
 {
-    const bool has_all = !name || exr_is_named(name);
+    const bool has_all = !name || file_is_named(name, EXR_NAMES);
     enum err err = has_all ? export_picture(picture, act->session, act->fault)
                            : export_colours(picture, act->session, act->fault);
     if (!err && !name) /* goldens are an OpenEXR file and a PNG */
@@ -353,7 +353,7 @@ enum err act_draw_file(const struct act *act, const struct drawn_file *file,
                        const struct labels *labels, uint64_t *digest)
 {
     const bool is_written = *file->path;
-    const unsigned planes = exr_is_named(file->path) ? PICTURE_EVERY : 0;
+    const unsigned planes = file_is_named(file->path, EXR_NAMES) ? PICTURE_EVERY : 0;
     struct picture picture;
     struct strips *strips = NULL;
     enum err err = OK;
@@ -499,7 +499,7 @@ enum err act_render(const struct act *act)
                                             RENDER_RAY};
     const bool has_mode = act_has(act, "mode"), has_file = act_has(act, "FILE");
     const enum render_mode wanted = has_mode ? mode[act_number(act, "mode")] : RENDER_AS_KEPT;
-    if (act_has(act, "layout") && !(has_file && exr_is_named(act_text(act, "FILE"))))
+    if (act_has(act, "layout") && !(has_file && file_is_named(act_text(act, "FILE"), EXR_NAMES)))
         return fault_set(act->fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
     if (has_file && act->interp->mode != MODE_SKIM && export_is_large(act->session) &&
         session_decorates_rows(act->session))

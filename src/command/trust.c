@@ -13,7 +13,7 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "image/image_helper.h"
-#include "image/nifti.h"
+#include "image/volume.h"
 #include "image/volume_helper.h"
 
 enum { POLL_EVERY_NS = 20000000 };

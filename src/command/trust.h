@@ -7,7 +7,7 @@
  *     (T1) for reading, the scene given by --scene, and regular files below the folder of the
  *          journal or a folder of scenes ($IFTTY_SCENES): no links that lead out of that folder, no
  *          devices, pipes or sockets. An absolute name, or one with ".." or "~/", is searched there
- *          by its last part. With one file of a pair (image/nifti.h) the other one is read under
+ *          by its last part. With one file of a pair (image/volume.h) the other one is read under
  *          the same rule. A scene may be a folder there (DICOM, say); links in it are ignored. A
  *          file named by a header is read only below the folder of the header
  *          (helper/volume_parts.hh), on every kernel. A library reads files only if the kernel has

@@ -19,7 +19,7 @@
 extern "C" {
 #include "image/linear.h"
 }
-#include "image/inflated.h"
+#include "image/reader_common.h"
 #include "helper/wire.hh"
 
 namespace image

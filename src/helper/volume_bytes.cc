@@ -25,7 +25,7 @@
 #include <unistd.h>
 
 extern "C" {
-#include "image/inflated.h"
+#include "image/reader_common.h"
 }
 
 namespace volume

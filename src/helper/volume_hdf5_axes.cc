@@ -28,7 +28,7 @@
 #include "helper/volume_parts.hh"
 
 extern "C" {
-#include "image/units.h"
+#include "image/reader_common.h"
 }
 
 namespace volume

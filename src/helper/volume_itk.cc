@@ -22,7 +22,7 @@
 #include <metaImage.h>
 
 extern "C" {
-#include "image/units.h"
+#include "image/reader_common.h"
 }
 
 namespace volume

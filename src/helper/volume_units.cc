@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 extern "C" {
-#include "image/units.h"
+#include "image/reader_common.h"
 }
 
 namespace volume

@@ -49,17 +49,6 @@ enum err coprocess_find(struct buf *out, const char *name, struct fault *fault)
     return !err && failed ? fault_memory(fault, "a file name") : err;
 }
 
-/* Where a program is linked, the library of its checkout lies beside it. */
-static bool is_in_checkout(void)
-{
-    struct buf beside = {0};
-    bool found = file_program_folder(&beside, NULL) == OK;
-    buf_add_text(&beside, "/libiftty.a");
-    found = found && !beside.failed && access(buf_text(&beside), R_OK) == 0;
-    buf_release(&beside);
-    return found;
-}
-
 enum err coprocess_init(struct coprocess *c, const char *name, const char *program,
                         struct fault *fault)
 {
@@ -133,16 +122,20 @@ bool coprocess_limit(struct coprocess *c, uint64_t soft, uint64_t hard)
     return prlimit(c->process, RLIMIT_DATA, &limit, NULL) == 0;
 }
 
-/* With what can be done without it, and how to get one that is not there. */
+/* Report why it cannot start, and how to get a missing helper. */
 static enum err start_fault(const struct coprocess *c, int number, struct fault *fault)
 {
     char source[160] = "";
-    if (number == ENOENT && is_in_checkout())
+    struct buf library = {0}; /* next to the program in a checkout */
+    const enum err err = file_program_folder(&library, NULL);
+    buf_add_text(&library, "/libiftty.a");
+    if (number == ENOENT && !err && !library.failed && access(buf_text(&library), R_OK) == 0)
         snprintf(source, sizeof source, "; `make` builds it (of %s)", c->made_of);
     else if (number == ENOENT)
         snprintf(source, sizeof source,
                  "; the package %s has it, or `make install` of a checkout where it was built",
                  c->package);
+    buf_release(&library);
     return fault_set(fault, ERR_IO, "cannot start %s %s: %s%s%s", c->kind, c->program,
                      strerror(number), c->hint ? c->hint : "", source);
 }

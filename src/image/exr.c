@@ -15,7 +15,7 @@
 #include "base/watch.h"
 #include "image/exr_write.h"
 #include "image/linear.h"
-#include "image/inflated.h"
+#include "image/reader_common.h"
 
 enum { BEFORE = 8, FIRST_READ = 1 << 14, LONG_NAMES = 0x400, WINDOW = 16, ATTRIBUTES_MOST = 200 };
 
@@ -45,8 +45,8 @@ bool exr_header_next(const struct buf *header, size_t *at, struct exr_attribute_
     return true;
 }
 
-/* Cuts what follows the header; false where its end is not among the bytes. */
-static bool ends(struct buf *header)
+/* Cut the bytes after the header; false if its end is not among the bytes. */
+static bool cut_header(struct buf *header)
 {
     struct exr_attribute_bytes attribute;
     size_t at = 0;
@@ -72,7 +72,7 @@ enum err exr_header_read(struct buf *bytes, int fd, struct fault *fault)
         bytes->length = (size_t)n;
         if (n < BEFORE || memcmp(to, magic, sizeof magic) != 0)
             return fault_set(fault, ERR_INPUT, "it is no OpenEXR file");
-        if (ends(bytes))
+        if (cut_header(bytes))
             return OK;
         if ((size_t)n < length)
             return fault_set(fault, ERR_INPUT, "its header is cut short");
@@ -91,69 +91,54 @@ static bool find(const struct buf *header, const char *name, struct exr_attribut
     return false;
 }
 
-/* Bytes after a NUL would be no part of the note that is compared. */
-static bool is_note(const struct exr_attribute_bytes *a)
+/* Check that each attribute of `a` except notes is in `b`, once and with the same bytes. */
+static enum err compare_attributes(const struct buf *a, const struct buf *b, const char *what,
+                                   struct fault *fault)
 {
-    return strcmp(a->type, "string") == 0 && !exr_is_reserved(a->name) &&
-           !memchr(a->value, 0, a->length);
+    struct exr_attribute_bytes one, other;
+    size_t at = 0, count = 0;
+    while (exr_header_next(a, &at, &one)) {
+        if (++count > ATTRIBUTES_MOST)
+            return fault_set(fault, ERR_CHECK, "it has more than %d attributes", ATTRIBUTES_MOST);
+        bool is_twice = false;
+        for (size_t rest = at; !is_twice && exr_header_next(a, &rest, &other);)
+            is_twice = strcmp(other.name, one.name) == 0;
+        /* Bytes after a NUL would not belong to the note that is compared. */
+        const bool is_note = strcmp(one.type, "string") == 0 && !exr_is_reserved(one.name) &&
+                             !memchr(one.value, 0, one.length);
+        if (!is_twice &&
+            (is_note ||
+             (find(b, one.name, &other) && strcmp(one.type, other.type) == 0 &&
+              one.length == other.length && memcmp(one.value, other.value, one.length) == 0)))
+            continue;
+        struct buf name = {0};
+        buf_add_safe_excerpt(&name, one.name, strlen(one.name));
+        fault_set(fault, ERR_CHECK, what, is_twice ? "two attributes" : "an attribute",
+                  buf_text(&name));
+        buf_release(&name);
+        return ERR_CHECK;
+    }
+    return OK;
 }
 
-static enum err compare_sizes(const struct buf *header, const struct picture *like,
-                              struct fault *fault)
+/* Check that the header is that of `like` as exr_write writes it, without the notes: the same size,
+ * channels, windows and every other attribute. ERR_CHECK with the first difference. */
+static enum err check_header(const struct buf *header, const struct picture *like,
+                             struct fault *fault)
 {
     struct exr_attribute_bytes window;
+    struct buf expected = {0};
     int64_t side[2] = {0, 0};
     if (find(header, "dataWindow", &window) && window.length == WINDOW)
         for (size_t d = 0; d < 2; d++)
             side[d] = (int64_t)(int32_t)number_at(window.value + 8 + 4 * d) -
                       (int32_t)number_at(window.value + 4 * d) + 1;
-    return side[0] == like->width && side[1] == like->height
-               ? OK
-               : fault_set(fault, ERR_CHECK,
-                           "the sizes differ: it is %lldx%lld pixels, and %ux%u are drawn",
-                           (long long)side[0], (long long)side[1], like->width, like->height);
-}
-
-/* Each attribute of `a` but notes is in `b`, once and with the same bytes. */
-static enum err compare_attributes(const struct buf *a, const struct buf *b, const char *what,
-                                   struct fault *fault)
-{
-    struct exr_attribute_bytes one, other;
-    struct buf name = {0};
-    size_t at = 0, count = 0;
-    enum err err = OK;
-    while (!err && exr_header_next(a, &at, &one)) {
-        const size_t after = at;
-        if (++count > ATTRIBUTES_MOST)
-            return fault_set(fault, ERR_CHECK, "it has more than %d attributes", ATTRIBUTES_MOST);
-        struct exr_attribute_bytes again;
-        bool is_twice = false;
-        for (size_t rest = after; !is_twice && exr_header_next(a, &rest, &again);)
-            is_twice = strcmp(again.name, one.name) == 0;
-        if (!is_twice &&
-            (is_note(&one) ||
-             (find(b, one.name, &other) && strcmp(one.type, other.type) == 0 &&
-              one.length == other.length && memcmp(one.value, other.value, one.length) == 0)))
-            continue;
-        buf_clear(&name);
-        buf_add_safe_excerpt(&name, one.name, strlen(one.name));
-        err = fault_set(fault, ERR_CHECK, what, is_twice ? "two attributes" : "an attribute",
-                        buf_text(&name));
-    }
-    buf_release(&name);
-    return err;
-}
-
-/* OK where the header is that of `like` as exr_write writes it, but for the notes: the same size,
- * channels, windows and every other attribute. ERR_CHECK with the first that differs. */
-static enum err exr_header_check(const struct buf *header, const struct picture *like,
-                                 struct fault *fault)
-{
-    struct buf expected = {0};
-    enum err err = compare_sizes(header, like, fault);
-    if (!err)
-        err = exr_write_header_of(&expected, like, fault);
-    if (!err && !ends(&expected))
+    if (side[0] != like->width || side[1] != like->height)
+        return fault_set(fault, ERR_CHECK,
+                         "the sizes differ: it is %lldx%lld pixels, and %ux%u are drawn",
+                         (long long)side[0], (long long)side[1], like->width, like->height);
+    enum err err = exr_write_header_of(&expected, like, fault);
+    if (!err && !cut_header(&expected))
         err = fault_memory(fault, "a header");
     if (!err && (number_at(header->data + 4) & ~(uint32_t)LONG_NAMES) !=
                     (number_at(expected.data + 4) & ~(uint32_t)LONG_NAMES))
@@ -176,11 +161,6 @@ enum {
     PIXEL_BYTES = 28,    /* of all planes of a picture, at most */
 };
 
-bool exr_is_named(const char *path)
-{
-    return file_is_named(path, EXR_NAMES);
-}
-
 static const char *const type_name[] = {"uint", "half", "float"};
 
 /* How the pixels are packed: tiles of step[0] x step[1], or blocks of step[1] lines. */
@@ -199,13 +179,13 @@ static bool is_associated(exr_context_t context)
            memcmp(attribute->string->str, value, sizeof value - 1) == 0;
 }
 
-/* Which of our channels the file has; refuses one of another type or sampling, and a lack of
- * colour. */
-static enum err find_channels(bool has[EXR_CHANNELS], exr_context_t context, bool associated,
+/* Find the planes of the file; refuse channels of another type or sampling, and missing colours. */
+static enum err find_channels(unsigned *planes, exr_context_t context, bool associated,
                               size_t *pixel_bytes, struct fault *fault)
 {
     const exr_attr_chlist_t *list;
-    memset(has, 0, EXR_CHANNELS * sizeof *has);
+    bool has[EXR_CHANNELS] = {false};
+    *planes = 0;
     *pixel_bytes = 0;
     if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS)
         return fault_set(fault, ERR_INPUT, "it has no channels; expected R, G, B and A");
@@ -224,6 +204,7 @@ static enum err find_channels(bool has[EXR_CHANNELS], exr_context_t context, boo
             return fault_set(fault, ERR_INPUT, "channel %s is %s; expected %s", channel->name,
                              type_name[entry->pixel_type], type_name[channel->type]);
         has[channel - exr_channels] = true;
+        *planes |= channel->plane == PLANE_EYE ? 0 : channel->needs;
     }
     for (int i = 0; i < EXR_CHANNELS; i++)
         if (!has[i] && exr_channels[i].plane == PLANE_RGBA)
@@ -284,36 +265,6 @@ static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, siz
     return OK;
 }
 
-static enum err make_planes(struct picture *out, const exr_attr_box2i_t *window,
-                            const bool has[EXR_CHANNELS], struct fault *fault)
-{
-    uint32_t width = (uint32_t)(window->max.x - window->min.x + 1);
-    uint32_t height = (uint32_t)(window->max.y - window->min.y + 1);
-    size_t pixels = (size_t)width * height;
-    if (pixels > mem_available() / PIXEL_BYTES)
-        return fault_memory(fault, "a picture");
-    enum err err = picture_init(out, width, height, false, fault);
-    bool fine = true;
-    for (int i = 0; i < EXR_CHANNELS && !err; i++) {
-        const enum exr_plane plane = exr_channels[i].plane;
-        if (!has[i] || plane == PLANE_RGBA || plane == PLANE_EYE)
-            continue;
-        if (!exr_plane_of(out, plane)) { /* the first channel of it */
-            void *memory = calloc(pixels * (plane == PLANE_NORMAL ? 3 : 1), 4);
-            if (plane == PLANE_DEPTH)
-                out->depth_mm = memory;
-            else if (plane == PLANE_LABEL)
-                out->label = memory;
-            else if (plane == PLANE_VOXEL)
-                out->voxel = memory;
-            else
-                out->normal = memory;
-        }
-        fine = fine && exr_plane_of(out, plane);
-    }
-    return err || fine ? err : fault_memory(fault, "a picture");
-}
-
 static enum err get_attributes(struct picture *out, exr_context_t context, struct fault *fault)
 {
     int32_t count = 0;
@@ -343,17 +294,18 @@ struct reader {
     exr_context_t context;
     struct picture *out;
     struct watch *watch;
-    const struct picture *like; /* the picture that the file is to be, or NULL */
-    uint64_t next;              /* with `like`: the byte at which the next block begins */
-    bool has_more;              /* with `like`: the file has bytes or samples that it need not */
+    const struct picture *like; /* the expected picture, or NULL */
+    uint64_t next;              /* with `like`: the expected offset of the next block */
+    bool has_more;              /* with `like`: the file has superfluous bytes or samples */
     struct form form;
     exr_attr_box2i_t window;
     exr_decode_pipeline_t pipeline;
     bool begun;
-    struct exr_room room, again; /* of the largest block; with `like`: made of its pixels */
+    struct exr_room room,
+        again; /* samples of a block; with `like`: encoded again from its pixels */
     uint8_t *inflated;
     struct libdeflate_decompressor *inflater;
-    uint8_t level[2][HALF_ONE + 1]; /* of colours, of alpha */
+    uint8_t level[2][HALF_ONE + 1]; /* tables for colours and for alpha */
 };
 
 static void take_halves(struct reader *r, const struct exr_block *block)
@@ -371,28 +323,23 @@ static void take_halves(struct reader *r, const struct exr_block *block)
     }
 }
 
-/* Whether the packed bytes of a block are one stream of zlib with nothing after it. */
-static bool is_one_stream(struct reader *r, const exr_chunk_info_t *chunk)
-{
-    size_t used = 0, made = 0;
-    return chunk->packed_size == chunk->unpacked_size ||
-           (libdeflate_zlib_decompress_ex(
-                r->inflater, r->pipeline.packed_buffer, (size_t)chunk->packed_size, r->inflated,
-                (size_t)chunk->unpacked_size, &used, &made) == LIBDEFLATE_SUCCESS &&
-            used == chunk->packed_size);
-}
-
-/* With `like`: the block follows the one before it, and its colours and Z are those that the
- * decoded picture gives. */
+/* With `like`: check that the block follows the one before it, that its packed bytes are one stream
+ * of zlib with nothing after it, and that its colours and Z equal the decoded picture's. */
 static void check_block(struct reader *r, const struct exr_block *block,
                         const exr_chunk_info_t *chunk)
 {
     enum { LINE_LEADER = 8, TILE_LEADER = 20 }; /* bytes before the packed ones */
     const size_t pixels = (size_t)block->width * block->height;
+    size_t used = 0, made = 0;
+    const bool is_one_stream =
+        chunk->packed_size == chunk->unpacked_size ||
+        (libdeflate_zlib_decompress_ex(
+             r->inflater, r->pipeline.packed_buffer, (size_t)chunk->packed_size, r->inflated,
+             (size_t)chunk->unpacked_size, &used, &made) == LIBDEFLATE_SUCCESS &&
+         used == chunk->packed_size);
     exr_fill_room(&r->again, r->out, block);
-    r->has_more = r->has_more ||
+    r->has_more = r->has_more || !is_one_stream ||
                   chunk->data_offset != r->next + (r->form.tiled ? TILE_LEADER : LINE_LEADER) ||
-                  !is_one_stream(r, chunk) ||
                   memcmp(r->room.halves, r->again.halves, pixels * 8) != 0 ||
                   (r->out->depth_mm && r->out->is_associated &&
                    memcmp(r->room.eye, r->again.eye, pixels * 4) != 0);
@@ -454,17 +401,6 @@ static bool make_rooms(struct reader *r)
     return r->room.eye && r->again.halves && r->again.eye && r->inflated && r->inflater;
 }
 
-static void release_rooms(struct reader *r)
-{
-    free(r->room.halves);
-    free(r->room.eye);
-    free(r->again.halves);
-    free(r->again.eye);
-    free(r->inflated);
-    if (r->inflater)
-        libdeflate_free_decompressor(r->inflater);
-}
-
 static enum err get_pixels(struct reader *r, const struct exr_stream *stream, struct fault *fault)
 {
     uint16_t alpha[256];
@@ -490,64 +426,52 @@ static enum err get_pixels(struct reader *r, const struct exr_stream *stream, st
     return result ? exr_fault("read", stream, result, fault) : OK;
 }
 
-/* How a file is read: all that exr_read_golden is given. */
-struct rules {
-    const struct picture *like;
-    struct watch *watch;
-};
-
-static enum err read_context(struct picture *out, exr_context_t context,
-                             const struct exr_stream *stream, const struct rules *rules,
-                             uint64_t header_bytes, struct fault *fault)
+/* Read the picture of an open file by r->context. */
+static enum err read_context(struct reader *r, const struct exr_stream *stream, struct fault *fault)
 {
-    struct reader *r = calloc(1, sizeof *r); /* tables of 30 kB */
-    bool has[EXR_CHANNELS];
+    struct picture *out = r->out;
+    unsigned planes;
     size_t pixel_bytes;
-    if (!r)
-        return fault_memory(fault, stream->path);
-    r->context = context;
-    r->out = out;
-    r->like = rules->like;
-    r->watch = rules->watch;
-    enum err err = check_form(&r->form, context, fault);
-    const bool associated = is_associated(context);
+    enum err err = check_form(&r->form, r->context, fault);
+    const bool associated = is_associated(r->context);
     if (!err)
-        err = find_channels(has, context, associated, &pixel_bytes, fault);
+        err = find_channels(&planes, r->context, associated, &pixel_bytes, fault);
     if (!err)
-        err = find_window(context, &r->window, pixel_bytes, stream->bytes, fault);
+        err = find_window(r->context, &r->window, pixel_bytes, stream->bytes, fault);
+    if (!err) {
+        const uint32_t width = (uint32_t)(r->window.max.x - r->window.min.x + 1);
+        const uint32_t height = (uint32_t)(r->window.max.y - r->window.min.y + 1);
+        err = (size_t)width * height > mem_available() / PIXEL_BYTES
+                  ? fault_memory(fault, "a picture")
+                  : picture_init(out, width, height, planes, fault);
+    }
     if (!err)
-        err = make_planes(out, &r->window, has, fault);
-    if (!err)
-        err = get_attributes(out, context, fault);
+        err = get_attributes(out, r->context, fault);
     out->tiled = r->form.tiled;
     out->is_associated = associated;
     int32_t chunks = 0;
     if (!err && r->like) { /* the table of the blocks follows the header */
-        exr_get_chunk_count(context, 0, &chunks);
-        r->next = header_bytes + (uint64_t)chunks * 8;
+        exr_get_chunk_count(r->context, 0, &chunks);
+        r->next += (uint64_t)chunks * 8;
         out->space.eye_mm = r->like->space.eye_mm;
     }
     if (err)
         fault_prefix(fault, err, "%s", stream->path);
     else
         err = get_pixels(r, stream, fault);
-    release_rooms(r);
-    free(r);
-    if (err && watch_stops(rules->watch))
-        err = watch_fault(rules->watch, fault);
-    return err;
+    return err && watch_stops(r->watch) ? watch_fault(r->watch, fault) : err;
 }
 
-/* What can be known of a golden image before OpenEXR sees it. */
+/* Check a golden image as far as possible before OpenEXR decodes it. */
 static enum err check_golden(uint64_t *header_bytes, const struct exr_stream *stream,
                              const struct picture *like, struct fault *fault)
 {
-    /* A file of more bytes than pixels and notes can take is another one. */
+    /* A file of more bytes than pixels and notes can need is another one. */
     const uint64_t most = (uint64_t)like->width * like->height * EXR_CHANNELS * 4 + FILE_MORE;
     struct buf header = {0};
     enum err err = exr_header_read(&header, stream->fd, fault);
     if (!err)
-        err = exr_header_check(&header, like, fault);
+        err = check_header(&header, like, fault);
     if (!err && stream->bytes > most)
         err = fault_set(fault, ERR_CHECK, "it has %" PRIu64 " bytes, too many for its pixels",
                         stream->bytes);
@@ -556,30 +480,43 @@ static enum err check_golden(uint64_t *header_bytes, const struct exr_stream *st
     return err ? fault_prefix(fault, err, "%s", stream->path) : OK;
 }
 
-static enum err read_by(struct picture *out, const char *path, const struct rules *rules,
-                        struct fault *fault)
+enum err exr_read_golden(struct picture *out, const char *path, const struct picture *like,
+                         struct watch *watch, struct fault *fault)
 {
     struct exr_stream stream = {.path = path};
-    uint64_t header_bytes = 0;
     exr_context_initializer_t setup = exr_stream_setup(&stream);
-    exr_context_t context;
     *out = (struct picture){0};
     enum err err = file_open(&stream.fd, &stream.bytes, path, O_RDONLY, fault);
-    if (!err && rules->like && (err = check_golden(&header_bytes, &stream, rules->like, fault)))
-        close(stream.fd);
     if (err)
         return err;
+    struct reader *r = calloc(1, sizeof *r); /* tables of 30 kB */
+    if (r) {
+        r->out = out;
+        r->like = like;
+        r->watch = watch;
+    }
+    err = r ? OK : fault_memory(fault, path);
+    if (!err && like)
+        err = check_golden(&r->next, &stream, like, fault);
     setup.max_image_width = setup.max_image_height = PICTURE_SIDE_MOST;
     setup.flags =
         EXR_CONTEXT_FLAG_SILENT_HEADER_PARSE | EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    exr_result_t result = exr_start_read(&context, path, &setup);
+    const exr_result_t result = err ? EXR_ERR_SUCCESS : exr_start_read(&r->context, path, &setup);
     if (result) {
         err = exr_fault("read", &stream, result, fault);
-    } else {
-        err = read_context(out, context, &stream, rules, header_bytes, fault);
-        exr_finish(&context);
+    } else if (!err) {
+        err = read_context(r, &stream, fault);
+        exr_finish(&r->context);
+        free(r->room.halves);
+        free(r->room.eye);
+        free(r->again.halves);
+        free(r->again.eye);
+        free(r->inflated);
+        if (r->inflater)
+            libdeflate_free_decompressor(r->inflater);
     }
     close(stream.fd);
+    free(r);
     if (err)
         picture_release(out);
     return err;
@@ -587,11 +524,5 @@ static enum err read_by(struct picture *out, const char *path, const struct rule
 
 enum err exr_read(struct picture *out, const char *path, struct fault *fault)
 {
-    return read_by(out, path, &(struct rules){0}, fault);
-}
-
-enum err exr_read_golden(struct picture *out, const char *path, const struct picture *like,
-                         struct watch *watch, struct fault *fault)
-{
-    return read_by(out, path, &(struct rules){like, watch}, fault);
+    return exr_read_golden(out, path, NULL, NULL, fault);
 }

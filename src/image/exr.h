@@ -42,9 +42,8 @@
 #include "base/err.h"
 #include "image/picture.h"
 
-/* Whether a path ends in .exr, or in .sxr or .mxr, which are the same. */
+/* The endings of OpenEXR files; all three mean the same. */
 #define EXR_NAMES ".exr|.sxr|.mxr"
-bool exr_is_named(const char *path);
 
 /* Reads a picture of the form above; channels it does not know are left out. A file of more than
  * 16384 pixels a side, of another form or damaged is refused in one line, *out is empty then. */

@@ -40,24 +40,6 @@ const struct exr_channel *exr_channel_named(const char *name, bool is_associated
     return NULL;
 }
 
-void *exr_plane_of(const struct picture *picture, enum exr_plane plane)
-{
-    switch (plane) {
-    case PLANE_RGBA:
-        return picture->rgba;
-    case PLANE_DEPTH:
-    case PLANE_EYE:
-        return picture->depth_mm;
-    case PLANE_LABEL:
-        return picture->label;
-    case PLANE_VOXEL:
-        return picture->voxel;
-    case PLANE_NORMAL:
-        return picture->normal;
-    }
-    return NULL;
-}
-
 /* ---- blocks ---- */
 
 void exr_point_at(exr_coding_channel_info_t *info, const struct exr_channel *channel,
@@ -65,13 +47,17 @@ void exr_point_at(exr_coding_channel_info_t *info, const struct exr_channel *cha
                   const struct exr_room *room)
 {
     const enum exr_plane plane = channel->plane;
-    const bool goes_by_room = plane == PLANE_RGBA || plane == PLANE_EYE;
+    const bool is_in_room = plane == PLANE_RGBA || plane == PLANE_EYE;
     const int32_t pixel = plane == PLANE_RGBA ? 8 : plane == PLANE_NORMAL ? 12 : 4;
-    const size_t line = (size_t)(goes_by_room ? block->width : picture->width) * (size_t)pixel;
-    uint8_t *at = plane == PLANE_RGBA  ? (uint8_t *)room->halves
-                  : plane == PLANE_EYE ? (uint8_t *)room->eye
-                                       : (uint8_t *)exr_plane_of(picture, plane) + block->y * line +
-                                             block->x * (size_t)pixel;
+    const size_t line = (size_t)(is_in_room ? block->width : picture->width) * (size_t)pixel;
+    void *first = plane == PLANE_RGBA    ? (void *)room->halves
+                  : plane == PLANE_EYE   ? (void *)room->eye
+                  : plane == PLANE_DEPTH ? (void *)picture->depth_mm
+                  : plane == PLANE_LABEL ? (void *)picture->label
+                  : plane == PLANE_VOXEL ? (void *)picture->voxel
+                                         : (void *)picture->normal;
+    uint8_t *at = (uint8_t *)first;
+    at += is_in_room ? 0 : block->y * line + block->x * (size_t)pixel;
     info->decode_to_ptr = at + channel->index * (size_t)channel->bytes;
     info->user_pixel_stride = pixel;
     info->user_line_stride = (int32_t)line;
@@ -243,36 +229,17 @@ static bool set_camera(exr_attr_m44f_t *to_world, const float to_camera[4][4])
     return true;
 }
 
-/* Of the picture's standard attributes, and that one. */
-static exr_result_t put_space(exr_context_t context, const struct picture_space *space)
-{
-    exr_attr_m44f_t camera, ndc, to_world;
-    memcpy(camera.m, space->to_camera, sizeof camera.m);
-    memcpy(ndc.m, space->to_ndc, sizeof ndc.m);
-    exr_result_t result = exr_attr_set_m44f(context, 0, "worldToCamera", &camera);
-    if (!result)
-        result = exr_attr_set_m44f(context, 0, "worldToNDC", &ndc);
-    if (!result && set_camera(&to_world, space->to_camera))
-        result = exr_attr_set_m44f(context, 0, EXR_CAMERA, &to_world);
-    return result;
-}
-
-static bool has_long_name(const struct picture *picture)
-{
-    for (size_t i = 0; i < picture->attributes; i++)
-        if (strlen(picture->attribute[i].name) > SHORT_NAME_MOST)
-            return true;
-    return false;
-}
-
 static exr_result_t put_header(exr_context_t context, const struct picture *like, unsigned planes)
 {
     const exr_attr_box2i_t window = {
         .max = {.x = (int32_t)like->width - 1, .y = (int32_t)like->height - 1}};
     const exr_attr_v2f_t centre = {.x = 0, .y = 0};
     const exr_storage_t storage = like->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE;
+    bool has_long_name = false;
     int part;
-    exr_result_t result = exr_set_longname_support(context, has_long_name(like));
+    for (size_t i = 0; i < like->attributes; i++)
+        has_long_name |= strlen(like->attribute[i].name) > SHORT_NAME_MOST;
+    exr_result_t result = exr_set_longname_support(context, has_long_name);
     if (!result)
         result = exr_add_part(context, NULL, storage, &part);
     if (!result)
@@ -294,8 +261,16 @@ static exr_result_t put_header(exr_context_t context, const struct picture *like
             exr_attr_set_string(context, part, like->attribute[i].name, like->attribute[i].value);
     if (!result && like->is_associated)
         result = exr_attr_set_string(context, part, EXR_ALPHA, EXR_ALPHA_VALUE);
-    if (!result && like->is_associated && like->space.has_world)
-        result = put_space(context, &like->space);
+    if (!result && like->is_associated && like->space.has_world) {
+        exr_attr_m44f_t camera, ndc, to_world;
+        memcpy(camera.m, like->space.to_camera, sizeof camera.m);
+        memcpy(ndc.m, like->space.to_ndc, sizeof ndc.m);
+        result = exr_attr_set_m44f(context, part, "worldToCamera", &camera);
+        if (!result)
+            result = exr_attr_set_m44f(context, part, "worldToNDC", &ndc);
+        if (!result && set_camera(&to_world, like->space.to_camera))
+            result = exr_attr_set_m44f(context, part, EXR_CAMERA, &to_world);
+    }
     if (!result)
         result = exr_write_header(context);
     return result;
@@ -411,30 +386,21 @@ static exr_result_t keep_block(exr_encode_pipeline_t *pipeline)
     return packing->out->failed ? EXR_ERR_OUT_OF_MEMORY : EXR_ERR_SUCCESS;
 }
 
-/* Where a block goes; the pipeline that packs it. */
-static exr_result_t begin_block(const struct packing *packing, const struct exr_block *block,
-                                exr_encode_pipeline_t *pipeline)
-{
-    struct exr_coder *coder = packing->coder;
-    const int x = (int)block->x, y = (int)(block->y + packing->top);
-    exr_chunk_info_t chunk;
-    pthread_mutex_lock(&coder->lock);
-    exr_result_t result = packing->rows->tiled
-                              ? exr_write_tile_chunk_info(coder->context, 0, x / TILE_SIDE,
-                                                          y / TILE_SIDE, 0, 0, &chunk)
-                              : exr_write_scanline_chunk_info(coder->context, 0, y, &chunk);
-    if (!result)
-        result = exr_encoding_initialize(coder->context, 0, &chunk, pipeline);
-    pthread_mutex_unlock(&coder->lock);
-    return result;
-}
-
 static exr_result_t pack_block(void *context, const struct exr_block *block)
 {
     struct packing *packing = context;
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
     exr_context_t file = packing->coder->context;
-    exr_result_t result = begin_block(packing, block, &pipeline);
+    const int x = (int)block->x, y = (int)(block->y + packing->top);
+    exr_chunk_info_t chunk;
+    pthread_mutex_lock(&packing->coder->lock);
+    exr_result_t result =
+        packing->rows->tiled
+            ? exr_write_tile_chunk_info(file, 0, x / TILE_SIDE, y / TILE_SIDE, 0, 0, &chunk)
+            : exr_write_scanline_chunk_info(file, 0, y, &chunk);
+    if (!result)
+        result = exr_encoding_initialize(file, 0, &chunk, &pipeline);
+    pthread_mutex_unlock(&packing->coder->lock);
     if (result)
         return result;
     exr_fill_room(&packing->room, packing->rows, block);
@@ -507,16 +473,17 @@ static exr_result_t copy_block(void *context, const struct exr_block *block)
 }
 
 static exr_result_t copy_pieces(exr_context_t context, const struct picture *like,
-                                const struct strips *strips, enum err *err, struct fault *fault)
+                                const struct strips_pieces *pieces, enum err *err,
+                                struct fault *fault)
 {
     struct copying copying = {.context = context, .tiled = like->tiled};
     struct buf bytes = {0};
     uint32_t step[2];
     exr_result_t result = EXR_ERR_SUCCESS;
     step_of(step, like);
-    for (size_t i = 0; i < strips_count(strips) && !*err && !result; i++) {
-        const struct picture rows = {.width = like->width, .height = strips_piece(strips, i)->rows};
-        *err = strips_read(strips, i, &bytes, fault);
+    for (size_t i = 0; i < pieces->count && !*err && !result; i++) {
+        const struct picture rows = {.width = like->width, .height = pieces->piece[i].rows};
+        *err = strips_read(pieces, i, &bytes, fault);
         copying.at = buf_text(&bytes);
         copying.end = copying.at + bytes.length;
         if (!*err)
@@ -528,9 +495,9 @@ static exr_result_t copy_pieces(exr_context_t context, const struct picture *lik
 }
 
 static enum err write_file(void *coder, const char *draft, const struct picture *like,
-                           const struct strips *strips, struct fault *fault)
+                           const struct strips_pieces *pieces, struct fault *fault)
 {
-    struct exr_stream stream = {.path = strips_path(strips)};
+    struct exr_stream stream = {.path = pieces->path};
     const exr_context_initializer_t setup = exr_stream_setup(&stream);
     exr_context_t context;
     enum err err = check_names(stream.path, like, fault);
@@ -543,7 +510,7 @@ static enum err write_file(void *coder, const char *draft, const struct picture 
     if (!result) {
         result = put_header(context, like, ((const struct exr_coder *)coder)->planes);
         if (!result)
-            result = copy_pieces(context, like, strips, &err, fault);
+            result = copy_pieces(context, like, pieces, &err, fault);
         const exr_result_t closed = exr_finish(&context); /* writes the table of chunks */
         result = result ? result : closed;
     }

@@ -58,9 +58,6 @@ extern const struct exr_channel {
 /* The channel of a file of that kind, or NULL. */
 const struct exr_channel *exr_channel_named(const char *name, bool is_associated);
 
-/* The plane of a picture that a channel is made of, or NULL. */
-void *exr_plane_of(const struct picture *picture, enum exr_plane plane);
-
 /* ---- blocks ---- */
 
 /* The pixels that one block of the file packs: some lines, or a tile. */

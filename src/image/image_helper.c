@@ -66,41 +66,18 @@ enum err image_helper_start(struct image_helper *helper, struct fault *fault)
 
 const struct strips_format *image_strips(const char *path)
 {
-    return exr_is_named(path) ? &exr_strips : file_is_named(path, ".png") ? &png_strips : NULL;
+    return file_is_named(path, EXR_NAMES) ? &exr_strips
+           : file_is_named(path, ".png")  ? &png_strips
+                                          : NULL;
 }
 
-static bool transmit_notes(struct image_helper *helper, const struct picture *picture)
+/* Send a line and the bytes of two texts. */
+static bool transmit_texts(struct coprocess *process, const char *line, const char *first,
+                           const char *second)
 {
-    char line[COPROCESS_LINE];
-    for (size_t i = 0; i < picture->attributes; i++) {
-        const struct attribute *note = &picture->attribute[i];
-        size_t name = strlen(note->name), value = strlen(note->value);
-        int length = snprintf(line, sizeof line, "%zu %zu\n", name, value);
-        if (!coprocess_transmit(&helper->process, line, (size_t)length) ||
-            !coprocess_transmit(&helper->process, note->name, name) ||
-            !coprocess_transmit(&helper->process, note->value, value))
-            return false;
-    }
-    return true;
-}
-
-static bool transmit_pixels(struct image_helper *helper, const struct picture *picture,
-                            unsigned channels, uint8_t *piece)
-{
-    const size_t pixels = (size_t)picture->width * picture->height;
-    if (channels == 4)
-        return coprocess_transmit(&helper->process, picture->rgba, 4 * pixels);
-    for (size_t done = 0; done < pixels;) {
-        size_t n = pixels - done < SEND_PIECE / 3 ? pixels - done : SEND_PIECE / 3;
-        const uint8_t *rgba = picture_colours(picture) + 4 * done;
-        for (size_t i = 0; i < n; i++)
-            for (size_t c = 0; c < 3; c++) /* over black: what is transparent fades */
-                piece[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
-        if (!coprocess_transmit(&helper->process, piece, 3 * n))
-            return false;
-        done += n;
-    }
-    return true;
+    return coprocess_transmit(process, line, strlen(line)) &&
+           coprocess_transmit(process, first, strlen(first)) &&
+           coprocess_transmit(process, second, strlen(second));
 }
 
 /* Counts that the protocol cannot carry are refused before anything is sent. */
@@ -144,6 +121,7 @@ enum err image_movie_begin(struct image_movie *movie, const struct picture *like
     struct coprocess *process = &movie->helper->process;
     char line[COPROCESS_LINE];
     enum err err = OK;
+    bool goes = true;
     movie->channels = has_alpha ? 4 : 3;
     if (!dot || dot == file_name(path) || dot[1] == '\0')
         err = fault_set(fault, ERR_USAGE,
@@ -158,14 +136,17 @@ enum err image_movie_begin(struct image_movie *movie, const struct picture *like
     if (!err)
         err = image_helper_start(movie->helper, fault);
     if (!err) {
-        const int length = snprintf(line, sizeof line, "write %zu %u %u %zu %u %u %u\n",
-                                    strlen(draft), like->width, like->height, like->attributes,
-                                    frames, delay_ms, movie->channels);
-        if (!coprocess_transmit(process, line, (size_t)length) ||
-            !coprocess_transmit(process, draft, strlen(draft)) ||
-            !transmit_notes(movie->helper, like))
-            err = coprocess_fault(process, "write", path, fault);
+        snprintf(line, sizeof line, "write %zu %u %u %zu %u %u %u\n", strlen(draft), like->width,
+                 like->height, like->attributes, frames, delay_ms, movie->channels);
+        goes = transmit_texts(process, line, draft, "");
     }
+    for (size_t i = 0; !err && goes && i < like->attributes; i++) {
+        const struct attribute *note = &like->attribute[i];
+        snprintf(line, sizeof line, "%zu %zu\n", strlen(note->name), strlen(note->value));
+        goes = transmit_texts(process, line, note->name, note->value);
+    }
+    if (!goes)
+        err = coprocess_fault(process, "write", path, fault);
     if (err)
         forget(movie);
     return err;
@@ -174,10 +155,20 @@ enum err image_movie_begin(struct image_movie *movie, const struct picture *like
 enum err image_movie_add(struct image_movie *movie, const struct picture *picture,
                          struct fault *fault)
 {
+    struct coprocess *process = &movie->helper->process;
+    const size_t pixels = (size_t)picture->width * picture->height;
+    const size_t channels = movie->channels;
     uint8_t *piece = mem_array(SEND_PIECE, 1);
     enum err err = piece ? OK : fault_memory(fault, movie->path);
-    if (!err && !transmit_pixels(movie->helper, picture, movie->channels, piece))
-        err = coprocess_fault(&movie->helper->process, "write", movie->path, fault);
+    for (size_t done = 0, n; !err && done < pixels; done += n) {
+        const uint8_t *rgba = (channels == 4 ? picture->rgba : picture_colours(picture)) + 4 * done;
+        n = pixels - done < SEND_PIECE / 4 ? pixels - done : SEND_PIECE / 4;
+        for (size_t i = 0; channels == 3 && i < n; i++)
+            for (size_t c = 0; c < 3; c++) /* over black: transparent pixels fade */
+                piece[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
+        if (!coprocess_transmit(process, channels == 3 ? piece : rgba, channels * n))
+            err = coprocess_fault(process, "write", movie->path, fault);
+    }
     free(piece);
     if (err)
         image_movie_abandon(movie);
@@ -211,7 +202,7 @@ enum err image_write(struct image_helper *helper, const char *path, enum file_mo
                      const struct picture *picture, struct fault *fault)
 {
     struct image_movie movie = {.helper = helper, .path = path, .mode = mode};
-    if (exr_is_named(path))
+    if (file_is_named(path, EXR_NAMES))
         return exr_write(path, mode, picture, fault);
     if (file_is_named(path, ".png"))
         return png_write(path, mode, picture, fault);
@@ -242,22 +233,14 @@ enum err image_write_png(const char *path, const struct picture *picture, struct
 
 /* ---- reading ---- */
 
-/* What it sent makes no sense. */
-static enum err odd(struct image_helper *helper)
-{
-    coprocess_odd(&helper->process);
-    return ERR_IO;
-}
-
 static enum err receive_note(struct image_helper *helper, struct picture *out, struct fault *fault)
 {
     static const int64_t most[2] = {NAME_MOST, VALUE_MOST};
     char line[COPROCESS_LINE];
     int64_t length[2];
-    if (!coprocess_receive_line(&helper->process, line))
+    if (!coprocess_receive_line(&helper->process, line) ||
+        (!coprocess_numbers(line, 2, most, length) && !coprocess_odd(&helper->process)))
         return ERR_IO;
-    if (!coprocess_numbers(line, 2, most, length))
-        return odd(helper);
     const size_t name = (size_t)length[0], value = (size_t)length[1];
     char *text = calloc(name + value + 2, 1); /* two strings, each with its NUL */
     if (!text)
@@ -270,7 +253,7 @@ static enum err receive_note(struct image_helper *helper, struct picture *out, s
     return err;
 }
 
-/* Asks `request` of a path, and takes the first line of the answer. */
+/* Send `request` for a path, and receive the first line of the answer. */
 static enum err ask(struct image_helper *helper, const char *request, const char *path,
                     char line[COPROCESS_LINE], struct fault *fault)
 {
@@ -279,15 +262,13 @@ static enum err ask(struct image_helper *helper, const char *request, const char
         err = image_helper_start(helper, fault);
     if (err)
         return err;
-    int length = snprintf(line, COPROCESS_LINE, "%s %zu\n", request, strlen(path));
-    if (!coprocess_transmit(&helper->process, line, (size_t)length) ||
-        !coprocess_transmit(&helper->process, path, strlen(path)))
+    snprintf(line, COPROCESS_LINE, "%s %zu\n", request, strlen(path));
+    if (!transmit_texts(&helper->process, line, path, ""))
         return coprocess_fault(&helper->process, "read", path, fault);
     return coprocess_answer(&helper->process, line, "read", path, fault);
 }
 
-/* After the rest of the answer: what went wrong, ERR_IO with trouble of the process or what `fault`
- * says. */
+/* After the rest of the answer: report trouble of the process, or end it after another error. */
 static enum err settle(struct image_helper *helper, const char *path, enum err err,
                        struct fault *fault)
 {
@@ -311,9 +292,9 @@ enum err image_helper_read(struct image_helper *helper, const char *path, struct
         return err;
     if (!scan_text(&at, "picture ") || !coprocess_numbers(at, 3, most, number) || number[0] < 1 ||
         number[1] < 1)
-        err = odd(helper);
+        err = coprocess_odd(&helper->process) ? OK : ERR_IO;
     if (!err)
-        err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], false, fault);
+        err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], 0, fault);
     for (int64_t i = 0; !err && i < number[2]; i++)
         err = receive_note(helper, out, fault);
     if (!err &&
@@ -340,7 +321,7 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
         return err;
     if (!scan_text(&at, "about ") || !coprocess_numbers(at, 7, most, number) || number[0] < 1 ||
         number[1] < 1)
-        err = odd(helper);
+        err = coprocess_odd(&helper->process) ? OK : ERR_IO;
     for (int i = 0; i < 3 && !err; i++) {
         const size_t length = (size_t)number[4 + i];
         *word[i] = calloc(length + 1, 1);

@@ -31,8 +31,11 @@
  * the part, or the whole, is larger than a grid holds. */
 enum err part_choose(struct volume_header *header, struct fault *fault);
 
-/* Whether it is less than the whole. */
-bool part_is_less(const struct volume_header *header);
+/* Return true if the choice is a part of the volume. */
+static inline bool part_is_less(const struct volume_header *header)
+{
+    return header->choice.has_crop || header->choice.reduce > 1;
+}
 
 /* The numbers of the part, of the type of the file and in its byte order, from the volume that
  * begins `offset` bytes after the beginning. */
@@ -145,8 +148,8 @@ bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length);
 
 enum { NIFTI_LEAST_BYTES = 348, NIFTI_MOST_BYTES = 540, NIFTI_DESCRIPTION = 80 };
 
-/* Where the voxels are: after the header in the same file, or in another (nifti.h), whose
- * header says that it is NIfTI's or else is ANALYZE's. */
+/* Place of the voxels: after the header in the same file, or in the other file of a pair
+ * (image/volume.h), whose header is that of NIfTI or of ANALYZE. */
 enum nifti_kind { NIFTI_SINGLE, NIFTI_PAIR, NIFTI_ANALYZE };
 
 struct nifti_header {
@@ -166,30 +169,22 @@ struct nifti_header {
     char descrip[NIFTI_DESCRIPTION]; /* written only: what a file says here is never shown */
 };
 
-/* Whether a file that begins with these bytes may be NIfTI, or the ANALYZE that it grew from. */
-bool nifti_header_is_one(const uint8_t *begin, size_t length);
-
-/* What header begins with these NIFTI_LEAST_BYTES: fills its ->kind, ->bytes and ->big_endian.
- * ERR_INPUT where sizeof_hdr is of none, or the magic not of NIfTI-2. */
+/* Fill ->kind, ->bytes and ->big_endian by the first NIFTI_LEAST_BYTES. ERR_INPUT if sizeof_hdr is
+ * that of neither version, or the magic not of NIfTI-2. */
 enum err nifti_header_recognise(struct nifti_header *header, const uint8_t *bytes,
                                 struct fault *fault);
 
-/* The other fields, out of header->bytes bytes. */
+/* Read the other fields from header->bytes bytes. */
 void nifti_header_decode(struct nifti_header *header, const uint8_t *bytes);
 
-/* Makes of what was decoded of `bytes` what ANALYZE means by it, with a note on what it leaves
- * open. */
-void nifti_header_take_analyze(struct nifti_header *header, const uint8_t *bytes,
-                               char notes[VOLUME_NOTES_BYTES]);
-
-/* header->bytes bytes, little-endian, for a single file. */
+/* Write header->bytes bytes, little-endian, for a single file. */
 void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes);
 
-/* What the header says of the place of voxels (not slope and intercept), of a scene of that size,
- * with a note on each thing that it leaves open; and the reverse. */
+/* Convert the header to the geometry of a scene of that size (without slope and intercept), with a
+ * note on each missing fact; and the reverse, which may change ->bytes to those of NIfTI-2, so set
+ * vox_offset after it. */
 void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BYTES],
                            const struct nifti_header *header, const uint32_t size[3]);
-/* May make it a NIfTI-2, so vox_offset follows. */
 void nifti_header_place(struct nifti_header *header, const struct geometry *geometry);
 
 #endif

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * MGH: the volumes of FreeSurfer, .mgh, or .mgz as gzip; scenes in, and maps out.
+ * MGH: the volumes of FreeSurfer, .mgh, or .mgz as gzip; read scenes, write maps.
  *
- * Big-endian. A header of 284 bytes, of which 90 say something, and the voxels of one volume after
- * another, x fastest; what follows (how it was scanned, the commands that made it) is left alone.
+ * Big-endian. A header of 284 bytes, with 90 in use, and the voxels of one volume after another, x
+ * fastest; the rest (scan parameters, the commands that made it) is ignored.
  *
  *     byte  0  int32      version, 1
  *           4  int32[4]   width, height, depth, volumes
  *          20  int32      type: 0 uint8, 1 int32, 3 float32, 4 int16, 10 uint16
- *          24  int32      degrees of freedom, of no use here
- *          28  int16      goodRASFlag: whether the file says what comes now
+ *          24  int32      degrees of freedom, unused here
+ *          28  int16      goodRASFlag: the following fields are valid
  *          30  float32[3] distances of voxels, millimetres
  *          42  float32[9] directions of the three axes: to the right, the front and the head
- *          78  float32[3] where voxel width/2, height/2, depth/2 lies: the middle of the volume
+ *          78  float32[3] position of voxel width/2, height/2, depth/2: the middle of the volume
  *
- * Without the flag neither distances nor the place are known: readers of FreeSurfer then take them
- * to be 1 mm, and coronal, which is a guess.
+ * Without the flag neither distances nor the place are known: FreeSurfer's readers then assume 1 mm
+ * and coronal slices, which is a guess.
  *
  * Written: maps of bytes as uint8, of 16 bits as int32, since uint16 is younger than many readers.
- * Numbers of 32 bits without a sign have no type there.
+ * The format has no type for unsigned numbers of 32 bits.
  *
  * From: https://surfer.nmr.mgh.harvard.edu/fswiki/FsTutorial/MghFormat
  */
@@ -42,33 +42,14 @@ enum {
 enum { VERSION = 1, NUMBERS = 15 /* floats after the flag: */, AXES = 3, MIDDLE = 12 };
 enum { UINT8 = 0, INT32 = 1 /* types that are written */ };
 
-/* ---- numbers ---- */
-
 static int32_t get_int(const uint8_t *at)
 {
-    return (int32_t)((uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3]);
-}
-
-static double get_real(const uint8_t *at)
-{
-    const int32_t bits = get_int(at);
-    float real;
-    memcpy(&real, &bits, sizeof real);
-    return (double)real;
+    return (int32_t)bits_get(at, 4, true);
 }
 
 static void put_int(uint8_t *at, int32_t value)
 {
-    for (int i = 0; i < 4; i++)
-        at[i] = (uint8_t)((uint32_t)value >> (24 - 8 * i));
-}
-
-static void put_real(uint8_t *at, double value)
-{
-    const float real = (float)value;
-    int32_t bits;
-    memcpy(&bits, &real, sizeof bits);
-    put_int(at, bits);
+    bits_put(at, 4, (uint32_t)value, true);
 }
 
 /* ---- reading ---- */
@@ -76,7 +57,7 @@ static void put_real(uint8_t *at, double value)
 static const struct type {
     const char *name;
     int32_t code;
-    int type; /* enum voxel_type, or UNREAD */
+    int type; /* enum voxel_type; -1: not read */
 } types[] = {
     {"uint8", UINT8, VOXEL_UINT8},
     {"int32", INT32, VOXEL_INT32},
@@ -99,7 +80,7 @@ static const struct type *type_of(int32_t code)
     return NULL;
 }
 
-/* Four bytes of a version alone would be too few to know it by. */
+/* The four bytes of the version alone are too common to identify the format. */
 static bool recognises(const uint8_t *begin, size_t length)
 {
     if (length < HEADER_BYTES || get_int(begin + VERSION_AT) != VERSION)
@@ -110,13 +91,14 @@ static bool recognises(const uint8_t *begin, size_t length)
     return type_of(get_int(begin + TYPE_AT)) != NULL;
 }
 
-/* The distances that it says, or where directions are none of unit length, those of its matrix. */
-static void read_place(struct volume_header *out, const uint8_t *bytes)
+static void read_geometry(struct volume_header *out, const uint8_t *bytes)
 {
     struct geometry *geometry = &out->geometry;
-    double number[NUMBERS], to_mm[3][4];
+    double number[NUMBERS], to_mm[3][4] = {{0}};
+    const bool has_place = bytes[FLAG_AT] < 0x80 && (bytes[FLAG_AT] || bytes[FLAG_AT + 1]);
+    *geometry = (struct geometry){.slope = 1};
     for (int i = 0; i < NUMBERS; i++)
-        number[i] = get_real(bytes + SPACING_AT + 4 * i);
+        number[i] = real_of_bits(bits_get(bytes + SPACING_AT + 4 * i, 4, true), 4);
     for (int w = 0; w < 3; w++) {
         to_mm[w][3] = number[MIDDLE + w];
         for (int a = 0; a < 3; a++) {
@@ -124,38 +106,24 @@ static void read_place(struct volume_header *out, const uint8_t *bytes)
             to_mm[w][3] -= to_mm[w][a] * out->size[a] / 2;
         }
     }
-    memcpy(geometry->to_mm, to_mm, sizeof to_mm);
-    for (int a = 0; a < 3; a++) {
-        const double step = geometry_step_mm(geometry, a);
-        const bool same = fabs(step - number[a]) <= 1e-6 * step;
-        if (geometry_spacing(&geometry->spacing_nm[a], same ? number[a] : step))
-            continue;
-        volume_note(out->notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m",
-                    step);
-        geometry->spacing_unknown = true;
+    header_place(out, (const double(*)[4])to_mm, has_place, has_place);
+    for (int a = 0; a < 3 && !geometry->spacing_unknown; a++) {
+        /* The distances that are stored, unless the directions have not unit length. */
+        const double step =
+            sqrt(to_mm[0][a] * to_mm[0][a] + to_mm[1][a] * to_mm[1][a] + to_mm[2][a] * to_mm[2][a]);
+        uint32_t nm;
+        if (fabs(step - number[a]) <= 1e-6 * step && geometry_spacing(&nm, number[a]))
+            geometry->spacing_nm[a] = nm;
     }
-    for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
-        geometry->spacing_nm[a] = 1000000;
-    if (!geometry->spacing_unknown &&
-        geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE))
-        return;
-    geometry_place_spaced(geometry);
-    volume_note(out->notes, "where it says that its voxels lie is no place that they can have");
-}
-
-static void read_geometry(struct volume_header *out, const uint8_t *bytes)
-{
-    struct geometry *geometry = &out->geometry;
-    *geometry = (struct geometry){.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
-    if (bytes[FLAG_AT] < 0x80 && (bytes[FLAG_AT] || bytes[FLAG_AT + 1])) {
-        read_place(out, bytes);
-        return;
+    if (!has_place)
+        volume_note(out->notes,
+                    "its goodRASFlag is 0: it says neither how far apart its voxels are "
+                    "nor how they lie in the patient; if you know it, open it with "
+                    "spacing=X,Y,Z and type `orient`");
+    else if (geometry->spacing_unknown || geometry->orientation == ORIENTATION_UNKNOWN) {
+        geometry_place_spaced(geometry);
+        volume_note(out->notes, "where it says that its voxels lie is no place that they can have");
     }
-    geometry->spacing_unknown = true;
-    geometry_place_spaced(geometry);
-    volume_note(out->notes,
-                "its goodRASFlag is 0: it says neither how far apart its voxels are nor how they "
-                "lie in the patient; if you know it, open it with spacing=X,Y,Z and type `orient`");
 }
 
 static enum err read_header(struct volume_header *out, struct volume_source *source,
@@ -203,7 +171,9 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
 static void put_place(uint8_t *bytes, const struct geometry *geometry, const uint32_t size[3])
 {
     double number[NUMBERS] = {0};
-    for (int a = 0; a < 3; a++) { /* in single precision; as it was read, where the matrix agrees */
+    if (!geometry_has_place(geometry))
+        return;
+    for (int a = 0; a < 3; a++) { /* in single precision; as it was read if the matrix agrees */
         const double step = geometry_step_mm(geometry, a), said = geometry->spacing_nm[a] / 1e6;
         number[a] = (double)(float)(fabs(step - said) <= 1e-6 * step ? said : step);
     }
@@ -214,12 +184,12 @@ static void put_place(uint8_t *bytes, const struct geometry *geometry, const uin
             number[MIDDLE + w] += geometry->to_mm[w][a] * size[a] / 2;
         }
     }
-    bytes[FLAG_AT + 1] = geometry_has_place(geometry);
-    for (int i = 0; i < NUMBERS && geometry_has_place(geometry); i++)
-        put_real(bytes + SPACING_AT + 4 * i, number[i]);
+    bytes[FLAG_AT + 1] = 1;
+    for (int i = 0; i < NUMBERS; i++)
+        bits_put(bytes + SPACING_AT + 4 * i, 4, bits_of_real(number[i], 4), true);
 }
 
-/* A row of 16 bits as one of 32, whose bytes are turned round: voxels_write is little-endian. */
+/* Widen a row of 16 bits to 32, and swap its bytes: voxels_write is little-endian. */
 static void widen_row(void *context, uint32_t y, uint32_t z, void *values)
 {
     const struct volume_map *map = context;
@@ -233,8 +203,8 @@ static void widen_row(void *context, uint32_t y, uint32_t z, void *values)
     }
 }
 
-static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
-                      struct watch *watch, struct fault *fault)
+static enum err write_map(const char *path, enum file_mode mode, const struct volume_map *map,
+                          struct watch *watch, struct fault *fault)
 {
     uint8_t bytes[HEADER_BYTES] = {0};
     struct volume_map written = *map, narrow = *map;
@@ -266,5 +236,5 @@ const struct volume_format mgh_format = {
     .endings = ".mgh|.mgz|.mgh.gz",
     .recognises = recognises,
     .read_header = read_header,
-    .write = write,
+    .write = write_map,
 };

@@ -48,7 +48,7 @@
 #include "base/safe.h"
 #include "base/scan.h"
 #include "engine/grid.h"
-#include "image/inflated.h"
+#include "image/reader_common.h"
 #include "image/image_inside.h"
 #include "image/volume_format.h"
 #include "image/volume_helper.h"
@@ -73,10 +73,8 @@ static uint64_t nrrd_voxels_bytes(const struct nrrd_header *header)
            voxel_bytes(header->type);
 }
 
-/* ---- what is wrong ---- */
-
-/* Why packed voxels could not be had: in place of `err`, if that is about what is in the file. OK
- * where they are whole, and what follows them is not. */
+/* Explain why packed voxels cannot be read, in place of an ERR_INPUT. OK if the voxels are whole and
+ * only the bytes after them are damaged. */
 static enum err judge(const struct voxels *voxels, enum err err, struct fault *fault)
 {
     bool ends;
@@ -89,8 +87,6 @@ static enum err judge(const struct voxels *voxels, enum err err, struct fault *f
     return fault_set(fault, ERR_INPUT, INFLATED_LACKS, "", (unsigned long long)bytes,
                      bytes < needed ? "" : INFLATED_CHECKSUM, (unsigned long long)needed);
 }
-
-/* ---- as a source ---- */
 
 static enum err take_voxels(struct source_decoder *decoder, void *to, size_t length,
                             struct fault *fault)
@@ -115,10 +111,10 @@ static void free_voxels(struct source_decoder *decoder)
     free(voxels);
 }
 
-/* Has the source decode them, which owns what it takes; or leaves it as it was, and is OK, where
- * what should be gzip is none, which zlib may take all the same. */
-static enum err nrrd_voxels_enter(struct volume_source *source, const struct nrrd_header *header,
-                                  struct fault *fault)
+/* Make the source decode the voxels; it owns the decoder. Leave the source unchanged, and return OK,
+ * if voxels that should be gzip are not, which zlib may accept all the same. */
+static enum err enter_voxels(struct volume_source *source, const struct nrrd_header *header,
+                             struct fault *fault)
 {
     struct voxels *voxels = mem_new(sizeof *voxels);
     if (!voxels)
@@ -138,33 +134,24 @@ static enum err nrrd_voxels_enter(struct volume_source *source, const struct nrr
     return err;
 }
 
-static bool nrrd_voxels_are_of(const struct volume_source *source)
-{
-    return source->decoder->take == take_voxels;
-}
-
-/* Goes through all of them, so that those that are taken in part are sound as a whole. */
-static enum err pass(struct voxels *voxels, struct fault *fault)
-{
-    uint8_t last;
-    enum err err = source_go_to(&voxels->file, voxels->needed - 1, "the voxels", fault);
-    if (!err)
-        err = source_read(&voxels->file, &last, 1, "the voxels", NULL, fault);
-    if (!err)
-        err = source_finish(&voxels->file, fault);
-    return judge(voxels, err, fault);
-}
-
-/* For volume_format.begin_voxels of such a source. */
-static enum err nrrd_voxels_begin(struct volume_source *source, const struct volume_header *header,
-                                  struct fault *fault)
+static enum err begin_voxels(const struct volume_header *header, struct volume_source *source,
+                             struct fault *fault)
 {
     struct voxels *voxels = (struct voxels *)source->decoder;
     enum err err = OK;
+    if (source->decoder->take != take_voxels)
+        return volume_helper_begin_voxels(header, source, fault);
     if (voxels->is_packed && voxels->file.most < voxels->needed)
         err = judge(voxels, ERR_INPUT, fault); /* before anything of their size is allocated */
-    else if (voxels->is_packed && part_is_less(header))
-        err = pass(voxels, fault);
+    else if (voxels->is_packed && part_is_less(header)) {
+        uint8_t last; /* inflate all of them first: a part is read from a sound file alone */
+        err = source_go_to(&voxels->file, voxels->needed - 1, "the voxels", fault);
+        if (!err)
+            err = source_read(&voxels->file, &last, 1, "the voxels", NULL, fault);
+        if (!err)
+            err = source_finish(&voxels->file, fault);
+        err = judge(voxels, err, fault);
+    }
     return err ? err
                : source_go_to(&voxels->file, voxels->is_packed ? 0 : voxels->offset, "the voxels",
                               fault);
@@ -245,8 +232,8 @@ static void write_layer(struct buf *out, const struct segment *segment, unsigned
         buf_add_text(out, "none");
 }
 
-/* Sets out->contents by the lines of a header: of the volume that out->choice has, or of all. */
-static void nrrd_segments_tell(struct volume_header *out, const char *bytes, size_t length)
+/* Set out->contents by the lines of a header: the segments of the chosen volume, or of all. */
+static void list_segments(struct volume_header *out, const char *bytes, size_t length)
 {
     struct segment segment[SEGMENTS_MOST];
     struct buf text = {0};
@@ -290,66 +277,40 @@ static bool recognises(const uint8_t *begin, size_t length)
     return length >= sizeof NRRD_MAGIC - 1 && memcmp(begin, NRRD_MAGIC, sizeof NRRD_MAGIC - 1) == 0;
 }
 
-/* False where it is left to the helper. */
-static bool is_ours(struct nrrd_header *header, struct volume_source *source)
-{
-    size_t length;
-    char *bytes = source->packed ? NULL : first_bytes(source, &length);
-    const bool is = bytes && nrrd_header_read(header, bytes, length);
-    free(bytes);
-    return is;
-}
-
-/* By the helper; of several volumes, with the segments of each. */
-static enum err read_by_helper(struct volume_header *out, struct volume_source *source,
-                               struct fault *fault)
-{
-    size_t length = 0;
-    char *bytes = source->packed ? NULL : first_bytes(source, &length);
-    const enum err err = volume_helper_read_header(out, source, fault);
-    if (!err && bytes && out->volumes > 1)
-        nrrd_segments_tell(out, bytes, length);
-    free(bytes);
-    return err;
-}
-
-static void describe(struct volume_header *out, const struct nrrd_header *header)
-{
-    memcpy(out->size, header->size, sizeof out->size);
-    out->type = header->type;
-    snprintf(out->format, sizeof out->format, "NRRD");
-    snprintf(out->type_name, sizeof out->type_name, "%s", voxel_type_name(header->type));
-    out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__; /* of the bytes that the source has */
-    out->bytes = UINT64_MAX; /* as by the helper: any swelling is taken */
-    out->geometry.slope = 1;
-    header_place(out, (const double(*)[4])header->to_mm, header->knows_spacing,
-                 header->knows_place);
-}
-
-static enum err begin_voxels(const struct volume_header *header, struct volume_source *source,
-                             struct fault *fault)
-{
-    return nrrd_voxels_are_of(source) ? nrrd_voxels_begin(source, header, fault)
-                                      : volume_helper_begin_voxels(header, source, fault);
-}
-
 static enum err read_header(struct volume_header *out, struct volume_source *source,
                             struct fault *fault)
 {
     struct nrrd_header header;
     struct grid grid;
-    const enum err err = is_ours(&header, source) ? nrrd_voxels_enter(source, &header, fault) : OK;
+    size_t length = 0;
+    char *bytes = source->packed ? NULL : first_bytes(source, &length);
+    const bool is_ours = bytes && nrrd_header_read(&header, bytes, length);
+    enum err err = is_ours ? enter_voxels(source, &header, fault) : OK;
+    free(bytes);
     if (err)
         return err;
-    if (!source->decoder)
-        return read_by_helper(out, source, fault);
+    if (!source->decoder) { /* read by the helper; add the segments of several volumes */
+        bytes = source->packed ? NULL : first_bytes(source, &length); /* which were changed */
+        err = volume_helper_read_header(out, source, fault);
+        if (!err && bytes && out->volumes > 1)
+            list_segments(out, bytes, length);
+        free(bytes);
+        return err;
+    }
     const uint64_t end = header.offset + (header.is_packed ? 1 : nrrd_voxels_bytes(&header));
     if (source->bytes < end)
         return fault_set(fault, ERR_INPUT,
                          "cut short: it has %" PRIu64 " bytes, and its header promises %" PRIu64
                          "; fetch it again",
                          source->bytes, end);
-    describe(out, &header);
+    memcpy(out->size, header.size, sizeof out->size);
+    out->type = header.type;
+    snprintf(out->format, sizeof out->format, "NRRD");
+    snprintf(out->type_name, sizeof out->type_name, "%s", voxel_type_name(header.type));
+    out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__; /* order of the decoded bytes */
+    out->bytes = UINT64_MAX; /* as by the helper: no limit on inflation */
+    out->geometry.slope = 1;
+    header_place(out, (const double(*)[4])header.to_mm, header.knows_spacing, header.knows_place);
     return grid_init(&grid, header.size, fault);
 }
 

@@ -8,13 +8,18 @@
 #include "base/choice.h"
 #include "base/scan.h"
 #include "engine/grid.h"
-#include "image/units.h"
+#include "image/reader_common.h"
 
-/* In the first lines iftty-volume looks for what ITK does not say; rarely are there more. */
+/* iftty-volume looks for fields that ITK does not report in the first lines only; few headers have
+ * more. */
 enum { FIELDS_MOST = 1000, SKIP_MOST = 1000000000 };
 
-/* By their numbers in the table. */
-enum name {
+/* The fields that are read, by their number in FIELD_NAMES. FREE is the first one with any value. */
+#define FIELD_NAMES                                                                                \
+    "type|dimension|sizes|encoding|endian|byte skip|space|space dimension|space directions|"       \
+    "space origin|measurement frame|space units|spacings|units|centers|centerings|kinds|labels|"   \
+    "content|number|min|max|sample units"
+enum field {
     TYPE,
     DIMENSION,
     SIZES,
@@ -30,20 +35,28 @@ enum name {
     SPACINGS,
     UNITS,
     CENTERS,
-    CENTERINGS
+    CENTERINGS, /* another name of CENTERS */
+    KINDS,
+    LABELS,
+    FREE
 };
 
 struct reading {
     struct nrrd_header *out;
-    uint64_t seen; /* a bit for each row of the table */
+    uint64_t seen; /* a bit for each field */
     double direction[3][3], origin[3], spacing[3];
-    double sign[3]; /* of steps along its space: to the right, the front and the head */
-    double space_mm[3], axis_mm[3]; /* units: of the axes of its space, and of voxels */
+    double sign[3]; /* sign of steps along its space: to the right, the front and the head */
+    double space_mm[3], axis_mm[3]; /* units: along the axes of its space, and of voxels */
 };
 
-static bool has(const struct reading *r, enum name name)
+static bool has(const struct reading *r, enum field field)
 {
-    return r->seen >> name & 1;
+    return r->seen >> field & 1;
+}
+
+static bool has_space(const struct reading *r)
+{
+    return has(r, SPACE) || has(r, SPACE_DIMENSION);
 }
 
 /* ---- values ---- */
@@ -54,7 +67,7 @@ static void make_small(char *text)
         *text = *text >= 'A' && *text <= 'Z' ? (char)(*text - 'A' + 'a') : *text;
 }
 
-/* A number that nobody reads in two ways, as near as a double comes; 0 keeps its sign. */
+/* Read a number that has one meaning for every reader, as the nearest double; 0 keeps its sign. */
 static bool take_number(const char **cursor, double *out)
 {
     const bool is_negative = **cursor == '-';
@@ -65,31 +78,50 @@ static bool take_number(const char **cursor, double *out)
     return true;
 }
 
-/* "(-1,0,0)" */
-static bool take_vector(const char **cursor, double out[3])
-{
-    scan_blanks(cursor);
-    for (int w = 0; w < 3; w++) {
-        if (!scan_text(cursor, w ? "," : "("))
-            return false;
-        scan_blanks(cursor);
-        if (!take_number(cursor, &out[w]))
-            return false;
-        scan_blanks(cursor);
-    }
-    return scan_text(cursor, ")");
-}
-
+/* Read vectors such as "(-1,0,0)", with blanks between them. */
 static bool take_vectors(const char *value, int count, double out[][3])
 {
-    for (int a = 0; a < count; a++)
-        if (!take_vector(&value, out[a]))
+    for (int a = 0; a < count; a++) {
+        scan_blanks(&value);
+        for (int w = 0; w < 3; w++) {
+            if (!scan_text(&value, w ? "," : "("))
+                return false;
+            scan_blanks(&value);
+            if (!take_number(&value, &out[a][w]))
+                return false;
+            scan_blanks(&value);
+        }
+        if (!scan_text(&value, ")"))
             return false;
+    }
     scan_blanks(&value);
     return *value == '\0';
 }
 
-/* Whether these are three words of the choices. */
+/* Read three numbers, sides or distances, with blanks between them. */
+static bool take_sizes(const char *value, uint32_t out[3])
+{
+    for (int a = 0; a < 3; a++) {
+        int64_t side;
+        if (!scan_integer(&value, 1, GRID_SIDE_MOST, &side) || (*value && !strchr(" \t", *value)))
+            return false;
+        scan_blanks(&value);
+        out[a] = (uint32_t)side;
+    }
+    return *value == '\0';
+}
+
+static bool take_spacings(const char *value, double out[3])
+{
+    for (int a = 0; a < 3; a++) {
+        if (!take_number(&value, &out[a]) || !(out[a] > 0) || (*value && !strchr(" \t", *value)))
+            return false;
+        scan_blanks(&value);
+    }
+    return *value == '\0';
+}
+
+/* Return true for three words of the choices. */
 static bool are_words(const char *value, const char *choices)
 {
     for (int a = 0; a < 3; a++) {
@@ -105,39 +137,25 @@ static bool are_words(const char *value, const char *choices)
     return *value == '\0';
 }
 
-/* The text between the next two quotes, cut to the size of `out`; false where there are none. */
-static bool take_quoted(const char **cursor, char *out, size_t size)
+/* Read three quoted texts, "um" "um" "mm". If `mm` is not NULL they are units of length, in
+ * millimetres; an empty one is 1, as without the field: lengths are in millimetres then. False for
+ * other values and unknown units. */
+static bool take_quoted(const char *value, double mm[3])
 {
-    scan_blanks(cursor);
-    if (!scan_text(cursor, "\""))
-        return false;
-    const size_t length = strcspn(*cursor, "\"\\");
-    snprintf(out, size, "%.*s", (int)(length < size ? length : size), *cursor);
-    *cursor += length;
-    return scan_text(cursor, "\"");
-}
-
-/* "" "a" "b" */
-static bool are_quoted(const char *value)
-{
-    char text[2];
-    for (int a = 0; a < 3; a++)
-        if (!take_quoted(&value, text, sizeof text))
-            return false;
-    scan_blanks(&value);
-    return *value == '\0';
-}
-
-/* "um" "um" "mm" as millimetres. An empty one is 1, as if there were no field: lengths are in
- * millimetres then. False where one is not known. */
-static bool take_units(const char *value, double mm[3])
-{
-    char unit[32];
     for (int a = 0; a < 3; a++) {
-        if (!take_quoted(&value, unit, sizeof unit))
+        char unit[32];
+        scan_blanks(&value);
+        if (!scan_text(&value, "\""))
             return false;
-        mm[a] = *unit ? length_mm(unit) : 1;
-        if (mm[a] == 0)
+        const size_t length = strcspn(value, "\"\\");
+        snprintf(unit, sizeof unit, "%.*s", (int)(length < sizeof unit ? length : sizeof unit),
+                 value);
+        value += length;
+        if (!scan_text(&value, "\""))
+            return false;
+        if (mm)
+            mm[a] = *unit ? length_mm(unit) : 1;
+        if (mm && mm[a] == 0)
             return false;
     }
     scan_blanks(&value);
@@ -146,13 +164,7 @@ static bool take_units(const char *value, double mm[3])
 
 /* ---- fields ---- */
 
-static bool read_any(struct reading *r, char *value)
-{
-    (void)r, (void)value;
-    return true;
-}
-
-static bool read_type(struct reading *r, char *value)
+static bool read_type(enum voxel_type *type, const char *value)
 {
     static const struct {
         const char *names;
@@ -170,61 +182,16 @@ static bool read_type(struct reading *r, char *value)
         {"float", VOXEL_FLOAT32},
         {"double", VOXEL_FLOAT64},
     };
-    make_small(value);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
         if (choice_find(row[i].names, value) >= 0) {
-            r->out->type = row[i].type;
+            *type = row[i].type;
             return true;
         }
     return false;
 }
 
-static bool read_three(struct reading *r, char *value)
-{
-    (void)r;
-    return strcmp(value, "3") == 0;
-}
-
-static bool read_sizes(struct reading *r, char *value)
-{
-    const char *at = value;
-    for (int a = 0; a < 3; a++) {
-        int64_t side;
-        if (!scan_integer(&at, 1, GRID_SIDE_MOST, &side) || (*at && !strchr(" \t", *at)))
-            return false;
-        scan_blanks(&at);
-        r->out->size[a] = (uint32_t)side;
-    }
-    return *at == '\0' && has(r, DIMENSION);
-}
-
-static bool read_encoding(struct reading *r, char *value)
-{
-    make_small(value);
-    const int which = choice_find("raw|gz|gzip", value);
-    r->out->is_packed = which > 0;
-    return which >= 0;
-}
-
-static bool read_endian(struct reading *r, char *value)
-{
-    make_small(value);
-    r->out->big_endian = strcmp(value, "big") == 0;
-    return r->out->big_endian || strcmp(value, "little") == 0;
-}
-
-static bool read_byte_skip(struct reading *r, char *value)
-{
-    const char *at = value;
-    int64_t bytes;
-    if (!scan_integer(&at, 0, SKIP_MOST, &bytes) || *at)
-        return false;
-    r->out->offset += (uint64_t)bytes;
-    return true;
-}
-
-/* Of three dimensions all, and three that are the patient's. */
-static bool read_space(struct reading *r, char *value)
+/* Spaces of three dimensions; three of them are the patient's. */
+static bool read_space(struct reading *r, const char *value)
 {
     static const struct {
         const char *names;
@@ -236,7 +203,6 @@ static bool read_space(struct reading *r, char *value)
         {"las|left-anterior-superior", true, {-1, 1, 1}},
         {"scanner-xyz|3d-right-handed|3d-left-handed", false, {1, 1, 1}},
     };
-    make_small(value);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         if (choice_find(row[i].names, value) < 0)
             continue;
@@ -247,138 +213,83 @@ static bool read_space(struct reading *r, char *value)
     return false;
 }
 
-static bool has_space(const struct reading *r)
+/* Read the value of a field; false if it is left to ITK, also because the field comes too early. */
+static bool read_value(struct reading *r, int field, char *value)
 {
-    return has(r, SPACE) || has(r, SPACE_DIMENSION);
-}
-
-static bool read_space_dimension(struct reading *r, char *value)
-{
-    return read_three(r, value) && !has(r, SPACE);
-}
-
-static bool read_directions(struct reading *r, char *value)
-{
-    return has(r, DIMENSION) && has_space(r) && take_vectors(value, 3, r->direction);
-}
-
-static bool read_origin(struct reading *r, char *value)
-{
-    return has_space(r) && take_vectors(value, 1, &r->origin);
-}
-
-/* Of vectors in voxels, which are none here. */
-static bool read_frame(struct reading *r, char *value)
-{
-    double frame[3][3];
-    return has_space(r) && take_vectors(value, 3, frame);
-}
-
-static bool read_spacings(struct reading *r, char *value)
-{
+    struct nrrd_header *out = r->out;
+    double frame[3][3]; /* of vectors in voxels, which are not read */
+    int64_t bytes;
+    int which;
     const char *at = value;
-    for (int a = 0; a < 3; a++) {
-        if (!take_number(&at, &r->spacing[a]) || !(r->spacing[a] > 0) ||
-            (*at && !strchr(" \t", *at)))
+    if (field == TYPE || (field >= ENCODING && field <= SPACE))
+        make_small(value);
+    const bool needs_space = (field >= DIRECTIONS && field <= FRAME) || field == SPACE_UNITS;
+    const bool needs_dimension =
+        field == SIZES || field == DIRECTIONS || (field >= SPACINGS && field < FREE);
+    if ((needs_space && !has_space(r)) || (needs_dimension && !has(r, DIMENSION)))
+        return false;
+    switch (field) {
+    case TYPE:
+        return read_type(&out->type, value);
+    case DIMENSION:
+        return strcmp(value, "3") == 0;
+    case SIZES:
+        return take_sizes(value, out->size);
+    case ENCODING:
+        which = choice_find("raw|gz|gzip", value);
+        out->is_packed = which > 0;
+        return which >= 0;
+    case ENDIAN:
+        which = choice_find("little|big", value);
+        out->big_endian = which > 0;
+        return which >= 0;
+    case BYTE_SKIP:
+        if (!scan_integer(&at, 0, SKIP_MOST, &bytes) || *at)
             return false;
-        scan_blanks(&at);
+        out->offset += (uint64_t)bytes;
+        return true;
+    case SPACE:
+        return read_space(r, value);
+    case SPACE_DIMENSION:
+        return strcmp(value, "3") == 0 && !has(r, SPACE);
+    case DIRECTIONS:
+        return take_vectors(value, 3, r->direction);
+    case ORIGIN:
+        return take_vectors(value, 1, &r->origin);
+    case FRAME:
+        return take_vectors(value, 3, frame);
+    case SPACE_UNITS:
+        return take_quoted(value, r->space_mm);
+    case SPACINGS:
+        return take_spacings(value, r->spacing);
+    case UNITS:
+        return take_quoted(value, r->axis_mm);
+    case CENTERS:
+    case CENTERINGS:
+        return !has(r, CENTERS) && !has(r, CENTERINGS) && are_words(value, "cell|node|none");
+    case KINDS:
+        return are_words(value, "domain|space|none");
+    case LABELS:
+        return take_quoted(value, NULL);
+    default:
+        return true;
     }
-    return *at == '\0' && has(r, DIMENSION);
-}
-
-static bool read_kinds(struct reading *r, char *value)
-{
-    return has(r, DIMENSION) && are_words(value, "domain|space|none");
-}
-
-static bool read_centers(struct reading *r, char *value)
-{
-    const bool is_second = has(r, CENTERS) || has(r, CENTERINGS); /* its other name */
-    return !is_second && has(r, DIMENSION) && are_words(value, "cell|node|none");
-}
-
-static bool read_quoted(struct reading *r, char *value)
-{
-    return has(r, DIMENSION) && are_quoted(value);
-}
-
-static bool read_space_units(struct reading *r, char *value)
-{
-    return has_space(r) && take_units(value, r->space_mm);
-}
-
-static bool read_units(struct reading *r, char *value)
-{
-    return has(r, DIMENSION) && take_units(value, r->axis_mm);
-}
-
-static const struct field {
-    const char *name;
-    bool (*read)(struct reading *r, char *value);
-} fields[] = {
-    [TYPE] = {"type", read_type},
-    [DIMENSION] = {"dimension", read_three},
-    [SIZES] = {"sizes", read_sizes},
-    [ENCODING] = {"encoding", read_encoding},
-    [ENDIAN] = {"endian", read_endian},
-    [BYTE_SKIP] = {"byte skip", read_byte_skip},
-    [SPACE] = {"space", read_space},
-    [SPACE_DIMENSION] = {"space dimension", read_space_dimension},
-    [DIRECTIONS] = {"space directions", read_directions},
-    [ORIGIN] = {"space origin", read_origin},
-    [FRAME] = {"measurement frame", read_frame},
-    [SPACE_UNITS] = {"space units", read_space_units},
-    [SPACINGS] = {"spacings", read_spacings},
-    [UNITS] = {"units", read_units},
-    [CENTERS] = {"centers", read_centers},
-    [CENTERINGS] = {"centerings", read_centers},
-    {"kinds", read_kinds},
-    {"labels", read_quoted},
-    {"content", read_any},
-    {"number", read_any},
-    {"min", read_any},
-    {"max", read_any},
-    {"sample units", read_any},
-};
-enum { FIELDS = sizeof fields / sizeof fields[0] };
-
-/* -1 for none. */
-static int field_named(const char *name)
-{
-    for (int i = 0; i < FIELDS; i++)
-        if (strcmp(fields[i].name, name) == 0)
-            return i;
-    return -1;
 }
 
 /* ---- lines ---- */
 
-/* "NAME: VALUE" */
-static bool read_field(struct reading *r, char *name, char *value, unsigned line)
-{
-    make_small(name);
-    const int which = field_named(name);
-    if (which < 0 || r->seen >> which & 1 || line > FIELDS_MOST)
-        return false;
-    value += strspn(value, " \t");
-    if (!fields[which].read(r, value))
-        return false;
-    r->seen |= UINT64_C(1) << which;
-    return true;
-}
-
-/* "KEY:=VALUE", of any words; but iftty-volume looks for some fields by what comes before the first
- * colon, and would take such a key for one. */
+/* "KEY:=VALUE", of any words; but iftty-volume looks for some fields by the text before the first
+ * colon, and would mistake such a key for one. */
 static bool is_free_key(char *key)
 {
-    static const char others[] = "line skip|lineskip|byteskip|data file|datafile";
+    static const char names[] = FIELD_NAMES "|line skip|lineskip|byteskip|data file|datafile";
     key += strspn(key, " \t");
     size_t length = strcspn(key, ":");
     while (length > 0 && strchr(" \t", key[length - 1]))
         length--;
     key[length] = '\0';
     make_small(key);
-    return field_named(key) < 0 && choice_find(others, key) < 0;
+    return choice_find(names, key) < 0;
 }
 
 static bool read_line(struct reading *r, char *text, unsigned line)
@@ -391,11 +302,18 @@ static bool read_line(struct reading *r, char *text, unsigned line)
     if (!colon)
         return false;
     *colon = '\0';
-    return read_field(r, text, colon + 2, line);
+    make_small(text);
+    const int field = choice_find(FIELD_NAMES, text);
+    char *value = colon + 2;
+    value += strspn(value, " \t");
+    if (field < 0 || r->seen >> field & 1 || line > FIELDS_MOST || !read_value(r, field, value))
+        return false;
+    r->seen |= UINT64_C(1) << field;
+    return true;
 }
 
-/* The line at *at, without its end, and *at after it; NULL where it has in it what ends lines for
- * some. */
+/* Return the line at *at, without its end, and set *at after it; NULL for a line that has another
+ * end for some readers. */
 static char *next_line(char **at)
 {
     char *const line = *at, *const end = strchr(line, '\n');
@@ -408,8 +326,8 @@ static char *next_line(char **at)
 
 /* ---- the whole ---- */
 
-/* ITK's spacing and direction, multiplied again, in the same order: its world runs to the left and
- * to the back. */
+/* Multiply ITK's spacing and direction again, in the same order: its world runs to the left and to
+ * the back. */
 static bool place_directions(struct reading *r)
 {
     struct nrrd_header *out = r->out;
@@ -432,7 +350,7 @@ static bool place_directions(struct reading *r)
         for (int i = 0; i < 4; i++)
             out->to_mm[w][i] *= r->space_mm[w];
     }
-    const double *mm = r->space_mm; /* without a place a row is of no axis of the space */
+    const double *mm = r->space_mm; /* without a place the rows belong to no axis */
     return out->knows_place || (mm[0] == mm[1] && mm[1] == mm[2]);
 }
 
@@ -471,7 +389,7 @@ bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length)
     *out = (struct nrrd_header){.offset = length};
     if (length < 2 || memchr(bytes, '\0', length))
         return false;
-    bytes[length - 1] = '\0'; /* of the line that is empty */
+    bytes[length - 1] = '\0'; /* the end of the empty line */
     line = next_line(&at);
     if (!line || strncmp(line, NRRD_MAGIC, sizeof NRRD_MAGIC - 1) != 0 ||
         choice_find("1|2|3|4|5", line + sizeof NRRD_MAGIC - 1) < 0)

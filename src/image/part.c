@@ -12,11 +12,6 @@
 
 /* ---- which ---- */
 
-bool part_is_less(const struct volume_header *header)
-{
-    return header->choice.has_crop || header->choice.reduce > 1;
-}
-
 enum err part_choose(struct volume_header *header, struct fault *fault)
 {
     const struct volume_choice *choice = &header->choice;
@@ -65,12 +60,7 @@ enum err part_choose(struct volume_header *header, struct fault *fault)
 static double get_number(const uint8_t *at, const struct volume_header *header)
 {
     const unsigned width = voxel_bytes(header->type);
-    uint64_t bits = 0;
-    for (unsigned i = 0; i < width; i++)
-        bits |= (uint64_t)at[header->big_endian ? width - 1 - i : i] << 8 * i;
-    const uint32_t narrow = (uint32_t)bits;
-    float single;
-    double wide;
+    const uint64_t bits = bits_get(at, width, header->big_endian);
     switch (header->type) {
     case VOXEL_INT8:
         return (int8_t)bits;
@@ -81,29 +71,22 @@ static double get_number(const uint8_t *at, const struct volume_header *header)
     case VOXEL_INT64:
         return (double)(int64_t)bits;
     case VOXEL_FLOAT32:
-        memcpy(&single, &narrow, sizeof single);
-        return (double)single;
     case VOXEL_FLOAT64:
-        memcpy(&wide, &bits, sizeof wide);
-        return wide;
+        return real_of_bits(bits, width);
     default:
         return (double)bits;
     }
 }
 
-/* A mean that the type can hold. */
+/* Write a mean, which the type can hold. */
 static void put_number(uint8_t *at, double value, const struct volume_header *header)
 {
-    uint64_t bits = 0;
-    uint32_t narrow;
-    const float single = (float)value;
+    const unsigned width = voxel_bytes(header->type);
+    uint64_t bits;
     switch (header->type) {
     case VOXEL_FLOAT32:
-        memcpy(&narrow, &single, sizeof narrow);
-        bits = narrow;
-        break;
     case VOXEL_FLOAT64:
-        memcpy(&bits, &value, sizeof bits);
+        bits = bits_of_real(value, width);
         break;
     case VOXEL_UINT64:
         bits = value < 0x1p64 ? (uint64_t)floor(value + 0.5) : UINT64_MAX;
@@ -111,9 +94,7 @@ static void put_number(uint8_t *at, double value, const struct volume_header *he
     default:
         bits = value < 0x1p63 ? (uint64_t)(int64_t)floor(value + 0.5) : INT64_MAX;
     }
-    const unsigned width = voxel_bytes(header->type);
-    for (unsigned i = 0; i < width; i++)
-        at[header->big_endian ? width - 1 - i : i] = (uint8_t)(bits >> 8 * i);
+    bits_put(at, width, bits, header->big_endian);
 }
 
 /* ---- blocks ---- */
@@ -125,16 +106,10 @@ struct blocks {
     unsigned width;  /* bytes of a number */
     uint8_t *row;    /* of the file */
     double *sum;     /* of the blocks of one plane of the part, */
-    uint32_t *count; /* and of how many finite numbers each is */
+    uint32_t *count; /* and the finite numbers in each */
 };
 
-/* The voxel of a block that stands for it. */
-static bool is_middle(uint32_t place, uint32_t step)
-{
-    return place % step == (step - 1) / 2;
-}
-
-/* A row of the file in row y of the part. */
+/* Add a row of the file to the sums of row y of the part. */
 static void add_row(struct blocks *blocks, uint32_t y)
 {
     const struct volume_header *header = blocks->header;
@@ -150,21 +125,19 @@ static void add_row(struct blocks *blocks, uint32_t y)
         }
 }
 
-/* A row of the part, of voxels of the file as they are. */
+/* Copy the middle voxel of each block of a row. */
 static void pick_row(uint8_t *to, const struct blocks *blocks)
 {
     const struct volume_header *header = blocks->header;
-    const uint32_t step = header->step[0];
-    const uint8_t *at = blocks->row + (size_t)(header->begin[0] + (step - 1) / 2) * blocks->width;
-    if (step == 1)
-        memcpy(to, at, (size_t)header->size[0] * blocks->width);
-    else
-        for (uint32_t x = 0; x < header->size[0]; x++)
-            memcpy(to + (size_t)x * blocks->width, at + (size_t)x * step * blocks->width,
-                   blocks->width);
+    const size_t step = header->step[0], width = blocks->width;
+    const uint8_t *at = blocks->row + (header->begin[0] + (step - 1) / 2) * width;
+    const size_t each =
+        step == 1 ? header->size[0] * width : width; /* all at once, or one by one */
+    for (size_t done = 0; done < header->size[0] * width; done += each, at += step * width)
+        memcpy(to + done, at, each);
 }
 
-/* Plane z of the box, counted from its beginning. */
+/* Read plane z of the box, counted from its beginning. */
 static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, struct task *task,
                            struct fault *fault)
 {
@@ -179,15 +152,16 @@ static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, struc
         err = source_read(blocks->source, blocks->row, bytes, "the voxels", NULL, fault);
         if (!err && blocks->sum)
             add_row(blocks, y / step[1]);
-        else if (!err && is_middle(y, step[1]) && is_middle(z, step[2]))
-            pick_row(to + (plane + y / step[1]) * part_bytes, blocks);
+        else if (!err && y % step[1] == (step[1] - 1) / 2 && z % step[2] == (step[2] - 1) / 2)
+            pick_row(to + (plane + y / step[1]) * part_bytes, blocks); /* the middle of blocks */
         if (!err && !task_advance(task, whole[0]))
             err = watch_fault(task->watch, fault);
     }
     if (err || !blocks->sum || (z + 1) % step[2] != 0)
         return err;
     to += plane * part_bytes;
-    for (size_t i = 0; i < (size_t)header->size[0] * header->size[1]; i++) { /* and begins anew */
+    for (size_t i = 0; i < (size_t)header->size[0] * header->size[1];
+         i++) { /* and clear the sums */
         const double mean = blocks->count[i] ? blocks->sum[i] / blocks->count[i] : (double)NAN;
         put_number(to + i * blocks->width, mean, header);
         blocks->sum[i] = 0;
@@ -206,9 +180,9 @@ enum err part_read(void *to, const struct volume_header *header, uint64_t offset
     blocks.row = mem_array(header->whole[0], blocks.width);
     blocks.sum = means ? mem_array(plane, sizeof *blocks.sum) : NULL;
     blocks.count = means ? mem_array(plane, sizeof *blocks.count) : NULL;
-    for (size_t i = 0; blocks.sum && blocks.count && i < plane; i++) {
-        blocks.sum[i] = 0;
-        blocks.count[i] = 0;
+    if (blocks.sum && blocks.count) {
+        memset(blocks.sum, 0, plane * sizeof *blocks.sum);
+        memset(blocks.count, 0, plane * sizeof *blocks.count);
     }
     const bool fits = blocks.row && (!means || (blocks.sum && blocks.count));
     const uint32_t planes = header->size[2] * header->step[2];

@@ -19,9 +19,62 @@ enum {
     KEYWORD_MOST = 79,
 };
 
+enum { HEADER = 13, AROUND = 12 /* bytes around the data of a chunk */, SCALE = 9 };
+
+static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+
+/* Kinds of pixels, as the header stores them. */
+enum png_kind { PNG_COLOURED = 2, PNG_INDEXED = 3, PNG_WITH_ALPHA = 6 };
+
 struct png_coder {
     uint32_t width, height;
     unsigned channels;
+};
+
+/* ---- chunks: length, type, data, CRC of type and data ---- */
+
+static void put_number(uint8_t *place, uint32_t n)
+{
+    for (unsigned i = 0; i < 4; i++)
+        place[i] = (uint8_t)(n >> (24 - 8 * i));
+}
+
+static void add_chunk(struct buf *png, const char type[4], const void *data, size_t length)
+{
+    uint8_t number[4];
+    uint32_t crc = libdeflate_crc32(libdeflate_crc32(0, type, 4), data, length);
+    put_number(number, (uint32_t)length);
+    buf_add(png, number, 4);
+    buf_add(png, type, 4);
+    buf_add(png, data, length);
+    put_number(number, crc);
+    buf_add(png, number, 4);
+}
+
+static void add_beginning(struct buf *png, uint32_t width, uint32_t height, unsigned bits,
+                          enum png_kind kind)
+{
+    uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = (uint8_t)kind};
+    put_number(header, width);
+    put_number(header + 4, height);
+    buf_add(png, signature, sizeof signature);
+    add_chunk(png, "IHDR", header, HEADER);
+}
+
+/* The colours of the pixels: sRGB, to be shown by perceptual intent. The last two are accepted as
+ * well, since former versions wrote them by OpenImageIO: no intent, and no offset. */
+enum { WRITTEN = 3 };
+static const struct {
+    char type[5];
+    uint8_t length;
+    uint8_t data[32];
+} constant[] = {
+    {"gAMA", 4, {0, 0, 0xb1, 0x8f}},
+    {"cHRM", 32, {0, 0, 0x7a, 0x26, 0, 0, 0x80, 0x84, 0, 0, 0xfa, 0,    0, 0, 0x80, 0xe8,
+                  0, 0, 0x75, 0x30, 0, 0, 0xea, 0x60, 0, 0, 0x3a, 0x98, 0, 0, 0x17, 0x70}},
+    {"sRGB", 1, {0}},
+    {"sRGB", 1, {3}},
+    {"oFFs", 9, {0}},
 };
 
 /* ---- strips ---- */
@@ -106,7 +159,7 @@ static enum err pack(void *context, const struct picture *rows, uint32_t top, st
         err = deflate_part(&data, raw, stride * rows->height, top + rows->height == coder->height);
     }
     if (!err)
-        png_add_chunk(out, "IDAT", data.data, data.length);
+        add_chunk(out, "IDAT", data.data, data.length);
     buf_release(&data);
     free(raw);
     return err || out->failed ? fault_memory(fault, "a picture") : OK;
@@ -138,20 +191,29 @@ static enum err add_note(struct buf *png, const struct attribute *note, const ch
     if (!is_ascii)
         buf_add(&data, "\0\0\0", 4); /* not packed, of no language */
     buf_add_text(&data, note->value);
-    png_add_chunk(png, is_ascii ? "tEXt" : "iTXt", buf_text(&data), data.length);
+    add_chunk(png, is_ascii ? "tEXt" : "iTXt", buf_text(&data), data.length);
     png->failed |= data.failed;
     buf_release(&data);
     return OK;
 }
 
+/* Add the chunks before the pixels. */
 static enum err add_head(struct buf *png, const struct png_coder *coder, const char *path,
                          const struct picture *picture, struct fault *fault)
 {
-    png_add_beginning(png, coder->width, coder->height, 8,
-                      coder->channels == 4 ? PNG_WITH_ALPHA : PNG_COLOURED);
-    png_add_colours(png);
-    png_add_scale(png, picture->pixel_mm);
+    const double most = INT32_MAX;
+    const double count = picture->pixel_mm > 0 ? 1000 / picture->pixel_mm + 0.5 : 0;
+    const uint32_t a_metre = count < most ? (uint32_t)count : 0;
+    uint8_t scale[SCALE] = {[8] = 1}; /* unit: metres */
     enum err err = OK;
+    add_beginning(png, coder->width, coder->height, 8,
+                  coder->channels == 4 ? PNG_WITH_ALPHA : PNG_COLOURED);
+    for (int i = 0; i < WRITTEN; i++)
+        add_chunk(png, constant[i].type, constant[i].data, constant[i].length);
+    put_number(scale, a_metre);
+    put_number(scale + 4, a_metre);
+    if (a_metre)
+        add_chunk(png, "pHYs", scale, SCALE);
     for (size_t i = 0; i < picture->attributes && !err; i++)
         err = add_note(png, &picture->attribute[i], path, fault);
     return err ? err : png->failed ? fault_memory(fault, path) : OK;
@@ -166,34 +228,14 @@ static enum err write_buf(int fd, const char *path, const struct buf *bytes, str
                : fault_errno(fault, "write", path);
 }
 
-static enum err write_pieces(const struct png_coder *coder, int fd, const struct strips *strips,
-                             struct buf *bytes, struct fault *fault)
-{
-    const size_t row_bytes = (size_t)coder->width * coder->channels + 1;
-    uLong sum = adler32(0, NULL, 0);
-    enum err err = OK;
-    for (size_t i = 0; i < strips_count(strips) && !err; i++) {
-        const struct strips_piece *piece = strips_piece(strips, i);
-        sum = adler32_combine(sum, piece->check, (z_off_t)(row_bytes * piece->rows));
-        err = strips_read(strips, i, bytes, fault);
-        if (!err)
-            err = write_buf(fd, strips_path(strips), bytes, fault);
-    }
-    const uint8_t number[4] = {(uint8_t)(sum >> 24), (uint8_t)(sum >> 16), (uint8_t)(sum >> 8),
-                               (uint8_t)sum};
-    buf_clear(bytes);
-    png_add_chunk(bytes, "IDAT", number, sizeof number);
-    png_add_chunk(bytes, "IEND", "", 0);
-    if (!err && bytes->failed)
-        err = fault_memory(fault, strips_path(strips));
-    return err ? err : write_buf(fd, strips_path(strips), bytes, fault);
-}
-
 static enum err write_file(void *context, const char *draft, const struct picture *like,
-                           const struct strips *strips, struct fault *fault)
+                           const struct strips_pieces *pieces, struct fault *fault)
 {
     const struct png_coder *coder = context;
-    const char *path = strips_path(strips);
+    const size_t row_bytes = (size_t)coder->width * coder->channels + 1;
+    const char *path = pieces->path;
+    uLong sum = adler32(0, NULL, 0);
+    uint8_t number[4];
     struct buf bytes = {0};
     enum err err = add_head(&bytes, coder, path, like, fault);
     const int fd = err ? -1 : file_step_open(draft, O_RDWR | O_CREAT | O_EXCL);
@@ -201,8 +243,19 @@ static enum err write_file(void *context, const char *draft, const struct pictur
         err = fault_errno(fault, "write", path);
     if (!err)
         err = write_buf(fd, path, &bytes, fault);
+    for (size_t i = 0; i < pieces->count && !err; i++) {
+        const struct strips_piece *piece = &pieces->piece[i];
+        sum = adler32_combine(sum, piece->check, (z_off_t)(row_bytes * piece->rows));
+        err = strips_read(pieces, i, &bytes, fault);
+        if (!err)
+            err = write_buf(fd, path, &bytes, fault);
+    }
+    put_number(number, (uint32_t)sum);
+    buf_clear(&bytes);
+    add_chunk(&bytes, "IDAT", number, sizeof number);
+    add_chunk(&bytes, "IEND", "", 0);
     if (!err)
-        err = write_pieces(coder, fd, strips, &bytes, fault);
+        err = bytes.failed ? fault_memory(fault, path) : write_buf(fd, path, &bytes, fault);
     if (fd >= 0 && close(fd) != 0 && !err)
         err = fault_errno(fault, "write", path);
     buf_release(&bytes);
@@ -224,11 +277,7 @@ enum err png_write(const char *path, enum file_mode mode, const struct picture *
     return strips_end(strips, picture, fault);
 }
 
-enum { HEADER = 13, AROUND = 12 /* the data of a chunk */, SCALE = 9 };
-
-static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-
-/* ---- writing ---- */
+/* ---- rasters ---- */
 
 void png_release(struct png_writer *writer)
 {
@@ -238,69 +287,6 @@ void png_release(struct png_writer *writer)
     free(writer->raw);
     free(writer->packed);
     *writer = (struct png_writer){0};
-}
-
-/* Chunks: length, type, data, CRC of type and data. */
-
-static void put_number(uint8_t *place, uint32_t n)
-{
-    for (unsigned i = 0; i < 4; i++)
-        place[i] = (uint8_t)(n >> (24 - 8 * i));
-}
-
-void png_add_chunk(struct buf *png, const char type[4], const void *data, size_t length)
-{
-    uint8_t number[4];
-    uint32_t crc = libdeflate_crc32(libdeflate_crc32(0, type, 4), data, length);
-    put_number(number, (uint32_t)length);
-    buf_add(png, number, 4);
-    buf_add(png, type, 4);
-    buf_add(png, data, length);
-    put_number(number, crc);
-    buf_add(png, number, 4);
-}
-
-void png_add_beginning(struct buf *png, uint32_t width, uint32_t height, unsigned bits,
-                       enum png_kind kind)
-{
-    uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = (uint8_t)kind};
-    put_number(header, width);
-    put_number(header + 4, height);
-    buf_add(png, signature, sizeof signature);
-    png_add_chunk(png, "IHDR", header, HEADER);
-}
-
-/* The colours of sRGB, which the pixels have, to be shown by perceptual intent; and what there is
- * in files of former versions, by OpenImageIO: no intent that was said, and no offset. */
-enum { WRITTEN = 3 };
-static const struct {
-    char type[5];
-    uint8_t length;
-    uint8_t data[32];
-} constant[] = {
-    {"gAMA", 4, {0, 0, 0xb1, 0x8f}},
-    {"cHRM", 32, {0, 0, 0x7a, 0x26, 0, 0, 0x80, 0x84, 0, 0, 0xfa, 0,    0, 0, 0x80, 0xe8,
-                  0, 0, 0x75, 0x30, 0, 0, 0xea, 0x60, 0, 0, 0x3a, 0x98, 0, 0, 0x17, 0x70}},
-    {"sRGB", 1, {0}},
-    {"sRGB", 1, {3}},
-    {"oFFs", 9, {0}},
-};
-
-void png_add_colours(struct buf *png)
-{
-    for (int i = 0; i < WRITTEN; i++)
-        png_add_chunk(png, constant[i].type, constant[i].data, constant[i].length);
-}
-
-void png_add_scale(struct buf *png, double pixel_mm)
-{
-    const double most = INT32_MAX, count = pixel_mm > 0 ? 1000 / pixel_mm + 0.5 : 0;
-    const uint32_t a_metre = count < most ? (uint32_t)count : 0;
-    uint8_t scale[SCALE] = {[8] = 1}; /* of metres */
-    put_number(scale, a_metre);
-    put_number(scale + 4, a_metre);
-    if (a_metre)
-        png_add_chunk(png, "pHYs", scale, SCALE);
 }
 
 /* Rows of a palette that is smaller: pixels side by side, the leftmost in the highest bits. */
@@ -366,7 +352,7 @@ static size_t prepare(struct png_writer *w, enum png_effort effort, size_t row_b
     return raw_length;
 }
 
-/* Into one half of the memory or the other. */
+/* Deflate into one half of the memory or the other. */
 static size_t deflate_rows(struct png_writer *w, enum png_effort effort, size_t raw_length,
                            unsigned half)
 {
@@ -405,7 +391,7 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
     const enum png_kind kind = raster->colour      ? PNG_INDEXED
                                : raster->has_alpha ? PNG_WITH_ALPHA
                                                    : PNG_COLOURED;
-    png_add_beginning(png, raster->width, raster->height, bits, kind);
+    add_beginning(png, raster->width, raster->height, bits, kind);
     if (raster->colour) {
         uint8_t rgb[3 * RASTER_COLOURS_MOST];
         for (size_t i = 0; i < colours; i++) {
@@ -413,12 +399,12 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
             rgb[3 * i + 1] = (uint8_t)(used[i] >> 8);
             rgb[3 * i + 2] = (uint8_t)used[i];
         }
-        png_add_chunk(png, "PLTE", rgb, 3 * (size_t)colours);
+        add_chunk(png, "PLTE", rgb, 3 * (size_t)colours);
     }
     if (is_clear)
-        png_add_chunk(png, "tRNS", "", 1); /* the first colour is seen through */
-    png_add_chunk(png, "IDAT", packed, packed_length);
-    png_add_chunk(png, "IEND", "", 0);
+        add_chunk(png, "tRNS", "", 1); /* the first colour is seen through */
+    add_chunk(png, "IDAT", packed, packed_length);
+    add_chunk(png, "IEND", "", 0);
 }
 
 void png_add_pixels(struct png_writer *w, const struct raster *raster, enum png_effort effort,
@@ -510,13 +496,6 @@ static enum err take_header(struct reading *r, uint32_t width, uint32_t height)
     return OK;
 }
 
-/* Pixels per metre, the same both ways. */
-static bool is_scale(const struct reading *r)
-{
-    return strcmp(r->type, "pHYs") == 0 && r->length == SCALE && number_at(r->data) > 0 &&
-           number_at(r->data) == number_at(r->data + 4) && r->data[8] == 1;
-}
-
 static enum err take_other(struct reading *r)
 {
     const bool is_utf8 = strcmp(r->type, "iTXt") == 0;
@@ -541,7 +520,8 @@ static enum err take_other(struct reading *r)
         buf_release(&value);
         return err;
     }
-    if (is_scale(r)) {
+    if (strcmp(r->type, "pHYs") == 0 && r->length == SCALE && number_at(r->data) > 0 &&
+        number_at(r->data) == number_at(r->data + 4) && r->data[8] == 1) { /* per metre, square */
         r->out->pixel_mm = 1000.0 / number_at(r->data);
         return OK;
     }
@@ -573,16 +553,10 @@ static enum err take_chunks(struct reading *r, uint32_t width, uint32_t height)
     return err;
 }
 
-static int paeth(int left, int above, int before)
-{
-    const int p = left + above - before;
-    const int a = abs(p - left), b = abs(p - above), c = abs(p - before);
-    return a <= b && a <= c ? left : b <= c ? above : before;
-}
-
-/* What a byte was taken less: of those left of it, above it, and left of that. */
+/* Predict a byte from those left of it, above it, and left of that. */
 static int predict(uint8_t filter, int left, int above, int before)
 {
+    int p, a, b, c;
     switch (filter) {
     case 1:
         return left;
@@ -590,8 +564,10 @@ static int predict(uint8_t filter, int left, int above, int before)
         return above;
     case 3:
         return (left + above) / 2;
-    case 4:
-        return paeth(left, above, before);
+    case 4: /* Paeth */
+        p = left + above - before;
+        a = abs(p - left), b = abs(p - above), c = abs(p - before);
+        return a <= b && a <= c ? left : b <= c ? above : before;
     default:
         return 0;
     }
@@ -638,19 +614,28 @@ static enum err take_pixels(struct reading *r)
     return err;
 }
 
+static enum err begin_reading(struct reading *r, struct picture *out, const void *bytes,
+                              size_t length, struct fault *fault)
+{
+    const uint8_t *from = bytes;
+    *r = (struct reading){.out = out, .fault = fault};
+    *out = (struct picture){0};
+    if (length < sizeof signature || memcmp(from, signature, sizeof signature) != 0)
+        return refuse(r, "it is no PNG");
+    r->at = from + sizeof signature;
+    r->end = from + length;
+    return OK;
+}
+
 enum err png_read(struct picture *out, const void *bytes, size_t length, uint32_t width,
                   uint32_t height, struct fault *fault)
 {
-    const uint8_t *from = bytes;
-    struct reading r = {.out = out, .at = from, .end = from + length, .fault = fault};
-    *out = (struct picture){0};
-    if (length < sizeof signature || memcmp(from, signature, sizeof signature) != 0)
-        return refuse(&r, "it is no PNG");
-    enum err err = picture_init(out, width, height, false, fault);
-    if (err)
-        return err;
-    r.at += sizeof signature;
-    err = take_chunks(&r, width, height);
+    struct reading r;
+    enum err err = begin_reading(&r, out, bytes, length, fault);
+    if (!err)
+        err = picture_init(out, width, height, 0, fault);
+    if (!err)
+        err = take_chunks(&r, width, height);
     if (!err)
         err = take_pixels(&r);
     if (err)
@@ -661,13 +646,10 @@ enum err png_read(struct picture *out, const void *bytes, size_t length, uint32_
 
 enum err png_read_notes(struct picture *out, const void *bytes, size_t length, struct fault *fault)
 {
-    const uint8_t *from = bytes;
-    struct reading r = {.out = out, .at = from, .end = from + length, .fault = fault};
-    *out = (struct picture){0};
-    if (length < sizeof signature || memcmp(from, signature, sizeof signature) != 0)
-        return refuse(&r, "it is no PNG");
-    r.at += sizeof signature;
-    enum err err = next_chunk(&r);
+    struct reading r;
+    enum err err = begin_reading(&r, out, bytes, length, fault);
+    if (!err)
+        err = next_chunk(&r);
     if (!err)
         err = take_header(&r, 0, 0);
     while (!err && r.end - r.at >= AROUND && memcmp(r.at + 4, "IDAT", 4) != 0 &&

@@ -16,7 +16,6 @@
 #include "base/err.h"
 #include "base/file.h"
 #include "image/picture.h"
-#include "image/raster.h"
 #include "image/strips.h"
 
 /* Whether time counts, or bytes do. On pictures rounded to a palette deflate's level 1 makes 45 kB
@@ -47,22 +46,6 @@ void png_add_pixels(struct png_writer *writer, const struct raster *raster, enum
 enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint8_t *rgba,
                     struct fault *fault);
 
-/* ---- what files have before their pixels (image/png.h) ---- */
-
-/* Kinds of pixels, as the header names them. */
-enum png_kind { PNG_COLOURED = 2, PNG_INDEXED = 3, PNG_WITH_ALPHA = 6 };
-
-/* Adds length, type, data, and the CRC of these two. */
-void png_add_chunk(struct buf *png, const char type[4], const void *data, size_t length);
-
-/* What a file begins with; that its colours are sRGB, to be shown by perceptual intent; and how
- * many pixels of this length go to a metre, to the nearest: nothing where that is 0, which it is of
- * length 0, or more than PNG can say. */
-void png_add_beginning(struct buf *png, uint32_t width, uint32_t height, unsigned bits,
-                       enum png_kind kind);
-void png_add_colours(struct buf *png);
-void png_add_scale(struct buf *png, double pixel_mm);
-
 /*
  * A PNG as this program writes it beside a golden image, taken apart without the image helper:
  * 8 bits a channel, RGB or RGBA, not interlaced, with notes as text chunks before the pixels.
@@ -76,7 +59,6 @@ void png_add_scale(struct buf *png, double pixel_mm);
  * with what it is;
  * ERR_MEMORY. On error *out is empty.
  */
-struct picture;
 enum err png_read(struct picture *out, const void *bytes, size_t length, uint32_t width,
                   uint32_t height, struct fault *fault);
 

@@ -84,13 +84,7 @@ static inline double order_number(uint64_t order, enum voxel_type type)
     const uint64_t zero = order_zero(type);
     if (!order_is_real(type))
         return order < zero ? -(double)(zero - order) : (double)(order - zero);
-    const uint64_t bits = order >= zero ? order ^ zero : ~order;
-    const uint32_t few = (uint32_t)bits;
-    double value;
-    float narrow;
-    memcpy(&value, &bits, sizeof value);
-    memcpy(&narrow, &few, sizeof narrow);
-    return type == VOXEL_FLOAT32 ? (double)narrow : value;
+    return real_of_bits(order >= zero ? order ^ zero : ~order, voxel_bytes(type));
 }
 
 /* Numbers of 4 or 8 bytes, in the order of this machine. */
@@ -361,31 +355,20 @@ static inline void note_level(struct levels *levels, uint16_t is, double number)
     level->greatest = number > level->greatest ? number : level->greatest;
 }
 
-static enum err want_levels(struct fitting *f)
+/* Make the levels, unless by_extremes; levels->is_clamped if outliers cut the scale to a core. */
+static enum err make_levels(uint64_t core[2], struct fitting *f, const struct numbers *numbers)
 {
-    if (f->volume->choice.by_extremes)
-        return OK;
-    f->levels = f->volume->levels = mem_new(sizeof *f->levels);
-    if (!f->levels)
-        return fault_memory(f->fault, "the scale of the scene");
-    for (size_t i = 0; i < LEVELS; i++)
-        f->levels->level[i] = (struct level){INFINITY, -INFINITY};
-    return OK;
-}
-
-/* Whether the scale is cut, to a core then. */
-static enum err look_for_outliers(bool *is_clamped, uint64_t core[2], const struct fitting *f,
-                                  const struct numbers *numbers)
-{
-    *is_clamped = false;
     if (f->volume->choice.by_extremes)
         return OK;
     uint64_t *room = mem_array(OUTLIERS_ROOM, sizeof *room);
-    if (!room)
-        return fault_memory(f->fault, "the scale of the scene");
-    *is_clamped = find_outliers(core, numbers, room, f->task->watch);
+    f->levels = f->volume->levels = mem_new(sizeof *f->levels);
+    const bool fits = room && f->levels;
+    for (size_t i = 0; fits && i < LEVELS; i++)
+        f->levels->level[i] = (struct level){INFINITY, -INFINITY};
+    if (fits)
+        f->levels->is_clamped = find_outliers(core, numbers, room, f->task->watch);
     free(room);
-    return OK;
+    return fits ? OK : fault_memory(f->fault, "the scale of the scene");
 }
 
 /* ---- wide whole numbers ---- */
@@ -408,17 +391,6 @@ struct steps {
     uint64_t least, greatest, step;
     uint16_t first;
 };
-
-static struct steps steps_between(const struct numbers *n)
-{
-    struct steps s = {n->least, n->greatest, 1, 0};
-    const uint64_t zero = order_zero(n->type);
-    if (s.least >= zero && s.greatest - zero <= UINT16_MAX)
-        s.least = zero;
-    if (s.greatest - s.least > UINT16_MAX)
-        s.step = (s.greatest - s.least - 1) / UINT16_MAX + 1;
-    return s;
-}
 
 static struct steps steps_around(const uint64_t core[2], const struct numbers *n)
 {
@@ -457,24 +429,25 @@ static void divide(const struct fitting *f, const struct steps *s)
 static enum err fit_whole(struct way_back *back, struct fitting *f)
 {
     const struct numbers numbers = find_whole(f);
-    struct steps steps = steps_between(&numbers);
-    bool is_clamped = false;
+    const uint64_t zero = order_zero(numbers.type);
+    struct steps steps = {numbers.least, numbers.greatest, 1, 0};
     uint64_t core[2];
     enum err err = OK;
-    if (steps.step > 1) {
-        err = look_for_outliers(&is_clamped, core, f, &numbers);
-        if (!err && is_clamped)
-            steps = steps_around(core, &numbers);
-        if (!err)
-            err = want_levels(f);
+    if (steps.least >= zero && steps.greatest - zero <= UINT16_MAX)
+        steps.least = zero;
+    if (steps.greatest - steps.least > UINT16_MAX) {
+        steps.step = (steps.greatest - steps.least - 1) / UINT16_MAX + 1;
+        err = make_levels(core, f, &numbers);
     }
     if (err)
         return err;
+    const bool is_clamped = f->levels && f->levels->is_clamped;
+    if (is_clamped)
+        steps = steps_around(core, &numbers);
     const double least = order_number(steps.least, f->type);
     const double greatest = order_number(steps.greatest, f->type);
     const double most = fmax(fabs(least), fabs(greatest));
     if (f->levels) {
-        f->levels->is_clamped = is_clamped;
         f->levels->ends[0] = least;
         f->levels->ends[1] = greatest;
     }
@@ -610,7 +583,6 @@ static enum err find_line(struct line *line, const struct extent *extent, struct
                                     order_of_real(extent->high, f->type)};
     const double range = extent->high - extent->low;
     uint64_t core[2];
-    bool is_clamped;
     *line = (struct line){extent->low, extent->high, 0, LEVELS - 1};
     if (is_exact(f, extent)) {
         line->low = extent->low >= 0 && extent->high <= UINT16_MAX ? 0 : extent->low;
@@ -619,16 +591,13 @@ static enum err find_line(struct line *line, const struct extent *extent, struct
     }
     if (range == 0 || f->volume->choice.by_extremes)
         return OK;
-    enum err err = look_for_outliers(&is_clamped, core, f, &numbers);
-    if (!err)
-        err = want_levels(f);
-    if (!err && is_clamped) {
+    const enum err err = make_levels(core, f, &numbers);
+    if (!err && f->levels->is_clamped) {
         const double low = order_number(core[0], f->type), high = order_number(core[1], f->type);
         *line = (struct line){fmax(extent->low, low - (high - low)),
                               fmin(extent->high, high + (high - low)), 1, LEVELS - 3};
     }
     if (!err) {
-        f->levels->is_clamped = is_clamped;
         f->levels->ends[0] = line->low;
         f->levels->ends[1] = line->high;
     }
@@ -663,33 +632,25 @@ static enum err fit_reals(struct way_back *back, struct fitting *f)
 
 /* ---- levels ---- */
 
-static void swap_reals(double *a, double *b)
-{
-    const double was = *a;
-    *a = *b;
-    *b = was;
-}
-
-/* Numbers of the file as real values, which rise where those fall. */
+/* Convert numbers of the file to real values, which rise where the numbers fall if the slope is
+ * negative. */
 static void make_real(struct levels *levels, const struct geometry *of_file)
 {
+    const bool falls = of_file->slope < 0;
     for (size_t i = 0; i < LEVELS; i++) {
-        struct level *level = &levels->level[i];
-        if (level->least > level->greatest)
-            continue;
-        level->least = geometry_value(of_file, level->least);
-        level->greatest = geometry_value(of_file, level->greatest);
-        if (of_file->slope < 0)
-            swap_reals(&level->least, &level->greatest);
+        const struct level was = levels->level[i];
+        if (was.least <= was.greatest)
+            levels->level[i] =
+                (struct level){geometry_value(of_file, falls ? was.greatest : was.least),
+                               geometry_value(of_file, falls ? was.least : was.greatest)};
     }
-    for (int i = 0; i < 2; i++)
-        levels->ends[i] = geometry_value(of_file, levels->ends[i]);
-    if (of_file->slope < 0) {
-        const size_t below = levels->beyond[0];
-        levels->beyond[0] = levels->beyond[1];
-        levels->beyond[1] = below;
-        swap_reals(&levels->ends[0], &levels->ends[1]);
-    }
+    const double low = geometry_value(of_file, levels->ends[0]);
+    const double high = geometry_value(of_file, levels->ends[1]);
+    const size_t below = levels->beyond[0];
+    levels->ends[0] = falls ? high : low;
+    levels->ends[1] = falls ? low : high;
+    levels->beyond[0] = falls ? levels->beyond[1] : below;
+    levels->beyond[1] = falls ? below : levels->beyond[1];
 }
 
 /* Fewer levels than a scene of bytes has, of which each stands for several numbers, are worth a

@@ -10,29 +10,25 @@
 
 enum { FRACTION_BITS = 30 };
 
-static bool same_spacing(const struct geometry *a, const struct geometry *b)
-{
-    bool same = true;
-    for (int i = 0; i < 3; i++) {
-        const double x = a->spacing_nm[i], y = b->spacing_nm[i];
-        same &= fabs(x - y) <= 0.01 * y;
-    }
-    return same || a->spacing_unknown || b->spacing_unknown;
-}
-
 static bool have_places(const struct geometry *map, const struct geometry *scene)
 {
     return geometry_has_place(map) && geometry_has_place(scene);
 }
 
-/* Whether its voxels are the scene's, one by one. */
+/* Return true if the map's voxels correspond to the scene's, one by one. */
 static bool is_the_grid(const uint32_t map_size[3], const struct geometry *map,
                         const uint32_t size[3], const struct geometry *scene)
 {
+    bool same_spacing = true;
     if (!same_size(map_size, size))
         return false;
-    return have_places(map, scene) ? geometry_apart(map, scene, size) <= geometry_half_voxel(scene)
-                                   : same_spacing(map, scene);
+    if (have_places(map, scene))
+        return geometry_apart(map, scene, size) <= geometry_half_voxel(scene);
+    for (int i = 0; i < 3; i++) {
+        const double x = map->spacing_nm[i], y = scene->spacing_nm[i];
+        same_spacing &= fabs(x - y) <= 0.01 * y;
+    }
+    return same_spacing || map->spacing_unknown || scene->spacing_unknown;
 }
 
 /* ---- other orders of axes ---- */
@@ -182,16 +178,6 @@ static size_t resample_row(uint16_t *out, const struct volume *map, const struct
     return beyond;
 }
 
-/* The intensity that stands for 0; false where none does. */
-static bool intensity_of_zero(uint16_t *zero, const struct geometry *geometry)
-{
-    const double is = floor(-geometry->intercept / geometry->slope + 0.5);
-    if (!(is >= 0 && is <= UINT16_MAX))
-        return false;
-    *zero = (uint16_t)is;
-    return fabs(geometry_value(geometry, *zero)) <= fabs(geometry->slope) / 2;
-}
-
 /* The map's voxels are of another number now, in another place. */
 static void take(struct volume *map, uint16_t *intensity, const uint32_t size[3],
                  const struct geometry *scene)
@@ -227,7 +213,11 @@ static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t s
                          "in size, to be resampled; nothing has changed");
     struct task task = task_begin(watch, "resampling", (uint64_t)size[0] * size[1] * size[2]);
     size_t beyond = 0;
-    const bool has_zero = intensity_of_zero(&way.zero, &map->geometry);
+    const double zero = floor(-map->geometry.intercept / map->geometry.slope + 0.5);
+    const bool has_zero =
+        zero >= 0 && zero <= UINT16_MAX &&
+        fabs(geometry_value(&map->geometry, zero)) <= fabs(map->geometry.slope) / 2;
+    way.zero = has_zero ? (uint16_t)zero : 0;
     for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0])
             beyond += resample_row(out, map, &way, size[0], y, z);

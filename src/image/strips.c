@@ -24,50 +24,33 @@ struct strips {
     enum file_mode mode;
     struct picture like; /* sizes and kinds alone */
     unsigned planes;
-    uint32_t height; /* of a strip */
-    size_t count;
-    struct strip *strip;        /* [count] */
-    struct strips_piece *piece; /* [count] */
-    int fd;                     /* of the pieces */
+    uint32_t height;             /* rows of a strip */
+    struct strip *strip;         /* [pieces.count] */
+    struct strips_pieces pieces; /* owns its array and descriptor */
     uint64_t end;
 
-    pthread_mutex_t lock; /* of strips, pieces, and what follows */
-    struct picture spare; /* the memory of a strip that is packed */
+    pthread_mutex_t lock; /* protects strips, pieces, and the following members */
+    struct picture spare; /* the memory of a packed strip */
     enum err err;         /* the first */
     struct fault fault;
 };
 
 /* ---- beginning and end ---- */
 
-/* A file without a name, on the disk that the other is to be on. */
-static enum err open_pieces(struct strips *s, struct fault *fault)
-{
-    struct buf draft = {0};
-    enum err err = file_draft(&draft, s->path, s->mode, fault);
-    if (!err)
-        s->fd = file_step_open(buf_text(&draft), O_RDWR | O_CREAT | O_EXCL);
-    if (!err && s->fd < 0)
-        err = fault_errno(fault, "write", s->path);
-    if (!err)
-        file_discard(buf_text(&draft));
-    buf_release(&draft);
-    return err;
-}
-
 void strips_abandon(struct strips *s)
 {
     if (!s)
         return;
-    for (size_t i = 0; s->strip && i < s->count; i++)
+    for (size_t i = 0; s->strip && i < s->pieces.count; i++)
         picture_release(&s->strip[i].rows);
     picture_release(&s->spare);
     if (s->coder)
         s->format->end(s->coder);
-    if (s->fd >= 0)
-        close(s->fd);
+    if (s->pieces.fd >= 0)
+        close(s->pieces.fd);
     pthread_mutex_destroy(&s->lock);
     free(s->strip);
-    free(s->piece);
+    free(s->pieces.piece);
     free(s->path);
     free(s);
 }
@@ -77,11 +60,13 @@ enum err strips_begin(struct strips **out, const struct strips_format *format, c
                       struct fault *fault)
 {
     struct strips *s = mem_new(sizeof *s);
+    struct buf draft = {0};
     *out = NULL;
     if (!s)
         return fault_memory(fault, path);
     pthread_mutex_init(&s->lock, NULL);
-    s->fd = -1;
+    struct strips_pieces *pieces = &s->pieces;
+    pieces->fd = -1;
     s->format = format;
     s->mode = mode;
     s->planes = planes;
@@ -92,18 +77,25 @@ enum err strips_begin(struct strips **out, const struct strips_format *format, c
                                .tiled = like->tiled,
                                .space = like->space};
     s->height = s->format->height(like);
-    s->count = (like->height + s->height - 1) / s->height;
-    s->path = strdup(path);
-    s->strip = mem_new(s->count * sizeof *s->strip);
-    s->piece = mem_new(s->count * sizeof *s->piece);
-    enum err err = s->path && s->strip && s->piece ? OK : fault_memory(fault, path);
-    for (size_t i = 0; !err && i < s->count; i++)
-        s->strip[i].missing = s->piece[i].rows =
+    pieces->count = (like->height + s->height - 1) / s->height;
+    pieces->path = s->path = strdup(path);
+    s->strip = mem_new(pieces->count * sizeof *s->strip);
+    pieces->piece = mem_new(pieces->count * sizeof *pieces->piece);
+    enum err err = s->path && s->strip && pieces->piece ? OK : fault_memory(fault, path);
+    for (size_t i = 0; !err && i < pieces->count; i++)
+        s->strip[i].missing = pieces->piece[i].rows =
             least(s->height, like->height - (uint32_t)i * s->height);
     if (!err)
         err = s->format->begin(&s->coder, path, like, planes, fault);
     if (!err)
-        err = open_pieces(s, fault);
+        err = file_draft(&draft, path, mode, fault); /* on the disk of the final file */
+    if (!err)
+        pieces->fd = file_step_open(buf_text(&draft), O_RDWR | O_CREAT | O_EXCL);
+    if (!err && pieces->fd < 0)
+        err = fault_errno(fault, "write", path);
+    if (!err)
+        file_discard(buf_text(&draft)); /* it stays open, without a name */
+    buf_release(&draft);
     if (err)
         strips_abandon(s);
     else
@@ -118,7 +110,7 @@ enum err strips_end(struct strips *s, const struct picture *like, struct fault *
     if (!err)
         err = file_draft(&draft, s->path, s->mode, fault);
     if (!err) {
-        err = s->format->write(s->coder, buf_text(&draft), like, s, fault);
+        err = s->format->write(s->coder, buf_text(&draft), like, &s->pieces, fault);
         if (err)
             file_discard(buf_text(&draft));
         else
@@ -131,19 +123,7 @@ enum err strips_end(struct strips *s, const struct picture *like, struct fault *
 
 /* ---- rows ---- */
 
-/* Under the lock. */
-static enum err make_room(struct strips *s, struct picture *rows, uint32_t height)
-{
-    const bool fits = s->spare.rgba && s->spare.height == height;
-    if (fits) {
-        *rows = s->spare;
-        s->spare = (struct picture){0};
-        return OK;
-    }
-    return picture_init_planes(rows, s->like.width, height, s->planes, &s->fault);
-}
-
-/* Planes alone, as the file has it. */
+/* Mark rows as the picture of the file is marked. */
 static struct picture of_kind(const struct strips *s, struct picture rows)
 {
     rows.is_clear = s->like.is_clear;
@@ -159,8 +139,11 @@ uint32_t strips_lend(struct strips *s, uint32_t top, uint32_t most, struct pictu
     const uint32_t height = least(s->height, s->like.height - first);
     struct strip *strip = &s->strip[number];
     pthread_mutex_lock(&s->lock);
-    if (!s->err && !strip->rows.rgba)
-        s->err = make_room(s, &strip->rows, height);
+    if (!s->err && !strip->rows.rgba && s->spare.rgba && s->spare.height == height) {
+        strip->rows = s->spare;
+        s->spare = (struct picture){0};
+    } else if (!s->err && !strip->rows.rgba)
+        s->err = picture_init(&strip->rows, s->like.width, height, s->planes, &s->fault);
     const bool fine = !s->err;
     pthread_mutex_unlock(&s->lock);
     if (!fine)
@@ -169,22 +152,12 @@ uint32_t strips_lend(struct strips *s, uint32_t top, uint32_t most, struct pictu
     return rows->height;
 }
 
-/* Under the lock. */
-static enum err store(struct strips *s, struct strips_piece *piece, const struct buf *packed)
-{
-    if (lseek(s->fd, (off_t)s->end, SEEK_SET) < 0 ||
-        !file_step_write(s->fd, s->path, buf_text(packed), packed->length))
-        return fault_errno(&s->fault, "write", s->path);
-    piece->from = s->end;
-    piece->bytes = packed->length;
-    s->end += packed->length;
-    return OK;
-}
-
 void strips_give(struct strips *s, uint32_t top, uint32_t rows)
 {
     const uint32_t number = top / s->height;
     struct strip *strip = &s->strip[number];
+    struct strips_piece *piece = &s->pieces.piece[number];
+    const int fd = s->pieces.fd;
     struct fault fault = {0};
     struct buf packed = {0};
     uint32_t check = 0;
@@ -199,10 +172,15 @@ void strips_give(struct strips *s, uint32_t top, uint32_t rows)
     pthread_mutex_lock(&s->lock);
     if (err && !s->err)
         s->fault = fault;
-    if (!err && !s->err)
-        err = store(s, &s->piece[number], &packed);
+    if (!err && !s->err &&
+        (lseek(fd, (off_t)s->end, SEEK_SET) < 0 ||
+         !file_step_write(fd, s->path, buf_text(&packed), packed.length)))
+        err = fault_errno(&s->fault, "write", s->path);
     s->err = s->err ? s->err : err;
-    s->piece[number].check = check;
+    piece->from = s->end;
+    piece->bytes = packed.length;
+    piece->check = check;
+    s->end += packed.length;
     picture_release(&s->spare);
     s->spare = strip->rows;
     strip->rows = (struct picture){0};
@@ -232,33 +210,17 @@ void strips_give_all(struct strips *s, const struct picture *picture)
     }
 }
 
-/* ---- for the formats ---- */
-
-size_t strips_count(const struct strips *s)
+enum err strips_read(const struct strips_pieces *pieces, size_t number, struct buf *out,
+                     struct fault *fault)
 {
-    return s->count;
-}
-
-const char *strips_path(const struct strips *s)
-{
-    return s->path;
-}
-
-const struct strips_piece *strips_piece(const struct strips *s, size_t number)
-{
-    return &s->piece[number];
-}
-
-enum err strips_read(const struct strips *s, size_t number, struct buf *out, struct fault *fault)
-{
-    const struct strips_piece *piece = &s->piece[number];
+    const struct strips_piece *piece = &pieces->piece[number];
     buf_clear(out);
     void *to = buf_reserve(out, piece->bytes);
     if (!to)
-        return fault_memory(fault, s->path);
-    errno = EIO; /* of a file that is shorter than it was written */
-    if (file_read_at(s->fd, to, piece->bytes, piece->from) != (ssize_t)piece->bytes)
-        return fault_errno(fault, "write", s->path);
+        return fault_memory(fault, pieces->path);
+    errno = EIO; /* for a file that is shorter than it was written */
+    if (file_read_at(pieces->fd, to, piece->bytes, piece->from) != (ssize_t)piece->bytes)
+        return fault_errno(fault, "write", pieces->path);
     out->length = piece->bytes;
     return OK;
 }

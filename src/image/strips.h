@@ -60,7 +60,15 @@ struct strips_piece {
     uint32_t check; /* of the pixels */
 };
 
-/* What strips have to know of a format. `coder` is its own. */
+/* All pieces of a picture, for the function that writes the file. */
+struct strips_pieces {
+    const char *path; /* for messages */
+    size_t count;
+    struct strips_piece *piece; /* [count], from above */
+    int fd;                     /* the file without a name that holds them */
+};
+
+/* A format of files, by functions. `coder` is its own state. */
 struct strips_format {
     uint32_t (*height)(const struct picture *like); /* of a strip; the last one may be lower */
     enum err (*begin)(void **coder, const char *path, const struct picture *like, unsigned planes,
@@ -68,18 +76,14 @@ struct strips_format {
     /* Packs rows from `top` on, by any thread. ERR_MEMORY, ERR_INPUT. */
     enum err (*pack)(void *coder, const struct picture *rows, uint32_t top, struct buf *out,
                      uint32_t *check, struct fault *fault);
-    /* Writes the file into `draft`, which is made; it may be there after an error. */
+    /* Writes the file `draft`, which may exist after an error. */
     enum err (*write)(void *coder, const char *draft, const struct picture *like,
-                      const struct strips *strips, struct fault *fault);
+                      const struct strips_pieces *pieces, struct fault *fault);
     void (*end)(void *coder);
 };
 
-size_t strips_count(const struct strips *strips);
-const char *strips_path(const struct strips *strips); /* for messages */
-
-/* Piece `number`, from above, and its bytes. */
-const struct strips_piece *strips_piece(const struct strips *strips, size_t number);
-enum err strips_read(const struct strips *strips, size_t number, struct buf *out,
+/* out = the bytes of piece `number`. */
+enum err strips_read(const struct strips_pieces *pieces, size_t number, struct buf *out,
                      struct fault *fault);
 
 #endif

@@ -40,22 +40,6 @@ struct output {
 
 /* ---- the world ---- */
 
-/* Each sum of the row's terms fits 62 bits: a point is below 2^16 voxels. */
-static void world_init(struct world *world, const struct geometry *geometry)
-{
-    double most = 0;
-    for (int w = 0; w < 3; w++)
-        for (int a = 0; a < 4; a++)
-            most = fmax(most, fabs(geometry->to_mm[w][a]) * (a < 3 ? 65536 : 1));
-    int exponent;
-    frexp(most, &exponent);
-    world->shift = 59 - exponent;
-    for (int w = 0; w < 3; w++)
-        for (int a = 0; a < 4; a++)
-            world->row[w][a] = (int64_t)ldexp(geometry->to_mm[w][a], world->shift);
-    world->is_mirrored = geometry_is_mirrored(geometry);
-}
-
 /* Where a point is along one axis of the world, in 2^-shift millimetres. */
 static int64_t along_world(const struct world *world, int axis, const struct surface_point *point)
 {
@@ -68,26 +52,7 @@ static int64_t along_world(const struct world *world, int axis, const struct sur
     return sum;
 }
 
-static float world_mm(const struct world *world, int axis, const struct surface_point *point)
-{
-    return (float)ldexp((double)along_world(world, axis, point), -world->shift);
-}
-
-static enum err check_precision(const struct output *out, double finest_mm, struct fault *fault)
-{
-    double far = 0;
-    for (size_t i = 0; i < out->surface->points; i++)
-        for (int w = 0; w < 3; w++)
-            far = fmax(far, fabs((double)out->mm[i][w]));
-    if (far < finest_mm / 32 * 16777216) /* singles hold 24 bits */
-        return OK;
-    return fault_set(fault, ERR_LIMIT,
-                     "the surface lies up to %.6g mm from the origin of the world, too far for "
-                     "voxels of %.6g mm in the single precision of such files",
-                     far, finest_mm);
-}
-
-/* Moves those points of a part that lie where another does. */
+/* Move each point of a part that has the same place as another. */
 static bool move_apart(const struct output *out, const struct surface_part *part, float step_mm,
                        struct lookup *taken)
 {
@@ -117,20 +82,36 @@ static enum err find_places(struct output *out, const struct geometry *geometry,
 {
     const struct surface *s = out->surface;
     struct lookup taken = {0};
-    double finest_mm = 1e300;
+    struct world *world = &out->world;
+    double finest_mm = 1e300, far = 0, most = 0;
+    int exponent;
     for (int a = 0; a < 3; a++)
         finest_mm = fmin(finest_mm, geometry->spacing_nm[a] / 1e6);
-    world_init(&out->world, geometry);
+    /* Each sum of the row's terms fits 62 bits: a point is below 2^16 voxels. */
+    for (int i = 0; i < 12; i++)
+        most = fmax(most, fabs(geometry->to_mm[i / 4][i % 4]) * (i % 4 < 3 ? 65536 : 1));
+    frexp(most, &exponent);
+    world->shift = 59 - exponent;
+    for (int i = 0; i < 12; i++)
+        world->row[i / 4][i % 4] = (int64_t)ldexp(geometry->to_mm[i / 4][i % 4], world->shift);
+    world->is_mirrored = geometry_is_mirrored(geometry);
     out->mm = mem_array(s->points + 1, sizeof *out->mm);
     bool fits = out->mm;
     for (size_t i = 0; fits && i < s->points; i++)
-        for (int w = 0; w < 3; w++)
-            out->mm[i][w] = world_mm(&out->world, w, &s->point[i]) + 0.0f; /* no -0 */
-    enum err err = fits ? check_precision(out, finest_mm, fault) : OK;
-    for (unsigned p = 0; fits && !err && p < s->parts; p++)
+        for (int w = 0; w < 3; w++) {
+            const int64_t at = along_world(&out->world, w, &s->point[i]);
+            out->mm[i][w] = (float)ldexp((double)at, -out->world.shift) + 0.0f; /* no -0 */
+            far = fmax(far, fabs((double)out->mm[i][w]));
+        }
+    if (far >= finest_mm / 32 * 16777216) /* singles hold 24 bits */
+        return fault_set(fault, ERR_LIMIT,
+                         "the surface lies up to %.6g mm from the origin of the world, too far for "
+                         "voxels of %.6g mm in the single precision of such files",
+                         far, finest_mm);
+    for (unsigned p = 0; fits && p < s->parts; p++)
         fits = move_apart(out, &s->part[p], (float)(finest_mm / SURFACE_ONE), &taken);
     lookup_release(&taken);
-    return fits ? err : fault_memory(fault, "a surface");
+    return fits ? OK : fault_memory(fault, "a surface");
 }
 
 /* The points of a triangle, counter-clockwise as seen from outside. */
@@ -159,19 +140,16 @@ static bool go_on(struct output *out)
     return out->fine && task_advance(&out->task, 1);
 }
 
-static void put_number(struct output *out, uint64_t number, int bytes)
+static void put_number(struct output *out, uint64_t number, unsigned bytes)
 {
     uint8_t little[8];
-    for (int i = 0; i < bytes; i++)
-        little[i] = (uint8_t)(number >> 8 * i);
-    buf_add(&out->bytes, little, (size_t)bytes);
+    bits_put(little, bytes, number, false);
+    buf_add(&out->bytes, little, bytes);
 }
 
 static void put_float(struct output *out, float value)
 {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put_number(out, bits, 4);
+    put_number(out, bits_of_real((double)value, 4), 4);
 }
 
 static void put_point(struct output *out, uint32_t point)
@@ -194,35 +172,34 @@ static void put_label(struct buf *out, const struct output *from, unsigned label
 
 /* ---- STL ---- */
 
-/* The edge from a point of a triangle to another, shortened by halves so that products fit. */
-static void edge_of(int64_t edge[3], const struct output *out, uint32_t from, uint32_t to)
+/* Halve a vector until its components are below 2^bits, so that products fit. */
+static void shorten(int64_t vector[3], int bits)
 {
-    const struct surface_point *point = out->surface->point;
     int64_t most = 0;
-    for (int w = 0; w < 3; w++) {
-        edge[w] =
-            along_world(&out->world, w, &point[to]) - along_world(&out->world, w, &point[from]);
-        most = most < edge[w] ? edge[w] : most < -edge[w] ? -edge[w] : most;
-    }
-    for (; most >= 1 << 20; most /= 2)
+    for (int w = 0; w < 3; w++)
+        most = most < llabs(vector[w]) ? llabs(vector[w]) : most;
+    for (; most >= INT64_C(1) << bits; most /= 2)
         for (int w = 0; w < 3; w++)
-            edge[w] /= 2;
+            vector[w] /= 2;
 }
 
 static void put_normal(struct output *out, const uint32_t corner[3])
 {
-    int64_t u[3], v[3], normal[3], most = 0;
+    const struct surface_point *point = out->surface->point;
+    int64_t u[3], v[3], normal[3];
     uint64_t square = 0;
-    edge_of(u, out, corner[0], corner[1]);
-    edge_of(v, out, corner[0], corner[2]);
+    for (int w = 0; w < 3; w++) {
+        const int64_t from = along_world(&out->world, w, &point[corner[0]]);
+        u[w] = along_world(&out->world, w, &point[corner[1]]) - from;
+        v[w] = along_world(&out->world, w, &point[corner[2]]) - from;
+    }
+    shorten(u, 20);
+    shorten(v, 20);
     for (int w = 0; w < 3; w++) {
         const int i = (w + 1) % 3, k = (w + 2) % 3;
         normal[w] = u[i] * v[k] - u[k] * v[i];
-        most = most < normal[w] ? normal[w] : most < -normal[w] ? -normal[w] : most;
     }
-    for (; most >= 1 << 30; most /= 2)
-        for (int w = 0; w < 3; w++)
-            normal[w] /= 2;
+    shorten(normal, 30);
     for (int w = 0; w < 3; w++)
         square += (uint64_t)(normal[w] * normal[w]);
     const int64_t length = square ? square_root(square) : 1;
@@ -321,29 +298,17 @@ static void put_array(struct output *out, const char *type, const char *name, in
     *offset += 8 + bytes;
 }
 
-/* What the number of a label takes. */
-static int label_bytes(const struct output *out)
-{
-    unsigned most = 0;
-    for (unsigned p = 0; p < out->surface->parts; p++) {
-        const unsigned number = number_of(out, out->surface->part[p].label);
-        most = number > most ? number : most;
-    }
-    return most > 255 ? 2 : 1;
-}
-
-/* Once for each point, the colour or the number of the label that it belongs to. */
-static void put_of_labels(struct output *out, bool is_colour)
+/* Write for each point the colour of its label, or if `bytes` is not 0, the label's number. */
+static void put_of_labels(struct output *out, unsigned bytes)
 {
     const struct surface *s = out->surface;
-    const int bytes = label_bytes(out);
-    put_number(out, (is_colour ? 3 : (unsigned)bytes) * s->points, 8);
+    put_number(out, (bytes ? bytes : 3) * s->points, 8);
     for (unsigned p = 0; p < s->parts; p++)
         for (size_t i = 0; i < s->part[p].points && go_on(out); i++)
-            if (is_colour)
-                buf_add(&out->bytes, out->label[s->part[p].label].rgb, 3);
-            else
+            if (bytes)
                 put_number(out, number_of(out, s->part[p].label), bytes);
+            else
+                buf_add(&out->bytes, out->label[s->part[p].label].rgb, 3);
 }
 
 static void write_vtp(struct output *out)
@@ -351,6 +316,9 @@ static void write_vtp(struct output *out)
     const struct surface *s = out->surface;
     const uint64_t points = out->surface->points, triangles = out->surface->triangles;
     uint64_t offset = 0;
+    unsigned label_bytes = 1;
+    for (unsigned p = 0; p < s->parts; p++)
+        label_bytes = number_of(out, s->part[p].label) > 255 ? 2 : label_bytes;
     buf_printf(&out->bytes,
                "<?xml version=\"1.0\"?>\n"
                "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
@@ -362,8 +330,7 @@ static void write_vtp(struct output *out)
     put_array(out, "Float32", "Points", 3, &offset, 12 * points);
     buf_add_text(&out->bytes, "</Points>\n<PointData Scalars=\"colour\">\n");
     put_array(out, "UInt8", "colour", 3, &offset, 3 * points);
-    put_array(out, label_bytes(out) > 1 ? "UInt16" : "UInt8", "label", 1, &offset,
-              (unsigned)label_bytes(out) * points);
+    put_array(out, label_bytes > 1 ? "UInt16" : "UInt8", "label", 1, &offset, label_bytes * points);
     buf_add_text(&out->bytes, "</PointData>\n<Polys>\n");
     put_array(out, "Int64", "connectivity", 1, &offset, 24 * triangles);
     put_array(out, "Int64", "offsets", 1, &offset, 8 * triangles);
@@ -372,8 +339,8 @@ static void write_vtp(struct output *out)
     put_number(out, 12 * s->points, 8);
     for (size_t i = 0; i < s->points && go_on(out); i++)
         put_point(out, (uint32_t)i);
-    put_of_labels(out, true);
-    put_of_labels(out, false);
+    put_of_labels(out, 0);
+    put_of_labels(out, label_bytes);
     put_number(out, 24 * s->triangles, 8);
     for (size_t i = 0; i < s->triangles && go_on(out); i++) {
         uint32_t corner[3];
@@ -421,14 +388,14 @@ bool surface_file_tells_labels(const char *path)
     return format && format->tells_labels;
 }
 
-static enum err write_draft(struct output *out, const struct surface_format *format,
-                            const char *path, struct watch *watch, struct fault *fault)
+static enum err write_draft(struct output *out, const char *path, struct watch *watch,
+                            struct fault *fault)
 {
     out->fd = file_step_open(out->draft, O_WRONLY | O_CREAT | O_EXCL);
     if (out->fd < 0)
         return fault_errno(fault, "write", path);
     out->fine = true;
-    format->write(out);
+    format_of(path)->write(out);
     flush(out);
     const int number = errno;
     const bool closed = close(out->fd) == 0;
@@ -469,7 +436,7 @@ enum err surface_write(const char *path, enum file_mode mode,
         out.says = buf_text(&says);
         out.draft = buf_text(&draft);
         out.task = task_begin(watch, "writing", surface->points + surface->triangles);
-        err = write_draft(&out, format_of(path), path, watch, fault);
+        err = write_draft(&out, path, watch, fault);
     }
     if (!err)
         err = file_publish(out.draft, path, mode, fault);

@@ -12,8 +12,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "image/image_inside.h"
-#include "image/inflated.h"
-#include "image/nifti.h"
+#include "image/reader_common.h"
 
 #define UNPACK "; unpack it, and open what is in it"
 #define BY_BIO_FORMATS                                                                             \
@@ -73,30 +72,6 @@ const struct foreign foreign_formats[] = {
     {0},
 };
 
-/* Whether what is advised is that it is a picture, and no scene. */
-static bool foreign_is_picture(const char *advice)
-{
-    return strstr(advice, PICTURE) != NULL;
-}
-
-/* "a data set of AFNI, which is not read: `3dAFNItoNIFTI FILE` makes a NIfTI of it"; NULL for what
- * is not known. `begin` is what a file begins with, inflated where it is gzip; by_name:
- * whether its name alone is enough. */
-static const char *foreign_advice(const char *path, const uint8_t *begin, size_t length,
-                                  bool by_name)
-{
-    for (const struct foreign *f = foreign_formats; f->advice; f++) {
-        const bool is_named = !*f->endings || file_is_named(path, f->endings) ||
-                              strcmp(file_name(path), f->endings) == 0;
-        const bool has_bytes = f->bytes ? f->at + f->length <= length &&
-                                              memcmp(begin + f->at, f->bytes, f->length) == 0
-                                        : by_name;
-        if (is_named && has_bytes)
-            return f->advice;
-    }
-    return NULL;
-}
-
 #define DECLARE(format, note) extern const struct volume_format format;
 VOLUME_FORMATS(DECLARE)
 
@@ -106,53 +81,19 @@ enum { FORMATS = sizeof formats / sizeof formats[0], FIRST_BYTES = 1024 };
 
 /* ---- which format ---- */
 
-/* Before its mark, a DICOM file may hold any bytes, as those of a TIFF, for other programs. */
-enum { DICOM_MARK_AT = 128, DICOM_MARK_BYTES = 4 };
+/* Before its mark, a DICOM file may hold any bytes, even those of a TIFF, for other programs. */
 static bool is_dicom(const uint8_t *begin, size_t length)
 {
-    return length >= DICOM_MARK_AT + DICOM_MARK_BYTES &&
-           memcmp(begin + DICOM_MARK_AT, "DICM", DICOM_MARK_BYTES) == 0;
+    enum { MARK_AT = 128, MARK_BYTES = 4 };
+    return length >= MARK_AT + MARK_BYTES && memcmp(begin + MARK_AT, "DICM", MARK_BYTES) == 0;
 }
 
-/* Read the first bytes of a regular file; their number, 0 where it cannot be read. */
-static size_t read_begin(uint8_t *begin, size_t length, const char *path)
-{
-    uint64_t bytes;
-    int fd;
-    if (file_open(&fd, &bytes, path, O_RDONLY, NULL))
-        return 0;
-    const ssize_t n = file_read_at(fd, begin, length, 0);
-    close(fd);
-    return n > 0 ? (size_t)n : 0;
-}
-
-bool volume_may_name_a_patient(const char *path)
-{
-    uint8_t begin[DICOM_MARK_AT + DICOM_MARK_BYTES];
-    return is_dicom(begin, read_begin(begin, sizeof begin, path));
-}
-
-bool volume_is_tiff(const char *path)
-{
-    static const char mark[][5] = {"II*", "II+", "MM\0*", "MM\0+"};
-    uint8_t begin[4];
-    const bool is_long = read_begin(begin, sizeof begin, path) == sizeof begin;
-    for (size_t i = 0; is_long && i < sizeof mark / sizeof *mark; i++)
-        if (memcmp(begin, mark[i], sizeof begin) == 0)
-            return true;
-    return false;
-}
-
-/* Some formats are written and not read, and others the reverse. */
-static bool can(const struct volume_format *format, bool write)
-{
-    return write ? format->write != NULL : format->read_header != NULL;
-}
-
+/* Find the format that is read, or written, under this name. */
 static const struct volume_format *format_named(const char *path, bool write)
 {
     for (int i = 0; i < FORMATS; i++)
-        if (can(formats[i], write) && file_is_named(path, formats[i]->endings))
+        if ((write ? formats[i]->write != NULL : formats[i]->read_header != NULL) &&
+            file_is_named(path, formats[i]->endings))
             return formats[i];
     return NULL;
 }
@@ -171,7 +112,8 @@ static enum err refuse(const char *words, bool write, enum err err, struct fault
     for (int i = 0; i < FORMATS; i++) {
         const char *endings = formats[i]->endings, *between = " (";
         struct choice ending;
-        if (!can(formats[i], write) || formats[i]->takes & TAKES_LAYOUTS)
+        if ((write ? !formats[i]->write : !formats[i]->read_header) ||
+            formats[i]->takes & TAKES_LAYOUTS)
             continue;
         buf_printf(&list, "%s%s", list.length ? ", " : "", formats[i]->name);
         if (formats[i]->takes & TAKES_FOLDERS) /* many formats, of more endings */
@@ -204,26 +146,46 @@ static const struct volume_format *format_recognising(const uint8_t *begin, size
     return NULL;
 }
 
-/* Why a file of another format is refused; NULL where that is not known. Voxels alone may begin
- * with any bytes. */
+/* Find why a file is refused, "a data set of AFNI, which is not read: `3dAFNItoNIFTI FILE` makes a
+ * NIfTI of it", by its name and its first bytes, inflated if they are gzip; NULL if its format is
+ * unknown. The voxels of a pair may begin with any bytes. A name alone decides only if no format
+ * here uses it. */
 static const char *advise(const char *path, const uint8_t *begin, size_t length)
 {
-    return file_is_named(path, PAIR_VOXELS)
-               ? NULL
-               : foreign_advice(path, begin, length, !format_named(path, false));
+    const bool by_name = !format_named(path, false);
+    if (file_is_named(path, PAIR_VOXELS))
+        return NULL;
+    for (const struct foreign *f = foreign_formats; f->advice; f++) {
+        const bool is_named = !*f->endings || file_is_named(path, f->endings) ||
+                              strcmp(file_name(path), f->endings) == 0;
+        const bool has_bytes = f->bytes ? f->at + f->length <= length &&
+                                              memcmp(begin + f->at, f->bytes, f->length) == 0
+                                        : by_name;
+        if (is_named && has_bytes)
+            return f->advice;
+    }
+    return NULL;
 }
 
-bool volume_is_known(const char *path)
+enum volume_guess volume_guess(const char *path)
 {
+    static const char tiff[][5] = {"II*", "II+", "MM\0*", "MM\0+"};
     uint8_t begin[FIRST_BYTES];
     struct volume_source source;
     if (source_open(&source, path, NULL, NULL) || source.is_folder)
-        return false;
+        return GUESS_UNKNOWN;
     const size_t length = source_peek(&source, begin, sizeof begin);
-    const char *advice = advise(path, begin, length);
     source_close(&source);
+    if (is_dicom(begin, length))
+        return GUESS_PATIENT;
+    for (size_t i = 0; length >= 4 && i < sizeof tiff / sizeof *tiff; i++)
+        if (memcmp(begin, tiff[i], 4) == 0)
+            return GUESS_TIFF;
     const struct volume_format *format = format_recognising(begin, length);
-    return format ? !(format->takes & TAKES_FOLDERS) : advice && !foreign_is_picture(advice);
+    const char *advice = advise(path, begin, length);
+    return (format ? !(format->takes & TAKES_FOLDERS) : advice && !strstr(advice, PICTURE))
+               ? GUESS_VOLUME
+               : GUESS_UNKNOWN;
 }
 
 static enum err find_format(const struct volume_format **format, struct volume_source *source,
@@ -380,30 +342,24 @@ enum err volume_open(struct volume_reader *reader, const char *path,
     return err ? err : volume_choose(reader, NULL, fault);
 }
 
-/* What is held of the file is bounded by its size on disk, unless the caller knows better. */
-static enum err check_swelling(const struct volume_header *header, struct fault *fault)
-{
-    const uint32_t *size = header->size, *whole = header->whole;
-    const uint64_t width = voxel_bytes(header->type);
-    const uint64_t bytes = (uint64_t)size[0] * size[1] * size[2] * (width > 2 ? width : 2);
-    if (header->choice.huge ||
-        !swelling_needs_yes(bytes, (uint64_t)whole[0] * whole[1] * whole[2] * header->volumes,
-                            header->bytes))
-        return OK;
-    return fault_set(fault, ERR_LIMIT,
-                     "%.1f MB on disk claim %.1f GB of voxels; if that is right, unpack it first "
-                     "(`gunzip`)",
-                     (double)header->bytes / 1e6, (double)bytes / 1e9);
-}
-
-/* Numbers of the file, at the end of the memory that intensities take, or of more where they are
- * wider. */
+/* Read the numbers of the file to the end of the memory of the intensities, or of more memory if
+ * they are wider. The memory is bounded by the size of the file on disk, unless the user accepts
+ * more. */
 static enum err read_numbers(struct volume *out, struct volume_reader *reader, struct fault *fault)
 {
     const struct volume_header *header = &reader->header;
     struct volume_source *source = &reader->source;
+    const uint32_t *size = header->size, *whole = header->whole;
     const size_t width = voxel_bytes(header->type), count = voxels_in(header->size);
     const size_t needed = count * width, wide = count * (width > 2 ? width : 2);
+    const uint64_t bytes = (uint64_t)size[0] * size[1] * size[2] * (width > 2 ? width : 2);
+    if (!header->choice.huge &&
+        swelling_needs_yes(bytes, (uint64_t)whole[0] * whole[1] * whole[2] * header->volumes,
+                           header->bytes))
+        return fault_set(fault, ERR_LIMIT,
+                         "%.1f MB on disk claim %.1f GB of voxels; if that is right, unpack it "
+                         "first (`gunzip`)",
+                         (double)header->bytes / 1e6, (double)bytes / 1e9);
     uint64_t offset = header->offset;
     if (!source->decoder) /* which sends the chosen volume alone */
         offset += header->choice.volume * voxels_in(header->whole) * width;
@@ -437,9 +393,7 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
     memcpy(out->size, header->size, sizeof out->size);
     memcpy(out->whole, header->whole, sizeof out->whole);
     memcpy(out->notes, header->notes, sizeof out->notes);
-    enum err err = check_swelling(header, fault);
-    if (!err)
-        err = read_numbers(out, reader, fault);
+    enum err err = read_numbers(out, reader, fault);
     if (!err)
         err = quantise(out, header, watch, fault);
     if (!err)

@@ -41,22 +41,30 @@
     ROW(raw_format, "")                                                                            \
     ROW(helped_format, HELPED_NOTE)
 
-/* The part of a name by which some format knows its files, ".nii.gz"; NULL where there is none. */
+/* The ending of a name that belongs to some format, ".nii.gz"; NULL if there is no such format. */
 const char *volume_ending(const char *path);
 
-/* Whether it is a file whose notes are about a patient (DICOM): a reader of pictures would show
- * them, and none of volumes does. */
-bool volume_may_name_a_patient(const char *path);
+/* Guess by the first bytes of a file whether it is a volume or a picture. */
+enum volume_guess {
+    GUESS_UNKNOWN,
+    GUESS_PATIENT, /* DICOM, whose metadata name a patient: readers of pictures would print them */
+    GUESS_TIFF,    /* a volume, a slice or a picture */
+    GUESS_VOLUME, /* a volume, or a format that volume_begin refuses with advice how to convert it */
+};
+enum volume_guess volume_guess(const char *path);
 
-/* True for a TIFF, which may be a volume, a slice or a picture. */
-bool volume_is_tiff(const char *path);
+/* Pairs of NIfTI and ANALYZE: a header in one file and its voxels in another next to it, A.hdr and
+ * A.img. Either may be gzip, as A.hdr.gz and A.img.gz, and either path opens the pair. */
+#define PAIR_HEADERS ".hdr|.hdr.gz"
+#define PAIR_VOXELS  ".img|.img.gz"
 
-/* Whether its first bytes are those of a volume and of no slice, or of a format that is refused
- * with what converts it: then volume_begin has more to say of it than a reader of pictures. */
-bool volume_is_known(const char *path);
+/* `other` is the path of the other file of the pair of `path`; if there are two, the one that is
+ * packed as `path` is. If there is none, false, and `other` is the path that it would have; "" for
+ * a name that belongs to no pair. */
+bool pair_other(struct buf *other, const char *path);
 
-/* A file that is open to be read: its header is known and was found good, of its voxels nothing is
- * held. So a caller can see how large it is before. */
+/* An open file whose header was read and accepted; no voxels are held yet. So a caller can look at
+ * its size first. */
 struct volume_reader {
     const char *path; /* the caller's */
     const struct volume_format *format;

@@ -17,30 +17,31 @@
 
 enum { PACKED_CHUNK = 256 << 10 /* bytes that zlib writes at a time */ };
 
+/* ---- voxels ---- */
+
+static const struct {
+    const char *name;
+    unsigned bytes;
+} types[] = {[VOXEL_INT8] = {"int8", 1},       [VOXEL_UINT8] = {"uint8", 1},
+             [VOXEL_INT16] = {"int16", 2},     [VOXEL_UINT16] = {"uint16", 2},
+             [VOXEL_INT32] = {"int32", 4},     [VOXEL_UINT32] = {"uint32", 4},
+             [VOXEL_INT64] = {"int64", 8},     [VOXEL_UINT64] = {"uint64", 8},
+             [VOXEL_FLOAT32] = {"float32", 4}, [VOXEL_FLOAT64] = {"float64", 8}};
+
 unsigned voxel_bytes(enum voxel_type type)
 {
-    static const uint8_t bytes[] = {
-        [VOXEL_INT8] = 1,   [VOXEL_UINT8] = 1,  [VOXEL_INT16] = 2,   [VOXEL_UINT16] = 2,
-        [VOXEL_INT32] = 4,  [VOXEL_UINT32] = 4, [VOXEL_FLOAT32] = 4, [VOXEL_INT64] = 8,
-        [VOXEL_UINT64] = 8, [VOXEL_FLOAT64] = 8};
-    return bytes[type];
+    return types[type].bytes;
 }
-
-static const char *const type_name[] = {
-    [VOXEL_INT8] = "int8",      [VOXEL_UINT8] = "uint8",   [VOXEL_INT16] = "int16",
-    [VOXEL_UINT16] = "uint16",  [VOXEL_INT32] = "int32",   [VOXEL_UINT32] = "uint32",
-    [VOXEL_INT64] = "int64",    [VOXEL_UINT64] = "uint64", [VOXEL_FLOAT32] = "float32",
-    [VOXEL_FLOAT64] = "float64"};
 
 const char *voxel_type_name(enum voxel_type type)
 {
-    return type_name[type];
+    return types[type].name;
 }
 
 bool voxel_type_named(enum voxel_type *out, const char *name)
 {
-    for (unsigned type = 0; type < sizeof type_name / sizeof type_name[0]; type++)
-        if (strcmp(name, type_name[type]) == 0) {
+    for (unsigned type = 0; type < sizeof types / sizeof types[0]; type++)
+        if (strcmp(name, types[type].name) == 0) {
             *out = (enum voxel_type)type;
             return true;
         }
@@ -112,18 +113,19 @@ void header_place(struct volume_header *header, const double to_mm[3][4], bool k
                   bool knows_place)
 {
     struct geometry *geometry = &header->geometry;
+    geometry->spacing_unknown = !knows_spacing;
     memcpy(geometry->to_mm, to_mm, sizeof geometry->to_mm);
     for (int a = 0; a < 3; a++) {
         const double mm = geometry_step_mm(geometry, a);
-        const bool is_length = geometry_spacing(&geometry->spacing_nm[a], mm);
-        if (knows_spacing && !is_length)
+        if (geometry_spacing(&geometry->spacing_nm[a], mm))
+            continue;
+        geometry->spacing_unknown = true;
+        if (knows_spacing)
             volume_note(header->notes,
                         "its voxels are said to be %g mm apart; expected 1 nm to 4 m", mm);
-        knows_spacing = knows_spacing && is_length;
     }
-    for (int a = 0; a < 3 && !knows_spacing; a++)
+    for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
         geometry->spacing_nm[a] = 1000000;
-    geometry->spacing_unknown = !knows_spacing;
     if (!knows_place ||
         !geometry_place(geometry, (const double(*)[4])geometry->to_mm, ORIENTATION_FILE))
         geometry_place_spaced(geometry);
@@ -148,7 +150,7 @@ void volume_release(struct volume *volume)
 
 /* ---- writing ---- */
 
-/* Tests make the step fail here, as they do in the file layer. */
+/* Write a piece; tests make this step fail, as they do in the file layer. */
 static bool put(gzFile gz, const char *path, const void *bytes, size_t length)
 {
     const uint8_t *at = bytes;
@@ -163,7 +165,7 @@ static bool put(gzFile gz, const char *path, const void *bytes, size_t length)
     return true;
 }
 
-/* Also false where the watch stops it. */
+/* Write all rows; false too if the watch stops. */
 static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, void *values,
                      struct watch *watch)
 {
@@ -179,36 +181,27 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
     return true;
 }
 
-/* A new file `draft` that begins with the header, and goes on as gzip where that is packed. */
-static enum err create(gzFile *gz, const char *draft, const char *path, const struct buf *header,
-                       enum packing packing, struct fault *fault)
-{
-    const int fd = file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL);
-    enum err err = OK;
-    if (fd < 0)
-        return fault_errno(fault, "write", path);
-    if (packing == PACKED_VOXELS && /* before the stream begins */
-        !file_step_write(fd, path, header->data, header->length))
-        err = fault_errno(fault, "write", path);
-    *gz = err ? NULL : gzdopen(fd, packing == PACKED_NOT ? "wbT" : "wb1");
-    if (!*gz) {
-        close(fd);
-        file_discard(draft);
-        return err ? err : fault_memory(fault, path);
-    }
-    gzbuffer(*gz, PACKED_CHUNK);
-    return OK;
-}
-
+/* Create the file `draft` with the header, which packed voxels follow as gzip. */
 static enum err write_draft(const char *draft, const char *path, const struct buf *header,
                             enum packing packing, const struct volume_map *map, struct watch *watch,
                             struct fault *fault)
 {
     void *values = mem_array(map->size[0], voxel_bytes(map->type));
-    gzFile gz;
-    enum err err =
-        values ? create(&gz, draft, path, header, packing, fault) : fault_memory(fault, path);
-    if (!err) {
+    const int fd = values ? file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL) : -1;
+    enum err err = OK;
+    if (!values)
+        err = fault_memory(fault, path);
+    else if (fd < 0 || (packing == PACKED_VOXELS && /* before the stream begins */
+                        !file_step_write(fd, path, header->data, header->length)))
+        err = fault_errno(fault, "write", path);
+    gzFile gz = err ? NULL : gzdopen(fd, packing == PACKED_NOT ? "wbT" : "wb1");
+    if (!gz && fd >= 0) {
+        err = err ? err : fault_memory(fault, path);
+        close(fd);
+        file_discard(draft);
+    }
+    if (gz) {
+        gzbuffer(gz, PACKED_CHUNK);
         errno = EIO;
         const bool fine =
             (packing == PACKED_VOXELS || put(gz, path, header->data, header->length)) &&
@@ -245,3 +238,39 @@ enum err voxels_write(const char *path, enum file_mode mode, struct buf *header,
     buf_release(header);
     return err;
 }
+
+/* ---- raw ----
+ *
+ * Voxels without a header, x fastest, in a layout that the user states; plain or gzip. The file
+ * states neither place nor spacing. Bytes after the last voxel are noted, since they may result from
+ * a wrong layout. */
+
+static enum err read_raw(struct volume_header *out, struct volume_source *source,
+                         struct fault *fault)
+{
+    const struct raw_layout *raw = &out->choice.raw;
+    struct grid grid;
+    enum err err = grid_init(&grid, raw->size, fault);
+    if (err)
+        return err;
+    snprintf(out->format, sizeof out->format, "raw");
+    out->type = (enum voxel_type)raw->type;
+    snprintf(out->type_name, sizeof out->type_name, "%s", voxel_type_name(out->type));
+    out->big_endian = raw->big_endian;
+    out->offset = raw->offset;
+    memcpy(out->size, raw->size, sizeof out->size);
+    out->geometry.slope = 1;
+    header_place(out, (const double[3][4]){{1}, {0, 1}, {0, 0, 1}}, false, false);
+    err = voxels_check(out, source, fault);
+    if (!err)
+        voxels_note_rest(out, source, "check size, type and offset");
+    return err;
+}
+
+extern const struct volume_format raw_format;
+const struct volume_format raw_format = {
+    .name = "raw",
+    .endings = "",
+    .takes = TAKES_LAYOUTS,
+    .read_header = read_raw,
+};

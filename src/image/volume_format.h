@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a format of volumes is, and what those who read and write one share: the volume in memory,
- * what its header says, what of it is chosen, and voxels as plain numbers, one after another, which
- * is how most formats hold them.
+ * A format of volumes, and the parts that readers and writers share: the volume in memory, its
+ * header, the user's choice from a file, and voxels as plain numbers, one after another, the layout
+ * of most formats.
  */
 #ifndef IMAGE_VOLUME_FORMAT_H
 #define IMAGE_VOLUME_FORMAT_H
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "base/err.h"
 #include "base/file.h"
@@ -35,153 +36,190 @@ enum voxel_type {
 unsigned voxel_bytes(enum voxel_type type);
 const char *voxel_type_name(enum voxel_type type); /* "int16" */
 
-/* The type that is read, by its name; false where there is none. */
+/* Find the type by its name; false for other names. */
 bool voxel_type_named(enum voxel_type *out, const char *name);
 
 size_t voxels_in(const uint32_t size[3]);
 
-/* Between the byte order of this machine and that of a file, in place. */
+/* Convert between the byte order of this machine and that of a file, in place. */
 void voxels_reorder(void *value, size_t count, enum voxel_type type, bool big_endian);
+
+/* Read and write a number of `width` bytes, 1 to 8. */
+static inline uint64_t bits_get(const uint8_t *at, unsigned width, bool big_endian)
+{
+    uint64_t bits = 0;
+    for (unsigned i = 0; i < width; i++)
+        bits |= (uint64_t)at[big_endian ? width - 1 - i : i] << 8 * i;
+    return bits;
+}
+
+static inline void bits_put(uint8_t *at, unsigned width, uint64_t bits, bool big_endian)
+{
+    for (unsigned i = 0; i < width; i++)
+        at[big_endian ? width - 1 - i : i] = (uint8_t)(bits >> 8 * i);
+}
+
+/* The real number of these bits, and the reverse: single precision for a width of 4, otherwise
+ * double. */
+static inline double real_of_bits(uint64_t bits, unsigned width)
+{
+    const uint32_t narrow = (uint32_t)bits;
+    float single;
+    double real;
+    memcpy(&single, &narrow, sizeof single);
+    memcpy(&real, &bits, sizeof real);
+    return width == sizeof single ? (double)single : real;
+}
+
+static inline uint64_t bits_of_real(double real, unsigned width)
+{
+    const float single = (float)real;
+    uint32_t narrow;
+    uint64_t bits;
+    memcpy(&narrow, &single, sizeof narrow);
+    memcpy(&bits, &real, sizeof bits);
+    return width == sizeof single ? narrow : bits;
+}
 
 /* ---- volumes ---- */
 
-/* Lines for the user, on what a file leaves open, or holds and is not as it should be; each ends
- * with a line feed. What does not fit any more is left out. */
+/* Append a line for the user about missing or unusual content of a file. A line that does not fit
+ * is dropped. */
 enum { VOLUME_NOTES_BYTES = 1536, VOLUME_WORD_BYTES = 33, VOLUME_CONTENTS_BYTES = 256 };
 void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* What of a file is to be read, where there is a choice. All zero: the one volume that it holds. */
+/* The user's choice from a file. All zero: the one volume of the file. Strings are not owned. */
 enum { REDUCE_MOST = 16 };
 struct raw_layout {
-    uint32_t size[3]; /* 0: no layout is given */
+    uint32_t size[3]; /* 0: no layout */
     unsigned type;    /* enum voxel_type */
     bool big_endian;
     uint64_t offset; /* bytes before the voxels */
 };
 struct buf;
 struct volume_choice {
-    bool has_volume; /* of a series, this one, counted from 0: */
+    bool has_volume; /* this one of a series, counted from 0: */
     uint32_t volume;
-    const char *command; /* the command by which the user chooses it, for the words of a refusal;
-                            NULL: a program, by its option --volume. Not owned */
-    bool has_crop;       /* of a volume, this part (image/image_inside.h): */
+    const char *command; /* the command that chooses it, for the message of a refusal; NULL: a
+                            program, by its option --volume */
+    bool has_crop;       /* this part of a volume (image/image_inside.h): */
     uint32_t first[3], last[3];
-    uint32_t reduce;  /* 0 and 1: voxels as they are */
-    bool nearest;     /* reduce: take the middle of each block, for labels */
-    bool straightens; /* of sheared axes, the part on a straight grid (image/image_inside.h) */
-    uint32_t series;  /* of the series of DICOM in a folder, counted from 1; 0: the only one */
-    const char *series_name; /* or a piece of its description; NULL: not said. Not owned */
-    const char *skip;        /* files of a folder to leave out, NAME,NAME; NULL: none. Not owned */
-    bool fills_gaps;         /* blank slices take the place of those that are missing */
-    const char *data;        /* the name of a data set of HDF5; NULL: the only one. Not owned */
-    struct raw_layout raw;   /* of voxels without a header, as the user says it */
-    uint32_t spacing_nm[3];  /* of a file that does not say it; 0: none */
-    const char *proof; /* the digest that the scene is to have (engine/scene.h), or there is none;
-                                NULL: any. Not owned */
-    bool huge;         /* the user knows that the file swells as no scene does */
-    struct buf *list;  /* where what a folder holds is said in lines, with words of its files, when
-                          one of several series is to be chosen: for the screen, and kept nowhere;
-                          NULL: no such word comes out. Not owned */
-    bool by_extremes;  /* of maps: scales of reals and of wide whole numbers are never cut */
-    bool as_recorded;  /* series, fills_gaps and data are left out, and this is noted, where the
-                         format has no such thing; else refused */
+    uint32_t reduce;         /* 0 and 1: all voxels */
+    bool nearest;            /* reduce: use the middle voxel of each block, for labels */
+    bool straightens;        /* resample sheared axes to a straight grid (image/image_inside.h) */
+    uint32_t series;         /* this DICOM series in a folder, counted from 1; 0: the only one */
+    const char *series_name; /* or a piece of its description; NULL: none */
+    const char *skip;        /* files of a folder to leave out, NAME,NAME; NULL: none */
+    bool fills_gaps;         /* blank slices replace missing ones */
+    const char *data;        /* the name of a data set of HDF5; NULL: the only one */
+    struct raw_layout raw;   /* layout of voxels without a header */
+    uint32_t spacing_nm[3];  /* spacing of a file without one; 0: none */
+    const char *proof; /* the expected digest of the scene (engine/scene.h), otherwise the file
+                          counts as missing; NULL: any */
+    bool huge;         /* the user accepts a file that may be a bomb (image/reader_common.h) */
+    struct buf *list;  /* receives the contents of a folder, with words of its files, when one of
+                          several series is to be chosen: for the screen, stored nowhere; NULL: no
+                          words of files are printed */
+    bool by_extremes;  /* for maps: scales of reals and of wide whole numbers are never cut */
+    bool as_recorded;  /* ignore series, fills_gaps and data, with a note, for formats without
+                          them; otherwise they are refused */
 };
 
 struct volume {
     uint32_t size[3];
     uint16_t *intensity; /* [z][y][x], x fastest */
     struct geometry geometry;
-    struct volume_choice choice; /* by which it was read, */
-    uint32_t whole[3];           /* of a file of this size */
-    uint32_t series;             /* of DICOM that it is, counted from 1; 0: the format has none */
+    struct volume_choice choice; /* the choice by which it was read, */
+    uint32_t whole[3];           /* and the size of the file */
+    uint32_t series;             /* number of the DICOM series, from 1; 0: no DICOM */
     bool is_coarse;              /* several whole numbers of the file are one intensity */
-    struct levels *levels;       /* where intensities are not exact, unless by_extremes; or NULL */
+    struct levels *levels;       /* set if intensities are not exact, unless by_extremes; or NULL */
     char notes[VOLUME_NOTES_BYTES];
 };
 
 void volume_release(struct volume *volume);
 
-/* What the header of a file says. */
+/* The header of a file. */
 struct volume_header {
     uint32_t size[3];
-    struct geometry geometry;       /* slope and intercept are those of the numbers in the file */
-    char format[VOLUME_WORD_BYTES]; /* "nifti-1" */
-    char type_name[VOLUME_WORD_BYTES]; /* of voxels, "int16" */
+    struct geometry geometry;          /* slope and intercept apply to the numbers in the file */
+    char format[VOLUME_WORD_BYTES];    /* "nifti-1" */
+    char type_name[VOLUME_WORD_BYTES]; /* "int16", the type of voxels */
     bool big_endian;
-    uint32_t volumes; /* of a series; 1 for a scene */
-    uint32_t series;  /* of DICOM that it is, counted from 1; 0: the format has none */
-    char contents[VOLUME_CONTENTS_BYTES]; /* "the segments liver (1)" of the volume that is chosen;
-                          where none is, a list of all volumes; "" where the file does not say */
-    char refusal[160];                    /* why its voxels cannot be read; "" where they can: */
+    uint32_t volumes;                     /* length of the series; 1 for a scene */
+    uint32_t series;                      /* number of the DICOM series, from 1; 0: no DICOM */
+    char contents[VOLUME_CONTENTS_BYTES]; /* "the segments liver (1)" of the chosen volume, or a
+                          list of all volumes if none is chosen; "" if the file has no names */
+    char refusal[160];                    /* why the voxels cannot be read; "" if they can: */
     enum voxel_type type;
-    uint64_t offset; /* bytes before the voxels, of all volumes */
-    uint64_t bytes;  /* of the file on disk; 2^64 - 1 where its voxels lie in others */
+    uint64_t offset; /* bytes before the voxels of all volumes */
+    uint64_t bytes;  /* size of the file on disk; 2^64 - 1 if its voxels are in other files */
     char notes[VOLUME_NOTES_BYTES];
-    struct volume_choice choice; /* of what there is; and what follows from it: */
+    struct volume_choice choice; /* the user's choice, and its consequences: */
     uint32_t whole[3];           /* the size in the file; `size` is that of the part */
-    uint32_t begin[3], step[3];  /* of the part, in voxels of the file */
-    uint32_t made[3];            /* the size of what volume_take makes of it */
+    uint32_t begin[3], step[3];  /* start and step of the part, in voxels of the file */
+    uint32_t made[3];            /* the size of the result of volume_take */
 };
 
-/* How a label of a map is called and shown. */
+/* Name and colour of a label of a map. */
 struct volume_label {
     const char *name; /* "" for none */
     uint8_t rgb[3];
-    uint16_t number; /* of its voxels in the map; 0 for the background, and for none */
+    uint16_t number; /* value of its voxels in the map; 0 for the background, and for none */
 };
 
-/* A map to be written. `row` is asked for the rows in file order, y faster than z, and fills
+/* A map to be written. `row` is called for each row in file order, y faster than z, and fills
  * size[0] values of the type. */
 struct volume_map {
     const uint32_t *size; /* [3] */
     const struct geometry *geometry;
     enum voxel_type type;    /* uint8, uint16 or uint32; float32 for NIfTI alone */
-    const char *description; /* cut to what the format holds */
+    const char *description; /* cut to the length that the format holds */
     void (*row)(void *context, uint32_t y, uint32_t z, void *values);
     void *context;
-    const struct volume_label *label; /* [256], of a map of labels; else NULL */
+    const struct volume_label *label; /* [256], for a map of labels; else NULL */
 };
 
 enum volume_taking { TAKES_FOLDERS = 1, TAKES_LAYOUTS = 2 };
 
 struct volume_format {
     const char *name;    /* "NIfTI" */
-    const char *endings; /* of file names, ".nii|.nii.gz" */
-    unsigned takes;      /* enum volume_taking: what it reads besides */
-    /* Those that read; NULL where the format is only written. */
+    const char *endings; /* ".nii|.nii.gz", of file names */
+    unsigned takes;      /* enum volume_taking: other input than files */
+    /* Functions that read; NULL if the format is only written. */
     bool (*recognises)(const uint8_t *begin, size_t length);
     enum err (*read_header)(struct volume_header *header, struct volume_source *source,
                             struct fault *fault);
-    /* Before the voxels are read of the same source, from header->offset on; NULL: nothing. */
+    /* Called before the voxels are read from the same source, at header->offset; or NULL. */
     enum err (*begin_voxels)(const struct volume_header *header, struct volume_source *source,
                              struct fault *fault);
-    /* NULL where the format is only read. */
+    /* NULL if the format is only read. */
     enum err (*write)(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault);
 };
 
 /* ---- for formats ---- */
 
-/* That a file of this size can hold the voxels that its header claims, before anything large is
- * allocated. */
+/* Check that a file of this size can hold the voxels that its header claims, before anything large
+ * is allocated. */
 enum err voxels_check(const struct volume_header *header, const struct volume_source *source,
                       struct fault *fault);
 
-/* The way to the world that a header has, as far as it says it: where it does not, or where that
- * cannot be, distances or the orientation are unknown. */
+/* Set the geometry by the matrix of a header. Distances or orientation are unknown if the header
+ * does not state them, or if its matrix is unusable. */
 void header_place(struct volume_header *header, const double to_mm[3][4], bool knows_spacing,
                   bool knows_place);
 
-/* Of a file that is not packed, notes how many bytes come after the last voxel, which is odd, with
- * that advice. */
+/* Note the number of bytes after the last voxel of a file that is not packed, which is unusual,
+ * with this advice. */
 void voxels_note_rest(struct volume_header *header, const struct volume_source *source,
                       const char *advice);
 
-/* What of a file is gzip. */
+/* The part of a file that is gzip. */
 enum packing { PACKED_NOT, PACKED_VOXELS, PACKED_WHOLE };
 
-/* For volume_format.write: `header`, which is released, then the voxels, little-endian. */
+/* For volume_format.write: write `header`, which is released, then the voxels, little-endian. */
 enum err voxels_write(const char *path, enum file_mode mode, struct buf *header,
                       enum packing packing, const struct volume_map *map, struct watch *watch,
                       struct fault *fault);

@@ -126,42 +126,41 @@ static const struct kind kinds[] = {
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
-static bool has_bytes(const struct kind *kind, const uint8_t *begin, size_t length)
+/* Find the kind by the first bytes of a file; NULL for none. */
+static const char *kind_by_bytes(const uint8_t *begin, size_t length)
 {
-    return kind->at + kind->length <= length &&
-           memcmp(begin + kind->at, kind->bytes, kind->length) == 0;
+    for (const struct kind *k = kinds; k < kinds + KINDS; k++)
+        if (k->at + k->length <= length && memcmp(begin + k->at, k->bytes, k->length) == 0)
+            return k->name;
+    return NULL;
 }
 
 static bool recognises(const uint8_t *begin, size_t length)
 {
-    for (int i = 0; i < KINDS; i++)
-        if (has_bytes(&kinds[i], begin, length))
-            return true;
-    return false;
+    return kind_by_bytes(begin, length) != NULL;
 }
 
 static const char *kind_of(struct volume_source *source)
 {
     uint8_t begin[512];
-    const size_t length = source_peek(source, begin, sizeof begin);
     if (source->is_folder)
         return "folder";
-    for (int i = 0; i < KINDS; i++)
-        if (has_bytes(&kinds[i], begin, length))
-            return kinds[i].name;
-    for (int i = 0; i < KINDS; i++)
+    const char *name = kind_by_bytes(begin, source_peek(source, begin, sizeof begin));
+    for (int i = 0; i < KINDS && !name; i++)
         if (*kinds[i].endings && file_is_named(source->path, kinds[i].endings))
-            return kinds[i].name;
-    return "any";
+            name = kinds[i].name;
+    return name ? name : "any";
 }
 
 /* ---- asking ---- */
 
-/* Starts one for the source, which owns it then. */
-static enum err begin(struct volume_source *source, struct fault *fault)
+/* Start a helper for the source, which owns it then. MINC 1 is read by way of a MINC 2 that the
+ * library writes into a folder; the folder is removed however the helper ends. */
+static enum err start_helper(struct volume_source *source, struct fault *fault)
 {
     struct volume_helper *helper = mem_new(sizeof *helper);
     const uint64_t available = mem_available(), most = volume_helper_memory_most;
+    uint8_t first[3];
     if (!helper)
         return fault_memory(fault, "the volume helper");
     helper->decoder = (struct source_decoder){take_bytes, free_helper};
@@ -180,27 +179,18 @@ static enum err begin(struct volume_source *source, struct fault *fault)
         err = coprocess_start(process, fault);
     if (!err && !coprocess_limit(process, HELD_BEFORE, process->memory))
         err = fault_errno(fault, "limit the memory of", process->program);
-    return err;
-}
-
-/* MINC 1 is read by way of a MINC 2 that the library makes in a folder. It is ours, so that it goes
- * however the helper ends. */
-static enum err make_room(struct volume_helper *helper, struct volume_source *source,
-                          struct fault *fault)
-{
-    uint8_t begin[3];
-    if (source->is_folder || source_peek(source, begin, sizeof begin) < sizeof begin ||
-        memcmp(begin, "CDF", sizeof begin) != 0)
-        return OK;
-    const enum err err = folder_passing(&helper->room, NULL, fault);
+    if (err || source_peek(source, first, sizeof first) < sizeof first ||
+        memcmp(first, "CDF", sizeof first) != 0)
+        return err;
+    err = folder_passing(&helper->room, NULL, fault);
     return err ? fault_prefix(fault, err,
                               "it is MINC 1, which takes room in $TMPDIR to read; `mincconvert "
                               "-2` makes MINC 2 of it")
                : OK;
 }
 
-static bool ask(struct volume_helper *helper, const char *kind, const char *path,
-                const struct volume_choice *choice)
+static bool send_request(struct volume_helper *helper, const char *kind, const char *path,
+                         const struct volume_choice *choice)
 {
     struct coprocess *process = &helper->process;
     char line[COPROCESS_LINE];
@@ -232,28 +222,26 @@ static bool are_lines(const char *text, size_t length)
     return true;
 }
 
-/* Lines for the user, which go to the caller's list, once. */
-static enum err receive_list(struct buf *list, struct coprocess *process, const char *length,
-                             struct fault *fault)
+/* Receive lines for the user and append them to the caller's list, once. */
+static bool receive_list(struct buf *list, struct coprocess *process, const char *length)
 {
     static const int64_t most = LIST_MOST;
     char piece[1024];
     int64_t left = 0;
-    bool comes =
-        (list && !list->length && coprocess_numbers(length, 1, &most, &left) && left > 0) ||
-        coprocess_odd(process);
-    while (comes && left > 0) {
-        const size_t n = left < (int64_t)sizeof piece ? (size_t)left : sizeof piece;
-        comes =
-            coprocess_receive(process, piece, n) && (are_lines(piece, n) || coprocess_odd(process));
-        if (comes)
-            buf_add(list, piece, n);
-        left -= (int64_t)n;
+    if (!list || list->length || !coprocess_numbers(length, 1, &most, &left) || left < 1)
+        return coprocess_odd(process);
+    for (size_t n; left > 0; left -= (int64_t)n) {
+        n = left < (int64_t)sizeof piece ? (size_t)left : sizeof piece;
+        if (!coprocess_receive(process, piece, n))
+            return false;
+        if (!are_lines(piece, n))
+            return coprocess_odd(process);
+        buf_add(list, piece, n);
     }
-    return comes ? OK : coprocess_fault(process, NULL, NULL, fault);
+    return true;
 }
 
-/* What the volumes are, in one line. */
+/* Receive one line about the volumes. */
 static bool receive_contents(char out[VOLUME_CONTENTS_BYTES], struct coprocess *process,
                              const char *length)
 {
@@ -267,48 +255,42 @@ static bool receive_contents(char out[VOLUME_CONTENTS_BYTES], struct coprocess *
     return (are_lines(out, (size_t)n) && !strchr(out, '\n')) || coprocess_odd(process);
 }
 
-/* The line that answers, after those that say how far it is, each further than the one before, and
- * those that are about series. */
+/* Receive the line that answers, after lines of progress, each further than the one before, and
+ * lines about series and volumes. */
 static enum err receive_answer(struct volume_header *out, struct coprocess *process,
                                char line[COPROCESS_LINE], struct fault *fault)
 {
-    int64_t before = -1;
-    for (;;) {
-        static const int64_t most[2] = {FILES_MOST, FILES_MOST}, most_series = SERIES_MOST;
+    static const int64_t most[2] = {FILES_MOST, FILES_MOST}, most_series = SERIES_MOST;
+    bool fine = true;
+    for (int64_t before = -1; fine;) {
         int64_t number[2];
-        enum err err = coprocess_answer(process, line, NULL, NULL, fault);
         const char *at = line;
-        if (!err && scan_text(&at, "list ")) {
-            err = receive_list(out->choice.list, process, at, fault);
-            if (err)
-                return err;
-            continue;
-        }
-        if (!err && out->series == 0 && scan_text(&at, "series ") &&
-            coprocess_numbers(at, 1, &most_series, &number[0])) {
-            out->series = (uint32_t)number[0];
-            continue;
-        }
-        if (!err && scan_text(&at, "contents ")) {
-            if (!receive_contents(out->contents, process, at))
-                return coprocess_fault(process, NULL, NULL, fault);
-            continue;
-        }
-        if (err || !scan_text(&at, "progress "))
+        const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
+        if (err)
             return err;
-        if (!coprocess_numbers(at, 2, most, number) || number[0] <= before) {
-            coprocess_odd(process);
-            return coprocess_fault(process, NULL, NULL, fault);
+        if (scan_text(&at, "list "))
+            fine = receive_list(out->choice.list, process, at);
+        else if (scan_text(&at, "contents "))
+            fine = receive_contents(out->contents, process, at);
+        else if (out->series == 0 && scan_text(&at, "series ") &&
+                 coprocess_numbers(at, 1, &most_series, number))
+            out->series = (uint32_t)number[0];
+        else if (!scan_text(&at, "progress "))
+            return OK;
+        else if (!coprocess_numbers(at, 2, most, number) || number[0] <= before)
+            fine = coprocess_odd(process);
+        else {
+            before = number[0];
+            if (watch_poll(process->watch, "files", (uint64_t)number[0], (uint64_t)number[1]))
+                return watch_fault(process->watch, fault);
         }
-        before = number[0];
-        if (watch_poll(process->watch, "files", (uint64_t)number[0], (uint64_t)number[1]))
-            return watch_fault(process->watch, fault);
     }
+    return coprocess_fault(process, NULL, NULL, fault);
 }
 
 /* ---- what it says ---- */
 
-/* What the line and what follows it say; false where that makes no sense. */
+/* Receive the header: the line and the bytes after it; false if they make no sense. */
 static bool receive_header(struct volume_header *out, struct coprocess *process, const char *line,
                            double number[NUMBERS], bool *is_close)
 {
@@ -382,16 +364,14 @@ enum err volume_helper_read_header(struct volume_header *out, struct volume_sour
         return fault_set(fault, ERR_INPUT,
                          "its reader is a library, and this kernel has no Landlock to keep it to "
                          "this file; `--unconfined` has it read all the same");
-    enum err err = begin(source, fault);
+    enum err err = start_helper(source, fault);
     struct volume_helper *helper = (struct volume_helper *)source->decoder;
-    if (!err)
-        err = make_room(helper, source, fault);
     if (err)
         return err;
     if (source->is_folder || strcmp(kind, "nrrd") == 0 || strcmp(kind, "meta") == 0 ||
         strcmp(kind, "any") == 0) /* its voxels may be in another file */
         out->bytes = UINT64_MAX;
-    if (!ask(helper, kind, source->path, &out->choice))
+    if (!send_request(helper, kind, source->path, &out->choice))
         return coprocess_fault(&helper->process, NULL, NULL, fault);
     err = receive_answer(out, &helper->process, line, fault);
     return err ? err : take_header(out, &helper->process, line, fault);

@@ -23,7 +23,7 @@
 #define PROGRAM_PANES_H
 
 #include "engine/way.h"
-#include "image/raster.h"
+#include "image/picture.h"
 #include "render/mosaic.h"
 #include "show/slicing.h"
 #include "tui/pilot/host.h"

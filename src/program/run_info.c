@@ -358,7 +358,8 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
     if (!file_is_folder(path) && !file_begins_with(path, ""))
         return fault_set(fault, ERR_INPUT, "%s is not a regular file that can be read", path);
     add_text(f, "file", path);
-    if (file_is_folder(path) || volume_may_name_a_patient(path))
+    const enum volume_guess guess = volume_guess(path);
+    if (file_is_folder(path) || guess == GUESS_PATIENT)
         return add_scene(f, path, fault);
     if (interpreter_is_journal(path))
         return add_journal(f, path, fault);
@@ -370,12 +371,12 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
     }
     if (volume_ending(path) && !file_begins_with(path, "#?RADIANCE"))
         return add_scene(f, path, fault);
-    if (volume_is_tiff(path)) {
+    if (guess == GUESS_TIFF) {
         const enum err err = add_scene(f, path, fault);
         return err && add_image(f, path, true, NULL) == OK ? OK : err;
     }
     const enum err err = add_image(f, path, false, fault);
-    return err && volume_is_known(path) ? add_scene(f, path, fault) : err;
+    return err && guess == GUESS_VOLUME ? add_scene(f, path, fault) : err;
 }
 
 /* With what keeps hostile files and journals in, and what is missing for it. */

@@ -10,7 +10,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/scan.h"
-#include "image/inflated.h"
+#include "image/reader_common.h"
 #include "image/volume.h"
 
 /* ---- memory ---- */

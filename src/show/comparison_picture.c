@@ -127,7 +127,7 @@ static enum err take_picture(struct picture *picture, struct session *session, s
 {
     const struct rendition r = session_picture(session);
     const uint32_t background = background_opaque(session->now.outlook.background);
-    const enum err err = picture_init(picture, r.width, r.height, false, fault);
+    const enum err err = picture_init(picture, r.width, r.height, 0, fault);
     if (err)
         return err;
     memcpy(picture->rgba, r.rgba, (size_t)4 * r.width * r.height);
@@ -372,7 +372,7 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
     const struct view *view = &session->now.outlook.view;
     enum err err = slicing_check_size(view, fault);
     if (!err)
-        err = picture_init(picture, view->width, view->height, false, fault);
+        err = picture_init(picture, view->width, view->height, 0, fault);
     if (err)
         return err;
     const struct canvas canvas = {

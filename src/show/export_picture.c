@@ -301,7 +301,7 @@ enum err export_picture(struct picture *picture, const struct session *session, 
 {
     const struct rendition shown = session_picture(session), *r = &shown;
     bool labels[256] = {false};
-    enum err err = picture_init(picture, r->width, r->height, true, fault);
+    enum err err = picture_init(picture, r->width, r->height, PICTURE_BUT_NORMAL, fault);
     if (err)
         return err;
     list_labels(labels, r);
@@ -314,7 +314,7 @@ enum err export_colours(struct picture *picture, const struct session *session, 
 {
     const struct rendition shown = session_picture(session), *r = &shown;
     bool labels[256] = {false};
-    const enum err err = picture_init(picture, r->width, r->height, false, fault);
+    const enum err err = picture_init(picture, r->width, r->height, 0, fault);
     if (err)
         return err;
     list_labels(labels, r);

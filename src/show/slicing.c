@@ -326,7 +326,7 @@ enum err slicing_export(struct picture *picture, const struct session *session,
 {
     const size_t pixels = (size_t)canvas->width * canvas->height;
     bool shown[256] = {false};
-    enum err err = picture_init(picture, canvas->width, canvas->height, false, fault);
+    enum err err = picture_init(picture, canvas->width, canvas->height, 0, fault);
     if (err)
         return err;
     picture->label = mem_array(pixels, sizeof *picture->label);

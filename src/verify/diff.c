@@ -231,7 +231,7 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     sheet.state.outlook.shows_finished = 0;
     const uint32_t width = pane_left(&sheet, 3) - SEAM;
     const uint32_t height = sheet.top + sheet.height + sheet.bottom;
-    enum err err = picture_init(picture, width, height, false, fault);
+    enum err err = picture_init(picture, width, height, 0, fault);
     if (err)
         return err;
     sheet.canvas =
@@ -353,7 +353,7 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
         return OK;
     enum err err = check_drawn(&j->side[0], fault);
     if (!err)
-        err = picture_init(&picture, drawn->width, drawn->height, false, fault);
+        err = picture_init(&picture, drawn->width, drawn->height, 0, fault);
     if (!err) {
         memcpy(picture.rgba, drawn + 1, (size_t)4 * picture.width * picture.height);
         err = picture_note(&picture, "Software", "iftty " PROGRAM_VERSION, fault);

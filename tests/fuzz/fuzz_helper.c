@@ -114,7 +114,7 @@ static void write_picture(struct image_helper *helper)
 {
     struct picture picture;
     struct fault fault = {.text = ""};
-    HOLDS(picture_init(&picture, 3, 2, false, NULL) == OK);
+    HOLDS(picture_init(&picture, 3, 2, 0, NULL) == OK);
     const enum err err = image_write(helper, "/nowhere/a.png", FILE_REPLACE, &picture, &fault);
     check(err, &fault);
     HOLDS(err); /* nothing was written, whatever it says */

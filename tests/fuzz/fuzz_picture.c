@@ -25,7 +25,7 @@ static void check_words(enum err err, const struct fault *fault)
 /* What golden images are compared with: associated, with a world, and without. */
 static void draw(struct picture *like, bool is_associated)
 {
-    HOLDS(!picture_init(like, 5, 4, true, NULL));
+    HOLDS(!picture_init(like, 5, 4, PICTURE_BUT_NORMAL, NULL));
     like->is_associated = is_associated;
     like->space.has_world = is_associated;
     like->space.eye_mm = 9;

@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "image/raster.h"
+#include "image/picture.h"
 
 /* A part of a slice, and whether the terminal has its greys. */
 struct image_strip {

@@ -26,7 +26,7 @@
 
 #include <stdbool.h>
 
-#include "image/raster.h"
+#include "image/picture.h"
 #include "tui/picture/image_view.h"
 
 enum { SHADES_MOST = 250, SHADES_HUES_MOST = 256 }; /* colours that every sixel terminal has */
