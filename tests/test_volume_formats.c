@@ -63,8 +63,12 @@ static unsigned files_of(const struct proven *p, const struct volume_format *for
     }
     if (listing)
         closedir(listing);
-    snprintf(path, sizeof path, "tests/fuzz/fuzz_%s.c", p->target);
-    return file_exists(path) ? count : 0;
+    struct buf targets = {0};
+    snprintf(path, sizeof path, "{\"%s\", ", p->target);
+    CHECK_INT(file_read(&targets, "tests/fuzz/targets.c", 1 << 20, NULL), OK);
+    CHECK_HAS(buf_text(&targets), path);
+    buf_release(&targets);
+    return count;
 }
 
 STORY(every_format_that_is_read_has_a_fuzz_target_and_bytes_for_it)
