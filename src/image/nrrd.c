@@ -73,8 +73,8 @@ static uint64_t nrrd_voxels_bytes(const struct nrrd_header *header)
            voxel_bytes(header->type);
 }
 
-/* Explain why packed voxels cannot be read, in place of an ERR_INPUT. OK if the voxels are whole and
- * only the bytes after them are damaged. */
+/* Explain why packed voxels cannot be read, in place of an ERR_INPUT. OK if the voxels are whole
+ * and only the bytes after them are damaged. */
 static enum err judge(const struct voxels *voxels, enum err err, struct fault *fault)
 {
     bool ends;
@@ -111,8 +111,8 @@ static void free_voxels(struct source_decoder *decoder)
     free(voxels);
 }
 
-/* Make the source decode the voxels; it owns the decoder. Leave the source unchanged, and return OK,
- * if voxels that should be gzip are not, which zlib may accept all the same. */
+/* Make the source decode the voxels; it owns the decoder. Leave the source unchanged, and return
+ * OK, if voxels that should be gzip are not, which zlib may accept all the same. */
 static enum err enter_voxels(struct volume_source *source, const struct nrrd_header *header,
                              struct fault *fault)
 {

@@ -14,7 +14,8 @@
  * more. */
 enum { FIELDS_MOST = 1000, SKIP_MOST = 1000000000 };
 
-/* The fields that are read, by their number in FIELD_NAMES. FREE is the first one with any value. */
+/* The fields that are read, by their number in FIELD_NAMES. FREE is the first one whose value is
+ * not read. */
 #define FIELD_NAMES                                                                                \
     "type|dimension|sizes|encoding|endian|byte skip|space|space dimension|space directions|"       \
     "space origin|measurement frame|space units|spacings|units|centers|centerings|kinds|labels|"   \

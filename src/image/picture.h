@@ -3,8 +3,8 @@
  * A picture: pixels and the notes that go with them, as files hold it; and a raster, pixels ready
  * to be encoded.
  *
- * Rows run from the top, pixels from the left. A rendition fills all planes; a picture that was read
- * from a PNG has `rgba` alone.
+ * Rows run from the top, pixels from the left. A rendition fills all planes; a picture read from a
+ * PNG has `rgba` alone.
  */
 #ifndef IMAGE_PICTURE_H
 #define IMAGE_PICTURE_H

@@ -242,8 +242,8 @@ enum err voxels_write(const char *path, enum file_mode mode, struct buf *header,
 /* ---- raw ----
  *
  * Voxels without a header, x fastest, in a layout that the user states; plain or gzip. The file
- * states neither place nor spacing. Bytes after the last voxel are noted, since they may result from
- * a wrong layout. */
+ * states neither place nor spacing. Bytes after the last voxel are noted, since they may result
+ * from a wrong layout. */
 
 static enum err read_raw(struct volume_header *out, struct volume_source *source,
                          struct fault *fault)
