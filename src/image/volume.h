@@ -49,7 +49,7 @@ enum volume_guess {
     GUESS_UNKNOWN,
     GUESS_PATIENT, /* DICOM, whose metadata name a patient: readers of pictures would print them */
     GUESS_TIFF,    /* a volume, a slice or a picture */
-    GUESS_VOLUME, /* a volume, or a format that volume_begin refuses with advice */
+    GUESS_VOLUME,  /* a volume, or a format that volume_begin refuses with advice */
 };
 enum volume_guess volume_guess(const char *path);
 
