@@ -28,4 +28,20 @@ static inline void allow_allocations(size_t count)
     mem_allows = takes_one_allocation;
 }
 
+/* Lets the next allocations succeed until they have so many bytes together; by one thread. */
+static size_t bytes_left;
+
+static inline bool takes_bytes(size_t bytes)
+{
+    const bool fits = bytes <= bytes_left;
+    bytes_left -= fits ? bytes : 0;
+    return fits;
+}
+
+static inline void allow_bytes(size_t bytes)
+{
+    bytes_left = bytes;
+    mem_allows = takes_bytes;
+}
+
 #endif

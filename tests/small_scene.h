@@ -38,16 +38,20 @@ static inline void scene_row(void *context, uint32_t y, uint32_t z, void *values
         *at++ = (uint8_t)(3 * x + 2 * y + z + (x > 5 ? 60 : 0) + (y > 6 && z > 4 ? 90 : 0));
 }
 
+/* Writes a map that lies where the scene does. */
+static inline void write_map(const char *name, const uint32_t sides[3], enum voxel_type type,
+                             void (*row)(void *context, uint32_t y, uint32_t z, void *values),
+                             void *context)
+{
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
+    const struct volume_map map = {sides, &geometry, type, "test", row, context, NULL};
+    CHECK(volume_write(place(name), FILE_REPLACE, &map, NULL, NULL) == OK);
+}
+
 static inline void make_scene(void)
 {
-    const double spacing[3] = {1, 1.5, 2};
-    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
-    geometry_place_plain(&geometry, spacing);
-    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
-    CHECK(volume_write(
-              place("scene.nii"), FILE_REPLACE,
-              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL, NULL},
-              NULL, NULL) == OK);
+    write_map("scene.nii", size, VOXEL_UINT8, scene_row, NULL);
 }
 
 static inline void open_scene(struct interpreter *interp, const char *name)
@@ -93,13 +97,8 @@ static inline void region_row(void *context, uint32_t y, uint32_t z, void *value
 static inline void make_regions(const char *name, uint32_t x, uint8_t other)
 {
     uint32_t sides[3] = {x, size[1], size[2]};
-    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     other_region = other;
-    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
-    CHECK(volume_write(
-              place(name), FILE_REPLACE,
-              &(struct volume_map){sides, &geometry, VOXEL_UINT8, "test", region_row, sides, NULL},
-              NULL, NULL) == OK);
+    write_map(name, sides, VOXEL_UINT8, region_row, sides);
 }
 
 /* Weights 0..39, and `more`. */
@@ -117,13 +116,8 @@ static inline void weight_row(void *context, uint32_t y, uint32_t z, void *value
 
 static inline void make_weights(const char *name, uint32_t more)
 {
-    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     more_weight = more;
-    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
-    CHECK(volume_write(
-              place(name), FILE_REPLACE,
-              &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", weight_row, NULL, NULL},
-              NULL, NULL) == OK);
+    write_map(name, size, VOXEL_UINT16, weight_row, NULL);
 }
 
 /* ---- snapshots ---- */

@@ -8,11 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/mem.h"
 #include "session/doubtful.h"
 #include "session/paint.h"
 #include "tests/check.h"
 #include "tests/paint_model.h"
+#include "tests/scarce_memory.h"
 
 enum { SIDE = 60, LABEL = 7 };
 
@@ -314,14 +314,6 @@ STORY(an_outline_that_was_drawn_is_found_again)
     markers_release(&markers);
 }
 
-static size_t bytes_left;
-static bool allows(size_t bytes)
-{
-    const bool fits = bytes <= bytes_left;
-    bytes_left -= fits ? bytes : 0;
-    return fits;
-}
-
 STORY(without_memory_there_is_no_contour)
 {
     unsigned failed = 0;
@@ -331,8 +323,7 @@ STORY(without_memory_there_is_no_contour)
     const struct labels labels = all_labels();
     for (size_t most = 0; most < 40000; most += most / 4 + 50) {
         struct polyline line = {0};
-        bytes_left = most;
-        mem_allows = allows;
+        allow_bytes(most);
         const enum err err = contour_of_label(&line, &labels, LABEL, axis, from, NULL);
         mem_allows = NULL;
         CHECK(err == OK || (err == ERR_MEMORY && line.count == 0));

@@ -5,8 +5,8 @@
  */
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "session/doubtful.h"
+#include "tests/scarce_memory.h"
 #include "tests/small_scene.h"
 
 static struct interpreter interp;
@@ -186,14 +186,6 @@ STORY(slices_are_told_with_the_volume_that_is_in_doubt)
     interpreter_release(&interp);
 }
 
-static size_t bytes_left;
-static bool allows(size_t bytes)
-{
-    const bool fits = bytes <= bytes_left;
-    bytes_left -= fits ? bytes : 0;
-    return fits;
-}
-
 STORY(without_memory_it_says_so_and_with_it_goes_on)
 {
     struct doubtful_slice found[DOUBTFUL_MOST];
@@ -206,8 +198,7 @@ STORY(without_memory_it_says_so_and_with_it_goes_on)
     outlined_count = 0;
     for (size_t most = 0; most < 400000; most += most / 4 + 100) {
         doubting_release(&interp.session->inside->doubting);
-        bytes_left = most;
-        mem_allows = allows;
+        allow_bytes(most);
         const enum err err = doubtful_find(found, &count, interp.session, 1, NULL);
         mem_allows = NULL;
         CHECK(err == OK || (err == ERR_MEMORY && count == 0));

@@ -12,6 +12,7 @@
 #include "journal/record.h"
 #include "session/state.h"
 #include "show/slicing.h"
+#include "tests/random_commands.h"
 #include "tests/small_scene.h"
 
 static uint64_t seed = 7;
@@ -245,57 +246,36 @@ STORY(branches_have_names_and_are_left_and_found_again)
 
 static void random_line(char *line, size_t room)
 {
-    static const char *const plain[] = {"run",
-                                        "auto on",
-                                        "auto off",
-                                        "hide 1",
-                                        "show 1",
-                                        "hide 2",
-                                        "adjacency 6",
-                                        "adjacency 26",
-                                        "weight morph",
-                                        "weight weights.nii",
-                                        "weight sobel",
-                                        "weight polarity",
-                                        "polarity 1 30",
-                                        "polarity 1 -30",
-                                        "mask none",
-                                        "mask regions.nii regions=0-2",
-                                        "range 0 200",
-                                        "range none",
-                                        "clip axial 2-7",
-                                        "clip none",
-                                        "render",
-                                        "turn 10 5",
-                                        "label 1 a",
-                                        "label 1 b #ff00ff",
-                                        "slice axial 3",
-                                        "mask regions.nii"};
-    const uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]);
-    switch (below(9)) {
-    case 0:
-        snprintf(line, room, "undo %u", 1 + below(below(2) ? 1 : 6));
-        break;
-    case 1:
-        snprintf(line, room, "redo %u", 1 + below(3));
-        break;
-    case 2:
-        snprintf(line, room, "goto %u", 1 + below(200));
-        break;
-    case 3:
-        if (below(4))
-            snprintf(line, room, "remove %u,%u,%u radius=%u%s", x, y, z, below(2),
-                     below(2) ? " of=tree" : "");
-        else
-            snprintf(line, room, "%s %c", below(2) ? "branch" : "goto", (int)('a' + below(5)));
-        break;
-    case 4:
-    case 5:
-        snprintf(line, room, "%s", plain[below(sizeof plain / sizeof plain[0])]);
-        break;
-    default:
-        snprintf(line, room, "seed %u,%u,%u %u radius=%u", x, y, z, below(4), below(5) / 3);
-    }
+    static const char *const forms[] = {
+        "undo [1|<1-6>]",
+        "redo <1-3>",
+        "goto <1-200>",
+        "[remove X,Y,Z radius=<2>|remove X,Y,Z radius=<2> of=tree|branch b<5>|goto b<5>]",
+        "seed X,Y,Z <4> radius=[0|0|0|<2>]",
+        "seed X,Y,Z <4> radius=[0|0|0|<2>]",
+        "seed X,Y,Z <4> radius=[0|0|0|<2>]"};
+    static const char *const settings[] = {"run",
+                                           "auto [on|off]",
+                                           "auto [on|off]",
+                                           "[hide 1|show 1|hide 2]",
+                                           "[hide 1|show 1|hide 2]",
+                                           "adjacency [6|26]",
+                                           "adjacency [6|26]",
+                                           "weight [morph|weights.nii|sobel|polarity]",
+                                           "weight [morph|weights.nii|sobel|polarity]",
+                                           "weight [morph|weights.nii|sobel|polarity]",
+                                           "polarity 1 [30|-30]",
+                                           "mask [none|regions.nii regions=0-2|regions.nii]",
+                                           "mask [none|regions.nii regions=0-2|regions.nii]",
+                                           "range [0 200|none]",
+                                           "range [0 200|none]",
+                                           "clip [axial 2-7|none]",
+                                           "render",
+                                           "turn 10 5",
+                                           "label 1 [a|b #ff00ff]",
+                                           "slice axial 3"};
+    const char *form = below(9) < 2 ? RANDOM_FORM(settings, &seed) : RANDOM_FORM(forms, &seed);
+    random_command(line, room, form, size, &seed);
 }
 
 /* Every state that a record left, to be compared with whenever it comes back. */
@@ -436,36 +416,45 @@ static const char *const travels[] = {"undo",   "undo 2", "undo 4", "redo",   "r
                                       "redo 4", "goto 4", "goto 8", "goto 16"};
 enum { TRAVELS = sizeof travels / sizeof travels[0] };
 
+/* Carries a command out with ever more memory until there is enough, and goes `back` after each
+ * time that it succeeds (NULL: it stays). Returns how often it failed. */
+static unsigned starve_everywhere(struct interpreter *interp, const char *line, const char *back)
+{
+    struct snapshot before;
+    unsigned refused = 0;
+    take_snapshot(&before, interp);
+    for (unsigned few = 0; few < 80; few++) {
+        allowed = few;
+        mem_allows = allow_some;
+        const enum err err = execute(interp, line);
+        mem_allows = NULL;
+        const bool sufficed = allowed <= few; /* else it wrapped when it refused */
+        if (err == OK && back) {
+            must(interp, back);
+            take_snapshot(&before, interp);
+        }
+        if (err == OK && (sufficed || !back))
+            break;
+        if (err == OK)
+            continue; /* without what it needs for counting changes, say */
+        CHECK(err == ERR_MEMORY);
+        refused++;
+        is_as_before(&before, interp, line);
+    }
+    return refused;
+}
+
 /* Of two threads, which ask for memory of their own. */
 STORY(without_memory_one_stays_where_one_is)
 {
     struct interpreter interp;
-    struct snapshot before;
     unsigned refused = 0;
     const char *threads = getenv("IFTTY_THREADS");
     char *kept = strdup(threads ? threads : "0");
     setenv("IFTTY_THREADS", "2", 1);
     begin_with_history(&interp);
-    take_snapshot(&before, &interp);
     for (size_t i = 0; i < TRAVELS; i++)
-        for (unsigned few = 0; few < 60; few++) {
-            allowed = few;
-            mem_allows = allow_some;
-            const enum err err = execute(&interp, travels[i]);
-            mem_allows = NULL;
-            const bool sufficed = allowed <= few; /* else it wrapped when it refused */
-            if (err == OK) {
-                must(&interp, "goto 17");
-                take_snapshot(&before, &interp);
-            }
-            if (err == OK && sufficed)
-                break;
-            if (err == OK)
-                continue; /* without what it needs for counting changes, say */
-            CHECK(err == ERR_MEMORY);
-            refused++;
-            is_as_before(&before, &interp, travels[i]);
-        }
+        refused += starve_everywhere(&interp, travels[i], "goto 17");
     CHECK(refused > 3 * TRAVELS);
     interpreter_release(&interp);
     setenv("IFTTY_THREADS", kept, 1);
@@ -477,56 +466,15 @@ STORY(without_memory_a_marker_stands_as_it_did)
     static const char *const lines[] = {"seed 5,5,5 3 radius=1", "remove 1,1,1", "remove 5,5,5",
                                         "remove 9,9,8 of=tree", "run"};
     struct interpreter interp;
-    struct snapshot before;
     unsigned refused = 0;
     begin_with_scene(&interp);
     must(&interp, "seed 1,1,1 1 radius=2");
     must(&interp, "seed 9,9,8 2 radius=2");
     must(&interp, "run");
-    take_snapshot(&before, &interp);
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
-        for (unsigned few = 0; few < 80; few++) {
-            allowed = few;
-            mem_allows = allow_some;
-            const enum err err = execute(&interp, lines[i]);
-            mem_allows = NULL;
-            if (err == OK) {
-                take_snapshot(&before, &interp);
-                break;
-            }
-            CHECK(err == ERR_MEMORY);
-            refused++;
-            is_as_before(&before, &interp, lines[i]);
-        }
+        refused += starve_everywhere(&interp, lines[i], NULL);
     CHECK(refused > 10);
     CHECK_INT(session_pendings(interp.session), 0);
-    interpreter_release(&interp);
-}
-
-STORY(who_is_stopped_on_the_way_is_where_he_was)
-{
-    struct interpreter interp;
-    struct snapshot before;
-    unsigned stopped = 0;
-    struct stopping stopping = {.watch = {.context = &stopping, .poll = not_now}};
-    begin_with_history(&interp);
-    take_snapshot(&before, &interp);
-    for (size_t i = 0; i < TRAVELS; i++)
-        for (unsigned looks = 0;; looks++) {
-            stopping.left = looks;
-            interp.session->watch = &stopping.watch;
-            const enum err err = execute(&interp, travels[i]);
-            interp.session->watch = NULL;
-            if (err == OK) {
-                must(&interp, "goto 17");
-                take_snapshot(&before, &interp);
-                break;
-            }
-            CHECK(err == ERR_CANCELLED);
-            stopped++;
-            is_as_before(&before, &interp, travels[i]);
-        }
-    CHECK(stopped > 2 * TRAVELS);
     interpreter_release(&interp);
 }
 
@@ -569,18 +517,20 @@ static const char *const works[] = {
 };
 
 /* Carries a command out as often as it looks at the watch, each time stopped one look later, or
- * some later where there are many; and at last lets it be. How often it was stopped. */
-static unsigned stop_everywhere(struct interpreter *interp, const char *line, bool shows)
+ * some later where it looks as `often` as it can; and at last lets it be. How often it was
+ * stopped. */
+static unsigned stop_everywhere(struct interpreter *interp, const char *line, bool shows,
+                                bool often)
 {
     struct snapshot before;
     unsigned stopped = 0;
     struct stopping stopping = {.watch = {.context = &stopping,
                                           .poll = not_now,
                                           .show = shows ? show_all : NULL,
-                                          .step = 1},
+                                          .step = often},
                                 .session = interp->session};
     take_snapshot(&before, interp);
-    for (unsigned looks = 0;; looks += 1 + looks / (shows ? 6 : 16), stopped++) {
+    for (unsigned looks = 0;; looks += often ? 1 + looks / (shows ? 6 : 16) : 1, stopped++) {
         stopping.left = looks;
         interp->session->watch = &stopping.watch;
         const enum err err = execute(interp, line);
@@ -598,6 +548,19 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, bo
     return stopped;
 }
 
+STORY(who_is_stopped_on_the_way_is_where_he_was)
+{
+    struct interpreter interp;
+    unsigned stopped = 0;
+    begin_with_history(&interp);
+    for (size_t i = 0; i < TRAVELS; i++) {
+        stopped += stop_everywhere(&interp, travels[i], false, false);
+        must(&interp, "goto 17");
+    }
+    CHECK(stopped > 2 * TRAVELS);
+    interpreter_release(&interp);
+}
+
 STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
 {
     struct interpreter interp;
@@ -609,7 +572,7 @@ STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
         must(&interp, "seed 10,9,8 2 radius=1");
         must(&interp, "render");
         for (size_t i = 0; i < sizeof works / sizeof *works; i++)
-            if (!CHECK(stop_everywhere(&interp, works[i], by_itself) > 1))
+            if (!CHECK(stop_everywhere(&interp, works[i], by_itself, true) > 1))
                 printf("#   %s\n", works[i]);
         CHECK(unlink(place("labels.nii")) == 0 && unlink(place("root.nii.gz")) == 0);
         interpreter_release(&interp);
@@ -659,8 +622,8 @@ STORY(a_scene_is_opened_and_interpolated_or_is_not)
         char line[64];
         begin_interpreter(&interp);
         snprintf(line, sizeof line, "open %s", scenes[i]);
-        CHECK(stop_everywhere(&interp, line, false) > 20);
-        CHECK(stop_everywhere(&interp, "interpolate 2 1 2", true) > 20);
+        CHECK(stop_everywhere(&interp, line, false, true) > 20);
+        CHECK(stop_everywhere(&interp, "interpolate 2 1 2", true, true) > 20);
         interpreter_release(&interp);
     }
 }

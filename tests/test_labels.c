@@ -10,6 +10,7 @@
 #include "base/mem.h"
 #include "session/seed_file.h"
 #include "session/map.h"
+#include "tests/random_commands.h"
 #include "tests/small_scene.h"
 
 static uint64_t seed = 1;
@@ -219,15 +220,7 @@ static void painted_row(void *context, uint32_t y, uint32_t z, void *values)
 
 static void write_painted(const char *name)
 {
-    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
-    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
-    CHECK(volume_write(place(name), FILE_REPLACE,
-                       &(struct volume_map){.size = size,
-                                            .geometry = &geometry,
-                                            .type = VOXEL_UINT8,
-                                            .description = "test",
-                                            .row = painted_row},
-                       NULL, NULL) == OK);
+    write_map(name, size, VOXEL_UINT8, painted_row, NULL);
 }
 
 static void paint_map(void)
@@ -397,33 +390,21 @@ STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing)
 }
 
 /* Any command of a session that begins with a file. */
-static void write_any(char line[PATH_MAX])
-{
-    const uint32_t a[3] = {check_below(&seed, 12), check_below(&seed, 11), check_below(&seed, 10)},
-                   b[3] = {check_below(&seed, 12), check_below(&seed, 11), check_below(&seed, 10)};
-    const uint32_t label = check_below(&seed, 4), what = check_below(&seed, 15);
-    const char *const ways[] = {"undo", "undo 2", "redo", "redo 3", "goto main"};
-    if (what < 4)
-        sprintf(line, "seed %u,%u,%u %u radius=%u", a[0], a[1], a[2], label, what % 3);
-    else if (what == 4)
-        sprintf(line, "seed %u,%u,%u %u to=%u,%u,%u", a[0], a[1], a[2], label, b[0], b[1], b[2]);
-    else if (what == 5)
-        sprintf(line, "box %u,%u,%u %u,%u,%u %u", a[0], a[1], a[2], b[0], b[1], b[2], label);
-    else if (what == 6)
-        sprintf(line, "fill %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", a[0], a[1], a[2], label, a[0],
-                b[1], a[2], a[0], b[1], b[2]);
-    else if (what == 14)
-        sprintf(line, "outline %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", a[0], a[1], a[2], label, a[0],
-                b[1], a[2], a[0], b[1], b[2]);
-    else if (what == 7)
-        sprintf(line, "seed %u,%u,%u %u within=%u", a[0], a[1], a[2], label, 1 + label);
-    else if (what == 8)
-        snprintf(line, PATH_MAX, "labels %s erode=%u", place("leak.nii"), label % 2);
-    else if (what < 11)
-        sprintf(line, "remove %u,%u,%u%s", a[0], a[1], a[2], what == 9 ? " of=tree" : "");
-    else
-        sprintf(line, "%s", ways[check_below(&seed, 5)]);
-}
+static const char *const any[] = {"seed X,Y,Z <4> radius=<3>",
+                                  "seed X,Y,Z <4> radius=<3>",
+                                  "seed X,Y,Z <4> radius=<3>",
+                                  "seed X,Y,Z <4> radius=<3>",
+                                  "seed X,Y,Z <4> to=U,V,W",
+                                  "box X,Y,Z U,V,W <4>",
+                                  "fill X,Y,Z <4> to=X,V,Z to=X,V,W",
+                                  "outline X,Y,Z <4> to=X,V,Z to=X,V,W",
+                                  "seed X,Y,Z <4> within=<1-4>",
+                                  "labels leak.nii erode=<2>",
+                                  "remove X,Y,Z",
+                                  "remove X,Y,Z of=tree",
+                                  "[undo|undo 2|redo|redo 3|goto main]",
+                                  "[undo|undo 2|redo|redo 3|goto main]",
+                                  "[undo|undo 2|redo|redo 3|goto main]"};
 
 /* What the commands that lead to the present point come to in a session of their own. */
 static void same_from_scratch(const struct interpreter *interp)
@@ -461,7 +442,7 @@ STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
                 snprintf(line, sizeof line, "seed %u,4,5 2 radius=1", check_below(&seed, 12));
                 CHECK(interpreter_sketch(&interp, line, NULL) == OK);
             }
-            write_any(line);
+            random_command(line, sizeof line, RANDOM_FORM(any, &seed), size, &seed);
             if (execute(&interp, line) == OK && i % 3 == 0)
                 same_from_scratch(&interp);
         }

@@ -101,16 +101,6 @@ STORY(what_lies_free_between_what_is_used_is_given_back)
 
 /* ---- the synthetic scene ---- */
 
-STORY(geom_of_its_own_size_is_geom)
-{
-    struct scene *plain, *sized;
-    CHECK(scene_new_geom(&plain, 0, NULL, NULL) == OK);
-    CHECK(scene_new_geom_of(&sized, geom_size, NULL, NULL) == OK);
-    CHECK(scene_digest(plain) == scene_digest(sized));
-    scene_free(plain);
-    scene_free(sized);
-}
-
 /* A voxel of a scene twice as fine, far from any surface, differs from geom's by noise alone. */
 STORY(geom_of_another_size_shows_the_same_solids)
 {

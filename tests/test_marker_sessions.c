@@ -10,6 +10,7 @@
  */
 #include "command/execute.h"
 #include "tests/paint_model.h"
+#include "tests/random_commands.h"
 #include "tests/small_scene.h"
 #include "tests/stopping.h"
 
@@ -341,109 +342,43 @@ STORY(seeds_are_what_the_commands_that_stand_give)
 
 /* ---- label maps, regions of interest and corrections, in any order ---- */
 
-/* Draw a planting command that the model above lacks, or a change of weights or adjacency. */
-static void draw_more(char line[LINE])
-{
-    const uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]), low = below(160);
-    const uint32_t label = below(3), other[3] = {below(size[0]), below(size[1]), below(size[2])};
-    switch (below(9)) {
-    case 0:
-        snprintf(line, LINE, "fill %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", x, y, z, label, x,
-                 other[1], z, x, y, other[2]);
-        break;
-    case 1:
-        snprintf(line, LINE, "seed %u,%u,%u %u radius=%u to=%u,%u,%u%s", x, y, z, label, below(3),
-                 other[0], other[1], other[2], below(2) ? " joined=yes" : "");
-        break;
-    case 2:
-        snprintf(line, LINE, "seed %u,%u,%u %u radius=1 joined=yes", x, y, z, label);
-        break;
-    case 3:
-        snprintf(line, LINE, "seed %u,%u,%u %u shell=yes radius=%u%s", x, y, z, label, 1 + below(5),
-                 below(2) ? " around=1" : "");
-        break;
-    case 4:
-        snprintf(line, LINE, "box %u,%u,%u %u,%u,%u %u shell=yes", x, y, z, other[0], other[1],
-                 other[2], label);
-        break;
-    case 5:
-        snprintf(line, LINE, "object %u threshold %u..%u%s", label, low, low + below(80),
-                 below(2) ? "" : " from=3,5,3");
-        break;
-    case 6:
-        snprintf(line, LINE, "seed-file regions.nii each=%u generator=%u%s", 1 + below(9), below(9),
-                 below(2) ? " erode=1" : " label=2");
-        break;
-    case 7:
-        snprintf(line, LINE, "adjacency %s", below(2) ? "6" : "26");
-        break;
-    default:
-        snprintf(line, LINE, "%s",
-                 (const char *[]){"weight polarity", "weight morph", "polarity 1 50"}[below(3)]);
-    }
-}
-
 /* A command that may be refused, since the region of interest leaves no voxel or would leave a seed
  * outside. A third of them change the region, or plant what a map holds. */
 static void draw_command(char line[LINE])
 {
-    const uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]), low = below(160);
-    const uint32_t label = below(3), other[3] = {below(size[0]), below(size[1]), below(size[2])};
-    switch (below(24)) {
-    case 0:
-    case 1:
-        snprintf(line, LINE, "labels regions.nii%s%s", below(2) ? " regions=1-2" : "",
-                 below(2) ? " erode=0" : "");
-        break;
-    case 2:
-    case 3:
-    case 4:
-        snprintf(line, LINE, "range %u %u", low, low + 30 + below(150));
-        break;
-    case 5:
-        snprintf(line, LINE, "range none");
-        break;
-    case 6:
-    case 7:
-        snprintf(line, LINE, "mask mask.nii%s", below(2) ? " regions=1" : "");
-        break;
-    case 8:
-        snprintf(line, LINE, "mask none");
-        break;
-    case 9:
-        snprintf(line, LINE, "box %u,%u,%u %u,%u,%u %u", x, y, z, other[0], other[1], other[2],
-                 label);
-        break;
-    case 10:
-        snprintf(line, LINE, "outline %u,%u,%u %u to=%u,%u,%u to=%u,%u,%u", x, y, z, label,
-                 other[0], y, z, x, other[1], z);
-        break;
-    case 11:
-        snprintf(line, LINE, "remove %u,%u,%u%s", x, y, z, below(3) ? "" : " of=tree");
-        break;
-    case 12:
-        snprintf(line, LINE, "undo %u", 1 + below(4));
-        break;
-    case 13:
-        snprintf(line, LINE, "redo %u", 1 + below(3));
-        break;
-    case 14:
-        snprintf(line, LINE, below(2) ? "run" : "auto %s", below(3) ? "on" : "off");
-        break;
-    case 15:
-        snprintf(line, LINE, "goto %u", below((uint32_t)interp.history.records + 1));
-        break;
-    case 16:
-    case 17:
-    case 18:
-    case 19:
-    case 20:
-        draw_more(line);
-        break;
-    default:
-        snprintf(line, LINE, "seed %u,%u,%u %u radius=%u%s", x, y, z, label, below(4),
-                 below(4) ? "" : " within=4");
-    }
+    static const char *const forms[] = {"labels regions.nii[ regions=1-2|][ erode=0|]",
+                                        "labels regions.nii[ regions=1-2|][ erode=0|]",
+                                        "range <60> <61-140>",
+                                        "range <60-159> <160-310>",
+                                        "range <160> <190-340>",
+                                        "range none",
+                                        "mask mask.nii[ regions=1|]",
+                                        "mask mask.nii[ regions=1|]",
+                                        "mask none",
+                                        "box X,Y,Z U,V,W <3>",
+                                        "outline X,Y,Z <3> to=U,Y,Z to=X,V,Z",
+                                        "remove X,Y,Z[|| of=tree]",
+                                        "undo <1-4>",
+                                        "redo <1-3>",
+                                        "[run|auto on|run|auto off]",
+                                        "goto <44>",
+                                        "seed X,Y,Z <3> radius=<4>[||| within=4]",
+                                        "seed X,Y,Z <3> radius=<4>[||| within=4]",
+                                        "seed X,Y,Z <3> radius=<4>[||| within=4]"};
+    /* What the model above lacks, and changes of weights or adjacency. */
+    static const char *const more[] = {"fill X,Y,Z <3> to=X,V,Z to=X,Y,W",
+                                       "seed X,Y,Z <3> radius=<3> to=U,V,W[ joined=yes|]",
+                                       "seed X,Y,Z <3> radius=1 joined=yes",
+                                       "seed X,Y,Z <3> shell=yes radius=<1-5>[ around=1|]",
+                                       "box X,Y,Z U,V,W <3> shell=yes",
+                                       "object <3> threshold <80>..<80-159>[| from=3,5,3]",
+                                       "object <3> threshold <80-160>..<161-240>[| from=3,5,3]",
+                                       "seed-file regions.nii each=<1-9> generator=<9>[ erode=1| "
+                                       "label=2]",
+                                       "adjacency [6|26]",
+                                       "[weight polarity|weight morph|polarity 1 50]"};
+    const char *form = below(5) ? RANDOM_FORM(forms, &seed) : RANDOM_FORM(more, &seed);
+    random_command(line, LINE, form, size, &seed);
 }
 
 STORY(maps_regions_and_corrections_come_in_any_order)
@@ -497,12 +432,7 @@ static void hole_row(void *context, uint32_t y, uint32_t z, void *values)
 
 STORY(no_removal_brings_a_seed_back_outside_the_region)
 {
-    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
-    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
-    CHECK(volume_write(
-              place("hole.nii"), FILE_REPLACE,
-              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", hole_row, NULL, NULL},
-              NULL, NULL) == OK);
+    write_map("hole.nii", size, VOXEL_UINT8, hole_row, NULL);
     make_regions("regions.nii", size[0], 0);
     CHECK(chdir(folder) == 0);
     begin_with_scene(&interp);

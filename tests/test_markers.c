@@ -7,9 +7,9 @@
  */
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "session/markers.h"
 #include "tests/check.h"
+#include "tests/scarce_memory.h"
 
 enum { VOXELS = 40, MARKERS_MOST = 40 };
 
@@ -142,12 +142,6 @@ STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
     }
 }
 
-static bool refuses(size_t bytes)
-{
-    (void)bytes;
-    return false;
-}
-
 STORY(what_memory_cannot_hold_changes_nothing)
 {
     struct markers markers = {0};
@@ -156,7 +150,7 @@ STORY(what_memory_cannot_hold_changes_nothing)
         cell[i] = i;
     CHECK(markers_add(&markers, 1, cell, 10, NULL, NULL) == OK);
     markers.marker[0].stands = true;
-    mem_allows = refuses;
+    allow_allocations(0);
     CHECK_INT(markers_add(&markers, 2, cell, 300, NULL, NULL), ERR_MEMORY);
     mem_allows = NULL;
     CHECK_INT(markers.count, 1);

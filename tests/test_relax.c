@@ -394,7 +394,7 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
             struct relax_field field = {0};
             CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, FINISH_BAND_MOST,
                                     NULL) == OK);
-            relax_field_make(&field, 25, 0);
+            relax_field_make(&field, 25);
             for (int i = 0; i < v.count; i++)
                 u[k][i] = v.label[i] == k + 1 ? RELAX_ONE : 0;
             for (int row = 0; row < v.size[1] * v.size[2]; row++)

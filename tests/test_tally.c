@@ -2,6 +2,7 @@
 /* How many voxels each label has: kept up to date through edits that change little and much,
  * undone, cancelled and failed, and told in a line after each edit. */
 #include "command/execute.h"
+#include "tests/random_commands.h"
 #include "tests/small_scene.h"
 #include "tests/stopping.h"
 
@@ -97,41 +98,15 @@ static bool stands(struct session *session)
 /* One of the things that a session does to labels; `all` things, or those that edit a little. */
 static void do_anything(struct interpreter *interp, bool all)
 {
+    static const char *const forms[] = {"remove X,Y,Z",        "seed X,Y,Z <5>",
+                                        "seed X,Y,Z <5>",      "seed X,Y,Z <5>",
+                                        "undo <1-3>",          "redo",
+                                        "goto <4-63>",         "weight [morph|difference]",
+                                        "range [none|20 300]", "adjacency [6|26]",
+                                        "auto [on|off]",       "run"};
     char line[64];
-    const unsigned x = check_below(&seed, 40), y = check_below(&seed, 40);
-    const unsigned z = check_below(&seed, 30), label = check_below(&seed, 5);
-    switch (check_below(&seed, all ? 12 : 4)) {
-    case 0:
-        snprintf(line, sizeof line, "remove %u,%u,%u", x, y, z);
-        break;
-    default:
-        snprintf(line, sizeof line, "seed %u,%u,%u %u", x, y, z, label);
-        break;
-    case 4:
-        snprintf(line, sizeof line, "undo %u", 1 + check_below(&seed, 3));
-        break;
-    case 5:
-        snprintf(line, sizeof line, "redo");
-        break;
-    case 6:
-        snprintf(line, sizeof line, "goto %u", 4 + check_below(&seed, 60));
-        break;
-    case 7:
-        snprintf(line, sizeof line, "weight %s", check_below(&seed, 2) ? "morph" : "difference");
-        break;
-    case 8:
-        snprintf(line, sizeof line, "range %s", check_below(&seed, 2) ? "none" : "20 300");
-        break;
-    case 9:
-        snprintf(line, sizeof line, "adjacency %s", check_below(&seed, 2) ? "6" : "26");
-        break;
-    case 10:
-        snprintf(line, sizeof line, "auto %s", check_below(&seed, 2) ? "on" : "off");
-        break;
-    case 11:
-        snprintf(line, sizeof line, "run");
-        break;
-    }
+    random_command(line, sizeof line, forms[check_below(&seed, all ? 12 : 4)],
+                   (const uint32_t[]){40, 40, 30}, &seed);
     execute(interp, line);
 }
 

@@ -56,15 +56,6 @@ struct room {
     size_t length;
 };
 
-static bool room_init(struct room *room, size_t length)
-{
-    *room = (struct room){.from = mem_array(COLUMNS * length, sizeof *room->from),
-                          .at = mem_array(length, sizeof *room->at),
-                          .lowest = mem_array(length, sizeof *room->lowest),
-                          .length = length};
-    return room->from && room->at && room->lowest;
-}
-
 static uint64_t parabola(const uint64_t *from, uint32_t at, uint32_t x, uint64_t step)
 {
     const uint64_t away = (x > at ? x - at : at - x) * step;
@@ -176,9 +167,16 @@ enum err distance_spread(uint64_t *squared, const uint32_t size[3],
     team_run(team, spread_rows, &s);
     for (s.axis = 1; s.axis < 3 && !err; s.axis++) {
         s.step = scale->step[s.axis];
-        for (unsigned i = 0; i < team_size(team); i++)
-            if (!room_init(&s.room[i], size[s.axis]))
+        const size_t length = size[s.axis];
+        for (unsigned i = 0; i < team_size(team); i++) {
+            struct room *room = &s.room[i];
+            *room = (struct room){.from = mem_array(COLUMNS * length, sizeof *room->from),
+                                  .at = mem_array(length, sizeof *room->at),
+                                  .lowest = mem_array(length, sizeof *room->lowest),
+                                  .length = length};
+            if (!room->from || !room->at || !room->lowest)
                 err = fault_memory(fault, "distances");
+        }
         if (!err)
             team_run(team, spread_share, &s);
         for (unsigned i = 0; i < team_size(team); i++) {

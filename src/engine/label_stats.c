@@ -93,25 +93,6 @@ static void find_highest(void *context, unsigned worker)
     counting->part[worker].most = most;
 }
 
-/* Intensities are those of the scene, whatever its labels: they are looked at once. */
-static enum err find_length(struct counting *counting, struct fault *fault)
-{
-    struct label_counts *counts = counting->counts;
-    const uint32_t *size = counts->scene->grid.size;
-    size_t intensities = 1;
-    team_run(counting->team, find_highest, counting);
-    if (watch_stops(counts->scene->watch))
-        return watch_fault(counts->scene->watch, fault);
-    for (unsigned worker = 0; worker < team_size(counting->team); worker++)
-        if (counting->part[worker].most >= intensities)
-            intensities = counting->part[worker].most + (size_t)1;
-    counts->plane[0] = intensities;
-    counts->plane[1] = counts->plane[0] + size[0];
-    counts->plane[2] = counts->plane[1] + size[1];
-    counts->length = counts->plane[2] + size[2];
-    return OK;
-}
-
 /* Counts a row by its runs of one label; false: no memory. */
 static bool count_row(struct counting *counting, counters of, const struct grid_walk *w)
 {
@@ -180,7 +161,20 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
     counting->counts = counts;
     counting->labels = labels;
     counting->team = team;
-    enum err err = counts->length ? OK : find_length(counting, fault);
+    if (!counts->length) /* intensities are those of the scene, whatever its labels */
+        team_run(team, find_highest, counting);
+    enum err err = watch_fault(counts->scene->watch, fault);
+    if (!err && !counts->length) {
+        const uint32_t *size = counts->scene->grid.size;
+        size_t intensities = 1;
+        for (unsigned worker = 0; worker < team_size(team); worker++)
+            if (counting->part[worker].most >= intensities)
+                intensities = counting->part[worker].most + (size_t)1;
+        counts->plane[0] = intensities;
+        counts->plane[1] = counts->plane[0] + size[0];
+        counts->plane[2] = counts->plane[1] + size[1];
+        counts->length = counts->plane[2] + size[2];
+    }
     if (!err) {
         const size_t fit = BYTES_OF_WORKERS / (256 * counts->length * sizeof **counts->of);
         counting->workers = fit < 1 ? 1 : fit < team_size(team) ? (unsigned)fit : team_size(team);

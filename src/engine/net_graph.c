@@ -20,12 +20,6 @@ static uint8_t grown_from(uint8_t left)
     return (uint8_t)grown;
 }
 
-/* Halves away from 0: a mirrored cube has the mirrored mean. */
-static int16_t mean_of(int32_t sum, int32_t count)
-{
-    return (int16_t)((2 * sum + (sum < 0 ? -count : count)) / (2 * count));
-}
-
 /* Through air on the side that has a crossing there, and is not closed. Two parts of such a side
  * lie across its middle from each other: where the other two corners are of the object. */
 static void find_links(struct net_part *part, int axis, uint8_t air, uint8_t closed)
@@ -69,8 +63,12 @@ static void net_cube_init(struct net_cube *cube, uint8_t air, uint8_t closed)
                     sum[k] += ((c >> k & 1) + (other >> k & 1) - 1) * (NET_ONE / 2);
                 crossings++;
             }
-        for (int k = 0; k < 3 && crossings > 0; k++)
-            part->start[k] = part->lock >> k & 1 ? 0 : mean_of(sum[k], crossings);
+        for (int k = 0; k < 3 && crossings > 0; k++) {
+            /* Halves away from 0: a mirrored cube has the mirrored mean. */
+            const int32_t half = sum[k] < 0 ? -crossings : crossings;
+            const bool is_locked = part->lock >> k & 1;
+            part->start[k] = is_locked ? 0 : (int16_t)((2 * sum[k] + half) / (2 * crossings));
+        }
         for (int a = 0; a < 3; a++)
             find_links(part, a, air, closed);
     }
@@ -242,19 +240,13 @@ static uint8_t corners_of(const struct bundle *b, int32_t word, int bit)
     return (uint8_t)corners;
 }
 
-static uint8_t closed_of(const struct net_graph *g, const struct net_cell *cell)
-{
-    if (!g->has_closed)
-        return 0;
-    const struct bundle b = bundle_of(g, g->closed, cell->y, cell->z);
-    return corners_of(&b, cell->x / NET_STEP, cell->x % NET_STEP);
-}
-
 /* What its vertices are; those of cubes with closed corners are made in `made`. */
 static const struct net_cube *cube_of(const struct net_graph *g, const struct net_cell *cell,
                                       const struct net_cube *cubes, struct net_cube *made)
 {
-    const uint8_t closed = closed_of(g, cell);
+    const struct bundle b = bundle_of(g, g->closed, cell->y, cell->z);
+    const uint8_t closed =
+        g->has_closed ? corners_of(&b, cell->x / NET_STEP, cell->x % NET_STEP) : 0;
     if (!closed)
         return &cubes[cell->air];
     net_cube_init(made, cell->air, closed);

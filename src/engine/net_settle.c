@@ -329,20 +329,17 @@ static int32_t push_of(net_lanes m)
 
 /* ---- borders between labels ---- */
 
-static inline net_lanes without(net_lanes x, net_lanes n)
-{
-    const int64_t along =
-        rounded((int64_t)x[0] * n[0] + (int64_t)x[1] * n[1] + (int64_t)x[2] * n[2], NET_BITS);
-    for (int k = 0; k < 3; k++)
-        x[k] -= (int32_t)rounded(along * n[k], NET_BITS);
-    return x;
-}
-
 /* How far a vertex is off the border that runs through it, along the surface. What is outward or
  * inward is left to volumes. */
 static inline net_lanes off_border(const struct net_graph *g, net_lanes at, int32_t v)
 {
-    return without(unlocked(g, v, at - g->border[v]), g->push[v]);
+    net_lanes off = unlocked(g, v, at - g->border[v]);
+    const net_lanes n = g->push[v];
+    const int64_t along =
+        rounded((int64_t)off[0] * n[0] + (int64_t)off[1] * n[1] + (int64_t)off[2] * n[2], NET_BITS);
+    for (int k = 0; k < 3; k++)
+        off[k] -= (int32_t)rounded(along * n[k], NET_BITS);
+    return off;
 }
 
 /* ---- both ---- */

@@ -238,15 +238,6 @@ PER_KIND void take_best_offer(struct forest *forest, uint32_t s, const struct ki
     }
 }
 
-/* Whether the tree may not grow from here along a direction. */
-static inline bool refuses(const struct forest *forest, const struct reach *reach,
-                           struct place here, unsigned direction)
-{
-    const int8_t *step = forest->adjacency.step[direction];
-    return reach && !reach_holds(reach, (int64_t)here.x + step[0], (int64_t)here.y + step[1],
-                                 (int64_t)here.z + step[2]);
-}
-
 /* Serves one voxel: writes down its offers. One goes to each neighbour with a higher key than it is
  * offered, and to each child with another key than it is offered, which may be none. */
 PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t s,
@@ -273,9 +264,11 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
     for (unsigned i = 0; i < kind.neighbours; i++) {
         const struct cell *t = neighbour_of(forest, here, i);
         const uint32_t weight = arc_weight(&forest->arcs, kind.arcs, here, t, here->label);
-        const uint64_t offer = kind.limits && refuses(forest, reach, place, i)
-                                   ? KEY_NONE
-                                   : key_greater(key_rise(weight, root), hop);
+        const int8_t *step = forest->adjacency.step[i];
+        const bool refuses = kind.limits && reach &&
+                             !reach_holds(reach, (int64_t)place.x + step[0],
+                                          (int64_t)place.y + step[1], (int64_t)place.z + step[2]);
+        const uint64_t offer = refuses ? KEY_NONE : key_greater(key_rise(weight, root), hop);
         const uint64_t present = kind.shares ? __atomic_load_n(&t->key, __ATOMIC_RELAXED) : t->key;
         bool matters = offer < present;
         if (kind.mends)

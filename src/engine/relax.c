@@ -203,7 +203,7 @@ static void make_one(void *context, unsigned worker)
 {
     struct relaxing *r = context;
     if (worker < r->fields)
-        relax_field_make(&r->field[worker], r->sweeps, worker);
+        relax_field_make(&r->field[worker], r->sweeps);
 }
 
 static enum err make_fields(struct relaxing *r, size_t first, struct fault *fault)
@@ -224,11 +224,12 @@ static enum err make_fields(struct relaxing *r, size_t first, struct fault *faul
         const uint8_t label = r->item[first + i].label;
         err = relax_field_begin(&r->field[i], &work, label, &r->box[label], r->reach, fault);
         r->field[i].shows = r->fields == 1;
+        r->field[i].worker = i;
     }
     if (err)
         return err;
     if (r->fields == 1)
-        relax_field_make(&r->field[0], r->sweeps, 0);
+        relax_field_make(&r->field[0], r->sweeps);
     else
         team_run(r->work->team, make_one, r);
     return watch_fault(r->work->scene->watch, fault);

@@ -37,6 +37,7 @@ struct relax_field {
     const uint8_t *label; /* of the scene, as finish_work has them, */
     uint8_t which;        /* and the label whose field this is */
     struct team *team;    /* NULL where several fields are made side by side */
+    unsigned worker;      /* the number of the team's first thread, which is not 0 there */
     bool shows;           /* between sweeps, what the watch wants shown */
     uint32_t scale;       /* 2^16 greys for a difference of one intensity */
     uint32_t reach; /* steps from the border to the last voxels that move, 1..FINISH_BAND_MOST */
@@ -79,9 +80,8 @@ enum err relax_field_begin(struct relax_field *field, const struct finish_work *
 void relax_field_release(struct relax_field *field);
 
 /* Makes the field, and does so many sweeps, each of which moves even voxels, then odd ones; by the
- * field's team, whose first thread has the number `worker`: 0, but where several fields are made
- * side by side. Of no use where the scene's watch has stopped it. */
-void relax_field_make(struct relax_field *field, uint32_t sweeps, unsigned worker);
+ * field's team. Of no use where the scene's watch has stopped it. */
+void relax_field_make(struct relax_field *field, uint32_t sweeps);
 
 /* Some voxels of a row that hang together: value[i] is that of x + i, from the first corner. */
 struct relax_part {

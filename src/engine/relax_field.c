@@ -118,34 +118,29 @@ static void find_beside(pair beside[6], const struct relax_field *f, const uint6
     beside[5] = pair_at(at + along);
 }
 
-/* Voxels of a plane with one beside them on the other side of the label's border. */
-static void find_edge(const struct relax_field *f, uint64_t *edge, uint32_t z)
+/* The voxels of a set in a plane, and those beside them; or, of an `edge`, the voxels with one
+ * beside them that is on the other side: one of both is in the set. */
+static inline void spread(const struct relax_field *f, uint64_t *out, const uint64_t *set,
+                          uint32_t z, bool edge)
 {
     const size_t first = row_of(f, 0, z) * f->words, end = row_of(f, f->size[1], z) * f->words;
     for (size_t w = first; w < end; w += 2) {
-        const pair here = pair_at(f->inside + w);
-        pair beside[6], differs = {0};
-        find_beside(beside, f, f->inside + w);
-        for (int way = 0; way < 6; way++)
-            differs |= here ^ beside[way];
-        memcpy(edge + w, &differs, sizeof differs);
-    }
-    for (size_t row = first; row < end; row += f->words)
-        for (size_t w = 0; w < f->words; w++)
-            edge[row + w] &= voxels_of(f, w);
-}
-
-/* Those of a set in a plane, and what is beside them. */
-static void spread(const struct relax_field *f, uint64_t *out, const uint64_t *set, uint32_t z)
-{
-    const size_t first = row_of(f, 0, z) * f->words, end = row_of(f, f->size[1], z) * f->words;
-    for (size_t w = first; w < end; w += 2) {
-        pair beside[6], any = pair_at(set + w);
+        const pair here = pair_at(set + w), own = edge ? here : (pair){0};
+        pair beside[6], any = edge ? (pair){0} : here;
         find_beside(beside, f, set + w);
         for (int way = 0; way < 6; way++)
-            any |= beside[way];
+            any |= own ^ beside[way];
         memcpy(out + w, &any, sizeof any);
     }
+}
+
+/* Clears the bits that have spread beyond the voxels of the rows. */
+static void clear_ends(const struct relax_field *f, uint64_t *set, uint32_t z)
+{
+    const size_t first = row_of(f, 0, z) * f->words, end = row_of(f, f->size[1], z) * f->words;
+    for (size_t row = first; row < end; row += f->words)
+        for (size_t w = 0; w < f->words; w++)
+            set[row + w] &= voxels_of(f, w);
 }
 
 /* ---- chunks at first ---- */
@@ -196,12 +191,6 @@ static void clear_rim(const struct relax_field *f, size_t row)
 
 /* ---- made ---- */
 
-/* By the threads of the field's team, of which `worker` is the first. */
-struct making {
-    const struct relax_field *field;
-    unsigned worker;
-};
-
 /* The set that the edge is in after some spreads: `near` has the last one. */
 static uint64_t *spread_set(const struct relax_field *f, uint32_t spreads)
 {
@@ -210,8 +199,9 @@ static uint64_t *spread_set(const struct relax_field *f, uint32_t spreads)
 
 static void begin_plane(const struct relax_field *f, uint32_t z)
 {
-    const uint64_t *edge = spread_set(f, 0);
-    find_edge(f, spread_set(f, 0), z);
+    uint64_t *edge = spread_set(f, 0);
+    spread(f, edge, f->inside, z, true);
+    clear_ends(f, edge, z);
     f->busy[z] = 0;
     for (uint32_t y = 0; y < f->size[1]; y++)
         for (unsigned parity = 0; parity < 2; parity++) {
@@ -228,12 +218,11 @@ static void begin_plane(const struct relax_field *f, uint32_t z)
 
 static void make_part(void *context, unsigned worker)
 {
-    const struct making *m = context;
-    const struct relax_field *f = m->field;
+    const struct relax_field *f = context;
     const struct share stored = team_share(f->team, worker, (size_t)f->size[2] + 2);
     const struct share planes = team_share(f->team, worker, f->size[2]);
     const uint64_t cost = (uint64_t)f->size[1] * f->words * 4; /* of a pass through a plane */
-    struct task task = task_begin_part(f->scene->watch, "relaxed labels", 0, m->worker + worker);
+    struct task task = task_begin_part(f->scene->watch, "relaxed labels", 0, f->worker + worker);
     bool goes_on = true;
     for (size_t z = stored.first; z < stored.end && goes_on; z++) {
         for (size_t y = 0; y < (size_t)f->size[1] + 2; y++)
@@ -254,14 +243,9 @@ static void make_part(void *context, unsigned worker)
         uint64_t *const from = spread_set(f, step - 1), *const to = spread_set(f, step);
         team_wait(f->team);
         for (size_t z = planes.first; z < planes.end && goes_on; z++) {
-            spread(f, to, from, (uint32_t)z);
-            for (uint32_t y = 0; y < f->size[1] && step < f->reach; y++) {
-                /* Clear the bits that have spread beyond the voxels of the row. */
-                uint64_t *row = to + row_of(f, y, (uint32_t)z) * f->words;
-                const size_t end = (size_t)f->size[0] + 2;
-                row[0] &= ~UINT64_C(3);
-                row[end / 64] &= ~(UINT64_C(1) << end % 64);
-            }
+            spread(f, to, from, (uint32_t)z, false);
+            if (step < f->reach)
+                clear_ends(f, to, (uint32_t)z);
             goes_on = task_advance(&task, cost);
         }
     }
@@ -482,7 +466,6 @@ enum { HALVES_AT_ONCE = 16 };
 
 struct sweeping {
     struct relax_field *field;
-    unsigned worker;             /* the first one's number */
     uint32_t first, end, halves; /* of so many half-sweeps */
     uint32_t slabs, slab[TEAM_MOST + 1];
 };
@@ -544,7 +527,7 @@ static void sweep_part(void *context, unsigned worker)
     const uint64_t each =
         (uint64_t)(end - first) * f->size[1] * (f->size[0] / 2); /* a half-sweep */
     struct task task =
-        task_begin_part(f->scene->watch, "relaxed labels", s->halves * each, s->worker + worker);
+        task_begin_part(f->scene->watch, "relaxed labels", s->halves * each, f->worker + worker);
     task.done = s->first * each;
     /* At the edges of the field there is no slab beside. */
     const struct region slab = {first, first ? 2 : 1, end, end == f->size[2]};
@@ -554,14 +537,13 @@ static void sweep_part(void *context, unsigned worker)
         sweep_region(s, (struct region){end, 0, end, 2}, &task);
 }
 
-void relax_field_make(struct relax_field *f, uint32_t sweeps, unsigned worker)
+void relax_field_make(struct relax_field *f, uint32_t sweeps)
 {
     struct watch *watch = f->scene->watch;
-    struct making making = {f, worker};
-    struct sweeping sweeping = {.field = f, .worker = worker, .halves = 2 * sweeps};
+    struct sweeping sweeping = {.field = f, .halves = 2 * sweeps};
     const uint32_t fit = f->size[2] / (2 * team_size(f->team));
     const uint32_t most = fit < HALVES_AT_ONCE ? fit : HALVES_AT_ONCE, halves = most ? most : 1;
-    team_run(f->team, make_part, &making);
+    team_run(f->team, make_part, f);
     if (watch && watch->stopped) /* there may be no field */
         return;
     /* Scale the intensities of the band, without 2 % at each end, to 255 greys. */
