@@ -62,7 +62,7 @@ for test in $(grep -ho '`test_[a-z_]*\(\.sh\)\{0,1\}`' "$doc/SECURITY.md" "$doc/
     [ -x "tests/$test" ] || [ -f "tests/$test.c" ] || fail "there is no $test"
 done
 same "$(grep -c '^- \*\*.*\*\*' "$doc/PROMISES.md")" 10
-same "$(sed -n '/^## What is promised/,/^## /p' "$doc/PROMISES.md" | tr '\n' ' ' |
+same "$(sed -n "/^## Promised/,/^## /p" "$doc/PROMISES.md" | tr '\n' ' ' |
     sed 's/ - \*\*/\n&/g' | grep '^ - ' | grep -c '`test_')" 10
 for file in "$doc/SECURITY.md" "$doc/README.md" "$tree/share/man/man1/iftty.1"; do
     tr '\n' ' ' <"$file" | grep -qE 'no(t a)? medical device' || fail "$file: no word of medicine"

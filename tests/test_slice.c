@@ -118,9 +118,13 @@ static void shows(const struct canvas *canvas, const int (*pixel)[5], size_t cou
             printf("#   at %d,%d\n", p[0], p[1]);
     }
 }
-#define PIXELS(...)          (const int[][5]){__VA_ARGS__}, sizeof((int[][5]){__VA_ARGS__}) / sizeof(int[5])
-#define GREYS(canvas, ...)   shows(canvas, PIXELS(__VA_ARGS__), true)
-#define COLOURS(canvas, ...) shows(canvas, PIXELS(__VA_ARGS__), false)
+#define PIXELS(canvas, greys, ...)                                                                 \
+    do {                                                                                           \
+        static const int pixel[][5] = {__VA_ARGS__};                                               \
+        shows(canvas, pixel, sizeof pixel / sizeof *pixel, greys);                                 \
+    } while (0)
+#define GREYS(canvas, ...)   PIXELS(canvas, true, __VA_ARGS__)
+#define COLOURS(canvas, ...) PIXELS(canvas, false, __VA_ARGS__)
 /* Of a canvas that shows nothing more. */
 #define DRAWN_GREYS(scene, choice, style, width, height, ...)                                      \
     do {                                                                                           \
