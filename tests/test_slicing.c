@@ -561,7 +561,7 @@ STORY(mosaics_have_the_size_of_the_view)
     }
     must(&interp, "size 1 1");
     refused(&interp, "mosaic",
-            "a mosaic takes 16x16 pixels or more, and the view has 1x1; give it more by `size`");
+            "a mosaic needs 16x16 pixels or more, and the view has 1x1; enlarge it with `size`");
     must(&interp, "slice axial");
     CHECK(interp.shown.width == 1);
     must(&interp, "size 15 400");
@@ -904,7 +904,7 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     must(&interp, "zoom 1");
     picks(&interp, "pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the front of the one object */
     must(&interp, "size 8 8");
-    refused(&interp, "pick 0 0 of=mosaic", "a mosaic takes 16x16 pixels or more");
+    refused(&interp, "pick 0 0 of=mosaic", "a mosaic needs 16x16 pixels or more");
     must(&interp, "render");
     picks(&interp, "pick 4 4 of=rendition", "voxel ");
     interpreter_release(&interp);

@@ -54,7 +54,7 @@ for threads in 1 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" run threaded
 done
 for number in 0 1 2 3 4; do same_files 1/$number.csv 3/$number.csv; done
-grep -q "the last edit gave it [0-9]* voxels*, and took [0-9]*: [+-][0-9.]* m" "$work/out" ||
+grep -q "the last edit added [0-9]* voxels* to it and removed [0-9]*: [+-][0-9.]* m" "$work/out" ||
     fail "$(cat "$work/out")"
 expect 0 "$iftty" -c "open scene.nii; seed 7,12,10 1; seed 2,2,2 0; run; stats report=all.csv;
     weight difference; stats report=anew.csv"

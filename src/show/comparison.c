@@ -46,7 +46,7 @@ void figures_write_csv(struct buf *out, const char *label_name, const struct fig
     buf_add_char(out, '\n');
 }
 
-/* NAN of nothing. */
+/* NAN for an empty set. */
 static double figures_ratio(double part, double whole)
 {
     return whole > 0 ? part / whole : NAN;
@@ -58,8 +58,8 @@ double figures_dice(const struct overlap *overlap, unsigned label)
     return figures_ratio(2.0 * (double)counts.both, (double)counts.a + (double)counts.b);
 }
 
-/* A cell of a table for people, to the right in so many columns after a blank: "-" for NAN; and a
- * volume, as tally_write_volume has it, after a sign, or "0". */
+/* Cells of the text table, right-aligned after a blank: "-" for NAN; a volume with its sign, or
+ * "0". */
 static void figures_add_cell(struct buf *out, int columns, int decimals, double value)
 {
     if (isnan(value))
@@ -94,7 +94,7 @@ const uint32_t *comparison_farthest(const struct comparison *comparison,
     return d->has_hausdorff && d->hausdorff_mm > 0 ? d->farthest : else_place;
 }
 
-/* ---- where labels lie ---- */
+/* ---- boxes around labels ---- */
 
 struct box {
     uint32_t first[3], last[3];
@@ -108,7 +108,7 @@ static void widen(struct box *box, const uint32_t place[3])
     }
 }
 
-/* Counts labels, and finds the boxes around each in both; box[0] is around all objects. */
+/* Count labels, and find the box around each label in A or B; box[0] is around all objects. */
 static enum err look_through(struct overlap *overlap, struct box box[256], const struct compared *c,
                              struct watch *watch, struct fault *fault)
 {
@@ -136,11 +136,11 @@ static enum err look_through(struct overlap *overlap, struct box box[256], const
 
 /* ---- one label ---- */
 
-/* Bits of a voxel. */
+/* Bits of a voxel in `set` and `contour`. */
 enum { IN_A = 1, IN_B = 2 };
 static const uint8_t in_set[2] = {IN_A, IN_B};
 
-/* What one label takes: arrays of its box. */
+/* Arrays of the box around one label. */
 struct work {
     const struct compared *compared;
     const struct distance_scale *scale;
@@ -148,7 +148,7 @@ struct work {
     struct contour_box box;
     size_t voxels;
     uint8_t *set, *contour;
-    uint64_t *squared; /* to the nearest voxel of the other contour; */
+    uint64_t *squared; /* distance to the nearest voxel of the other contour, squared; */
     uint64_t *found;   /* [voxels of a contour], of that contour alone */
     size_t count[2];   /* voxels of the contours of A and B, and the sum of their distances */
     double sum_mm[2];
@@ -156,7 +156,7 @@ struct work {
     struct watch *watch;
 };
 
-/* `label` 0 stands for all objects. */
+/* Mark the voxels of a label in both sets; label 0: of all objects. */
 static void mark_sets(struct work *w, unsigned label)
 {
     const struct compared *c = w->compared;
@@ -208,8 +208,8 @@ static double in_mm(const struct work *w, uint64_t squared)
     return sqrt((double)squared) * ((double)w->scale->unit_nm / 1e6);
 }
 
-/* The voxel of `from` farthest from the set that `squared` leads to the contour of; those that the
- * set has too are 0 away. */
+/* Find the voxel of `from` that is farthest from the other set. Voxels of both sets have distance
+ * 0. */
 static void take_farthest(struct label_distances *d, const struct work *w, uint8_t from)
 {
     uint64_t most = 0;
@@ -236,7 +236,7 @@ static int compare_numbers(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* From one contour to the other; direction 0 is A to B. */
+/* Distances from one contour to the other; direction 0 is A to B. */
 static enum err take_surface(struct label_distances *d, struct work *w, int direction,
                              struct fault *fault)
 {
@@ -261,7 +261,7 @@ static enum err take_surface(struct label_distances *d, struct work *w, int dire
     for (size_t i = 0; i < n; i++)
         w->sum_mm[direction] += in_mm(w, w->found[i]);
     d->directed_mean_mm[direction] = w->sum_mm[direction] / (double)n;
-    /* Of sorted distances: between two, a part of the way that the rank falls in. */
+    /* The percentile is interpolated between two ranks of the sorted distances. */
     const size_t hundredths = 95 * (n - 1), rank = hundredths / 100;
     const double low = in_mm(w, w->found[rank]);
     const double high = in_mm(w, w->found[rank + (rank + 1 < n)]);
@@ -270,7 +270,7 @@ static enum err take_surface(struct label_distances *d, struct work *w, int dire
     return OK;
 }
 
-/* From each voxel to the nearest of that contour. */
+/* Squared distance from each voxel to the nearest voxel of a contour. */
 static enum err spread_from(struct work *w, uint8_t contour, struct fault *fault)
 {
     for (size_t i = 0; i < w->voxels; i++)
@@ -365,7 +365,7 @@ enum err comparison_classify(uint8_t *class, const struct grid *grid,
     return err;
 }
 
-/* ---- the measures of a label, for programs ---- */
+/* ---- figures of a label ---- */
 
 static bool has_row(const struct comparison_report *report, unsigned label)
 {
@@ -430,7 +430,7 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
     json_text(&json, "b", report->name[1]);
     json_count(&json, "voxels", c->overlap.voxels);
     json_count(&json, "differing", c->overlap.differing);
-    if (geometry_fill(report->geometry) < 1) /* for which distances do not allow */
+    if (geometry_fill(report->geometry) < 1) /* distances ignore it */
         json_real(&json, "shear_degrees", geometry_shear(report->geometry), 4);
     json_object(&json, "all");
     add_figures(&json, report, 0);
@@ -509,7 +509,8 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
             write_row(out, report, label);
     if (c->labels != 1)
         write_row(out, report, 0);
-    /* Surfaces around cavities belong to an object whose voxels are all near the other's. */
+    /* The surface of a cavity can be far from the other object's surface although all voxels are
+     * near. */
     bool is_odd = false;
     for (unsigned label = 0; label < 256; label++)
         is_odd |= c->distance[label].has_surfaces &&
@@ -519,7 +520,7 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
                "voxels, others between surfaces\n",
                c->overlap.differing, c->overlap.voxels);
     if (is_odd)
-        buf_add_text(out, "surfaces inside of an object, around cavities, lie further apart than "
+        buf_add_text(out, "surfaces inside of an object, around cavities, are further apart than "
                           "its voxels\n");
     if (report->geometry->spacing_unknown)
         buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");

@@ -24,13 +24,13 @@
 
 enum { NEAREST = COMPARISON_CLASS_ON, STEPS = COMPARISON_CLASS_STEPS };
 
-/* Of the ends and of the middle, between which colours change evenly. */
+/* Colours of the ends and of the middle; the others are interpolated. */
 static const uint8_t inside_rgb[3] = {20, 80, 220}, on_rgb[3] = {206, 206, 206},
                      outside_rgb[3] = {214, 30, 24};
 
 /* ---- the rendition ---- */
 
-/* How the session is to be for it. */
+/* The state of the session for this picture. */
 static struct state state_of(const struct session *session)
 {
     struct state state = session->now;
@@ -45,12 +45,12 @@ static struct state state_of(const struct session *session)
                 (uint8_t)((end[k] * off + on_rgb[k] * (STEPS - off) + STEPS / 2) / STEPS);
     }
     state.outlook.shows_finished = 0;
-    state.outlook.look.creases = false; /* colours lie on one surface */
+    state.outlook.look.creases = false; /* the colours belong to one surface */
     state.outlook.decorations &= DECORATE_LETTERS | DECORATE_SCALE;
     return state;
 }
 
-/* All of A in the middle. */
+/* Fit the view to all of A. */
 static enum err fit(struct state *state, struct session *session, uint8_t *class,
                     const struct compared *compared, struct fault *fault)
 {
@@ -78,7 +78,7 @@ static enum err fit(struct state *state, struct session *session, uint8_t *class
     return OK;
 }
 
-/* The least of 1, 2, 5, 10, ... that is as long as a voxel, and as `mm`. */
+/* The least of 1, 2, 5, 10, ... that is not less than a voxel or `mm`. */
 static double round_up(const struct compared *compared, double mm)
 {
     double most = 1e-6;
@@ -89,7 +89,7 @@ static double round_up(const struct compared *compared, double mm)
     return most;
 }
 
-/* Of the pixels that are off B's contour, how many steps off 95 of 100 are at most. */
+/* The steps that 95 of 100 of the pixels off B's contour do not exceed. */
 static int steps_seen(const struct rendition *frame)
 {
     uint64_t count[STEPS + 1] = {0}, all = 0, within = 0;
@@ -104,7 +104,7 @@ static int steps_seen(const struct rendition *frame)
     return steps;
 }
 
-/* Renders all classes, up to the largest distance, and then those that the colours are to reach. */
+/* Render all classes up to the largest distance, then again up to the length of the last colour. */
 static enum err render(uint8_t *class, double *most_mm, struct session *session,
                        const struct compared *compared, double farthest_mm, struct fault *fault)
 {
@@ -143,7 +143,7 @@ static void write_beside(const struct canvas *canvas, int64_t right, int64_t top
     text_draw(canvas, right - text_width(words, unit), top, unit, words, &notes_light);
 }
 
-/* Bottom right, a third of the picture tall, with what its ends and its middle mean. */
+/* The bar is bottom right, a third of the picture tall, with lengths at its ends and its middle. */
 static void draw_bar(const struct canvas *canvas, const struct palette *palette, double most_mm,
                      const char *unit_name, bool has_more)
 {
@@ -250,7 +250,7 @@ enum difference difference_of(uint8_t label_a, uint8_t label_b)
     return !label_b ? A_ALONE : !label_a ? B_ALONE : ANOTHER_LABEL;
 }
 
-/* By cell, as labels that slices show; NULL without memory. */
+/* The differences by cell, as labels that slices show; NULL without memory. */
 static uint8_t *differences_of(const struct compared *compared, const struct grid *grid)
 {
     uint8_t *difference = mem_new(grid->cells);
@@ -299,16 +299,16 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
 
 /* ---- words ---- */
 
-/* Where the next line goes. */
+/* A column of lines. */
 struct sheet {
     struct canvas canvas;
     uint32_t tall;
     int64_t top, next;
 };
 
-/* As much of it as fits from column `left` on, in heights of a capital; and whether more of its
- * line follows. */
-static void write_words(struct sheet *sheet, unsigned left, const char *words, bool goes_on)
+/* Write text from column `left` on, in heights of a capital, cut to the width of the sheet;
+ * `stays_on_line`: the next text is on the same line. */
+static void write_words(struct sheet *sheet, unsigned left, const char *words, bool stays_on_line)
 {
     const int64_t at = (int64_t)left * sheet->tall;
     struct buf fitting = {0};
@@ -317,10 +317,10 @@ static void write_words(struct sheet *sheet, unsigned left, const char *words, b
         text_cut(fitting.data, fitting.length + 1, sheet->tall, sheet->canvas.width - at);
     text_draw(&sheet->canvas, at, sheet->top, sheet->tall, buf_text(&fitting), &notes_light);
     buf_release(&fitting);
-    sheet->top += goes_on ? 0 : sheet->next;
+    sheet->top += stays_on_line ? 0 : sheet->next;
 }
 
-/* Figures before the name: what is cut off is the end of a long name. */
+/* Figures come before the name: a long name is cut at its end. */
 static void write_row(struct sheet *sheet, const char *dice, const char *far, const char *label)
 {
     write_words(sheet, 1, dice, true);

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The picture of a comparison: three slices of the scene through one voxel, in which the voxels
- * that differ are outlined, and beside them what the colours mean and how far each label agrees.
+ * Picture of a comparison: three slices of the scene through one voxel, with outlines around the
+ * voxels that differ, and a legend with the agreement of each label.
  *
  *     coronal | sagittal
  *     --------+---------
  *     axial   | words
  *
- * A line as thick as a thin one of the picture outlines each region: white what both have under one
- * label, orange what A alone has for an object, blue what B alone has, purple what is another
- * object in each. A difference of one voxel is all line, so it is seen. People who cannot
- * distinguish red from green can distinguish these colours.
+ * The outlines are as thick as the thin lines of the picture: white around voxels of one label in
+ * both, orange around objects of A alone, blue of B alone, purple around objects with another
+ * label in each. A difference of one voxel is all line, so it is visible. The colours can be
+ * distinguished without red and green vision.
  */
 #ifndef REPORT_COMPARISON_PICTURE_H
 #define REPORT_COMPARISON_PICTURE_H
@@ -19,38 +19,36 @@
 #include "session/session.h"
 #include "show/comparison.h"
 
-/* How the labels of a voxel differ; 0 where neither is an object. */
+/* Kinds of voxels by their two labels; 0: background in both. */
 enum difference { AGREES = 1, A_ALONE, B_ALONE, ANOTHER_LABEL, DIFFERENCES };
 extern const uint8_t difference_rgb[DIFFERENCES][3];
 extern const char *const difference_words[DIFFERENCES];
 enum difference difference_of(uint8_t label_a, uint8_t label_b);
 
-/* At the size of the session's view, through `place`, with notes; the caller releases the picture.
- * ERR_LIMIT for a view too small for a mosaic, ERR_MEMORY. */
+/* Has the size of the session's view, goes through `place` and has notes; the caller releases the
+ * picture. ERR_LIMIT for a view too small for a mosaic, ERR_MEMORY. */
 enum err comparison_picture_draw(struct picture *picture, struct session *session,
                                  const struct compared *compared,
                                  const struct comparison_report *report, const uint32_t place[3],
                                  struct fault *fault);
 
 /*
- * The picture of how far a surface lies from another: the surface of A, all objects as one,
- * coloured by the distance to the nearest voxel of B's contour, as a comparison measures it
- * (show/comparison.h).
+ * Picture of the distance between two surfaces: the surface of A, all objects as one, coloured by
+ * the distance to the nearest voxel of B's contour (show/comparison.h).
  *
- *     blue   A lies inside B: it is too small here
- *     grey   where B's contour is
- *     red    A lies outside B: it is too large here
+ *     blue   A is inside B: it is too small here
+ *     grey   on B's contour
+ *     red    A is outside B: it is too large here
  *
- * Colours change in 127 steps each way, and reach their ends at a round length: the least of 1, 2,
- * 5, 10, ... mm that 95 of 100 pixels that show another distance than 0 are within, and no less
- * than a voxel. A bar says which. These colours stay apart for people who cannot distinguish red
- * from green.
+ * Colours change in 127 steps each way. The last colour is at a round length: the least of 1, 2, 5,
+ * 10, ... mm that is not less than a voxel and covers 95 of 100 of the pixels whose distance is not
+ * 0. A bar shows that length. The colours can be distinguished without red and green vision.
  */
 
-/* As the session looks at its objects: view, size, cuts and look; `fits`: at a zoom at which all of
- * A fits instead. Which labels are shown, and their colours, are of no consequence. The session is
- * as before, but for what was rendered. The caller releases the picture. ERR_INPUT where A or B has
- * no contour, ERR_MEMORY, ERR_CANCELLED; on errors the session is to be rolled back. */
+/* Uses the session's view, size, cuts and look; with `fits` a zoom at which all of A fits.
+ * Visibility and colours of labels are ignored. The session's state is restored, its rendition is
+ * not. The caller releases the picture. ERR_INPUT if A or B has no contour, ERR_MEMORY,
+ * ERR_CANCELLED; after an error the caller rolls the session back. */
 enum err distance_picture_draw(struct picture *picture, struct session *session,
                                const struct compared *compared,
                                const struct comparison_report *report, bool fits,

@@ -21,7 +21,7 @@ _Static_assert(sizeof((struct legend_line *)0)->name == LABEL_NAME_BYTES, "a nam
 
 /* ---- the legend ---- */
 
-/* Voxels of each label, as it is shown. */
+/* Count the voxels of each label as it is shown. */
 static enum err count_voxels(struct session *session, const struct labels *labels,
                              uint64_t voxels[256], struct fault *fault)
 {
@@ -95,7 +95,7 @@ enum err session_show_frame(struct canvas *canvas, const struct session *session
     return OK;
 }
 
-/* What is behind the objects, in the middle of the picture. */
+/* Brightness of the background in the middle of the picture. */
 static bool is_bright(const struct session *session)
 {
     uint8_t rgb[3];

@@ -23,7 +23,7 @@
 
 /* ---- the window ---- */
 
-/* A real value as an intensity. */
+/* Convert a real value to an intensity. */
 static int32_t intensity_of(const struct geometry *geometry, const struct decimal *real)
 {
     static const double most = 1 << 30;
@@ -58,7 +58,7 @@ void window_values(double value[2], struct session *session)
                                  : geometry_value(&session->geometry, window[i]);
 }
 
-/* "12.5", or four digits of a value too small for thousandths. */
+/* Write "12.5", or four digits of a value too small for thousandths. */
 static void write_value(char out[WINDOW_WORDS_BYTES], double value)
 {
     const double thousandths = value * 1000;
@@ -82,9 +82,9 @@ static const struct look *look_of(const struct pictures *p)
     return &p->session->now.outlook.look;
 }
 
-/* ---- what is stored ---- */
+/* ---- memory ---- */
 
-enum { COARSE = 2 }; /* a coarse pixel stands for so many a side */
+enum { COARSE = 2 }; /* side of a coarse pixel, in pixels */
 
 static void forget_coarse(struct coarse *coarse)
 {
@@ -112,7 +112,7 @@ void pictures_release_rendition(struct pictures *p)
     p->drawings++;
 }
 
-/* Nothing is known of finished labels any more. */
+/* Forget the finished labels. */
 static void drop_live(struct pictures *p)
 {
     struct live_finish *live = &p->live;
@@ -120,7 +120,7 @@ static void drop_live(struct pictures *p)
         return;
     p->drawings++;
     p->own.border = NULL;
-    shader_release(&p->shader); /* what is stored may be of this border */
+    shader_release(&p->shader); /* it may depend on this border */
     mesh_release(&p->mesh);
     mem_pages_free(live->label, live->cells);
     border_release(&live->border);
@@ -167,7 +167,7 @@ static void forget(struct pictures *p)
     p->rendered = RENDERED_NOT;
 }
 
-/* Whether there is nothing of another size. */
+/* True for an empty rendition or one of this size. */
 static bool suits(const struct rendition *rendition, uint32_t width, uint32_t height)
 {
     return !rendition->depth || (rendition->width == width && rendition->height == height);
@@ -183,7 +183,7 @@ static void take_camera(struct pictures *p, const struct camera *camera)
     forget(p);
 }
 
-/* Has the camera look at this place, at this zoom. */
+/* Aim the camera at the focus of a view, at its zoom. */
 static enum err take_view(struct pictures *p, const struct view *view, struct fault *fault)
 {
     struct outlook outlook = p->session->now.outlook;
@@ -201,20 +201,20 @@ static enum err take_view(struct pictures *p, const struct view *view, struct fa
 
 /* ---- the context ---- */
 
-/* Of objects alone. */
+/* The rendition of the objects, without context. */
 static const struct rendition *objects_of(const struct pictures *p)
 {
     return look_of(p)->samples > 1 ? &p->reduced : &p->rendition;
 }
 
-/* Makes it. */
+/* Draw the context of the present camera. */
 static enum err draw_context(struct pictures *p, struct fault *fault)
 {
     struct session *session = p->session;
     struct mip_source source = {
         .scene = session->scene, .digest = session->scene_digest, .cut = session->now.kept.cut};
     const uint32_t samples = look_of(p)->samples;
-    struct view view = p->camera.view; /* of samples; that of pixels is less */
+    struct view view = p->camera.view; /* in samples; converted to pixels below */
     struct camera camera;
     view.width /= samples;
     view.height /= samples;
@@ -226,8 +226,7 @@ static enum err draw_context(struct pictures *p, struct fault *fault)
     return err;
 }
 
-/* Puts it behind what is rendered, which has just changed. Nothing to do where the outlook has
- * none. */
+/* Put the context behind a new rendition. Does nothing if the outlook has none. */
 static enum err put_context(struct pictures *p, struct fault *fault)
 {
     struct context *context = &p->context;
@@ -260,7 +259,7 @@ static void prepare_shader(struct pictures *p)
         window_of(p->shader.window, p->session);
 }
 
-/* Colours of what the maps of the rendition show, and the picture at the size of the view. */
+/* Shade the maps of the rendition, and reduce the picture to the size of the view. */
 static enum err colour(struct pictures *p, struct fault *fault)
 {
     const struct look *look = look_of(p);
@@ -281,7 +280,7 @@ static enum err make_rendition(struct pictures *p, struct rendition *rendition,
     return rendition_init(rendition, view->width, view->height, fault);
 }
 
-/* Memory for the rendition. */
+/* Allocate the rendition. */
 static enum err make_room(struct pictures *p, enum render_mode mode, struct fault *fault)
 {
     const struct view *fine = &p->camera.view;
@@ -293,7 +292,7 @@ static enum err make_room(struct pictures *p, enum render_mode mode, struct faul
     if (look_of(p)->samples == 1 || fits)
         err = make_rendition(p, &p->rendition, fine, fault);
     else
-        rendition_release(&p->rendition); /* the picture is drawn in bands */
+        rendition_release(&p->rendition); /* bands are drawn instead */
     if (look_of(p)->samples == 1)
         rendition_release(&p->reduced);
     else if (!err)
@@ -303,7 +302,7 @@ static enum err make_room(struct pictures *p, enum render_mode mode, struct faul
     return err;
 }
 
-/* Of the voxels that a border shows, from nothing, into memory that is there. */
+/* Draw the visible voxels of a border from scratch, into allocated memory or in bands. */
 static enum err draw_border(struct pictures *p, const struct border *border, enum render_mode mode,
                             struct fault *fault)
 {
@@ -348,7 +347,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     return err ? err : watch_fault(p->session->watch, fault);
 }
 
-/* The fitting view with as many pixels as a room has: a pane enlarges by whole numbers alone. */
+/* The fitting view with as many pixels as the room has: a pane enlarges by whole numbers only. */
 static struct view view_in_room(const struct session *session, const uint32_t room[2])
 {
     const struct view plain = session_fitting_view(session);
@@ -362,7 +361,7 @@ static struct view view_in_room(const struct session *session, const uint32_t ro
     return view.height && view.zoom <= VIEW_ZOOM_MOST ? view : plain;
 }
 
-/* Of the surface as it is, which is up to date. */
+/* Draw coarsely the present surface, which must be up to date. */
 static enum err draw_coarse(struct pictures *p, const struct view *view,
                             const struct border *border, struct fault *fault)
 {
@@ -395,7 +394,7 @@ static const struct border *border_of(const struct pictures *p, enum rendered as
     return as == RENDERED_FINISHED ? &p->live.border : &p->session->border;
 }
 
-/* In this view, where the session does not skim. */
+/* Draw in this view. The session must not skim. */
 static enum err draw_at(struct pictures *p, const struct view *view, enum rendered as,
                         enum render_mode mode, struct fault *fault)
 {
@@ -410,8 +409,8 @@ static enum err draw_at(struct pictures *p, const struct view *view, enum render
     return err;
 }
 
-/* The rendition after such a change of the labels that it shows, whose border is up to date. What
- * cannot be coloured is drawn when it is asked for. */
+/* Update the rendition after a change of its labels, whose border is up to date. After an error it
+ * is drawn when it is wanted. */
 static void follow_rendition(struct pictures *p, enum rendered as, const struct changes *changes)
 {
     const struct border *border = border_of(p, as);
@@ -451,7 +450,7 @@ uint8_t session_shown_label(const struct session *session, uint32_t cell)
                                                                  : session->scene->cell[cell].label;
 }
 
-/* Exact where such are stored, else the forest's. */
+/* Begin with the exact labels if they are stored, otherwise with the forest's. */
 static enum err make_live(struct pictures *p, struct fault *fault)
 {
     struct live_finish *live = &p->live;
@@ -473,7 +472,7 @@ static enum err make_live(struct pictures *p, struct fault *fault)
     return OK;
 }
 
-/* Whether the border shows what the session does. */
+/* True if the border has the visibility and the cut of the session. */
 static bool border_fits(const struct border *border, const struct kept *kept)
 {
     for (int label = 0; label < 256; label++)
@@ -482,7 +481,7 @@ static bool border_fits(const struct border *border, const struct kept *kept)
     return memcmp(&border->cut, &kept->cut, sizeof kept->cut) == 0;
 }
 
-/* Has them there to be shown. */
+/* Prepare live labels for a picture. */
 static enum err begin_live(struct pictures *p, struct fault *fault)
 {
     const struct kept *kept = &p->session->now.kept;
@@ -503,7 +502,8 @@ static enum err begin_live(struct pictures *p, struct fault *fault)
     return err;
 }
 
-/* The labels are these now. What cannot be listed, or is too much, is everything. */
+/* Follow a change of the live labels. A list that could not be made, or is too long, counts as a
+ * change of everything. */
 static void take_changes(struct pictures *p, struct change *change, size_t count, bool everything)
 {
     const struct changes changes = {.everything = everything,
@@ -520,7 +520,7 @@ static void take_changes(struct pictures *p, struct change *change, size_t count
         drop_live(p);
 }
 
-/* After an edit of the forest. */
+/* Follow an edit of the forest. */
 static void follow_live(struct pictures *p, const struct changes *changes)
 {
     struct live_finish *live = &p->live;
@@ -544,7 +544,7 @@ static void follow_live(struct pictures *p, const struct changes *changes)
     take_changes(p, change, count, false);
 }
 
-/* Cells whose labels differ, and how many: at most `most` of them; more are not listed. */
+/* List cells whose labels differ, `most` of them at most, and return their count. */
 static size_t list_differences(const struct live_finish *live, const uint8_t *label,
                                struct change *change, size_t most)
 {
@@ -561,7 +561,7 @@ static size_t list_differences(const struct live_finish *live, const uint8_t *la
     return count;
 }
 
-/* Has them there to be shown, where these exact ones are known. */
+/* The same from known exact labels. */
 static enum err take_exact(struct pictures *p, const struct labels *exact, struct fault *fault)
 {
     struct live_finish *live = &p->live;
@@ -617,7 +617,7 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
         return err;
     scene->watch = watch;
     err = session_labels(session, true, &exact, fault);
-    scene->watch = NULL; /* what is begun now is done in no time, and not to be stopped */
+    scene->watch = NULL; /* the rest is short, and must not be stopped */
     if (!err)
         err = take_exact(p, &exact, fault);
     scene->watch = former;
@@ -631,13 +631,13 @@ static void mark(struct pictures *p)
     p->former.rendered = session_is_rough(p->session) ? RENDERED_NOT : p->rendered;
     p->former.drawings = p->drawings;
     p->former.camera = p->camera;
-    if (has_edited(p->session)) /* the command before this one */
+    if (has_edited(p->session)) /* made by the command before this one */
         p->tally_before_edit = p->former.tally;
     p->former.tally = p->live.tally;
     p->former.tally.stale |= !p->live.label;
 }
 
-/* Pixels that stayed are shown again, without memory for it; others are drawn anew. */
+/* Pixels that are still there are shown again, without new memory; others are redrawn. */
 static void take_back(struct pictures *p)
 {
     struct labels labels;
@@ -694,9 +694,10 @@ enum err pictures_begin(struct pictures **pictures, struct session *session, str
     return OK;
 }
 
-/* ---- pictures that are asked for ---- */
+/* ---- drawing ---- */
 
-/* What is stored is of the forest's border, or of this one, which goes. */
+/* Draw labels with a border of their own, which is released: shader and mesh must not refer to
+ * it. */
 static enum err draw_finished(struct pictures *p, const struct labels *labels,
                               enum render_mode mode, struct fault *fault)
 {
@@ -728,7 +729,7 @@ enum err session_draw_labels(struct session *session, const struct labels *label
         return err;
     if (!labels->finished)
         return draw_at(p, view, RENDERED_FOREST, mode, fault);
-    if (session_shows_finished(session)) { /* they have a border that stays */
+    if (session_shows_finished(session)) { /* their border is kept */
         err = take_exact(p, labels, fault);
         return err ? err : draw_at(p, view, RENDERED_FINISHED, mode, fault);
     }
@@ -744,8 +745,8 @@ enum err session_draw(struct session *session, enum render_mode mode, struct fau
     return session_draw_labels(session, &labels, mode, fault);
 }
 
-/* As large as it fits, around its own middle where that makes it an eighth larger: anew where it no
- * longer fits, or could be a quarter larger. */
+/* Choose the zoom at which the objects fit, around their own middle if that makes them an eighth
+ * larger. Choose again when they no longer fit, or could be a quarter larger. */
 static enum err fit_shown(struct pictures *p, const struct border *border, struct fault *fault)
 {
     const struct outlook *outlook = &p->session->now.outlook;

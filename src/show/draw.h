@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of a session: the rendition, which is stored and follows edits, with the scene behind it
- * where the outlook has it so.
+ * Pictures of a session: the rendition, which is stored and updated after edits, with the scene
+ * behind it if the outlook has a context.
  *
- * Finished labels, where pictures show them (`finished on`), take time to be made, and nobody is to
- * wait for that. So right after an edit those that panels show are *rough*: the forest's where
- * these have changed, as they were elsewhere, and all the forest's where nothing better is known.
- * session_refine makes them exact, when there is time for it. Rough labels are seen in panels and
- * nowhere else: what is recorded, written, compared or counted is exact (session_labels).
+ * Finished labels, which pictures show after `finished on`, need time. So after an edit panels show
+ * *rough* labels: the forest's in voxels that the edit changed, the former finished ones elsewhere,
+ * and the forest's everywhere if no finished ones are known. session_refine computes the exact ones
+ * when there is time. Only panels show rough labels: records, files, comparisons and counts use
+ * exact ones (session_labels).
  */
 #ifndef SHOW_DRAW_H
 #define SHOW_DRAW_H
@@ -23,34 +23,35 @@ enum render_mode {
     RENDER_BORDER,
     RENDER_INCREMENTAL,
     RENDER_RAY,
-    RENDER_ONCE, /* as RENDER_AS_KEPT, for a picture that no edit will follow: stores no samples */
+    RENDER_ONCE, /* as RENDER_AS_KEPT, for a picture that is not updated later: stores no samples */
 };
 
-/* Makes the rendition show the present state. RENDER_AS_KEPT and RENDER_INCREMENTAL do what is
- * left to do, RENDER_ONCE too; the others start from nothing. All give the same pixels. Here and
- * below ERR_MEMORY, ERR_CANCELLED; nothing is drawn of a session that skims. */
+/* Update the rendition to the present state. RENDER_AS_KEPT, RENDER_INCREMENTAL and RENDER_ONCE
+ * update it, the others draw it from scratch. All give the same pixels. Here and below: ERR_MEMORY,
+ * ERR_CANCELLED; a session that skims draws nothing. */
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault);
 
-/* The same with the forest as it stands, whatever edits wait. */
+/* The same without applying the edits that wait. */
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault);
 
-/* The same of other labels (session_labels): from nothing, for this one picture, unless pictures
- * show finished labels (session_shows_finished). */
+/* The same for other labels (session_labels): from scratch, for one picture, unless pictures show
+ * finished labels (session_shows_finished). */
 enum err session_draw_labels(struct session *session, const struct labels *labels,
                              enum render_mode mode, struct fault *fault);
 
-/* A rendition to be looked at. In a hurry, where it is wanted within so many nanoseconds (0: in
- * none) and the last one took longer, it may be what is drawn at once: a quarter of its pixels, or,
- * where its surface is to be made first, what was drawn last, which may be nothing. */
+/* A rendition for a panel. If it is wanted within a time and the last one took longer, it may be a
+ * coarse one: a quarter of the pixels; or, if its surface must be computed first, the one drawn
+ * last, which may be empty. */
 struct glance {
     const struct rendition *rendition;
-    uint32_t coarse; /* a pixel of it stands for so many a side */
-    bool is_hasty;   /* it is not what it is without a hurry */
+    uint32_t coarse; /* width of a pixel in pixels of the full rendition */
+    bool is_hasty;   /* it is less than the full rendition */
 };
 
-/* The same to be looked at alone, in the view below, until another of these is called, of labels
- * that are given back: the forest's, or finished ones, which may be rough. In a room that is larger
- * than the view, both ways, it has as many pixels as fit there, and shows the same. */
+/* Draw for a panel: in the view of session_fitting_view, valid until the next of these calls.
+ * `within_ns` 0: no limit. *labels are those shown: the forest's, or finished ones, which may be
+ * rough. If the room is larger than the view in both directions, the rendition gets as many pixels
+ * as fit there and shows the same part. */
 enum err session_draw_fitting(struct session *session, const uint32_t room[2], uint64_t within_ns,
                               struct glance *glance, struct labels *labels, struct fault *fault);
 
@@ -58,28 +59,28 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
  * fits the objects shown last in any direction; its middle is then pictures.own.place. */
 struct view session_fitting_view(const struct session *session);
 
-/* Whose labels the rendition shows, as they are now. */
+/* Which labels the rendition shows; RENDERED_NOT if it is out of date. */
 enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
 enum rendered session_rendered(const struct session *session);
 
-/* What was rendered, at the size of the view; without maps where nothing was. */
+/* The rendition at the size of the view; without maps if none was drawn. */
 const struct rendition *session_frame(const struct session *session);
 
 /* ---- finished labels in panels ---- */
 
-/* Whether pictures show finished labels; not those of a session that skims. */
+/* True if pictures show finished labels. False in a session that skims. */
 bool session_shows_finished(const struct session *session);
 
 /* The label of a cell as panels show it. */
 uint8_t session_shown_label(const struct session *session, uint32_t cell);
 
-/* How many voxels each label has as panels show it, and had `before` the last edit; NULL for what
- * is not known. And the sums of one, which session_sum_label has of the forest's. */
+/* Voxel counts of the labels that panels show, and counts `before` the last edit; NULL if unknown.
+ * And the sums of one of these labels. */
 const uint64_t *session_shown_voxels(const struct session *session, const uint64_t **before);
 enum err session_sum_shown(struct session *session, unsigned label, struct label_sums *sums,
                            struct fault *fault);
 
-/* Whether what a panel would show now is rough. */
+/* True if the labels that a panel would show now are rough. */
 bool session_is_rough(const struct session *session);
 
 /* Make it exact under a watch of its own, whose `show` draws with scene->watch = NULL: it must not
@@ -88,8 +89,8 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
 
 /* ---- the window of greys ---- */
 
-/* Intensities that slices, and faces that are cut open, show as black and white; they differ. A
- * scene whose values fall as intensities rise has the greater one first. */
+/* Intensities that slices and cut faces show as black and white; they differ. The first is the
+ * greater one in a scene whose values fall as intensities rise. */
 void window_of(int32_t window[2], struct session *session);
 
 /* The real values that are black and white; and in words: "0" and "142.5". */
@@ -100,10 +101,10 @@ void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
 
 /* ---- for the files of this room ---- */
 
-/* The pictures of the session, which are made where there are none. ERR_MEMORY. */
+/* The pictures of the session; created by the first call. ERR_MEMORY. */
 enum err pictures_begin(struct pictures **pictures, struct session *session, struct fault *fault);
 
-/* Lets go of what was rendered. */
+/* Release the rendition. */
 void pictures_release_rendition(struct pictures *pictures);
 
 #endif

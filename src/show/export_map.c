@@ -18,9 +18,9 @@ struct map_source {
     const struct session *session;
     const struct labels *labels;
     enum map map;
-    uint16_t *margin;     /* by cell, where that is asked for */
-    uint16_t number[256]; /* of labels, in the file, */
-    bool is_wide;         /* which takes two bytes for some */
+    uint16_t *margin;     /* by cell, for MAP_MARGIN */
+    uint16_t number[256]; /* own number of each label */
+    bool is_wide;         /* a number is above 255 */
 };
 
 static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
@@ -73,7 +73,7 @@ void export_labels(struct volume_label label[256], const struct kept *kept)
     }
 }
 
-/* What labels are in the file: none of those that the map has is another. */
+/* Number the labels. Two labels of the map must not have one number. */
 static enum err number_labels(struct map_source *source, struct fault *fault)
 {
     const struct kept *kept = &source->session->now.kept;

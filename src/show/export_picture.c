@@ -20,7 +20,7 @@
 #include "show/decorating.h"
 #include "show/pictures.h"
 
-/* ---- where it was seen from ---- */
+/* ---- camera ---- */
 
 #define ONE30 1073741824.0
 
@@ -29,8 +29,8 @@ double seen_mm_per_pixel(const struct session *session)
     return (double)view_unit(session->scene) / 1e6 * VIEW_ZOOM_ONE / session->now.outlook.view.zoom;
 }
 
-/* One column of a matrix: where along a direction of the picture a point of the world lies, from
- * voxel `from` on. `axis` is that direction along voxel axes, times 2^30. */
+/* Compute a column of a matrix: the coordinate of a point of the world along a direction of the
+ * picture, from voxel `from` on. `axis` is the direction along voxel axes, times 2^30. */
 static void set_column(double column[4], const struct session *session, const int32_t axis[3],
                        const double from[3])
 {
@@ -54,7 +54,7 @@ static void seen_from(struct picture_space *space, const struct session *session
     const double pixel_mm = seen_mm_per_pixel(session);
     double middle[3], focus[3], column[3][4];
     int32_t axis[3][3];
-    /* Half of the scene's diagonal, to the next millimetre, and one more. */
+    /* The eye is half of the scene's diagonal away, to the next millimetre, and one more. */
     const struct scene *scene = session->scene;
     double squares = 0;
     for (int a = 0; a < 3; a++) {
@@ -84,8 +84,8 @@ static void seen_from(struct picture_space *space, const struct session *session
     space->to_camera[3][3] = space->to_ndc[3][3] = 1;
 }
 
-/* A normal is at right angles to steps along the surface, which go the way of the axes: it is
- * turned by the inverse of their directions, transposed. */
+/* A normal is perpendicular to steps along the surface, which follow the axes: multiply it by the
+ * transposed inverse of their directions. */
 void seen_normals(float *out, const int16_t *normal, size_t pixels, const struct geometry *geometry)
 {
     double turn[3][3]; /* [world][voxel axis] */
@@ -108,7 +108,7 @@ void seen_normals(float *out, const int16_t *normal, size_t pixels, const struct
 
 /* ---- notes ---- */
 
-/* With units, and the middle of the picture in voxels as they are numbered. */
+/* Write the view with units, and the voxel in the middle of the picture. */
 static void write_view(struct buf *out, const struct session *session)
 {
     const struct view *view = &session->now.outlook.view;
@@ -122,7 +122,7 @@ static void write_view(struct buf *out, const struct session *session)
     buf_add_text(out, " in the middle");
 }
 
-/* In voxels, as it is held (render/cut.h): "kept x 0-180 y 0-216 z 40-120 plane ... box ...". */
+/* Write the cut in voxels (render/cut.h): "kept x 0-180 y 0-216 z 40-120 plane ... box ...". */
 static void write_cut(struct buf *out, const struct cut *cut, const struct grid *grid)
 {
     buf_add_text(out, "kept");
@@ -165,7 +165,7 @@ enum err export_note(struct picture *picture, const char *name, struct buf *word
     return err;
 }
 
-/* How the scene is seen: notes that need words made for them. */
+/* Notes about view, cut, opacity and look. */
 static enum err add_view_notes(struct picture *picture, const struct session *session,
                                struct fault *fault)
 {
@@ -193,7 +193,7 @@ static enum err add_label_note(struct picture *picture, const struct session *se
     struct buf labels = {0};
     if (!shown)
         return OK;
-    /* {"1": {"name": "brain", "colour": "#d6b296"}, ...} of the labels that a picture shows. */
+    /* {"1": {"name": "brain", "colour": "#d6b296"}, ...} of the labels shown. */
     const struct kept *kept = &session->now.kept;
     struct json json = {.out = &labels};
     char number[12];
@@ -213,7 +213,7 @@ static enum err add_label_note(struct picture *picture, const struct session *se
     }
     json_end(&json);
     if (!labels.failed)
-        labels.data[--labels.length] = '\0'; /* no line feed */
+        labels.data[--labels.length] = '\0'; /* without its line feed */
     return export_note(picture, "iftty:labels", &labels, fault);
 }
 
@@ -243,7 +243,7 @@ enum err export_notes(struct picture *picture, const struct session *session, co
 static enum err export_rendition_notes(struct picture *picture, const struct session *session,
                                        const bool shown[256], struct fault *fault)
 {
-    char scale[32], context[64]; /* slices have a scale of their own, and nothing behind objects */
+    char scale[32], context[64]; /* not for slices, which have their own scale and no context */
     const int32_t *window = session->pictures->context.mip.of.window;
     snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
     snprintf(context, sizeof context, "mip, intensities %d to %d", window[0], window[1]);
@@ -271,7 +271,7 @@ static void export_fill(const struct picture *to, const struct session *session,
                         const struct rendition *r, size_t first)
 {
     const size_t pixels = (size_t)to->width * to->height;
-    /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
+    /* Millimetres of a unit of depth: crossings are in 2^-24 pixels, times four. */
     const struct camera *camera = &session->pictures->camera;
     const double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
     const double unit_mm = pixel_mm / (double)(INT64_C(4) << 24);
@@ -349,7 +349,7 @@ enum err export_normals(struct picture *picture, const struct session *session, 
     return err;
 }
 
-/* ---- pictures that are not stored ---- */
+/* ---- export in rows ---- */
 
 struct exporting {
     const struct session *session;
@@ -357,7 +357,7 @@ struct exporting {
     struct strips *file;           /* or NULL */
     struct decorating *decorating; /* or NULL */
     const struct context *context; /* or NULL */
-    pthread_mutex_t lock;          /* of all below */
+    pthread_mutex_t lock;          /* protects the members below */
     bool labels[256];              /* that are shown */
     uint64_t digest;               /* rendition_digest */
     enum err err;
@@ -370,7 +370,7 @@ bool export_is_large(const struct session *session)
     return (uint64_t)view->width * view->height > SAMPLES_STORED_MOST;
 }
 
-/* What is around the objects, and over them: they are seen as the file will show them. */
+/* Add context and decorations to some rows, as the file shows them. */
 static enum err finish_colours(const struct exporting *e, const struct rendition *rows,
                                uint32_t top, struct fault *fault)
 {
@@ -391,7 +391,7 @@ static enum err finish_colours(const struct exporting *e, const struct rendition
                                   .from = top,
                                   .rows = rows->height};
     if (!layer)
-        return fault_memory(fault, "what is drawn over a picture");
+        return fault_memory(fault, "decorations of a picture");
     const enum err err = decoration_draw(&canvas, &e->decorating->of, fault);
     canvas_lay_over(layer, rows->rgba, pixels);
     memcpy(rows->rgba, layer, 4 * pixels);
@@ -399,7 +399,8 @@ static enum err finish_colours(const struct exporting *e, const struct rendition
     return err;
 }
 
-/* The memory of row `top` of the picture and of those after it; false where there is none. */
+/* Get memory of row `top` of the picture and of those after it; false if there is no memory to
+ * fill. */
 static bool lend(const struct exporting *e, uint32_t top, uint32_t most, struct picture *to)
 {
     if (e->file)
@@ -439,8 +440,8 @@ static void take(void *context, const struct rendition *rows, uint32_t top)
     }
 }
 
-/* A rendition of one sample a pixel that is there is left alone, so that going back needs no
- * memory; others, and large ones, are let go of. */
+/* A stored rendition of one sample a pixel is kept, so that a rollback needs no memory; others, and
+ * large ones, are released. */
 static enum err draw(struct exporting *e, struct session *session, const struct labels *labels,
                      enum render_mode mode, struct fault *fault)
 {

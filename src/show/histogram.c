@@ -9,7 +9,7 @@
 static const char *const blocks[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 static const char *const ascii[] = {" ", ".", ".", ".", ":", ":", ":", "#", "#"};
 
-/* How much of a cell of the row a column fills, in eighths. */
+/* The part of a cell that a column fills, in eighths. */
 static unsigned part_of_cell(const struct chart *chart, unsigned column, unsigned row)
 {
     const unsigned tall = chart->eighths[column], below = 8 * row;
@@ -32,7 +32,8 @@ void chart_write(struct buf *out, const struct chart *chart)
 
 enum { ROWS = 4 };
 
-/* Between two intensities, of which the first may be the greater one, where values fall. */
+/* Count between two intensities; the first is the greater one if values fall as intensities
+ * rise. */
 static void fill(struct histogram *h, const uint32_t count[UINT16_MAX + 1], const int32_t window[2],
                  const struct geometry *geometry)
 {
@@ -82,8 +83,8 @@ static double percent(const struct histogram *h, uint64_t voxels)
 void histogram_write(struct buf *out, const struct histogram *h, bool has_blocks)
 {
     uint16_t eighths[HISTOGRAM_BINS];
-    /* The count that a full column stands for. Often there is one value, that of air, which would
-     * leave nothing to be seen of all others: its column may be cut. */
+    /* The count of a full column. One value, that of air, is often so frequent that all others
+     * would be invisible: its column may be cut. */
     uint64_t most = 1, second = 1;
     for (unsigned i = 0; i < h->bins; i++) {
         second = h->bin[i] > most ? most : h->bin[i] > second ? h->bin[i] : second;
@@ -91,7 +92,7 @@ void histogram_write(struct buf *out, const struct histogram *h, bool has_blocks
     }
     const bool is_cut = most / 4 > second;
     const uint64_t full = square_root(is_cut ? second : most);
-    for (unsigned i = 0; i < h->bins; i++) { /* one eighth where there is a voxel */
+    for (unsigned i = 0; i < h->bins; i++) { /* at least one eighth for one voxel */
         const uint64_t tall = (square_root(h->bin[i]) * UINT64_C(8) * ROWS + full - 1) / full;
         eighths[i] = (uint16_t)(tall > 8 * ROWS ? 8 * ROWS : tall);
     }

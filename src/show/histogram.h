@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A histogram: how often intensities occur, between the black and the white of a window.
+ * Histogram of intensities between the black and the white of a window.
  */
 #ifndef REPORT_HISTOGRAM_H
 #define REPORT_HISTOGRAM_H
@@ -14,42 +14,42 @@
 enum { HISTOGRAM_BINS = 64 };
 
 struct histogram {
-    int digits;          /* of real values that are worth to be written */
-    double least, most;  /* real values: of the first intensity of the first bin, and of the last of
-                            the last one */
-    unsigned bins, each; /* each of so many intensities; the last one may have fewer */
-    uint64_t bin[HISTOGRAM_BINS], below, above, voxels; /* below and above: by real values */
+    int digits;          /* significant digits of real values */
+    double least, most;  /* real values of the first intensity of the first bin and the last of the
+                            last bin */
+    unsigned bins, each; /* number of bins, and intensities of each; the last bin may have fewer */
+    uint64_t bin[HISTOGRAM_BINS], below, above, voxels; /* below and above by real values */
 };
 
-/* Of a scene, by its window. Large scenes are sampled, as their window is. */
+/* Histogram of a scene, by its window. Large scenes are sampled, as for their window. */
 void histogram_of_session(struct histogram *histogram, struct session *session);
 
-/* Of how often each intensity occurs, between the percentiles that are the window of a scene. */
+/* Histogram of counts, between the percentiles that are the window of a scene. */
 void histogram_of_counts(struct histogram *histogram, const uint32_t count[UINT16_MAX + 1],
                          const struct geometry *geometry);
 
-/* Adds a chart, and what it shows, in lines. */
+/* Add a chart and its legend, in lines. */
 void histogram_write(struct buf *out, const struct histogram *histogram, bool has_blocks);
 
 /*
- * Charts of text: columns that stand side by side, of blocks or in ASCII.
+ * Charts of text: columns of blocks, or of ASCII characters.
  *
  *        142 |  ▁▇▂
  *            | ▃███▁
  *         12 |▄█████▅
  */
 
-enum { CHART_COLUMNS = 64 }; /* as many as fit a line of 80 with what stands before them */
+enum { CHART_COLUMNS = 64 }; /* fits a line of 80 with its margin */
 
 struct chart {
-    const uint16_t *eighths; /* how tall each column is, in eighths of a row: 0..8 * rows */
+    const uint16_t *eighths; /* height of each column, in eighths of a row: 0..8 * rows */
     unsigned columns, rows;
-    const char *top, *bottom; /* what stands before the highest and the lowest row, */
-    int margin;               /* in so many columns */
-    bool has_blocks;          /* text is UTF-8: a cell has eighths; else thirds, of . : # */
+    const char *top, *bottom; /* text before the highest and the lowest row, */
+    int margin;               /* right-aligned in this width */
+    bool has_blocks;          /* UTF-8: eighths of a cell; otherwise thirds, by . : # */
 };
 
-/* Adds `rows` lines, without blanks at their ends. */
+/* Add `rows` lines, without trailing blanks. */
 void chart_write(struct buf *out, const struct chart *chart);
 
 #endif

@@ -12,8 +12,8 @@
 #include "session/tally.h"
 #include "show/label_report.h"
 
-/* How many labels had voxels that a seed reached: of label 0 these are more than what lies outside
- * the region of interest. */
+/* Count the labels with voxels that a seed reached: of label 0, voxels inside the region of
+ * interest count. */
 static unsigned labels_before(const struct session *session)
 {
     const uint64_t *voxels = session->former_tally.voxels;
@@ -24,7 +24,7 @@ static unsigned labels_before(const struct session *session)
     return count;
 }
 
-/* The label of which there are most voxels more in `than`. */
+/* The label with the largest increase from `in` to `than`. */
 static unsigned find_most(const uint64_t *in, const uint64_t *than)
 {
     unsigned found = 0;
@@ -37,7 +37,7 @@ static unsigned find_most(const uint64_t *in, const uint64_t *than)
     return found;
 }
 
-/* How many seeds an edit has planted of a label. */
+/* Count the seeds of a label that the edit planted. */
 static uint64_t planted_of(const struct seed_changes *seeds, unsigned label)
 {
     uint64_t count = 0;
@@ -46,7 +46,7 @@ static uint64_t planted_of(const struct seed_changes *seeds, unsigned label)
     return count;
 }
 
-/* How many its markers had before, one at least. */
+/* Count the seeds of its markers before the edit, at least one. */
 static uint64_t seeds_before(const struct session *session, unsigned label, uint64_t planted)
 {
     const struct markers *markers = &session->markers;
@@ -57,8 +57,8 @@ static uint64_t seeds_before(const struct session *session, unsigned label, uint
     return count > planted ? count - planted : 1;
 }
 
-/* Whether the intensities that a label has come to are like those that it had: their means are no
- * more than half a deviation apart. Where that is not known, they are not. */
+/* True if new and old voxels of a label have similar intensities: means within half a standard
+ * deviation. False if that is unknown. */
 static bool is_alike(struct session *session, unsigned label)
 {
     const struct changes changes = forest_changes(session->forest);
@@ -120,7 +120,7 @@ static enum err find_extents(struct label_extent extent[256], const struct grid 
     return err;
 }
 
-/* All voxels within LABEL_LOSS_FAR steps of this one have the same label. */
+/* True if all voxels within LABEL_LOSS_FAR steps have the same label. */
 static bool is_far(const struct grid *grid, const uint8_t *label, uint32_t cell)
 {
     const struct place p = grid_place(grid, cell);
@@ -169,7 +169,7 @@ static void write_extent(struct buf *out, const struct label_extent *extent)
         buf_printf(out, " in %u piece%s", extent->pieces, plural(extent->pieces));
 }
 
-/* "deletes label 3 wall", up to the name. */
+/* Write "deletes label 3 wall", up to the name. */
 static void write_verb(struct buf *out, const struct session *session,
                        const struct label_loss *loss, unsigned label)
 {

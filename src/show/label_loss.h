@@ -2,10 +2,10 @@
 /*
  * Loss: labels that the finish deletes, halves or breaks.
  *
- * A label of the forest is lost from where it has no finished voxel, less than half of its voxels,
- * or more pieces (engine/components.h) than before. The finish decides this by itself for labels
- * without a view of them, so each of them is named. Voxels that have another label, and are more
- * than LABEL_LOSS_FAR steps from every voxel that had one, are counted.
+ * A label has a loss if it has no finished voxel, less than half of the forest's voxels, or more
+ * pieces (engine/components.h) than in the forest. The user does not see this decision of the
+ * finish, so every such label is named. Changed voxels that are more than LABEL_LOSS_FAR steps from
+ * every voxel with their former label are counted.
  */
 #ifndef REPORT_LABEL_LOSS_H
 #define REPORT_LABEL_LOSS_H
@@ -22,56 +22,57 @@ struct label_extent {
 };
 
 struct label_loss {
-    unsigned labels; /* 1..255, that are lost from */
+    unsigned labels; /* labels 1..255 with a loss */
     bool is_lost[256];
-    uint64_t far;                                /* voxels */
-    struct label_extent before[256], after[256]; /* of all labels */
+    uint64_t far; /* voxels */
+    struct label_extent before[256], after[256];
 };
 
-/* Compares the labels of the forest with finished ones. Takes two bytes a voxel for a moment.
- * ERR_MEMORY, ERR_CANCELLED. */
+/* Compare the forest's labels with finished ones. Uses two bytes a voxel for a moment. ERR_MEMORY,
+ * ERR_CANCELLED. */
 enum err label_loss_find(struct label_loss *loss, const struct labels *finished, struct team *team,
                          struct watch *watch, struct fault *fault);
 
-/* Adds one short line that names the labels that are lost from; nothing where there are none. */
+/* Add one short line that names the labels with a loss, if there are any. */
 void label_loss_write_line(struct buf *out, const struct session *session,
                            const struct label_loss *loss);
 
-/* Adds a line for each label that is lost from, one for voxels that are far from a former border,
- * and one with the commands that take it back. */
+/* Add a line for each label with a loss, one for voxels far from a former border, and one with the
+ * commands that undo the loss. */
 void label_loss_write(struct buf *out, const struct session *session,
                       const struct label_loss *loss);
 
 /*
- * A surprise: an edit that took far more than was planted, as a seed does that floods an object
- * through a weak edge.
+ * Surprise: an edit that changed far more voxels than it planted, such as a seed that floods an
+ * object through a weak edge.
  *
- * It took a label more than SURPRISE_VOXELS voxels, and the label that they came to more than a
- * SURPRISE_TIMES-th of what that had for each seed that the edit planted or removed: who touches a
- * place means little of the label, who plants a ball means more. A label that had nothing is judged
- * by the one that lost: it took more than SURPRISE_TIMES the seeds, and at least a
- * SURPRISE_SHARE-th. Not before two labels have seeds: what the first ones take says nothing.
+ * An edit is a surprise if a label lost more than SURPRISE_VOXELS voxels, and the label that gained
+ * them more than 1/SURPRISE_TIMES of its former voxels for each seed that the edit planted or
+ * removed. If that label had no voxels, the loss is compared: more than SURPRISE_TIMES the seeds,
+ * and at least 1/SURPRISE_SHARE of the losing label. Nothing is a surprise before two labels have
+ * seeds.
  *
- * It is none where a seed took less than 3/2 of what those of the label had taken each, and what
- * came is as bright as what there was: so the second ventricle of a pair does not count as one.
+ * An edit is no surprise if each of its seeds gained less than 3/2 of the former mean of a seed of
+ * the label, and the new voxels are as bright as the old ones: so the second ventricle of a pair
+ * does not count.
  *
- * `make bench-effort` counts what of robots' sessions is found, and what is called one and was
- * right (tests/bench/README.md).
+ * `make bench-effort` counts surprises and false alarms in robots' sessions
+ * (tests/bench/README.md).
  *
- * It is looked for in what each edit knows anyway, the counts of labels and the list of changes;
- * only a surprise itself costs more, for the way that it came (engine/way.h).
+ * The search uses the counts of labels and the list of changes, which each edit has anyway; only a
+ * surprise itself costs more, for the path to it (engine/way.h).
  */
 
 enum { SURPRISE_TIMES = 100, SURPRISE_VOXELS = 500, SURPRISE_SHARE = 4 };
 
 struct surprise {
-    uint8_t label;       /* that most was taken from, */
-    uint64_t voxels;     /* so many more than it was given */
-    bool has_passage;    /* and if so, through the edge into */
+    uint8_t label;       /* that lost most voxels, */
+    uint64_t voxels;     /* and how many, net */
+    bool has_passage;    /* the loss went through the edge into */
     uint32_t passage[3]; /* this voxel */
 };
 
-/* Whether the command has edited the seeds and is one. session_count_before comes before the
+/* True if the command has edited the seeds and is a surprise. Call session_count_before before the
  * command, session_count_labels after it. */
 bool session_find_surprise(struct surprise *surprise, struct session *session);
 

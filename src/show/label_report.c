@@ -9,17 +9,17 @@
 #include "show/comparison.h"
 
 enum {
-    NORMALS_A_SIDE = 8, /* of a face of a cube in which normals end */
+    NORMALS_A_SIDE = 8, /* directions along each side of a face of a cube */
     TURNS = 4,          /* edges across each normal */
 };
 
-static const double edge_voxels = 10; /* edges are as many as of a box of so many steps */
-static const double axis_share = 0.1; /* planes and edges along each axis, of all normals */
-static const double ridge = 1e-4;     /* a solution that other spacings do not turn over */
+static const double edge_voxels = 10; /* as many edges as a box of this many steps has */
+static const double axis_share = 0.1; /* share of planes and edges along each axis */
+static const double ridge = 1e-4;     /* keeps the solution stable for all spacings */
 
-/* The sum of squares to be least: the normal equations, of kinds 1 and more. */
+/* The normal equations of the least squares, of kinds 1 and more. */
 struct squares {
-    double pair_mm[PAIR_KINDS][4][3]; /* ways of a kind: of each two opposite ones, one */
+    double pair_mm[PAIR_KINDS][4][3]; /* pairs of a kind; one of each two opposite ones */
     unsigned pairs[PAIR_KINDS];
     double voxel_mm3, step_mm;
     double matrix[PAIR_KINDS][PAIR_KINDS], right[PAIR_KINDS];
@@ -43,7 +43,7 @@ static void make_long(double v[3], double length)
         v[i] *= factor;
 }
 
-/* Steps 0..2 along each axis, with each choice of signs that gives another pair. */
+/* List steps 0..2 along each axis, with each choice of signs for a different pair. */
 static void list_pairs(struct squares *s, double step_mm[3][3])
 {
     for (int kind = 1; kind < PAIR_KINDS; kind++) {
@@ -62,7 +62,7 @@ static void list_pairs(struct squares *s, double step_mm[3][3])
     }
 }
 
-/* The weighted sum of `row` is to be `right`. */
+/* Add an equation: the weighted sum of `row` equals `right`. */
 static void add_equation(struct squares *s, const double row[PAIR_KINDS], double right,
                          double share)
 {
@@ -73,7 +73,7 @@ static void add_equation(struct squares *s, const double row[PAIR_KINDS], double
     }
 }
 
-/* A plane of 1 mm2. */
+/* Equation of a plane of 1 mm2. */
 static void add_plane(struct squares *s, const double normal[3], double share)
 {
     double row[PAIR_KINDS] = {0};
@@ -83,8 +83,8 @@ static void add_plane(struct squares *s, const double normal[3], double share)
     add_equation(s, row, 1, share);
 }
 
-/* Edges between two planes across each other, for each mm2 of a cube: of four that are parallel,
- * each pair misses two. */
+/* Equation of edges between two perpendicular planes, for each mm2 of a cube: of four parallel
+ * edges, each pair misses two. */
 static void add_edge(struct squares *s, const double n[3], const double m[3], double share)
 {
     const double edge_mm = 1 / (edge_voxels * s->step_mm);
@@ -96,7 +96,7 @@ static void add_edge(struct squares *s, const double n[3], const double m[3], do
     add_equation(s, row, 0, share);
 }
 
-/* A normal, and edges of planes that it lies along. */
+/* Equations of a normal, and of edges along it. */
 static void add_normal(struct squares *s, const double normal[3], double share)
 {
     double across[3] = {-normal[1], normal[0], 0}, third[3];
@@ -114,8 +114,8 @@ static void add_normal(struct squares *s, const double normal[3], double share)
     }
 }
 
-/* In all directions, by the solid angles around them: of as many octants as kinds are not the same
- * in, 1 or, of sheared axes, 4. Returns the sum of their shares. */
+/* Add normals in all directions, weighted by solid angle, in as many octants as kinds differ in: 1,
+ * or 4 for sheared axes. Returns the sum of the shares. */
 static double add_normals(struct squares *s, int octants)
 {
     double sum = 0;
@@ -135,7 +135,7 @@ static double add_normals(struct squares *s, int octants)
     return sum;
 }
 
-/* By elimination: the matrix is positive definite, so no pivot need be looked for. */
+/* Gaussian elimination; the matrix is positive definite, so it needs no pivoting. */
 static void solve(struct squares *s, double weight[PAIR_KINDS])
 {
     for (int i = 1; i < PAIR_KINDS; i++)
@@ -172,7 +172,7 @@ void area_weights_init(struct area_weights *weights, const struct geometry *geom
     }
     s.step_mm = cbrt(s.step_mm);
     list_pairs(&s, step_mm);
-    /* The planes that two axes lie in. */
+    /* The planes through two axes. */
     const double share = axis_share * add_normals(&s, fill < 1 ? 4 : 1);
     double normal[3][3];
     for (int a = 0; a < 3; a++) {
@@ -186,8 +186,8 @@ void area_weights_init(struct area_weights *weights, const struct geometry *geom
     solve(&s, weights->mm2);
 }
 
-/* A pair of one label and another is counted from both ends: of all voxels, so many ways lead to
- * another label. */
+/* Count pairs of different labels from both ends: pairs[0] voxels have `ways` neighbours of a
+ * kind. */
 double label_area_mm2(const struct area_weights *weights, const uint64_t pairs[PAIR_KINDS])
 {
     double mm2 = 0;
@@ -262,9 +262,8 @@ static double mean(const struct label_sums *s)
     return s->voxels == 0 ? NAN : (double)s->intensity / (double)s->voxels;
 }
 
-/* Of intensities, as of a sample: by one less than the number of voxels. The squares are taken
- * about the whole number below the mean, so that nothing is lost: modulo 2^64, which their sum is
- * below. */
+/* Standard deviation of a sample of intensities. The squares are taken about the whole number below
+ * the mean, exactly: modulo 2^64, which their sum does not reach. */
 static double deviation(const struct label_sums *s)
 {
     if (s->voxels == 0)
@@ -282,7 +281,7 @@ static void find_centre(double centre[3], const struct label_sums *s)
         centre[a] = s->voxels ? (double)s->sum[a] / (double)s->voxels : NAN;
 }
 
-/* Of a place between voxels. */
+/* World coordinates of a place between voxels. */
 static void find_place(double mm[3], const struct geometry *geometry, const double at[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -293,7 +292,7 @@ static void find_place(double mm[3], const struct geometry *geometry, const doub
     }
 }
 
-/* The lowest and the highest real value: they swap where real values fall as intensities rise. */
+/* The lowest and the highest real value; they swap if values fall as intensities rise. */
 static void find_range(double range[2], const struct label_report *report, unsigned label)
 {
     const struct label_sums *s = &report->stats[label].sums;
@@ -315,7 +314,7 @@ static double median(const struct label_report *report, unsigned label)
     return geometry_value(report->geometry, ((double)middle[0] + middle[1]) / 2);
 }
 
-/* How many more voxels it has since the last edit, or NAN. */
+/* Change of the voxel count by the last edit, or NAN. */
 static double change(const struct label_report *report, unsigned label)
 {
     if (report->gained)
@@ -324,7 +323,7 @@ static double change(const struct label_report *report, unsigned label)
                           : NAN;
 }
 
-/* ---- for programs ---- */
+/* ---- JSON and CSV ---- */
 
 static bool has_row(const struct label_report *report, unsigned label)
 {
@@ -375,7 +374,7 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
 {
     struct json json = {.out = out};
     json_object(&json, NULL);
-    if (geometry_fill(report->geometry) < 1) /* surfaces are rough there */
+    if (geometry_fill(report->geometry) < 1) /* surfaces are approximate there */
         json_real(&json, "shear_degrees", geometry_shear(report->geometry), 4);
     json_array(&json, "by_label");
     for (unsigned label = 1; label < 256; label++) {
@@ -397,7 +396,7 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
     json_end(&json);
 }
 
-/* A table has no place for what is said of the scene: each row has it. */
+/* Facts of the scene are in every row of the table. */
 static struct figures csv_figures_of(const struct label_report *report, unsigned label)
 {
     struct figures f = figures_of(report, label);
@@ -422,7 +421,7 @@ void label_report_write_csv(struct buf *out, const struct label_report *report)
     }
 }
 
-/* ---- for people ---- */
+/* ---- text ---- */
 
 void label_report_write_sums(struct buf *out, const struct label_sums *sums,
                              const struct geometry *geometry)
@@ -446,7 +445,7 @@ static void write_last_edit(struct buf *out, const struct label_report *report, 
         return;
     buf_printf(out, "%*sthe last edit ", blanks, "");
     if (has_moves)
-        buf_printf(out, "gave it %" PRIu64 " voxel%s, and took %" PRIu64 ": ",
+        buf_printf(out, "added %" PRIu64 " voxel%s to it and removed %" PRIu64 ": ",
                    report->gained[label], plural(report->gained[label]), report->lost[label]);
     else
         buf_add_text(out, "changed it by ");
@@ -484,7 +483,7 @@ void label_report_write_text(struct buf *out, const struct label_report *report,
     const double spread = fabs(report->geometry->slope) * deviation(sums);
     double range[2];
     find_range(range, report, label);
-    const int more = geometry_digits(report->geometry) - 6; /* than most scenes need */
+    const int more = geometry_digits(report->geometry) - 6; /* digits beyond those of most scenes */
     buf_printf(out, "intensity %.*g", 5 + more, geometry_value(report->geometry, mean(sums)));
     if (!isnan(spread))
         buf_printf(out, ", deviation %.4g", spread);

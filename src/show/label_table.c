@@ -42,7 +42,7 @@ static struct part trimmed(struct part part)
     return part;
 }
 
-/* "17", and what a line of a table has where it lacks a name, as "1 2". */
+/* True for "17", and for more numbers such as "1 2", as a line without a name has. */
 static bool is_number(const char *name)
 {
     return name[strspn(name, "0123456789+-. ")] == '\0';
@@ -55,7 +55,7 @@ bool label_name_fits(const char *name)
            name[length - 1] != ' ' && *safe_end(name) == '\0' && !strpbrk(name, "=\\");
 }
 
-/* With the signs that no name holds as _. */
+/* Write a name with _ for invalid characters. */
 static void write_fit(struct buf *out, const char *name, size_t length)
 {
     if (*name == '#' || is_number(name))
@@ -70,7 +70,7 @@ static void write_fit(struct buf *out, const char *name, size_t length)
     }
 }
 
-/* Without the backslash before a quote. */
+/* Write a name without the backslash before a quote. */
 static void write_unquoted(struct buf *out, struct part name)
 {
     for (; name.at < name.end; name.at++) {
@@ -79,7 +79,7 @@ static void write_unquoted(struct buf *out, struct part name)
     }
 }
 
-/* The first byte from `at` on, or before it, that begins a character. */
+/* The first byte of a character, at `at`, after it (step 1) or before it. */
 static size_t character_at(const char *text, size_t at, int step)
 {
     while (at > 0 && ((unsigned char)text[at] & 0xC0) == 0x80)
@@ -99,7 +99,7 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
         write_fit(&fit, buf_text(&plain), plain.length);
     const bool failed = plain.failed || fit.failed;
     if (fit.length > NAME_MOST && !failed) {
-        /* Both ends of a name that is too long. */
+        /* Keep both ends of a name that is too long. */
         enum { TAIL = 13 };
         const size_t head = character_at(fit.data, NAME_MOST - 1 - TAIL, -1);
         const size_t tail = character_at(fit.data, fit.length - TAIL, 1);
@@ -126,7 +126,7 @@ static bool add(struct label_table *table, const struct label_entry *entry)
     return true;
 }
 
-/* Numbers 0..255 with blanks between them, and after the last one. */
+/* Read three numbers 0..255, each followed by blanks. */
 static bool scan_colour(const char **at, uint8_t rgb[3])
 {
     const char *from = *at;
@@ -141,7 +141,8 @@ static bool scan_colour(const char **at, uint8_t rgb[3])
     return true;
 }
 
-/* "255 0 0  1  1 1  "left hippocampus""; after a colour alone come the blanks beyond the line. */
+/* Read "255 0 0  1  1 1  "left hippocampus"". The blanks after a colour without a name may end
+ * beyond the line. */
 static bool scan_itksnap(struct part line, struct label_entry *entry, struct part *name)
 {
     const char *at = line.at;
@@ -155,7 +156,7 @@ static bool scan_itksnap(struct part line, struct label_entry *entry, struct par
     return true;
 }
 
-/* Takes a number from the end of a line that begins with something else. */
+/* Cut a number off the end of a line that begins with something else. */
 static bool take_last_number(struct part *line, int64_t *number)
 {
     const char *from = line->end;
@@ -168,15 +169,15 @@ static bool take_last_number(struct part *line, int64_t *number)
     return true;
 }
 
-/* "Left-Hippocampus  220 216 20 0", "Hippocampus_L 4101", or a name alone; more numbers than four
- * belong to the name. False for a colour that is none. */
+/* Read "Left-Hippocampus  220 216 20 0", "Hippocampus_L 4101", or a name alone; numbers before the
+ * last four belong to the name. False for an invalid colour. */
 static bool scan_named(struct part line, struct label_entry *entry, struct part *name)
 {
     const char *at = line.at;
     int64_t number[4];
     int count = 0;
     if (scan_colour(&at, entry->rgb) && at < line.end && memchr(at, '"', (size_t)(line.end - at)))
-        return false; /* as ITK-SNAP, with something after the name */
+        return false; /* ITK-SNAP, with text after the name */
     while (count < 4 && take_last_number(&line, &number[count]))
         count++;
     *name = line;
@@ -260,7 +261,7 @@ enum err label_table_read_lut(struct label_table *table, const uint8_t *bytes, s
     return OK;
 }
 
-/* ---- what becomes of labels ---- */
+/* ---- applying ---- */
 
 static bool is_taken(const struct kept *kept, const char *name, unsigned by_other_than)
 {
@@ -283,7 +284,8 @@ static void take_entry(struct kept *kept, struct label_tally *tally,
     memcpy(kept->label_name[label], entry->name, LABEL_NAME_BYTES);
     tally->names++;
     if (is_taken(kept, entry->name, label)) {
-        char *name = kept->label_name[label], number[8]; /* "Unknown (12)", or less before it */
+        char *name = kept->label_name[label], number[8]; /* "Unknown (12)", or fewer characters of
+                                                            the name */
         const int length = snprintf(number, sizeof number, " (%u)", label);
         size_t fits = strlen(name);
         if (fits > (size_t)(NAME_MOST - length))
@@ -312,7 +314,7 @@ enum err label_table_apply(struct kept *kept, struct label_tally *tally,
                              "two of its entries, %u and %u, are for label %u; nothing has changed",
                              table->entry[from[label] - 1].number, number, label);
         from[label] = (uint32_t)i + 1;
-        if (*table->entry[i].name) /* names to come are not in the way */
+        if (*table->entry[i].name) /* names that are replaced do not conflict */
             memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
     }
     for (unsigned label = 1; label < LABELS; label++)
@@ -358,7 +360,7 @@ const char *label_table_ending(const char *path, enum label_table_format *format
     return ending;
 }
 
-/* A name as a format can hold it. */
+/* Write a name as a format can hold it. */
 static void write_name(struct buf *out, struct label_writing *writing,
                        enum label_table_format format, const struct kept *kept, unsigned label)
 {

@@ -15,9 +15,9 @@
 #include "show/draw.h"
 #include "show/export_picture.h"
 
-/* ---- what is drawn ---- */
+/* ---- style and titles ---- */
 
-/* Everything that a slice or mosaic borrows while it is drawn. */
+/* Memory that a slice or mosaic borrows while it is drawn. */
 struct sketch {
     struct slice_style style;
     struct slice_mark *mark;
@@ -29,7 +29,7 @@ struct sketch {
     char title[3][64];
 };
 
-/* Seeds that wait, and eliminators. */
+/* List the seeds that wait, and eliminators. */
 static bool list_marks(struct sketch *sketch, const struct session *session)
 {
     const struct edit_lists *lists = &session->now.lists;
@@ -48,8 +48,8 @@ static bool list_marks(struct sketch *sketch, const struct session *session)
     return true;
 }
 
-/* "axial 90", and where that is in the world: "S 18.0 mm". A file may put the scene anywhere: what
- * is further off than tenths make sense of is "S 1e+18 mm". Of unknown orientation: "z 90". */
+/* Write "axial 90" and its place in the world, "S 18.0 mm"; a place too far away for tenths as "S
+ * 1e+18 mm". With an unknown orientation: "z 90". */
 static void write_title(char out[64], const struct session *session, enum slice_plane plane)
 {
     static const char side[3][2] = {{'I', 'S'}, {'P', 'A'}, {'L', 'R'}};
@@ -84,8 +84,8 @@ static bool is_under(const void *of, uint32_t cell)
     return markers_at(under->markers, cell) == under->marker;
 }
 
-/* On a screen one looks at what is marked: thin marks hide little of it, and what is marked by one
- * command is seen where the cross-hair is in it. Files have had larger ones from the beginning. */
+/* Marks on a screen are thin, so that they hide little; those of the marker under the cross-hair
+ * are filled. Files have always had larger marks. */
 static void mark_thin(struct sketch *sketch, const struct session *session)
 {
     const uint32_t *cross = session->now.outlook.slices.cross;
@@ -119,7 +119,7 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
     return OK;
 }
 
-/* One that was zoomed shows each voxel as it is, without smoothing. */
+/* A zoomed slice shows voxels without smoothing. */
 static struct slice_choice slice_of(const struct session *session, enum slice_kind kind,
                                     const struct sketch *sketch)
 {
@@ -166,7 +166,7 @@ enum err slicing_check_size(const struct view *view, struct fault *fault)
     if (view->width >= MOSAIC_SIDE_LEAST && view->height >= MOSAIC_SIDE_LEAST)
         return OK;
     return fault_set(fault, ERR_LIMIT,
-                     "a mosaic takes %dx%d pixels or more, and the view has %ux%u; give it more by "
+                     "a mosaic needs %dx%d pixels or more, and the view has %ux%u; enlarge it with "
                      "`size`; nothing has changed",
                      MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, view->width, view->height);
 }
@@ -183,8 +183,8 @@ static enum err prepare(struct session *session, enum slice_kind kind, const str
                   : session_draw(session, RENDER_AS_KEPT, fault);
 }
 
-/* Fills a canvas, which is released on error: a slice, or a mosaic, be it a panel's, which has the
- * rendition at a glance. */
+/* Fill a canvas, which is released on error: a slice, a mosaic, or that of a panel with its
+ * rendition. */
 static enum err draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
                      const struct labels *labels, struct slicing_panel *panel,
                      const struct glance *glance, struct fault *fault)
@@ -201,7 +201,7 @@ static enum err draw(struct canvas *canvas, struct session *session, enum slice_
         err =
             mosaic_draw(canvas, session->scene, glance ? glance->rendition : session_frame(session),
                         &choice, &sketch.style, fault);
-        choice.coarse = 1; /* whoever looks for a pixel means one of the rendition */
+        choice.coarse = 1; /* queries refer to pixels of the full rendition */
         for (int i = 0; i < 3; i++)
             choice.title[i] = NULL;
         if (panel)
@@ -295,9 +295,9 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
     return OK;
 }
 
-/* ---- out of the session ---- */
+/* ---- export ---- */
 
-/* "axial", "mosaic"; with the cross-hair's place and the zoom. */
+/* Note "axial" or "mosaic", with the cross-hair's place and the zoom. */
 static enum err note_kind(struct picture *picture, const struct session *session,
                           enum slice_kind kind, struct fault *fault)
 {
