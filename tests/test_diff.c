@@ -59,7 +59,7 @@ STORY(the_first_other_command_is_named_in_both)
 {
     struct first_difference p =
         find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0);
-    CHECK(p.is_there && p.side[0].goes_on && p.side[1].goes_on);
+    CHECK(p.is_there && p.side[0].has_command && p.side[1].has_command);
     CHECK_INT(p.same, 1);
     CHECK_INT(p.side[0].number, 2);
     CHECK_INT(p.side[0].line, 3);
@@ -69,7 +69,7 @@ STORY(the_first_other_command_is_named_in_both)
     CHECK_TEXT(buf_text(&p.side[1].command), "seed 1,1,2 1");
     first_difference_release(&p);
     p = find("open s\nrun\n", "open s\n", 0);
-    CHECK(p.is_there && p.side[0].goes_on && !p.side[1].goes_on);
+    CHECK(p.is_there && p.side[0].has_command && !p.side[1].has_command);
     CHECK_TEXT(buf_text(&p.side[0].command), "run");
     first_difference_release(&p);
     p = find("open s\nrun\n", "open s\nauto on\n", 1);

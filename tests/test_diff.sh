@@ -73,13 +73,13 @@ out_has "commands  8, all the same"
 sed 's/^run$/# by hand\nrun/' a.iftty >hand.iftty
 expect 0 "$iftty" diff a.iftty hand.iftty
 out_has "commands  9, all the same"
-err_has "# hand.iftty was edited by hand; it gives the results that it records"
+err_has "# hand.iftty was edited by hand; it reproduces its recorded results"
 close_story
 
 begin "up to a record"
 expect 0 "$iftty" diff a.iftty b.iftty --until 4
 out_has "commands  4, all the same"
-err_has "# a.iftty ends with edits that wait for a run"
+err_has "# a.iftty ends with pending edits"
 expect 2 "$iftty" diff a.iftty b.iftty --until 0
 close_story
 
@@ -151,7 +151,7 @@ expect 3 "$iftty" diff a.iftty empty.txt
 err_has "empty.txt: it opens no scene"
 sed 's/^= \([0-9]*\) forest=[0-9a-f]*/= \1 forest=0123456789abcdef/' a.iftty >lies.iftty
 expect 3 "$iftty" diff a.iftty lies.iftty
-err_has "lies.iftty: it gives other results than it records; see iftty verify"
+err_has "lies.iftty: its results differ from the recorded ones; see iftty verify"
 head -c 300 a.iftty >torn.iftty
 expect 0 "$iftty" diff torn.iftty torn.iftty
 err_has "# torn.iftty ends with an unfinished record"

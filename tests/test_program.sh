@@ -291,7 +291,7 @@ changed() {
 begin "a changed coordinate is found, with its record"
 changed coordinate 's/^seed 2,3,4 1$/seed 3,3,4 1/' \
     "record 3, line 8: its chain digest does not fit"
-out_has "record 6, line 14: the first command that gives another result"
+out_has "record 6, line 14: the first command whose result differs"
 out_has "command  run"
 out_has "differs  forest"
 changed "another label" 's/^label 2 ball/label 2 bell/' "record 2, line 5: its chain"

@@ -50,11 +50,11 @@ copy none
 sed 's/^\(= [0-9]*\) .* chain=/\1 chain=/' j.iftty >before
 chain_anew before none.iftty
 expect 0 "$iftty" log --check none.iftty
-weak "8 records without a digest of what the command gives, the first is record 1 (line 2)" \
+weak "8 records without the digest that the command computes, the first is record 1 (line 2)" \
     none.iftty
 copy one
 rewrite one.iftty 10 'seeds=9'
-weak "1 record without a digest of what the command gives, the first is record 10" one.iftty
+weak "1 record without the digest that the command computes, the first is record 10" one.iftty
 expect 0 "$iftty" log --reseal one.iftty
 same "$(words_of one.iftty 10)" "$(words_of j.iftty 10)"
 expect 0 "$iftty" verify --strict one.iftty
@@ -79,7 +79,7 @@ weak "it ends with an unfinished record, at byte $(file_bytes j.iftty)" torn.ift
 out_has "# an unfinished record at byte"
 close_story
 
-begin "a PNG that shows something else than the golden image beside it fails always"
+begin "a PNG that differs from its golden image always fails"
 copy seen
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first' --journal o.iftty >/dev/null
 cp o.golden/first.png seen.golden/first.png
@@ -91,7 +91,7 @@ bad_png() { # WORDS [NAME]
         out_has "; delete it, and \`golden\` draws it again"
     done
 }
-bad_png "it shows another picture than the golden image beside it, in "
+bad_png "it differs from its golden image in "
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 31; golden first' --journal p.iftty >/dev/null
 cp p.golden/first.png seen.golden/first.png
 bad_png "it has another size"
@@ -119,13 +119,13 @@ END
 }
 hex() { printf "$1" | od -An -v -tx1 | tr -d ' \n'; }
 put_chunk tEXt "$(hex 'Comment\0reviewed by Dr X, all well')"
-bad_png "it has a text that the golden image beside it has not: Comment: reviewed by Dr X, all well"
+bad_png "it has a text that its golden image lacks: Comment: reviewed by Dr X, all well"
 put_chunk tEXt "$(hex 'iftty:scene\00000000000000000')"
 bad_png "two texts in it have one name"
 sed 's/iftty:scene-name/iftty:scene-file/' j.golden/first.png >seen.golden/first.png
 bad_png "a checksum in it is wrong"
 put_chunk iTXt "$(hex 'a\0\0\0\0\0b')"
-bad_png "it has a text that the golden image beside it has not: a: b"
+bad_png "it has a text that its golden image lacks: a: b"
 for part in tIME:07ea0101000000 gAMA:00000001 tRNS:000000000000 \
     acTL:0000000200000000 'eXIf:4d4d' iCCP:6100 bKGD:000000000000; do
     put_chunk "${part%%:*}" "${part#*:}"
@@ -218,7 +218,7 @@ for other in grey clear; do
     cp -r ground.golden seen.golden
     cp ground.iftty seen.iftty
     cp ground.golden/page.png seen.golden/$other.png
-    bad_png "it shows another picture than the golden image beside it" $other
+    bad_png "it differs from its golden image" $other
 done
 close_story
 

@@ -89,7 +89,7 @@ static void check_first(const struct buf two[2], size_t number)
     CHECK(find_first(&first, two) == OK);
     CHECK_INT(first.is_there ? first.same + 1 : 0, number);
     for (int i = 0; i < 2; i++)
-        if (first.side[i].goes_on)
+        if (first.side[i].has_command)
             CHECK_INT(first.side[i].number, number);
     first_difference_release(&first);
 }

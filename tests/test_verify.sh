@@ -317,12 +317,11 @@ rewrite k.iftty 6 "forest=0123456789abcdef"
 refused k.iftty "nothing has changed" 1 env
 cp kept k.iftty
 rewrite k.iftty 9 "forest=0123456789abcdef"
-refused k.iftty "record 9 (line 22) gives another forest: no picture, but a result, \
-which is not accepted" 1 env
+refused k.iftty "record 9 (line 22) has another forest, which is a result and not a picture" 1 env
 sed 's/^seed 20,10,8 3$/seed 20,10,8 4/' kept >k.iftty
 refused k.iftty "k.iftty: record 8 (line 20) was edited: iftty log --reseal comes first" 1 env
 { cat kept; echo run; } >k.iftty
-refused k.iftty "going on with the journal repairs it; nothing has changed" 1 env
+refused k.iftty "continuing the journal repairs it; nothing has changed" 1 env
 expect 0 "$iftty" log --script kept
 grep -v '^#' out >a-script
 refused a-script "a-script: this is a script, not a journal" 1 env
@@ -443,16 +442,16 @@ expect 0 "$iftty" verify --bisect b1.iftty b2.iftty
 out_has "ok 1 - b1.iftty and b2.iftty (10 records the same)"
 rewrite b2.iftty 9 "$(words_of b1.iftty 9 | sed 's/forest=[0-9a-f]*/forest=0000000000000001/')"
 expect 1 "$iftty" verify --bisect b1.iftty b2.iftty
-out_has "# record 9 is the first that differs: the same command gives another result"
+out_has "# record 9 is the first that differs: the results of the command differ"
 out_has "only keys differ"
 out_has "in       b1.iftty, line 18: run"
 out_has ", 0000000000000001 in the second"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,7 2 radius=1' --journal b3.iftty
 expect 1 "$iftty" verify --bisect b1.iftty b3.iftty
-out_has "# record 3 is the first that differs: another command stands there"
+out_has "# record 3 is the first that differs: the commands differ"
 head -n 15 b1.iftty >b4.iftty
 expect 1 "$iftty" verify --bisect b1.iftty b4.iftty
-out_has "# record 8 is the first that differs: only one of the two goes on"
+out_has "# record 8 is the first that differs: only one of the two has this record"
 # Comments make other chains, and no other results.
 sed '2s/^/# by somebody else\n/' b1.iftty >b5.iftty
 rewrite b5.iftty 0 ''

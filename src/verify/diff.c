@@ -21,32 +21,32 @@
 #include "show/decorating.h"
 #include "show/draw.h"
 
-/* ---- the picture of both ---- */
+/* ---- the picture of both journals ---- */
 
 enum {
     SEAM = 2,   /* pixels between panes */
-    BORDER = 4, /* around words */
-    ROWS = 3,   /* of words below */
+    BORDER = 4, /* pixels around words */
+    ROWS = 3,   /* rows of words below the panes */
     NAME_MOST = 200,
 };
 
-/* A label of the pane on the right, before it has differences as labels. */
+/* Label of the right pane before the labels are replaced by kinds of difference. */
 enum { SAME_OBJECT = AGREES };
 
 static const uint8_t ghost_rgb[3] = {150, 150, 150};
 static const uint8_t paper[3] = {24, 24, 24};
 
-/* What is drawn, and where it lies. */
+/* Picture in the making, with its layout. */
 struct sheet {
     const struct difference_picture *of;
-    struct session *session; /* A's */
-    bool visible[256];       /* which labels its user sees */
-    struct state state;      /* in which the session is to be for what is drawn next, */
-    uint8_t *label;          /* and the labels of that, by cell */
-    uint32_t width, height;  /* of a pane */
-    uint32_t tall;           /* of letters */
+    struct session *session; /* session of A */
+    bool visible[256];       /* labels that A's user sees */
+    struct state state;      /* state of the session for the next rendition */
+    uint8_t *label;          /* [grid.cells], labels for the next rendition */
+    uint32_t width, height;  /* size of one pane */
+    uint32_t tall;           /* height of letters */
     uint32_t top, bottom;    /* heights of the strips */
-    struct canvas canvas;    /* the picture's pixels */
+    struct canvas canvas;    /* pixels of the picture */
 };
 
 static uint32_t pane_left(const struct sheet *sheet, uint32_t pane)
@@ -60,7 +60,7 @@ static struct canvas pane_of(const struct sheet *sheet, uint32_t pane)
                        sheet->height);
 }
 
-/* ---- other labels ---- */
+/* ---- labels of B and differences ---- */
 
 enum relabelled { AS_B, AS_OBJECT, AS_KIND };
 
@@ -76,7 +76,7 @@ static uint8_t new_label(const struct sheet *sheet, enum relabelled as, size_t v
     return a == b ? 0 : (uint8_t)difference_of(a, b);
 }
 
-/* Renders those labels, in the sheet's state. */
+/* Render these labels in the state of the sheet. */
 static enum err render_as(const struct sheet *sheet, enum relabelled as, struct fault *fault)
 {
     struct session *session = sheet->session;
@@ -95,7 +95,7 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
 
 /* ---- panes ---- */
 
-/* The rendition over its background. */
+/* Copy the rendition, over its background, into a pane. */
 static enum err put_frame(const struct sheet *sheet, uint32_t pane, struct fault *fault)
 {
     struct canvas frame;
@@ -109,7 +109,8 @@ static enum err put_frame(const struct sheet *sheet, uint32_t pane, struct fault
     return OK;
 }
 
-/* What differs over the shade of all objects, which is in the pane already with these depths. */
+/* Blend the differences over the grey shade of all objects, which the pane already shows with
+ * these depths. */
 static void put_kinds(const struct sheet *sheet, const int64_t *depth)
 {
     const struct rendition *frame = session_frame(sheet->session);
@@ -125,7 +126,7 @@ static void put_kinds(const struct sheet *sheet, const int64_t *depth)
     }
 }
 
-/* All labels are shown, since they are no longer the user's. */
+/* Show all labels: they are kinds of difference now, not those of the user. */
 static enum err draw_difference(struct sheet *sheet, struct fault *fault)
 {
     const size_t pixels = (size_t)sheet->width * sheet->height;
@@ -136,7 +137,8 @@ static enum err draw_difference(struct sheet *sheet, struct fault *fault)
     memset(kept->visible + 1, true, 255 * sizeof *kept->visible);
     memset(kept->opacity + 1, BORDER_OPAQUE, 255);
     memcpy(kept->palette.rgb[SAME_OBJECT], ghost_rgb, 3);
-    sheet->state.outlook.background = BACKGROUND_PLAIN; /* black: colours show what differs */
+    sheet->state.outlook.background = BACKGROUND_PLAIN; /* black, so that colours show
+                                                           differences */
     enum err err = render_as(sheet, AS_OBJECT, fault);
     if (!err) {
         memcpy(depth, session_frame(sheet->session)->depth, pixels * sizeof *depth);
@@ -155,13 +157,13 @@ static enum err draw_difference(struct sheet *sheet, struct fault *fault)
 
 /* ---- words ---- */
 
-/* From the top of a strip to that of its first capitals. */
+/* Distance from the top of a strip to its first capitals. */
 static int64_t title_top(const struct sheet *sheet)
 {
     return BORDER + (text_line(sheet->tall) - sheet->tall) / 2;
 }
 
-/* As much of it as fits. */
+/* Draw as much of the title as fits. */
 static void draw_title(const struct sheet *sheet, uint32_t pane, const char *letter,
                        const char *name)
 {
@@ -173,7 +175,8 @@ static void draw_title(const struct sheet *sheet, uint32_t pane, const char *let
               sheet->tall, words, &notes_light);
 }
 
-/* A row of the strip below: a box of the colour and words. Gives where they end. */
+/* Draw a row of the lower strip: a box of this colour, then words. Return where the words end.
+ * */
 static int64_t draw_entry(const struct sheet *sheet, int64_t left, uint32_t row,
                           const uint8_t rgb[3], const char *words)
 {
@@ -185,7 +188,7 @@ static int64_t draw_entry(const struct sheet *sheet, int64_t left, uint32_t row,
     return left + indent + text_width(words, sheet->tall);
 }
 
-/* Labels in columns, as many as there is room for below the two panes. */
+/* Draw the labels in columns, up to the width of the first two panes. */
 static void draw_labels(const struct sheet *sheet)
 {
     const struct kept *kept = &sheet->session->now.kept;
@@ -237,7 +240,7 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     sheet.canvas =
         (struct canvas){.width = width, .height = height, .stride = width, .rgba = picture->rgba};
     canvas_box(&sheet.canvas, 0, 0, width, height, paper);
-    /* First, since the colours of labels are gone once the pane on the right is drawn. */
+    /* Draw the words first: the right pane replaces the colours of labels. */
     draw_title(&sheet, 0, "A", of->name[0]);
     draw_title(&sheet, 1, "B", of->name[1]);
     draw_title(&sheet, 2, "where they differ", "");
@@ -260,9 +263,10 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     return err;
 }
 
-/* ---- drawn in A's process ---- */
+/* ---- drawing in the process of A ---- */
 
-/* Name a journal as a picture may: by the last part of its path; "" where its scene is private. */
+/* Return the name of a journal for a picture: the last part of its path, "" if its scene is
+ * private. */
 static const char *shown_name(const struct side_facts *facts, const char *path)
 {
     return facts->is_private ? "" : file_name(path);
@@ -273,11 +277,11 @@ struct drawing {
     const struct side *other; /* B */
 };
 
-/* What comes before its pixels. */
+/* Header before the pixels. */
 struct drawn {
     uint32_t width, height;
 };
-enum { SIDE_MOST = 16384, /* of a picture */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
+enum { SIDE_MOST = 16384, /* limit of a picture side */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
 
 static enum err draw(struct picture *picture, struct session *session,
                      const struct drawing *drawing, const struct side_facts *facts,
@@ -292,7 +296,7 @@ static enum err draw(struct picture *picture, struct session *session,
         .overlap = &overlap};
     const struct side_facts *other = drawing->other->facts;
     struct state next = session->now;
-    for (int l = 1; l < 256; l++) { /* names and colours that A has none of are B's */
+    for (int l = 1; l < 256; l++) { /* use the names and colours of B where A has no such label */
         if (overlap.a[l])
             continue;
         memcpy(next.kept.palette.rgb[l], other->palette.rgb[l], 3);
@@ -303,7 +307,7 @@ static enum err draw(struct picture *picture, struct session *session,
     return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
-/* Of scenes of two sizes there is none. */
+/* Two scenes of different sizes have no picture. */
 static enum err add_picture(void *context, const struct interpreter *interp,
                             const struct side_facts *facts, const uint8_t *label, struct buf *out,
                             struct fault *fault)
@@ -322,7 +326,7 @@ static enum err add_picture(void *context, const struct interpreter *interp,
     return err;
 }
 
-/* What came back is a picture, whatever has become of the process. */
+/* Check that the bytes from the process are a picture: a hostile journal may have made them. */
 static enum err check_drawn(const struct side *a, struct fault *fault)
 {
     const struct drawn *drawn = a->more;
@@ -330,10 +334,10 @@ static enum err check_drawn(const struct side *a, struct fault *fault)
                    drawn->height <= SIDE_MOST &&
                    a->facts->more - sizeof *drawn == (size_t)4 * drawn->width * drawn->height
                ? OK
-               : fault_set(fault, ERR_INPUT, "a process hands back no picture");
+               : fault_set(fault, ERR_INPUT, "a process returned no picture");
 }
 
-/* ---- both ---- */
+/* ---- both journals ---- */
 
 struct journals {
     const struct diff_options *options;
@@ -393,7 +397,7 @@ static void write_first_difference(struct buf *out, const struct journals *j)
     for (int i = 0; i < 2; i++) {
         buf_printf(out, "    %s  ", i ? "B" : "A");
         buf_add_safe_text(out, j->options->path[i]);
-        if (p->side[i].goes_on) {
+        if (p->side[i].has_command) {
             buf_printf(out, ", command %zu, line %zu: ", p->side[i].number, p->side[i].line);
             buf_add_safe(out, buf_text(&p->side[i].command), p->side[i].command.length);
         } else {
@@ -422,14 +426,14 @@ static void write_labels(struct buf *out, const struct journals *j)
     buf_printf(out, "voxels    %" PRIu64 " of %" PRIu64 " differ\n", o->differing, o->voxels);
 }
 
-/* The very same scene. */
+/* True if both have the identical scene. */
 static bool scene_is_same(const struct side *a, const struct side *b)
 {
     return strcmp(a->facts->proof, b->facts->proof) == 0 &&
            a->facts->scene_digest == b->facts->scene_digest;
 }
 
-/* Add a line for each thing that a reader should know of how a journal was carried out. */
+/* Add a warning for each condition that a reader of the result should know. */
 static void add_warnings(struct buf *out, const struct side *side, const char *path)
 {
     const struct side_facts *f = side->facts;
@@ -437,9 +441,9 @@ static void add_warnings(struct buf *out, const struct side *side, const char *p
         bool holds;
         const char *words;
     } warning[] = {
-        {f->is_edited, "was edited by hand; it gives the results that it records"},
-        {f->is_torn, "ends with an unfinished record, which was left alone"},
-        {f->pending > 0, "ends with edits that wait for a run; they are not compared"},
+        {f->is_edited, "was edited by hand; it reproduces its recorded results"},
+        {f->is_torn, "ends with an unfinished record, which was ignored"},
+        {f->pending > 0, "ends with pending edits, which are not compared"},
     };
     for (size_t k = 0; k < sizeof warning / sizeof warning[0]; k++)
         if (warning[k].holds) {
@@ -462,7 +466,7 @@ static void add_json_side(struct json *json, const struct journals *j, int which
     const struct first_difference *p = &j->first_difference;
     json_object(json, which ? "b" : "a");
     json_text(json, "file", j->options->path[which]);
-    if (p->side[which].goes_on) {
+    if (p->side[which].has_command) {
         const struct buf *command = &p->side[which].command;
         json_count(json, "number", p->side[which].number);
         json_count(json, "line", p->side[which].line);
@@ -505,9 +509,9 @@ static void write_json(struct buf *out, const struct journals *j)
     json_end(&json);
 }
 
-/* To standard output or standard error; releases it. */
-static enum err give(struct buf *text, void (*to)(void *context, const char *text),
-                     const struct printer *printer, struct fault *fault)
+/* Print the text to standard output or standard error, and release it. */
+static enum err print_text(struct buf *text, void (*to)(void *context, const char *text),
+                           const struct printer *printer, struct fault *fault)
 {
     const enum err err = text->failed ? fault_memory(fault, "a report") : OK;
     if (!err && text->length)
@@ -520,7 +524,7 @@ static enum err report(const struct journals *j, const struct printer *printer, 
 {
     struct buf text = {0}, warnings = {0};
     write_warnings(&warnings, j);
-    enum err err = give(&warnings, printer->warn, printer, fault);
+    enum err err = print_text(&warnings, printer->warn, printer, fault);
     if (j->options->json) {
         write_json(&text, j);
     } else {
@@ -533,11 +537,11 @@ static enum err report(const struct journals *j, const struct printer *printer, 
                        f->size[1], f->size[2]);
         write_labels(&text, j);
     }
-    const enum err said = give(&text, printer->print, printer, fault);
+    const enum err said = print_text(&text, printer->print, printer, fault);
     return err ? err : said;
 }
 
-/* ---- all of it ---- */
+/* ---- the comparison ---- */
 
 static enum err compare(struct journals *j, const struct printer *printer, struct fault *fault)
 {
@@ -553,7 +557,7 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
                                         o->side.last, fault);
     if (!err && !o->json) {
         write_first_difference(&text, j);
-        err = give(&text, printer->print, printer, fault);
+        err = print_text(&text, printer->print, printer, fault);
     }
     if (!err)
         err = side_carry_out(&j->side[1], o->path[1], &o->side, NULL, fault);

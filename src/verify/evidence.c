@@ -35,7 +35,7 @@ void evidence_release(struct evidence *evidence)
     evidence->pictures = 0;
 }
 
-/* ---- of a golden image that differs ---- */
+/* ---- a golden image that differs ---- */
 
 /* FOLDER/JOURNAL.NAME.ENDING */
 static void write_file(const struct evidence *evidence, struct interpreter *interp,
@@ -71,7 +71,7 @@ static enum err collect(void *context, struct interpreter *interp,
 {
     struct evidence *evidence = context;
     const struct golden_difference *difference = finding->difference;
-    (void)fault; /* says what is wrong already */
+    (void)fault; /* says already what differs */
     if (evidence->folder && difference && !file_make_folder(evidence->folder, NULL)) {
         const struct picture image = {
             .width = difference->width, .height = difference->height, .rgba = difference->image};
@@ -84,10 +84,10 @@ static enum err collect(void *context, struct interpreter *interp,
     return ERR_CHECK;
 }
 
-/* ---- of one that is the same: the PNG beside it ---- */
+/* ---- a golden image that is the same: its PNG ---- */
 
-/* Whether the pixel of the file is that of the picture: over what is behind it, or with its alpha
- * where that is clear. */
+/* True if the pixel of the file is that of the picture: blended over its background, or with its
+ * alpha if the background is clear. */
 static bool shows(const uint8_t *file, const uint8_t *rgba, bool is_clear)
 {
     if (is_clear)
@@ -106,13 +106,13 @@ static enum err compare_pixels(const struct picture *file, const struct picture 
     for (size_t i = 0; i < pixels; i++)
         differ += !shows(file->rgba + 4 * i, picture_colours(picture) + 4 * i, picture->is_clear);
     return differ ? fault_set(fault, ERR_CHECK,
-                              "it shows another picture than the golden image beside it, in "
+                              "it differs from its golden image in "
                               "%" PRIu64 " of %zu pixels",
                               differ, pixels)
                   : OK;
 }
 
-/* A PNG that was drawn again names the journal as it is called now. */
+/* A PNG that was drawn again has the present name of the journal. */
 static bool names_journal(const struct attribute *text, const struct interpreter *interp)
 {
     struct buf name = {0};
@@ -138,16 +138,15 @@ static enum err compare_texts(const struct picture *file, const struct picture *
         buf_add_safe_text(&words, text->name);
         buf_add_text(&words, ": ");
         buf_add_safe(&words, text->value, strnlen(text->value, 200));
-        const enum err err =
-            fault_set(fault, ERR_CHECK, "it has a text that the golden image beside it has not: %s",
-                      buf_text(&words));
+        const enum err err = fault_set(
+            fault, ERR_CHECK, "it has a text that its golden image lacks: %s", buf_text(&words));
         buf_release(&words);
         return err;
     }
     return OK;
 }
 
-/* As PNG says it: pixels per metre. */
+/* Resolution in the unit of PNG: pixels per metre. */
 static int64_t pixels_a_metre(const struct picture *picture)
 {
     return picture->pixel_mm > 0 ? (int64_t)(1000 / picture->pixel_mm + 0.5) : 0;
@@ -157,7 +156,7 @@ static enum err check_png(struct interpreter *interp, const char *path,
                           const struct picture *golden, const struct picture *notes,
                           struct fault *fault)
 {
-    /* A file of more bytes than pixels and notes can take is another one. */
+    /* Reject a file with more bytes than pixels and notes can need. */
     const size_t most = (size_t)8 * golden->width * golden->height + (4 << 20);
     struct buf bytes = {0};
     struct picture file = {0};
@@ -172,13 +171,13 @@ static enum err check_png(struct interpreter *interp, const char *path,
     if (!err)
         err = compare_texts(&file, notes, interp, fault);
     if (!err && file.pixel_mm > 0 && pixels_a_metre(&file) != pixels_a_metre(golden))
-        err = fault_set(fault, ERR_CHECK, "it says another size of a pixel than is drawn");
+        err = fault_set(fault, ERR_CHECK, "its pixel size differs from that of its golden image");
     picture_release(&file);
     buf_release(&bytes);
     return err && err != ERR_MEMORY && leads_out ? golden_refuse_link(path, fault) : err;
 }
 
-/* Compares the PNG of the golden image at that path, if there is one: its pixels with those of
+/* Compare the PNG of the golden image at that path, if it exists: its pixels with those of
  * `golden` over its background, its texts with the notes of `notes`. ERR_CHECK, ERR_MEMORY. */
 static enum err check_png_of(struct interpreter *interp, const char *image,
                              const struct picture *golden, const struct picture *notes,

@@ -11,17 +11,17 @@
 #include "journal/record.h"
 #include "verify/replay_file.h"
 
-/* A walk through one of the two, and the command it has come to. */
+/* A walk through one of the two files, with its present command. */
 struct two_replays {
     const char *name;
     enum first_of of;
     struct walk walk;
     struct record record;
-    bool goes_on;
-    struct buf words; /* of its command, where commands are compared: each ended by NUL */
+    bool has_command;
+    struct buf words; /* words of the command for FIRST_COMMAND, each ended by NUL */
 };
 
-/* The words of a command; one that cannot be parsed is one word. */
+/* Split a command into words. A command that cannot be parsed is one word. */
 static void take_words(struct buf *words, const char *command)
 {
     buf_clear(words);
@@ -43,14 +43,14 @@ static bool is_recorded(const struct two_replays *f)
 static enum err step(struct two_replays *f, size_t last, struct fault *fault)
 {
     if (f->of == FIRST_RECORD)
-        f->goes_on = walk_next_sound(&f->walk, &f->record) == WALK_RECORD;
+        f->has_command = walk_next_sound(&f->walk, &f->record) == WALK_RECORD;
     else
         do {
-            f->goes_on = walk_next(&f->walk, &f->record) == WALK_RECORD &&
-                         (!last || f->record.number <= last);
-            if (f->goes_on)
+            f->has_command = walk_next(&f->walk, &f->record) == WALK_RECORD &&
+                             (!last || f->record.number <= last);
+            if (f->has_command)
                 take_words(&f->words, f->record.command);
-        } while (f->goes_on && !is_recorded(f));
+        } while (f->has_command && !is_recorded(f));
     if (f->words.failed)
         return fault_memory(fault, "a command");
     return f->walk.over == WALK_DAMAGED
@@ -71,7 +71,7 @@ static enum err begin(struct two_replays *f, const struct buf *bytes, struct fau
 
 static bool are_same(const struct two_replays f[2])
 {
-    if (!f[0].goes_on || !f[1].goes_on)
+    if (!f[0].has_command || !f[1].has_command)
         return false;
     if (f[0].of == FIRST_RECORD)
         return command_is_same(f[0].record.command, f[1].record.command) &&
@@ -83,10 +83,10 @@ static bool are_same(const struct two_replays f[2])
 static enum err note(struct first_difference *first, const struct two_replays f[2],
                      struct fault *fault)
 {
-    first->is_there = f[0].goes_on || f[1].goes_on;
+    first->is_there = f[0].has_command || f[1].has_command;
     for (int i = 0; i < 2; i++) {
-        first->side[i].goes_on = f[i].goes_on;
-        if (!f[i].goes_on)
+        first->side[i].has_command = f[i].has_command;
+        if (!f[i].has_command)
             continue;
         first->side[i].number = f[i].record.number;
         first->side[i].line = f[i].record.line;
@@ -116,7 +116,7 @@ enum err first_difference_find(struct first_difference *first, enum first_of of,
             err = note(first, f, fault);
     }
     for (int i = 0; i < 2; i++) {
-        while (!err && of == FIRST_RECORD && f[i].goes_on) /* is the rest sound? */
+        while (!err && of == FIRST_RECORD && f[i].has_command) /* check that the rest is sound */
             err = step(f + i, last, fault);
         walk_release(&f[i].walk);
         buf_release(&f[i].words);
@@ -147,14 +147,14 @@ void first_difference_release(struct first_difference *first)
     }
 }
 
-/* ---- printed ---- */
+/* ---- the report ---- */
 
 static void write_place(struct buf *text, const struct first_difference *first, int which,
                         const char *name)
 {
     buf_add_text(text, "#   in       ");
     buf_add_safe_text(text, name);
-    if (first->side[which].goes_on) {
+    if (first->side[which].has_command) {
         buf_printf(text, ", line %zu: ", first->side[which].line);
         buf_add_safe_text(text, buf_text(&first->side[which].command));
     } else {
@@ -177,13 +177,13 @@ enum err bisect_journals(const char *a, const char *b, const struct printer *pri
         buf_add_safe_text(&text, b);
         buf_printf(&text, " (%zu record%s the same)\n", first.same, plural(first.same));
         const struct buf *one = &first.side[0].command, *other = &first.side[1].command;
-        const bool are_there = first.side[0].goes_on && first.side[1].goes_on;
+        const bool are_there = first.side[0].has_command && first.side[1].has_command;
         const bool is_result = are_there && command_is_same(buf_text(one), buf_text(other));
         if (first.is_there) {
             buf_printf(&text, "# record %zu is the first that differs: %s\n", first.same + 1,
-                       is_result    ? "the same command gives another result"
-                       : !are_there ? "only one of the two goes on"
-                                    : "another command stands there");
+                       is_result    ? "the results of the command differ"
+                       : !are_there ? "only one of the two has this record"
+                                    : "the commands differ");
             write_place(&text, &first, 0, a);
             write_place(&text, &first, 1, b);
         }

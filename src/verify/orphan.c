@@ -15,7 +15,7 @@
 #include "command/trust.h"
 #include "show/slicing.h"
 
-/* What may be taken for a picture of the journal by a person who looks into the folder. */
+/* Files that a person may take for a picture of the journal. */
 #define PICTURE_NAMES EXR_NAMES "|.png|.jpg|.jpeg|.tif|.tiff|.gif|.bmp|.webp"
 
 static enum err open_files(struct golden_files *files, const char *journal, struct fault *fault)
@@ -30,10 +30,10 @@ static enum err open_files(struct golden_files *files, const char *journal, stru
     return err;
 }
 
-/* ---- what is passed over ---- */
+/* ---- leftovers of a killed command ---- */
 
-/* OK where the leftover and its PNG are what `golden` makes by that command after the last record;
- * the session stays as it is. */
+/* OK if the leftover and its PNG are what `golden` draws by that command after the last record.
+ * The session is unchanged. */
 static enum err redraw(const struct orphan_search *search, const char *command, struct fault *fault)
 {
     struct interpreter *interp = search->interp;
@@ -48,8 +48,8 @@ static enum err redraw(const struct orphan_search *search, const char *command, 
     return err;
 }
 
-/* Draws what `golden` may have drawn, until that is what is there: the leftover says of which
- * picture it is, and a forged one says anything. */
+/* Draw each picture that `golden` can draw until one is equal to the leftover. The leftover
+ * itself does not say reliably which it is: it may be forged. */
 static enum err check_leftover(const struct orphan_search *search, const char *image,
                                struct fault *fault)
 {
@@ -69,7 +69,7 @@ static enum err check_leftover(const struct orphan_search *search, const char *i
     return err;
 }
 
-/* ERR_CHECK for one that is not. */
+/* ERR_CHECK if the file is no leftover. */
 static enum err pass_over(const struct orphan_search *search, const struct golden_files *files,
                           const char *name, struct fault *fault)
 {
@@ -78,14 +78,14 @@ static enum err pass_over(const struct orphan_search *search, const struct golde
     buf_add_text(&image, name);
     if (image.failed)
         err = fault_memory(fault, "a path");
-    else if (!err && file_is_named(name, ".png")) { /* with its image */
+    else if (!err && file_is_named(name, ".png")) { /* accepted together with its image */
         memcpy(image.data + image.length - 3, "exr", 3);
         err = golden_files_judge(files, buf_text(&image)) == FILE_LEFTOVER ? OK : ERR_CHECK;
     } else if (!err && !(err = check_leftover(search, name, fault))) {
         buf_add_text(search->lines, "# ");
         buf_add_safe_text(search->lines, buf_text(&files->path));
         buf_printf(search->lines,
-                   "/%s was passed over: its command was ended before it was recorded; continuing "
+                   "/%s was ignored: its command was ended before it was recorded; continuing "
                    "the journal removes it\n",
                    name);
     }
@@ -93,11 +93,11 @@ static enum err pass_over(const struct orphan_search *search, const struct golde
     return err;
 }
 
-/* ---- all of them ---- */
+/* ---- all files of the folder ---- */
 
 /* ERR_CHECK for an orphan. */
-static enum err judge(const struct orphan_search *search, const struct golden_files *files,
-                      const char *name, struct fault *fault)
+static enum err judge_file(const struct orphan_search *search, const struct golden_files *files,
+                           const char *name, struct fault *fault)
 {
     switch (golden_files_judge(files, name)) {
     case FILE_NAMED:
@@ -118,8 +118,8 @@ static int compare_names(const struct dirent **a, const struct dirent **b)
     return strcmp((*a)->d_name, (*b)->d_name);
 }
 
-static enum err list(struct buf *orphans, const struct orphan_search *search,
-                     const struct golden_files *files, struct fault *fault)
+static enum err list_orphans(struct buf *orphans, const struct orphan_search *search,
+                             const struct golden_files *files, struct fault *fault)
 {
     struct dirent **entry = NULL;
     const int entries = scandirat(files->folder, ".", &entry, NULL, compare_names);
@@ -128,7 +128,7 @@ static enum err list(struct buf *orphans, const struct orphan_search *search,
         const char *name = entry[i]->d_name;
         if (!err && watch_poll(search->interp->session->watch, NULL, 0, 0))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
-        if (!err && (err = judge(search, files, name, fault)) == ERR_CHECK) {
+        if (!err && (err = judge_file(search, files, name, fault)) == ERR_CHECK) {
             buf_add(orphans, name, strlen(name) + 1);
             err = orphans->failed ? fault_memory(fault, "names of files") : OK;
         }
@@ -140,8 +140,8 @@ static enum err list(struct buf *orphans, const struct orphan_search *search,
 
 /* ---- a journal that is a link ---- */
 
-/* Files next to the link, where there are others than those that are compared, are the same as
- * those: all of them where that is strict, else pictures. */
+/* Check that files next to the link are equal to the compared files: all files if strict,
+ * otherwise pictures. */
 static enum err check_next_to_link(const struct orphan_search *search,
                                    const struct golden_files *files, struct fault *fault)
 {
@@ -177,7 +177,7 @@ static enum err check_next_to_link(const struct orphan_search *search,
     return limits_judge(err, &(struct buf){0}, fault);
 }
 
-/* ---- for the callers ---- */
+/* ---- public functions ---- */
 
 enum err orphan_find(struct buf *orphans, const struct orphan_search *search, struct fault *fault)
 {
@@ -192,7 +192,7 @@ enum err orphan_find(struct buf *orphans, const struct orphan_search *search, st
         err = fault_prefix(fault, ERR_CHECK, "golden images");
         err = fault_set(fault, ERR_CHECK, "%s", fault->text);
     } else if (!err && files.folder >= 0) {
-        err = list(orphans, search, &files, fault);
+        err = list_orphans(orphans, search, &files, fault);
         if (!err)
             err = check_next_to_link(search, &files, fault);
     }

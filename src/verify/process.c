@@ -12,15 +12,15 @@
 
 enum {
     TICK_MS = 20,
-    END_MS = 1, /* from the end of a pipe to that of its process */
+    END_MS = 1, /* wait from the end of a pipe to the end of its process */
     PIECE = 1 << 16,
-    STATUS_NO_MEMORY = 71 /* of a process that could not build what it hands back */
+    STATUS_NO_MEMORY = 71 /* exit status of a process that had no memory for its output */
 };
 
 struct process {
     pid_t id;       /* 0: free */
-    int descriptor; /* of the pipe; -1: read to its end */
-    bool is_over;   /* it was waited for, and its id may be another's */
+    int descriptor; /* reading end of the pipe; -1: read to its end */
+    bool is_over;   /* waited for; its id may belong to another process */
     size_t number;
     struct process_end end;
 };
@@ -33,9 +33,9 @@ struct pool {
 
 /* ---- in the new process ---- */
 
-/* It ends with the process that started it, and by Ctrl-C as any program. */
-static _Noreturn void be_process(const struct processes *how, size_t number, int descriptor,
-                                 pid_t parent)
+/* The process ends with its parent, and by Ctrl-C as any program does. */
+static _Noreturn void run_child(const struct processes *how, size_t number, int descriptor,
+                                pid_t parent)
 {
     struct buf bytes = {0};
     if (signal(SIGINT, SIG_DFL) == SIG_IGN)
@@ -53,9 +53,9 @@ static _Noreturn void be_process(const struct processes *how, size_t number, int
     _exit(bytes.failed ? STATUS_NO_MEMORY : 0);
 }
 
-/* ---- one process, from outside ---- */
+/* ---- one process, seen from the parent ---- */
 
-static enum err begin(struct pool *pool, struct process *process, struct fault *fault)
+static enum err start_process(struct pool *pool, struct process *process, struct fault *fault)
 {
     int end[2];
     const pid_t parent = getpid();
@@ -63,7 +63,7 @@ static enum err begin(struct pool *pool, struct process *process, struct fault *
         return fault_errno(fault, "make", "a pipe");
     const pid_t id = fork();
     if (id == 0)
-        be_process(pool->how, pool->begun, end[1], parent);
+        run_child(pool->how, pool->begun, end[1], parent);
     close(end[1]);
     if (id < 0) {
         close(end[0]);
@@ -80,8 +80,8 @@ static void close_pipe(struct process *process)
     process->descriptor = -1;
 }
 
-/* Reads what has arrived. A process that hands too much back is killed. */
-static void take(const struct pool *pool, struct process *process)
+/* Read the available output. Kill a process that returns too much. */
+static void read_output(const struct pool *pool, struct process *process)
 {
     struct buf *bytes = &process->end.bytes;
     char *room = buf_reserve(bytes, PIECE);
@@ -99,13 +99,13 @@ static void take(const struct pool *pool, struct process *process)
         close_pipe(process);
 }
 
-/* P2: what stands in the pipe is still taken, though another process may go on filling it. */
-static void end(struct pool *pool, struct process *process)
+/* P2: read the rest of the pipe, though another process may still write to it. */
+static void finish_process(struct pool *pool, struct process *process)
 {
     struct pollfd wait = {process->descriptor, POLLIN, 0};
     while (process->descriptor >= 0 && poll(&wait, 1, 0) > 0 &&
            process->end.bytes.length < pool->how->most)
-        take(pool, process);
+        read_output(pool, process);
     close_pipe(process);
     if (pool->how->end) {
         pool->how->end[process->number] = process->end;
@@ -117,10 +117,10 @@ static void end(struct pool *pool, struct process *process)
     pool->ended++;
 }
 
-/* ---- all of them ---- */
+/* ---- all processes ---- */
 
-/* Waits a little while for what any of them hands back, and for its end. */
-static void listen_to_all(struct pool *pool)
+/* Wait for output or the end of any process, for one tick at most. */
+static void poll_processes(struct pool *pool)
 {
     struct pollfd wait[PROCESSES_MOST];
     int most_ms = TICK_MS;
@@ -133,14 +133,14 @@ static void listen_to_all(struct pool *pool)
     if (poll(wait, PROCESSES_MOST, most_ms) > 0)
         for (unsigned i = 0; i < PROCESSES_MOST; i++)
             if (wait[i].revents)
-                take(pool, pool->process + i);
+                read_output(pool, pool->process + i);
     for (unsigned i = 0; i < PROCESSES_MOST; i++) {
         struct process *process = pool->process + i;
         const pid_t id = process->id ? waitpid(process->id, &process->end.status, WNOHANG) : 0;
-        /* Where the parent of this program ignores SIGCHLD, none leaves a status. */
+        /* If the parent of this program ignores SIGCHLD, no process leaves a status. */
         process->is_over = process->id && (id == process->id || (id < 0 && errno == ECHILD));
         if (process->is_over)
-            end(pool, process);
+            finish_process(pool, process);
     }
 }
 
@@ -151,9 +151,9 @@ enum err processes_run(const struct processes *how, struct fault *fault)
     while (!err && pool.ended < how->count) {
         for (unsigned i = 0; !err && i < how->at_once; i++)
             if (!pool.process[i].id && pool.begun < how->count)
-                err = begin(&pool, pool.process + i, fault);
+                err = start_process(&pool, pool.process + i, fault);
         if (!err)
-            listen_to_all(&pool);
+            poll_processes(&pool);
         if (!err && watch_poll(how->watch, how->what, how->count > 1 ? pool.ended : 0,
                                how->count > 1 ? how->count : 0))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
@@ -171,20 +171,20 @@ enum err processes_run(const struct processes *how, struct fault *fault)
     return err;
 }
 
-/* ---- one ---- */
+/* ---- one process ---- */
 
 enum err process_judge(const struct process_end *end, struct fault *fault)
 {
     if (end->is_too_much)
-        return fault_set(fault, ERR_INPUT, "its process hands back more than it may");
+        return fault_set(fault, ERR_INPUT, "its process returned more than it may");
     if (end->bytes.failed)
-        return fault_memory(fault, "what a process hands back");
+        return fault_memory(fault, "the output of a process");
     if (WIFSIGNALED(end->status))
         return fault_set(fault, ERR_INPUT, "its process was ended by signal %d (%s)",
                          WTERMSIG(end->status), strsignal(WTERMSIG(end->status)));
     const int status = WEXITSTATUS(end->status);
     if (status == STATUS_NO_MEMORY)
-        return fault_memory(fault, "what a process hands back");
+        return fault_memory(fault, "the output of a process");
     return status ? fault_set(fault, ERR_INPUT, "its process ended with status %d", status) : OK;
 }
 

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Work on what is not trusted, each piece in a process of its own, several at once.
+ * Work on untrusted input, each piece in a process of its own, several at once.
  *
- * Such a process may be confined, crash or be killed, and what it changes in memory goes with it;
- * what it hands back comes through a pipe. No process outlives the one that started it, nor the
- * call that did.
+ * Such a process may be confined, crash or be killed. Its memory is released with it, and its
+ * output comes through a pipe. No process outlives its parent, nor the call that started it.
  *
- *     (P1) of each piece of work that was begun the end is reported once, unless the whole ends
- *          early;
- *     (P2) the end of a process is waited for, whatever it leaves open, and its pipe is not waited
- *          for beyond its end;
+ *     (P1) the end of each piece of work that was started is reported once, unless processes_run
+ *          ends early;
+ *     (P2) each process is waited for, whatever descriptors it leaves open, and its pipe is not
+ *          read after the end of the process;
  *     (P3) no process is left when processes_run returns.
  */
 #ifndef VERIFY_PROCESS_H
@@ -21,38 +20,39 @@
 
 enum { PROCESSES_MOST = 64 };
 
-/* How a process came to its end. */
+/* End of a process. */
 struct process_end {
-    int status;       /* as of waitpid; 0 where the kernel did not say */
-    bool is_too_much; /* it was killed, because it handed more back than it may */
-    struct buf bytes; /* what it handed back */
+    int status;       /* as of waitpid; 0 if the kernel did not report it */
+    bool is_too_much; /* it was killed because its output was longer than `most` */
+    struct buf bytes; /* output */
 };
 
 struct processes {
-    size_t count;     /* pieces of work, which are begun in their order */
+    size_t count;     /* pieces of work, started in order */
     unsigned at_once; /* 1..PROCESSES_MOST */
-    uint64_t most;    /* bytes that each may hand back */
+    uint64_t most;    /* bytes of output of each */
     void *context;
-    /* In the new process: adds to `out` the bytes to hand back. */
+    /* In the new process: append the output to `out`. */
     void (*work)(void *context, size_t number, struct buf *out);
-    /* Where the ends of all pieces of work go, for the caller to release what they handed back; or
-     * NULL, and `done` is called with each. */
+    /* Receives the ends of all pieces of work, whose bytes the caller releases; or NULL, and
+     * `done` is called with each. */
     struct process_end *end;
     void (*done)(void *context, size_t number, const struct process_end *end);
     struct watch
-        *watch;       /* shows `what` and the work that has ended; when it stops, all are killed; */
+        *watch;       /* shows `what` and the work done; when it stops, all processes are killed; */
     const char *what; /* or NULL, both */
 };
 
-/* OK when all have ended, however they did; ERR_IO: one could not be started; ERR_CANCELLED. */
+/* OK when all processes have ended, with any status; ERR_IO if a process could not be started;
+ * ERR_CANCELLED. */
 enum err processes_run(const struct processes *how, struct fault *fault);
 
-/* OK for a process that handed back all it had; ERR_INPUT, naming the signal, for one that was
- * killed, ended early, or handed too much back; ERR_MEMORY where there was no room. */
+/* OK for a process with complete output; ERR_INPUT, naming the signal, if it was killed, ended
+ * early, or returned too much; ERR_MEMORY. */
 enum err process_judge(const struct process_end *end, struct fault *fault);
 
-/* One piece of work, judged: what it hands back is in `out`, a part of it where that fails. Only
- * `work`, `context`, `most`, `watch` and `what` of `how` count. */
+/* Run one piece of work and judge its end. `out` receives the output, incomplete on errors. Only
+ * `work`, `context`, `most`, `watch` and `what` of `how` are used. */
 enum err process_run(struct buf *out, const struct processes *how, struct fault *fault);
 
 #endif

@@ -13,7 +13,7 @@
 #include "journal/journal.h"
 #include "command/trust.h"
 
-/* ---- which records take longest ---- */
+/* ---- the slowest records ---- */
 
 static void timing_add(struct timing *timing, size_t number, uint64_t ns, const char *command)
 {
@@ -86,8 +86,8 @@ struct replay_host replay_file_host(struct replaying *replaying)
     return (struct replay_host){replaying, execute, note_record, begin};
 }
 
-/* A link that leads out of its folder leads to a journal, or to nothing: what else is there is not
- * shown as commands that nobody knows. */
+/* A link that leads out of its folder must lead to a journal. Other files are reported as
+ * missing, so that their content does not appear as unknown commands. */
 static enum err read_journal(struct buf *bytes, const char *path, struct fault *fault)
 {
     struct buf folder = {0};
@@ -111,7 +111,7 @@ enum err replay_file_begin(struct interpreter *interp, const char *path, struct 
 {
     const enum err err = read_journal(bytes, path, fault);
     interp->mode = MODE_REPLAY;
-    if (!interp->session->watch) /* that of a terminal looks at the limits as well */
+    if (!interp->session->watch) /* the watch of a terminal checks the limits as well */
         session_set_watch(interp->session, limits_watch());
     return err ? err : interpreter_set_home(interp, path, fault);
 }
@@ -137,7 +137,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
     return err;
 }
 
-/* ---- what it means that results differ ---- */
+/* ---- meaning of a difference ---- */
 
 void replay_add_detail(struct buf *lines, const char *what, const char *text, size_t length)
 {
@@ -146,7 +146,7 @@ void replay_add_detail(struct buf *lines, const char *what, const char *text, si
     buf_add_char(lines, '\n');
 }
 
-enum likeness { ABSENT, SAME, OTHER }; /* ABSENT: one of the two does not have the word */
+enum likeness { ABSENT, SAME, OTHER }; /* ABSENT: one of the two lacks the word */
 
 static enum likeness compare(const char *expected, const char *actual, const char *key)
 {
@@ -157,7 +157,7 @@ static enum likeness compare(const char *expected, const char *actual, const cha
     return is_same ? SAME : a.value ? OTHER : ABSENT;
 }
 
-/* What the difference is; what a command read comes before what it made of it. */
+/* Name the meaning of a difference. Inputs of a command are checked before its results. */
 static const char *meaning(const char *expected, const char *actual)
 {
     const enum likeness labels = compare(expected, actual, "labels"),
@@ -178,7 +178,7 @@ static const char *meaning(const char *expected, const char *actual)
     return NULL;
 }
 
-/* How far apart counts are, decimal numbers of up to 12 digits. Digests are longer. */
+/* Add the difference of two counts, decimal numbers of up to 12 digits. Digests are longer. */
 static void add_difference(struct buf *lines, const struct record_word *e,
                            const struct record_word *a)
 {
@@ -250,10 +250,10 @@ void replay_describe(struct buf *text, const struct replay_report *report,
     if (report->outcome == REPLAY_SAME)
         return;
     buf_add_text(text, "# ");
-    if (report->number) /* what is wrong may come before the first */
+    if (report->number) /* the fault may precede the first record */
         buf_printf(text, "record %zu, line %zu: ", report->number, report->line);
     if (report->outcome == REPLAY_DIVERGED)
-        buf_add_text(text, "the first command that gives another result\n");
+        buf_add_text(text, "the first command whose result differs\n");
     else
         buf_printf(text, "%s\n", fault->text);
     if (report->command.length)
@@ -273,7 +273,8 @@ enum err replay_aloud(struct interpreter *interp, const char *path, const struct
     struct replay_report report = {0};
     struct buf text = {0};
     enum err err = replay_file(interp, path, 0, 0, printer, NULL, &report, fault);
-    if (report.outcome != REPLAY_UNREADABLE || report.number) /* else the error says all */
+    /* otherwise the error says everything */
+    if (report.outcome != REPLAY_UNREADABLE || report.number)
         replay_describe(&text, &report, fault);
     if (text.length)
         printer->warn(printer->context, buf_text(&text));

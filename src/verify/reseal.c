@@ -22,34 +22,35 @@ enum {
 
 static const char unchanged[] = "nothing has changed";
 
-/* ---- golden images that are being accepted ---- */
+/* ---- golden images to accept ---- */
 
 /*
- * Each that differs, or is missing, and is to be accepted is drawn again into a draft next to its
- * place, and takes that place only when all of them can, and the journal with them. Drafts that
- * were not published are removed at the end, with their folder where it was made for them.
+ * Golden images that differ or are missing, and are to be accepted, are drawn into drafts next to
+ * their places. Drafts are published only if all of them and the journal can be. Other drafts are
+ * removed at the end, together with a folder that was made for them.
  */
 struct resealing {
     struct interpreter *interp;
-    const char *why;           /* the reason, one line; NULL where golden images are left alone */
+    const char *why;           /* reason, one line; NULL leaves golden images as they are */
     const char *only;          /* names of golden images to accept, "first,second"; NULL: all */
-    bool takes_results;        /* what is no picture may have changed, and was edited */
+    bool takes_results;        /* results that are no pictures may have changed, and records
+                                  may be edited */
     struct buf header, out;    /* the new journal */
-    struct record_chain chain; /* of its last record */
-    size_t count, marked;      /* records; those that have changed */
+    struct record_chain chain; /* chain of the last record */
+    size_t count, marked;      /* records; changed records */
     struct buf drafts;         /* pairs of a draft and its place, each ended by NUL */
     struct buf same;           /* places of golden images that are the same, each ended by NUL */
     struct buf met;            /* names of all golden images, each ended by NUL */
-    struct buf folder;         /* of the golden images, where it was made for them; or "" */
-    struct buf note;           /* what was wrong with that of the command at hand, "" for nothing */
-    bool is_left;              /* the picture of the command at hand is not accepted */
+    struct buf folder;         /* folder of golden images if it was made for drafts, otherwise "" */
+    struct buf note;           /* difference of the golden image of the present command, or "" */
+    bool is_left;              /* the picture of the present command is not accepted */
     size_t images;             /* golden images accepted */
     size_t left;               /* pictures that differ and are not accepted */
-    size_t missing;            /* golden images that are not there, and in which words */
+    size_t missing;            /* golden images that do not exist, and the words for the first */
     struct fault missing_words;
 };
 
-/* The next pair of a draft and its place; false at the end. */
+/* Find the next pair of a draft and its place; false at the end. */
 static bool next_draft(const struct resealing *r, const char **at, const char **draft,
                        const char **place)
 {
@@ -61,8 +62,9 @@ static bool next_draft(const struct resealing *r, const char **at, const char **
     return true;
 }
 
-/* The file to be compared: the draft for that place, if there is one, or what is there. */
-static const char *source(void *context, const char *path)
+/* Return the file to compare: the draft for that place if it exists, otherwise the file there.
+ * */
+static const char *compared_path(void *context, const char *path)
 {
     const char *at = NULL, *draft, *place;
     while (next_draft(context, &at, &draft, &place))
@@ -71,7 +73,7 @@ static const char *source(void *context, const char *path)
     return path;
 }
 
-/* One file, whole, under a name of its own. */
+/* Write one file under a new name. */
 static enum err write_draft(struct resealing *r, struct interpreter *interp, const char *path,
                             const struct picture *picture, struct fault *fault)
 {
@@ -90,7 +92,7 @@ static enum err write_draft(struct resealing *r, struct interpreter *interp, con
     return err;
 }
 
-/* The image, and the PNG beside it. Their folder goes again where it was made in vain. */
+/* Write the image and its PNG. Their folder is removed later if nothing is published. */
 static enum err write_drafts(struct resealing *r, struct interpreter *interp,
                              const struct golden_finding *finding, struct fault *fault)
 {
@@ -126,7 +128,7 @@ static bool has_text(const struct buf *texts, const char *text, size_t length)
     return at < end;
 }
 
-/* The next of names separated by commas; false after the last. */
+/* Return the next of names separated by commas; false after the last. */
 static bool next_name(const char **names, const char **name, size_t *length)
 {
     if (!*names)
@@ -147,7 +149,7 @@ static bool is_accepted(const struct resealing *r, const char *golden)
     return !r->only;
 }
 
-/* Refuses a name in `only` that no `golden` of the journal has given. */
+/* Reject a name in `only` that no `golden` of the journal has. */
 static enum err check_names(const struct resealing *r, struct fault *fault)
 {
     const char *names = r->only, *name;
@@ -163,8 +165,8 @@ static enum err check_names(const struct resealing *r, struct fault *fault)
     return OK;
 }
 
-static enum err is_same(void *context, struct interpreter *interp,
-                        const struct golden_finding *finding, struct fault *fault)
+static enum err note_same(void *context, struct interpreter *interp,
+                          const struct golden_finding *finding, struct fault *fault)
 {
     struct resealing *r = context;
     (void)interp;
@@ -173,11 +175,11 @@ static enum err is_same(void *context, struct interpreter *interp,
     return r->same.failed ? fault_memory(fault, "the names of files") : OK;
 }
 
-static enum err differs(void *context, struct interpreter *interp,
-                        const struct golden_finding *finding, struct fault *fault)
+static enum err note_difference(void *context, struct interpreter *interp,
+                                const struct golden_finding *finding, struct fault *fault)
 {
     struct resealing *r = context;
-    if (source(r, finding->path) != finding->path ||
+    if (compared_path(r, finding->path) != finding->path ||
         has_text(&r->same, finding->path, strlen(finding->path)))
         return fault_set(fault, ERR_CHECK,
                          "golden image %s is given twice, and the pictures are not the same",
@@ -199,9 +201,9 @@ static void resealing_release(struct resealing *r)
 {
     const char *at = NULL, *draft, *place;
     while (next_draft(r, &at, &draft, &place))
-        file_discard(draft); /* it is gone already where it was published */
+        file_discard(draft); /* no longer exists if it was published */
     if (r->folder.length)
-        rmdir(buf_text(&r->folder)); /* stays where it holds anything */
+        rmdir(buf_text(&r->folder)); /* fails if the folder holds a file */
     buf_release(&r->header);
     buf_release(&r->out);
     buf_release(&r->folder);
@@ -226,7 +228,7 @@ static enum err count_stale(void *context, struct interpreter *interp,
     return OK;
 }
 
-/* Whether every recorded word is given now. */
+/* True if all recorded words are among the present words. */
 static bool all_are_given(const char *recorded, const char *words)
 {
     const char *at = recorded, *end = recorded + strlen(recorded);
@@ -237,7 +239,7 @@ static bool all_are_given(const char *recorded, const char *words)
     return true;
 }
 
-/* The first word of the record that is given otherwise now, and is no picture's. */
+/* Find the first recorded word that differs now or is missing, and that is not of a picture. */
 static bool has_other_result(const struct record *record, const char *words,
                              struct record_word *word)
 {
@@ -250,19 +252,20 @@ static bool has_other_result(const struct record *record, const char *words,
     return false;
 }
 
-/* Accepting is for pictures: any other result that has changed is refused. */
+/* Accepting is for pictures: reject any other result that has changed. */
 static enum err refuse_results(const struct record *record, const char *words, struct fault *fault)
 {
     struct record_word word;
     return has_other_result(record, words, &word)
                ? fault_set(fault, ERR_CHECK,
-                           "record %zu (line %zu) gives another %.*s: no picture, but a result, "
-                           "which is not accepted; iftty log --reseal takes it in; %s",
+                           "record %zu (line %zu) has another %.*s, which is a result and not a "
+                           "picture: only pictures are accepted; iftty log --reseal records "
+                           "results; %s",
                            record->number, record->line, (int)word.key_length, word.key, unchanged)
                : OK;
 }
 
-/* Why it has changed, and what it was before. */
+/* Add the reason for a change, and the former result. */
 static void add_mark(const struct resealing *r, struct buf *out, const struct record *record,
                      const char *words)
 {
@@ -333,7 +336,8 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
                      unchanged);
     if (!err && !r->takes_results)
         err = refuse_results(record, buf_text(&reply.words), fault);
-    /* A picture that is no golden image: only its digest is known, nobody can see what it was. */
+    /* A picture that is not a golden image: its digest is known, but the former picture is not.
+     * */
     if (!err && r->why && !r->is_left && !r->note.length &&
         !all_are_given(record->result, buf_text(&reply.words)))
         r->left += r->is_left = r->only != NULL;
@@ -345,7 +349,7 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
 
 /* ---- the journal ---- */
 
-/* Carries all of it out, into r->out. */
+/* Carry out the whole journal and write the new one to r->out. */
 static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struct fault *fault)
 {
     struct walk walk;
@@ -364,7 +368,7 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     while (!err && walk_next(&walk, &record) == WALK_RECORD)
         err = reseal_record(r, walk.bytes, &record, fault);
     if (!err && walk.over != WALK_END)
-        err = fault_set(fault, ERR_CHECK, "%s; going on with the journal repairs it; %s",
+        err = fault_set(fault, ERR_CHECK, "%s; continuing the journal repairs it; %s",
                         walk.fault.text, unchanged);
     if (!err && r->missing)
         err = fault_set(fault, ERR_CHECK,
@@ -378,7 +382,7 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     return err;
 }
 
-/* R1, R2: all of it, or nothing. */
+/* R1, R2: publish everything or nothing. */
 static enum err publish(struct resealing *r, const char *path, const struct buf *former,
                         struct buf *name, struct fault *fault)
 {
@@ -393,7 +397,7 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
                                 fault); /* R3 */
     if (err)
         return err;
-    r->interp->mode = MODE_LIVE; /* it is over: the user asked for what is replaced now */
+    r->interp->mode = MODE_LIVE; /* the replay is over: the user asked for the following writes */
     struct golden_files files = {.folder = -1};
     if (r->why && r->drafts.length)
         err = golden_files_open(&files, path, fault);
@@ -430,14 +434,14 @@ static void report(const struct resealing *r, const char *path, const struct buf
     buf_add_char(&text, '\n');
     if (!r->why && r->left)
         buf_printf(&text,
-                   "# %zu golden image%s not what the journal draws, and left alone: iftty verify "
-                   "--accept WHY FILE draws %s anew\n",
-                   r->left, r->left > 1 ? "s are" : " is", r->left > 1 ? "them" : "it");
+                   "# golden images left unchanged that differ from the drawn ones: %zu; iftty "
+                   "verify --accept WHY FILE draws them again\n",
+                   r->left);
     printer->print(printer->context, buf_text(&text));
     buf_release(&text);
 }
 
-/* What is replaced is the journal and its golden images, not a link, nor what it leads to. */
+/* Reject a link: only the journal itself and its golden images are replaced. */
 static enum err refuse_link(const char *path, struct fault *fault)
 {
     struct buf real = {0};
@@ -452,7 +456,7 @@ static enum err refuse_link(const char *path, struct fault *fault)
     return err;
 }
 
-/* The reason has to be one comment of a record, and given by a person. */
+/* The reason must fit one comment of a record, and must come from a person. */
 static enum err check_reason(const char *why, struct fault *fault)
 {
     struct fault words;
@@ -479,9 +483,9 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     struct interpreter *interp = r->interp;
     const struct golden_judge judge =
         r->why ? (struct golden_judge){.context = r,
-                                       .source = source,
-                                       .is_same = is_same,
-                                       .differs = differs}
+                                       .source = compared_path,
+                                       .is_same = note_same,
+                                       .differs = note_difference}
                : (struct golden_judge){.context = r, .differs = count_stale};
     r->chain = record_chain_zero;
     interp->mode = MODE_REPLAY;
@@ -500,7 +504,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
         if (err && err != ERR_CANCELLED)
             fault_prefix(fault, err, "%s", path);
     }
-    if (!err) { /* chains will be others, by which nobody can say then what is nothing */
+    if (!err) { /* before the chains change, by which leftovers are recognized */
         golden_files_clear(path, buf_text(&bytes), bytes.length, &lines);
         if (r->why)
             err =

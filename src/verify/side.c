@@ -14,13 +14,13 @@
 
 enum { ALIGNMENT = 8 };
 
-/* Where labels end, and what follows them begins. */
+/* End of the labels, where the additional data begins. */
 static size_t labels_end(size_t voxels)
 {
     return (voxels + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
-/* ---- in its process ---- */
+/* ---- in the process of the journal ---- */
 
 struct task_at_hand {
     const char *path;
@@ -45,7 +45,7 @@ static enum err carry_out(struct interpreter *interp, const struct task_at_hand 
         err = OK;
     if (err == ERR_CHECK)
         err = fault_prefix(fault, ERR_CHECK,
-                           "it gives other results than it records%s; see iftty verify",
+                           "its results differ from the recorded ones%s; see iftty verify",
                            is_strict ? ", or was edited" : "");
     if (!err && is_strict && !report.is_journal)
         err = fault_set(fault, ERR_INPUT,
@@ -56,7 +56,7 @@ static enum err carry_out(struct interpreter *interp, const struct task_at_hand 
     return err;
 }
 
-/* Notes the facts, and adds labels, and what is asked for besides, to `out`, after them. */
+/* Fill the facts, and append labels and additional data to `out`. */
 static enum err hand_back(struct buf *out, const struct interpreter *interp,
                           const struct side_work *work, struct side_facts *facts,
                           struct fault *fault)
@@ -87,7 +87,7 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     const enum err err =
         work->add ? work->add(work->context, interp, facts, label, out, fault) : OK;
     facts->more = out->length - before;
-    return err || !out->failed ? err : fault_memory(fault, "what a journal comes to");
+    return err || !out->failed ? err : fault_memory(fault, "the result of a journal");
 }
 
 static void carry_out_one(void *context, size_t number, struct buf *out)
@@ -116,9 +116,9 @@ static void carry_out_one(void *context, size_t number, struct buf *out)
     interpreter_release(&interp);
 }
 
-/* ---- from outside ---- */
+/* ---- in the parent ---- */
 
-/* What came back is of the form it should be, whatever has become of the process. */
+/* Check the form of the bytes, since the process is not trusted. */
 static bool is_whole(const struct side_facts *f, size_t length)
 {
     const uint64_t voxels = (uint64_t)f->size[0] * f->size[1] * f->size[2];
@@ -136,12 +136,12 @@ static enum err judge(struct side *side, bool is_strict, struct fault *fault)
     f->chain.hex[RECORD_CHAIN_DIGITS] = '\0';
     for (int label = 0; label < 256; label++)
         f->label_name[label][LABEL_NAME_BYTES - 1] = '\0';
-    /* Status 1 of a comparison stands for a difference between the two, and for nothing else. */
+    /* Status 1 of a comparison means that the two differ, and nothing else. */
     if (f->err > OK && f->err <= ERR_CANCELLED)
         return fault_set(fault, f->err == ERR_CHECK && !is_strict ? ERR_INPUT : f->err, "%s",
                          f->why);
     if (f->err || !is_whole(f, side->bytes.length))
-        return fault_set(fault, ERR_INPUT, "its process hands back what makes no sense");
+        return fault_set(fault, ERR_INPUT, "its process returned malformed data");
     side->facts = f;
     side->labels = (const uint8_t *)(f + 1);
     side->more = side->labels + labels_end(f->voxels);

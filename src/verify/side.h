@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a journal or script comes to, as one side of a comparison, or as what a procedure is taken
- * from (src/apply): a process of its own carries it out, by the rules for the journals of others,
- * and hands back bytes: the facts, then, where it went well, a label for each voxel, then what was
- * asked for besides. So nothing of a stranger's journal, nor of the memory it takes, is left when
- * the next one is carried out.
+ * Result of a journal or script, as one side of a comparison or as the source of a procedure
+ * (src/apply). A process of its own carries it out under the rules for untrusted journals. It
+ * returns bytes: the facts, then, on success, a label for each voxel and additional data. So no
+ * memory of an untrusted journal remains when the next one is carried out.
  */
 #ifndef VERIFY_SIDE_H
 #define VERIFY_SIDE_H
@@ -19,13 +18,13 @@
 struct interpreter;
 struct reply;
 
-struct side_facts { /* from one process of this program to another, so they are sent as they are */
+struct side_facts { /* sent between processes of this program as they are */
     enum err err;
     char why[sizeof((struct fault *)0)->text];
     uint32_t size[3];
     uint64_t scene_digest;
     char proof[SHA256_HEX];
-    struct record_chain chain; /* of the last record */
+    struct record_chain chain; /* chain of the last record */
     size_t voxels, pending, more;
     uint8_t is_edited, is_torn, is_private; /* booleans */
     char label_name[256][LABEL_NAME_BYTES];
@@ -35,38 +34,38 @@ struct side_facts { /* from one process of this program to another, so they are 
 /* Begins as {0}. */
 struct side {
     struct buf bytes;
-    /* Places in them, once it was carried out well. */
+    /* Places in `bytes`, set on success. */
     const struct side_facts *facts;
     const uint8_t *labels; /* [z][y][x], of the forest */
-    const void *more;      /* [facts->more], what was asked for besides; aligned to 8 bytes */
+    const void *more;      /* [facts->more], additional data, aligned to 8 bytes */
 };
 
-/* What all sides of a comparison go by. */
+/* Options common to all sides of a comparison. */
 struct side_options {
-    bool is_strict; /* it is to be a journal, whole as it was recorded; ERR_CHECK where it is not */
-    const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
-    size_t last;            /* no command after this record is carried out; 0 for all */
+    bool is_strict;         /* require a whole journal as it was recorded; otherwise ERR_CHECK */
+    const char *scene_path; /* scene to open in place of the name in `open`, or NULL */
+    size_t last;            /* last record to carry out; 0 for all */
     /* Called in each process before the journal is carried out; or NULL. */
     enum err (*begin)(void *context, const char *journal, struct fault *fault);
     void *context;
     struct watch *watch; /* when it stops, the process is ended: ERR_CANCELLED */
 };
 
-/* What the process does besides; {0} for nothing. */
+/* Additional work of the process; {0} for none. */
 struct side_work {
     void *context;
-    /* After each command that stood; or NULL. */
+    /* Called after each successful command; or NULL. */
     void (*hear)(void *context, const struct interpreter *interp, const struct reply *reply);
-    /* At the end: adds what is handed back besides; `label` is that of the facts, and may lie
-     * elsewhere from the first byte on. Or NULL. */
+    /* At the end: append additional data to `out`, which may move `label`, the labels described
+     * by the facts. Or NULL. */
     enum err (*add)(void *context, const struct interpreter *interp, const struct side_facts *facts,
                     const uint8_t *label, struct buf *out, struct fault *fault);
-    uint64_t most; /* bytes that it may add */
+    uint64_t most; /* bytes that it may append */
 };
 
-/* ERR_INPUT for what cannot be read or carried out, gives other results than it says, or opens no
- * scene; words begin with the path. A journal that was edited by hand and gives the results that it
- * records is taken, unless `is_strict`. */
+/* ERR_INPUT if the file cannot be read or carried out, does not reproduce its results, or opens
+ * no scene. Words begin with the path. A journal that was edited by hand and reproduces its results
+ * is accepted, unless `is_strict`. */
 enum err side_carry_out(struct side *side, const char *path, const struct side_options *options,
                         const struct side_work *work, struct fault *fault);
 void side_release(struct side *side);

@@ -15,18 +15,18 @@
 #include "verify/replay_file.h"
 
 enum {
-    PICTURES_MOST = 64 << 20,               /* bytes of pictures that a report holds */
-    RESULT_MOST = PICTURES_MOST + (8 << 20) /* bytes that a process may hand back */
+    PICTURES_MOST = 64 << 20,               /* bytes of pictures in a report */
+    RESULT_MOST = PICTURES_MOST + (8 << 20) /* bytes that a process may return */
 };
 
 /*
- * One journal, in a process of its own: what its replay gives, what leaves it unproven, and whether
- * it is the one that is meant (--expect).
+ * One journal in a process of its own: its replay, checks for completeness, and whether it is the
+ * expected one (--expect).
  */
 
 /* ---- the replay of one journal ---- */
 
-/* What is seen now, for a person who asks what a command has come to. */
+/* Add the present rendition, for a person who inspects the difference. */
 static void show_present(struct interpreter *interp, struct evidence *evidence)
 {
     struct picture picture = {0};
@@ -40,7 +40,7 @@ static void show_present(struct interpreter *interp, struct evidence *evidence)
     picture_release(&picture);
 }
 
-/* The voxels of each label now, as comment lines. */
+/* Add the present voxels of each label as comment lines. */
 static void write_voxels(struct interpreter *interp, struct buf *lines)
 {
     struct reply reply = {0};
@@ -73,26 +73,25 @@ static enum err refuse_torn(uint64_t offset, const char *who, struct fault *faul
 {
     return fault_set(fault, ERR_CHECK,
                      "%s: it ends with an unfinished record, at byte %" PRIu64
-                     ", which no chain covers: going on with the journal, or iftty log --repair, "
-                     "cuts that off",
+                     ", which no chain covers: continue the journal, or use iftty log --repair, to "
+                     "cut it off",
                      who, offset);
 }
 
 /*
- * Strict verification: nothing that a journal leaves unproven passes.
+ * Strict verification fails on incomplete evidence.
  *
- * A replay fails where something differs. That nothing differs may also mean that nothing was
- * compared: digests can be taken out of a journal, or the end of it cut off, and the chain computed
- * again, since the chain holds no secret. So these are failures here, each with what to do:
+ * A replay fails if something differs. It also passes if nothing was compared: a person may have
+ * removed digests or the last records and computed the chain again, since the chain holds no
+ * secret. So these are failures here:
  *
- *     torn tail          an unfinished record at the end was left alone
- *     no records         a header and no more
- *     bare record        one without a digest, of a command that gives one
- *     no golden image    no pixel was compared; asked of whole journals alone
+ *     torn tail          an unfinished record at the end was left as it is
+ *     no records         there is only a header
+ *     bare record        a record lacks the digest of its command
+ *     no golden image    no pixel was compared; checked for whole journals only
  *
- * What cannot be seen in a journal itself is that its last records are gone, with the digests of
- * all others in place: for that there is --expect. A recorded word that this build does not give is
- * a failure of any replay (journal/replay.h), and so is a number of semantics that it does not know
+ * A journal cannot show that its last records were removed: use --expect for that. Any replay fails
+ * on a recorded word that this build does not compute (journal/replay.h), and on unknown semantics
  * (session/session.h).
  */
 static enum err judge_strictly(const struct replay_report *report, bool lacks_goldens,
@@ -104,7 +103,7 @@ static enum err judge_strictly(const struct replay_report *report, bool lacks_go
         return fault_set(fault, ERR_CHECK, "strict: it has a header and no records");
     if (report->bare)
         return fault_set(fault, ERR_CHECK,
-                         "strict: %zu record%s without a digest of what the command gives, the "
+                         "strict: %zu record%s without the digest that the command computes, the "
                          "first is record %zu (line %zu): iftty log --reseal records them",
                          report->bare, plural(report->bare), report->bare_number,
                          report->bare_line);
@@ -115,7 +114,7 @@ static enum err judge_strictly(const struct replay_report *report, bool lacks_go
     return OK;
 }
 
-/* Judge what a replay that went well does not compare. */
+/* Check everything that a successful replay does not compare. */
 static enum err judge_whole(const struct verify_options *options, struct interpreter *interp,
                             const struct replay_report *report, struct verify_result *result,
                             struct fault *fault)
@@ -133,8 +132,9 @@ static enum err judge_whole(const struct verify_options *options, struct interpr
                : judge_strictly(report, !is_part && !result->evidence.goldens, fault);
 }
 
-/* The folder for a journal's evidence, which is made when there is some. Journals of one name have
- * folders of their own below, by their numbers in the list, so that none replaces another's. */
+/* Name the folder for the evidence of a journal; it is made when evidence exists. Journals of
+ * equal names have subfolders, numbered by their positions in the list, so that none replaces the
+ * files of another. */
 static void place_evidence(struct buf *folder, const struct verify_options *options,
                            const char *path)
 {
@@ -149,9 +149,9 @@ static void place_evidence(struct buf *folder, const struct verify_options *opti
         buf_printf(folder, "/%zu", number);
 }
 
-/* ---- what else is known of a journal ---- */
+/* ---- the expected chain ---- */
 
-/* Compares the last chain with the expected one, whatever the replay gave. */
+/* Compare the last chain with the expected one, even if the replay failed. */
 static enum err judge_expected(const struct verify_options *options,
                                const struct verify_result *result, struct fault *fault)
 {
@@ -234,14 +234,14 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     buf_release(&folder);
 }
 
-/* ---- all of them ---- */
+/* ---- all journals ---- */
 
 struct verification {
     const struct verify_options *options;
     const struct printer *printer;
     struct verify_result *result; /* [options->count] */
     size_t printed;               /* journals */
-    bool is_given_up;             /* one has failed, and that is the end */
+    bool is_given_up;             /* one journal failed, and the run ends */
     struct watch watch;
     size_t picture_bytes;
 };
@@ -253,7 +253,7 @@ static void work(void *context, size_t number, struct buf *out)
     struct fault fault = {0};
     replay_one(v->options, &result);
     const enum err err = judge_expected(v->options, &result, &fault);
-    if (err && !result.err) /* next to what the replay found */
+    if (err && !result.err) /* in addition to the result of the replay */
         verify_result_fail(&result, err, false, &fault);
     else if (err == ERR_CHECK)
         buf_printf(&result.lines, "# %s\n", fault.text);
@@ -284,7 +284,8 @@ static void print_result(const struct verification *v, size_t number)
     buf_release(&text);
 }
 
-/* Golden images that the journal does not name. What the process says of their names is checked. */
+/* Remove golden images that the journal does not name. Their names come from the process and are
+ * checked. */
 static void remove_orphans(struct verify_result *result)
 {
     struct fault fault;
@@ -305,7 +306,7 @@ static void print_known(struct verification *v)
             print_result(v, v->printed);
 }
 
-/* A process that gave no result is a failure of its journal. */
+/* A process without a result is a failure of its journal. */
 static void take_result(void *context, size_t number, const struct process_end *end)
 {
     struct verification *v = context;
@@ -389,7 +390,7 @@ static enum err sum_up(const struct verification *v, struct fault *fault)
                      : OK;
 }
 
-/* Reports are written at the end; what is in the way is said before. */
+/* Check that a report can be written, before the verification begins. */
 static enum err check_report(const char *path, struct fault *fault)
 {
     if (!path)
@@ -400,7 +401,7 @@ static enum err check_report(const char *path, struct fault *fault)
     return file_may_write(path, FILE_REPLACE, fault);
 }
 
-/* A report that cannot be written is worse than a journal that failed. */
+/* A report that cannot be written has precedence over a journal that failed. */
 static enum err report(const struct verification *v, struct fault *fault)
 {
     const struct verify_options *o = v->options;

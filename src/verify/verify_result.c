@@ -43,7 +43,7 @@ void verify_result_describe(struct buf *out, const struct verify_result *r)
 
 enum { NUMBERS = 8 };
 
-/* The parts that differ in length, in the order in which they are sent; NULL after the last. */
+/* Return the parts of variable length in the order of sending; NULL after the last. */
 static struct buf *part_of(const struct verify_result *result, size_t number)
 {
     struct verify_result *r = (struct verify_result *)(uintptr_t)result;
@@ -73,7 +73,7 @@ void verify_result_write(struct buf *out, const struct verify_result *r)
     }
 }
 
-/* "NAME N N ...\n". The bytes are ended by a NUL, so that no number is read beyond it. */
+/* Read "NAME N N ...\n". A NUL ends the bytes, so that no number is read beyond them. */
 static bool read_numbers(const char **at, const char *name, int64_t *number, size_t count)
 {
     if (!scan_text(at, name))
