@@ -17,7 +17,7 @@ static const char *const plane_name[] = {"colour", "depth", "label", "voxel"};
 
 /* ---- comparing ------------------------------------------------------------------------------- */
 
-/* The sample at a pixel, or NULL where there is no such plane. */
+/* Return the sample at a pixel, or NULL if there is no such plane. */
 static const uint8_t *sample(const struct golden_planes *planes, enum golden_plane plane,
                              size_t pixel)
 {
@@ -60,7 +60,7 @@ enum err golden_compare(const struct golden_planes *expected, const struct golde
     if (!size_multiply(expected->width, expected->height, &pixels) ||
         !size_multiply(pixels, 4, &bytes))
         return fault_memory(fault, "a difference image");
-    /* Without looking at pixels one by one, which takes ten times as long. */
+    /* Compare whole planes first: a loop over pixels is ten times slower. */
     out->is_same = true;
     for (enum golden_plane plane = 0; plane < GOLDEN_PLANES && out->is_same; plane++)
         out->is_same = !expected->plane[plane] ||
@@ -70,7 +70,7 @@ enum err golden_compare(const struct golden_planes *expected, const struct golde
     out->image = mem_array(bytes, 1);
     if (!out->image)
         return fault_memory(fault, "a difference image");
-    for (size_t i = 0; i < pixels; i++) { /* red stands out on a third of the brightness */
+    for (size_t i = 0; i < pixels; i++) { /* red is distinct at a third of the brightness */
         const uint8_t *rgba = sample(expected, GOLDEN_RGBA, i);
         const unsigned grey = rgba ? (77u * rgba[0] + 150u * rgba[1] + 29u * rgba[2]) / 256 / 3 : 0;
         uint8_t *pixel = out->image + 4 * i;
@@ -107,7 +107,7 @@ void golden_difference_release(struct golden_difference *difference)
     difference->image = NULL;
 }
 
-/* What a person looks for first: whether another object is shown, or the same in other colours. */
+/* Name the kind of difference first: another object, or the same object in other colours. */
 static void write_kind(struct buf *out, const struct golden_difference *d)
 {
     const uint64_t labels = d->pixels_of[GOLDEN_LABEL], voxels = d->pixels_of[GOLDEN_VOXEL];
@@ -137,7 +137,7 @@ void golden_describe(struct buf *out, const struct golden_difference *difference
                    difference->column, difference->row, plane_name[difference->plane],
                    difference->actual, difference->expected);
         write_kind(out, difference);
-        /* What is seen under that pixel; UINT32_MAX is nothing. */
+        /* The voxel seen at that pixel; UINT32_MAX for no voxel. */
         const uint32_t expected = difference->expected_voxel, actual = difference->actual_voxel;
         if (expected != actual && actual == UINT32_MAX)
             buf_printf(out, "; it shows nothing instead of voxel %" PRIu32, expected);
@@ -158,7 +158,7 @@ bool golden_name_is_valid(const char *name)
            strspn(name, allowed) == length;
 }
 
-/* Without the ending of a journal that is not whole yet. */
+/* Length without the ending of a journal that is not complete yet. */
 static size_t whole_length(const char *journal_path)
 {
     const size_t length = strlen(journal_path), ending = sizeof JOURNAL_PART - 1;
@@ -182,7 +182,7 @@ static void write_folder(struct buf *out, const char *journal_path)
 {
     const size_t ending = sizeof journal_ending - 1;
     size_t length = whole_length(journal_path);
-    /* a journal that is called ".iftty" and nothing else keeps its name */
+    /* a journal named ".iftty" keeps its name */
     if (length > ending && memcmp(journal_path + length - ending, journal_ending, ending) == 0 &&
         journal_path[length - ending - 1] != '/')
         length -= ending;

@@ -12,8 +12,8 @@
 enum { COMMENTS_MAX = 1 << 20 };
 
 struct journal {
-    struct file_log *log; /* NULL where it is open read-only */
-    struct buf path;      /* of the file */
+    struct file_log *log; /* NULL for a journal opened read-only */
+    struct buf path;      /* path of the file */
     struct buf header;    /* line 1, part of the first record's chain */
     struct buf comments;  /* whole lines, for the next record */
     struct buf kept;      /* J7: the valid part; the file is longer only while it is ragged */
@@ -50,8 +50,8 @@ static enum err journal_new(struct journal **journal, const char *path, unsigned
     return fault_memory(fault, "a journal");
 }
 
-/* Ends what earlier failures have left: bytes that were refused are cut off, bytes whose sync
- * failed are written again. */
+/* Repair the file after earlier failures: cut rejected bytes off, write bytes whose sync failed
+ * again. */
 static enum err repair_failures(struct journal *journal, struct fault *fault)
 {
     enum err err = OK;
@@ -62,8 +62,8 @@ static enum err repair_failures(struct journal *journal, struct fault *fault)
     return err ? fault_prefix(fault, err, "an earlier failure is not repaired yet") : OK;
 }
 
-/* G2, of somebody who changed bytes and left the length. What cannot be read, or has another
- * length, is for the log to say. */
+/* G2: find bytes that another program changed without changing the length. The log reports a
+ * file that cannot be read or has another length. */
 static enum err judge_content(const struct journal *journal, struct fault *fault)
 {
     const struct buf *kept = &journal->kept;
@@ -81,13 +81,13 @@ static enum err judge_content(const struct journal *journal, struct fault *fault
     if (is_comparable && !differs)
         file_log_note_times(journal->log);
     return differs ? fault_set(fault, ERR_IO,
-                               "%s was changed by somebody else: its byte %zu is not the one that "
-                               "was written",
+                               "%s was changed by another program: its byte %zu differs from the "
+                               "written one",
                                journal_path(journal), at)
                    : OK;
 }
 
-/* The one door by which bytes reach the file: J1, J2, J5, J7. */
+/* Append bytes to the file. All writes pass through here: J1, J2, J5, J7. */
 static enum err append_bytes(struct journal *journal, const struct buf *bytes, bool may_wait,
                              struct fault *fault)
 {
@@ -96,7 +96,7 @@ static enum err append_bytes(struct journal *journal, const struct buf *bytes, b
         return fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; nothing was written",
                          journal_path(journal), JOURNAL_BYTES_MAX);
     if (!buf_reserve(kept, bytes->length)) {
-        kept->failed = false; /* what it held before is whole */
+        kept->failed = false; /* the former bytes are complete */
         return fault_memory(fault, "the journal");
     }
     enum err err = journal->log ? repair_failures(journal, fault) : OK;
@@ -123,7 +123,7 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
     if (!err) {
         err = append_bytes(journal, &journal->header, false, fault);
         if (err)
-            file_discard(path); /* ours, made a moment ago */
+            file_discard(path); /* created by this call */
     }
     if (err)
         journal_close(journal);
@@ -132,10 +132,11 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
     return err;
 }
 
-/* ---- opening what is there ------------------------------------------------------------------- */
+/* ---- opening an existing journal -------------------------------------------------------------
+ * */
 
-/* Walks the sound part and changes nothing: whatever would be refused is refused here. The walk has
- * the memory of it, and is released by the caller. */
+/* Walk over the sound part, change nothing, and reject whatever must be rejected. The caller
+ * releases the walk, which owns its memory. */
 static enum err survey(struct walk *walk, const struct buf *bytes,
                        const struct journal_resume *resume, struct fault *fault)
 {
@@ -157,8 +158,8 @@ static enum err survey(struct walk *walk, const struct buf *bytes,
     return err;
 }
 
-/* Saves what follows the sound part, cuts it off and says so. The order matters: at every moment
- * the bytes are in one of the two files. */
+/* Save the bytes after the sound part, cut them off, and report it. In this order the bytes are
+ * always in one of the two files. */
 static enum err cut_tail(struct journal *journal, const struct buf *bytes, const struct walk *sound,
                          struct buf *notice, struct fault *fault)
 {
@@ -178,7 +179,7 @@ static enum err cut_tail(struct journal *journal, const struct buf *bytes, const
     return err;
 }
 
-/* Takes the sound part over. What follows it is cut off, unless the journal is open read-only. */
+/* Take over the sound part. Cut off the rest, unless the journal is read-only. */
 static enum err take_over(struct journal *journal, const struct buf *bytes,
                           const struct walk *sound, struct buf *notice, struct fault *fault)
 {
@@ -195,12 +196,12 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
         return err;
     journal->count = sound->records;
     journal->chain = sound->chain;
-    if (sound->offset > 0) { /* line 1 as it stands in the file, for the first record's chain */
+    if (sound->offset > 0) { /* line 1 of the file, for the first record's chain */
         buf_clear(&journal->header);
         record_header(&journal->header, sound->semantics);
         return journal->header.failed ? fault_memory(fault, "the journal") : OK;
     }
-    /* The program that began it may have ended before that. */
+    /* The program that created the file may have ended before this sync. */
     err = journal->log ? file_log_sync_folder(journal->log, fault) : OK;
     return err ? err : append_bytes(journal, &journal->header, false, fault);
 }
@@ -298,7 +299,7 @@ enum err journal_comment(struct journal *journal, const char *comment, struct fa
         return fault_set(fault, ERR_LIMIT,
                          "the comments before one command are limited to %d bytes", COMMENTS_MAX);
     if (!buf_reserve(comments, strlen(comment) + 1)) {
-        comments->failed = false; /* what it held before is whole */
+        comments->failed = false; /* the former bytes are complete */
         return fault_memory(fault, "a comment");
     }
     buf_printf(comments, "%s\n", comment);
@@ -321,12 +322,12 @@ enum err journal_continue(struct journal *journal, const char *path, struct faul
         err = file_log_set_sync(log, journal->sync, fault);
     if (err) {
         if (log)
-            file_discard(path); /* ours, made a moment ago */
+            file_discard(path); /* created by this call */
         file_log_close(log);
         buf_release(&name);
         return err;
     }
-    if (journal->log && file_log_is_ragged(journal->log)) /* a last attempt */
+    if (journal->log && file_log_is_ragged(journal->log)) /* last attempt */
         file_log_cut(journal->log, journal->kept.length, NULL);
     file_log_close(journal->log);
     buf_release(&journal->path);
@@ -390,7 +391,8 @@ const char *journal_chain(const struct journal *journal)
     return journal->chain.hex;
 }
 
-/* ---- without running it ---------------------------------------------------------------------- */
+/* ---- without carrying it out -----------------------------------------------------------------
+ * */
 
 enum err journal_script(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
@@ -423,7 +425,7 @@ static enum err condition_set(struct journal_condition *condition, enum journal_
     return fault_set(fault, ERR_CHECK, "%s", text);
 }
 
-/* The place of a fault of the header, which belongs to the first record. */
+/* Place of a fault in the header, which belongs to the first record. */
 static const struct record line_1 = {.number = 1, .line = 1};
 
 enum err journal_check(struct journal_condition *condition, const char *bytes, size_t length,

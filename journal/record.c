@@ -66,7 +66,7 @@ void record_header(struct buf *out, unsigned semantics)
     buf_printf(out, "%s\n", line);
 }
 
-/* Takes line 1 (without its line feed) apart; false where it is not a header. */
+/* Parse line 1, without its line feed; false if it is not a header. */
 static bool parse_header(const char *line, size_t length, unsigned *format, unsigned *semantics)
 {
     char text[HEADER_MAX], again[HEADER_MAX];
@@ -81,13 +81,13 @@ static bool parse_header(const char *line, size_t length, unsigned *format, unsi
         return false;
     header_print(again, (unsigned)f, (unsigned)s);
     if (strlen(again) != length || memcmp(again, text, length) != 0)
-        return false; /* leading zeros, or something after it: one header has one spelling */
+        return false; /* leading zeros or trailing bytes: a header has one spelling */
     *format = (unsigned)f;
     *semantics = (unsigned)s;
     return true;
 }
 
-/* `text` is one byte or more of the beginning of a header of ours, its line feed not among them. */
+/* True if `text` is a beginning of our header, at least one byte and without its line feed. */
 static bool is_begun_header(const char *text, size_t length)
 {
     char begin[HEADER_MAX];
@@ -102,10 +102,11 @@ static bool is_begun_header(const char *text, size_t length)
     return true;
 }
 
-/* ---- what may stand in a record -------------------------------------------------------------- */
+/* ---- contents of a record --------------------------------------------------------------------
+ * */
 
-/* Takes the 32 digits that end a sealed line; false where it does not end so. */
-static bool take_seal(const char *line, size_t length, struct record_chain *chain)
+/* Read the 32 digits that end a sealed line; false if the line does not end so. */
+static bool read_seal(const char *line, size_t length, struct record_chain *chain)
 {
     if (length < SEAL_LENGTH || memcmp(line + length - SEAL_LENGTH, chain_mark, MARK_LENGTH) != 0)
         return false;
@@ -118,14 +119,14 @@ static bool take_seal(const char *line, size_t length, struct record_chain *chai
     return true;
 }
 
-/* `line` ends like a sealed result line: " chain=" and 32 hexadecimal digits. */
+/* True if `line` ends like a sealed result line: " chain=" and 32 hexadecimal digits. */
 static bool is_sealed(const char *line, size_t length)
 {
     struct record_chain chain;
-    return take_seal(line, length, &chain);
+    return read_seal(line, length, &chain);
 }
 
-/* Control characters are refused in what we write, so that a journal can be shown as it is. */
+/* Reject control characters in written lines, so that a journal can be printed as it is. */
 static enum err line_check(const char *what, const char *line, struct fault *fault)
 {
     if (strlen(line) > RECORD_LINE_MAX)
@@ -183,7 +184,7 @@ bool record_word_next(const char **cursor, const char *end, struct record_word *
     word->value_length = (size_t)(at - word->value);
     if (word->value_length == 0 || (at < end && *at != ' '))
         return false;
-    if (at < end && ++at == end) /* a space stands between words, not after the last */
+    if (at < end && ++at == end) /* a space separates words and does not follow the last */
         return false;
     *cursor = at;
     return true;
@@ -277,7 +278,7 @@ void record_chain_compute(struct record_chain *out, const struct record_chain *b
     sha256_hex(out->hex, &sha, RECORD_CHAIN_DIGITS / 2);
 }
 
-/* A result line taken apart: places in the line that was given, no copies. */
+/* Parts of a result line: places in the given line, not copies. */
 struct result {
     uint64_t number;
     const char *words;
@@ -286,10 +287,10 @@ struct result {
     size_t covered; /* bytes of the line that the chain covers */
 };
 
-/* False where `line` (without its line feed) is not a well-formed result line. */
+/* Parse `line`, without its line feed; false if it is not a well-formed result line. */
 static bool parse_result(const char *line, size_t length, struct result *result)
 {
-    if (!take_seal(line, length, &result->chain))
+    if (!read_seal(line, length, &result->chain))
         return false;
     const char *at = line, *end = line + length - SEAL_LENGTH;
     if (end - at < 3 || at[0] != '=' || at[1] != ' ' || at[2] == '0')
@@ -339,13 +340,13 @@ enum err record_encode(struct buf *out, struct record_chain *chain, const char *
 
 /* ---- a walk: lines --------------------------------------------------------------------------- */
 
-/* One line of the bytes, without its line feed. */
+/* One line, without its line feed. */
 struct line {
     const char *text;
     size_t length;
     size_t offset;
     size_t number;
-    bool is_complete; /* its line feed is there */
+    bool is_complete; /* it has its line feed */
 };
 
 struct position {
@@ -353,7 +354,7 @@ struct position {
     size_t line;
 };
 
-static bool take_line(const struct walk *walk, struct position *at, struct line *line)
+static bool read_line(const struct walk *walk, struct position *at, struct line *line)
 {
     if (at->offset == walk->length)
         return false;
@@ -377,12 +378,12 @@ static bool line_is_result(const struct line *line)
     return line->length > 0 && *line->text == '=';
 }
 
-/* The smallest block that a disk writes whole. */
+/* The smallest block that a disk writes atomically. */
 enum { SECTOR = 512 };
 
 /* ---- a walk: the beginning ------------------------------------------------------------------- */
 
-/* Finds out what the bytes are, and steps over the header of a journal. */
+/* Find out the kind of the bytes, and skip the header of a journal. */
 static enum err read_header(struct walk *walk, struct fault *fault)
 {
     size_t length = walk->length;
@@ -392,9 +393,10 @@ static enum err read_header(struct walk *walk, struct fault *fault)
     const size_t first = feed ? (size_t)(feed - walk->bytes) : length;
     unsigned format;
     const bool is_begun = !feed && (length == 0 || is_begun_header(walk->bytes, length));
-    const size_t begin = sizeof header_begin - 1; /* begun so: meant as one */
+    const size_t begin = sizeof header_begin - 1; /* a file that begins so is meant as a journal */
     if (!is_begun && (first < begin || memcmp(walk->bytes, header_begin, begin) != 0)) {
-        /* A file of another kind: in a long one, what it begins with shows that it is no text. */
+        /* Another kind of file: in a long file, a zero near the beginning shows that it is not
+         * text. */
         const char *zero = memchr(walk->bytes, '\0', walk->length < SECTOR ? walk->length : SECTOR);
         return zero ? fault_set(fault, ERR_INPUT,
                                 "this is neither a journal, which begins with a header, nor a "
@@ -406,7 +408,7 @@ static enum err read_header(struct walk *walk, struct fault *fault)
     walk->ends_in_zeros = length < walk->length;
     walk->length = length;
     if (is_begun)
-        return OK; /* walk_next finds it torn */
+        return OK; /* walk_next reports it as torn */
     if (first && walk->bytes[first - 1] == '\r')
         return fault_set(fault, ERR_INPUT, "line 1: %s", RECORD_WINDOWS);
     if (!parse_header(walk->bytes, first, &format, &walk->semantics))
@@ -418,7 +420,7 @@ static enum err read_header(struct walk *walk, struct fault *fault)
         return fault_set(fault, ERR_INPUT,
                          "this is a journal of format %u; this program reads format %d", format,
                          RECORD_FORMAT);
-    assert(feed); /* a header without it is only begun */
+    assert(feed); /* without a line feed the header is unfinished */
     walk->offset = walk->header_length = first + 1;
     walk->line = 2;
     return OK;
@@ -429,7 +431,7 @@ enum err walk_begin(struct walk *walk, const char *bytes, size_t length, struct 
     *walk = (struct walk){.bytes = bytes ? bytes : "", .length = length, .line = 1};
     walk->chain = record_chain_zero;
     const enum err err = read_header(walk, fault);
-    /* All memory that the walk will need: walk_next cannot fail for the lack of it. */
+    /* Reserve all memory for the walk, so that walk_next cannot fail. */
     if (err || (buf_reserve(&walk->command, RECORD_LINE_MAX) &&
                 buf_reserve(&walk->result, RECORD_LINE_MAX)))
         return err;
@@ -477,8 +479,8 @@ static enum walk_step end_torn(struct walk *walk)
     return end_walk(walk, WALK_TORN, walk->offset, walk->line);
 }
 
-/* Zeros stand only where sectors were not written: from a sector's beginning, or the end of what
- * was written before, to a sector's end or the last byte. No writer writes single zero bytes. */
+/* Zeros are sectors that were not written: from the beginning of a sector, or the end of written
+ * bytes, to the end of a sector or the file. No program writes single zero bytes. */
 static bool zeros_are_sectors(const struct walk *walk)
 {
     for (size_t at = walk->offset; at < walk->length; at++) {
@@ -493,8 +495,9 @@ static bool zeros_are_sectors(const struct walk *walk)
     return true;
 }
 
-/* What may have waited to be synced (J1) is the record of a command that changed nothing of the
- * segmentation: it has no words. What is left of a result line shows it: "= 12 chain=...". */
+/* True if the record may have waited for its sync (J1): it is of a command that changed nothing
+ * of the segmentation, and has no words. The rest of its result line shows that: "= 12 chain=...".
+ * */
 static bool may_have_waited(const struct line *line)
 {
     const char *zero = memchr(line->text, '\0', line->length);
@@ -506,16 +509,16 @@ static bool may_have_waited(const struct line *line)
     return at <= end && memcmp(at, chain_mark, left < most ? left : most) == 0;
 }
 
-/* A disk may write the sectors of what was not synced in any order, and lose power between two:
- * zeros then stand where one was not written, and bytes after them. Such a record is the last:
- * after its result line, if that is there, nothing follows; or all that follows may have waited. */
+/* A disk may write unsynced sectors in any order and lose power between two of them. Then zeros
+ * replace a missing sector and other bytes follow. Such a record is the last one: nothing follows
+ * its result line, or only records that may have waited. */
 static bool is_torn_by_zeros(const struct walk *walk, const struct line *line)
 {
     struct position at = {walk->offset, walk->line};
     struct line later;
     if (!walk->is_journal || !memchr(line->text, '\0', line->length))
         return false;
-    while (take_line(walk, &at, &later))
+    while (read_line(walk, &at, &later))
         if (line_is_result(&later) && !may_have_waited(&later) && at.offset < walk->length)
             return false;
     return zeros_are_sectors(walk);
@@ -523,7 +526,7 @@ static bool is_torn_by_zeros(const struct walk *walk, const struct line *line)
 
 /* ---- a walk: a record ------------------------------------------------------------------------ */
 
-/* Why no line of ours looks like this; NULL where it may. */
+/* Reason why the line cannot be ours, or NULL. */
 static const char *line_fault(const struct walk *walk, const struct line *line)
 {
     if (line->length > RECORD_LINE_MAX)
@@ -543,7 +546,7 @@ static void set_text(struct buf *text, const char *bytes, size_t length)
     assert(!text->failed);
 }
 
-/* The result line of the record that begins at walk->offset; judges number and chain. */
+/* Read the result line of the record at walk->offset, and judge its number and chain. */
 static void judge_result(struct walk *walk, const struct line *line, const struct result *result,
                          struct record *record)
 {
@@ -565,12 +568,12 @@ static void judge_result(struct walk *walk, const struct line *line, const struc
     walk->chain = result->chain;
 }
 
-/* Finds the next command line; WALK_RECORD when it is in `line`. */
+/* Find the next command line. WALK_RECORD if `line` holds it. */
 static enum walk_step find_command(struct walk *walk, struct position *at, struct line *line)
 {
     const char *wrong;
     do {
-        if (!take_line(walk, at, line)) {
+        if (!read_line(walk, at, line)) {
             const bool is_torn =
                 walk->is_journal &&
                 (walk->offset < walk->length || walk->ends_in_zeros || walk->header_length == 0);
@@ -580,12 +583,12 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
             return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
         if (walk->is_journal && !line->is_complete)
             return end_torn(walk);
-        /* Scripts may be indented; a journal says things in one way. */
+        /* Scripts may be indented; a journal has one form. */
         for (; !walk->is_journal && line->length > 0 && is_blank(*line->text); line->text++)
             line->length--;
     } while (line->length == 0 || *line->text == '#');
     if (line_is_result(line))
-        return end_damaged(walk, line, "a result line stands without its command");
+        return end_damaged(walk, line, "a result line has no command line");
     if (walk->is_journal && is_blank(*line->text))
         return end_damaged(walk, line, "a command line begins with a blank");
     if (walk->is_journal && is_sealed(line->text, line->length))
@@ -593,14 +596,14 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
     return WALK_RECORD;
 }
 
-/* Takes the result line that stands at `at`, if one does: *has_result says so. */
+/* Read the result line at `at`, if there is one: see *has_result. */
 static enum walk_step find_result(struct walk *walk, struct position *at, bool *has_result,
                                   struct line *line, struct result *result)
 {
     struct position after = *at;
     const char *wrong;
     *has_result = false;
-    if (!take_line(walk, &after, line))
+    if (!read_line(walk, &after, line))
         return walk->is_journal ? end_torn(walk) : WALK_RECORD;
     if (!line_is_result(line))
         return WALK_RECORD;
@@ -652,7 +655,7 @@ enum walk_step walk_next_sound(struct walk *walk, struct record *record)
     if (step != WALK_RECORD || !walk->is_journal || !record_judge(record, &why))
         return step;
     const size_t line = record->line;
-    *walk = before; /* take the record back */
+    *walk = before; /* undo the step */
     walk->fault = why;
     end_walk(walk, WALK_DAMAGED, walk->offset, line);
     *record = walk->place;

@@ -6,7 +6,7 @@
 
 #include "journal/record.h"
 
-enum { SHOWN_MAX = 80 }; /* bytes of a text from a journal that a message repeats */
+enum { SHOWN_MAX = 80 }; /* bytes of untrusted text in a message */
 
 void replay_report_release(struct replay_report *report)
 {
@@ -18,7 +18,7 @@ void replay_report_release(struct replay_report *report)
     buf_release(&report->actual_words);
 }
 
-/* Notes where the replay stops, and at what. */
+/* Note the record at which the replay stops. */
 static void stop_at(struct replay_report *report, enum replay_outcome outcome,
                     const struct record *record)
 {
@@ -79,7 +79,7 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
     if (err) {
         stop_at(report, REPLAY_FAILED, record);
         buf_add_text(&report->actual, why.text);
-        /* the journal says that this very command was understood */
+        /* the journal shows that the program once understood this command */
         why.code = err == ERR_USAGE ? ERR_CHECK : err;
         err = fault_prefix(&why, why.code, "record %zu (line %zu) fails: %.*s", record->number,
                            record->line, SHOWN_MAX, record->command);
@@ -94,7 +94,7 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
     return err;
 }
 
-/* Adds to the words of a failure what may explain it. */
+/* Add a possible explanation to the words of a failure. */
 static enum err explain(enum err err, const struct replay_report *report, struct fault *fault)
 {
     if (report->is_intact)
@@ -105,7 +105,7 @@ static enum err explain(enum err err, const struct replay_report *report, struct
                             report->edited_number, report->edited_line);
     return fault_set(fault, ERR_CHECK,
                      "the journal was edited or damaged at record %zu (line %zu, from byte %" PRIu64
-                     "), though every command gives what is recorded",
+                     "), though every command reproduces its result",
                      report->edited_number, report->edited_line, report->edited_offset);
 }
 
@@ -132,7 +132,7 @@ enum err replay_begin(struct replay *r, const char *bytes, size_t length,
     return err;
 }
 
-/* Whether it is as it was written; the first that is not is noted. */
+/* Check that the record is as it was written, and note the first that is not. */
 static void judge_record(struct replay *r)
 {
     struct record *record = &r->record;

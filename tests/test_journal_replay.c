@@ -185,7 +185,7 @@ STORY(an_edited_journal_fails_and_names_the_first_command_that_differs)
     CHECK_INT(report.edited_number, 2);
     CHECK_INT(report.edited_line, 5);
     CHECK_INT(report.edited_offset, strstr(bytes.data, "# Two") - bytes.data);
-    CHECK_HAS(fault.text, "though every command gives what is recorded");
+    CHECK_HAS(fault.text, "though every command reproduces its result");
     replay_report_release(&report);
     buf_release(&bytes);
 }
