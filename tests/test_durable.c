@@ -72,7 +72,7 @@ static void do_harm(const char *path, enum harm harm)
 STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
 {
     static const char *const words[] = {"is gone",     "is gone",     "was replaced",
-                                        "was changed", "was changed", "its byte 40 is not"};
+                                        "was changed", "was changed", "its byte 40 differs"};
     char path[FILE_LENGTH], other[FILE_LENGTH];
     strcpy(path, place("harmed.iftty"));
     strcpy(other, place("harmed-2.iftty"));

@@ -502,8 +502,8 @@ STORY(a_seal_does_not_make_a_line_valid)
         {"run\n\n= 1", WALK_DAMAGED, "no result line"},
         {" run\n= 1", WALK_DAMAGED, "begins with a blank"},
         {"\trun\n= 1", WALK_DAMAGED, "begins with a blank"},
-        {"= 1", WALK_DAMAGED, "without its command"},
-        {"# run\n= 1", WALK_DAMAGED, "without its command"},
+        {"= 1", WALK_DAMAGED, "has no command line"},
+        {"# run\n= 1", WALK_DAMAGED, "has no command line"},
         {"run = 1", WALK_DAMAGED, "runs into the line before"},
     };
     struct buf bytes = {0};
