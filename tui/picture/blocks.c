@@ -14,7 +14,7 @@
  * (tui/picture/image_view.h) is a cell of its own: a bright character on black.
  *
  * A cell counts as half as wide as it is high, as nearly all are. So that pixels are square, a cell
- * stands for 1x2, 2x4 or 6x12 of them, and each part has the mean of its own.
+ * has 1x2, 2x4 or 6x12 of them, and each part is the mean of its own.
  */
 #include <limits.h>
 #include <stdlib.h>
@@ -76,7 +76,7 @@ static uint8_t nearest_16(uint32_t colour)
     return best;
 }
 
-/* ---- what a cell shows ---- */
+/* ---- from pixels to cells ---- */
 
 enum { PARTS_MOST = 6 };
 
@@ -214,7 +214,7 @@ void blocks_fill(struct block *cell, size_t stride, const struct image_view *vie
 
 /* ---- bytes ---- */
 
-/* What the terminal's next character would look like. */
+/* Colours of the terminal's next character. */
 struct pen {
     enum colours colours;
     enum block_shape shape;
@@ -358,7 +358,7 @@ static bool show(struct painter *p, const struct image_view *view, struct buf *o
     struct pen pen = {colours, p->facts.shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
     const size_t before = out->length;
     for (unsigned row = 0; row < p->rows; row++) {
-        unsigned at = UINT_MAX; /* where the cursor is in this row */
+        unsigned at = UINT_MAX; /* column of the cursor in this row */
         for (unsigned column = 0; column < p->columns; column++) {
             const size_t i = (size_t)row * p->columns + column;
             if (p->is_shown && (then[i].parts == now[i].parts && then[i].ink == now[i].ink &&

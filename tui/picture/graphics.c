@@ -53,7 +53,8 @@ struct probe_wish graphics_asks(struct graphics_wish wish, const struct probe_en
     return asks;
 }
 
-/* A row, or what stands for it in a terminal that has only the common part of its protocol. */
+/* Return the row, or its replacement for a terminal that supports only the common part of its
+ * protocol. */
 static const struct graphics *all_of(const struct graphics *g, const struct probe_replies *replies,
                                      const struct probe_environment *e)
 {

@@ -21,8 +21,8 @@
 extern const struct graphics graphics_kitty, graphics_tiles, graphics_iterm, graphics_sixel,
     graphics_blocks, graphics_none;
 
-/* What may be used, best first: the first that fits, else the last. With one alone nothing is to be
- * found out. */
+/* Protocols that may be used, best first: the first that fits, else the last. A single one needs no
+ * detection. */
 struct graphics_wish {
     const struct graphics *const *of;
     size_t count;
@@ -39,7 +39,7 @@ void graphics_add_names(struct buf *out, const char *between, const char *before
 
 /* ---- which the terminal has ---- */
 
-/* What is to be asked. */
+/* The questions to ask. */
 struct probe_wish graphics_asks(struct graphics_wish wish,
                                 const struct probe_environment *environment);
 
@@ -48,8 +48,8 @@ const struct graphics *graphics_choose(const struct probe_replies *replies,
                                        const struct probe_environment *environment,
                                        struct graphics_wish wish);
 
-/* Asks the terminal, which must be open and raw (probe_terminal), and decides; gives tui/term.h
- * what ends our modes. What was typed meanwhile is added to `typed`. */
+/* Ask the terminal, which must be open and raw (probe_terminal), and decide; set the recovery
+ * sequence of tui/term.h. Keys typed meanwhile are added to `typed`. */
 enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault);
 

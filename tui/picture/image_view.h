@@ -24,23 +24,21 @@ struct image_strip {
 struct image_view {
     uint32_t width, height;
     const uint8_t *rgba;
-    const uint8_t *fine; /* what it will be when it is fine, and has a palette for; NULL: rgba */
+    const uint8_t *fine; /* the final picture, for which the palette is made; NULL: rgba */
     const uint32_t *hue; /* 0xRRGGBB of the labels that may show, in any order, twice or not; the
                             same from picture to picture, for another set is another palette, and
                             the picture goes whole. NULL where they are not known */
     unsigned hues;       /* 0 where no label shows: greys alone */
-    struct raster_box focus; /* where one looks: it gets fine before the rest; empty: nowhere */
-    const uint8_t *words; /* [height][width]: not 0 where words stand, which stay sharp; or NULL */
+    struct raster_box focus; /* sent finely first; empty: none */
+    const uint8_t *words;    /* [height][width]: not 0 for words, which stay sharp; or NULL */
     const struct raster_note *note; /* [notes]; those outside the picture are passed over */
     size_t notes;
-    const uint8_t *below; /* [height][width]: greys of slices without what lies over them */
-    const struct raster_box
-        *slice;      /* [slices] the boxes in which they are; what is below elsewhere */
-    unsigned slices; /* does not count. 0: nothing is known of that */
+    const uint8_t *below;            /* [height][width]: greys of slices alone, without overlays */
+    const struct raster_box *slice;  /* [slices] the boxes of the slices; outside */
+    unsigned slices;                 /* does not count. 0: nothing is known of that */
     const struct image_strip *strip; /* [strips], by painter_keep: strips of these boxes */
     unsigned strips;
-    bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes cost more than
-                       time */
+    bool is_coarse; /* changes come in blocks of pixels, in a hurry: bytes cost more than time */
     bool is_slow;   /* the line is: bytes cost more than time */
     bool is_hasty;  /* its maker was in a hurry: with more time there is a better one */
     bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * iTerm2's inline pictures: a PNG in base64, drawn over cells. WezTerm, mintty and others have it.
+ * iTerm2's inline pictures: a PNG in base64, drawn over cells. WezTerm, mintty and others support
+ * them.
  *
  *     ESC ] 1337 ; File=inline=1;size=1234;width=20;height=5;preserveAspectRatio=0;
  *         doNotMoveCursor=1 : <base64> BEL                                        (in one line)
  *
- * Nothing can be changed in place, but cells drawn over show the new picture. Sizes are given in
- * cells where the picture is whole cells, for what a pixel is depends on the screen; else in px.
+ * No pixel can be changed in place, but cells drawn over show the new picture. Sizes are in cells
+ * if the picture is whole cells, since the size of a pixel depends on the screen; else in px.
  * Source: https://iterm2.com/documentation-images.html
  */
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The kitty graphics protocol: pictures as PNG in base64, in chunks, and changed in place; and, in
- * the second part, as tiles for terminals that know only the common part of it.
+ * The kitty graphics protocol: pictures as PNG in base64, in chunks, and changed in place; in the
+ * second part tiles, for terminals that support only the common part of it.
  *
  *     ESC _ G a=T,C=1,f=100,i=7,z=2,q=2,m=1 ; <4096 base64 bytes> ESC \
  *     ESC _ G q=2,m=1 ; <4096 base64 bytes> ESC \
@@ -9,20 +9,20 @@
  *
  *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=100,s=20,v=10,q=2,m=0 ; <base64> ESC \     a patch
  *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=24,o=z,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
- *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     takes it away
+ *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     deletes it
  *
  *     ESC _ G a=T,C=1,f=100,i=9,p=1000,w=1,h=1,q=2,m=0 ; <base64> ESC \
  *     ESC _ G a=p,i=9,p=4,C=1,X=3,z=1,q=1 ESC \      a strip of a slice: sent, and shown
- *     ESC _ G a=d,d=i,i=9,p=4,q=2 ESC \              taken off; the terminal still has it
+ *     ESC _ G a=d,d=i,i=9,p=4,q=2 ESC \              hidden; the terminal still has it
  *
- * a=T transmits and shows at the cursor, C=1 leaves the cursor where it is, q=2 (on every chunk)
- * asks for no answer, f=100 means PNG, f=24,o=z deflated 24-bit pixels, m=1 that more follows. a=f
- * changes a frame, r=1 the first, X=1 puts pixels in the place of pixels. Every chunk of a patch
- * carries a=f,i=,r=1: without them kitty 0.26.5 says OK and changes nothing. When its quota is full
- * kitty drops what is placed nowhere, so a strip has one pixel below the others; what it has
- * dropped it says under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. No z is below 0,
- * where pictures lie under text: kitty draws that in several passes, and Mesa's llvmpipe gets the
- * one wrong that clears what stood below text before.
+ * a=T transmits and shows at the cursor, C=1 leaves the cursor in place, q=2 (on every chunk) asks
+ * for no answer, f=100 means PNG, f=24,o=z deflated 24-bit pixels, m=1 that more follows. a=f
+ * changes a frame, r=1 the first, X=1 replaces pixels. Every chunk of a patch carries a=f,i=,r=1:
+ * without them kitty 0.26.5 says OK and changes nothing. When its quota is full kitty drops
+ * pictures that are not placed, so a strip has one pixel placed below the others; kitty reports a
+ * dropped strip under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. No z is below 0,
+ * where pictures are drawn under text: kitty does that in several passes, and Mesa's llvmpipe fails
+ * in the pass that clears the area below the text.
  * Source:
  * https://sw.kovidgoyal.net/kitty/graphics-protocol/
  */
@@ -39,12 +39,13 @@ enum { CHUNK = 4096, FEW_PIXELS = 1024 };
 /* Numbers of pictures from here on, which others hardly use; and those of strips. */
 enum { KITTY_FIRST = 26982, KITTY_STRIPS = 270000 };
 
-/* Ends a transmission that was cut: the first of the two a sequence, the second what is between two
- * chunks. Where none was cut both are whole: kitty notes an ESC \ that ends nothing as an error. */
+/* Ends a transmission that was cut: the first sequence if it was cut within a sequence, the second
+ * if between two chunks. If none was cut both are complete: kitty logs an ESC \ that ends nothing
+ * as an error. */
 #define RECOVERY "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\"
 
-/* Strips lie below the picture; what keeps one from being dropped, a placement of this number, lies
- * below all of them. */
+/* Strips are below the picture; a placement of this number, below all strips, keeps a strip from
+ * being dropped. */
 enum { PICTURE_Z = 2, STRIP_Z = 1, HOLD = 1000 };
 
 /* ---- finding it ---- */
@@ -226,20 +227,19 @@ const struct graphics graphics_kitty = {
 /* ---- tiles ---- */
 
 /*
- * Kitty's protocol without its frame edits (Ghostty, WezTerm, Konsole): whole cells are drawn over
- * by pictures of their own.
+ * Kitty's protocol without frame edits (Ghostty, WezTerm, Konsole): whole cells are covered by
+ * pictures of their own.
  *
  *     ESC[row;columnH ESC _ G a=T,C=1,i=27007,z=25,f=100,s=64,v=32,q=2,m=0 ; <base64> ESC \
- *     ESC _ G a=d,d=I,i=26990,q=2 ESC \         a tile of which nothing is seen any more
+ *     ESC _ G a=d,d=I,i=26990,q=2 ESC \         a tile that is fully covered
  *
- * Each tile has a number that was never used before and lies above all earlier ones, by z. For each
- * cell the board holds the tile that is seen there; a tile that is seen nowhere is deleted after
- * what covers it has come, so nothing flickers. A picture is `worn`, and goes whole as one tile,
- * when tiles are many or their pixels, which the terminal holds in memory, are several times those
- * of the picture.
+ * Each tile has a new number and a higher z than all earlier ones. For each cell the board stores
+ * the visible tile; a tile without visible cells is deleted after the tiles that cover it have been
+ * sent, so nothing flickers. A picture is `worn`, and is sent whole as one tile, when tiles are
+ * many or their pixels, which the terminal keeps in memory, are several times those of the picture.
  *
- *   B1 tile[seen[c]] has the cell c in its box, and the greatest z of all that have;
- *   B2 tile[i].cells is the number of cells c with seen[c] == i; a tile with none is free.
+ *   B1 tile[seen[c]] covers the cell c, and has the greatest z of all that do;
+ *   B2 tile[i].cells is the number of cells c with seen[c] == i; a tile with 0 is free.
  */
 enum { TILES = 512, ROOM = 64, LAYERS_MOST = 6 };
 
@@ -250,7 +250,7 @@ struct tile {
 struct board {
     uint32_t columns, rows;
     uint32_t tiles, z, image; /* the last number */
-    uint64_t area;            /* of all tiles */
+    uint64_t area;            /* area of all tiles */
     struct tile tile[TILES];
     uint16_t seen[]; /* [rows][columns] */
 };
@@ -308,7 +308,7 @@ static void remove_tiles(struct painter *p, struct buf *out)
             release_tile(b, &b->tile[i], out);
 }
 
-/* One tile, the lowest, under what is there until that goes. */
+/* Send one tile, the lowest; it is under the former tiles until these are deleted. */
 static void whole_tile(struct painter *p, const struct raster *raster, struct buf *out)
 {
     const uint32_t columns = raster->width / p->facts.cell_width;

@@ -12,7 +12,7 @@ enum {
     PIXEL_TILE = 16,
     FAST_FROM = 1 << 13, /* pixels; from here on time counts more than bytes */
     BOXES_MOST = 32,
-    CLEAR_FACTOR = 16, /* where slices are kept most pixels are clear, and cost so much less */
+    CLEAR_FACTOR = 16, /* most pixels are clear where slices are kept, and cost much less */
 };
 
 /* ---- the place ---- */
@@ -77,8 +77,7 @@ static bool lose_strip(struct strips *k, uint32_t number)
     return false;
 }
 
-/* Frees what was not used for longest, until so many pixels more are no longer too many. What is
- * used by the view at hand stays. */
+/* Free the least recently used strips until `pixels` more fit. Strips of the present view stay. */
 static void make_room(struct painter *p, uint32_t pixels, struct buf *out)
 {
     struct strips *k = &p->kept;
@@ -178,7 +177,7 @@ static void send_strip(struct painter *p, const struct image_view *view, unsigne
     take_strip(k, i, image);
 }
 
-/* Finds the strips of a view, and sends those that the terminal has not (painter_keep). */
+/* Find the strips of a view, and send those the terminal lacks (painter_keep). */
 static void send_strips(struct painter *p, const struct image_view *view, size_t budget,
                         struct buf *out)
 {
@@ -215,7 +214,7 @@ static void send_strips(struct painter *p, const struct image_view *view, size_t
         }
 }
 
-/* Makes clear what the strips show anyway: `places` has `stride` a row. */
+/* Make pixels clear that the strips show anyway: `places` has `stride` a row. */
 static void clear_strips(const struct strips *k, const struct image_view *view, uint8_t *places,
                          uint32_t stride)
 {
@@ -284,12 +283,12 @@ void painter_release(struct painter *p)
     *p = (struct painter){0};
 }
 
-/* ---- what has changed ---- */
+/* ---- changes ---- */
 
 struct stale {
     struct raster_box box[BOXES_MOST];
     unsigned count;
-    uint64_t cost; /* pixels in all boxes, and what the boxes cost themselves */
+    uint64_t cost; /* pixels in all boxes, and the fixed cost of each box */
 };
 
 struct stale_rule {
@@ -405,7 +404,7 @@ static bool fill_raster(struct painter *p, const struct image_view *view)
     return true;
 }
 
-/* Whether a picture has a palette: it must, it must not, or only one that has all its colours. */
+/* Palette of a picture: required, forbidden, or allowed if it holds all colours. */
 enum palette_need { PALETTE_ALWAYS, PALETTE_NEVER, PALETTE_EXACT };
 
 static enum palette_need need_of(const struct painter *p, const struct image_view *view)
@@ -497,7 +496,7 @@ static bool show_whole(struct painter *p, const struct image_view *view, struct 
 static bool show_pixels(struct painter *p, const struct image_view *view, struct buf *out)
 {
     struct stale stale;
-    /* A picture of another size cannot be compared, and what it leaves uncovered is erased. */
+    /* A picture of another size cannot be compared; cells that it leaves uncovered are erased. */
     uint32_t width = view->width, height = view->height;
     if (p->facts.graphics->over_cells) {
         width = whole_units(width, p->facts.cell_width);
@@ -614,7 +613,7 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     free(copy);
     if (fine) {
-        /* What was the next picture is the one that is shown. */
+        /* The next picture becomes the one that is shown. */
         const struct painter_picture former = p->of[0];
         p->of[0] = p->of[1];
         p->of[1] = former;

@@ -1,35 +1,33 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A picture that stays at one place of the screen, and of which only what has changed goes over the
- * wire.
+ * A picture at a fixed place of the screen, that sends only changes.
  *
  *     struct painter p = {0};
  *     painter_place(&p, &facts, 0, 2, 80, 21);
  *     painter_size(&p, &width, &height);            make a picture of that size
  *     painter_show(&p, &view, &out);                and write `out` in one piece
  *
- * Pure: facts and pixels in, bytes out. What the painter adds must reach the terminal whole and in
- * order, and between its pictures nobody else writes into its place; where that happened,
+ * Pure: facts and pixels in, bytes out. The bytes of the painter must reach the terminal whole and
+ * in order, and nothing else may be written into its place between its pictures; after that, call
  * painter_forget.
  *
- * By what means is said by the terminal's row in the table of graphics (tui/picture/graphics.h):
+ * The row of the table of graphics (tui/picture/graphics.h) sets the method:
  *   pixels over cells     boxes of whole cells are drawn over, none larger than the terminal draws;
- *                         in kitty's protocol each is a picture that stays above those before
+ *                         in kitty's protocol each is a picture that stays above earlier ones
  *   pixels of a picture   boxes of pixels are changed in place
  *   text                  cells that differ are written
  *
- * What has changed is looked for tile by tile, and comes as a few boxes. Where pixels can be
- * changed one by one, boxes fit tightly; where cells are drawn over, they are whole cells. Boxes
- * are joined where one costs no more than two: each has a fixed cost, as that of so many pixels.
- * They may overlap.
+ * Changes are found tile by tile, and sent as a few boxes. Where single pixels can be changed,
+ * boxes fit tightly; where cells are drawn over, boxes are whole cells. Two boxes are joined if
+ * that costs no more: each box has a fixed cost, in pixels. Boxes may overlap.
  *
- * Pictures keep their palette (tui/picture/shades.h) until one goes whole, so patches agree with
- * what they are put on. A picture goes whole when it is the first, or of another size, when its
- * hues or smooth change, when half of its pixels have changed, and when a protocol holds too many
- * parts.
+ * Pictures keep their palette (tui/picture/shades.h) until one is sent whole, so patches agree with
+ * the pixels around them. A picture is sent whole when it is the first, or of another size, when
+ * its hues or `smooth` change, when half of its pixels have changed, and when a protocol holds too
+ * many parts.
  *
- * One painter at a time shows a picture on a terminal. Cells count from 0. The last row of the
- * screen is not for pictures: several terminals scroll when a sixel ends there.
+ * Only one painter shows a picture on a terminal. Cells count from 0. Pictures leave the last row
+ * of the screen free: several terminals scroll when a sixel ends there.
  */
 #ifndef TUI_PICTURE_PAINTER_H
 #define TUI_PICTURE_PAINTER_H
@@ -44,31 +42,31 @@
 #include "tui/probe.h"
 
 /*
- * Slices that live in the terminal: the greys of each go over the wire once, and are placed below
- * the picture as often as they are to be seen again.
+ * Slices that are stored in the terminal: the greys of each are sent once, and placed below the
+ * picture whenever they are visible again.
  *
- *     picture       labels, cross-hair, marks, words, and the rendition; clear where a slice's own
- *                   greys are seen
- *     strips        parts of slices, a few rows of cells high, each a picture of the terminal's
+ *     picture       labels, cross-hair, marks, words, and the rendition; clear where the greys of a
+ *                   slice are visible
+ *     strips        parts of slices, a few rows of cells high, each a picture of the terminal
  *
- * A strip is known by the SHA-256 of its pixels, so nothing has to be said of what became of them:
- * the same slice in the same window at the same size is the same strip, seen before or sent
- * ahead, and after an undo again. Greys are rounded to STRIPS_GREYS levels. Strips have their
- * natural size, so that every version of kitty shows the same pixels.
+ * A strip is identified by the SHA-256 of its pixels, so no invalidation is needed: the same slice
+ * in the same window at the same size is the same strip, seen before or sent ahead, and after an
+ * undo again. Greys are rounded to STRIPS_GREYS levels. Strips have their natural size, so that
+ * every version of kitty shows the same pixels.
  *
- *   K1 what the terminal has of a strip is known only by its number: one that it answers not to
- *      have (painter_take_reply) is sent again;
- *   K2 no number is ever used twice, for a number that is sent again leaks in kitty 0.26;
- *   K3 at most STRIPS_PIXELS_MOST pixels are there: what was not used for longest is freed before
- *      the terminal's own quota, which would take all that is not seen, is reached. Each strip has
- *      a placement of one pixel that nobody sees, or it would count as that.
+ *   K1 a strip that it reports missing
+ *      (painter_take_reply) is sent again;
+ *   K2 no number is used twice, since a number that is sent again leaks in kitty 0.26;
+ *   K3 at most STRIPS_PIXELS_MOST pixels are stored: the least recently used strips are freed
+ *      before the terminal's own quota is reached, which would drop all hidden strips. Each strip
+ *      has a placement of one invisible pixel, or it would count as hidden.
  *
- * A protocol has it if its row has a `struct keeping`.
+ * A protocol supports this if its row has a `struct keeping`.
  */
 enum {
     STRIPS_GREYS = 64,
     STRIPS_KEY = 32,               /* bytes of a SHA-256 */
-    STRIPS_MOST = 96,              /* of one picture; a view with more keeps nothing */
+    STRIPS_MOST = 96,              /* in one picture; a view with more keeps nothing */
     STRIPS_EACH_PIXELS = 12000,    /* about: some 4 kB, which a key waits for at most */
     STRIPS_PIXELS_MOST = 40 << 20, /* half of kitty's 320 MB, at 4 bytes a pixel */
 };
@@ -79,7 +77,7 @@ struct strips_image {
     uint64_t used; /* when: strips.clock */
 };
 
-/* Where a strip is shown. */
+/* A place of a strip on the screen. */
 struct strips_slot {
     uint32_t number; /* 0: nowhere */
     struct raster_box box;
@@ -91,11 +89,11 @@ struct strips {
     uint64_t pixels, clock;
     uint32_t last; /* the last number that was given out */
     struct strips_slot slot[STRIPS_MOST];
-    /* of the view at hand */
+    /* for the present view */
     struct image_strip strip[STRIPS_MOST];
     uint32_t number[STRIPS_MOST]; /* 0 where the terminal has it not */
     unsigned strips;
-    uint8_t *greys; /* of the strip at hand, as places */
+    uint8_t *greys; /* palette places of the present strip */
     size_t greys_capacity;
 };
 
@@ -109,7 +107,7 @@ struct painter {
     unsigned column, row, columns, rows;
     bool is_shown;                /* the screen shows of[0] */
     struct painter_picture of[2]; /* the last one, and the next */
-    uint32_t width, height; /* of what is shown, grown to whole cells where cells are drawn over */
+    uint32_t width, height; /* shown picture, extended to whole cells where cells are drawn over */
     bool has_palette;
     struct shades shades;
 
@@ -118,28 +116,26 @@ struct painter {
 
     /* for the protocol's own use */
     struct png_writer png;
-    enum png_effort effort;  /* of the patch at hand */
+    enum png_effort effort;  /* for the present patch */
     bool is_worn;            /* the next picture is to go whole */
     void *scratch;           /* memory, from picture to picture, */
     size_t scratch_capacity; /* in bytes */
-    void *held;              /* what it keeps of parts that the terminal has, */
+    void *held;              /* its data about parts that the terminal has, */
     size_t held_capacity;    /* in bytes */
     uint32_t image;          /* the number of the picture that the terminal has, 0 for none */
 };
 
-/* Where the picture goes from now on, at least 1x1 cells, and by what means. Forgets what is on the
- * screen where either changes; to move a picture that is shown, remove it first. */
+/* Set the place of the picture, at least 1x1 cells, and the method. Forgets the screen if either
+ * changes; to move a picture that is shown, remove it first. */
 void painter_place(struct painter *p, const struct terminal_facts *facts, unsigned column,
                    unsigned row, unsigned columns, unsigned rows);
 
-/* The pixels that the place has, which are whole cells and square; for blocks pixels that stand for
- * parts of cells. */
+/* The pixels of the place, which are square; for blocks, pixels that are parts of cells. */
 void painter_size(const struct painter *p, uint32_t *width, uint32_t *height);
 
-/* Adds what makes the screen show `view` at the top left of the place, of which it is cut where it
- * is larger; nothing where nothing differs from what is there, or pictures cannot be shown. The
- * cursor may be anywhere afterwards. False, with out->failed set, without memory: `out` is to be
- * thrown away, and the next picture goes whole. */
+/* Add the bytes that show `view` at the top left of the place, cropped to it; nothing if the screen
+ * shows it already, or pictures cannot be shown. The cursor may be anywhere afterwards. Without
+ * memory return false and set out->failed: discard `out`; the next picture is sent whole. */
 bool painter_show(struct painter *p, const struct image_view *view, struct buf *out);
 
 /* Before painter_show, where the terminal can keep strips of slices: adds what sends it those of
@@ -148,26 +144,26 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
  * yet, so a view that is not shown now may be sent ahead. */
 void painter_keep(struct painter *p, struct image_view *view, size_t budget, struct buf *out);
 
-/* Whether the terminal has room for parts of slices that are not wanted yet. */
+/* Return true if the terminal has room for strips that are not needed yet. */
 bool painter_has_room(const struct painter *p);
 
-/* Takes a reply of the terminal; true where it says that parts of what is shown are not there, and
- * the picture is to be shown again. */
+/* Read a reply of the terminal; true if it reports visible parts missing, and the picture must be
+ * shown again. */
 bool painter_take_reply(struct painter *p, const char *reply);
 
-/* Nobody knows what the terminal has, or it is to have nothing any more. */
+/* Forget and free everything stored in the terminal, whose contents may be unknown. */
 void painter_drop(struct painter *p, struct buf *out);
 
 /* The screen was cleared or overwritten: the next picture goes whole. */
 void painter_forget(struct painter *p);
 
-/* Takes the picture off the screen; its place is blank then. */
+/* Remove the picture from the screen; its place is blank then. */
 void painter_remove(struct painter *p, struct buf *out);
 
-/* For a protocol: adds what takes the cursor to a cell of the place. */
+/* For a protocol: move the cursor to a cell of the place. */
 void painter_move_to(const struct painter *p, unsigned column, unsigned row, struct buf *out);
 
-/* Gives the memory back; the painter is as new. What is on the screen stays. */
+/* Release the memory; the painter is as new. The screen does not change. */
 void painter_release(struct painter *p);
 
 /* The level of a grey in a strip, below STRIPS_GREYS, and the colour that a level is shown as. */
@@ -190,9 +186,8 @@ struct raster;
 
 enum graphics_kind { GRAPHICS_NOTHING, GRAPHICS_TEXT, GRAPHICS_PIXELS };
 
-/* How a terminal keeps parts of slices (tui/picture/painter.h): it gets one, without showing it;
- * shows it at a place, which is one of several that bear numbers; takes it off; frees it, or all it
- * has. */
+/* Functions for strips stored in the terminal: send one without showing it; show it at a place, one
+ * of several numbered ones; hide it; free it, or all of them. */
 struct keeping {
     void (*send)(struct painter *, const struct raster *, uint32_t number, struct buf *);
     void (*place)(const struct painter *, uint32_t number, unsigned place,
@@ -213,12 +208,12 @@ struct graphics {
     struct probe_question question; /* in the second round */
     const char *recovery;           /* ends a transmission that was cut in two; NULL: ESC \ does */
     const char *made_by; /* the terminal that has all of the protocol; NULL: all that fit, */
-    const struct graphics *instead; /* and what the others that fit are shown by */
+    const struct graphics *instead; /* and the row for the others that fit */
 
     /* -- pixels -- */
     bool over_cells;     /* drawn over cells, so patches are whole cells; else pixels are changed */
     bool palette_always; /* else 24 bits are possible as well */
-    uint32_t patch_cost; /* of a patch beyond its pixels, in pixels: escape, headers, palette */
+    uint32_t patch_cost; /* fixed cost of a patch, in pixels: escape, headers, palette */
     void (*once)(struct painter *, const struct raster *, struct buf *);  /* at the cursor */
     void (*whole)(struct painter *, const struct raster *, struct buf *); /* NULL: as a patch */
     void (*patch)(struct painter *, const struct raster *, const struct raster_box *, struct buf *);

@@ -23,10 +23,10 @@ static uint32_t colour_cell(uint32_t colour)
 /* ---- the colours that suit a picture ---- */
 
 /*
- * A few colours for a picture of many, of which nothing is known. The colours are cut into boxes:
- * begin with one box that holds all, and repeatedly halve at its mean the box and axis with the
- * largest squared error (Wan, Prusinkiewicz and Wong, "Variance-based color image quantization",
- * 1990). Integers only: the same picture gives the same colours.
+ * A few colours for a picture without known hues. The colours are cut into boxes: begin with one
+ * box that holds all, and repeatedly halve at its mean the box and axis with the largest squared
+ * error (Wan, Prusinkiewicz and Wong, "Variance-based color image quantization", 1990). Integers
+ * only: the same picture results in the same colours.
  */
 
 struct sample {
@@ -190,7 +190,7 @@ static uint32_t distance(uint32_t a, uint32_t b)
     return (uint32_t)(2 * red * red + 4 * green * green + 3 * blue * blue);
 }
 
-/* The middle of a cell stands for all of it, so that no order of asking matters. */
+/* Look up the middle of a cell, so that the order of lookups does not matter. */
 static uint8_t seek_shade(struct shades *s, uint32_t cell)
 {
     const uint32_t middle =
@@ -293,7 +293,7 @@ static uint32_t third(uint32_t colour)
     return on_the_way(0, colour, 1, 3);
 }
 
-/* How far a colour lies from the way from `from` to `to`, as the nearest of its 16 rungs. */
+/* Distance of a colour from the line between two colours: to the nearest of its 16 rungs. */
 static uint32_t off_the_way(uint32_t colour, uint32_t from, uint32_t to)
 {
     uint32_t least = UINT32_MAX;
@@ -347,7 +347,8 @@ static bool is_shaded(uint32_t colour, const uint32_t *hue, unsigned hues)
     return false;
 }
 
-/* Brighter hues first; what is but another's shade is left out. Returns whether any is new. */
+/* Use the brighter hues first, without hues that are shades of another. Return true if the hues are
+ * new. */
 static bool take_hues(struct shades *s, const struct image_view *view)
 {
     const unsigned given = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
@@ -405,8 +406,7 @@ static void look_around(const struct image_view *view, const uint32_t *hue, unsi
 /* More than 64 greys, or much the same of any hue, the table could not distinguish. */
 enum { GREYS_LEAST = 8, RUNGS_MOST = 56, RUNGS_FEW = 8 };
 
-/* Whether so many hues are left that each would have but a few levels: bands of colour would be
- * seen. */
+/* Return true if each hue would have only a few levels: bands of colour would be visible. */
 static bool are_crowded(const struct shades *s)
 {
     return s->hues * RUNGS_FEW > SHADES_MOST - 1 - ACCENTS - GREYS_LEAST;
@@ -456,7 +456,7 @@ static bool take_colours(struct shades *s, const struct image_view *view)
 
 /* ---- the palette ---- */
 
-/* Whether the colours that suited another picture suit this one too. */
+/* Return true if the colours chosen for another picture suit this one too. */
 static bool are_near(struct shades *s, const struct image_view *view)
 {
     enum { FURTHER = 2 * 16 };

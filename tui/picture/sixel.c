@@ -10,9 +10,9 @@
  *     ESC \
  *
  * A sixel is a byte 63 + bits, the lowest bit on top; !N repeats. Every pixel is painted, black
- * ones too: terminals differ in what they do with the rest; but none below the last row, where the
- * last band has more. Colours are whole percents, so a channel may come back up to 1 of 255 off.
- * Only those that occur are declared, numbered anew, so each picture is complete in itself.
+ * ones too: terminals treat unpainted pixels differently; but none below the last row, where the
+ * last band has more. Colours are whole percents, so a channel may be up to 1 of 255 off. Only
+ * colours that occur are declared, with new numbers, so each picture is complete in itself.
  */
 #include <string.h>
 
@@ -33,7 +33,7 @@ struct sixel_run {
 struct band {
     struct sixel_run *run;
     uint32_t runs;
-    uint32_t first[COLOURS], last[COLOURS]; /* of each colour's runs */
+    uint32_t first[COLOURS], last[COLOURS]; /* runs of each colour */
     uint8_t used[COLOURS];                  /* the colours of this band */
     unsigned used_count;
     bool is_used[COLOURS];
@@ -85,7 +85,7 @@ static void gather_column(struct band *band, const uint8_t *top, size_t stride, 
     }
 }
 
-/* Whether eight columns are of one colour all over. */
+/* Return true if eight columns have a single colour. */
 static bool is_flat(const uint8_t *top, size_t stride, uint32_t rows)
 {
     const uint64_t wanted = top[0] * UINT64_C(0x0101010101010101);
@@ -127,7 +127,7 @@ static char *put_run(char *place, uint8_t bits, uint32_t run)
 
 static void write_band(const struct band *band, const uint8_t *number, struct buf *out)
 {
-    enum { RUN_MOST = 2 * 12, COLOUR_MOST = 5 }; /* bytes: with what is left out before it */
+    enum { RUN_MOST = 2 * 12, COLOUR_MOST = 5 }; /* bytes: with the gap before it */
     char *begin =
         buf_reserve(out, (size_t)band->runs * RUN_MOST + band->used_count * COLOUR_MOST + 1);
     if (!begin)
