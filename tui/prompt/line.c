@@ -10,11 +10,11 @@
 
 /* ---- undo ---- */
 
-/* Whether a change is a step of its own, or more of the last one, where it fits that. */
+/* Join a change to the last step, if it fits that, or begin a new step. */
 enum line_step {
     STEP_NEW,
     STEP_TYPED,  /* added where the last addition ended */
-    STEP_ERASED, /* removed right before or right after what was removed last */
+    STEP_ERASED, /* removed right before or right after the last removal */
     STEP_OVER    /* in the place of all that the last step added */
 };
 
@@ -31,7 +31,7 @@ static void line_undo_release(struct line_undo *u)
     *u = (struct line_undo){0};
 }
 
-/* Puts bytes before the last `tail` ones of what is held. */
+/* Insert bytes before the last `tail` bytes of the stored ones. */
 static void hold(struct line_undo *u, size_t tail, const char *bytes, size_t length)
 {
     char *end = buf_reserve(&u->removed, length);
@@ -268,8 +268,8 @@ static void undo(struct line *l)
     l->cursor = change.cursor;
 }
 
-/* Removes a range and adds it to the kill buffer, before what the last kill put there when it lies
- * before the cursor, after it otherwise. */
+/* Remove a range and add it to the kill buffer: before the last kill if the range is before the
+ * cursor, after it otherwise. */
 static void kill_range(struct line *l, size_t from, size_t to, bool join)
 {
     struct buf kept = {0};
@@ -400,13 +400,13 @@ static void cite(struct line *l, bool again)
     change_text(l, l->cited_at, l->cursor, word, length, again ? STEP_OVER : STEP_NEW);
 }
 
-/* LINE_OLDER and what follows it; `before` is what was done before it. */
+/* LINE_OLDER and the actions after it; `before` is the action before it. */
 static void recall(struct line *l, enum line_action action, enum line_last before)
 {
     const bool again = before == LAST_RECALLED;
     const enum line_step step = step_after(l, before);
     l->last = action == LINE_CITE ? LAST_CITED : LAST_RECALLED;
-    if (action != LINE_CITE && !again) { /* what the lines to be looked through begin with */
+    if (action != LINE_CITE && !again) { /* the prefix of the lines to browse */
         leave_edited_entry(l);
         buf_clear(&l->prefix);
         buf_add(&l->prefix, buf_text(&l->text), l->cursor);
@@ -430,7 +430,7 @@ static void recall(struct line *l, enum line_action action, enum line_last befor
 
 /* ---- actions ---- */
 
-/* Where an action leads the cursor, or up to where it takes text away. */
+/* Target of an action: the new cursor, or the end of the range to remove. */
 static size_t (*const target_of[])(const struct line *, size_t) = {
     [LINE_LEFT] = previous,
     [LINE_RIGHT] = next,
@@ -447,7 +447,7 @@ static size_t (*const target_of[])(const struct line *, size_t) = {
     [LINE_KILL_WORD_RIGHT] = word_right,
 };
 
-/* What changes the text or the cursor by where an action leads. */
+/* Actions that move the cursor or remove text up to a target. */
 static void move(struct line *l, enum line_action action, enum line_last before)
 {
     const size_t at = l->cursor, to = target_of[action](l, at);
@@ -520,7 +520,7 @@ void line_search_begin(struct line *l)
     find_all(l);
 }
 
-/* What is shown stays as long as it is in the list; else the next older one is. */
+/* The shown entry stays while it is in the list; then the next older one is shown. */
 void line_search_add(struct line *l, const char *bytes, size_t length)
 {
     size_t number = 0;
@@ -594,7 +594,7 @@ bool line_take_suggestion(struct line *l, const char *rest, enum line_action act
     if (*rest == '\0' || (action != LINE_RIGHT && action != LINE_END && action != LINE_WORD_RIGHT))
         return false;
     size_t length = strlen(rest);
-    if (action == LINE_WORD_RIGHT) { /* the first word of what is suggested */
+    if (action == LINE_WORD_RIGHT) { /* the first word of the suggestion */
         struct line whole = {.cursor = l->cursor};
         buf_add(&whole.text, buf_text(&l->text), l->text.length);
         buf_add_text(&whole.text, rest);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The line being typed: text, cursor, what keys do to them, undo, and older lines that come into
- * it. Pure; drawing and the terminal are in line_edit.h.
+ * The line being typed: text, cursor, effects of keys, undo, and older lines. Pure; drawing and the
+ * terminal are in line_edit.h.
  *
  * Invariants
- *   L1 the text has no control characters, and is UTF-8 as far as what was inserted is;
- *   L2 the cursor is 0..length and stands between characters, marks stay with their base;
+ *   L1 the text has no control characters, and is UTF-8 if everything inserted is;
+ *   L2 the cursor is 0..length and between characters; marks stay with their base;
  *   L3 without memory an edit does nothing and text.failed stays set.
  */
 #ifndef TUI_PROMPT_LINE_H
@@ -33,7 +33,7 @@
 enum {
     LINE_HISTORY_MOST = 10000,
     LINE_HISTORY_LONGEST = 4096,
-    LINE_HISTORY_BYTES_MOST = 4 << 20 /* of the file: no more of it is read, or stored */
+    LINE_HISTORY_BYTES_MOST = 4 << 20 /* read from the file, or stored in it, at most */
 };
 
 struct line_history {
@@ -45,11 +45,12 @@ struct line_history {
 /* `struct line_history h = {0}` is empty and ready. */
 void line_history_release(struct line_history *h);
 
-/* Whether it was stored. Without memory the line is forgotten: a history is not worth an error. */
+/* Return true if it was stored. Without memory the line is dropped: a history is not worth an
+ * error. */
 bool line_history_add(struct line_history *h, const char *text, size_t length);
 
-/* Where the file lies: $IFTTY_HISTORY, else below $XDG_STATE_HOME, else ~/.local/state/iftty. False
- * where there is to be none: the first is empty, or nothing says where. */
+/* Path of the file: $IFTTY_HISTORY, else below $XDG_STATE_HOME, else ~/.local/state/iftty. False
+ * for no file: the first is empty, or none of the variables is set. */
 bool line_history_path(struct buf *path);
 
 /* Reads the file into an empty history; one that is not there is empty. */
@@ -62,15 +63,15 @@ enum err line_history_append(struct line_history *h, const char *path, struct fa
 /* ---- undo ---- */
 
 /*
- * What was done to a line, so that it can be taken back step by step, the last step first.
+ * Changes of a line, undone step by step, the last step first.
  *
- * A step says where the text changed, how much was added there, and holds what was removed: taking
- * it back puts that in the place of what was added. What is typed up to the next word is one step,
- * and so are characters erased one after another, and older lines looked through.
+ * A step stores the position of the change, the length of the added text, and the removed text:
+ * undoing it replaces the added text by the removed one. Typing up to the next word is one step,
+ * and so are consecutive erased characters, and browsing older lines.
  *
- * Bounded: the oldest steps go when there are LINE_UNDO_MOST, or what they hold is more than
- * LINE_UNDO_BYTES. A step that cannot be held, for its size or for the lack of memory, takes all
- * before it along, since they would no longer fit the text.
+ * Bounded: the oldest steps are dropped beyond LINE_UNDO_MOST steps or LINE_UNDO_BYTES bytes. A
+ * step that cannot be stored, for its size or for lack of memory, drops all steps before it, since
+ * they would no longer fit the text.
  */
 enum { LINE_UNDO_MOST = 1000, LINE_UNDO_BYTES = 1 << 20 };
 
@@ -86,7 +87,7 @@ struct line_undo {
 
 /* ---- the line ---- */
 
-/* What was done last, which the same done again goes on with. */
+/* The last action; the same action again continues it. */
 enum line_last { LAST_OTHER, LAST_TYPED, LAST_ERASED, LAST_KILLED, LAST_RECALLED, LAST_CITED };
 
 enum { LINE_FOUND_MOST = 200 };
@@ -100,12 +101,12 @@ struct line {
     const struct line_history *history;
     size_t place;      /* the history entry shown; history->count for the line of today */
     struct buf draft;  /* the line of today while an older one is shown */
-    struct buf prefix; /* what the lines looked through begin with */
+    struct buf prefix; /* prefix of the lines that are browsed */
     size_t cited;      /* the history entry whose last word was inserted last, */
     size_t cited_at;   /* and where in the text */
     bool searching;
     bool search_failed;
-    struct buf wanted;             /* what is searched for */
+    struct buf wanted;             /* the text to search for */
     size_t found[LINE_FOUND_MOST]; /* the history entries that hold it, each text once, the newest
                                       first, */
     size_t founds, chosen;         /* and which of them is shown; founds for none */
@@ -132,7 +133,7 @@ enum line_action {
     LINE_YANK,
     LINE_TRANSPOSE, /* the two characters around the cursor; at the end, the two before it */
     LINE_UNDO,
-    LINE_OLDER, /* of the lines that begin with what stands before the cursor */
+    LINE_OLDER, /* among the lines that begin with the text before the cursor */
     LINE_NEWER,
     LINE_OLDEST,
     LINE_NEWEST,
@@ -147,10 +148,10 @@ void line_release(struct line *l);
 /* Empty again, back from the history; the kill buffer stays. */
 void line_clear(struct line *l);
 
-/* Inserts what is typed at the cursor, which moves after it. */
+/* Insert typed bytes at the cursor, which moves after them. */
 void line_insert(struct line *l, const char *bytes, size_t length);
 
-/* The same with what is pasted, all of which is undone as one. */
+/* Insert pasted bytes, which are undone as one step. */
 void line_paste(struct line *l, const char *bytes, size_t length);
 
 /* Puts `bytes` in the place of text[from..to); the cursor goes after them. */
@@ -161,16 +162,16 @@ void line_act(struct line *l, enum line_action action);
 /* ---- older lines ---- */
 
 /*
- * Older lines come into the line being edited: one after another, by search, by their last words,
- * or as a suggestion of how it may go on. Pure.
+ * Older lines are inserted into the line being edited: by browsing, by search, by their last words,
+ * or as a suggestion. Pure.
  *
- * The lines looked through with LINE_OLDER and LINE_NEWER begin with what stood before the cursor
- * when that began. One that is the same as what is shown is passed over. An older line that has
- * been changed is the line of today.
+ * The lines browsed with LINE_OLDER and LINE_NEWER begin with the text before the cursor when
+ * browsing began. An entry equal to the shown text is skipped. An older line that has been changed
+ * is the current line.
  */
 
-/* Search through the history: a list of the lines that hold what is wanted, all at first, which
- * narrows as that is typed. The one that is chosen is shown as the text. */
+/* Search the history: a list of the lines that contain the wanted text, all at first, which narrows
+ * as text is typed. The chosen line is shown as the text. */
 void line_search_begin(struct line *l);
 void line_search_add(struct line *l, const char *bytes, size_t length);
 void line_search_erase(struct line *l);
@@ -178,16 +179,17 @@ void line_search_older(struct line *l);          /* the next one of the list, */
 void line_search_newer(struct line *l);          /* or the one before */
 void line_search_end(struct line *l, bool keep); /* the entry stays, or the old line comes back */
 
-/* Whether a line of the history would do now what it did: a name that it needs may be gone. */
+/* Return true if a line of the history would still work as before: a name that it needs may be
+ * gone. */
 typedef bool line_knows_function(void *context, const char *text);
 
-/* What is suggested: the rest of the newest line that begins with the text, is longer, and is
- * known. "" where there is none, for an empty line, or where the cursor is not at the end; it may
- * hold what is not safe to print. It lives as long as the history does not change. */
+/* Return the suggestion: the rest of the newest known line that begins with the text and is longer.
+ * "" for none, for an empty line, or if the cursor is not at the end; it may contain unsafe
+ * characters. Valid until the history changes. */
 const char *line_suggestion(const struct line *l, line_knows_function *knows, void *context);
 
-/* Takes a suggestion, or the next word of it, as LINE_RIGHT, LINE_END or LINE_WORD_RIGHT at the end
- * of the line do; false for another action, or for "". */
+/* Accept a suggestion, or its next word, on LINE_RIGHT, LINE_END or LINE_WORD_RIGHT at the end of
+ * the line; false for another action, or for "". */
 bool line_take_suggestion(struct line *l, const char *rest, enum line_action action);
 
 #endif

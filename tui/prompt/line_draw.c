@@ -100,8 +100,8 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
         first = cursor.row;
     size_t last = all.row < first + rows - 1 ? all.row : first + rows - 1;
 
-    /* Up to the first row of what stands there. After a change of width the terminal may have
-     * wrapped it anew or not; the smaller number of rows never reaches up into older output. */
+    /* Move up to the first row of the drawing. After a change of width the terminal may have
+     * wrapped it again or not; the smaller number of rows never reaches into older output. */
     const size_t now = drawing->cells / columns;
     const size_t up = now < drawing->row ? now : drawing->row;
     if (up > 0)
@@ -112,7 +112,7 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
     walk_text(&w, content->text, content->length);
     walk_wrap(&w);
     const bool hints = add_hint(content, columns, w.column, out);
-    size_t below = 0; /* lines, as many as there are rows for */
+    size_t below = 0; /* lines, limited by the rows left */
     for (const char *at = content->below ? content->below : "";
          *at && below < rows - (last - first + 1); below++) {
         const size_t length = strcspn(at, "\n");
@@ -167,7 +167,7 @@ struct candidates candidates_of(const char *words)
     return c;
 }
 
-/* What of a word is shown: not what leads to it. */
+/* Remove the common path and the quotes from a word. */
 static void strip(const struct candidates *c, const char **word, size_t *length)
 {
     const bool quoted = c->first[0] == '"';
@@ -220,7 +220,7 @@ static void add_cropped(struct buf *out, const char *text, size_t length, size_t
     buf_add_safe(out, text, end);
 }
 
-/* A row of a list: a word, and beside it as much of the text up to its line feed as fits. */
+/* A row of a list: a word, then the text up to its line feed, cropped to fit. */
 static void list_row(const char *word, size_t length, const char *text, size_t stride,
                      unsigned columns, struct buf *out)
 {

@@ -27,7 +27,7 @@ void line_editor_release(struct line_editor *e)
     buf_release(&e->input);
 }
 
-/* What a key led to. */
+/* Result of a key. */
 enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, EDIT, NEWS };
 
 /* ---- drawing ---- */
@@ -38,7 +38,7 @@ static const char *suggestion(const struct line_editor *e)
     return may ? line_suggestion(&e->line, e->knows, e->context) : "";
 }
 
-/* How a line that is typed may go on: as an older one did, and what may follow that. */
+/* Add possible ends of a typed line: the rest of an older one, and the usage after that. */
 static void add_hint(const struct line_editor *e, struct buf *hint)
 {
     const struct line *l = &e->line;
@@ -109,7 +109,8 @@ static enum err redraw(struct line_editor *e, const char *prompt, struct fault *
     return term_write_text(&out, "drawing the line", fault);
 }
 
-/* Draws the line once more with the cursor at its end, then `more`; what follows begins a line. */
+/* Draw the line once more with the cursor at its end, then `more`; the next output begins a line.
+ */
 static enum err leave_line(struct line_editor *e, const char *prompt, const char *more,
                            struct fault *fault)
 {
@@ -242,7 +243,7 @@ static enum outcome key_by_table(struct line_editor *e, const struct key_event *
         return CLEAR;
     case DUTY_STOP:
         return SUSPEND;
-    case DUTY_OTHER_EDITOR: /* not for one line amid what has the whole screen */
+    case DUTY_OTHER_EDITOR: /* not for a single line on a full screen */
         return e->is_one_line ? GO_ON : EDIT;
     case DUTY_HOST_LINE:
         if (!e->line_of_ctrl_o)
@@ -338,8 +339,8 @@ static enum outcome take_key(struct line_editor *e, const struct key_event *even
     return e->line.searching ? search_key(e, event) : plain_key(e, event);
 }
 
-/* Nobody types a bracket after the Escape key, which means nothing here; the letters that begin a
- * string, one may. */
+/* A bracket after the Escape key, which has no meaning here, is not typed by a user; the letters
+ * that begin a string may be. */
 void line_editor_mend(struct line_editor *e, uint8_t byte)
 {
     struct key_event event;
@@ -387,7 +388,7 @@ static enum outcome take_input(struct line_editor *e)
     return outcome;
 }
 
-/* What stands on the screen against what should. */
+/* State of the screen. */
 enum screen { DRAWN, STALE, STALE_IN_PASTE };
 
 /* Waits for bytes, and says in *screen whether the line has to be drawn again. */
@@ -411,7 +412,7 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
     case TERM_SIGNAL:
         if (term_was_continued())
             e->drawing = (struct line_drawing){0};
-        term_was_resized(); /* every drawing asks for the size anew */
+        term_was_resized(); /* every drawing reads the size again */
         *screen = STALE;
         return GO_ON;
     case TERM_CLOSED:
@@ -436,12 +437,12 @@ void line_editor_suspend(struct line_editor *e)
 /* ---- another editor ---- */
 
 /*
- * The line in an editor of the user's choice: $VISUAL, else $EDITOR, on a file that nobody else can
- * read, which is gone afterwards.
+ * The line in an editor of the user's choice: $VISUAL, else $EDITOR, on a private file that is
+ * deleted afterwards.
  *
- * The words of the variable go to the shell, as `EDITOR="code --wait"` needs it. While the editor
- * runs the terminal is its own, as our caller found it; Ctrl-C and Ctrl-\ are for the editor alone.
- * Line feeds come back as blanks, other control characters not at all, so that nothing is
+ * The words of the variable are for the shell, as in `EDITOR="code --wait"`. While the editor runs
+ * it owns the terminal, in the modes that our caller had; Ctrl-C and Ctrl-\ affect the editor
+ * alone. Line feeds become blanks, other control characters are removed, so that nothing is
  * submitted.
  */
 enum { OTHER_EDITOR_BYTES_MOST = 1 << 20 }; /* that are taken back */
@@ -540,7 +541,7 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
 
 /* ---- the end of a line ---- */
 
-/* Does what a key led to, short of the end of the line. */
+/* Carry out the result of a key, except the end of the line. */
 static enum err follow(struct line_editor *e, const char *prompt, enum outcome outcome,
                        struct fault *fault)
 {
@@ -558,7 +559,7 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
         line_editor_suspend(e);
         return redraw(e, prompt, fault);
     case CLEAR:
-        if (e->is_one_line) /* the rest of the screen is somebody else's */
+        if (e->is_one_line) /* the rest of the screen has another owner */
             return redraw(e, prompt, fault);
         e->drawing = (struct line_drawing){0};
         err = term_write("\033[H\033[2J", 7, fault);

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reading a line at the terminal: keys in, line drawn, until Enter.
+ * Read a line at the terminal: keys in, line drawn, until Enter.
  *
- * The keys are in line_keys.c.
+ * After a line with the cursor at its end possible continuations are shown in grey; they are not
+ * part of the line. First comes the suggestion, the rest of an older line (line.h), which Right,
+ * End and Alt-F accept; then the usage after it, as provided by the host.
  *
- * After a line with the cursor at its end stands in grey how it may go on; that is no part of the
- * line. First comes what is suggested, the rest of an older line (line.h), which Right, End
- * and Alt-F there take; then what may follow all that, as the host says.
- *
- * All that has arrived is taken in before the line is drawn, and a bracketed paste to its end, so
- * that a large paste costs one redraw. A line feed in it submits, the rest stays for the next line.
+ * All available input is read before the line is drawn, and a bracketed paste to its end, so that a
+ * large paste costs one redraw. A line feed in it submits; the rest stays for the next line.
  */
 #ifndef TUI_PROMPT_LINE_EDIT_H
 #define TUI_PROMPT_LINE_EDIT_H
@@ -25,13 +23,13 @@
 /* ---- the table of keys (line_keys.c) ---- */
 
 /*
- * THE table of the keys of the prompt: dispatch, `help keys` and tui/README.md come from it.
+ * THE table of the keys of the prompt: dispatch, `help keys` and tui/README.md use it.
  *
- * A row names its keys as people do, "Ctrl-F, Right", and that is what an event is compared with:
- * no key is written twice. A key after another one is a word more, "Ctrl-X Ctrl-E". Shift, and what
- * else is held with a key that no row names so, is passed over: Shift-Left is Left.
+ * A row names its keys as people do, "Ctrl-F, Right", and an event is compared with that: no key is
+ * written twice. A key after another one is a word more, "Ctrl-X Ctrl-E". Shift, and other
+ * modifiers that no row names with a key, are ignored: Shift-Left is Left.
  */
-/* What a key does: changes the line by an enum line_action, or something for the editor. */
+/* Action of a key: a change of the line by an enum line_action, or one of the editor. */
 enum line_duty {
     DUTY_NONE = LINE_ACTIONS,
     DUTY_SUBMIT,
@@ -58,18 +56,19 @@ void line_keys_page(struct buf *out);
 /* ---- drawing (line_draw.c) ---- */
 
 /*
- * Drawing the line being edited: prompt, text and cursor over as many rows as they need; and what
- * stands below it: the candidates for a word, and a caret under what is wrong.
+ * Drawing of the line being edited: prompt, text and cursor over several rows; and below it the
+ * candidates for a word, and a caret under an error.
  *
- *     CSI nA CR CSI J   prompt text   CSI nA CR CSI nC       all of a redraw, in one write
+ *     CSI nA CR CSI J   prompt text   CSI nA CR CSI nC       a redraw, in one write
  *
  * Rows break where the terminal breaks them: at the right margin, a wide character early. After a
- * character in the last column terminals wait with the wrap, so when the text ends there, CR LF
- * makes it happen. When there are more rows than the terminal has, those around the cursor show.
- * What is no printable UTF-8 is drawn as \xNN, and takes four columns. A hint goes no further than
- * the row of the cursor; of what stands below, as much shows as there are rows. Pure: bytes out.
+ * character in the last column terminals delay the wrap, so if the text ends there, CR LF forces
+ * it. If there are more rows than the terminal has, the rows around the cursor are shown. Bytes
+ * that are not printable UTF-8 are drawn as \xNN, four columns wide. A hint ends in the row of the
+ * cursor; lines below are limited by the rows left. Pure: bytes out.
  */
-/* What stands on the screen: `struct line_drawing d = {0}` is nothing, cursor at a line's start. */
+/* The drawing on the screen: `struct line_drawing d = {0}` is empty, with the cursor at a line's
+ * start. */
 struct line_drawing {
     size_t cells; /* from the start of the first row shown to the cursor */
     unsigned row; /* the cursor's, 0 is the first row shown */
@@ -81,8 +80,7 @@ struct line_content {
     size_t length, cursor; /* in bytes of text */
     const char *hint;      /* after the text, where the cursor is; safe to print, or NULL */
     const char *grey;      /* CSI .. m that makes it so */
-    const char *below;     /* lines that stand below, safe to print and narrower than the screen,
-                              each ended by a line feed; NULL for none */
+    const char *below;     /* lines below, safe to print, each with a line feed; or NULL */
 };
 
 void line_draw(struct line_drawing *drawing, const struct line_content *content, unsigned columns,
@@ -90,8 +88,8 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
 
 /* ---- candidates ---- */
 
-/* Whole words, each ended by a line feed, with a tab and what it means before that where there is
- * something to say; and what all of the words begin with. */
+/* Whole words, each ended by a line feed, optionally with a tab and a meaning before it; and their
+ * common prefix. */
 struct candidates {
     const char *words;
     size_t count;
@@ -102,22 +100,24 @@ struct candidates {
 
 struct candidates candidates_of(const char *words);
 
-/* Adds the list in lines that end in CR LF, for a terminal of so many columns and rows, of which
- * the list leaves three. Candidates stand in columns, read downwards, without what is the same in
- * all of them up to a slash, and without quotes:
+/*
+ * Add the list in lines that end in CR LF, for a terminal of `columns` x `rows`; the list leaves
+ * three rows free. Candidates are in columns, read downwards, without their common path up to a
+ * slash, and without quotes:
  *
  *     scans/a b.nii  ->  a b.nii   masks/
  *     scans/ch2.nii      ch2.nii
  *
- * Where words have a meaning and there are rows for all of them, each has one of its own, with what
- * fits of the meaning beside it:
+ * If words have a meaning and there are rows for all of them, each has its own row, with as much of
+ * the meaning as fits:
  *
  *     seed       plant a seed, a ball of seeds, or a stroke
  *     seed-file  plant the seeds of a .csv list or a label map
  *
- * Notes stand below these, what they are about in the place of the word.
+ * Notes follow below, with their topic in the place of the word.
  *
- * For what does not fit the screen there is one line: "and 214 more". */
+ * Candidates that do not fit the screen are counted in a last line: "and 214 more".
+ */
 void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out);
 
 /* ---- the caret ---- */
@@ -129,7 +129,7 @@ void candidates_list(const struct candidates *c, unsigned columns, unsigned rows
 struct caret {
     const char *prompt, *text; /* the line as it was typed */
     size_t at;                 /* the byte of `text` that is wrong, or one after its end */
-    bool below;                /* what is added stands right below it */
+    bool below;                /* the addition follows directly below the line */
     bool coloured;
 };
 
@@ -144,11 +144,11 @@ void caret_add(struct buf *out, const struct caret *caret, unsigned columns);
 typedef void line_complete_function(void *context, const char *line, size_t cursor,
                                     struct buf *candidates, size_t *word_start);
 
-/* Adds to those words of a line's first word what has it as a piece; lines that begin with a tab
- * are told, and no words: a tab, what it is about, a tab, what there is to say. */
+/* Add candidates that contain the piece, for the first word of a line; lines that begin with a tab
+ * are notes, not words: a tab, the topic, a tab, the text. */
 typedef void line_find_function(void *context, const char *piece, struct buf *candidates);
 
-/* Adds what may follow the line, safe to print. */
+/* Add the usage after the line, safe to print. */
 typedef void line_hint_function(void *context, const char *line, size_t length, struct buf *out);
 
 /* Adds lines that are to be shown now, safe to print, each ended by a line feed. */
@@ -163,11 +163,11 @@ struct line_editor {
     size_t taken;
     bool pasting;
     char keys_before[LINE_KEYS_MOST]; /* that wait for another, as Ctrl-X does */
-    bool is_one_line;  /* a line feed in a paste is a blank; Escape empties and submits it */
-    bool lone_escape;  /* the last byte was an ESC that nothing followed for a while */
-    bool unanswered;   /* the terminal was asked and has not answered: what it says may come yet */
-    bool after_return; /* of CR LF in a paste, the LF says nothing new */
-    unsigned answers_due;          /* DA1 questions sent, not answered yet */
+    bool is_one_line;     /* a line feed in a paste is a blank; Escape empties and submits it */
+    bool lone_escape;     /* the last byte was an ESC that nothing followed for a while */
+    bool unanswered;      /* the terminal was asked and may still answer */
+    bool after_return;    /* a CR ended the last line of a paste: an LF after it is ignored */
+    unsigned answers_due; /* DA1 questions sent, not answered yet */
     void (*answered)(void *asker); /* called at other answers to DA1 that come meanwhile; or NULL */
     void *asker;
     struct line_drawing drawing;
@@ -181,35 +181,34 @@ struct line_editor {
     line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */
     int news_descriptor;
     const char *pager;          /* words of $PAGER, or NULL (pager.h) */
-    const char *line_of_ctrl_o; /* submitted in place of what was typed, or NULL */
+    const char *line_of_ctrl_o; /* submitted in place of the typed text, or NULL */
     void *context;
 };
 
 void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context);
 void line_editor_release(struct line_editor *e);
 
-/* Takes each byte before keys_feed does: a slow connection may cut an answer of the terminal
- * right after its ESC, which was taken for the Escape key then. */
+/* Call for each byte before keys_feed: a slow connection may cut an answer of the terminal right
+ * after its ESC, which was then mistaken for the Escape key. */
 void line_editor_mend(struct line_editor *e, uint8_t byte);
 
-/* For others who read the editor's input, as a pager does: the next key of what has been read,
- * and the one that bytes are which nothing followed in time; false where there is none. */
+/* For other readers of the editor's input, as the pager: the next key of the bytes read, and the
+ * key of bytes that were followed by nothing in time; false if there is no key. */
 bool line_editor_next(struct line_editor *e, struct key_event *event);
 bool line_editor_time_out(struct line_editor *e, struct key_event *event);
 
 /* The terminal has said something: perhaps an answer that was due. */
 void line_editor_reply(struct line_editor *e);
 
-/* Waits for the answers that are due: what has the terminal next would take them for keys. */
+/* Wait for due answers: the next program at the terminal would read them as keys. */
 void line_editor_take_answers(struct line_editor *e);
 
-/* Stops as Ctrl-Z does, when they have come; returns when it goes on. */
+/* Wait for them, then stop as Ctrl-Z does; return when the process continues. */
 void line_editor_suspend(struct line_editor *e);
 
-/* Reads a line at the terminal, which is open and raw, and adds it to the history. News that come
- * meanwhile stand above the line. The line is then
- * e->line.text, until the next call. *ended is set at Ctrl-D on an empty line or when the terminal
- * has gone. */
+/* Read a line at the terminal, which is open and raw, and add it to the history. News are shown
+ * above the line. The line is e->line.text, until the next call. *ended is set at Ctrl-D on an
+ * empty line or when the terminal is gone. */
 enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault);
 
 #endif

@@ -68,7 +68,7 @@ enum err line_history_load(struct line_history *h, const char *path, struct faul
         line_history_add(h, at, length);
         at += length + 1;
     }
-    h->appended = TRIM_AFTER; /* nobody knows how long it is */
+    h->appended = TRIM_AFTER; /* its length is unknown */
     buf_release(&content);
     return err;
 }

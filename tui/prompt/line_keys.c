@@ -9,42 +9,42 @@ static const struct {
     unsigned action; /* or duty */
     const char *words;
 } table[] = {
-    {"Ctrl-B, Left", LINE_LEFT, "a character to the left"},
-    {"Ctrl-F, Right", LINE_RIGHT, "to the right; at the end: the suggestion"},
-    {"Alt-B, Ctrl-Left, Alt-Left", LINE_WORD_LEFT, "a word to the left"},
-    {"Alt-F, Ctrl-Right, Alt-Right", LINE_WORD_RIGHT, "to the right; at the end: a suggested word"},
-    {"Ctrl-A, Home", LINE_HOME, "the start of the line"},
-    {"Ctrl-E, End", LINE_END, "its end; there: the suggestion"},
+    {"Ctrl-B, Left", LINE_LEFT, "move a character to the left"},
+    {"Ctrl-F, Right", LINE_RIGHT, "move right; at the end: take the suggestion"},
+    {"Alt-B, Ctrl-Left, Alt-Left", LINE_WORD_LEFT, "move a word to the left"},
+    {"Alt-F, Ctrl-Right, Alt-Right", LINE_WORD_RIGHT, "move a word right; at the end: take a word"},
+    {"Ctrl-A, Home", LINE_HOME, "move to the start of the line"},
+    {"Ctrl-E, End", LINE_END, "move to its end; there: take the suggestion"},
     {NULL, DUTY_NONE, NULL},
-    {"Tab", DUTY_COMPLETE, "completes a word; again: lists all that fit"},
-    {"Ctrl-P, Up", LINE_OLDER, "older lines that begin like this one"},
-    {"Ctrl-N, Down", LINE_NEWER, "newer ones, down to the line that was begun"},
-    {"Alt-<, PageUp", LINE_OLDEST, "the oldest line"},
-    {"Alt->, PageDown", LINE_NEWEST, "the line that was begun"},
-    {"Ctrl-R", DUTY_SEARCH, "lists older lines that hold what is typed"},
-    {"Alt-.", LINE_CITE, "the last word of the line before; again: older"},
+    {"Tab", DUTY_COMPLETE, "complete a word; again: list all candidates"},
+    {"Ctrl-P, Up", LINE_OLDER, "show older lines that begin like this one"},
+    {"Ctrl-N, Down", LINE_NEWER, "show newer ones, down to the line begun"},
+    {"Alt-<, PageUp", LINE_OLDEST, "show the oldest line"},
+    {"Alt->, PageDown", LINE_NEWEST, "show the line begun"},
+    {"Ctrl-R", DUTY_SEARCH, "list older lines that contain the typed text"},
+    {"Alt-.", LINE_CITE, "insert the last word of an older line"},
     {NULL, DUTY_NONE, NULL},
-    {"Backspace", LINE_ERASE, "removes the character before the cursor"},
-    {"Delete", LINE_DELETE, "removes the character at the cursor"},
-    {"Ctrl-D", DUTY_DELETE_OR_END, "the same; on an empty line, the end"},
-    {"Ctrl-K", LINE_KILL_TO_END, "kills up to the end of the line"},
-    {"Ctrl-U", LINE_KILL_TO_START, "kills back to the start"},
-    {"Ctrl-W", LINE_KILL_BLANK_LEFT, "kills back to a blank"},
-    {"Alt-Backspace, Ctrl-Backspace", LINE_KILL_WORD_LEFT, "kills a word to the left"},
-    {"Alt-D, Ctrl-Delete, Alt-Delete", LINE_KILL_WORD_RIGHT, "kills a word to the right"},
-    {"Ctrl-Y", LINE_YANK, "inserts what was killed last"},
-    {"Ctrl-T", LINE_TRANSPOSE, "exchanges two characters"},
-    {"Alt-U", LINE_UPPER, "a word in upper case"},
-    {"Alt-L", LINE_LOWER, "a word in lower case"},
-    {"Alt-C", LINE_CAPITAL, "a word with a capital"},
-    {"Ctrl-_", LINE_UNDO, "undoes the last change of the line"},
+    {"Backspace", LINE_ERASE, "delete the character before the cursor"},
+    {"Delete", LINE_DELETE, "delete the character at the cursor"},
+    {"Ctrl-D", DUTY_DELETE_OR_END, "delete it; on an empty line, leave"},
+    {"Ctrl-K", LINE_KILL_TO_END, "kill to the end of the line"},
+    {"Ctrl-U", LINE_KILL_TO_START, "kill back to the start"},
+    {"Ctrl-W", LINE_KILL_BLANK_LEFT, "kill back to a blank"},
+    {"Alt-Backspace, Ctrl-Backspace", LINE_KILL_WORD_LEFT, "kill a word to the left"},
+    {"Alt-D, Ctrl-Delete, Alt-Delete", LINE_KILL_WORD_RIGHT, "kill a word to the right"},
+    {"Ctrl-Y", LINE_YANK, "insert the last killed text"},
+    {"Ctrl-T", LINE_TRANSPOSE, "exchange two characters"},
+    {"Alt-U", LINE_UPPER, "change a word to upper case"},
+    {"Alt-L", LINE_LOWER, "change a word to lower case"},
+    {"Alt-C", LINE_CAPITAL, "capitalize a word"},
+    {"Ctrl-_", LINE_UNDO, "undo the last change of the line"},
     {NULL, DUTY_NONE, NULL},
-    {"Enter", DUTY_SUBMIT, "carries the line out"},
-    {"Ctrl-C", DUTY_ABANDON, "empties the line; cancels a command that runs"},
-    {"Ctrl-X Ctrl-E", DUTY_OTHER_EDITOR, "edits the line in $VISUAL or $EDITOR"},
-    {"Ctrl-L", DUTY_CLEAR, "clears the screen"},
-    {"Ctrl-O", DUTY_HOST_LINE, "the pilot"},
-    {"Ctrl-Z", DUTY_STOP, "stops as a job; `fg` goes on"},
+    {"Enter", DUTY_SUBMIT, "run the line"},
+    {"Ctrl-C", DUTY_ABANDON, "empty the line; cancel a running command"},
+    {"Ctrl-X Ctrl-E", DUTY_OTHER_EDITOR, "edit the line in $VISUAL or $EDITOR"},
+    {"Ctrl-L", DUTY_CLEAR, "clear the screen"},
+    {"Ctrl-O", DUTY_HOST_LINE, "open the pilot"},
+    {"Ctrl-Z", DUTY_STOP, "stop as a job; `fg` continues it"},
 };
 
 enum { ROWS = sizeof table / sizeof table[0] };
@@ -69,7 +69,8 @@ static void name_key(const struct key_event *event, unsigned modifiers, char *ou
              name ? name : "");
 }
 
-/* Whether one of the keys of a row is `name`, or begins with it and a blank. */
+/* Return true if one of the keys of a row is `name`; set *is_part if one begins with it and a
+ * blank. */
 static bool has_key(const char *keys, const char *name, bool *is_part)
 {
     const size_t length = strlen(name);

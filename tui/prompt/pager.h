@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A text that is longer than the screen: by the user's pager, else printed by pages.
+ * Show a text that is longer than the screen: by the user's pager, else by pages.
  *
- * The pager is the words of $PAGER, for the shell, as `PAGER="less -R"` needs it. It has
- * LESSSECURE=1 in its environment, so that less starts no other program and opens no file. Only a
- * session without a stranger's journal may name one (line_editor.pager); else, and where it cannot
- * be started, pages end in a row "-- more --": q, Escape, Ctrl-C and Ctrl-D leave, any other key
- * shows the next page.
+ * The pager is the words of $PAGER, for the shell, as in `PAGER="less -R"`. LESSSECURE=1 is in its
+ * environment, so that less starts no other program and opens no file. Only a session without a
+ * stranger's journal may name one (line_editor.pager); otherwise, and if it cannot be started,
+ * pages end in a row "-- more --": q, Escape, Ctrl-C and Ctrl-D leave, any other key shows the next
+ * page.
  */
 #ifndef TUI_PROMPT_PAGER_H
 #define TUI_PROMPT_PAGER_H

@@ -92,7 +92,7 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
                 break;
         ssize_t length = getline(&line, &capacity, stdin);
         if (length < 0) {
-            if (prompts) /* what is printed next begins a line */
+            if (prompts) /* the next output begins a line */
                 term_write_to(STDOUT_FILENO, "\n", 1, &ignored);
             break;
         }
@@ -138,7 +138,7 @@ static void add_picture(struct prompt *p, struct buf *out)
     }
 }
 
-/* What a command had to say, in one write, or by pages where it `may_page`; no picture is paged.
+/* Show the output of a command, in one write, or by pages if it `may_page`; pictures are not paged.
  */
 static enum err show(struct prompt *p, struct buf *text, bool may_page, struct fault *fault)
 {
@@ -164,7 +164,7 @@ static enum err show(struct prompt *p, struct buf *text, bool may_page, struct f
     return err;
 }
 
-/* Runs a command, which was typed after `prompt`, and shows what it has to say. */
+/* Run a command, which was typed after `prompt`, and show its output. */
 static enum err execute(struct prompt *p, const char *prompt, const char *line, struct fault *fault)
 {
     struct buf text = {0};
@@ -189,7 +189,7 @@ static enum err execute(struct prompt *p, const char *prompt, const char *line, 
     return err;
 }
 
-/* The prompt is there before the session has begun; what there is to say takes its place. */
+/* The prompt is shown before the session has begun; the output of the start replaces it. */
 static enum err begin(struct prompt *p, struct fault *fault)
 {
     struct buf text = {0}, out = {0};
@@ -212,8 +212,7 @@ static enum err begin(struct prompt *p, struct fault *fault)
     return err ? err : shown;
 }
 
-/* An error of what takes the whole screen is printed, or what is to be read after it, and the
- * prompt goes on. */
+/* Print an error of the full screen, or the output after it; the prompt continues. */
 static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
 {
     struct buf words = {0}, out = {0};

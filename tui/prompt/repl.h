@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The prompt: reads lines, hands them to a host, prints what comes back. Knows no command.
+ * The prompt: reads lines, passes them to a host, prints the output. Knows no command.
  *
  * At a terminal (standard input and output both) there are line editing, completion, history and
- * pictures; with TERM=dumb a prompt alone. Otherwise lines are read from standard input as they
- * are, output goes to standard output and errors to standard error, without any escape sequence.
+ * pictures; with TERM=dumb only a prompt. Otherwise lines are read from standard input, output is
+ * written to standard output and errors to standard error, without any escape sequence.
  *
- * While a command runs, the terminal makes signals of Ctrl-C and Ctrl-Z. A host that can cancel
- * handles SIGINT before repl_run; otherwise Ctrl-C ends the program, with the terminal restored.
+ * While a command runs, Ctrl-C and Ctrl-Z are signals. A host that can cancel handles SIGINT before
+ * repl_run; otherwise Ctrl-C ends the program, with the terminal restored.
  */
 #ifndef TUI_PROMPT_REPL_H
 #define TUI_PROMPT_REPL_H
@@ -24,9 +24,8 @@
 /* Output text is printed as it is: names in it have been escaped by the host. */
 struct repl_host {
     void *context;
-    /* What the session begins with, such as loading a scene: called once, when the prompt has been
-     * shown already, so that nobody waits for it. What is typed meanwhile waits. An error ends
-     * repl_run with it. May be NULL. */
+    /* The start of the session, such as loading a scene: called once, after the prompt has been
+     * shown. Keys typed meanwhile wait. An error ends repl_run with it. May be NULL. */
     enum err (*begin)(void *context, struct buf *output, struct fault *fault);
     /* Adds the prompt, "ch2> ". */
     void (*prompt)(void *context, struct buf *out);
@@ -41,29 +40,29 @@ struct repl_host {
     /* True once after a command made a picture to show; its pixels stay until the next execute.
      * Asked only at a terminal. May be NULL. */
     bool (*picture)(void *context, struct image_view *out);
-    /* On what has happened beside the commands: asked when news_descriptor is readable, while a
+    /* Add events that are not caused by commands: called when news_descriptor is readable, while a
      * line is edited, and before a plain prompt. May be NULL. */
     line_news_function *news;
     int news_descriptor;
-    /* True once after a command that asked for the whole screen, and what runs there, with the
-     * terminal open and raw: until it gives the prompt back, or *ended. Ctrl-O does the command
-     * `screen_line`. NULL where there is no such thing. */
+    /* wants_screen returns true once after a command that asked for the whole screen; screen runs
+     * there, with the terminal open and raw, until it returns to the prompt, or sets *ended. Ctrl-O
+     * types the command `screen_line`. NULL without such a screen. */
     bool (*wants_screen)(void *context);
     enum err (*screen)(void *context, struct terminal_facts *facts, struct line_editor *editor,
                        bool *ended, struct fault *fault);
     const char *screen_line;
-    /* Adds what is to be read once it has given the prompt back. May be NULL. */
+    /* Add the text to show after the return to the prompt. May be NULL. */
     void (*after_screen)(void *context, struct buf *output);
-    /* Whether the session is over; asked after every command. */
+    /* Return true if the session is over; called after every command. */
     bool (*finished)(void *context);
 };
 
 struct repl_options {
     struct graphics_wish graphics; /* one, whatever the terminal says; {0}: it decides */
     const char *history_path;      /* NULL: no history file */
-    bool pages; /* at a terminal, what is longer than the screen is shown by pages (pager.h), */
-    const char *pager;         /* or by the user's pager, the words of $PAGER; NULL for none */
-    const struct theme *theme; /* NULL: the one of dark terminals */
+    bool pages;                    /* at a terminal, long output is shown by pages (pager.h), */
+    const char *pager;             /* or by the user's pager, the words of $PAGER; NULL for none */
+    const struct theme *theme;     /* NULL: the one of dark terminals */
 };
 
 /* Runs until the host is finished or the input ends. Errors of commands are printed in one line
@@ -72,14 +71,14 @@ struct repl_options {
 enum err repl_run(const struct repl_host *host, const struct repl_options *options,
                   struct fault *fault);
 
-/* Outside repl_run: gives the whole screen to `screen`, as of struct repl_host, and restores
- * everything. ERR_USAGE where there is no terminal that can show it. */
+/* Outside repl_run: run `screen`, as in struct repl_host, on the whole screen, and restore
+ * everything. ERR_USAGE without a terminal that can show it. */
 enum err give_screen_once(const struct repl_host *host, struct graphics_wish wish,
                           struct fault *fault);
 
-/* Outside repl_run: asks the terminal what it can, shows the picture at the cursor, which must be
- * at the start of a line, and restores everything. False, with nothing written, where standard
- * output is no terminal or cannot show it, or this is a background job. */
+/* Outside repl_run: detect the terminal, show the picture at the cursor, which must be at the start
+ * of a line, and restore everything. False, with nothing written, if standard output is no terminal
+ * or cannot show it, or this is a background job. */
 bool show_picture_once(struct graphics_wish wish, const struct image_view *view);
 
 #endif

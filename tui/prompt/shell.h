@@ -14,7 +14,7 @@
 enum err shell_run(const char *command, const char *argument, const struct buf *input, int *status,
                    struct fault *fault);
 
-/* Whether a status says that the shell has no such command, or cannot run it. */
+/* Return true if a status means that the shell has no such command, or cannot run it. */
 bool shell_has_none(int status);
 
 #endif
