@@ -337,7 +337,7 @@ STORY(counts_are_those_of_vim)
 STORY(a_key_that_takes_no_count_does_nothing_with_one)
 {
     begin();
-    KEYS("3i||*i takes no count; nothing was done", "2s1||*takes no count",
+    KEYS("3i||*i accepts no count; nothing was done", "2s1||*accepts no count",
          "i|seed 20,25,30 1", /* and it is forgotten */
          "4q|");
     CHECK(deed == PILOT_NOTHING);
@@ -478,17 +478,17 @@ static const char *hint_now(void)
 STORY(boxes_and_polygons_are_set_by_their_corners)
 {
     begin();
-    KEYS("d||a box takes one corner, and there are 0; a sets it",
+    KEYS("d||a box needs one corner, and there are 0; a sets it",
          "a||1 corner; d plants the box to the cross-hair, O its faces, S a ball's shell",
          "<at 5,6,7>d|box 20,25,30 5,6,7 1",
-         "S||a ball takes one middle, and there are 0; a sets it",
+         "S||a ball needs one middle, and there are 0; a sets it",
          "a<x=9>S|seed 5,6,7 0 shell=yes around=1 through=9,6,7");
     CHECK_INT(state.outline.count, 0);
     KEYS("<x=5>a<at 9,10,11>O|box 5,6,7 9,10,11 0 shell=yes around=1",
          "<y=20>.|box 5,16,7 9,20,11 0 shell=yes around=1", "<at 5,6,7>2ba|", "<x=15>a|*|2 corners",
-         "A||an outline takes 3 corners or more, and there are 2; a sets one",
-         "d||a box takes one corner, and there are 2; Escape drops them",
-         "<at 9,16,8>a|*|this lies in another slice than the corners so far; Escape drops them",
+         "A||an outline needs 3 corners or more, and there are 2; a sets one",
+         "d||a box needs one corner, and there are 2; Escape drops them",
+         "<at 9,16,8>a|*|this is in another slice than the corners so far; Escape drops them",
          "<z=7>a|*|3 corners; A plants the outline");
     facts.intensity = 100;
     KEYS("10tA|outline 5,6,7 2 range=90..110 to=15,6,7 to=9,16,7");
@@ -588,7 +588,7 @@ STORY(an_outline_that_is_there_is_dragged_and_planted)
     outline_side = 20;
     outline_marker = 0;
     KEYS("<z=7>U||a square of label 1|shaping");
-    CHECK_TEXT(hint_now(), "the mouse drags it  Enter plants it  v takes hold, lets go  "
+    CHECK_TEXT(hint_now(), "the mouse drags it  Enter plants it  v grabs, lets go  "
                            "Escape drops it");
     KEYS("<Enter>|outline 4,4,7 1 to=24,4,7 to=24,24,7 to=4,24,7" /* as it is */);
     outline_marker = 12;
@@ -1135,7 +1135,7 @@ STORY(the_page_of_keys_is_filtered)
 {
     struct buf page = {0};
     CHECK_TEXT(page_with(&page, "CONT", false),
-               "What is shown\n"
+               "Display\n"
                "  o                overlay               contour; finish; greys\n"
                "  y                finished              contour; finish; greys\n"
                "  w                window                contour; finish; greys\n");
@@ -1148,7 +1148,7 @@ STORY(the_page_of_keys_is_filtered)
 STORY(headings_and_keys_have_colours_where_there_are_any)
 {
     struct buf page = {0};
-    CHECK_HAS(page_with(&page, "", true), "\033[1;36mWhat is planted\033[m\n");
+    CHECK_HAS(page_with(&page, "", true), "\033[1;36mPlanting\033[m\n");
     CHECK_HAS(buf_text(&page), "  \033[33mi Enter\033[m          a seed of the label ");
     CHECK(!strchr(page_with(&page, "", false), '\033'));
     buf_release(&page);
@@ -1167,7 +1167,7 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
     facts.takes_all = true;
     buf_clear(&hint);
     pilot_keys_hint(&state, &facts, &hint);
-    CHECK_HAS(buf_text(&hint), "takes all: a here, then beyond its edge S encloses it; s0 back");
+    CHECK_HAS(buf_text(&hint), "fills all: a here, then beyond its edge S encloses it; s0 back");
     type("v");
     buf_clear(&hint);
     pilot_keys_hint(&state, &facts, &hint);

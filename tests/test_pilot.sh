@@ -81,7 +81,7 @@ types "s2" "seed 11,13,8 2"
 see 'voxels changed'
 see '^axial at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
 pressing Tab '^coronal at [0-9]*,13,[0-9]* '
-see '^one label takes all: a here, then beyond its edge S encloses it; s0 background$'
+see '^one label fills all: a here, then beyond its edge S encloses it; s0 background$'
 types "++s1" "seed 11,13,8 1 radius=2"
 see '^coronal .*at 11,13,8  brush 1 r2  here 1 [0-9.]* m[lm][3 ]'
 types "u" "undo"
@@ -217,10 +217,10 @@ pressing Escape '^i seed ' # the row above stays while a line is edited
 close_story
 
 begin "/ shows the keys that have a word in them"
-typing "?" '^What is planted$'
+typing "?" '^Planting$'
 typing "/contour" '^/contour$'
 see '^  o  *overlay  *contour; finish; greys$'
-pressing Enter '^/ shows what has a word in it; any other key leaves$'
+pressing Enter '^/ finds keys by a word; any other key leaves$'
 typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
 close_story
@@ -320,7 +320,7 @@ types "aha" "cross 11,13,11"
 types "j" "cross 11,13,10"
 types "aA" "outline 10,13,11 2 to=11,13,11 to=11,13,10"
 type_letters "T-99999..99999"
-see '^intensities LOW..HIGH, or none: -99999..99999_  Enter takes it  Escape leaves$'
+see '^intensities LOW..HIGH, or none: -99999..99999_  Enter sets it  Escape leaves$'
 pressing Enter '^coronal at 11,13,10  brush 2 r1 -99999..99999  '
 typing "M" 'radius 1mm, intensities'
 types "i" "seed 11,13,10 2 radius=1mm range=-99999..99999"
@@ -335,7 +335,7 @@ see '^moving, or the mouse, draws an outline  Enter plants it  Escape drops it$'
 typing "4l4k4h" '^OUTLINE  coronal at 12,13,12  brush 2 4 corners'
 presses Enter "outline 12,13,8 2 to=8,13,8 to=8,13,12 to=12,13,12"
 typing "U" '^the outline of marker [0-9]+$'
-typing "v" '^held: moving drags it  Enter plants it  v takes hold, lets go  Escape drops it$'
+typing "v" '^held: moving drags it  Enter plants it  v grabs, lets go  Escape drops it$'
 type_letters "2h"
 press Enter
 comes_true replaces_outline || fail "$(last_record)"

@@ -8,9 +8,9 @@
 #include "base/mem.h"
 
 enum { GAP_MOST = 6 };   /* tiles */
-enum { LEVEL_BITS = 5 }; /* of a channel, in coarse tiles */
+enum { LEVEL_BITS = 5 }; /* bits of a channel, in coarse tiles */
 
-/* Bytes a tile before anything is known: about what palette pictures take. */
+/* Bytes a tile at first: about the size in palette pictures. */
 static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 10};
 
 void refine_forget(struct refine *r)
@@ -54,8 +54,8 @@ static size_t middle_of(const struct refine *r, const struct image_view *wanted,
     return middle;
 }
 
-/* A block of the colour in its middle, in fewer levels: no mean, so that a palette stays what it
- * was. */
+/* Fill a block with the colour in its middle, in fewer levels: no mean, so that the palette stays.
+ */
 static void copy_block(struct refine *r, const struct image_view *wanted, uint32_t left,
                        uint32_t top, uint32_t coarse)
 {
@@ -105,8 +105,8 @@ static enum below below_of(const struct image_view *wanted, const struct tile *t
     return below;
 }
 
-/* Lists the tiles that differ from what is wanted, where one looks or elsewhere; those of which the
- * terminal has the greys are made fine instead. False without memory. */
+/* List the tiles that differ from the wanted picture, inside the focus or outside; make those fine
+ * whose greys the terminal has. False without memory. */
 static bool list_stale(struct refine *r, const struct image_view *wanted, bool in_focus, bool moves)
 {
     for (uint32_t top = 0; top < r->height; top += REFINE_TILE)
@@ -155,7 +155,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     while (moves && level + 1 < REFINE_LEVELS && (double)stale * r->cost[level] > may)
         level++;
     size_t most = stale;
-    if (!moves) { /* as many as there is room for, in full */
+    if (!moves) { /* full tiles, limited by the budget */
         const double fit = may / r->cost[0];
         most = fit < 1 ? 1 : fit < (double)stale ? (size_t)fit : stale;
     }
@@ -184,7 +184,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
 void refine_sent(struct refine *r, size_t bytes)
 {
     if (r->tiles < 4)
-        return; /* what goes with every frame counts for more than the tiles */
+        return; /* the fixed bytes of a frame weigh more than the tiles */
     const double cost = (double)bytes / (double)r->tiles;
     r->cost[r->level] += (cost - r->cost[r->level]) / 2;
     r->cost[r->level] = r->cost[r->level] < 1 ? 1 : r->cost[r->level];

@@ -5,8 +5,8 @@
 
 enum { SAMPLE_FROM = 2000 }; /* bytes */
 
-#define SLACK_NS UINT64_C(50000000)  /* answers are later than expected by so much */
-#define PAUSE_NS UINT64_C(200000000) /* and by so much where a terminal pauses */
+#define SLACK_NS UINT64_C(50000000)  /* answers may be later than expected by this, */
+#define PAUSE_NS UINT64_C(200000000) /* and by this where a terminal pauses */
 
 static uint64_t since(uint64_t then_ns, uint64_t now_ns)
 {
@@ -20,7 +20,7 @@ static uint64_t later(uint64_t a_ns, uint64_t b_ns)
 
 /* ---- the line ---- */
 
-/* What even no bytes at all would take; half of the soonest answer where nothing says. */
+/* Time of an empty frame; half of the fastest answer while it is unknown. */
 static uint64_t round_trip(const struct flow *f)
 {
     if (f->round_trip_ns == 0)
@@ -29,12 +29,12 @@ static uint64_t round_trip(const struct flow *f)
 }
 
 struct slope {
-    double ns, weight; /* a byte; bytes */
+    double ns, weight; /* ns a byte; bytes */
 };
 
 enum { SLOPES_MOST = FLOW_SAMPLES * (FLOW_SAMPLES + 1) / 2 };
 
-/* Where samples are much of one size their noise is larger than what they differ in. */
+/* Between samples of similar size the noise exceeds the difference. */
 static unsigned add_slope(struct slope *slope, unsigned count, struct flow_sample a,
                           struct flow_sample b)
 {
@@ -81,14 +81,14 @@ static void add_sample(struct flow *f, double bytes, double ns)
     f->per_byte_ns = per_byte_ns(f);
 }
 
-/* ---- what is on the line ---- */
+/* ---- frames that are due ---- */
 
 static const struct flow_frame *due_frame(const struct flow *f, unsigned i)
 {
     return &f->frame[(f->first + i) % FLOW_FRAMES];
 }
 
-/* When the line will have carried the first `count` frames that are due. */
+/* Time when the line will have carried the first `count` due frames. */
 static uint64_t carried_ns(const struct flow *f, unsigned count)
 {
     uint64_t free_ns = since(round_trip(f), f->answered_ns);
@@ -104,7 +104,7 @@ static uint64_t limit_ns(const struct flow *f)
     return f->settled_ns && f->settled_ns < limit ? f->settled_ns : limit;
 }
 
-/* When the next frame may go, if nothing comes until then. */
+/* Time when the next frame may be sent, if no answer arrives before. */
 static uint64_t ready_ns(const struct flow *f, uint64_t now_ns)
 {
     if (f->silent)
@@ -119,7 +119,7 @@ static uint64_t ready_ns(const struct flow *f, uint64_t now_ns)
     return ready;
 }
 
-/* ---- sending and hearing ---- */
+/* ---- sending, and answers ---- */
 
 bool flow_may_send(struct flow *f, uint64_t now_ns)
 {
@@ -130,7 +130,7 @@ bool flow_may_send(struct flow *f, uint64_t now_ns)
         f->due = 0;
         f->late = 0;
     } else if (f->due > 0 && now_ns >= limit_ns(f)) {
-        /* Of the frames that are given up only one thing is known: all of them took too long. */
+        /* Only one fact is known of the frames given up: all of them were too slow. */
         for (unsigned i = 0; i < f->due; i++)
             bytes += (double)due_frame(f, i)->bytes;
         f->samples = f->next = 0;
@@ -164,7 +164,8 @@ void flow_answered(struct flow *f, uint64_t now_ns)
 {
     const struct flow_frame frame = *due_frame(f, 0);
     if (f->late > 0) {
-        /* whose is it? Where many are late, they may come as slowly as it took to give them up */
+        /* The answer may be that of an older frame. If many are late, they may arrive as slowly as
+         * they were given up. */
         const uint64_t follows_ns = f->least_ns / 2 + SLACK_NS +
                                     (uint64_t)(2 * f->per_byte_ns * (double)due_frame(f, 0)->bytes);
         f->late--;
@@ -183,8 +184,8 @@ void flow_answered(struct flow *f, uint64_t now_ns)
     f->answered_ns = now_ns;
     if (f->least_ns == 0 || took_ns < f->least_ns)
         f->least_ns = took_ns;
-    /* A frame that took far longer than expected is a pause of the terminal; two of them are
-     * another line, and the frames before them say nothing about it. */
+    /* A single frame that is far slower than expected is a pause of the terminal; two are another
+     * line, for which earlier frames do not count. */
     const double bytes = (double)frame.bytes, ns = (double)alone_ns;
     const double expected = (double)round_trip(f) + f->per_byte_ns * bytes;
     f->surprises = ns > 4 * expected + PAUSE_NS ? f->surprises + 1 : 0;
@@ -196,7 +197,7 @@ void flow_answered(struct flow *f, uint64_t now_ns)
     f->sent_bytes = frame.bytes;
 }
 
-/* ---- what to send ---- */
+/* ---- budget ---- */
 
 uint64_t flow_carries_ns(const struct flow *f, size_t bytes)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is sent to the terminal, and when: a slow line stays full and no frame waits in it.
+ * Sending to the terminal: keep a slow line full, without frames that wait in it.
  *
  * Three parts share the learnt rate of the line: `flow` decides when a frame may be sent and how
  * many bytes it may have, `refine` makes a frame that fits into them, and `ahead` uses an idle line
@@ -27,15 +27,15 @@
  *      coarser, since quality drops before latency does. When nothing moves the caller sends the
  *      full picture.
  *
- * Model of the line: a frame alone takes `round_trip + bytes x per_byte`, counted from the moment
+ * Model of the line: a frame alone needs `round_trip + bytes x per_byte`, counted from the moment
  * the line was free. The cost of a byte is the median of the slopes between the last FLOW_SAMPLES
- * frames (Theil and Sen), each pair weighted by its difference in size, with an empty frame that
- * takes the round trip. So a terminal that pauses now and then, or draws once in 16 ms, is not
- * mistaken for a slow line. Small frames give no sample. The budget grows at most fourfold a frame,
+ * frames (Theil and Sen), each pair weighted by its difference in size, with an empty frame of
+ * one round trip. So a terminal that pauses now and then, or draws once in 16 ms, is not
+ * mistaken for a slow line. Small frames are no samples. The budget grows at most fourfold a frame,
  * and at least doubles after a frame that was fast enough.
  *
  * Answers arrive in order but have no number. After failed barriers the next answer may be a late
- * one or that of the newest frame. The latter follows within the time that its bytes take; if
+ * one or that of the newest frame. The latter follows within the transfer time of its bytes; if
  * nothing follows, the answer was that of the newest frame.
  *
  *     struct flow flow = {.round_trip_ns = facts.round_trip_ns, .silent = !facts.answers};
@@ -115,16 +115,16 @@ void flow_answered(struct flow *f, uint64_t now_ns);
 /* Size of the next frame, FLOW_BYTES_LEAST..FLOW_BYTES_MOST. */
 size_t flow_budget(const struct flow *f);
 
-/* Time that the line takes for `bytes`, in ns; 0 while the rate is unknown. */
+/* Return the time for `bytes` on the line, in ns; 0 while the rate is unknown. */
 uint64_t flow_carries_ns(const struct flow *f, size_t bytes);
 
 /* ---- how keys arrive ---- */
 
 /*
- * A rendition that takes long is drawn coarsely first, and finely when no key follows (pilot_wish).
- * A coarse rendition takes half as long. After a single key both are drawn, so that is worth it
+ * A slow rendition is drawn coarsely first, and finely when no key follows (pilot_wish).
+ * A coarse rendition needs half the time. After a single key both are drawn, so that is worth it
  * only where the fine one is very slow; while a key is held the coarse one replaces it. On one
- * core, where a turn takes 30 ms, a held key gives 29 frames a second instead of 25 and uses a
+ * core, with 30 ms for a turn, a held key shows 29 frames a second instead of 25 and uses a
  * sixth less processor time.
  */
 
@@ -166,7 +166,7 @@ struct refine {
     uint32_t width, height;
     uint8_t *rgba;  /* shown on the screen */
     bool is_coarse; /* it differs from the wanted picture */
-    unsigned level; /* of the last frame, and its number of tiles */
+    unsigned level; /* level and number of tiles of the last frame, */
     size_t tiles;
     double cost[REFINE_LEVELS]; /* bytes a tile */
     struct refine_place {
@@ -199,21 +199,21 @@ void refine_release(struct refine *r);
  *      neither drawn nor sent again until the terminal may have dropped its slices;
  *   A2 only slices within AHEAD_WITHIN of the cross-hair are sent, on both sides and in all planes,
  *      the nearest first: when all of them are there nothing happens until a key;
- *   A3 none is sent where an unsent slice takes less than AHEAD_LATE_NS on the line anyway.
+ *   A3 none is sent if the line carries a slice in less than AHEAD_LATE_NS anyway.
  */
 enum {
     AHEAD_WITHIN = 4,
     AHEAD_NUMBERS = 6 * AHEAD_WITHIN,
     AHEAD_NEAR = 6,     /* numbers: the next slices of all planes */
     AHEAD_KNOWN = 512,  /* names */
-    AHEAD_BYTES = 25000 /* of a slice, about */
+    AHEAD_BYTES = 25000 /* about, for one slice */
 };
 #define AHEAD_LATE_NS UINT64_C(50000000)
 
 /* {0}: nothing was sent. */
 struct ahead {
     unsigned number; /* the next one to look at; AHEAD_NUMBERS when all have been sent */
-    uint64_t name;   /* of `view`, which the host has drawn; 0: none */
+    uint64_t name;   /* name of `view`, which the host has drawn; 0: none */
     struct image_view view;
     uint64_t known[AHEAD_KNOWN]; /* a ring */
     size_t names;                /* all that were ever put there */

@@ -16,7 +16,7 @@
 /* The smallest screen. */
 enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2, PASTE_MOST = 4096 };
 
-/* On a line that takes so long for so much, bytes cost more than the time to make them less. */
+/* On a line that is slower than this, bytes cost more than the time to compress them. */
 enum { SLOW_BYTES = 10000, AHEAD_DUE = 2 };
 #define SLOW_NS       UINT64_C(8000000)
 #define STILL_SLOW_NS UINT64_C(5000000)
@@ -28,54 +28,54 @@ enum { SLOW_BYTES = 10000, AHEAD_DUE = 2 };
 #define PIXELS_ON     "\033[?1016h"
 #define PIXELS_OFF    "\033[?1016l"
 
-/* By what is told of the mouse: nothing, cells, pixels. */
+/* Sequences by the unit of mouse reports: none, cells, pixels. */
 static const struct {
     const char *enter, *leave;
 } screen_of[] = {{ENTER_SCREEN, LEAVE_SCREEN},
                  {ENTER_SCREEN MOUSE_ON, MOUSE_OFF LEAVE_SCREEN},
                  {ENTER_SCREEN MOUSE_ON PIXELS_ON, PIXELS_OFF MOUSE_OFF LEAVE_SCREEN}};
 
-/* Pixels that a hand shakes by: where they are told, a button that is held drags nothing before. */
+/* Pixels of an unsteady hand: a held button drags nothing within them. */
 enum { SHAKES_MOST = 4 };
 
-/* What is between appears at once. Where what kitty 0.26 .. 0.32 reads from the line ends within
- * the first sequence after FRAME_BEGINS, it takes that sequence for a part of itself and drops it,
- * a patch of the picture say: so a byte comes first, which cannot be cut in two. */
+/* Output between these appears at once. If a read of kitty 0.26 .. 0.32 ends within the first
+ * sequence after FRAME_BEGINS, kitty drops that sequence, a patch of the picture for example: so a
+ * single byte follows, which cannot be cut in two. */
 #define FRAME_BEGINS "\033[?2026h\r"
 #define FRAME_ENDS   "\033[?2026l"
 
 struct pilot {
     const struct pilot_host *host;
     struct terminal_facts *facts;
-    struct line_editor *editor; /* whose input and keys are ours as well */
+    struct line_editor *editor; /* input and keys are shared with it */
     struct pilot_state *state;
     struct painter painter;
-    struct buf message;     /* of the last key or command, until the next */
+    struct buf message;     /* about the last key or command, until the next */
     bool is_stale;          /* the screen does not show the present state, */
-    bool is_hasty;          /* or shows what could be drawn of it at once */
-    struct pace pace;       /* of keys */
+    bool is_hasty;          /* or shows a hasty picture of it */
+    struct pace pace;       /* intervals of keys */
     struct image_view view; /* the picture of the present state, once it was drawn */
     struct refine refine;
     struct flow flow;
     bool is_resized;
-    bool is_paging;    /* nothing is drawn until a key */
-    bool is_blank;     /* nor anything at all */
-    bool keeps;        /* the line is so slow that slices are to live in the terminal */
-    struct ahead sent; /* slices that are sent before they are wanted */
-    struct mouse held; /* where a button went down, */
-    bool is_still;     /* from where the mouse has not moved yet */
+    bool is_paging;    /* a page is shown: nothing is drawn until a key */
+    bool is_blank;     /* the screen is blank */
+    bool keeps;        /* the line is so slow that slices are stored in the terminal */
+    struct ahead sent; /* slices that were sent ahead */
+    struct mouse held; /* place where a button went down, */
+    bool is_still;     /* and has not moved from there */
     bool is_pasting;
-    struct buf pasted; /* since it began, or until it is taken */
+    struct buf pasted; /* text of the present or the last paste */
     bool is_over, has_ended;
 
-    enum pilot_labels shows; /* as of the last frame */
-    bool gives_up; /* to make exact what is shown: it failed, and nothing has changed since */
+    enum pilot_labels shows; /* at the last frame */
+    bool gives_up;           /* finishing labels failed, and nothing has changed since */
 
-    /* While a command is carried out, or labels are finished. */
+    /* During a command, or while labels are finished. */
     struct typed_ahead ahead;
-    size_t ahead_shown;                     /* how many of them are */
-    uint64_t reads_ns, shows_ns, wanted_ns; /* when input is read next, and the work drawn; when it
-                                               was wanted last */
+    size_t ahead_shown; /* number of shown ones */
+    uint64_t reads_ns, shows_ns,
+        wanted_ns; /* time of the next read and of the next drawing; of the last request to draw */
     bool is_showing;
 };
 
@@ -110,7 +110,7 @@ static unsigned rows_of_text(const struct pilot *p)
     return ROWS_OF_TEXT + (p->host->caption ? PILOT_CAPTIONS - !has_status(p) : 0);
 }
 
-/* What stands above the last row, where a host has steps to tell of. */
+/* The rows above the last one, for a host that shows steps. */
 static void add_captions(struct buf *out, const struct pilot *p, const struct term_size *size)
 {
     struct buf lines = {0};
@@ -125,14 +125,14 @@ static void add_captions(struct buf *out, const struct pilot *p, const struct te
     buf_release(&lines);
 }
 
-/* Whether what is said of one key ends before this byte. */
+/* Return true if the words about one key end before this byte. */
 static bool ends_item(const char *text, size_t at)
 {
     return strchr(";,", text[at]) || strncmp(text + at, "  ", 2) == 0;
 }
 
-/* What the keys do: as much from the beginning as fits, each whole, and in any case how to leave,
- * which comes last. */
+/* Add the hints: whole items from the beginning as far as they fit, and always the last one, how to
+ * leave. */
 static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      unsigned columns)
 {
@@ -155,8 +155,8 @@ static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_
     buf_release(&hint);
 }
 
-/* Two rows at the foot of the screen: that of pilot_add_status, and the last message, or what the
- * keys do now. A message of more than a row takes both, until the next key. */
+/* The last two rows of the screen: pilot_add_status, and the last message or the hints. A message
+ * longer than a row uses both, until the next key. */
 static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      const struct term_size *size)
 {
@@ -165,7 +165,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     struct buf upper = {0}, lower = {0};
     if (p->is_pasting)
         buf_add_text(&lower,
-                     "what is pasted goes to the line of : when it is here; Ctrl-C drops it");
+                     "pasted text goes to the line of : when it is complete; Ctrl-C drops it");
     else if (p->message.length)
         cells_wrap(&lower, &p->message, size->columns);
     else
@@ -173,7 +173,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     const char *second = strchr(buf_text(&lower), '\n');
     if (p->host->caption)
         add_captions(out, p, size);
-    /* What a mode begins with stands above what its keys do. */
+    /* The first message of a mode is above its hints. */
     const bool begins = p->message.length && !second && pilot_is_passing(p->state);
     if (begins) {
         buf_add(&upper, buf_text(&lower), lower.length);
@@ -192,8 +192,8 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     buf_release(&lower);
 }
 
-/* What clears the screen, pictures apart. ESC[2J would have a terminal that keeps parts of slices
- * drop them. */
+/* The sequence that clears the screen, except pictures. ESC[2J would make a terminal drop stored
+ * slices. */
 static const char *blank_of(const struct pilot *p)
 {
     return p->facts->graphics->keeping ? "\033[m\033[H\033[J" : "\033[m\033[H\033[2J";
@@ -226,7 +226,7 @@ static struct pilot_wish wish_of(const struct pilot *p)
     return wish;
 }
 
-/* A line that is slow stays so until it is faster by far. */
+/* A slow line counts as slow until it is much faster. */
 static bool is_slow(struct pilot *p)
 {
     const uint64_t takes_ns = flow_carries_ns(&p->flow, SLOW_BYTES);
@@ -275,7 +275,7 @@ static void add_picture(struct pilot *p, struct buf *out)
         ahead_begin(&p->sent);
 }
 
-/* Whether slices are to go ahead, sooner or later. */
+/* Return true if slices are to be sent ahead, now or later. */
 static bool goes_ahead(const struct pilot *p)
 {
     return p->keeps && !p->state->setup->keeps_back && p->facts->graphics->keeping &&
@@ -292,8 +292,7 @@ static enum err send_frame(struct pilot *p, struct buf *out, struct fault *fault
     return err;
 }
 
-/* The whole of the present state in one write, and a question whose answer says that it is there.
- */
+/* Send the whole present state in one write, with a question whose answer confirms it. */
 static enum err draw(struct pilot *p, struct fault *fault)
 {
     const struct term_size size = term_size();
@@ -303,7 +302,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         p->is_over = true;
         return OK;
     }
-    if (p->flow.failed) { /* nobody knows what has arrived */
+    if (p->flow.failed) { /* the state of the terminal is unknown */
         buf_add_text(&out, graphics_recovery(p->facts));
         painter_drop(&p->painter, &out);
         ahead_forget(&p->sent);
@@ -328,9 +327,8 @@ static enum err draw(struct pilot *p, struct fault *fault)
     return send_frame(p, &out, fault);
 }
 
-/* A frame of its own, which shows nothing: a part of a slice that may be wanted next, while the
- * line has nothing else to carry. A mark in the row of text comes with the first and goes after the
- * last. */
+/* Send a frame that changes no pixel: a part of a slice that may be wanted next, while the line is
+ * idle. A mark in the row of text appears with the first and is removed after the last. */
 static enum err send_ahead(struct pilot *p, struct fault *fault)
 {
     const struct pilot_wish wish = wish_of(p);
@@ -357,7 +355,7 @@ static enum err send_ahead(struct pilot *p, struct fault *fault)
     return send_frame(p, &out, fault);
 }
 
-/* Where the picture goes, by the size of the screen. */
+/* Place the picture, by the size of the screen. */
 static void lay_out(struct pilot *p)
 {
     const struct term_size size = term_size();
@@ -371,7 +369,7 @@ static enum err clear_picture(struct pilot *p, bool all_anew, struct fault *faul
 {
     struct buf out = {0};
     painter_remove(&p->painter, &out);
-    if (all_anew) /* what the terminal keeps as well */
+    if (all_anew) /* including stored slices */
         painter_drop(&p->painter, &out), ahead_forget(&p->sent);
     buf_add_text(&out, blank_of(p));
     p->is_stale = p->is_blank = true;
@@ -380,7 +378,7 @@ static enum err clear_picture(struct pilot *p, bool all_anew, struct fault *faul
 
 /* ---- commands ---- */
 
-/* The last line of what a command said stands below the picture. */
+/* Show the last line of an answer below the picture. */
 static void keep_last_line(struct buf *message, const char *text)
 {
     size_t length = strlen(text);
@@ -395,13 +393,13 @@ static void keep_last_line(struct buf *message, const char *text)
 
 static bool read_key(struct pilot *p, struct key_event *event);
 
-/* A command that takes long is watched: what it has done so far is drawn, at the most a quarter of
- * the time, and the cross-hair moves as is typed. Its record is made when it has ended. */
+/* A long command is watched: its progress is drawn, in at most a quarter of the time, and the
+ * cross-hair follows the keys. Its record is made at its end. */
 #define SHOWN_AFTER_NS UINT64_C(250000000)
 #define SHOWN_EVERY_NS UINT64_C(100000000)
 #define READ_EVERY_NS  UINT64_C(10000000)
 
-/* False where it is too early for that. */
+/* False before the next time to read. */
 static bool read_ahead(struct pilot *p, uint64_t now_ns)
 {
     struct key_event event;
@@ -448,7 +446,7 @@ static void show_so_far(void *context)
     p->is_showing = false;
 }
 
-/* Carries out one line. While it works, the cursor is where progress may be shown. */
+/* Carry out one line. Meanwhile the cursor is in the row of progress. */
 static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
                           enum err *of_command, struct fault *fault)
 {
@@ -476,7 +474,7 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
 
 static enum err show_pages(struct pilot *p, const struct buf *text, struct fault *fault);
 
-/* The lines that a key stands for, until one fails. */
+/* Carry out the lines of a key, until one fails. */
 static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *fault)
 {
     struct buf line = {0}, output = {0};
@@ -507,7 +505,7 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
 
 static void await_key(struct pilot *p, struct key_event *event);
 
-/* What is typed after `/`. False at its end: at Enter, or another key, which drops it. */
+/* Edit the text after `/`. False at its end: at Enter, or another key, which drops it. */
 static bool type_wanted(struct buf *wanted, const struct key_event *event)
 {
     const bool is_text = event->key == KEY_CHARACTER && event->modifiers == 0;
@@ -521,8 +519,7 @@ static bool type_wanted(struct buf *wanted, const struct key_event *event)
     return is_text || erases;
 }
 
-/* Shows a text by pages on the whole screen; NULL for the keys, or those of them that have what is
- * typed after `/`. */
+/* Show a text by pages on the whole screen; NULL for the keys, filtered by the text after `/`. */
 static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fault *fault)
 {
     struct buf keys = {0}, wanted = {0};
@@ -546,7 +543,7 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
                    asks                   ? "/"
                    : end < wrapped.length ? PAGER_MORE
                    : text                 ? "(any key)"
-                                          : "/ shows what has a word in it; any other key leaves",
+                                          : "/ finds keys by a word; any other key leaves",
                    asks ? buf_text(&wanted) : "");
         page.failed |= wrapped.failed || keys.failed;
         const bool is_last = end >= wrapped.length;
@@ -572,17 +569,17 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
     return err;
 }
 
-/* The terminal is for others: the picture has gone, and no answer is due. */
+/* Leave the screen to another program: no picture, and no answer is due. */
 static enum err leave_screen(struct pilot *p, struct fault *fault)
 {
     const enum err err = clear_picture(p, true, fault);
-    if (p->flow.due) /* or others get the answers as input */
+    if (p->flow.due) /* otherwise the answers would be input of that program */
         probe_await(p->flow.due, 2000, &p->editor->input);
     p->flow.due = 0;
     return err;
 }
 
-/* What has more than a line has the screen for itself: in the user's pager, else by pages. */
+/* Show a long answer on the whole screen: in the user's pager, else by pages. */
 static enum err show_pages(struct pilot *p, const struct buf *text, struct fault *fault)
 {
     const struct term_size size = term_size();
@@ -620,7 +617,7 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     p->editor->answered = NULL;
     if (!err)
         err = term_write("\033[?25l", 6, fault);
-    lay_out(p); /* long lines may have scrolled it away, and the screen may have another size */
+    lay_out(p); /* long lines may have scrolled the picture, and the screen may be resized */
     const char *line = buf_text(&p->editor->line.text);
     if (!err && !ended && line[strspn(line, " \t")]) {
         err = carry_out(p, line, &output, &of_command, fault);
@@ -634,8 +631,7 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     return err;
 }
 
-/* What was pasted is given to the line editor as what is pasted there, before all that came
- * since. */
+/* Pass pasted text to the line editor as a paste, before all later input. */
 static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 {
     struct line_editor *e = p->editor;
@@ -647,7 +643,7 @@ static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
     buf_clear(&p->pasted);
     if (input.failed || p->pasted.failed) {
         buf_release(&input);
-        return fault_memory(fault, "what was pasted");
+        return fault_memory(fault, "the pasted text");
     }
     buf_release(&e->input);
     e->input = input;
@@ -686,7 +682,7 @@ static unsigned apart(unsigned a, unsigned b)
     return a > b ? a - b : b - a;
 }
 
-/* The pixel of the picture under the mouse, or under its cell. False beside the picture. */
+/* The pixel of the picture under the mouse, or under its cell. False outside the picture. */
 static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *column, uint32_t *row)
 {
     uint32_t width, height;
@@ -695,7 +691,7 @@ static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *colum
     if (p->facts->mouse_unit == MOUSE_CELLS) {
         *column = mouse->column * across + across / 2;
         *row = mouse->row * down + down / 2;
-    } else { /* a picture of characters has few of its own in a cell */
+    } else { /* a picture of characters has few pixels in a cell */
         if (mouse->action == MOUSE_PRESSED)
             p->held = *mouse;
         p->is_still = mouse->action == MOUSE_PRESSED ||
@@ -741,8 +737,8 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     return err ? err : do_deed(p, press.deed, fault);
 }
 
-/* Keys of a paste are its text (P3). Ctrl-C ends one that does not end, unless it is a part of it:
- * nobody has typed anything after it. True with the end of the paste. */
+/* Add keys of a paste to its text (P3). Ctrl-C ends an unfinished paste, unless it is part of it,
+ * followed by more input. True at the end of the paste. */
 static bool take_pasted(struct pilot *p, struct key_event *event)
 {
     const struct line_editor *e = p->editor;
@@ -761,7 +757,8 @@ static bool take_pasted(struct pilot *p, struct key_event *event)
     return !p->is_pasting;
 }
 
-/* Whether the event is for the pilot: answers of the terminal and pastes are seen to here. */
+/* Return true if the event is for the pilot; answers of the terminal and pastes are handled here.
+ */
 static bool is_for_pilot(struct pilot *p, struct key_event *event)
 {
     if (event->key == KEY_REPLY) {
@@ -771,7 +768,8 @@ static bool is_for_pilot(struct pilot *p, struct key_event *event)
             ahead_forget(&p->sent), p->is_stale = true;
         if (!(event->modifiers & KEY_ALT))
             return false;
-        *event = (struct key_event){.key = KEY_ESCAPE}; /* it came right before the answer */
+        *event =
+            (struct key_event){.key = KEY_ESCAPE}; /* Escape was pressed right before the answer */
     }
     if (event->key == KEY_PASTE_BEGIN && !p->is_pasting) {
         buf_clear(&p->pasted);
@@ -797,9 +795,9 @@ static bool read_key(struct pilot *p, struct key_event *event)
     return false;
 }
 
-/* Takes an Alt-KEY that does nothing as Escape, then KEY: a terminal sends the same bytes for both,
- * and tmux or a slow line joins them. Else `Esc :` as in vim would lose its colon, and the letters
- * of the line after it would be keys. */
+/* Split an Alt-KEY without effect into Escape and KEY: a terminal sends the same bytes for both,
+ * and tmux or a slow line joins them. Otherwise `Esc :` as in vim would lose its colon, and the
+ * letters after it would be keys. */
 static bool part_alt(struct pilot *p, struct key_event *event)
 {
     struct key_event rest = *event;
@@ -812,7 +810,7 @@ static bool part_alt(struct pilot *p, struct key_event *event)
     return true;
 }
 
-/* The next key of what has been read. False when there is no more of it. */
+/* Get the next available key; false without one. */
 static bool next_key(struct pilot *p, struct key_event *event)
 {
     return (typed_ahead_take(&p->ahead, event) || read_key(p, event)) && part_alt(p, event);
@@ -823,23 +821,23 @@ static bool has_more(const struct pilot *p)
     return p->is_stale || p->refine.is_coarse || is_due(p);
 }
 
-/* Whether what came is a key of its own unless more follows. No key is in a paste, however slowly
- * its end comes. */
+/* Return true if the bytes so far are a key of their own unless more follows. A paste has no keys,
+ * however slowly its end arrives. */
 static bool awaits_rest(const struct pilot *p)
 {
     return !p->is_pasting && keys_waiting(&p->editor->keys);
 }
 
-/* Whether a slice is to be sent ahead now: the nearest as fast as the line carries them, others a
- * few at a time, so that a key hardly waits for them. */
+/* Return true if a slice is to be sent ahead now: the nearest at the rate of the line, others a few
+ * at a time, so that a key hardly waits for them. */
 static bool is_ahead(const struct pilot *p)
 {
     return goes_ahead(p) && !p->is_hasty &&
            p->flow.due <= (p->sent.number < AHEAD_NEAR ? FLOW_FRAMES : AHEAD_DUE);
 }
 
-/* Waits once: bytes, news, a signal, or nothing, until a sequence would be complete or a frame may
- * go. True with a key that was only complete because nothing followed. */
+/* Wait once, for bytes, news, a signal, the end of a sequence or the time of a frame. True with a
+ * key that is complete because nothing followed. */
 static bool wait_once(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;
@@ -875,9 +873,9 @@ static bool wait_once(struct pilot *p, struct key_event *event)
     return false;
 }
 
-/* ---- while nobody waits ---- */
+/* ---- in idle time ---- */
 
-/* The cross-hair moves as is typed; any other key ends it, and what may be one. */
+/* The cross-hair follows the keys; any other possible key ends the work. */
 static bool wants_moves(void *context)
 {
     struct pilot *p = context;
@@ -895,8 +893,8 @@ static bool stops_for_keys(void *context)
     return stops;
 }
 
-/* What is shown right after an edit is rough. It is made exact, unless something else is wanted:
- * then it is begun again afterwards. */
+/* Labels are rough right after an edit. Finish them, unless a key arrives: then begin again after
+ * it. */
 static void finish_labels(struct pilot *p)
 {
     const struct pilot_onlooker onlooker = {p, stops_for_keys, wants_moves, show_so_far};
@@ -914,7 +912,7 @@ static void finish_labels(struct pilot *p)
         say_error(p, &why);
 }
 
-/* For a page of text: a key, with nothing else going on; or another size of the screen. */
+/* For a page of text: wait for a key, or another size of the screen. */
 static void await_key(struct pilot *p, struct key_event *event)
 {
     bool has_key = false;
@@ -963,7 +961,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     struct buf out = {0};
     *ended = false;
     if (size.columns < COLUMNS_LEAST || size.rows < ROWS_LEAST)
-        return fault_set(fault, ERR_USAGE, "the pilot takes a screen of %dx%d characters or more",
+        return fault_set(fault, ERR_USAGE, "the pilot needs a screen of %dx%d characters or more",
                          COLUMNS_LEAST, ROWS_LEAST);
     pilot_state_enter(state);
     state->sends_ahead = false;
@@ -974,7 +972,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     lay_out(&p);
     if (!err)
         err = run(&p, fault);
-    host->drop(host->context, NULL); /* what was being drawn when the input ended */
+    host->drop(host->context, NULL); /* a sketch at the end of the input */
     painter_remove(&p.painter, &out);
     painter_drop(&p.painter, &out);
     term_write_text(&out, "a blank screen", NULL);

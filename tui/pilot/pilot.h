@@ -2,20 +2,20 @@
 /*
  * The pilot: the whole screen, driven by keys. Three slices, the rendition, a cross-hair.
  *
- * The pilot knows no scene: a host says where the cross-hair is and draws the picture. Each key
- * that changes something becomes the line of a command that a user could have typed, which the host
- * carries out and records: so what was done here replays like any other session. The keys are the
- * table in tui/pilot/pilot_key_table.c. A click takes the cross-hair there; dragging draws while
- * the pen is down. Ctrl-C cancels a command.
+ * The pilot knows no scene: a host reports the cross-hair and draws the picture. Each key that
+ * changes something becomes a command that a user could have typed, which the host carries out and
+ * records: so a session in the pilot replays like any other. The keys are the table in
+ * tui/pilot/pilot_key_table.c. A click moves the cross-hair; dragging draws while the pen is down.
+ * Ctrl-C cancels a command.
  *
  * Invariants
- *   P1 what is on screen is made of what the host says after the last command, never of what a key
- *      was meant to do;
- *   P2 all keys that have arrived are carried out before anything is drawn, and nothing is drawn
- *      before the line has carried the frames before (tui/pilot/flow.h): frames are dropped, never
- *      queued, and the newest state always comes;
- *   P3 what is pasted is never keys: it goes to the line that `:` asks for, and waits there for
- *      Enter. What is pasted while a page of text is shown goes nowhere.
+ *   P1 the screen shows the state that the host reports after the last command, never an expected
+ *      effect of a key;
+ *   P2 all available keys are carried out before anything is drawn, and nothing is drawn before the
+ *      line has carried the frames before (tui/pilot/flow.h): frames are dropped, never queued, and
+ *      the newest state is always drawn;
+ *   P3 pasted text is never keys: it is inserted into the line of `:`, and waits there for Enter.
+ *      Text pasted while a page is shown is dropped.
  */
 #ifndef TUI_PILOT_PILOT_H
 #define TUI_PILOT_PILOT_H
@@ -24,9 +24,9 @@
 #include "tui/probe.h"
 #include "tui/prompt/line_edit.h"
 
-/* Begins as the state says, which stays as it is left. Runs until q, `finished`, or the end of the
- * input, which *ended says then. The terminal is open and raw, and is so afterwards; what was typed
- * ahead stays in editor->input. */
+/* Start with the state, which is kept for the next call. Run until q, `finished`, or the end of the
+ * input, which sets *ended. The terminal is open and raw before and after; unread input stays in
+ * editor->input. */
 enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
                    struct terminal_facts *facts, struct line_editor *editor, bool *ended,
                    struct fault *fault);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What keys do that lead somewhere, ask, or change what is shown: each function writes the line of
- * a command, or changes the pilot's own state. */
+/* Functions of keys that move, ask, or change the display: each adds a command, or changes the
+ * pilot's own state. */
 #include "tui/pilot/pilot_keys.h"
 
 #include <string.h>
@@ -21,9 +21,9 @@ static int up_of(int way)
 
 /* ---- moving ---- */
 
-/* Which plane's slices are counted along the screen in a pane, and which way: to the right, and
- * up. The patient's left is on the right, his front in sagittal slices on the left; slices are
- * counted towards his head, his front and his right. */
+/* The plane whose slices are counted along the screen in a pane, to the right and up. The patient's
+ * left is on the right, the front in sagittal slices on the left; slices are counted towards head,
+ * front and right. */
 static const struct {
     enum pilot_pane across, along;
 } screen_of[3] = {
@@ -49,7 +49,7 @@ static void add_window(struct press *p, double low, double high)
     p->state->is_silent = true;
 }
 
-/* Where the scene ends before a count has, as in 70L, that is said. */
+/* Report that the scene ends before the count, as in 70L. */
 static void say_edge(struct press *p, int64_t asked, const uint32_t place[3])
 {
     const uint32_t *here = p->facts->place;
@@ -86,7 +86,7 @@ void pilot_move(struct press *p)
     }
 }
 
-/* By so many slices; a jump draws nothing, whereas J and K do with the pen down. */
+/* Move by slices; a jump draws nothing, J and K draw while the pen is down. */
 static void move_through(struct press *p, int64_t slices, bool is_jump)
 {
     int64_t by[3] = {0, 0, 0};
@@ -133,7 +133,7 @@ void pilot_set_mark(struct press *p)
     pilot_say(p, "{go-to-mark:%c} leads back here", (char)p->event->point);
 }
 
-/* The mark of the letter that was pressed; NULL, with a message, where it is not set. */
+/* The mark of the pressed letter; NULL, with a message, if it is not set. */
 static const struct pilot_mark *mark_pressed(struct press *p)
 {
     const char letter = (char)p->event->point;
@@ -168,7 +168,7 @@ void pilot_go_back(struct press *p)
         buf_add_text(p->message, "there was no jump to go back from");
 }
 
-/* With 0, to the label's centre. */
+/* By 0: go to the label's centre. */
 void pilot_next_seed(struct press *p)
 {
     const struct pilot_host *host = p->host;
@@ -184,7 +184,7 @@ void pilot_next_seed(struct press *p)
     buf_add_text(p->message, p->by ? " has no seed" : " has no voxel");
 }
 
-/* ---- why, and where labels are uncertain ---- */
+/* ---- paths, and uncertain places ---- */
 
 void pilot_explain(struct press *p)
 {
@@ -201,7 +201,7 @@ void pilot_go_to_edge(struct press *p)
         pilot_jump(p, p->state->way.edge);
 }
 
-/* Round and round. */
+/* Hints are visited cyclically. */
 void pilot_go_to_hint(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -224,7 +224,7 @@ void pilot_show_heat(struct press *p)
         buf_add_text(p->message, "red, where the border is least certain");
 }
 
-/* ---- what is shown ---- */
+/* ---- display ---- */
 
 void pilot_undo(struct press *p)
 {
@@ -234,7 +234,7 @@ void pilot_undo(struct press *p)
     buf_add_char(p->line, '\n');
 }
 
-/* The chosen label, or that of the count. */
+/* Hide or show the chosen label, or that of the count. */
 void pilot_hide(struct press *p)
 {
     const unsigned label = p->state->count ? p->state->count : p->state->brush.label;
@@ -326,7 +326,7 @@ void pilot_preset(struct press *p)
     buf_printf(p->message, "the window of %s", window->name);
 }
 
-/* ---- slices, larger and smaller ---- */
+/* ---- magnified slices ---- */
 
 static void add_magnify(struct press *p, uint32_t by, const uint32_t middle[3])
 {
@@ -366,7 +366,7 @@ bool pilot_magnify_by(struct press *p, int64_t steps)
     return true;
 }
 
-/* More or less so, or not at all. */
+/* By 0: show whole slices. */
 void pilot_magnify(struct press *p)
 {
     const int64_t steps = p->by ? p->by * (pilot_times(p) < 64 ? pilot_times(p) : 64) : -64;
@@ -383,9 +383,8 @@ void pilot_recentre(struct press *p)
     add_magnify(p, p->facts->times, p->facts->place);
 }
 
-/* Of slices, where they are magnified and one does not correct; else of the rendition. Slices go
- * on, and the cross-hair with them where they would leave it; with no stroke, for nobody drew one.
- */
+/* Pan slices if they are magnified, but in PILOT_PICKING the rendition. The cross-hair moves along
+ * where it would leave the slices; without a stroke. */
 void pilot_pan(struct press *p)
 {
     const int by = (int)(pilot_times(p) < PIXEL_JUMP ? pilot_times(p) : PIXEL_JUMP);
@@ -410,7 +409,7 @@ void pilot_show_alone(struct press *p)
 
 /* ---- a pixel of the rendition ---- */
 
-/* It stays where it was, as long as the picture goes there. */
+/* The pixel stays at its place if the picture contains it. */
 void pilot_begin_picking(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -430,7 +429,7 @@ void pilot_end_picking(struct press *p)
     p->state->mode = p->state->base = pilot_home(p->state);
 }
 
-/* ---- steps that are shown ---- */
+/* ---- watched steps ---- */
 
 void pilot_step(struct press *p)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* THE table of keys, and what can be read off it: the page of keys, the hints below the picture. */
+/* THE table of keys, and texts made from it: the page of keys, the hints below the picture. */
 #include <stdio.h>
 #include <string.h>
 
@@ -42,7 +42,7 @@ enum {
 };
 
 const struct pilot_row pilot_table[] = {
-    PART("Where one is"),
+    PART("Position"),
     {KEY("step-on", "Space", "", WATCHING, COUNTS), DO(pilot_step, 1),
      PAGE("Space Backspace", "a step on, back"), .hint = "on"},
     {KEY("step-back", "Backspace", "", WATCHING, COUNTS), DO(pilot_step, -1), JOINS,
@@ -89,7 +89,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("previous-hint", "(", "", BOTH, COUNTS), DO(pilot_go_to_hint, -1), JOINS},
     {KEY("heat", "gh", "", MOVING, 0), DO(pilot_show_heat, 0), JOINS},
     {KEY("explain", "P", "", BOTH, 0), DO(pilot_explain, 0), JOINS},
-    PART("What is planted"),
+    PART("Planting"),
     {KEY("plant", "i Enter", "", BOTH, CHANGES), DO(pilot_plant, 0), .help = "a seed of the label",
      .hint = "seed"},
     {KEY("plant-picked", "0-9", "", PICKING, CHANGES), DO(pilot_plant, 1), .hint = "a seed there"},
@@ -130,7 +130,7 @@ const struct pilot_row pilot_table[] = {
      .help = "undo, redo, again", .hint = "undo"},
     {KEY("redo", "Ctrl-R", "", BOTH | OUTLINES, COUNTS), DO(pilot_undo, 1), JOINS},
     {KEY("repeat", ".", "", BOTH, 0), DO(pilot_repeat, 0), JOINS},
-    PART("What is shown"),
+    PART("Display"),
     {KEY("turn-right", "r", "Shift-Right", LOOKS, COUNTS), DO(pilot_turn, PILOT_RIGHT),
      PAGE("r R Shift-arrows", "turn the view")},
     {KEY("turn-left", "R", "Shift-Left", LOOKS, COUNTS), DO(pilot_turn, PILOT_LEFT), JOINS},
@@ -172,7 +172,7 @@ const struct pilot_row pilot_table[] = {
      .hint = "command"},
     {KEY("keys", "?", "", LOOKS, 0), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
     {KEY("redraw", "Ctrl-L", "", LOOKS, 0), .deed = PILOT_REDRAW,
-     PAGE("Ctrl-L Ctrl-Z", "draw anew; stop")},
+     PAGE("Ctrl-L Ctrl-Z", "redraw; stop")},
     {KEY("suspend", "Ctrl-Z", "", LOOKS, 0), .deed = PILOT_SUSPEND, JOINS},
     {KEY("leave", "q", "Ctrl-D", LOOKS, 0), .deed = PILOT_LEAVE, .help = "back to the prompt",
      .hint = "back"},
@@ -194,21 +194,21 @@ const struct pilot_row pilot_table[] = {
 
     {KEY("close-outline", "Enter", "A", OUTLINES, 0), DO(pilot_close_outline, 0),
      .hint = "plants it"},
-    {KEY("take-hold", "v", "", SHAPING, 0), DO(pilot_take_hold, 0), .hint = "takes hold, lets go"},
+    {KEY("take-hold", "v", "", SHAPING, 0), DO(pilot_take_hold, 0), .hint = "grabs, lets go"},
     {KEY("drop-outline", "Escape", "", OUTLINES, 0), DO(pilot_drop_outline, 0), .hint = "drops it"},
 
     {KEY("preset", "1-9", "", WINDOWING, SILENT), DO(pilot_preset, 0)},
     {KEY("window-auto", "a", "", WINDOWING, SILENT), .command = "window auto\n", .hint = "auto"},
     {KEY("digits", "0-9 . - e", "", RANGING, STAYS), DO(pilot_type_range, 0)},
     {KEY("erase", "Backspace", "", RANGING, STAYS), DO(pilot_erase_typed, 0)},
-    {KEY("take-range", "Enter", "", RANGING, 0), DO(pilot_end_range, 0), .hint = "takes it"},
+    {KEY("take-range", "Enter", "", RANGING, 0), DO(pilot_end_range, 0), .hint = "sets it"},
     {KEY("keep-range", "Escape", "", RANGING, 0), .hint = "leaves"},
 
     {KEY("end-window", "Enter", "Escape w", WINDOWING, 0), .hint = "done"},
 };
 const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
 
-/* ---- what a user has made of it ---- */
+/* ---- the default setup ---- */
 
 const struct pilot_setup pilot_setup_default = {.table = pilot_table,
                                                 .rows = sizeof pilot_table / sizeof pilot_table[0],
@@ -220,7 +220,7 @@ const struct pilot_setup pilot_setup_default = {.table = pilot_table,
                                                            {"soft", 50000, 400000}},
                                                 .windows = 4};
 
-/* Whether a row has the keys of the table, all of them. */
+/* Return true if a row has exactly the keys of the table. */
 static bool is_plain_row(const struct pilot_setup *setup, const struct pilot_row *row)
 {
     struct buf keys = {0};
@@ -230,9 +230,10 @@ static bool is_plain_row(const struct pilot_setup *setup, const struct pilot_row
     return is_plain;
 }
 
-/* ---- what the keys do ---- */
+/* ---- hints ---- */
 
-/* The hints of the rows of a mode alone; while one moves, of those for correcting too. */
+/* The hints of the rows of this mode only; in PILOT_MOVING also of rows shared with PILOT_PICKING.
+ */
 static void add_hints(struct buf *out, const struct pilot_state *state, const char *gap)
 {
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
@@ -272,7 +273,7 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
                   "{keys} keys  {leave} back");
     } else if (moves && facts->takes_all) {
         setup_say(out, setup,
-                  "one label takes all: {corner} here, then beyond its edge {enclose} encloses it; "
+                  "one label fills all: {corner} here, then beyond its edge {enclose} encloses it; "
                   "{plant-label:0} background");
     } else if (state->mode == PILOT_WINDOWING) {
         buf_add_text(out, "window ");
@@ -304,7 +305,7 @@ static bool joins(const struct pilot_row *row)
     return row < pilot_table + pilot_rows && row->help && !*row->help;
 }
 
-/* The keys of an entry: those of its row and of the rows that join it; none is "-". */
+/* The keys of an entry: of its row and of the rows joining it; "-" for none. */
 static void add_keys(struct buf *out, const struct pilot_row *row, const struct pilot_setup *setup)
 {
     const size_t before = out->length;
@@ -326,7 +327,7 @@ static void add_keys(struct buf *out, const struct pilot_row *row, const struct 
 
 /* ---- the page ---- */
 
-/* Whether the row stands on the page: what is for watching alone on that of its own. */
+/* Return true if the row is on the page; rows for watching alone have a page of their own. */
 static bool is_on_page(const struct pilot_row *row, bool watches)
 {
     return watches ? !row->name || row->in & WATCHING : row->in != WATCHING;
@@ -342,7 +343,7 @@ static void add_heading(struct buf *out, const struct pilot_keys_wish *wish, con
                wish->has_colours && *theme->heading ? "\033[m" : "");
 }
 
-/* The keys in a column so wide. */
+/* The keys in a column of this width. */
 static void add_column(struct buf *out, const struct pilot_keys_wish *wish, const char *keys,
                        size_t wide)
 {
@@ -353,7 +354,7 @@ static void add_column(struct buf *out, const struct pilot_keys_wish *wish, cons
         buf_add_char(out, ' ');
 }
 
-/* An entry, at the left of its line, or beside the one that is there. */
+/* An entry, at the left of its line, or to the right of `left`. */
 static void add_entry(struct buf *out, const struct pilot_keys_wish *wish,
                       const struct pilot_row *row, const struct pilot_row *left)
 {
@@ -397,7 +398,7 @@ static bool has_piece(const char *text, const char *piece)
     return text && strcasestr(text, piece);
 }
 
-/* Each action that has the piece, below the heading of its part; `help` is that of its entry. */
+/* Each matching action, below the heading of its part; `help` is that of its entry. */
 static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
 {
     const char *heading = NULL, *help = NULL;

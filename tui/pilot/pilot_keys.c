@@ -92,7 +92,7 @@ bool pilot_only_moves(const struct pilot_state *state, const struct key_event *e
 
 /* ---- a key that waits for a second one ---- */
 
-/* What may follow the leader: "gg first-slice  gc centre"; whether anything may. */
+/* Add the keys after the leader: "gg first-slice  gc centre"; return true if there are any. */
 static bool add_led(const struct pilot_state *state, uint32_t leader, struct buf *message)
 {
     const char *gap = "";
@@ -112,9 +112,9 @@ static bool add_led(const struct pilot_state *state, uint32_t leader, struct buf
     return *gap;
 }
 
-/* ---- doing it ---- */
+/* ---- effects ---- */
 
-/* A change is remembered once it has become a command. */
+/* Remember a change when it has become a command. */
 static void carry_out(struct press *p, const struct pilot_row *row)
 {
     const size_t before = p->line->length;
@@ -154,7 +154,7 @@ void pilot_repeat(struct press *p)
 
 /* ---- counts ---- */
 
-/* True where the key is a part of a count, as digits are while one moves. */
+/* Return true if the key is a digit of a count. */
 static bool count_on(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -174,7 +174,7 @@ static bool count_on(struct press *p)
     return true;
 }
 
-/* True where another key has to follow. */
+/* Return true if another key must follow. */
 static bool lead_on(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -199,8 +199,7 @@ static bool has_same_brush(const struct pilot_state *state)
            a->in_mm == b->in_mm && in_same;
 }
 
-/* The stroke so far becomes a command, before those of the lines, if any; unless they are a part of
- * it. */
+/* Turn the present stroke into a command, before the other lines; unless they are part of it. */
 static void end_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
 {
     struct buf rest = {0};
@@ -217,7 +216,7 @@ static void end_stroke(struct pilot_state *state, const struct pilot_facts *fact
     state->pen.line.count = 0;
 }
 
-/* Whether the mode has keys that begin with this one. */
+/* Return true if the mode has keys that begin with this one. */
 static bool may_lead(const struct pilot_state *state, const struct key_event *event)
 {
     struct buf keys = {0};
@@ -232,7 +231,7 @@ enum pilot_deed pilot_press(struct press *p)
     struct pilot_state *state = p->state;
     state->is_silent = state->says_all = state->sketches = state->drops = false;
     if (state->mode != state->base && !find_row(state, p->event) && !may_lead(state, p->event))
-        state->mode = state->base; /* a key of another mode does what it does there */
+        state->mode = state->base; /* a key of another mode has its usual effect */
     if ((state->count || state->leader) && p->event->key == KEY_ESCAPE) {
         state->count = state->leader = 0;
         return PILOT_NOTHING;
@@ -242,7 +241,7 @@ enum pilot_deed pilot_press(struct press *p)
     const struct pilot_row *row = find_row(state, p->event);
     if (row && state->count && !(row->flags & PILOT_COUNTS)) {
         setup_add_keys(p->message, state->setup, row, 1);
-        buf_add_text(p->message, " takes no count; nothing was done");
+        buf_add_text(p->message, " accepts no count; nothing was done");
     } else if (row) {
         carry_out(p, row);
     } else if (p->event->key != KEY_OTHER) {
@@ -257,7 +256,7 @@ enum pilot_deed pilot_press(struct press *p)
 
 /* ---- the mouse ---- */
 
-/* By p->by, 1 for up. */
+/* By 1 for up, -1 for down. */
 static void turn_wheel(struct press *p, enum pilot_pane pane)
 {
     struct pilot_state *state = p->state;
@@ -273,7 +272,7 @@ static void turn_wheel(struct press *p, enum pilot_pane pane)
     }
     by[pane] = p->by;
     p->host->move(p->host->context, by, place);
-    if (pilot_confirms(state->mode)) { /* what is shown is not under it any more */
+    if (pilot_confirms(state->mode)) { /* the question is about another voxel */
         state->mode = state->base;
         buf_clear(p->message);
     }
@@ -286,8 +285,8 @@ static void drop_ball(struct pilot_state *state)
     state->outline.count = 0;
 }
 
-/* The right button goes down in the middle of a ball and up where its shell is to be. The
- * cross-hair goes along. */
+/* The right button is pressed in the middle of a ball and released on its shell. The cross-hair
+ * moves along. */
 static void enclose(struct press *p, const uint32_t place[3], enum pilot_pane pane)
 {
     struct pilot_state *state = p->state;
@@ -314,7 +313,7 @@ static void enclose(struct press *p, const uint32_t place[3], enum pilot_pane pa
     drop_ball(state);
 }
 
-/* What the mouse does, but for the end of a stroke. */
+/* Effects of the mouse, except the end of a stroke. */
 static void click(struct press *p, uint32_t column, uint32_t row)
 {
     struct pilot_state *state = p->state;
@@ -398,7 +397,7 @@ void typed_ahead_put_back(struct typed_ahead *ahead, const struct key_event *eve
         typed_ahead_add(ahead, event);
 }
 
-/* "cross X,Y,Z" and no more, or nothing at all. */
+/* The line is "cross X,Y,Z" alone, or empty. */
 static bool only_moves(const struct buf *line, uint32_t place[3], bool *moves)
 {
     const char *at = buf_text(line);

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What keys mean to the pilot: a state, a key and the facts in, the line of a command out. Pure.
+ * Meaning of keys in the pilot: a state, a key and the facts in, a command out. Pure.
  *
- * All keys stand in one table (pilot_key_table.c), a row for each thing that they do: its name, its
- * keys, in which modes it is done, by what line or function, and the words for it on the page of
- * keys and below the picture. The page, which `?` shows, is also the card in tui/README.md.
+ * All keys are in one table (pilot_key_table.c), a row for each action: its name, its keys, its
+ * modes, its command or function, and its words for the page of keys and the row below the picture.
+ * The page, shown by `?`, is also the card in tui/README.md.
  *
- * As in vim, digits are a count for the key after them, a key that takes none says so, some keys
- * wait for a second one, and Escape takes back what was begun. No digit alone plants anything but
- * in PILOT_PICKING, where one corrects what the rendition shows.
+ * As in vim, digits are a count for the key after them, a key without a count rejects one, some
+ * keys wait for a second one, and Escape cancels both. No digit alone plants anything except in
+ * PILOT_PICKING, which corrects the rendition.
  *
  * Files call downward alone:
  *
  *     pilot_key_table.c    the table, the page of keys and the hints
- *     pilot_keys.c         finds the row for a key, by the table of the setup
- *     pilot_acts.c         what rows do that look, go somewhere or ask
- *     pilot_plant.c        what rows do that plant or remove
- *     pilot_outline.c      outlines: drawn, taken up, dragged and closed
- *     pilot_press.c        keys and windows of a user, and words and moves that all of them need
+ *     pilot_keys.c         find the row for a key, by the table of the setup
+ *     pilot_acts.c         functions of rows that look, move or ask
+ *     pilot_plant.c        functions of rows that plant or remove
+ *     pilot_outline.c      outlines: draw, edit, drag and close them
+ *     pilot_press.c        keys and windows of a user, and shared words and moves
  *     pilot_status.c       the row below the picture
  *     chord.c              keys as words
  */
@@ -34,7 +34,7 @@
 
 enum {
     SETUP_WINDOWS_MOST = 9, /* a digit each */
-    SETUP_ROWS_MOST = 128,  /* of the table of keys */
+    SETUP_ROWS_MOST = 128,  /* in the table of keys */
     SETUP_NAME_BYTES = 12,
     SETUP_KEYS_BYTES = 48
 };
@@ -50,7 +50,7 @@ struct pilot_brush {
     unsigned label;
     unsigned radius; /* voxels, or halves of a millimetre where it is in_mm; 0 for one voxel */
     bool in_mm;
-    bool fits;      /* nobody has chosen the radius: it is made to fit the scene */
+    bool fits;      /* the radius was not chosen: fit it to the scene */
     bool has_range; /* only voxels whose intensity is within: real values */
     struct decimal range[2];
 };
@@ -76,7 +76,7 @@ extern const struct pilot_setup pilot_setup_default;
 enum err setup_window(struct pilot_setup *setup, const char *name, int64_t centre, int64_t width,
                       struct fault *fault);
 
-/* ---- what is chosen, from one time to the next ---- */
+/* ---- state that lasts from one use to the next ---- */
 
 enum pilot_mode {
     PILOT_MOVING,     /* keys move the cross-hair, plant, turn .. */
@@ -101,7 +101,7 @@ static inline bool pilot_confirms(enum pilot_mode mode)
     return mode == PILOT_CONFIRMING || mode == PILOT_CONFIRMING_TREE;
 }
 
-/* What the loop is to do beside carrying out the line. */
+/* Action of the loop in addition to the command. */
 enum pilot_deed {
     PILOT_NOTHING,
     PILOT_PROMPT,
@@ -119,25 +119,25 @@ struct pilot_mark {
 enum { PILOT_MARKS = 26 }; /* a-z */
 enum { PILOT_RANGE_BYTES = 40 };
 
-/* What was changed last, for `.`: a row of the table, its key and its count. */
+/* The last change, for `.`: a row of the table, its key and its count. */
 struct pilot_change {
     const struct pilot_row *row; /* NULL for nothing yet */
     struct key_event key;
     uint32_t count;
 };
 
-/* The last box or outline, and where the cross-hair was: `.` plants it beside where that is now. */
+/* The last box or outline, and the cross-hair then: `.` plants it relative to the present one. */
 struct pilot_shape {
     struct polyline outline;
     uint32_t place[3];
 };
 
-/* While the pen is down, what it has drawn is a sketch: shown, and not recorded. It becomes one
- * command when the pen is lifted, when the mouse's button is, or when another command or brush
- * comes: then the pen goes on with another stroke. Escape drops it. */
+/* While the pen is down, its drawing is a sketch: shown, and not recorded. It becomes one command
+ * when the pen is lifted, when the mouse button is released, or before another command or brush:
+ * then the pen continues with another stroke. Escape drops it. */
 struct pilot_pen {
     bool is_down;
-    struct polyline line;     /* of the stroke; two corners or more where anything is drawn */
+    struct polyline line;     /* the stroke; two corners or more if anything is drawn */
     struct pilot_brush brush; /* that it is drawn with */
 };
 
@@ -148,14 +148,14 @@ struct pilot_hold {
     struct polyline line;
 };
 
-enum { PILOT_CORNERS_MOST = 1000 }; /* of an outline, in a line of a journal */
+enum { PILOT_CORNERS_MOST = 1000 }; /* in an outline, in a line of a journal */
 
 struct pilot_state {
     const struct pilot_setup *setup;
-    bool watches;               /* nothing but looking: its home is PILOT_WATCHING, not MOVING */
-    enum pilot_mode mode, base; /* where others lead back to: moving, picking, an
-                                   outline's or watching */
-    enum pilot_pane pane;       /* of the three slices: arrows move in it */
+    bool watches; /* nothing but looking: its home is PILOT_WATCHING, not MOVING */
+    enum pilot_mode mode,
+        base; /* the mode, and the one to return to: moving, picking, an outline or watching */
+    enum pilot_pane pane; /* one of the three slices: arrows move in it */
     struct pilot_brush brush;
     struct pilot_pen pen;
     struct pilot_mark stroke;                    /* one end of a stroke */
@@ -165,7 +165,7 @@ struct pilot_state {
     struct polyline outline;                     /* corners of a box or an outline, so far */
     struct pilot_hold hold;                      /* that of the outline, if any; */
     bool is_bent;                                /* it was dragged, and is not planted yet */
-    uint32_t instead;                            /* of which marker it is, or 0 */
+    uint32_t instead;                            /* marker to replace, or 0 */
     unsigned doubt;                              /* the slice that was shown last; 0 for none */
     char typed[PILOT_RANGE_BYTES];               /* LOW..HIGH, so far */
     struct pilot_mark mark[PILOT_MARKS], former; /* and the place before the last jump */
@@ -175,13 +175,13 @@ struct pilot_state {
     bool has_pixel;
     bool is_alone; /* one pane has the whole screen: that of the slices, or that one corrects in */
     bool drags;    /* the mouse draws, */
-    unsigned dragged; /* so many places of an outline, */
+    unsigned dragged; /* places of an outline dragged so far, */
     bool encloses;    /* or pulls a ball open, whose middle is the one corner */
     bool sketches;    /* the last lines are a sketch */
-    bool sends_ahead; /* slices are on their way that nobody has asked for */
+    bool sends_ahead; /* slices are being sent ahead */
     bool drops;       /* the sketch is to be dropped */
-    bool is_silent;   /* what the last line does is seen below the picture anyway */
-    bool says_all;    /* all lines of what it says are of use, not the last alone, */
+    bool is_silent;   /* the effect of the last line is visible below the picture anyway */
+    bool says_all;    /* show all lines of the answer, not only the last, */
     bool has_pages;   /* and need the screen */
     struct pilot_change change;
     struct pilot_shape shape;
@@ -191,61 +191,61 @@ struct pilot_state {
 void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup);
 void pilot_state_release(struct pilot_state *state);
 
-/* Where keys lead back to in the end. */
+/* The mode to return to in the end. */
 static inline enum pilot_mode pilot_home(const struct pilot_state *state)
 {
     return state->watches ? PILOT_WATCHING : PILOT_MOVING;
 }
 
-/* Of a scene whose least side has so many voxels: where nobody has chosen a radius, it is at most a
- * tenth of that. */
+/* If the radius was not chosen, limit it to a tenth of the scene's least side, in voxels. */
 void pilot_fit_brush(struct pilot_state *state, uint32_t side);
 
-/* Whether the mode is one for some keys alone, which any other key ends. */
+/* Return true if any key outside the mode ends it. */
 static inline bool pilot_is_passing(const struct pilot_state *state)
 {
     return state->mode != pilot_home(state) && state->mode != PILOT_PICKING;
 }
 
-/* The pilot is entered once more: what was chosen is as it was, what was begun is not. */
+/* Enter the pilot again: choices are kept, unfinished actions are not. */
 void pilot_state_enter(struct pilot_state *state);
 
-/* A key, and what it is pressed upon. */
+/* A key, and its context. */
 struct press {
     struct pilot_state *state;
     const struct key_event *event;
     const struct pilot_host *host;
     const struct pilot_facts *facts;
     struct buf *line, *message;
-    int by;               /* of the row, once it is found; 0 and PILOT_NOTHING before, */
-    enum pilot_deed deed; /* and what it asks of the loop */
+    int by;               /* `by` of the row, once it is found; 0 and PILOT_NOTHING before, */
+    enum pilot_deed deed; /* and the action of the loop */
 };
 
-/* Adds the line of the command that the key stands for to `line`, if any; several, parted by line
- * feeds, are carried out one after the other until one fails. `message` gets a word for the user
- * where there is something to say. */
+/* Add the command of the key to `line`, if any; several commands, separated by line feeds, run one
+ * after the other until one fails. A message for the user is added to `message`. */
 enum pilot_deed pilot_press(struct press *press);
 
-/* The same for a mouse report, which lies in the picture at this pixel. */
+/* The same for a mouse report at this pixel of the picture. */
 void pilot_click(struct press *press, uint32_t column, uint32_t row);
 
-/* Whether a key only moves the cross-hair, and draws nothing, or begins another one: it can be
- * shown while something else is carried out. */
+/* Return true if a key only moves the cross-hair and draws nothing, or begins another key: it can
+ * be shown while a command runs. */
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event);
 
-/* Adds what the keys do in the present mode, in a line that fits 80 columns. */
+/* Add the hints of the present mode, in a line that fits 80 columns. */
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out);
 
-/* Add the row below the picture, without a line feed, for a screen of so many columns: the place of
- * the cross-hair, the brush, edits that wait, and facts of the voxel.
+/*
+ * Add the row below the picture, without a line feed, for a screen of `columns`: the place of the
+ * cross-hair, the brush, waiting edits, and facts of the voxel.
  *
  *     axial at 90,108,90  brush 2 ventricle r3  here 1 brain 1.64 l (+1.2 ml)  intensity 93
  *
- * The row consists of parts, each with a rank. A screen that is too narrow shows the parts of the
- * highest ranks that fit, each whole, in the same order: the place, the brush and the label first,
- * then names, the volume and its change, the intensity, millimetres, the rest. So nothing moves
- * when a part far down appears. A `>` at the end says that slices are sent ahead. */
+ * The row consists of parts, each with a rank. A narrow screen shows the parts of the highest ranks
+ * that fit, each whole, in the same order: the place, the brush and the label first, then names,
+ * the volume and its change, the intensity, millimetres, the rest. So nothing moves when a part of
+ * low rank appears. A `>` at the end marks slices being sent ahead.
+ */
 void pilot_add_status(struct buf *out, const struct pilot_state *state,
                       const struct pilot_host *host, const struct pilot_facts *facts,
                       unsigned columns);
@@ -256,21 +256,21 @@ void pilot_add_brush(struct buf *out, const struct pilot_brush *brush);
 /* Adds a decimal as commands take it: three places at most, no zeros at its end. */
 void pilot_add_decimal(struct buf *line, double value);
 
-/* How the page of keys is wanted. */
+/* Options of the page of keys. */
 struct pilot_keys_wish {
     const struct pilot_setup *setup;
     bool watches;       /* the keys for that */
-    unsigned columns;   /* of the window */
+    unsigned columns;   /* width of the window */
     bool has_colours;   /* those of the setup's theme */
-    const char *wanted; /* a piece of a key, a name or of what it does; "" or NULL for all */
+    const char *wanted; /* part of a key, a name or its help; "" or NULL for all */
 };
 
-/* Adds it, part by part with headings: two entries on a line of at most 78, or one; or each in two
- * lines, to be broken by cells_wrap. Where something is wanted each action that has it stands on a
- * line of its own, with its name. */
+/* Add the page, part by part with headings: two entries on a line of at most 78, or one; or each in
+ * two lines, to be broken by cells_wrap. With `wanted`, each matching action is on a line of its
+ * own, with its name. */
 void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish);
 
-/* Whether the key does something in the present mode. */
+/* Return true if the key has an effect in the present mode. */
 bool pilot_has_key(const struct pilot_state *state, const struct key_event *event);
 
 /* ---- keys typed ahead ---- */
@@ -287,18 +287,19 @@ struct typed_ahead {
     size_t count, taken;
 };
 
-/* Whether there is room for another; it is not asked for after a paste, whose text is kept once. */
+/* Return true if there is room for another key; a paste, whose text is stored once, must be the
+ * last. */
 bool typed_ahead_has_room(const struct typed_ahead *ahead);
 void typed_ahead_add(struct typed_ahead *ahead, const struct key_event *event);
 
-/* The first of them, which goes; false where there is none. */
+/* Remove the first key; false without one. */
 bool typed_ahead_take(struct typed_ahead *ahead, struct key_event *event);
 
 /* Becomes the first of them; after an event was taken there is room. */
 void typed_ahead_put_back(struct typed_ahead *ahead, const struct key_event *event);
 
-/* Has the host show the cross-hair where those keys will lead, and `state` what they will make of
- * it, up to the first that does anything else. */
+/* Make the host show the cross-hair where the keys lead, and set `state` to the state after them,
+ * up to the first key with another effect. */
 void typed_ahead_show(const struct typed_ahead *ahead, struct pilot_state *state,
                       const struct pilot_host *host);
 
@@ -307,13 +308,13 @@ void typed_ahead_show(const struct typed_ahead *ahead, struct pilot_state *state
 #define PILOT_IN(mode) (1u << (mode))
 
 enum pilot_flag {
-    PILOT_COUNTS = 1,      /* the row takes a count */
+    PILOT_COUNTS = 1,      /* the row accepts a count */
     PILOT_CHANGES = 2,     /* `.` repeats it */
     PILOT_STAYS = 4,       /* the mode does not change */
-    PILOT_IS_SILENT = 8,   /* what the line does is seen below the picture anyway */
+    PILOT_IS_SILENT = 8,   /* the effect of the line is visible below the picture anyway */
     PILOT_SAYS_ALL = 16,   /* each line of its answer is of use */
     PILOT_ONLY_MOVES = 32, /* it asks nothing of the segmentation, and changes nothing of it */
-    PILOT_OUTLINES = 64,   /* it plants what the corners enclose */
+    PILOT_OUTLINES = 64,   /* it plants the area within the corners */
     PILOT_HAS_PAGES = 128  /* its answer has the screen for itself */
 };
 
@@ -323,19 +324,18 @@ typedef void pilot_act(struct press *p);
 struct pilot_row {
     const char *name;    /* NULL: of the page alone */
     const char *keys;    /* on the page, */
-    const char *also;    /* and those that do the same and are not shown there */
-    const char *shown;   /* on the page in place of the keys of this row and those that join it */
+    const char *also;    /* and others with the same effect, not shown there */
+    const char *shown;   /* on the page in place of the keys of this row and of rows joining it; the
+                            heading of a part, in a row without keys and help */
     unsigned in;         /* these modes */
-    const char *command; /* what it does: this line, with the cross-hair's place for '@', */
+    const char *command; /* its effect: this command, with the cross-hair's place for '@', */
     pilot_act *act;
     int by; /* this, or that: which of several things that the function does */
     enum pilot_deed deed;
-    enum pilot_mode then; /* the mode afterwards; PILOT_MOVING stands for the state's `base` */
+    enum pilot_mode then; /* the mode afterwards; PILOT_MOVING means the state's `base` */
     unsigned flags;
-    const char *help; /* on the page; "" joins the row before; NULL begins another part of the page
-                         where the row has no keys, headed by `shown`, else it is not there */
-    const char
-        *hint; /* after its key, below the picture as long as one of its modes lasts; or NULL */
+    const char *help; /* on the page; "" joins the row before; NULL: none */
+    const char *hint; /* after its key, below the picture while a mode of the row lasts; or NULL */
 };
 
 extern const struct pilot_row pilot_table[];
@@ -352,8 +352,7 @@ const struct pilot_row *setup_row(const struct pilot_setup *setup, const char *n
 /* The keys that the user has given a row, or NULL. */
 const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *row);
 
-/* Adds the keys that a row has, of those that the page shows, with blanks between; at most `most`.
- */
+/* Add the keys of a row that the page shows, separated by blanks; at most `most`. */
 void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const struct pilot_row *row,
                     size_t most);
 
@@ -381,7 +380,7 @@ struct chord {
     uint32_t leader; /* 0 for none */
     enum key key;    /* KEY_PENDING for any */
     unsigned modifiers;
-    uint32_t first, last; /* of a KEY_CHARACTER */
+    uint32_t first, last; /* for KEY_CHARACTER */
 };
 
 /* Read the word of `length` bytes. False if it names no key. */

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Outlines: what keys and the mouse do that draw one freehand, take up one that is there, drag it,
- * and close it.
+ * Outlines: keys and the mouse draw one freehand, edit an existing one, drag it, and close it.
  *
- * An outline is the corners that `a` sets one by one, or that a pen leaves, in one slice; it is
- * closed from the last one to the first. Where it is dragged, it is taken as the voxels that it
- * goes through, one after the other, as it was when it was taken hold of. Those near the hold go
- * along, the others the less, the farther they are along the line, in integers:
+ * An outline is a list of corners in one slice, set one by one with `a` or drawn with the pen; it
+ * is closed from the last corner to the first. Dragging works on the voxels along the line, as it
+ * was when it was grabbed. Voxels near the hold move along, the others less, the farther they are
+ * along the line, in integers:
  *
  *     by w(s) = (R^2 - s^2)^2 / R^4 of the way, s voxels along the line, up to the reach R,
  *
- * which grows with the way, so that what is pulled is a bulge and no thorn.
+ * which grows with the way, so that the result is a bulge and not a spike.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +23,7 @@ enum { REACH_LEAST = 6, REACH_MOST = 1024 };
 
 /* ---- drawing ---- */
 
-/* Whether a slice of some plane goes through all corners and the place. */
+/* Return true if one slice contains all corners and the place. */
 static bool is_flat(const struct polyline *outline, const uint32_t place[3])
 {
     bool same[3] = {true, true, true};
@@ -46,7 +45,7 @@ bool pilot_add_corner(struct press *p, const uint32_t place[3])
     const bool leaves_plane = p->state->mode == PILOT_OUTLINING && outline->count > 0 &&
                               outline->corner[0][across] != place[across];
     if (leaves_plane || (outline->count >= 2 && !is_flat(outline, place))) {
-        pilot_say(p, "this lies in another slice than the corners so far; {drop} drops them");
+        pilot_say(p, "this is in another slice than the corners so far; {drop} drops them");
         return false;
     }
     if (outline->count >= PILOT_CORNERS_MOST && p->state->mode == PILOT_OUTLINING)
@@ -58,7 +57,7 @@ bool pilot_add_corner(struct press *p, const uint32_t place[3])
     return true;
 }
 
-/* Nothing is begun any more. */
+/* Discard the present outline. */
 static void end_outline(struct pilot_state *state)
 {
     state->outline.count = state->hold.line.count = 0;
@@ -111,7 +110,7 @@ void pilot_close_outline(struct press *p)
         return;
     }
     if (outline->count < CORNERS_LEAST) {
-        pilot_say(p, "an outline takes %d corners or more, and there %s %zu; %s", CORNERS_LEAST,
+        pilot_say(p, "an outline needs %d corners or more, and there %s %zu; %s", CORNERS_LEAST,
                   outline->count == 1 ? "is" : "are", outline->count,
                   is_drawn ? "{drop-outline} drops it" : "{corner} sets one");
         return;
@@ -127,7 +126,7 @@ void pilot_close_outline(struct press *p)
     pilot_keep_shape(p);
     state->change = (struct pilot_change){setup_row(state->setup, "polygon"), *p->event, 0};
     end_outline(state);
-    state->doubt = 0; /* the first is another one now */
+    state->doubt = 0; /* ranks have changed */
 }
 
 void pilot_begin_outline(struct press *p)
@@ -151,7 +150,7 @@ struct ring {
     size_t count, capacity;
 };
 
-/* a + by * part / parts, to the nearest, the higher one of two; within 0 .. end - 1. */
+/* a + by * part / parts, rounded half up; within 0 .. end - 1. */
 static uint32_t moved(uint32_t a, int64_t by, int64_t part, int64_t parts, uint32_t end)
 {
     const int64_t twice = 2 * (a * parts + by * part) + parts;
@@ -191,7 +190,7 @@ static bool ring_make(struct ring *ring, const struct polyline *line)
     return true;
 }
 
-/* The voxel of the line that is nearest to a place; `count` for none within the hold. */
+/* Index of the voxel of the line nearest to a place; `count` if none is within the hold. */
 static size_t nearest_of(const struct ring *ring, const uint32_t place[3])
 {
     int64_t least = HOLD_MOST * HOLD_MOST + 1;
@@ -227,7 +226,7 @@ static bool take_hold_at(struct press *p, const uint32_t place[3])
     return hold->is_set;
 }
 
-/* Take hold of the line, or let go. */
+/* Grab the line, or release it. */
 void pilot_take_hold(struct press *p)
 {
     if (p->state->hold.is_set)
@@ -236,7 +235,7 @@ void pilot_take_hold(struct press *p)
         take_hold_at(p, p->facts->place);
 }
 
-/* The line as it was, bent so that what was at the hold is at the place. */
+/* Set the line to the grabbed one, bent so that the hold is at the place. */
 static bool bend(struct polyline *out, const struct pilot_hold *hold, const uint32_t place[3],
                  const uint32_t size[3])
 {
@@ -274,16 +273,16 @@ bool pilot_outline_to(struct press *p, const uint32_t place[3])
     if (state->base != PILOT_SHAPING || !state->hold.is_set)
         return state->base == PILOT_OUTLINING || state->base == PILOT_SHAPING;
     if (!is_flat(&state->hold.line, place))
-        buf_add_text(p->message, "this lies in another slice than the outline");
+        buf_add_text(p->message, "this is in another slice than the outline");
     else if (!bend(&state->outline, &state->hold, place, p->facts->size))
         p->line->failed = true;
     state->is_bent = true;
     return true;
 }
 
-/* ---- one that is there ---- */
+/* ---- existing outlines ---- */
 
-/* What is in the slice of the pane at a place, as an outline to be corrected. */
+/* Load the outline in the slice of the pane at a place, for editing. */
 static void take_up(struct press *p, const uint32_t place[3])
 {
     struct pilot_state *state = p->state;
@@ -298,7 +297,7 @@ static void take_up(struct press *p, const uint32_t place[3])
     state->mode = state->base = PILOT_SHAPING;
 }
 
-/* Whether one is there that a hand has changed. */
+/* Return true if an edited outline is not planted yet. */
 static bool is_unfinished(struct press *p)
 {
     if (p->state->is_bent)
@@ -312,7 +311,7 @@ void pilot_take_up(struct press *p)
         take_up(p, p->facts->place);
 }
 
-/* After the last one comes the first. */
+/* Ranks are visited cyclically. */
 void pilot_go_to_doubt(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -344,7 +343,7 @@ void pilot_go_to_doubt(struct press *p)
 
 /* ---- the mouse ---- */
 
-/* A click sets a corner; what is dragged is drawn, and closed where the button is let go. */
+/* A click sets a corner; dragging draws, and releasing the button closes the outline. */
 void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane)
 {
     struct pilot_state *state = p->state;
@@ -363,7 +362,7 @@ void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pa
         state->drags = state->hold.is_set = false;
         if (state->base == PILOT_OUTLINING && state->dragged >= CORNERS_LEAST) {
             pilot_close_outline(p);
-            state->mode = state->base = PILOT_OUTLINING; /* the pen is still there for the next */
+            state->mode = state->base = PILOT_OUTLINING; /* the pen stays down */
             state->change =
                 (struct pilot_change){setup_row(state->setup, "close-outline"), *p->event, 0};
         }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What keys do that plant or remove: seeds, strokes, boxes and shells, with a brush. */
+/* Functions of keys that plant or remove: seeds, strokes, boxes and shells, with a brush. */
 #include "tui/pilot/pilot_keys.h"
 
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "base/scan.h"
 
 enum { RADIUS_MOST = 32, LABELS = 256 };
-enum { LINE_MOST = 60000 }; /* bytes; a journal takes 65535 */
+enum { LINE_MOST = 60000 }; /* bytes; the limit of a journal is 65535 */
 
 /* ---- lines ---- */
 
@@ -22,7 +22,7 @@ static void begin_seed(struct buf *line, const uint32_t place[3], const struct p
     pilot_add_radius(line, brush);
 }
 
-/* A seed of the brush; with another end, a stroke to there. */
+/* Add a seed of the brush; with another end, a stroke to there. */
 static void add_seed(struct press *p, const uint32_t place[3], const uint32_t *other_end)
 {
     begin_seed(p->line, place, &p->state->brush);
@@ -67,7 +67,7 @@ void pilot_change_radius(struct press *p)
     say_brush(p);
 }
 
-/* From so many voxels to so many millimetres, and back. */
+/* Switch between voxels and millimetres. */
 void pilot_change_unit(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
@@ -76,7 +76,8 @@ void pilot_change_unit(struct press *p)
     say_brush(p);
 }
 
-/* As wide on each side as the count says, or a twentieth of the window, in whole numbers if so. */
+/* The range extends by the count to each side, else by a twentieth of the window, in whole numbers
+ * if possible. */
 void pilot_take_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
@@ -118,7 +119,7 @@ bool pilot_scan_range(const char **at, struct decimal range[2])
            decimal_value(&range[0]) <= decimal_value(&range[1]);
 }
 
-/* Nothing typed takes the range away. */
+/* Without digits the range is removed. */
 void pilot_end_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
@@ -139,7 +140,7 @@ void pilot_end_range(struct press *p)
 
 /* ---- seeds ---- */
 
-/* With 1, a seed of the label that the key is. */
+/* By 1: a seed of the label of the digit. */
 void pilot_plant(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -152,7 +153,8 @@ void pilot_plant(struct press *p)
     state->stroke.is_set = false;
 }
 
-/* As large as the brush, whose label it then is. */
+/* The radius is that of the brush, which gets the label. By 1: the label of the digit, else the
+ * next one. */
 void pilot_plant_at_edge(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -163,7 +165,7 @@ void pilot_plant_at_edge(struct press *p)
     add_seed(p, state->way.edge, NULL);
 }
 
-/* That of the ball around the path's seed through the edge. */
+/* Plant the shell of the ball around the path's seed through the edge. */
 void pilot_enclose_at_edge(struct press *p)
 {
     const struct pilot_way *way = &p->state->way;
@@ -210,7 +212,7 @@ void pilot_go_to(struct press *p, const uint32_t place[3])
     p->state->sketches = p->state->is_silent = true;
 }
 
-/* Parts of a stroke that is too long for a line of the journal are joined. */
+/* A stroke that is too long for a line of the journal is split into joined parts. */
 void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
 {
     const struct pilot_pen *pen = &state->pen;
@@ -235,7 +237,7 @@ void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts
 void pilot_lower_pen(struct press *p)
 {
     p->state->pen.is_down = !p->state->pen.is_down;
-    if (!p->state->pen.is_down) /* else what stands below the picture says so as long as it is */
+    if (!p->state->pen.is_down) /* the row below the picture shows a pen that is down */
         buf_add_text(p->message, "the pen is up");
 }
 
@@ -288,18 +290,18 @@ void pilot_set_corner(struct press *p)
               outline->count);
 }
 
-/* Whether one corner is set; says what to do where not. */
+/* Return true if exactly one corner is set; otherwise say what to do. */
 static bool has_one_corner(struct press *p, const char *what, const char *corner)
 {
     const struct polyline *outline = &p->state->outline;
     if (outline->count == 1)
         return true;
-    pilot_say(p, "%s takes one %s, and there are %zu; %s", what, corner, outline->count,
+    pilot_say(p, "%s needs one %s, and there are %zu; %s", what, corner, outline->count,
               outline->count ? "{drop} drops them" : "{corner} sets it");
     return false;
 }
 
-/* From the corner to the cross-hair. */
+/* Plant the box from the corner to the cross-hair. */
 void pilot_plant_box(struct press *p)
 {
     struct polyline *outline = &p->state->outline;
@@ -311,8 +313,8 @@ void pilot_plant_box(struct press *p)
     pilot_keep_shape(p);
 }
 
-/* The background's, around the label of the brush: of the box between the corner and the
- * cross-hair, or of the ball around the one through the other. */
+/* Plant the background around the label of the brush: by 1 on the box from the corner to the
+ * cross-hair, by 0 on the ball around the corner. */
 void pilot_plant_shell(struct press *p)
 {
     const struct polyline *outline = &p->state->outline;

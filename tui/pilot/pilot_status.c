@@ -10,8 +10,8 @@ enum rank { FIRST, CHIEF, STATE, VALUE, WORLD, NAME, SHOWN, VOLUME, CHANGE, BRUS
 
 enum { PARTS_MOST = 32 };
 
-/* A part that begins with a blank belongs to the group of the one before, and goes with its first.
- */
+/* A part that begins with a blank belongs to the group of the part before, and is shown only with
+ * its first. */
 struct status {
     struct buf text;
     size_t count;
@@ -22,7 +22,7 @@ struct status {
     } part[PARTS_MOST];
 };
 
-/* What was added to the text since the last part is a part. */
+/* Make the text added since the last part a part. */
 static void end_part(struct status *s, enum rank rank)
 {
     const struct part *last = s->count ? &s->part[s->count - 1] : NULL;
@@ -105,7 +105,7 @@ static size_t gap_before(const struct status *s, const struct part *part)
     return part > s->part && s->part + part->head == part ? 2 : 0;
 }
 
-/* By rank, what still fits. */
+/* Choose the parts that fit, by rank. */
 static void choose(struct status *s, unsigned columns)
 {
     size_t used = 0;
