@@ -127,7 +127,7 @@ void cells_crop(struct buf *out, const char *text, unsigned columns)
     }
 }
 
-/* How many bytes of the line to print in so many cells: up to a blank, or its end. */
+/* Return the number of bytes of the line to print in `room` cells: up to a blank, or its end. */
 static size_t wrap_at(const char *line, size_t length, size_t room)
 {
     size_t at = strspn(line, " "), used = at, gap = 0, cells;
@@ -144,7 +144,8 @@ static size_t wrap_at(const char *line, size_t length, size_t room)
     return length;
 }
 
-/* Where a line's text begins, if that is in its first half: there it goes on. */
+/* Return the column where the text of a line begins, if that is in its first half, else 0;
+ * continuation lines begin there. */
 static size_t text_column(const char *line, size_t length, size_t columns)
 {
     for (size_t at = 0; at + 1 < length && at < columns / 2; at++)

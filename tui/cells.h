@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Text as a terminal shows it, in cells: how many it takes, and lines that fit.
+ * Text as a terminal shows it, in cells: the width of a text, and lines that fit.
  *
- * A character takes 0 cells where it is a mark that sits on the one before, or joins or directs
- * text; 2 where it is East Asian wide or an emoji; else 1. The widths are those of libc in the
- * locale C.UTF-8, whatever the environment says: a session over SSH often has no locale. Terminals
- * in use agree on them for all but sequences of emoji.
+ * A combining mark, a joiner or a direction mark is 0 cells wide; an East Asian wide character or
+ * an emoji is 2; any other is 1. The widths are those of libc in the locale C.UTF-8, independent of
+ * the environment: a session over SSH often has no locale. Common terminals agree on them except
+ * for sequences of emoji.
  */
 #ifndef TUI_CELLS_H
 #define TUI_CELLS_H
@@ -18,8 +18,8 @@
 
 unsigned char_width(uint32_t point);
 
-/* Reads the UTF-8 character at `text` (`length` > 0) into *point and returns its bytes; for what is
- * not well formed, one byte and CHAR_BROKEN. */
+/* Read the UTF-8 character at `text` (`length` > 0) into *point and return its bytes; for an
+ * invalid byte, 1 and CHAR_BROKEN. */
 #define CHAR_BROKEN UINT32_MAX
 size_t char_read(const char *text, size_t length, uint32_t *point);
 
@@ -27,35 +27,37 @@ size_t char_read(const char *text, size_t length, uint32_t *point);
 enum { CHAR_BYTES_MOST = 4 };
 size_t char_write(char out[CHAR_BYTES_MOST], uint32_t point);
 
-/* Takes the last character off a text, which is not empty. */
+/* Remove the last character of a text, which is not empty. */
 void char_erase(struct buf *text);
 
-/* The upper or lower case letter of a letter; what is none, or has no other, stays. */
+/* Return the upper or lower case letter of a letter, or the character itself if it has none. */
 uint32_t char_letter(uint32_t point, bool upper);
 
-/* The cells that `length` bytes take where what is not safe to print is drawn as \xNN. */
+/* Return the cells that `length` bytes take where unsafe bytes are drawn as \xNN. */
 size_t cells_width(const char *text, size_t length);
 
 /* The bytes of the character, or colour (CSI .. m), that a text begins with, which is safe to print
  * but for colours, and its cells: none for a colour. `length` > 0. */
 size_t cells_next(const char *text, size_t length, size_t *cells);
 
-/* Whether the environment says that text is UTF-8: LC_ALL, else LC_CTYPE, else LANG. */
+/* Return true if the environment selects UTF-8: LC_ALL, else LC_CTYPE, else LANG. */
 bool locale_is_utf8(void);
 
 /* Adds `text`, which is safe to print, with each line cut to `columns` cells, 0 for none cut: for
  * drawings, which a terminal would break in the middle. */
 void cells_crop(struct buf *out, const char *text, unsigned columns);
 
-/* Adds `text` for a raw terminal, with lines of at most `columns` cells, each ended by CR LF;
- * colours (CSI ... m) take no room. A long line is broken at a blank, where a terminal breaks
- * words, and goes on below where its text began: after its first run of two blanks or more, as in
- * lists of names and values, else at the left. In a window of 30 columns:
+/*
+ * Add `text` for a raw terminal, with lines of at most `columns` cells, each ended by CR LF;
+ * colours (CSI ... m) have no width. A long line is broken at a blank, where a terminal would break
+ * words, and continues in the column where its text began: after its first run of two blanks or
+ * more, as in lists of names and values, else at the left. In a window of 30 columns:
  *
  *     view      90 0 0 degrees, left,
  *               zoom 1
  *
- * A word that is wider than the room it has stays whole, so that a path can be copied. */
+ * A word that is wider than its room stays whole, so that a path can be copied.
+ */
 void cells_wrap(struct buf *out, const struct buf *text, unsigned columns);
 
 /* ---- themes ---- */
@@ -68,7 +70,7 @@ struct theme {
     const char *name;
     const char *hint, *hint_16; /* CSI .. m, in 256 colours and in 16: possible ends of a line */
     const char *alarm;          /* a state that must be noticed */
-    const char *heading, *key;  /* of a page of keys */
+    const char *heading, *key;  /* in a page of keys */
     bool has_colours;
 };
 

@@ -84,7 +84,7 @@ static bool feed_utf8(struct keys *k, uint8_t byte, struct key_event *event)
     uint32_t point;
     if ((byte & 0xC0) != 0x80) {
         k->alt = false;
-        return feed_ground(k, byte, event); /* what came before is dropped */
+        return feed_ground(k, byte, event); /* the bytes before it are dropped */
     }
     store(k, byte);
     if (--k->needed > 0)
@@ -161,8 +161,8 @@ static unsigned parameter(const char **text)
     return n;
 }
 
-/* A place of the mouse, from 1, which moves past it; 0 for none. What lies before the window is at
- * its edge. */
+/* Read a coordinate of the mouse, from 1, and move past it; 0 if absent. Coordinates before
+ * the window are at its edge. */
 static unsigned place(const struct keys *k, const char **text)
 {
     const bool is_before = k->unit != MOUSE_CELLS && **text == '-';

@@ -50,7 +50,7 @@ enum key {
     KEY_PASTE_END,
     KEY_REPLY, /* keys.body holds it */
     KEY_MOUSE, /* key_event.mouse */
-    KEY_OTHER  /* of no use here: F1, keypad, focus gained or lost .. */
+    KEY_OTHER  /* unused: F1, keypad, focus gained or lost .. */
 };
 
 enum { KEY_SHIFT = 1, KEY_ALT = 2, KEY_CONTROL = 4 }; /* xterm's modifier parameter less 1 */
@@ -66,8 +66,8 @@ enum mouse_action {
 };
 enum mouse_button { MOUSE_LEFT, MOUSE_MIDDLE, MOUSE_RIGHT, MOUSE_NO_BUTTON };
 
-/* What SGR reports count: cells from 1; pixels under ESC[?1016h, from 1 as in xterm and foot, or
- * from 0 as in kitty and ghostty. Beside the window pixels may be negative. */
+/* Unit of SGR reports: cells from 1; pixels under ESC[?1016h, from 1 as in xterm and foot, or from
+ * 0 as in kitty and ghostty. Outside the window pixels may be negative. */
 enum mouse_unit { MOUSE_CELLS, MOUSE_PIXELS, MOUSE_PIXELS_FROM_0 };
 
 struct mouse {
@@ -79,10 +79,10 @@ struct mouse {
 struct key_event {
     enum key key;
     unsigned modifiers;
-    uint32_t point; /* of a KEY_CHARACTER; with KEY_CONTROL the letter in lower case */
+    uint32_t point; /* for KEY_CHARACTER; with KEY_CONTROL the letter in lower case */
     char text[5];   /* the same in UTF-8 */
     unsigned length;
-    struct mouse mouse; /* of a KEY_MOUSE */
+    struct mouse mouse; /* for KEY_MOUSE */
 };
 
 struct keys {
@@ -106,13 +106,13 @@ struct keys {
     char body[256];  /* without the first ESC, ended by NUL */
 };
 
-/* `struct keys k = {0}` is ready. Takes a byte; true when it completed *event. */
+/* `struct keys k = {0}` is ready. Feed a byte; return true if it completed *event. */
 bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event);
 
-/* Whether what came so far is a key of its own unless more follows at once. */
+/* Return true if the bytes so far are a key of their own unless more follows at once. */
 bool keys_waiting(const struct keys *k);
 
-/* Whether the KEY_REPLY at hand answers ESC[c. */
+/* Return true if the last KEY_REPLY answers ESC[c. */
 bool keys_body_is_answer(const struct keys *k);
 
 /* Nothing followed. True with the event that the bytes make on their own. */

@@ -24,7 +24,7 @@ static bool starts_with(const char *text, const char *start)
     return strncmp(text, start, strlen(start)) == 0;
 }
 
-/* Numbers parted by semicolons; returns how many, and sets *end to what follows. */
+/* Read numbers separated by semicolons; return how many, and set *end to the text after them. */
 static unsigned read_numbers(const char *text, uint32_t number[], unsigned most, const char **end)
 {
     unsigned count = 0;
@@ -97,7 +97,7 @@ bool probe_take(struct probe_replies *replies, struct keys *keys, const char *by
         buf_add_char(typed, bytes[i]);
         if (!keys_feed(keys, (uint8_t)bytes[i], &event) || event.key != KEY_REPLY)
             continue;
-        /* a reply stands at the end of what came: take it out again */
+        /* a reply is at the end of the bytes: remove it */
         if (!typed->failed && keys->taken <= typed->length) {
             typed->length -= keys->taken;
             typed->data[typed->length] = '\0';
@@ -123,7 +123,7 @@ static bool ends_with(const char *text, const char *end)
     return length >= least && strcmp(text + length - least, end) == 0;
 }
 
-/* Whether one of the words, which NULL ends, fits. */
+/* Return true if one of the words, a list ended by NULL, fits. */
 static bool any(bool fits(const char *, const char *), const char *text, const char *const *word)
 {
     for (; text && *word; word++)
@@ -138,7 +138,7 @@ bool probe_is_plain(const char *term)
     return any(equals, term, plain);
 }
 
-/* Terminals that draw text in colours and print questions, or answer as if somebody typed. */
+/* Terminals that draw text in colours and print questions, or answer as if the user typed. */
 static bool is_console(const struct probe_environment *e)
 {
     static const char *const console[] = {"linux", "eterm", "cons25", "sun", NULL};
@@ -201,8 +201,8 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
         buf_add_text(out, CLEAR_UP);
 }
 
-/* iTerm2 gives its name only since 3.4; LC_TERMINAL is what it sends through ssh. A terminal
- * with a name of its own has been started by one in iTerm2, and both variables are stale. */
+/* iTerm2 has reported its name only since 3.4; it sends LC_TERMINAL through ssh. A terminal with
+ * another name was started inside iTerm2, and both variables are stale. */
 bool probe_is_iterm(const struct probe_replies *replies, const struct probe_environment *e)
 {
     static const char *const name[] = {"iTerm2", NULL}, *const program[] = {"iTerm.app", NULL};
@@ -215,8 +215,8 @@ bool probe_is_iterm(const struct probe_replies *replies, const struct probe_envi
     return any(equals, e->term_program, program) || any(equals, e->lc_terminal, name);
 }
 
-/* COLORTERM does not survive ssh and is stale inside screen; tmux knows 24-bit colours itself and
- * converts them to what is outside. */
+/* COLORTERM does not survive ssh and is stale inside screen; tmux supports 24-bit colours itself
+ * and converts them for the outer terminal. */
 static enum colours decide_colours(const struct probe_replies *replies,
                                    const struct probe_environment *e)
 {
@@ -237,8 +237,8 @@ static enum colours decide_colours(const struct probe_replies *replies,
                                                                              : COLOURS_256;
 }
 
-/* Terminals that draw these characters themselves have them whatever the font; half blocks are in
- * every font. What is outside of a multiplexer is not known. */
+/* Terminals that draw these characters themselves have them with any font; half blocks are in every
+ * font. The terminal outside a multiplexer is unknown. */
 static enum block_shape decide_shape(const struct probe_replies *replies,
                                      const struct probe_environment *e)
 {
@@ -309,7 +309,7 @@ struct probe_environment probe_environment_now(void)
                                       .no_color = *variable("NO_COLOR")};
 }
 
-/* Reads until `count` DA1 replies came. Ctrl-C gives up on a silent terminal. */
+/* Read until `count` DA1 replies arrived. Ctrl-C stops waiting for a silent terminal. */
 static unsigned await_replies(struct probe_replies *replies, unsigned count, int limit_ms,
                               struct buf *typed)
 {

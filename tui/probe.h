@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the terminal can do: asked once, at the start, with questions that no terminal prints.
+ * Detect the features of the terminal: once, at the start, with questions that no terminal prints.
  *
  *     ESC[>c ESC[>q ESC[16t ESC[14t ESC[c                      one write, then read until DA1
  *
@@ -9,25 +9,26 @@
  *     ESC[6;18;9t              a cell is 18 px high and 9 wide
  *     ESC[4;450;720t           the text area in px
  *
- * Every terminal answers DA1, and answers in order, so DA1 ends the replies. What some terminals
- * print, or note as an error, is asked in a second write, and only of those that have named
- * themselves or, of sixel, have it:
+ * Every terminal answers DA1, and answers in order, so DA1 ends the replies. Questions that some
+ * terminals print, or log as an error, are in a second write, and only for terminals that have
+ * reported a name or, for the last, sixel:
  *
  *     ESC[?2026$p ESC[c        synchronized output; Apple's Terminal prints the p
  *     ESC[?1016$p              reports of the mouse by pixels, in the same write
  *     ESC[?2;4;0S ESC[c        ESC[?2;0;1000;1000S: the largest picture of sixel; kitty complains
- *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, of its family alone; PuTTY,
+ *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, for its family alone; PuTTY,
  *                                                  urxvt and screen print it all
  *
- * Inside tmux and screen the outer terminal does not matter, nor what the environment says of it:
- * the multiplexer's own DA1 does, and screen passes no graphics at all. Its secondary DA names
- * either of them whatever TERM says: ESC[>83;.. screen, ESC[>84;.. tmux.
+ * Inside tmux and screen neither the outer terminal nor the environment counts: the DA1 of the
+ * multiplexer does, and screen passes no graphics at all. The secondary DA names either of them
+ * whatever TERM is: ESC[>83;.. screen, ESC[>84;.. tmux.
  *
- * The Linux console and the like are asked nothing. Who asks for blocks, or for no colours, gets
- * the one question ESC[c, since the frames of a slow line need its answers; for "none" nothing.
+ * The Linux console and similar terminals get no question. For --graphics blocks or without colours
+ * the only question is ESC[c, since the frames of a slow line need its answers; for "none" there is
+ * no question.
  *
- * Whatever is typed meanwhile is not lost. The parts that decide are pure: replies and environment
- * in, facts out.
+ * Keys typed meanwhile are kept. The deciding functions are pure: replies and environment in, facts
+ * out.
  */
 #ifndef TUI_PROBE_H
 #define TUI_PROBE_H
@@ -40,7 +41,7 @@
 #include "tui/keys.h"
 #include "tui/term.h"
 
-enum { PROBE_QUESTIONS_MOST = 8 }; /* of those that only some terminals are asked */
+enum { PROBE_QUESTIONS_MOST = 8 }; /* questions for some terminals only */
 
 enum colours { COLOURS_NONE, COLOURS_16, COLOURS_256, COLOURS_24BIT };
 
@@ -49,14 +50,14 @@ enum colours { COLOURS_NONE, COLOURS_16, COLOURS_256, COLOURS_24BIT };
 enum block_shape { BLOCK_HALF, BLOCK_QUADRANT, BLOCK_SEXTANT };
 
 struct terminal_facts {
-    const struct graphics *graphics; /* what pictures are shown by (tui/picture/graphics.h) */
+    const struct graphics *graphics; /* the row that shows pictures (tui/picture/graphics.h) */
     enum colours colours;
     uint32_t cell_width, cell_height; /* px, 4..64 */
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
     enum block_shape shape;           /* the finest that its font is known to have */
     bool answers;                     /* it answered DA1: barriers work */
     bool owes;                        /* it was asked and has not answered yet: perhaps it will */
-    bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
+    bool synchronizes;                /* ESC[?2026h .. l: output between them appears at once */
     uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
     bool reports; /* something may still come or be drawn: mouse asked for, picture sent */
     bool mouse;   /* may be asked for SGR mouse reports: ESC[?1000;1006h, */
@@ -72,42 +73,42 @@ struct probe_environment {
 
 struct probe_replies {
     bool da1, synchronizes, points; /* at pixels, by ESC[?1016h */
-    uint64_t attributes;            /* of DA1: bit N for parameter N, below 64; 4 is sixel */
-    char answers[64]; /* to questions of graphics protocols, APC: "_Gi=31;OK", one a line */
-    uint32_t kind;    /* the first number of the secondary DA, a letter's code where it is a name */
-    char name[64];    /* of XTVERSION */
+    uint64_t attributes; /* parameters of DA1: bit N for parameter N, below 64; 4 is sixel */
+    char answers[64];    /* to questions of graphics protocols, APC: "_Gi=31;OK", one a line */
+    uint32_t kind; /* the first number of the secondary DA, a letter's code where it is a name */
+    char name[64]; /* from XTVERSION */
     uint32_t cell_width, cell_height, text_width, text_height, image_width, image_height; /* px */
 };
 
-/* Takes the body of one reply (KEY_REPLY in tui/keys.h), "[?62;4c" or "P>|kitty(0.26.5)". What is
- * not understood changes nothing. */
+/* Read the body of one reply (KEY_REPLY in tui/keys.h), "[?62;4c" or "P>|kitty(0.26.5)". An unknown
+ * reply changes nothing. */
 void probe_reply(struct probe_replies *replies, const char *body);
 
-/* Takes bytes as they are read. Replies go into `replies`, all else is added to `typed`. Returns
- * true when a DA1 was among them. */
+/* Feed bytes as they are read. Replies are stored in `replies`, other bytes are added to `typed`.
+ * Return true if a DA1 was among them. */
 bool probe_take(struct probe_replies *replies, struct keys *keys, const char *bytes, size_t length,
                 struct buf *typed);
 
-/* Whether a terminal of this name gets no escape sequence at all, as TERM=dumb. */
+/* Return true if a terminal of this name gets no escape sequence at all, as TERM=dumb. */
 bool probe_is_plain(const char *term);
 
-/* Whether the terminal is inside tmux or screen. */
+/* Return true if the terminal is inside tmux or screen. */
 bool probe_is_multiplexed(const struct probe_replies *replies,
                           const struct probe_environment *environment);
 
-/* Whether it is inside screen, which passes no pixels on. */
+/* Return true if it is inside screen, which passes no pixels on. */
 bool probe_is_screen(const struct probe_replies *replies,
                      const struct probe_environment *environment);
 
-/* Whether the terminal's name, or TERM where it has given none, holds one of `names`, which NULL
- * ends. */
+/* Return true if the terminal's name, or TERM if it has reported none, contains one of `names`, a
+ * list ended by NULL. */
 bool probe_is_named(const struct probe_replies *replies,
                     const struct probe_environment *environment, const char *const *names);
 
 bool probe_is_iterm(const struct probe_replies *replies,
                     const struct probe_environment *environment);
 
-/* ---- what is asked ---- */
+/* ---- the questions ---- */
 
 enum probe_depth {
     PROBE_NOTHING,  /* no question at all */
@@ -115,7 +116,7 @@ enum probe_depth {
     PROBE_ALL
 };
 
-/* What is to be found out, beside what every terminal is asked; those that may be asked. */
+/* Questions for this terminal, in addition to those for every terminal. */
 struct probe_wish {
     enum probe_depth depth;
     struct probe_question {
@@ -125,11 +126,11 @@ struct probe_wish {
     size_t questions;
 };
 
-/* Whether `wish` in this environment allows no question at all. */
+/* Return true if `wish` in this environment allows no question at all. */
 bool probe_is_silent(const struct probe_environment *environment, struct probe_wish wish);
 
-/* Adds what is to be written in this round, 0 or 1, after the replies to the one before; nothing
- * where nothing is to be asked. It ends with a DA1 question, and what clears up after it. */
+/* Add the questions of this round, 0 or 1, given the replies to the round before, if any. They end
+ * with a DA1 question and a sequence that removes printed questions. */
 void probe_questions(unsigned round, const struct probe_replies *replies,
                      const struct probe_environment *environment, struct probe_wish wish,
                      struct buf *out);
@@ -138,26 +139,28 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *environment,
                   const struct term_size *size, struct terminal_facts *facts);
 
-/* The cell size anew, after the window changed; what the window does not say stays: false. */
+/* Update the cell size after the window changed; false, and unchanged, if the window does not
+ * report it. */
 bool probe_resize(struct terminal_facts *facts, const struct term_size *size);
 
 /* ---- at the terminal, which must be open and raw ---- */
 
 struct probe_environment probe_environment_now(void);
 
-/* Asks (at most 2 s without an answer) and decides as probe_decide does. What was typed meanwhile
- * is added to `typed`. */
+/* Ask (at most 2 s without an answer) and decide as probe_decide does. Keys typed meanwhile are
+ * added to `typed`. */
 enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
                         struct terminal_facts *facts, struct buf *typed, struct fault *fault);
 
-/* Waits until the terminal has answered `count` DA1 questions, at most `limit_ms`: everything
- * written before is on screen then. What was typed is added to `typed`. Returns those answered. */
+/* Wait until the terminal has answered `count` DA1 questions, at most `limit_ms`: everything
+ * written before is then on screen. Keys typed are added to `typed`. Return the number of answers.
+ */
 unsigned probe_await(unsigned count, int limit_ms, struct buf *typed);
 
-/* Before term_close: ends our modes. Where answers are `due` or the mouse was asked for, asks once
- * more and waits (at most 2 s; Ctrl-C ends it) for that answer and those before it. Whatever would
- * have come to the shell as if it had been typed, late answers and reports of the mouse, has come
- * by then. Everything written before is on screen. What is typed meanwhile is lost. */
+/* Call before term_close: end our modes. If answers are `due` or the mouse was enabled, ask once
+ * more and wait (at most 2 s; Ctrl-C ends it) for that answer and those before it. So late answers
+ * and reports of the mouse do not reach the shell as input. Everything written before is on screen.
+ * Keys typed meanwhile are lost. */
 void probe_leave(const struct terminal_facts *facts, unsigned due);
 
 #endif

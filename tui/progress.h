@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The progress line: what is being done, and how far it is, on a terminal and nowhere else.
+ * The progress line: the present step and how far it is, on a terminal only.
  *
  *     weights               [########----------------]  34 %, 12 s left
  *     weights               ▕████████▏               ▏  34 %, 12 s left     where text is UTF-8
  *     forest                3250000 voxels, 2 s
  *
- * It appears when something takes longer than PROGRESS_AFTER_MS, is drawn PROGRESS_A_SECOND times a
- * second at most, always over itself, and is gone before anything else is written: the
- * writer erases it first. Without escape sequences or colours, so that any terminal will do.
+ * It appears when the work lasts longer than PROGRESS_AFTER_MS, is drawn at most PROGRESS_A_SECOND
+ * times a second, always over itself, and is erased before other output. It has no escape sequences
+ * or colours, so that any terminal will do.
  *
- * Time left is what the present step will take if it goes on as it began; until that can be
- * estimated, and where nobody knows how much there is to do, the time that has passed stands there.
+ * The time left is an estimate for the present step at its present rate; until it can be estimated,
+ * and where the total is unknown, the elapsed time is shown.
  */
 #ifndef TUI_PROGRESS_H
 #define TUI_PROGRESS_H
@@ -23,32 +23,32 @@
 
 enum { PROGRESS_AFTER_MS = 500, PROGRESS_A_SECOND = 10, PROGRESS_WORDS = 64 };
 
-/* What the line says. */
+/* Contents of the line. */
 struct progress_step {
     const char *what;
-    uint64_t done, total; /* units; total 0: nobody knows how many */
-    uint64_t seconds;     /* of the whole work, so far */
+    uint64_t done, total; /* units; total 0: unknown */
+    uint64_t seconds;     /* since the work began */
     bool knows_left;
-    uint64_t seconds_left; /* of this step */
+    uint64_t seconds_left; /* until the step ends */
 };
 
 struct progress {
     int fd;
     bool shows;        /* fd is a terminal */
     bool has_blocks;   /* text is UTF-8: the bar has eighths of a cell */
-    uint64_t begun_ns; /* of the work at hand; 0 while there is none */
-    uint64_t drawn_ns; /* the last time; 0 draws what comes next without delay */
-    unsigned drawn;    /* cells of the line; 0 where there is none */
-    unsigned columns;  /* of the terminal */
+    uint64_t begun_ns; /* start of the work; 0 while idle */
+    uint64_t drawn_ns; /* the last drawing; 0 draws without delay */
+    unsigned drawn;    /* cells of the line; 0 if none is shown */
+    unsigned columns;  /* width of the terminal */
 
-    char step[PROGRESS_WORDS]; /* what is being done, since when, and what was done by then */
+    char step[PROGRESS_WORDS]; /* the present step, its start, and the units done before it */
     uint64_t step_ns, step_done;
-    uint64_t step_seen; /* what was done of it when it was asked about last */
+    uint64_t step_seen; /* units done at the last call */
 };
 
 void progress_init(struct progress *progress, int fd);
 
-/* `done` of `total` units of `what`, at a time by base/clock.h; total 0: nobody knows how many. */
+/* `done` of `total` units of the step `what`, at a time by base/clock.h; total 0: unknown. */
 void progress_show(struct progress *progress, const char *what, uint64_t done, uint64_t total,
                    uint64_t now_ns);
 

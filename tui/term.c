@@ -25,7 +25,7 @@ struct watch {
 
 /* ---- in the child: system calls alone, since other threads may have held any lock ---- */
 
-/* Where the foreground job is not known, the modes decide. */
+/* If the foreground job is unknown, the modes decide. */
 static void restore_terminal(const struct watch *w)
 {
     const struct guarded *g = w->guarded;
@@ -39,7 +39,7 @@ static void restore_terminal(const struct watch *w)
         return;
     if (ours) {
         tcsetattr(IN, TCSANOW, &g->found);
-        tcflush(IN, TCIFLUSH); /* answers that nobody awaits any more, reports of the mouse */
+        tcflush(IN, TCIFLUSH); /* late answers, reports of the mouse */
     }
     ssize_t ignored = write(OUT, g->words[g->which].text, g->words[g->which].length);
     (void)ignored; /* nothing can be done about it */
@@ -60,7 +60,7 @@ static _Noreturn void guard(const struct watch *w, int from[DESCRIPTORS])
     }
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
-    /* Puts what is to stay in its places, by way of places that nothing needs. */
+    /* Move the descriptors that stay to their numbers, by way of numbers that are unused. */
     for (int i = 0; i < DESCRIPTORS; i++)
         from[i] = from[i] < 0 ? -1 : fcntl(from[i], F_DUPFD, DESCRIPTORS);
     for (int i = 0; i < DESCRIPTORS; i++) {
@@ -165,7 +165,7 @@ static struct termios modes_of(enum term_mode mode)
     t.c_lflag |= NOFLSH; /* or Ctrl-C throws away the rest of a picture that is on its way */
     if (mode == TERM_QUIET) {
         t.c_lflag |= ISIG;
-        t.c_oflag |= OPOST | ONLCR; /* what a command prints itself ends lines with LF alone */
+        t.c_oflag |= OPOST | ONLCR; /* commands that print themselves end lines with LF alone */
     } else {
         t.c_oflag &= ~(tcflag_t)OPOST;
     }
@@ -248,7 +248,7 @@ static void eat_answers(void)
     }
 }
 
-/* For signal handlers: gives the terminal back, with one write. */
+/* For signal handlers: restore the terminal, with one write. */
 static void give_back(bool for_good, bool ask)
 {
     char words[ENDING];
@@ -337,8 +337,8 @@ enum err term_set_mode(enum term_mode mode, struct fault *fault)
 
 /* ---- signals ---- */
 
-/* Gives the terminal back and lets the signal take its usual course: it is blocked while this
- * runs, so the raise takes effect on return. */
+/* Restore the terminal and let the signal have its usual effect: it is blocked while this runs, so
+ * the raise acts on return. */
 static void on_end(int number)
 {
     int kept = errno;
@@ -367,7 +367,7 @@ static void on_stop(int number)
     errno = kept;
 }
 
-/* From the background, tcsetattr stops the process again until it comes to the foreground. */
+/* In the background, tcsetattr stops the process again until it is in the foreground. */
 static void on_continue(int number)
 {
     int kept = errno;
