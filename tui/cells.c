@@ -12,7 +12,7 @@
 
 /* ---- characters ---- */
 
-static locale_t utf8; /* (locale_t)0 where the system has none */
+static locale_t utf8; /* (locale_t)0 if the system has none */
 
 static void open_locale(void)
 {
@@ -34,7 +34,7 @@ unsigned char_width(uint32_t point)
     const locale_t former = uselocale(utf8);
     const int width = wcwidth((wchar_t)point);
     uselocale(former);
-    return width < 0 ? 1 : (unsigned)width; /* a code point without a character has none */
+    return width < 0 ? 1 : (unsigned)width; /* an unassigned code point has no width */
 }
 
 size_t char_read(const char *text, size_t length, uint32_t *point)

@@ -23,7 +23,7 @@ unsigned char_width(uint32_t point);
 #define CHAR_BROKEN UINT32_MAX
 size_t char_read(const char *text, size_t length, uint32_t *point);
 
-/* Writes a character as UTF-8 and returns its bytes; it has no NUL. */
+/* Write a character as UTF-8, without a NUL, and return its bytes. */
 enum { CHAR_BYTES_MOST = 4 };
 size_t char_write(char out[CHAR_BYTES_MOST], uint32_t point);
 
@@ -36,15 +36,15 @@ uint32_t char_letter(uint32_t point, bool upper);
 /* Return the cells that `length` bytes take where unsafe bytes are drawn as \xNN. */
 size_t cells_width(const char *text, size_t length);
 
-/* The bytes of the character, or colour (CSI .. m), that a text begins with, which is safe to print
- * but for colours, and its cells: none for a colour. `length` > 0. */
+/* Return the bytes of the character or colour (CSI .. m) that a text begins with, and its cells: 0
+ * for a colour. The text is safe to print except for colours; `length` > 0. */
 size_t cells_next(const char *text, size_t length, size_t *cells);
 
 /* Return true if the environment selects UTF-8: LC_ALL, else LC_CTYPE, else LANG. */
 bool locale_is_utf8(void);
 
-/* Adds `text`, which is safe to print, with each line cut to `columns` cells, 0 for none cut: for
- * drawings, which a terminal would break in the middle. */
+/* Add `text`, which is safe to print, with each line cut to `columns` cells (0: not cut). For
+ * drawings, which would be unreadable if the terminal wrapped them. */
 void cells_crop(struct buf *out, const char *text, unsigned columns);
 
 /*
@@ -68,7 +68,7 @@ void cells_wrap(struct buf *out, const struct buf *text, unsigned columns);
  */
 struct theme {
     const char *name;
-    const char *hint, *hint_16; /* CSI .. m, in 256 colours and in 16: possible ends of a line */
+    const char *hint, *hint_16; /* CSI .. m, in 256 colours and in 16: hints after a line */
     const char *alarm;          /* a state that must be noticed */
     const char *heading, *key;  /* in a page of keys */
     bool has_colours;

@@ -23,7 +23,7 @@ static void store(struct keys *k, uint8_t byte)
     }
 }
 
-/* Every event leaves by one of these two, back to the ground state. */
+/* Every event is reported by one of these two, which return to the ground state. */
 static bool emit(struct keys *k, enum key key, unsigned modifiers, struct key_event *event)
 {
     *event = (struct key_event){.key = key, .modifiers = modifiers | (k->alt ? KEY_ALT : 0)};
@@ -72,7 +72,7 @@ static bool feed_ground(struct keys *k, uint8_t byte, struct key_event *event)
     k->alt = k->alt && byte >= 0xC2;
     k->state = KEYS_GROUND;
     if (byte < 0xC2 || byte > 0xF4)
-        return false; /* no character begins like this */
+        return false; /* no character begins with this byte */
     begin_sequence(k, KEYS_UTF8);
     store(k, byte);
     k->needed = byte < 0xE0 ? 1 : byte < 0xF0 ? 2 : 3;
@@ -123,7 +123,7 @@ static bool feed_escape(struct keys *k, uint8_t byte, struct key_event *event)
     case 'X':
         begin_sequence(k, KEYS_STRING);
         break;
-    case '\\': /* the end of a string whose beginning was cut off, or Alt-\, of no use here */
+    case '\\': /* the end of a string whose beginning was lost, or Alt-\, which has no effect */
         return emit(k, KEY_OTHER, KEY_ALT, event);
     default:
         k->alt = true;
@@ -150,7 +150,7 @@ static enum key tilde_key(unsigned number)
     return number < sizeof key / sizeof key[0] ? key[number] : KEY_OTHER;
 }
 
-/* The number at *text, which moves past it and a semicolon. */
+/* Read the number at *text, and move past it and a semicolon. */
 static unsigned parameter(const char **text)
 {
     unsigned n = 0;
@@ -174,8 +174,8 @@ static unsigned place(const struct keys *k, const char **text)
     return is_before || n == 0 ? 1 : n + (k->unit == MOUSE_PIXELS_FROM_0);
 }
 
-/* The button byte: two bits of button, shift, alt and control, 32 moved, 64 the wheel. Buttons
- * further on, and a wheel that tilts, are of no use here. */
+/* The button byte: two bits for the button, shift, alt and control, 32 for motion, 64 for the
+ * wheel. Further buttons and a tilting wheel are ignored. */
 static bool emit_mouse(struct keys *k, unsigned code, unsigned column, unsigned row, bool released,
                        struct key_event *event)
 {
@@ -194,7 +194,7 @@ static bool emit_mouse(struct keys *k, unsigned code, unsigned column, unsigned 
     return true;
 }
 
-/* Three bytes, each 32 more than it says; which button was let go is not said. */
+/* Three bytes, each 32 more than its value; a release does not name its button. */
 static bool feed_csi_mouse(struct keys *k, uint8_t byte, struct key_event *event)
 {
     store(k, byte);
@@ -241,7 +241,7 @@ static bool feed_ss3(struct keys *k, uint8_t byte, struct key_event *event)
         return false;
     if (byte == 'M')
         return emit(k, KEY_ENTER, 0, event);
-    if (byte >= 'a' && byte <= 'd') /* rxvt's way to say Ctrl */
+    if (byte >= 'a' && byte <= 'd') /* rxvt's Ctrl */
         return emit(k, letter_key((uint8_t)(byte - 32)), KEY_CONTROL, event);
     return emit(k, letter_key(byte), 0, event);
 }
@@ -277,7 +277,7 @@ static bool feed(struct keys *k, uint8_t byte, struct key_event *event)
         if (k->state == KEYS_STRING_ESC) {
             if (byte == '\\')
                 return emit(k, KEY_REPLY, 0, event);
-            k->state = KEYS_ESC; /* another sequence begins where this one should have ended */
+            k->state = KEYS_ESC; /* another sequence begins before this one ended */
             return feed_escape(k, byte, event);
         }
         if (byte == ESC)

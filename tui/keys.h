@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From bytes to keys, one byte at a time, so that it does not matter where reads fall apart.
+ * From bytes to keys, one byte at a time, so that it does not matter how reads split them.
  *
  *     61                      KEY_CHARACTER 'a'            C3 A4          KEY_CHARACTER U+00E4
  *     01                      KEY_CHARACTER 'a' + KEY_CONTROL
@@ -9,18 +9,18 @@
  *     ESC [ 3 ~               KEY_DELETE                   ESC [ 200 ~    KEY_PASTE_BEGIN
  *     ESC [ ? 62;4 c          KEY_REPLY "[?62;4c"          ESC P .. ESC \ KEY_REPLY "P.."
  *     ESC [ < 0;11;6 M        KEY_MOUSE, left pressed, column 10, row 5;   m: released
- *     ESC [ M 20 2B 26        the same as terminals without SGR reports say it
- *     ESC [ < 0;95;110 M      under ESC[?1016h, of pixels, which keys.unit says
+ *     ESC [ M 20 2B 26        the same from terminals without SGR reports
+ *     ESC [ < 0;95;110 M      under ESC[?1016h, in pixels (keys.unit)
  *
- * A terminal's replies may come late, so they are recognised all session long and never reach the
- * line as text: CSI with a private mark or a final byte that only replies have; DCS, APC, OSC, PM
- * and SOS to their end, whatever their length. A control byte inside a sequence ends it, so a cut
- * reply cannot swallow Enter or Ctrl-C.
+ * A terminal's replies may come late, so they are recognised during the whole session and are never
+ * inserted into the line as text: CSI with a private mark or with a final byte that only replies
+ * have; DCS, APC, OSC, PM and SOS to their end, however long. A control byte inside a sequence ends
+ * it, so a truncated reply cannot swallow Enter or Ctrl-C.
  *
- * ESC alone is a key too, and so are Alt-[, Alt-O, Alt-P and the like, whose bytes begin sequences.
- * Only time decides: while keys_waiting says yes, and nothing came for KEYS_TIMEOUT_MS, the caller
- * calls keys_time_out. A reply may come before that: a KEY_REPLY with KEY_ALT came right after the
- * Escape key.
+ * ESC alone is a key too, and so are Alt-[, Alt-O, Alt-P and others whose bytes begin sequences.
+ * Only time can tell: while keys_waiting returns true and nothing arrives for KEYS_TIMEOUT_MS, the
+ * caller calls keys_time_out. If a reply arrives first, it is a KEY_REPLY with KEY_ALT: it came
+ * right after the Escape key.
  */
 #ifndef TUI_KEYS_H
 #define TUI_KEYS_H
@@ -48,12 +48,12 @@ enum key {
     KEY_PAGE_DOWN,
     KEY_PASTE_BEGIN,
     KEY_PASTE_END,
-    KEY_REPLY, /* keys.body holds it */
+    KEY_REPLY, /* its text is in keys.body */
     KEY_MOUSE, /* key_event.mouse */
-    KEY_OTHER  /* unused: F1, keypad, focus gained or lost .. */
+    KEY_OTHER  /* not used: F1, keypad, focus gained or lost .. */
 };
 
-enum { KEY_SHIFT = 1, KEY_ALT = 2, KEY_CONTROL = 4 }; /* xterm's modifier parameter less 1 */
+enum { KEY_SHIFT = 1, KEY_ALT = 2, KEY_CONTROL = 4 }; /* xterm's modifier parameter minus 1 */
 
 enum { KEYS_TIMEOUT_MS = 50 };
 
@@ -72,7 +72,7 @@ enum mouse_unit { MOUSE_CELLS, MOUSE_PIXELS, MOUSE_PIXELS_FROM_0 };
 
 struct mouse {
     enum mouse_action action;
-    enum mouse_button button; /* MOUSE_NO_BUTTON where none or not said */
+    enum mouse_button button; /* MOUSE_NO_BUTTON if none or unknown */
     unsigned column, row;     /* cells or pixels, from 0 at the top left; below 100000 */
 };
 
@@ -100,9 +100,9 @@ struct keys {
     } state;
     bool alt;        /* ESC ESC: the next key has Alt */
     unsigned needed; /* bytes of a character still to come */
-    bool complete;   /* the last byte ended an event */
-    size_t taken;    /* bytes since the event before: with a KEY_REPLY, it and an unfinished one */
-    size_t length;   /* bytes in body; of a longer sequence the beginning */
+    bool complete;   /* the last byte completed an event */
+    size_t taken;    /* bytes of the event, and before a KEY_REPLY those of an unfinished one */
+    size_t length;   /* bytes in body; only the beginning of a longer sequence is stored */
     char body[256];  /* without the first ESC, ended by NUL */
 };
 
@@ -115,7 +115,7 @@ bool keys_waiting(const struct keys *k);
 /* Return true if the last KEY_REPLY answers ESC[c. */
 bool keys_body_is_answer(const struct keys *k);
 
-/* Nothing followed. True with the event that the bytes make on their own. */
+/* Call if nothing followed: return true with the event that the bytes make on their own. */
 bool keys_time_out(struct keys *k, struct key_event *event);
 
 #endif

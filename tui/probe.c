@@ -138,7 +138,8 @@ bool probe_is_plain(const char *term)
     return any(equals, term, plain);
 }
 
-/* Terminals that draw text in colours and print questions, or answer as if the user typed. */
+/* Return true for terminals that draw text in colours but print questions, or answer as if the user
+ * typed. */
 static bool is_console(const struct probe_environment *e)
 {
     static const char *const console[] = {"linux", "eterm", "cons25", "sun", NULL};
@@ -151,7 +152,7 @@ static bool in_tmux(const struct probe_replies *replies, const struct probe_envi
            (starts_with(e->term, "tmux") && replies->kind != KIND_SCREEN);
 }
 
-/* TERM=screen may be tmux too, by its settings. */
+/* With TERM=screen it may be tmux too, depending on its settings. */
 bool probe_is_screen(const struct probe_replies *replies, const struct probe_environment *e)
 {
     return replies->kind == KIND_SCREEN || (starts_with(e->term, "screen") && !in_tmux(replies, e));
@@ -324,7 +325,7 @@ static unsigned await_replies(struct probe_replies *replies, unsigned count, int
         enum term_input input = term_read(&bytes, (int)((end - now) / 1000000) + 1, -1);
         if (input == TERM_CLOSED)
             break;
-        if (input == TERM_SIGNAL) { /* nothing is drawn yet that could need drawing again */
+        if (input == TERM_SIGNAL) { /* nothing is drawn yet that would have to be redrawn */
             term_was_resized();
             term_was_continued();
         }

@@ -50,18 +50,18 @@ enum colours { COLOURS_NONE, COLOURS_16, COLOURS_256, COLOURS_24BIT };
 enum block_shape { BLOCK_HALF, BLOCK_QUADRANT, BLOCK_SEXTANT };
 
 struct terminal_facts {
-    const struct graphics *graphics; /* the row that shows pictures (tui/picture/graphics.h) */
+    const struct graphics *graphics; /* the protocol for pictures (tui/picture/graphics.h) */
     enum colours colours;
     uint32_t cell_width, cell_height; /* px, 4..64 */
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
     enum block_shape shape;           /* the finest that its font is known to have */
-    bool answers;                     /* it answered DA1: barriers work */
-    bool owes;                        /* it was asked and has not answered yet: perhaps it will */
+    bool answers;                     /* it answered DA1, so barriers work */
+    bool owes;                        /* it was asked and has not answered yet */
     bool synchronizes;                /* ESC[?2026h .. l: output between them appears at once */
-    uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
-    bool reports; /* something may still come or be drawn: mouse asked for, picture sent */
-    bool mouse;   /* may be asked for SGR mouse reports: ESC[?1000;1006h, */
-    enum mouse_unit mouse_unit; /* and by ESC[?1016h for pixels, unless these are MOUSE_CELLS */
+    uint64_t round_trip_ns;           /* from a question to its answer; 0 without an answer */
+    bool reports; /* more may arrive or be drawn: mouse reports were requested, or a picture sent */
+    bool mouse;   /* SGR mouse reports may be requested: ESC[?1000;1006h, */
+    enum mouse_unit mouse_unit; /* and in pixels by ESC[?1016h, unless this is MOUSE_CELLS */
 };
 
 /* ---- pure ---- */
@@ -72,10 +72,11 @@ struct probe_environment {
 };
 
 struct probe_replies {
-    bool da1, synchronizes, points; /* at pixels, by ESC[?1016h */
-    uint64_t attributes; /* parameters of DA1: bit N for parameter N, below 64; 4 is sixel */
-    char answers[64];    /* to questions of graphics protocols, APC: "_Gi=31;OK", one a line */
-    uint32_t kind; /* the first number of the secondary DA, a letter's code where it is a name */
+    bool da1, synchronizes, points; /* in pixels, by ESC[?1016h */
+    uint64_t attributes; /* parameters of DA1: bit N for parameter N below 64; 4 is sixel */
+    char answers
+        [64];      /* replies to questions about graphics protocols, APC: "_Gi=31;OK", one a line */
+    uint32_t kind; /* the first number of the secondary DA; if it is a letter, its code */
     char name[64]; /* from XTVERSION */
     uint32_t cell_width, cell_height, text_width, text_height, image_width, image_height; /* px */
 };
@@ -89,7 +90,7 @@ void probe_reply(struct probe_replies *replies, const char *body);
 bool probe_take(struct probe_replies *replies, struct keys *keys, const char *bytes, size_t length,
                 struct buf *typed);
 
-/* Return true if a terminal of this name gets no escape sequence at all, as TERM=dumb. */
+/* Return true if a terminal of this name gets no escape sequence at all: TERM=dumb. */
 bool probe_is_plain(const char *term);
 
 /* Return true if the terminal is inside tmux or screen. */
@@ -111,8 +112,8 @@ bool probe_is_iterm(const struct probe_replies *replies,
 /* ---- the questions ---- */
 
 enum probe_depth {
-    PROBE_NOTHING,  /* no question at all */
-    PROBE_BARRIERS, /* only whether frames are answered */
+    PROBE_NOTHING,  /* no questions */
+    PROBE_BARRIERS, /* only whether it answers frames */
     PROBE_ALL
 };
 
@@ -135,7 +136,7 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
                      const struct probe_environment *environment, struct probe_wish wish,
                      struct buf *out);
 
-/* All facts but `graphics`, which is NULL then. */
+/* Derive all facts except `graphics`, which is set to NULL. */
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *environment,
                   const struct term_size *size, struct terminal_facts *facts);
 

@@ -25,8 +25,7 @@ void progress_line(struct buf *out, const struct progress_step *step, bool has_b
     if (step->total) {
         const double part = (double)done / (double)step->total;
         const unsigned percent = (unsigned)((double)done * 100.0 / (double)step->total);
-        /* In blocks whole cells, and of the last one as many eighths from the left as there
-         * are. */
+        /* A bar of blocks: whole cells, then one with as many eighths as remain. */
         static const char *const eighths[] = {" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉", "█"};
         const unsigned all = (unsigned)(part * BAR * 8);
         buf_add_text(&line, has_blocks ? "▕" : "[");
@@ -51,7 +50,7 @@ void progress_line(struct buf *out, const struct progress_step *step, bool has_b
     buf_release(&line);
 }
 
-/* Over the line that is there, and blanks where that was longer. */
+/* Overwrite the line, and add blanks if it was longer. */
 static void put_line(struct progress *progress, const struct buf *line)
 {
     struct buf out = {0};
@@ -77,7 +76,7 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
         return;
     if (!progress->begun_ns)
         progress->begun_ns = now_ns;
-    /* Another step begins, or the same one again. */
+    /* Another step begins, or the same step again. */
     if (done < progress->step_seen || strncmp(progress->step, what, PROGRESS_WORDS - 1) != 0) {
         snprintf(progress->step, sizeof progress->step, "%s", what);
         progress->step_ns = now_ns;
@@ -92,7 +91,7 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
     const pid_t front = tcgetpgrp(progress->fd);
     if (columns > 1)
         progress->columns = columns;
-    if (front >= 0 && front != getpgrp()) /* a line would run into what others write */
+    if (front >= 0 && front != getpgrp()) /* the line would be mixed with the output of others */
         return;
     struct progress_step step = {.what = what, .done = done, .total = total};
     step.seconds = (now_ns - progress->begun_ns) / (1000 * ms);

@@ -37,7 +37,7 @@ struct progress {
     bool shows;        /* fd is a terminal */
     bool has_blocks;   /* text is UTF-8: the bar has eighths of a cell */
     uint64_t begun_ns; /* start of the work; 0 while idle */
-    uint64_t drawn_ns; /* the last drawing; 0 draws without delay */
+    uint64_t drawn_ns; /* time of the last drawing; 0: draw without delay */
     unsigned drawn;    /* cells of the line; 0 if none is shown */
     unsigned columns;  /* width of the terminal */
 
@@ -48,14 +48,14 @@ struct progress {
 
 void progress_init(struct progress *progress, int fd);
 
-/* `done` of `total` units of the step `what`, at a time by base/clock.h; total 0: unknown. */
+/* Report `done` of `total` units (0: unknown) of the step `what`, at a time by base/clock.h. */
 void progress_show(struct progress *progress, const char *what, uint64_t done, uint64_t total,
                    uint64_t now_ns);
 
-/* The work is over: the line goes. */
+/* Erase the line: the work is done. */
 void progress_erase(struct progress *progress);
 
-/* The line, cut to `columns` cells. */
+/* Add the line, cut to `columns` cells. */
 void progress_line(struct buf *out, const struct progress_step *step, bool has_blocks,
                    unsigned columns);
 

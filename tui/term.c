@@ -39,7 +39,7 @@ static void restore_terminal(const struct watch *w)
         return;
     if (ours) {
         tcsetattr(IN, TCSANOW, &g->found);
-        tcflush(IN, TCIFLUSH); /* late answers, reports of the mouse */
+        tcflush(IN, TCIFLUSH); /* late answers and mouse reports */
     }
     ssize_t ignored = write(OUT, g->words[g->which].text, g->words[g->which].length);
     (void)ignored; /* nothing can be done about it */
@@ -80,8 +80,8 @@ static _Noreturn void guard(const struct watch *w, int from[DESCRIPTORS])
 
 /* ---- in the parent ---- */
 
-/* Starts the child for the terminal that `in` reads and `out` writes. Where no child can be had
- * there is no guardian, and all else works. */
+/* Start the child for the terminal that `in` reads and `out` writes. If no child can be started
+ * there is no guardian, and everything else works. */
 static void guardian_start(struct guardian *g, int in, int out)
 {
     static struct guarded unshared;
@@ -114,19 +114,19 @@ static void guardian_start(struct guardian *g, int in, int out)
         *g = (struct guardian){g->guarded, process, ends[1]};
 }
 
-/* To be called when `on` is 0. */
+/* Call only when `on` is 0. */
 static void guardian_end(struct guardian *g)
 {
     if (g->process <= 0)
         return;
-    kill(g->process, SIGKILL); /* it has nothing to do: sooner than waiting for it to find out */
+    kill(g->process, SIGKILL); /* it has nothing to do, and would end later by itself */
     while (waitpid(g->process, NULL, 0) < 0 && errno == EINTR)
         ;
     close(g->pipe);
     g->process = 0;
 }
 
-/* A short text that a signal handler may write: filled before its length is set. */
+/* A short text for a signal handler: written before its length is set. */
 struct text {
     char bytes[TERM_WORDS];
     volatile sig_atomic_t length;
@@ -138,7 +138,7 @@ static struct {
     volatile sig_atomic_t mode; /* enum term_mode */
     volatile sig_atomic_t answers;
     bool end_written;
-    pid_t owner; /* the process that opened it: children of it do not touch it */
+    pid_t owner; /* the process that opened the terminal: its children leave it alone */
     struct termios found;
     struct text begin, end, recover;
     volatile sig_atomic_t resized, continued;
@@ -162,10 +162,10 @@ static struct termios modes_of(enum term_mode mode)
     t.c_iflag &= ~(tcflag_t)(BRKINT | ICRNL | INLCR | IGNCR | INPCK | ISTRIP | IXON);
     t.c_cflag |= CS8;
     t.c_lflag &= ~(tcflag_t)(ECHO | ICANON | IEXTEN | ISIG);
-    t.c_lflag |= NOFLSH; /* or Ctrl-C throws away the rest of a picture that is on its way */
+    t.c_lflag |= NOFLSH; /* otherwise Ctrl-C discards the rest of a picture being sent */
     if (mode == TERM_QUIET) {
         t.c_lflag |= ISIG;
-        t.c_oflag |= OPOST | ONLCR; /* commands that print themselves end lines with LF alone */
+        t.c_oflag |= OPOST | ONLCR; /* commands that print by themselves end lines with LF alone */
     } else {
         t.c_oflag &= ~(tcflag_t)OPOST;
     }
@@ -193,8 +193,8 @@ static size_t put_text(char *place, const struct text *text)
 enum { ENDING = 3 * TERM_WORDS + 32 };
 _Static_assert((int)ENDING <= (int)GUARDIAN_WORDS, "the guardian may have to say all of it");
 
-/* `for_good` also shows the cursor and begins a line, since who comes next knows nothing of our
- * prompt; `ask` adds a question, before the words that restore. */
+/* `for_good` also shows the cursor and begins a new line, for the program that follows; `ask` adds
+ * a question before the sequences that restore. */
 static size_t put_ending(char words[ENDING], bool for_good, bool ask)
 {
     static const struct text usual = {.bytes = "\033\\", .length = 2};
@@ -226,8 +226,8 @@ static bool is_ours(void)
     return term.open && term.mode != TERM_AS_FOUND && getpid() == term.owner;
 }
 
-/* Reads on until what looks like the end of an answer, and nothing after it for a moment: at most
- * 0.2 s. A read from the background would stop us. */
+/* Read until the end of an answer and a short silence, for at most 0.2 s. Reading from the
+ * background would stop the process. */
 static void eat_answers(void)
 {
     char bytes[256];
@@ -248,7 +248,7 @@ static void eat_answers(void)
     }
 }
 
-/* For signal handlers: restore the terminal, with one write. */
+/* For signal handlers: restore the terminal with one write. */
 static void give_back(bool for_good, bool ask)
 {
     char words[ENDING];
@@ -277,7 +277,7 @@ void term_set_recovery(const char *recover, bool answers)
     update_guardian();
 }
 
-/* From here on the new end is written, though its beginning is written only now. */
+/* From now on the new end is written, although its beginning is written only below. */
 enum err term_change_sequences(const char *begin, const char *end, struct fault *fault)
 {
     const struct text earlier = term.end;
@@ -362,7 +362,7 @@ static void on_stop(int number)
     sigemptyset(&this_one);
     sigaddset(&this_one, number);
     raise(number);
-    sigprocmask(SIG_UNBLOCK, &this_one, NULL); /* stops here, until SIGCONT */
+    sigprocmask(SIG_UNBLOCK, &this_one, NULL); /* the process stops here, until SIGCONT */
     sigaction(number, &ours, NULL);
     errno = kept;
 }
@@ -422,7 +422,7 @@ enum err term_open(int in, int out, struct fault *fault)
     set_text(&term.begin, "");
     set_text(&term.end, "");
     set_text(&term.recover, "");
-    /* Handlers need a stack of their own where ours has overflowed. */
+    /* Handlers need a stack of their own in case the main stack has overflowed. */
     static char stack[65536];
     stack_t now, own = {.ss_sp = stack, .ss_size = sizeof stack};
     if (sigaltstack(NULL, &now) == 0 && (now.ss_flags & SS_DISABLE))
@@ -438,7 +438,7 @@ enum err term_open(int in, int out, struct fault *fault)
             continue;
         sigemptyset(&action.sa_mask);
         if (i < FIRST_STOP)
-            sigaddset(&action.sa_mask, SIGTTOU); /* so that restoring never stops us */
+            sigaddset(&action.sa_mask, SIGTTOU); /* so that restoring never stops the process */
         action.sa_handler = i < FIRST_STOP      ? on_end
                             : number == SIGTSTP ? on_stop
                             : number == SIGCONT ? on_continue
@@ -496,7 +496,8 @@ enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *f
     return OK;
 }
 
-/* Stopped in the middle, the end of our modes would go into a picture, whose rest would be text. */
+/* If the process stopped in the middle of a picture, the sequences that end our modes would be
+ * inserted into it, and its rest would be printed as text. */
 enum err term_write(const void *bytes, size_t length, struct fault *fault)
 {
     sigset_t stops, before;
@@ -517,8 +518,8 @@ enum err term_write_text(struct buf *text, const char *what, struct fault *fault
     return err;
 }
 
-/* Waits with the signals that set a flag let in only while waiting: none comes between the look at
- * the flags and the wait. */
+/* Wait for input. Signals that set a flag are unblocked only during the wait, so none is lost
+ * between the test of the flags and the wait. */
 static int wait_for_input(int timeout_ms, int other, bool *only_other)
 {
     struct pollfd ready[2] = {{.fd = term.in, .events = POLLIN}, {.fd = other, .events = POLLIN}};

@@ -32,16 +32,16 @@
 
 enum term_mode {
     TERM_AS_FOUND,
-    TERM_QUIET, /* a command runs: no echo, typed keys wait, Ctrl-C and Ctrl-Z are signals */
-    TERM_RAW    /* every key is a byte for us, every byte of ours as it is */
+    TERM_QUIET, /* during a command: no echo, typed keys wait, Ctrl-C and Ctrl-Z are signals */
+    TERM_RAW    /* every key is read as bytes; output is sent unchanged */
 };
 
 struct term_size {
-    unsigned columns, rows;       /* at least 1 each; 80x24 where the terminal does not say */
-    unsigned width_px, height_px; /* 0 where it does not say */
+    unsigned columns, rows;       /* at least 1 each; 80x24 if the terminal does not report them */
+    unsigned width_px, height_px; /* 0 if it does not report them */
 };
 
-/* Use the terminal that `in` reads and `out` writes; both stay open. ERR_IO if one of them is no
+/* Use the terminal that `in` reads and `out` writes; both stay open. ERR_IO if either is no
  * terminal. */
 enum err term_open(int in, int out, struct fault *fault);
 void term_close(void);
@@ -54,8 +54,8 @@ enum { TERM_WORDS = 128 };
 void term_set_sequences(const char *begin, const char *end);
 void term_set_recovery(const char *recover, bool answers);
 
-/* The same while our modes are on, as for a full screen: what ends the former is written, then what
- * begins the new. */
+/* Change these sequences while our modes are on, for a full screen for example: the former end is
+ * written, then the new beginning. */
 enum err term_change_sequences(const char *begin, const char *end, struct fault *fault);
 
 /* The sequences of a prompt: bracketed paste. */
@@ -68,19 +68,19 @@ enum err term_write_end(struct fault *fault);
 
 enum err term_set_mode(enum term_mode mode, struct fault *fault);
 
-/* The size as of now. */
+/* Return the present size. */
 struct term_size term_size(void);
 
 /* Columns of the terminal `fd`; 0 if it is no terminal or does not report them. */
 unsigned term_columns(int fd);
 
-/* Writes everything, through interruptions and short writes; a frame is one call. */
+/* Write everything, despite interruptions and short writes; a frame is one call. */
 enum err term_write(const void *bytes, size_t length, struct fault *fault);
 
 /* Write a text and release it; ERR_MEMORY, naming the content by `what`, if it has failed. */
 enum err term_write_text(struct buf *text, const char *what, struct fault *fault);
 
-/* The same to any descriptor. */
+/* Write everything to any descriptor. */
 enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *fault);
 
 /* Wait for input, at most `timeout_ms` (-1: without limit), and add it to `out`; or until the
@@ -89,8 +89,7 @@ enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *f
 enum term_input { TERM_BYTES, TERM_TIMEOUT, TERM_SIGNAL, TERM_CLOSED, TERM_OTHER };
 enum term_input term_read(struct buf *out, int timeout_ms, int other);
 
-/* Return true once after the window changed size; once after the process was stopped and continued.
- */
+/* Return true once after a change of the window size, and once after the process has continued. */
 bool term_was_resized(void);
 bool term_was_continued(void);
 
@@ -121,18 +120,18 @@ void term_suspend(void);
 enum { GUARDIAN_WORDS = 512 };
 
 struct guarded {
-    volatile sig_atomic_t on;    /* `ours` are the modes now */
+    volatile sig_atomic_t on;    /* `ours` are set now */
     struct termios found, ours;  /* before `on` is set */
-    volatile sig_atomic_t which; /* words to use: the other ones may be half written */
+    volatile sig_atomic_t which; /* index of the valid words: the others may be half written */
     struct {
         char text[GUARDIAN_WORDS];
         size_t length;
-    } words[2]; /* written to the terminal; at the end of a line */
+    } words[2]; /* sequences for the terminal; at the end of a line */
 };
 
 struct guardian {
     struct guarded *guarded; /* never NULL after guardian_start */
-    pid_t process;           /* 0: none, for want of memory or processes */
+    pid_t process;           /* 0: none, for lack of memory or processes */
     int pipe;
 };
 

@@ -37,7 +37,7 @@ static uint32_t distance(uint32_t a, uint32_t b)
     return sum;
 }
 
-/* Levels of the cube are 0, 95, 135, 175, 215, 255. */
+/* The levels of the cube are 0, 95, 135, 175, 215, 255. */
 static uint32_t cube_place(uint32_t channel)
 {
     return channel < 48 ? 0 : channel < 115 ? 1 : (channel - 35) / 40;
@@ -63,7 +63,7 @@ static uint8_t nearest_256(uint32_t colour)
     return (uint8_t)(16 + 36 * r + 6 * g + b);
 }
 
-/* The nearest of the 16 colours as xterm has them. */
+/* Return the nearest of the 16 colours as xterm has them. */
 static uint8_t nearest_16(uint32_t colour)
 {
     static const uint32_t xterm[16] = {0x000000, 0xCD0000, 0x00CD00, 0xCDCD00, 0x0000EE, 0xCD00CD,
@@ -90,14 +90,14 @@ static uint32_t rows_of(enum block_shape shape)
     return shape == BLOCK_SEXTANT ? 3 : 2;
 }
 
-/* The pixels of a cell. */
+/* Return the pixels of a cell. */
 static void cell_pixels(const struct terminal_facts *facts, uint32_t *width, uint32_t *height)
 {
     *width = facts->shape == BLOCK_HALF ? 1 : facts->shape == BLOCK_QUADRANT ? 2 : 6;
     *height = 2 * *width;
 }
 
-/* The mean of a part's pixels; beyond the view they are black. */
+/* Return the mean of a part's pixels; pixels outside the view are black. */
 static uint32_t part_colour(const struct image_view *view, uint32_t left, uint32_t top,
                             uint32_t width, uint32_t height)
 {
@@ -125,15 +125,16 @@ static uint32_t mean_of(const uint32_t sum[3], unsigned set)
     return mean;
 }
 
-/* The squared error of a set to its mean is the sum of squares less this, in sixtieths, which are
- * whole for sets of 1 .. 6. */
+/* The squared error of a set to its mean is the sum of squares minus this, in sixtieths, which are
+ * whole for sets of 1 .. 6 parts. */
 static uint32_t explained(const uint32_t sum[3], unsigned set)
 {
     return (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) *
            (60 / (unsigned)__builtin_popcount(set));
 }
 
-/* The best set of parts for the ink, of more than two; the first part is the paper's. */
+/* Return the best set of parts for the ink, for more than two colours; the first part has the
+ * paper's colour. */
 static unsigned best_parts(uint32_t sum[][3], unsigned all)
 {
     uint32_t most = 0;
@@ -162,9 +163,9 @@ static struct block coloured(const uint32_t *colour, unsigned count, enum colour
     unsigned parts = 0;
     for (unsigned i = 1; i < count; i++)
         parts |= (unsigned)(colour[i] != colour[0]) << i;
-    if (!parts) /* most are of one colour */
+    if (!parts) /* most cells have one colour */
         return (struct block){.ink = BLOCK_DEFAULT, .paper = number_of(colour[0], colours)};
-    /* The sums of each set's channels, by its bits: a set is its first part and the rest. */
+    /* Sums of the channels of each set, by its bits: a set is its first part and the rest. */
     memset(sum[0], 0, sizeof sum[0]);
     for (unsigned set = 1; set < 1u << count; set++)
         for (unsigned k = 0; k < 3; k++)
@@ -251,13 +252,13 @@ static void set_colours(struct pen *pen, int32_t ink, int32_t paper, struct buf 
     pen->paper = paper;
 }
 
-/* The character whose ink has these parts; neither none nor all of them. */
+/* Return the character whose ink covers these parts; neither none nor all of them. */
 static uint32_t character_of(enum block_shape shape, unsigned parts)
 {
     static const uint16_t quadrant[16] = {0x0020, 0x2598, 0x259D, 0x2580, 0x2596, 0x258C,
                                           0x259E, 0x259B, 0x2597, 0x259A, 0x2590, 0x259C,
                                           0x2584, 0x2599, 0x259F, 0x2588};
-    enum { LEFT_HALF = 21, RIGHT_HALF = 42 }; /* are not among the sextants */
+    enum { LEFT_HALF = 21, RIGHT_HALF = 42 }; /* not among the sextants */
     if (shape == BLOCK_HALF)
         return parts == 1 ? 0x2580 : 0x2584;
     if (shape == BLOCK_QUADRANT)
@@ -273,7 +274,7 @@ static void add_parts(enum block_shape shape, unsigned parts, struct buf *out)
     buf_add(out, character, char_write(character, character_of(shape, parts)));
 }
 
-/* Adds a cell, and moves the cursor by one. */
+/* Add a cell, which moves the cursor by one. */
 static void put_cell(struct pen *pen, const struct block *cell, struct buf *out)
 {
     const unsigned all = (1u << columns_of(pen->shape) * rows_of(pen->shape)) - 1;
@@ -332,7 +333,7 @@ static void lines(const struct terminal_facts *facts, const struct image_view *v
 
 /* ---- as a way to show pictures ---- */
 
-/* The painter's bytes are cells here. */
+/* The painter's bytes are cells for text. */
 static bool show(struct painter *p, const struct image_view *view, struct buf *out)
 {
     const size_t cells = (size_t)p->columns * p->rows;

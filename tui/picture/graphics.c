@@ -39,7 +39,7 @@ void graphics_add_names(struct buf *out, const char *between, const char *before
 
 /* ---- which the terminal has ---- */
 
-/* Text needs no facts but whether frames are answered. */
+/* Text needs only to know whether frames are answered. */
 struct probe_wish graphics_asks(struct graphics_wish wish, const struct probe_environment *e)
 {
     const enum graphics_kind kind = wish.of[0]->kind;

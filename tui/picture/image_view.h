@@ -25,10 +25,10 @@ struct image_view {
     uint32_t width, height;
     const uint8_t *rgba;
     const uint8_t *fine; /* the final picture, for which the palette is made; NULL: rgba */
-    const uint32_t *hue; /* 0xRRGGBB of the labels that may show, in any order, twice or not; the
-                            same from picture to picture, for another set is another palette, and
-                            the picture goes whole. NULL where they are not known */
-    unsigned hues;       /* 0 where no label shows: greys alone */
+    /* 0xRRGGBB of the labels that may be visible, in any order, repetitions allowed. Another set
+     * means another palette, and the picture is sent whole. NULL if unknown. */
+    const uint32_t *hue;
+    unsigned hues;           /* 0 if no label is visible: greys alone */
     struct raster_box focus; /* sent finely first; empty: none */
     const uint8_t *words;    /* [height][width]: not 0 for words, which stay sharp; or NULL */
     const struct raster_note *note; /* [notes]; those outside the picture are passed over */

@@ -36,12 +36,12 @@
 
 enum { CHUNK = 4096, FEW_PIXELS = 1024 };
 
-/* Numbers of pictures from here on, which others hardly use; and those of strips. */
+/* Picture numbers from here on, which other programs rarely use; and those of strips. */
 enum { KITTY_FIRST = 26982, KITTY_STRIPS = 270000 };
 
-/* Ends a transmission that was cut: the first sequence if it was cut within a sequence, the second
- * if between two chunks. If none was cut both are complete: kitty logs an ESC \ that ends nothing
- * as an error. */
+/* Ends a truncated transmission: the first sequence if it was cut within a sequence, the second if
+ * between two chunks. If none was cut both are complete: kitty would log a single ESC \ as an
+ * error. */
 #define RECOVERY "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\"
 
 /* Strips are below the picture; a placement of this number, below all strips, keeps a strip from
@@ -58,7 +58,7 @@ static bool fits(const struct probe_replies *replies, const struct probe_environ
     return answer && strstr(answer, ";OK");
 }
 
-/* A terminal without a name may be screen, whatever TERM says. */
+/* A terminal without a name may be screen, whatever TERM is. */
 static bool may_ask(const struct probe_replies *replies,
                     const struct probe_environment *environment)
 {
@@ -81,7 +81,7 @@ static void add_chunks(const struct buf *png, const char *first, const char *nex
     }
 }
 
-/* Adds pixels as PNG by p->effort, in chunks; `keys` are those of the first, each with its
+/* Add pixels as PNG by p->effort, in chunks; `keys` are those of the first chunk, each with its
  * comma. */
 static void add_png(struct painter *p, const struct raster *raster, const char *keys,
                     struct buf *out)
@@ -92,8 +92,8 @@ static void add_png(struct painter *p, const struct raster *raster, const char *
     buf_release(&png);
 }
 
-/* The same as PNG or as deflated pixels, whichever is less; `next` are the keys of the chunks that
- * follow. The keys of the size are added. */
+/* Add the same as PNG or as deflated pixels, whichever is smaller; `next` are the keys of later
+ * chunks. The keys of the size are added. */
 static void add_smaller(struct painter *p, const struct raster *part, const char *first,
                         const char *next, struct buf *out)
 {
@@ -111,20 +111,20 @@ static void add_smaller(struct painter *p, const struct raster *part, const char
     buf_release(&pixels);
 }
 
-/* Adds what frees a picture, wherever it is shown. */
+/* Add the command that frees a picture, wherever it is shown. */
 static void free_picture(uint32_t image, struct buf *out)
 {
     buf_printf(out, "\033_Ga=d,d=I,i=%u,q=2\033\\", image);
 }
 
-/* A picture without a number, which stays where it is shown. */
+/* Add a picture without a number, which stays where it is shown. */
 static void once(struct painter *p, const struct raster *raster, struct buf *out)
 {
     add_png(p, raster, "a=T,C=1,f=100,", out);
 }
 
-/* A whole picture has another number than the one before, which goes when the new one is there, so
- * that nothing flickers. */
+/* A whole picture has another number than the one before, which is deleted when the new one is
+ * there, so that nothing flickers. */
 static void whole(struct painter *p, const struct raster *raster, struct buf *out)
 {
     const uint32_t former = p->image, image = former == KITTY_FIRST ? KITTY_FIRST + 1 : KITTY_FIRST;
@@ -281,8 +281,8 @@ static void patch_tiles(struct painter *p, const struct raster *raster,
     struct board *b = p->held;
     painter_move_to(p, cells.left, cells.top, out);
     add_tile(p, &part, ++b->image, ++b->z, out);
-    /* The tile in `box`, in cells, is seen there now. A place for it is free: a picture is
-     * worn before it has none. */
+    /* The tile in `box`, in cells, is visible there now. There is a free place for it: a picture is
+     * worn before none is left. */
     const uint32_t area = cells.width * cells.height;
     uint16_t i = 0;
     while (b->tile[i].image)
@@ -329,7 +329,7 @@ static void whole_tile(struct painter *p, const struct raster *raster, struct bu
         b->seen[i] = 0;
 }
 
-/* It is there for a terminal that kitty's own row is not made for, and for who asks for it. */
+/* It is never detected: it replaces kitty's row for other terminals, or the user asks for it. */
 static bool never(const struct probe_replies *replies, const struct probe_environment *environment)
 {
     (void)replies;

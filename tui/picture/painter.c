@@ -12,7 +12,7 @@ enum {
     PIXEL_TILE = 16,
     FAST_FROM = 1 << 13, /* pixels; from here on time counts more than bytes */
     BOXES_MOST = 32,
-    CLEAR_FACTOR = 16, /* most pixels are clear where slices are kept, and cost much less */
+    CLEAR_FACTOR = 16, /* with stored slices most pixels are clear, and cost much less */
 };
 
 /* ---- the place ---- */
@@ -62,7 +62,7 @@ static struct strips_image *find_strip(struct strips *k, const uint8_t key[STRIP
     return NULL;
 }
 
-/* The terminal has not this one; false where that says nothing of ours. */
+/* The terminal has lost this strip; return false if the reply is about no strip of ours. */
 static bool lose_strip(struct strips *k, uint32_t number)
 {
     for (unsigned i = 0; i < STRIPS_MOST; i++)
@@ -93,7 +93,7 @@ static void make_room(struct painter *p, uint32_t pixels, struct buf *out)
     }
 }
 
-/* Cuts the boxes of slices into strips of whole rows of cells. */
+/* Cut the boxes of slices into strips of whole rows of cells. */
 static void cut_strips(struct painter *p, const struct image_view *view)
 {
     struct strips *k = &p->kept;
@@ -214,7 +214,7 @@ static void send_strips(struct painter *p, const struct image_view *view, size_t
         }
 }
 
-/* Make pixels clear that the strips show anyway: `places` has `stride` a row. */
+/* Clear pixels that the strips show anyway: `places` has `stride` a row. */
 static void clear_strips(const struct strips *k, const struct image_view *view, uint8_t *places,
                          uint32_t stride)
 {
@@ -262,7 +262,7 @@ void painter_remove(struct painter *p, struct buf *out)
     if (p->holder)
         p->holder->remove(p, out);
     for (unsigned i = 0; p->holder && p->holder->keeping && i < STRIPS_MOST; i++)
-        hide_slot(p, i, out); /* the terminal still has it */
+        hide_slot(p, i, out); /* the terminal still stores it */
     p->kept.strips = 0;
     if (p->is_shown && !p->facts.graphics->remove)
         erase(p, out);
@@ -312,8 +312,8 @@ static struct raster_box around(struct raster_box a, struct raster_box b)
     return (struct raster_box){left, top, right - left, bottom - top};
 }
 
-/* Joins a box with that of the others for which it costs least, as long as that is no more than
- * both cost apart, or there is no room for another. */
+/* Join a box to the other for which it costs least, if that is no more than both cost apart, or if
+ * there is no room for another. */
 static void add_box(struct stale *stale, struct raster_box box, uint32_t box_cost)
 {
     while (stale->count > 0) {
@@ -336,7 +336,7 @@ static void add_box(struct stale *stale, struct raster_box box, uint32_t box_cos
     stale->box[stale->count++] = box;
 }
 
-/* The first and last of `length` bytes that differ; false where none do. */
+/* Find the first and last of `length` bytes that differ; return false if none do. */
 static bool differing(const uint8_t *a, const uint8_t *b, size_t length, size_t *first,
                       size_t *last)
 {
@@ -351,7 +351,7 @@ static bool differing(const uint8_t *a, const uint8_t *b, size_t length, size_t 
     return true;
 }
 
-/* Cuts a tile down to what differs in it; false where nothing does. */
+/* Shrink a tile to the part that differs; return false if nothing does. */
 static bool tighten(struct raster_box *tile, const struct raster *now, const struct raster *then)
 {
     const size_t each = raster_pixel_bytes(now);
@@ -414,10 +414,10 @@ static enum palette_need need_of(const struct painter *p, const struct image_vie
     return view->smooth ? PALETTE_NEVER : PALETTE_EXACT;
 }
 
-/* True where patches make it, with stale->count 0 where nothing is to be done. */
+/* Return true if patches suffice, with stale->count 0 if nothing has changed. */
 static bool can_patch(struct painter *p, const struct image_view *view, struct stale *stale)
 {
-    /* The palette that is there, or none, must serve the picture too. */
+    /* The palette that is there, or none, must suit the picture too. */
     const enum palette_need need = need_of(p, view);
     if (!p->is_shown || p->is_worn || (need == PALETTE_NEVER && p->has_palette) ||
         (need == PALETTE_ALWAYS && !p->has_palette) ||
@@ -543,7 +543,7 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
 
 /* ---- pictures ---- */
 
-/* The part of a view that the place has room for; *copy is to be freed. */
+/* Cut the view to the place; *copy is to be freed. */
 static bool cut_view(struct image_view *view, uint32_t width, uint32_t height, uint8_t **copy)
 {
     const size_t stride = (size_t)view->width * 4, kept = (size_t)width * 4;
@@ -561,7 +561,7 @@ static bool cut_view(struct image_view *view, uint32_t width, uint32_t height, u
     return true;
 }
 
-/* Without a palette nothing is clear. */
+/* Without a palette no pixel is clear. */
 void painter_keep(struct painter *p, struct image_view *view, size_t budget, struct buf *out)
 {
     uint32_t width, height;
@@ -613,7 +613,7 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     free(copy);
     if (fine) {
-        /* The next picture becomes the one that is shown. */
+        /* The next picture becomes the shown one. */
         const struct painter_picture former = p->of[0];
         p->of[0] = p->of[1];
         p->of[1] = former;

@@ -67,19 +67,19 @@ enum {
     STRIPS_GREYS = 64,
     STRIPS_KEY = 32,               /* bytes of a SHA-256 */
     STRIPS_MOST = 96,              /* in one picture; a view with more keeps nothing */
-    STRIPS_EACH_PIXELS = 12000,    /* about: some 4 kB, which a key waits for at most */
+    STRIPS_EACH_PIXELS = 12000,    /* about: some 4 kB, the longest that a key waits for */
     STRIPS_PIXELS_MOST = 40 << 20, /* half of kitty's 320 MB, at 4 bytes a pixel */
 };
 
 struct strips_image {
     uint8_t key[STRIPS_KEY];
     uint32_t number, pixels;
-    uint64_t used; /* when: strips.clock */
+    uint64_t used; /* time of the last use, by strips.clock */
 };
 
 /* A place of a strip on the screen. */
 struct strips_slot {
-    uint32_t number; /* 0: nowhere */
+    uint32_t number; /* 0: not shown */
     struct raster_box box;
 };
 
@@ -87,18 +87,18 @@ struct strips {
     struct strips_image *image;
     size_t images, capacity;
     uint64_t pixels, clock;
-    uint32_t last; /* the last number that was given out */
+    uint32_t last; /* the last number used */
     struct strips_slot slot[STRIPS_MOST];
     /* for the present view */
     struct image_strip strip[STRIPS_MOST];
-    uint32_t number[STRIPS_MOST]; /* 0 where the terminal has it not */
+    uint32_t number[STRIPS_MOST]; /* 0 if the terminal does not have it */
     unsigned strips;
-    uint8_t *greys; /* palette places of the present strip */
+    uint8_t *greys; /* palette indices of the present strip */
     size_t greys_capacity;
 };
 
 struct painter_picture {
-    uint8_t *bytes; /* places in the palette, or colours, or what text needs */
+    uint8_t *bytes; /* palette indices, colours, or cells */
     size_t capacity;
 };
 
@@ -112,17 +112,17 @@ struct painter {
     struct shades shades;
 
     struct strips kept;            /* parts of slices that the terminal has */
-    const struct graphics *holder; /* by which the terminal holds a picture of its own, or NULL */
+    const struct graphics *holder; /* the protocol of the stored picture, or NULL */
 
     /* for the protocol's own use */
     struct png_writer png;
     enum png_effort effort;  /* for the present patch */
-    bool is_worn;            /* the next picture is to go whole */
-    void *scratch;           /* memory, from picture to picture, */
+    bool is_worn;            /* the next picture must be sent whole */
+    void *scratch;           /* memory reused from picture to picture, */
     size_t scratch_capacity; /* in bytes */
-    void *held;              /* its data about parts that the terminal has, */
+    void *held;              /* the protocol's data about parts that the terminal stores, */
     size_t held_capacity;    /* in bytes */
-    uint32_t image;          /* the number of the picture that the terminal has, 0 for none */
+    uint32_t image;          /* number of the picture that the terminal stores; 0: none */
 };
 
 /* Set the place of the picture, at least 1x1 cells, and the method. Forgets the screen if either
@@ -130,7 +130,8 @@ struct painter {
 void painter_place(struct painter *p, const struct terminal_facts *facts, unsigned column,
                    unsigned row, unsigned columns, unsigned rows);
 
-/* The pixels of the place, which are square; for blocks, pixels that are parts of cells. */
+/* Set `width` and `height` to the pixels of the place, which are square; for blocks, pixels are
+ * parts of cells. */
 void painter_size(const struct painter *p, uint32_t *width, uint32_t *height);
 
 /* Add the bytes that show `view` at the top left of the place, cropped to it; nothing if the screen
@@ -138,10 +139,10 @@ void painter_size(const struct painter *p, uint32_t *width, uint32_t *height);
  * memory return false and set out->failed: discard `out`; the next picture is sent whole. */
 bool painter_show(struct painter *p, const struct image_view *view, struct buf *out);
 
-/* Before painter_show, where the terminal can keep strips of slices: adds what sends it those of
- * the view's that it lacks, where one looks first, as long as they have no more than `budget` bytes
- * in all, but one at least; none where that is 0. Has the view know which are there. Shows nothing
- * yet, so a view that is not shown now may be sent ahead. */
+/* Call before painter_show if the terminal can store strips of slices: add the bytes that send
+ * those of the view that it lacks, the focus first, at most `budget` bytes in all, but at least one
+ * strip; none if it is 0. Set view->strip to show which are there. This shows nothing yet, so a
+ * view may be sent ahead. */
 void painter_keep(struct painter *p, struct image_view *view, size_t budget, struct buf *out);
 
 /* Return true if the terminal has room for strips that are not needed yet. */
@@ -154,19 +155,19 @@ bool painter_take_reply(struct painter *p, const char *reply);
 /* Forget and free everything stored in the terminal, whose contents may be unknown. */
 void painter_drop(struct painter *p, struct buf *out);
 
-/* The screen was cleared or overwritten: the next picture goes whole. */
+/* Call when the screen was cleared or overwritten: the next picture is sent whole. */
 void painter_forget(struct painter *p);
 
-/* Remove the picture from the screen; its place is blank then. */
+/* Remove the picture from the screen; its place is blank afterwards. */
 void painter_remove(struct painter *p, struct buf *out);
 
 /* For a protocol: move the cursor to a cell of the place. */
 void painter_move_to(const struct painter *p, unsigned column, unsigned row, struct buf *out);
 
-/* Release the memory; the painter is as new. The screen does not change. */
+/* Release the memory; the painter is as at the start. The screen does not change. */
 void painter_release(struct painter *p);
 
-/* The level of a grey in a strip, below STRIPS_GREYS, and the colour that a level is shown as. */
+/* Return the level of a grey in a strip, below STRIPS_GREYS, and the colour that shows a level. */
 static inline uint8_t strips_level(uint8_t grey)
 {
     return (uint8_t)((grey * (STRIPS_GREYS - 1u) + 127) / 255);
@@ -177,8 +178,8 @@ static inline uint32_t strips_colour(unsigned level)
 }
 
 /*
- * A way to show pictures: a row of the table in tui/picture/graphics.c, and the only place that
- * knows it. How it is found is used in graphics.c, how it draws in painter.c.
+ * A way to show pictures: a row of the table in tui/picture/graphics.c, which alone knows it. Its
+ * detection is used in graphics.c, its drawing in painter.c.
  */
 
 struct painter;
@@ -195,30 +196,30 @@ struct keeping {
     void (*hide)(uint32_t number, unsigned place, struct buf *);
     void (*free)(uint32_t number, struct buf *);
     void (*free_all)(struct buf *);
-    uint32_t (*lost)(const char *reply); /* the number that a reply says it has not, or 0 */
+    uint32_t (*lost)(const char *reply); /* number of the strip that is missing, or 0 */
 };
 
 struct graphics {
     const char *name;  /* a word of --graphics */
-    const char *title; /* the same for people */
+    const char *title; /* its name for users */
     enum graphics_kind kind;
 
-    /* -- finding it: NULL is nothing, or always -- */
+    /* -- detection: NULL is no question, or always fits -- */
     bool (*fits)(const struct probe_replies *, const struct probe_environment *);
     struct probe_question question; /* in the second round */
-    const char *recovery;           /* ends a transmission that was cut in two; NULL: ESC \ does */
-    const char *made_by; /* the terminal that has all of the protocol; NULL: all that fit, */
-    const struct graphics *instead; /* and the row for the others that fit */
+    const char *recovery;           /* ends a transmission cut in two; NULL: ESC \ */
+    const char *made_by; /* the terminal that supports all of the protocol; NULL: all that fit, */
+    const struct graphics *instead; /* and the row for the others */
 
     /* -- pixels -- */
     bool over_cells;     /* drawn over cells, so patches are whole cells; else pixels are changed */
-    bool palette_always; /* else 24 bits are possible as well */
+    bool palette_always; /* else 24 bits are possible too */
     uint32_t patch_cost; /* fixed cost of a patch, in pixels: escape, headers, palette */
     void (*once)(struct painter *, const struct raster *, struct buf *);  /* at the cursor */
     void (*whole)(struct painter *, const struct raster *, struct buf *); /* NULL: as a patch */
     void (*patch)(struct painter *, const struct raster *, const struct raster_box *, struct buf *);
     void (*remove)(struct painter *, struct buf *); /* NULL: cells are erased */
-    const struct keeping *keeping;                  /* NULL: the terminal keeps nothing */
+    const struct keeping *keeping;                  /* NULL: the terminal stores nothing */
 
     /* -- text -- */
     void (*cell_pixels)(const struct terminal_facts *, uint32_t *width, uint32_t *height);
@@ -231,15 +232,16 @@ struct graphics {
 
 struct block {
     int32_t ink, paper; /* 0xRRGGBB, or a number of the palette, or BLOCK_DEFAULT, the terminal's */
-    uint8_t parts;      /* parts in the ink's colour, a bit each from the top left, which is always
-                           0; without colours the character */
-    char note;          /* a character in place of the parts, or 0 */
+    /* Parts in the ink's colour, a bit each from the top left, which is always 0; without colours
+     * the character. */
+    uint8_t parts;
+    char note; /* a character in place of the parts, or 0 */
 };
 
 enum { BLOCK_DEFAULT = -1 };
 
-/* Fill cell[row * stride + column] with the cells that a view covers. Parts of the last ones beyond
- * the view are black. */
+/* Fill cell[row * stride + column] with the cells that a view covers. Parts outside the view are
+ * black. */
 void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
                  const struct terminal_facts *facts);
 

@@ -14,7 +14,7 @@ void shades_release(struct shades *s)
     *s = (struct shades){0};
 }
 
-/* Colours that are as good as one: six bits a channel, so that none moves by more than 3 of 255. */
+/* Colours treated as one: six bits a channel, so that none changes by more than 3 of 255. */
 static uint32_t colour_cell(uint32_t colour)
 {
     return (colour >> 18 & 63) << 12 | (colour >> 10 & 63) << 6 | (colour >> 2 & 63);
@@ -67,8 +67,8 @@ static void measure_box(struct box *box, const struct sample *sample)
     }
 }
 
-/* Parts the samples of `box` at its mean; those above go into `above`. A box with an error has
- * samples on both sides, except where the rounded mean equals the largest value. */
+/* Split the samples of `box` at its mean; those above go into `above`. A box with an error has
+ * samples on both sides, except if the rounded mean equals the largest value. */
 static void cut_box(struct box *box, struct box *above, struct sample *sample)
 {
     unsigned axis = box->axis;
@@ -94,8 +94,8 @@ static void cut_box(struct box *box, struct box *above, struct sample *sample)
     measure_box(above, sample);
 }
 
-/* Counts the pixels of each cell in `weight` and lists the cells that have any, each with the
- * first colour seen in it. Returns how many, or 0 without memory. */
+/* Count the pixels of each cell in `weight` and list the cells that have any, each with the first
+ * colour seen in it. Return their number, or 0 without memory. */
 static size_t gather_samples(const struct image_view *view, uint32_t *weight,
                              struct sample **sample)
 {
@@ -115,7 +115,7 @@ static size_t gather_samples(const struct image_view *view, uint32_t *weight,
     return count;
 }
 
-/* Fill `box` with at most `most` boxes around all colours of the view. Returns how many, or 0
+/* Fill `box` with at most `most` boxes around all colours of the view. Return their number, or 0
  * without memory. */
 static unsigned cut_colours(struct box *box, unsigned most, const struct image_view *view)
 {
@@ -155,7 +155,7 @@ static unsigned exact_place(struct shades *s, uint32_t colour)
     return s->slot[at] - 1u;
 }
 
-/* `index` is NULL where only the colours are wanted. */
+/* `index` is NULL if only the colours are wanted. */
 static bool apply_exact(struct shades *s, const struct image_view *view, uint8_t *index,
                         size_t stride)
 {
@@ -181,7 +181,7 @@ static bool apply_exact(struct shades *s, const struct image_view *view, uint8_t
 
 /* ---- the nearest entry ---- */
 
-/* Squares of differences, weighted as eyes see them. */
+/* Return the squared difference, with channels weighted as the eye sees them. */
 static uint32_t distance(uint32_t a, uint32_t b)
 {
     const int32_t red = (int32_t)(a >> 16) - (int32_t)(b >> 16);
@@ -223,7 +223,7 @@ static void forget_places(struct shades *s)
         s->place[colour_cell(s->colour[i])] = (uint8_t)(i + 1);
 }
 
-/* Opaque pixels, which nearly all do, are looked up as they are. */
+/* Opaque pixels, nearly all of them, are looked up directly. */
 static void apply_nearest(struct shades *s, const struct image_view *view, uint8_t *index,
                           size_t stride)
 {
@@ -251,7 +251,7 @@ static uint32_t channel(uint32_t colour, unsigned k)
     return colour >> (16 - 8 * k) & 255;
 }
 
-/* Entry `i` of `n` on the way from one colour to another; entry n is the latter. */
+/* Return entry `i` of `n` between one colour and another; entry n is the latter. */
 static uint32_t on_the_way(uint32_t from, uint32_t to, unsigned i, unsigned n)
 {
     uint32_t colour = 0;
@@ -285,7 +285,7 @@ static uint32_t brightened(uint32_t colour, uint32_t by)
     return bright;
 }
 
-/* Gloss adds 70 of 255 (SPECULAR in render/shade.c), where a face looks at the light or nearly. */
+/* Gloss adds up to 70 of 255 (SPECULAR in render/shade.c), where a face is turned to the light. */
 enum { GLOSS = 70 };
 
 static uint32_t third(uint32_t colour)
@@ -293,7 +293,8 @@ static uint32_t third(uint32_t colour)
     return on_the_way(0, colour, 1, 3);
 }
 
-/* Distance of a colour from the line between two colours: to the nearest of its 16 rungs. */
+/* Return the distance of a colour from the line between two colours: to the nearest of 16 points on
+ * it. */
 static uint32_t off_the_way(uint32_t colour, uint32_t from, uint32_t to)
 {
     uint32_t least = UINT32_MAX;
@@ -314,7 +315,8 @@ static uint32_t brightest(uint32_t colour)
 
 /* ---- which ladders ---- */
 
-/* Cross-hair and eliminator (render/notes.c), the pane that keys go to (src/program/panes.c). */
+/* Cross-hair and eliminator (render/notes.c), and the frame of the active pane
+ * (src/program/panes.c). */
 enum { ACCENTS = 3 };
 static const uint32_t accent[ACCENTS] = {0xFFDC00, 0xFF4838, 0xE6C85A};
 
@@ -369,7 +371,8 @@ static bool take_hues(struct shades *s, const struct image_view *view)
     return true;
 }
 
-/* The colours of about 32 x 32 pixels, evenly over the picture; returns how many. */
+/* Get the colours of about 32 x 32 pixels, evenly distributed over the picture; return their
+ * number. */
 enum { LOOKS_MOST = 32 * 32 };
 static unsigned take_looks(const struct image_view *view, const uint8_t *rgba,
                            uint32_t look[LOOKS_MOST])
@@ -414,8 +417,7 @@ static bool are_crowded(const struct shades *s)
 
 /* ---- no hues are known, or too many ---- */
 
-/* By how much the colours of about 32 x 32 pixels are off: the mean of the worst channels, times
- * 16. */
+/* Return the mean error of about 32 x 32 pixels, in their worst channels, times 16. */
 static uint32_t look_how_far(struct shades *s, const struct image_view *view)
 {
     uint32_t look[LOOKS_MOST], sum = 0;

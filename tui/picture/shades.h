@@ -36,15 +36,15 @@ struct shades {
     unsigned count;
     bool is_exact, is_laddered;
     bool is_suited;      /* the colours were chosen for a picture */
-    uint16_t slot[1024]; /* exact: a place + 1, by a hash of the colour */
-    uint8_t *place;      /* otherwise: a place + 1, by colour; 0 where it was not sought yet */
+    uint16_t slot[1024]; /* exact: index + 1, by a hash of the colour */
+    uint8_t *place;      /* otherwise: index + 1, by colour; 0 if not looked up yet */
 
     /* hues that the palette was made for, and those of them in use */
     uint32_t given[SHADES_HUES_MOST], hue[SHADES_HUES_MOST];
     unsigned givens, hues;
     bool has_greys, has_tints;
-    uint32_t off; /* by how much colours of the picture that it was made for are off, where it has
-                     no ladders: the mean of looks */
+    /* Mean error of the palette for the picture that it was made for, if it has no ladders. */
+    uint32_t off;
 };
 
 /* `struct shades s = {0}` is ready. */
@@ -54,7 +54,7 @@ void shades_release(struct shades *shades);
  * palette. Allocates nothing. */
 bool shades_take_exact(struct shades *shades, const struct image_view *view);
 
-/* Makes the palette for a picture that is sent whole; the one there is stays where it serves. False
+/* Make the palette for a picture that is sent whole; keep the present one if it suits. Return false
  * without memory. */
 bool shades_choose(struct shades *shades, const struct image_view *view);
 
@@ -69,9 +69,9 @@ bool shades_lack(struct shades *shades, const struct image_view *view);
  * the others unless it is smooth or has no hues. */
 bool shades_needed(const struct image_view *view, bool always);
 
-/* Puts the view into `bytes`, `width` x `height` pixels, which may be more than it has and are
- * black then: as places in the palette, or as 24-bit colours. False where the palette is exact and
- * has no room for another colour: choose again, and send the picture whole. */
+/* Write the view to `bytes`, `width` x `height` pixels (black outside the view): as indices of the
+ * palette, or as 24-bit colours. Return false if the palette is exact and has no room for another
+ * colour: choose again, and send the picture whole. */
 bool shades_fill(struct shades *shades, bool has_palette, const struct image_view *view,
                  uint8_t *bytes, uint32_t width, uint32_t height);
 

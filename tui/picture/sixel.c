@@ -26,7 +26,7 @@ enum { BAND = 6, COLOURS = RASTER_COLOURS_MOST };
 
 /* Columns from .. to - 1 in which a colour has the same bits. */
 struct sixel_run {
-    uint32_t from, to, next; /* next of the same colour, or NONE */
+    uint32_t from, to, next; /* the next one of the same colour, or NONE */
     uint8_t bits;
 };
 
@@ -59,9 +59,9 @@ static void add_run(struct band *band, uint8_t colour, uint8_t bits, uint32_t fr
     band->run[band->runs++] = (struct sixel_run){from, to, NONE, bits};
 }
 
-/* Which of the six bytes of `column` are `colour`, as bits, the lowest byte's first. Bytes that are
- * differ in nothing, so that 127 added to their lower 7 bits carries into no bit 7; the product
- * moves bit 8 i to 56 + i. */
+/* Return which of the six bytes of `column` are `colour`, as bits, the lowest byte first. A byte
+ * that is equal differs in no bit, so adding 127 to its lower 7 bits carries nothing into bit 7;
+ * the product moves bit 8 i to 56 + i. */
 static uint8_t bits_of(uint64_t column, uint8_t colour)
 {
     const uint64_t low = UINT64_C(0x7F7F7F7F7F7F);
@@ -112,7 +112,7 @@ static char *put_number(char *place, uint32_t n)
     return place;
 }
 
-/* `run` times the same sixel; spelt out where that is shorter. */
+/* Write `run` times the same sixel, without a repeat count if that is shorter. */
 static char *put_run(char *place, uint8_t bits, uint32_t run)
 {
     if (run > 3) {
@@ -127,7 +127,7 @@ static char *put_run(char *place, uint8_t bits, uint32_t run)
 
 static void write_band(const struct band *band, const uint8_t *number, struct buf *out)
 {
-    enum { RUN_MOST = 2 * 12, COLOUR_MOST = 5 }; /* bytes: with the gap before it */
+    enum { RUN_MOST = 2 * 12, COLOUR_MOST = 5 }; /* bytes, with the gap before it */
     char *begin =
         buf_reserve(out, (size_t)band->runs * RUN_MOST + band->used_count * COLOUR_MOST + 1);
     if (!begin)
@@ -201,14 +201,14 @@ static void once(struct painter *p, const struct raster *raster, struct buf *out
 
 /* ---- parts of the screen ---- */
 
-/* The most pixels of a side that are drawn at all, in whole cells. */
+/* Return the most pixels of a side that are drawn, in whole cells. */
 static uint32_t side_most(const struct painter *p, uint32_t cell)
 {
     const uint32_t cells = p->facts.image_side_most / cell;
     return cells > 0 ? cells * cell : UINT32_MAX;
 }
 
-/* In as many pictures as the terminal's limit asks for: beyond it xterm draws nothing. */
+/* Send as many pictures as the terminal's limit requires: xterm does not draw a larger one. */
 static void patch(struct painter *p, const struct raster *raster, const struct raster_box *box,
                   struct buf *out)
 {

@@ -37,7 +37,7 @@ static unsigned take_modifiers(const char **word, size_t *length)
     return taken;
 }
 
-/* A character, or a range of characters: "x", "0-9". Control characters are not accepted. */
+/* Read a character, or a range of characters: "x", "0-9". Control characters are not accepted. */
 static bool read_characters(const char *word, size_t length, struct chord *chord)
 {
     chord->key = KEY_CHARACTER;
@@ -66,7 +66,7 @@ static bool read_key(const char *word, size_t length, struct chord *chord)
     }
     if (!read_characters(word, length, chord) || chord->modifiers & KEY_SHIFT)
         return false;
-    if (chord->modifiers & KEY_CONTROL) /* as in keys.h */
+    if (chord->modifiers & KEY_CONTROL) /* in lower case, as in keys.h */
         chord->last = chord->first |= 32;
     return true;
 }
@@ -103,7 +103,7 @@ bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_eve
     return pressed == chord->modifiers;
 }
 
-/* Return true if one is the leader of the other. */
+/* Return true if one is the first key of the other. */
 static bool leads(const struct chord *one, const struct chord *other)
 {
     return !one->leader && other->leader && one->key == KEY_CHARACTER && !one->modifiers &&

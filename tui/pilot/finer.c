@@ -10,7 +10,7 @@
 enum { GAP_MOST = 6 };   /* tiles */
 enum { LEVEL_BITS = 5 }; /* bits of a channel, in coarse tiles */
 
-/* Bytes a tile at first: about the size in palette pictures. */
+/* Bytes per tile before any frame was sent: about the size in palette pictures. */
 static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 10};
 
 void refine_forget(struct refine *r)
@@ -39,7 +39,8 @@ static struct tile tile_at(const struct refine *r, uint32_t left, uint32_t top)
                          least(REFINE_TILE, r->height - top)};
 }
 
-/* The pixel in the middle of a block of `coarse` pixels a side; outside words, if possible. */
+/* Return the pixel in the middle of a block of `coarse` pixels a side; not one of words, if
+ * possible. */
 static size_t middle_of(const struct refine *r, const struct image_view *wanted, uint32_t left,
                         uint32_t top, uint32_t coarse)
 {
@@ -54,8 +55,8 @@ static size_t middle_of(const struct refine *r, const struct image_view *wanted,
     return middle;
 }
 
-/* Fill a block with the colour in its middle, in fewer levels: no mean, so that the palette stays.
- */
+/* Fill a block with the colour in its middle, in fewer levels. A mean would need new entries in the
+ * palette. */
 static void copy_block(struct refine *r, const struct image_view *wanted, uint32_t left,
                        uint32_t top, uint32_t coarse)
 {
@@ -184,7 +185,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
 void refine_sent(struct refine *r, size_t bytes)
 {
     if (r->tiles < 4)
-        return; /* the fixed bytes of a frame weigh more than the tiles */
+        return; /* the fixed bytes of a frame exceed those of the tiles */
     const double cost = (double)bytes / (double)r->tiles;
     r->cost[r->level] += (cost - r->cost[r->level]) / 2;
     r->cost[r->level] = r->cost[r->level] < 1 ? 1 : r->cost[r->level];

@@ -5,8 +5,8 @@
 
 enum { SAMPLE_FROM = 2000 }; /* bytes */
 
-#define SLACK_NS UINT64_C(50000000)  /* answers may be later than expected by this, */
-#define PAUSE_NS UINT64_C(200000000) /* and by this where a terminal pauses */
+#define SLACK_NS UINT64_C(50000000)  /* answers may be this much later than expected, */
+#define PAUSE_NS UINT64_C(200000000) /* and this much where a terminal pauses */
 
 static uint64_t since(uint64_t then_ns, uint64_t now_ns)
 {
@@ -20,7 +20,7 @@ static uint64_t later(uint64_t a_ns, uint64_t b_ns)
 
 /* ---- the line ---- */
 
-/* Time of an empty frame; half of the fastest answer while it is unknown. */
+/* Return the time of an empty frame; half of the fastest answer while it is unknown. */
 static uint64_t round_trip(const struct flow *f)
 {
     if (f->round_trip_ns == 0)
@@ -34,7 +34,7 @@ struct slope {
 
 enum { SLOPES_MOST = FLOW_SAMPLES * (FLOW_SAMPLES + 1) / 2 };
 
-/* Between samples of similar size the noise exceeds the difference. */
+/* Skip pairs of similar size: their noise exceeds the difference. */
 static unsigned add_slope(struct slope *slope, unsigned count, struct flow_sample a,
                           struct flow_sample b)
 {
@@ -88,7 +88,7 @@ static const struct flow_frame *due_frame(const struct flow *f, unsigned i)
     return &f->frame[(f->first + i) % FLOW_FRAMES];
 }
 
-/* Time when the line will have carried the first `count` due frames. */
+/* Return the time when the line will have carried the first `count` due frames. */
 static uint64_t carried_ns(const struct flow *f, unsigned count)
 {
     uint64_t free_ns = since(round_trip(f), f->answered_ns);
@@ -104,7 +104,7 @@ static uint64_t limit_ns(const struct flow *f)
     return f->settled_ns && f->settled_ns < limit ? f->settled_ns : limit;
 }
 
-/* Time when the next frame may be sent, if no answer arrives before. */
+/* Return the time when the next frame may be sent, if no answer arrives before. */
 static uint64_t ready_ns(const struct flow *f, uint64_t now_ns)
 {
     if (f->silent)
@@ -130,7 +130,7 @@ bool flow_may_send(struct flow *f, uint64_t now_ns)
         f->due = 0;
         f->late = 0;
     } else if (f->due > 0 && now_ns >= limit_ns(f)) {
-        /* Only one fact is known of the frames given up: all of them were too slow. */
+        /* All that is known of the frames given up is that they were too slow. */
         for (unsigned i = 0; i < f->due; i++)
             bytes += (double)due_frame(f, i)->bytes;
         f->samples = f->next = 0;
@@ -164,8 +164,8 @@ void flow_answered(struct flow *f, uint64_t now_ns)
 {
     const struct flow_frame frame = *due_frame(f, 0);
     if (f->late > 0) {
-        /* The answer may be that of an older frame. If many are late, they may arrive as slowly as
-         * they were given up. */
+        /* The answer may be that of an older frame. If many are late, their answers may arrive as
+         * slowly as the frames were given up. */
         const uint64_t follows_ns = f->least_ns / 2 + SLACK_NS +
                                     (uint64_t)(2 * f->per_byte_ns * (double)due_frame(f, 0)->bytes);
         f->late--;
@@ -184,8 +184,8 @@ void flow_answered(struct flow *f, uint64_t now_ns)
     f->answered_ns = now_ns;
     if (f->least_ns == 0 || took_ns < f->least_ns)
         f->least_ns = took_ns;
-    /* A single frame that is far slower than expected is a pause of the terminal; two are another
-     * line, for which earlier frames do not count. */
+    /* A single frame that is far slower than expected is a pause of the terminal; two in a row mean
+     * that the line has changed, so earlier frames do not count. */
     const double bytes = (double)frame.bytes, ns = (double)alone_ns;
     const double expected = (double)round_trip(f) + f->per_byte_ns * bytes;
     f->surprises = ns > 4 * expected + PAUSE_NS ? f->surprises + 1 : 0;
@@ -208,7 +208,7 @@ size_t flow_budget(const struct flow *f)
 {
     double most = FLOW_BYTES_START;
     const double at_least = f->soon ? 2 * (double)f->sent_bytes : FLOW_BYTES_LEAST;
-    if (f->samples == 0) /* a line with a long delay is seldom a fast one */
+    if (f->samples == 0) /* a line with a long delay is rarely a fast one */
         return f->round_trip_ns > 2 * FLOW_TARGET_NS ? FLOW_BYTES_FAR : FLOW_BYTES_START;
     for (unsigned i = 0; i < f->samples; i++)
         most = 4 * f->sample[i].bytes > most ? 4 * f->sample[i].bytes : most;

@@ -59,8 +59,8 @@
 
 #define FLOW_LIMIT_NS  UINT64_C(2000000000)
 #define FLOW_TARGET_NS UINT64_C(33000000)
-#define FLOW_LEAD_NS   UINT64_C(10000000)  /* left on the line when the next frame is sent */
-#define FLOW_PAUSE_NS  UINT64_C(200000000) /* between frames where nothing answers */
+#define FLOW_LEAD_NS   UINT64_C(10000000)  /* transfer time left when the next frame is sent */
+#define FLOW_PAUSE_NS  UINT64_C(200000000) /* between frames if the terminal does not answer */
 
 enum {
     FLOW_BYTES_START = 24 << 10,
@@ -73,24 +73,23 @@ enum {
 
 struct flow {
     uint64_t round_trip_ns; /* known beforehand; 0: unknown */
-    bool silent;            /* the terminal answers nothing: frames are spaced in time */
+    bool silent;            /* the terminal answers nothing: send frames at intervals */
     /* ---- private, but for reading `due` and `failed` ---- */
-    unsigned due;  /* frames whose barriers have no answer yet */
+    unsigned due;  /* frames whose barriers are unanswered */
     bool failed;   /* frames were given up, and nothing was sent since */
     unsigned late; /* barriers given up whose answers may still arrive */
     struct flow_frame {
         uint64_t sent_ns;
         size_t bytes;
         bool is_sample;   /* large enough to measure the rate */
-    } frame[FLOW_FRAMES]; /* a ring of the frames that are due, */
-    unsigned first;       /* the oldest here */
+    } frame[FLOW_FRAMES]; /* a ring of the unanswered frames, */
+    unsigned first;       /* the oldest of them */
     uint64_t sent_ns;     /* time of the last frame, */
     uint64_t answered_ns; /* and of the last answer */
-    uint64_t settled_ns;  /* if no answer follows until then, the last one was the newest frame's;
-                              0: unset */
+    uint64_t settled_ns;  /* without an answer by then, the last was the newest frame's; or 0 */
     uint64_t least_ns;    /* the fastest answer so far */
     size_t sent_bytes;    /* size of the last answered frame, */
-    bool soon;            /* which took the line less than the target */
+    bool soon;            /* and whether the line took less than the target for it */
     struct flow_sample {
         double bytes, ns;
     } sample[FLOW_SAMPLES]; /* a ring */
@@ -137,9 +136,9 @@ uint64_t flow_carries_ns(const struct flow *f, size_t bytes);
 #define PACE_SINGLE_NS  UINT64_C(50000000)
 #define PACE_BETWEEN_NS UINT64_C(25000000)
 
-/* {.within_ns = PACE_SINGLE_NS}: no key has arrived. */
+/* `{.within_ns = PACE_SINGLE_NS}`: no key has arrived. */
 struct pace {
-    uint64_t key_ns;    /* the last key; 0: none */
+    uint64_t key_ns;    /* time of the last key; 0: none */
     uint64_t within_ns; /* time limit of a rendition after it */
 };
 
@@ -182,7 +181,7 @@ struct refine {
 bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves, size_t budget,
                   struct image_view *shown);
 
-/* Size of the bytes that the painter made of it. */
+/* Tell how many bytes the painter made of it. */
 void refine_sent(struct refine *r, size_t bytes);
 
 /* The screen was cleared. */
@@ -210,22 +209,22 @@ enum {
 };
 #define AHEAD_LATE_NS UINT64_C(50000000)
 
-/* {0}: nothing was sent. */
+/* `{0}`: nothing was sent. */
 struct ahead {
-    unsigned number; /* the next one to look at; AHEAD_NUMBERS when all have been sent */
+    unsigned number; /* index of the next one to consider; AHEAD_NUMBERS when all have been sent */
     uint64_t name;   /* name of `view`, which the host has drawn; 0: none */
     struct image_view view;
     uint64_t known[AHEAD_KNOWN]; /* a ring */
-    size_t names;                /* all that were ever put there */
+    size_t names;                /* number of names ever stored */
 };
 
-/* Another state is shown: slices around it may be wanted. */
+/* Another state is shown: start with the slices around it. */
 void ahead_begin(struct ahead *ahead);
 
 /* The terminal may have dropped its slices. */
 void ahead_forget(struct ahead *ahead);
 
-/* The next slice to send, which stays the next one until ahead_has_gone; NULL if all were sent. */
+/* Return the next slice to send, the same one until ahead_has_gone; NULL if all were sent. */
 struct image_view *ahead_next(struct ahead *ahead, const struct pilot_host *host,
                               const struct pilot_wish *wish);
 void ahead_has_gone(struct ahead *ahead);

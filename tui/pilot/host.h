@@ -17,22 +17,22 @@
 enum { PILOT_CAPTIONS = 3 };
 enum { PILOT_TIMES_ONE = 1000, PILOT_TIMES_MOST = 4096000 }; /* for pilot_facts.times */
 
-/* Planes, and panes: they are shown as render/mosaic.h lays them out. */
+/* Planes, and panes, which render/mosaic.h lays out. */
 enum pilot_pane { PILOT_AXIAL, PILOT_CORONAL, PILOT_SAGITTAL, PILOT_RENDITION, PILOT_PANES };
 
-/* Labels in the picture: those of the forest, or finished ones, which are rough where an edit has
- * changed them since. */
+/* Labels in the picture: those of the forest, or finished ones, which are rough near voxels that an
+ * edit has changed. */
 enum pilot_labels { PILOT_FOREST, PILOT_ROUGH, PILOT_FINISHED };
 
-/* Facts of a voxel, part by part; a part that begins with a blank continues the one before. */
+/* Facts of a voxel, in parts; a part that begins with a blank continues the one before. */
 enum pilot_known {
     PILOT_HERE,   /* the label's number, */
     PILOT_NAME,   /* its name, */
     PILOT_VOLUME, /* its volume, */
-    PILOT_CHANGE, /* and how much of that is due to the last edit */
+    PILOT_CHANGE, /* and how much the last edit has changed it */
     PILOT_INTENSITY,
     PILOT_MM,
-    PILOT_IN_FOREST, /* the forest's label, if another one is shown */
+    PILOT_IN_FOREST, /* the forest's label, if the label shown differs */
     PILOT_SUMS,      /* mean, deviation and extent of the label */
     PILOT_KNOWN
 };
@@ -45,31 +45,30 @@ struct pilot_facts {
     uint32_t index[3];    /* its slice, by plane: */
     const char *plane[3]; /* name of these slices, "axial" or "z", */
     unsigned axis[3];     /* the axis that they are counted along, 0 for x, */
-    bool counts_down[3];  /* and whether the next one that K leads to has a lower number */
-    size_t waiting;       /* edits that wait for a run */
-    char known[PILOT_KNOWN]
-              [PILOT_KNOWN_BYTES]; /* facts of the voxel there, in words; "" for none */
-    double intensity;              /* there, in real values */
-    double window[2];              /* black and white, in real values */
-    uint32_t zoom;                 /* at which the rendition is shown, thousandths */
-    bool fits_itself;              /* around this middle, unless a zoom was chosen: */
+    bool counts_down[3];  /* and whether the next slice (key K) has a lower number */
+    size_t waiting;       /* edits that will take effect at the next run */
+    char known[PILOT_KNOWN][PILOT_KNOWN_BYTES]; /* facts of the voxel, in words; "" if unknown */
+    double intensity;                           /* of the voxel, in real values */
+    double window[2];                           /* black and white, in real values */
+    uint32_t zoom;                              /* zoom of the rendition, in thousandths */
+    bool fits_itself; /* the view was fitted automatically, around this voxel: */
     uint32_t middle[3];
     uint32_t frame_width; /* size of the rendition, in pixels */
     uint32_t frame_height;
     unsigned overlay; /* labels in slices: 0 none, 1 tint, 2 contour */
     bool has_object;  /* a voxel has a label above 0, or a seed waits to give it one */
-    bool takes_all;   /* an object's are the only seeds so far */
-    uint32_t times;   /* by which slices are magnified, thousandths */
+    bool takes_all;   /* only the seeds of one object exist so far */
+    uint32_t times;   /* magnification of slices, in thousandths */
     enum pilot_labels shows;
     bool has_finish; /* labels can be finished */
 };
 
 /* The path from a voxel back to the seed of its label. */
 struct pilot_way {
-    unsigned label, next; /* which it would have next; 0 where no other seed reaches it */
+    unsigned label, next; /* and the label it would have otherwise, or 0 */
     uint32_t root[3];     /* the seed */
-    bool has_edge;        /* the cost rises on the path, and at its strongest edge, */
-    uint32_t edge[3];     /* into this voxel, for the last time */
+    bool has_edge; /* the cost rises along the path, last to its maximum at the strongest edge, */
+    uint32_t edge[3]; /* which leads into this voxel */
 };
 
 struct pilot_setup;
@@ -77,37 +76,38 @@ struct pilot_setup;
 /* The wanted picture. */
 struct pilot_wish {
     uint32_t width, height;           /* pixels */
-    uint32_t cell_width, cell_height; /* those of a character's cell */
-    bool words;                       /* letters and titles in the slices can be read in pixels */
+    uint32_t cell_width, cell_height; /* size of a character's cell, in pixels */
+    bool words;                       /* letters and titles in the slices are readable in pixels */
     bool marks_held;                  /* mark the result of `held` */
-    bool marks_way;                   /* the path that `why` has found is */
-    bool heat;                        /* slices are coloured where labels are uncertain */
-    uint64_t
-        within_ns;    /* not 0: time limit of a full rendition; a coarser one sets view->is_hasty */
-    bool marks_pixel; /* a pixel of the rendition, by column and row of its own, is marked */
+    bool marks_way;                   /* mark the path that `why` has found */
+    bool heat;                        /* colour slices where labels are uncertain */
+    /* Not 0: time limit of a full rendition. If it would take longer, a coarser one is drawn and
+     * view->is_hasty set. */
+    uint64_t within_ns;
+    bool marks_pixel; /* mark a pixel of the rendition, by its own column and row */
     uint32_t pixel[2];
-    const struct pilot_setup *setup; /* its keys are named in the picture; NULL: the table's */
-    const uint32_t (*corner)[3];     /* corners of a box or an outline, marked in the slices, */
+    const struct pilot_setup *setup; /* its keys are named; NULL: the table's */
+    const uint32_t (*corner)[3]; /* corners of a box or an outline, to be marked in the slices, */
     size_t corners;
     bool marks_corners;   /* each with a cross, */
     bool marks_outline;   /* and the line through them, with its area in the colour of */
     unsigned label;       /* this label */
-    enum pilot_pane pane; /* that is marked, */
-    bool is_alone;        /* or has the whole screen */
+    enum pilot_pane pane; /* the pane to mark, */
+    bool is_alone;        /* or to show on the whole screen */
 };
 
 /* Callbacks during a command, or other long work. */
 struct pilot_onlooker {
     void *context;
-    bool (*stops)(void *context); /* asked as often: whether it is to end; NULL: it is not */
-    bool (*wants)(void *context); /* asked often, at any moment of the work: whether to draw */
+    bool (*stops)(void *context); /* called as often: true stops it; or NULL */
+    bool (*wants)(void *context); /* called often: true requests a drawing */
     void (*draw)(
         void *context); /* called when the present state can be drawn: by `picture`, as usual */
 };
 
 struct pilot_host {
     void *context;
-    /* As of struct repl_host; completion and news are the line editor's. */
+    /* As in struct repl_host; completion and news are those of the line editor. */
     enum err (*execute)(void *context, const char *line, struct buf *output, struct fault *fault);
     /* Preview a seed or a cross-hair without recording it; and undo all previews, as every other
      * line does first. */
@@ -115,20 +115,20 @@ struct pilot_host {
     enum err (*drop)(void *context, struct fault *fault);
     bool (*finished)(void *context);
 
-    /* For a host that shows something step by step, else NULL: PILOT_CAPTIONS lines below the
+    /* For a host that shows something step by step, else NULL: add PILOT_CAPTIONS lines below the
      * picture, in place of the facts of the voxel. */
     void (*caption)(void *context, struct buf *lines);
-    bool keeps_status; /* the captions are above those facts */
+    bool keeps_status; /* the captions are above those facts, not in place of them */
 
-    /* False where there is no scene. */
+    /* Return false without a scene. */
     bool (*facts)(void *context, struct pilot_facts *facts);
-    /* The place `by` slices further along each plane's count, within the scene. */
+    /* Set the place `by` slices further, counted in each plane, within the scene. */
     void (*move)(void *context, const int64_t by[3], uint32_t place[3]);
-    /* Draws; the pixels stay until the next call. */
+    /* Draw the picture; its pixels are valid until the next call. */
     enum err (*picture)(void *context, const struct pilot_wish *wish, struct image_view *view,
                         struct fault *fault);
-    /* The voxel in the middle of the slices of a pane, and the place of the cross-hair, after the
-     * picture has moved by eighths of its size. False at the end. */
+    /* Find the voxel in the middle of the slices of a pane, and the place of the cross-hair, after
+     * the picture has moved by eighths of its size. Return false at the end of the scene. */
     bool (*pan)(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
                 uint32_t place[3]);
     /* Slices that may be wanted next, by `number` from 0, the nearest first. name_ahead returns a
@@ -138,48 +138,48 @@ struct pilot_host {
     uint64_t (*name_ahead)(void *context, const struct pilot_wish *wish, unsigned number);
     bool (*ahead)(void *context, const struct pilot_wish *wish, unsigned number,
                   struct image_view *view);
-    /* The voxel that the last picture shows at a pixel, and in which pane that is; false for none,
-     * with the pane none the less. */
+    /* Find the voxel that the last picture shows at a pixel, and its pane. Return false if there is
+     * no voxel; the pane is set anyway. */
     bool (*voxel_at)(void *context, uint32_t column, uint32_t row, uint32_t place[3],
                      enum pilot_pane *pane);
-    /* The voxel under a pixel of the rendition, by its own columns and rows. */
+    /* Find the voxel under a pixel of the rendition, by the rendition's columns and rows. */
     bool (*voxel_of_frame)(void *context, uint32_t column, uint32_t row, uint32_t place[3]);
-    /* The rendition's own pixel that the last picture shows at one of its pixels, or the
-     * nearest. */
+    /* Convert a pixel of the last picture to the nearest pixel of the rendition. */
     void (*frame_pixel)(void *context, uint32_t column, uint32_t row, uint32_t pixel[2]);
     /* Add the name of a label: "2 cerebellum". */
     void (*label)(void *context, unsigned label, struct buf *out);
-    /* Add the effect of an eliminator at a voxel, on a marker or the single tree: "marker 7: 3
-     * trees, 123 voxels, label 2". False without an effect. */
+    /* Add the effect of an eliminator at a voxel, on a marker or a single tree: "marker 7: 3 trees,
+     * 123 voxels, label 2". Return false without an effect. */
     bool (*held)(void *context, const uint32_t place[3], bool tree, struct buf *out);
-    /* Find the path of a voxel to its seed, and add it in words. False, with words, without a path.
-     */
+    /* Find the path of a voxel to its seed, and add it in words. Return false, with words, without
+     * a path. */
     bool (*why)(void *context, const uint32_t place[3], struct pilot_way *way, struct buf *out);
-    /* Number of places of `hint N`; 0 if the command would report an error. */
+    /* Return the number of places of `hint N`; 0 if the command would report an error. */
     unsigned (*hints)(void *context);
-    /* The slice where the border of the label is `rank`th least certain, from 1 on: its pane, a
-     * place in it, and in words the amount in doubt. False, with words, beyond the last rank. */
+    /* Find the slice where the border of the label is `rank`th least certain, from 1 on: its pane,
+     * a place in it, and in words the uncertain amount. Return false, with words, beyond the last
+     * rank. */
     bool (*doubt)(void *context, unsigned label, unsigned rank, enum pilot_pane *pane,
                   uint32_t place[3], struct buf *out);
-    /* The outline of the label in the slice of a pane through a place, closed from its last corner
-     * to its first, added to an empty line; and in words its source: a marker, or, with 0, the
-     * label as it is shown. False, with words, for neither. */
+    /* Find the outline of the label in the slice of a pane through a place: add it, closed from its
+     * last corner to its first, to an empty line, and in words its source: a marker, or, with 0,
+     * the label as shown. Return false, with words, without either. */
     bool (*outline)(void *context, unsigned label, enum pilot_pane pane, const uint32_t place[3],
                     struct polyline *line, uint32_t *marker, struct buf *out);
-    /* A seed of the label, one per command: `by` places after that at the cross-hair, cyclically.
-     * False without seeds. */
+    /* Find a seed of the label, one per command: `by` places after the one at the cross-hair,
+     * cyclically. Return false without seeds. */
     bool (*seed)(void *context, unsigned label, int64_t by, uint32_t place[3]);
-    /* The voxel of the label that is nearest to the mean of all of them. False where it has
+    /* Find the voxel of the label nearest to the mean of all its voxels. Return false if it has
      * none. */
     bool (*centre)(void *context, unsigned label, uint32_t place[3]);
     bool (*is_hidden)(void *context, unsigned label);
     /* Set the callbacks, or with NULL remove them. */
     void (*look_on)(void *context, const struct pilot_onlooker *onlooker);
-    /* Make the shown labels exact in idle time, if facts report PILOT_ROUGH. Adds to `news`
-     * messages for the user. ERR_CANCELLED, with nothing changed, if the onlooker stops it. */
+    /* Make the shown labels exact in idle time, if facts report PILOT_ROUGH. Add messages for the
+     * user to `news`. ERR_CANCELLED, with nothing changed, if the onlooker stops it. */
     enum err (*finish)(void *context, const struct pilot_onlooker *onlooker, struct buf *news,
                        struct fault *fault);
-    /* Within `draw`: the cross-hair is shown at a place, or with NULL where it is. */
+    /* During `draw`: show the cross-hair at a place, or with NULL at its own place. */
     void (*peek)(void *context, const uint32_t place[3]);
 };
 

@@ -16,7 +16,8 @@
 /* The smallest screen. */
 enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2, PASTE_MOST = 4096 };
 
-/* On a line that is slower than this, bytes cost more than the time to compress them. */
+/* On a line that carries fewer bytes a second than this, bytes cost more than the time to compress
+ * them. */
 enum { SLOW_BYTES = 10000, AHEAD_DUE = 2 };
 #define SLOW_NS       UINT64_C(8000000)
 #define STILL_SLOW_NS UINT64_C(5000000)
@@ -35,7 +36,7 @@ static const struct {
                  {ENTER_SCREEN MOUSE_ON, MOUSE_OFF LEAVE_SCREEN},
                  {ENTER_SCREEN MOUSE_ON PIXELS_ON, PIXELS_OFF MOUSE_OFF LEAVE_SCREEN}};
 
-/* Pixels of an unsteady hand: a held button drags nothing within them. */
+/* Pixels of an unsteady hand: moving the mouse by fewer drags nothing. */
 enum { SHAKES_MOST = 4 };
 
 /* Output between these appears at once. If a read of kitty 0.26 .. 0.32 ends within the first
@@ -47,33 +48,33 @@ enum { SHAKES_MOST = 4 };
 struct pilot {
     const struct pilot_host *host;
     struct terminal_facts *facts;
-    struct line_editor *editor; /* input and keys are shared with it */
+    struct line_editor *editor; /* shares input and keys with the prompt */
     struct pilot_state *state;
     struct painter painter;
-    struct buf message;     /* about the last key or command, until the next */
+    struct buf message;     /* about the last key or command; removed by the next */
     bool is_stale;          /* the screen does not show the present state, */
-    bool is_hasty;          /* or shows a hasty picture of it */
+    bool is_hasty;          /* or shows a hastily drawn picture of it */
     struct pace pace;       /* intervals of keys */
-    struct image_view view; /* the picture of the present state, once it was drawn */
+    struct image_view view; /* the picture of the present state, if drawn */
     struct refine refine;
     struct flow flow;
     bool is_resized;
-    bool is_paging;    /* a page is shown: nothing is drawn until a key */
+    bool is_paging;    /* a page is shown: nothing is drawn until a key is pressed */
     bool is_blank;     /* the screen is blank */
     bool keeps;        /* the line is so slow that slices are stored in the terminal */
     struct ahead sent; /* slices that were sent ahead */
-    struct mouse held; /* place where a button went down, */
-    bool is_still;     /* and has not moved from there */
+    struct mouse held; /* where the mouse button was pressed, */
+    bool is_still;     /* and whether the mouse has not moved since */
     bool is_pasting;
-    struct buf pasted; /* text of the present or the last paste */
+    struct buf pasted; /* text of the present or last paste */
     bool is_over, has_ended;
 
-    enum pilot_labels shows; /* at the last frame */
+    enum pilot_labels shows; /* labels in the last frame */
     bool gives_up;           /* finishing labels failed, and nothing has changed since */
 
-    /* During a command, or while labels are finished. */
+    /* Keys typed during a command, or while labels are finished. */
     struct typed_ahead ahead;
-    size_t ahead_shown; /* number of shown ones */
+    size_t ahead_shown; /* number of them that are shown */
     uint64_t reads_ns, shows_ns,
         wanted_ns; /* time of the next read and of the next drawing; of the last request to draw */
     bool is_showing;
@@ -110,7 +111,7 @@ static unsigned rows_of_text(const struct pilot *p)
     return ROWS_OF_TEXT + (p->host->caption ? PILOT_CAPTIONS - !has_status(p) : 0);
 }
 
-/* The rows above the last one, for a host that shows steps. */
+/* Add the captions: rows above the last one, from a host that shows steps. */
 static void add_captions(struct buf *out, const struct pilot *p, const struct term_size *size)
 {
     struct buf lines = {0};
@@ -173,7 +174,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     const char *second = strchr(buf_text(&lower), '\n');
     if (p->host->caption)
         add_captions(out, p, size);
-    /* The first message of a mode is above its hints. */
+    /* The first message of a mode is shown above its hints. */
     const bool begins = p->message.length && !second && pilot_is_passing(p->state);
     if (begins) {
         buf_add(&upper, buf_text(&lower), lower.length);
@@ -399,7 +400,7 @@ static bool read_key(struct pilot *p, struct key_event *event);
 #define SHOWN_EVERY_NS UINT64_C(100000000)
 #define READ_EVERY_NS  UINT64_C(10000000)
 
-/* False before the next time to read. */
+/* Read keys; return false if it is too early. */
 static bool read_ahead(struct pilot *p, uint64_t now_ns)
 {
     struct key_event event;
@@ -505,7 +506,7 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
 
 static void await_key(struct pilot *p, struct key_event *event);
 
-/* Edit the text after `/`. False at its end: at Enter, or another key, which drops it. */
+/* Edit the text after `/`. Return false at its end: Enter keeps it, any other key discards it. */
 static bool type_wanted(struct buf *wanted, const struct key_event *event)
 {
     const bool is_text = event->key == KEY_CHARACTER && event->modifiers == 0;
@@ -573,7 +574,7 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
 static enum err leave_screen(struct pilot *p, struct fault *fault)
 {
     const enum err err = clear_picture(p, true, fault);
-    if (p->flow.due) /* otherwise the answers would be input of that program */
+    if (p->flow.due) /* otherwise that program would read the answers as keys */
         probe_await(p->flow.due, 2000, &p->editor->input);
     p->flow.due = 0;
     return err;
@@ -682,7 +683,8 @@ static unsigned apart(unsigned a, unsigned b)
     return a > b ? a - b : b - a;
 }
 
-/* The pixel of the picture under the mouse, or under its cell. False outside the picture. */
+/* Find the pixel of the picture under the mouse, or under its cell. Return false outside the
+ * picture. */
 static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *column, uint32_t *row)
 {
     uint32_t width, height;
@@ -691,7 +693,7 @@ static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *colum
     if (p->facts->mouse_unit == MOUSE_CELLS) {
         *column = mouse->column * across + across / 2;
         *row = mouse->row * down + down / 2;
-    } else { /* a picture of characters has few pixels in a cell */
+    } else { /* cells of blocks have few pixels */
         if (mouse->action == MOUSE_PRESSED)
             p->held = *mouse;
         p->is_still = mouse->action == MOUSE_PRESSED ||
@@ -757,8 +759,7 @@ static bool take_pasted(struct pilot *p, struct key_event *event)
     return !p->is_pasting;
 }
 
-/* Return true if the event is for the pilot; answers of the terminal and pastes are handled here.
- */
+/* Return true if the event is for the pilot. Answers and pastes are handled here. */
 static bool is_for_pilot(struct pilot *p, struct key_event *event)
 {
     if (event->key == KEY_REPLY) {
@@ -875,7 +876,7 @@ static bool wait_once(struct pilot *p, struct key_event *event)
 
 /* ---- in idle time ---- */
 
-/* The cross-hair follows the keys; any other possible key ends the work. */
+/* Keys that move the cross-hair are followed; any other key that has an effect ends the work. */
 static bool wants_moves(void *context)
 {
     struct pilot *p = context;
@@ -972,7 +973,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     lay_out(&p);
     if (!err)
         err = run(&p, fault);
-    host->drop(host->context, NULL); /* a sketch at the end of the input */
+    host->drop(host->context, NULL); /* undo a preview at the end of the input */
     painter_remove(&p.painter, &out);
     painter_drop(&p.painter, &out);
     term_write_text(&out, "a blank screen", NULL);

@@ -21,9 +21,9 @@ static int up_of(int way)
 
 /* ---- moving ---- */
 
-/* The plane whose slices are counted along the screen in a pane, to the right and up. The patient's
- * left is on the right, the front in sagittal slices on the left; slices are counted towards head,
- * front and right. */
+/* The planes whose slices are counted along the screen in a pane, to the right and up. The
+ * patient's left is on the right; in sagittal slices the front is on the left. Slices are counted
+ * towards the head, the front and the right. */
 static const struct {
     enum pilot_pane across, along;
 } screen_of[3] = {
@@ -62,7 +62,7 @@ static void say_edge(struct press *p, int64_t asked, const uint32_t place[3])
         buf_add_text(p->message, "the edge of the scene");
 }
 
-/* `by` is a direction, and may be far. In the window, right is wider and up is brighter. */
+/* `by` is a direction, and whether to move far. A window gets wider to the right, brighter up. */
 void pilot_move(struct press *p)
 {
     const int right = right_of(p->by), up = up_of(p->by);
@@ -86,7 +86,7 @@ void pilot_move(struct press *p)
     }
 }
 
-/* Move by slices; a jump draws nothing, J and K draw while the pen is down. */
+/* Move by slices. A jump draws nothing; J and K draw while the pen is down. */
 static void move_through(struct press *p, int64_t slices, bool is_jump)
 {
     int64_t by[3] = {0, 0, 0};
@@ -133,7 +133,7 @@ void pilot_set_mark(struct press *p)
     pilot_say(p, "{go-to-mark:%c} leads back here", (char)p->event->point);
 }
 
-/* The mark of the pressed letter; NULL, with a message, if it is not set. */
+/* Return the mark of the pressed letter; NULL, with a message, if it is not set. */
 static const struct pilot_mark *mark_pressed(struct press *p)
 {
     const char letter = (char)p->event->point;
@@ -336,7 +336,7 @@ static void add_magnify(struct press *p, uint32_t by, const uint32_t middle[3])
     p->state->is_silent = true;
 }
 
-/* The next of 1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8 .. */
+/* Return the next of 1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8 .. */
 static uint32_t next_times(uint32_t now, bool larger)
 {
     static const uint32_t quarters[] = {4, 5, 6};
@@ -383,8 +383,8 @@ void pilot_recentre(struct press *p)
     add_magnify(p, p->facts->times, p->facts->place);
 }
 
-/* Pan slices if they are magnified, but in PILOT_PICKING the rendition. The cross-hair moves along
- * where it would leave the slices; without a stroke. */
+/* Move slices within the pane if they are magnified, but the rendition in PILOT_PICKING. The
+ * cross-hair moves along, without a stroke, if it would leave the visible part. */
 void pilot_pan(struct press *p)
 {
     const int by = (int)(pilot_times(p) < PIXEL_JUMP ? pilot_times(p) : PIXEL_JUMP);
@@ -409,7 +409,7 @@ void pilot_show_alone(struct press *p)
 
 /* ---- a pixel of the rendition ---- */
 
-/* The pixel stays at its place if the picture contains it. */
+/* Keep the pixel that was picked last if the picture contains it. */
 void pilot_begin_picking(struct press *p)
 {
     struct pilot_state *state = p->state;

@@ -232,8 +232,7 @@ static bool is_plain_row(const struct pilot_setup *setup, const struct pilot_row
 
 /* ---- hints ---- */
 
-/* The hints of the rows of this mode only; in PILOT_MOVING also of rows shared with PILOT_PICKING.
- */
+/* Add the hints of rows for this mode only; in PILOT_MOVING also of rows of PILOT_PICKING. */
 static void add_hints(struct buf *out, const struct pilot_state *state, const char *gap)
 {
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
@@ -305,7 +304,7 @@ static bool joins(const struct pilot_row *row)
     return row < pilot_table + pilot_rows && row->help && !*row->help;
 }
 
-/* The keys of an entry: of its row and of the rows joining it; "-" for none. */
+/* Add the keys of an entry: of its row and of the rows that join it; "-" for none. */
 static void add_keys(struct buf *out, const struct pilot_row *row, const struct pilot_setup *setup)
 {
     const size_t before = out->length;
@@ -343,7 +342,7 @@ static void add_heading(struct buf *out, const struct pilot_keys_wish *wish, con
                wish->has_colours && *theme->heading ? "\033[m" : "");
 }
 
-/* The keys in a column of this width. */
+/* Add the keys in a column of this width. */
 static void add_column(struct buf *out, const struct pilot_keys_wish *wish, const char *keys,
                        size_t wide)
 {
@@ -354,7 +353,7 @@ static void add_column(struct buf *out, const struct pilot_keys_wish *wish, cons
         buf_add_char(out, ' ');
 }
 
-/* An entry, at the left of its line, or to the right of `left`. */
+/* Add an entry, at the left of its line, or to the right of `left`. */
 static void add_entry(struct buf *out, const struct pilot_keys_wish *wish,
                       const struct pilot_row *row, const struct pilot_row *left)
 {
@@ -374,7 +373,7 @@ static void add_entry(struct buf *out, const struct pilot_keys_wish *wish,
     buf_release(&keys);
 }
 
-/* Entries side by side; a heading begins a line. */
+/* Add entries side by side; a heading begins a line. */
 static void add_all(struct buf *out, const struct pilot_keys_wish *wish)
 {
     const struct pilot_row *left = NULL;
@@ -398,7 +397,7 @@ static bool has_piece(const char *text, const char *piece)
     return text && strcasestr(text, piece);
 }
 
-/* Each matching action, below the heading of its part; `help` is that of its entry. */
+/* Add each matching action, below the heading of its part; `help` is that of its entry. */
 static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
 {
     const char *heading = NULL, *help = NULL;

@@ -114,7 +114,7 @@ static bool add_led(const struct pilot_state *state, uint32_t leader, struct buf
 
 /* ---- effects ---- */
 
-/* Remember a change when it has become a command. */
+/* Do what the row says, and remember a change if it has become a command. */
 static void carry_out(struct press *p, const struct pilot_row *row)
 {
     const size_t before = p->line->length;
@@ -199,7 +199,7 @@ static bool has_same_brush(const struct pilot_state *state)
            a->in_mm == b->in_mm && in_same;
 }
 
-/* Turn the present stroke into a command, before the other lines; unless they are part of it. */
+/* Turn the present stroke into a command before the other lines, unless they continue it. */
 static void end_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
 {
     struct buf rest = {0};
@@ -272,7 +272,7 @@ static void turn_wheel(struct press *p, enum pilot_pane pane)
     }
     by[pane] = p->by;
     p->host->move(p->host->context, by, place);
-    if (pilot_confirms(state->mode)) { /* the question is about another voxel */
+    if (pilot_confirms(state->mode)) { /* the question was about another voxel */
         state->mode = state->base;
         buf_clear(p->message);
     }
@@ -285,7 +285,7 @@ static void drop_ball(struct pilot_state *state)
     state->outline.count = 0;
 }
 
-/* The right button is pressed in the middle of a ball and released on its shell. The cross-hair
+/* The right button is pressed at the centre of a ball and released on its surface. The cross-hair
  * moves along. */
 static void enclose(struct press *p, const uint32_t place[3], enum pilot_pane pane)
 {
@@ -397,7 +397,7 @@ void typed_ahead_put_back(struct typed_ahead *ahead, const struct key_event *eve
         typed_ahead_add(ahead, event);
 }
 
-/* The line is "cross X,Y,Z" alone, or empty. */
+/* Return true if the line is "cross X,Y,Z" alone, or empty. */
 static bool only_moves(const struct buf *line, uint32_t place[3], bool *moves)
 {
     const char *at = buf_text(line);

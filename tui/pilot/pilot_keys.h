@@ -3,21 +3,21 @@
  * Meaning of keys in the pilot: a state, a key and the facts in, a command out. Pure.
  *
  * All keys are in one table (pilot_key_table.c), a row for each action: its name, its keys, its
- * modes, its command or function, and its words for the page of keys and the row below the picture.
- * The page, shown by `?`, is also the card in tui/README.md.
+ * modes, its command or function, and its words for the page of keys and for the row below the
+ * picture. The page, shown by `?`, is also printed in tui/README.md.
  *
- * As in vim, digits are a count for the key after them, a key without a count rejects one, some
- * keys wait for a second one, and Escape cancels both. No digit alone plants anything except in
+ * As in vim, digits are a count for the key after them, a key that accepts no count reports it,
+ * some keys wait for a second one, and Escape cancels both. A digit alone plants nothing except in
  * PILOT_PICKING, which corrects the rendition.
  *
- * Files call downward alone:
+ * Functions call only those of files further down:
  *
  *     pilot_key_table.c    the table, the page of keys and the hints
  *     pilot_keys.c         find the row for a key, by the table of the setup
  *     pilot_acts.c         functions of rows that look, move or ask
  *     pilot_plant.c        functions of rows that plant or remove
  *     pilot_outline.c      outlines: draw, edit, drag and close them
- *     pilot_press.c        keys and windows of a user, and shared words and moves
+ *     pilot_press.c        the user's keys and windows, and shared words and moves
  *     pilot_status.c       the row below the picture
  *     chord.c              keys as words
  */
@@ -33,7 +33,7 @@
 /* ---- how the pilot is set up ---- */
 
 enum {
-    SETUP_WINDOWS_MOST = 9, /* a digit each */
+    SETUP_WINDOWS_MOST = 9, /* one for each digit */
     SETUP_ROWS_MOST = 128,  /* in the table of keys */
     SETUP_NAME_BYTES = 12,
     SETUP_KEYS_BYTES = 48
@@ -45,34 +45,34 @@ struct setup_window {
     int64_t centre, width;
 };
 
-/* With what one plants. */
+/* How seeds and strokes are planted. */
 struct pilot_brush {
     unsigned label;
-    unsigned radius; /* voxels, or halves of a millimetre where it is in_mm; 0 for one voxel */
+    unsigned radius; /* voxels, or half millimetres with in_mm; 0 for one voxel */
     bool in_mm;
-    bool fits;      /* the radius was not chosen: fit it to the scene */
-    bool has_range; /* only voxels whose intensity is within: real values */
+    bool fits;      /* the radius was not chosen: limit it by the size of the scene */
+    bool has_range; /* plant only in voxels whose intensity is within these real values */
     struct decimal range[2];
 };
 
 struct pilot_row;
 
 struct pilot_setup {
-    const struct pilot_row *table; /* [rows], of what keys do */
+    const struct pilot_row *table; /* [rows], actions of keys */
     size_t rows;
     const struct theme *theme;
-    struct pilot_brush brush; /* to begin with */
+    struct pilot_brush brush; /* at the start */
     struct setup_window window[SETUP_WINDOWS_MOST];
     size_t windows;
-    bool keeps_back;                              /* no slice is sent ahead (tui/pilot/flow.h) */
-    char keys[SETUP_ROWS_MOST][SETUP_KEYS_BYTES]; /* by row; "" where the user has said none */
+    bool keeps_back;                              /* send no slice ahead (tui/pilot/flow.h) */
+    char keys[SETUP_ROWS_MOST][SETUP_KEYS_BYTES]; /* by row; "" if the user has set none */
 };
 
-/* Without a word of the user: windows for CT. */
+/* The setup without a configuration: windows for CT. */
 extern const struct pilot_setup pilot_setup_default;
 
-/* A window under that name, in place of the one that has it. ERR_USAGE for a name that is too long,
- * ERR_LIMIT for one window too many. */
+/* Add a window, or replace the one of that name. ERR_USAGE for a name that is too long, ERR_LIMIT
+ * for one window too many. */
 enum err setup_window(struct pilot_setup *setup, const char *name, int64_t centre, int64_t width,
                       struct fault *fault);
 
@@ -80,15 +80,15 @@ enum err setup_window(struct pilot_setup *setup, const char *name, int64_t centr
 
 enum pilot_mode {
     PILOT_MOVING,     /* keys move the cross-hair, plant, turn .. */
-    PILOT_PICKING,    /* they move a pixel in the rendition, and plant in the voxel that it shows */
-    PILOT_CONFIRMING, /* the marker whose trees hold the voxel is shown: x or Enter removes it */
-    PILOT_CONFIRMING_TREE, /* the single tree is: X or Enter removes it */
+    PILOT_PICKING,    /* keys move a pixel in the rendition, and plant in the voxel that it shows */
+    PILOT_CONFIRMING, /* the marker whose trees contain the voxel is shown: x or Enter removes it */
+    PILOT_CONFIRMING_TREE, /* the single tree is shown: X or Enter removes it */
     PILOT_EXPLAINING,      /* the path of the voxel is shown: keys correct its strongest edge */
     PILOT_WINDOWING,       /* arrows change the window */
-    PILOT_RANGING,         /* LOW..HIGH is typed: the intensities in which the brush plants */
-    PILOT_OUTLINING,       /* a pen draws an outline: what moves the cross-hair adds to it */
-    PILOT_SHAPING,         /* an outline is there, to be dragged and planted */
-    PILOT_WATCHING,        /* steps that are there are shown, and one looks */
+    PILOT_RANGING,         /* LOW..HIGH is typed: the intensities that the brush plants in */
+    PILOT_OUTLINING,       /* the pen draws an outline: moving the cross-hair extends it */
+    PILOT_SHAPING,         /* an outline exists, to be dragged and planted */
+    PILOT_WATCHING,        /* existing steps are shown, and nothing can be changed */
 };
 
 static inline bool pilot_outlines(enum pilot_mode mode)
@@ -121,12 +121,13 @@ enum { PILOT_RANGE_BYTES = 40 };
 
 /* The last change, for `.`: a row of the table, its key and its count. */
 struct pilot_change {
-    const struct pilot_row *row; /* NULL for nothing yet */
+    const struct pilot_row *row; /* NULL: none yet */
     struct key_event key;
     uint32_t count;
 };
 
-/* The last box or outline, and the cross-hair then: `.` plants it relative to the present one. */
+/* The last box or outline, and the cross-hair at that time: `.` plants it relative to the present
+ * one. */
 struct pilot_shape {
     struct polyline outline;
     uint32_t place[3];
@@ -134,64 +135,65 @@ struct pilot_shape {
 
 /* While the pen is down, its drawing is a sketch: shown, and not recorded. It becomes one command
  * when the pen is lifted, when the mouse button is released, or before another command or brush:
- * then the pen continues with another stroke. Escape drops it. */
+ * then the pen continues with another stroke. Escape discards it. */
 struct pilot_pen {
     bool is_down;
-    struct polyline line;     /* the stroke; two corners or more if anything is drawn */
-    struct pilot_brush brush; /* that it is drawn with */
+    struct polyline line;     /* the stroke; at least two corners if anything is drawn */
+    struct pilot_brush brush; /* that draws it */
 };
 
-/* An outline is taken hold of at a place, as it was then: there it follows the cross-hair. */
+/* A grabbed outline, as it was then, and the place where it was grabbed: that part follows the
+ * cross-hair. */
 struct pilot_hold {
     bool is_set;
     uint32_t place[3];
     struct polyline line;
 };
 
-enum { PILOT_CORNERS_MOST = 1000 }; /* in an outline, in a line of a journal */
+enum { PILOT_CORNERS_MOST = 1000 }; /* limit of an outline, and of a line of a journal */
 
 struct pilot_state {
     const struct pilot_setup *setup;
-    bool watches; /* nothing but looking: its home is PILOT_WATCHING, not MOVING */
+    bool watches; /* looking only: the mode to return to is PILOT_WATCHING, not PILOT_MOVING */
     enum pilot_mode mode,
         base; /* the mode, and the one to return to: moving, picking, an outline or watching */
-    enum pilot_pane pane; /* one of the three slices: arrows move in it */
+    enum pilot_pane pane; /* one of the three slices, in which arrows move */
     struct pilot_brush brush;
     struct pilot_pen pen;
     struct pilot_mark stroke;                    /* one end of a stroke */
-    struct pilot_way way;                        /* that is shown */
-    unsigned hint;                               /* the one that was shown last; 0 for none */
+    struct pilot_way way;                        /* the path shown */
+    unsigned hint;                               /* the last one shown; 0: none */
     bool heat;                                   /* slices are coloured by uncertainty */
-    struct polyline outline;                     /* corners of a box or an outline, so far */
-    struct pilot_hold hold;                      /* that of the outline, if any; */
+    struct polyline outline;                     /* corners of a box or an outline so far */
+    struct pilot_hold hold;                      /* where the outline is grabbed, if it is; */
     bool is_bent;                                /* it was dragged, and is not planted yet */
     uint32_t instead;                            /* marker to replace, or 0 */
-    unsigned doubt;                              /* the slice that was shown last; 0 for none */
-    char typed[PILOT_RANGE_BYTES];               /* LOW..HIGH, so far */
+    unsigned doubt;                              /* the last slice shown; 0: none */
+    char typed[PILOT_RANGE_BYTES];               /* LOW..HIGH so far */
     struct pilot_mark mark[PILOT_MARKS], former; /* and the place before the last jump */
     uint32_t count;                              /* typed so far; 0 for none */
-    uint32_t leader;                             /* the key whose second is awaited, or 0 */
+    uint32_t leader;                             /* the first key of two, or 0 */
     uint32_t pixel[2];
     bool has_pixel;
-    bool is_alone; /* one pane has the whole screen: that of the slices, or that one corrects in */
-    bool drags;    /* the mouse draws, */
-    unsigned dragged; /* places of an outline dragged so far, */
-    bool encloses;    /* or pulls a ball open, whose middle is the one corner */
+    bool is_alone;    /* one pane has the whole screen: the slice, or the pane being corrected */
+    bool drags;       /* the mouse draws, */
+    unsigned dragged; /* voxels of an outline dragged so far, */
+    bool encloses;    /* or the mouse draws a ball, whose centre is the only corner */
     bool sketches;    /* the last lines are a sketch */
     bool sends_ahead; /* slices are being sent ahead */
-    bool drops;       /* the sketch is to be dropped */
+    bool drops;       /* the sketch is to be discarded */
     bool is_silent;   /* the effect of the last line is visible below the picture anyway */
     bool says_all;    /* show all lines of the answer, not only the last, */
-    bool has_pages;   /* and need the screen */
+    bool has_pages;   /* by pages on the whole screen */
     struct pilot_change change;
     struct pilot_shape shape;
 };
 
-/* The setup is borrowed. */
+/* `setup` must outlive the state. */
 void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup);
 void pilot_state_release(struct pilot_state *state);
 
-/* The mode to return to in the end. */
+/* Return the mode to return to at last. */
 static inline enum pilot_mode pilot_home(const struct pilot_state *state)
 {
     return state->watches ? PILOT_WATCHING : PILOT_MOVING;
@@ -200,7 +202,7 @@ static inline enum pilot_mode pilot_home(const struct pilot_state *state)
 /* If the radius was not chosen, limit it to a tenth of the scene's least side, in voxels. */
 void pilot_fit_brush(struct pilot_state *state, uint32_t side);
 
-/* Return true if any key outside the mode ends it. */
+/* Return true if the mode is left at any key that it does not have. */
 static inline bool pilot_is_passing(const struct pilot_state *state)
 {
     return state->mode != pilot_home(state) && state->mode != PILOT_PICKING;
@@ -227,7 +229,7 @@ enum pilot_deed pilot_press(struct press *press);
 /* The same for a mouse report at this pixel of the picture. */
 void pilot_click(struct press *press, uint32_t column, uint32_t row);
 
-/* Return true if a key only moves the cross-hair and draws nothing, or begins another key: it can
+/* Return true if a key only moves the cross-hair and draws nothing, or is the first of two: it can
  * be shown while a command runs. */
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event);
 
@@ -237,37 +239,37 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
 
 /*
  * Add the row below the picture, without a line feed, for a screen of `columns`: the place of the
- * cross-hair, the brush, waiting edits, and facts of the voxel.
+ * cross-hair, the brush, pending edits, and facts of the voxel.
  *
  *     axial at 90,108,90  brush 2 ventricle r3  here 1 brain 1.64 l (+1.2 ml)  intensity 93
  *
  * The row consists of parts, each with a rank. A narrow screen shows the parts of the highest ranks
  * that fit, each whole, in the same order: the place, the brush and the label first, then names,
- * the volume and its change, the intensity, millimetres, the rest. So nothing moves when a part of
- * low rank appears. A `>` at the end marks slices being sent ahead.
+ * the volume and its change, the intensity, millimetres, the rest. So parts do not move when a part
+ * of low rank appears. A `>` at the end marks slices being sent ahead.
  */
 void pilot_add_status(struct buf *out, const struct pilot_state *state,
                       const struct pilot_host *host, const struct pilot_facts *facts,
                       unsigned columns);
 
-/* Adds the radius and the range of a brush, for a user: " r2.5mm 80..120". */
+/* Add the radius and the range of a brush, for a user: " r2.5mm 80..120". */
 void pilot_add_brush(struct buf *out, const struct pilot_brush *brush);
 
-/* Adds a decimal as commands take it: three places at most, no zeros at its end. */
+/* Add a decimal as commands accept it: at most three places, without trailing zeros. */
 void pilot_add_decimal(struct buf *line, double value);
 
 /* Options of the page of keys. */
 struct pilot_keys_wish {
     const struct pilot_setup *setup;
-    bool watches;       /* the keys for that */
+    bool watches;       /* keys for watching */
     unsigned columns;   /* width of the window */
     bool has_colours;   /* those of the setup's theme */
     const char *wanted; /* part of a key, a name or its help; "" or NULL for all */
 };
 
-/* Add the page, part by part with headings: two entries on a line of at most 78, or one; or each in
- * two lines, to be broken by cells_wrap. With `wanted`, each matching action is on a line of its
- * own, with its name. */
+/* Add the page, part by part with headings: two entries on a line of at most 78 columns, or one, or
+ * each on two lines, to be wrapped by cells_wrap. With `wanted`, each matching action is on a line
+ * of its own, with its name. */
 void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish);
 
 /* Return true if the key has an effect in the present mode. */
@@ -276,8 +278,8 @@ bool pilot_has_key(const struct pilot_state *state, const struct key_event *even
 /* ---- keys typed ahead ---- */
 
 /*
- * Keys that were typed while a command is carried out: they are taken when it has ended, in their
- * order, and until then shown as far as they only move the cross-hair.
+ * Keys typed while a command is carried out. They are handled in order when it has ended; until
+ * then they are shown as far as they only move the cross-hair.
  */
 enum { TYPED_AHEAD_MOST = 128 };
 
@@ -295,7 +297,7 @@ void typed_ahead_add(struct typed_ahead *ahead, const struct key_event *event);
 /* Remove the first key; false without one. */
 bool typed_ahead_take(struct typed_ahead *ahead, struct key_event *event);
 
-/* Becomes the first of them; after an event was taken there is room. */
+/* Insert it as the first one; after an event was taken there is room. */
 void typed_ahead_put_back(struct typed_ahead *ahead, const struct key_event *event);
 
 /* Make the host show the cross-hair where the keys lead, and set `state` to the state after them,
@@ -312,52 +314,53 @@ enum pilot_flag {
     PILOT_CHANGES = 2,     /* `.` repeats it */
     PILOT_STAYS = 4,       /* the mode does not change */
     PILOT_IS_SILENT = 8,   /* the effect of the line is visible below the picture anyway */
-    PILOT_SAYS_ALL = 16,   /* each line of its answer is of use */
-    PILOT_ONLY_MOVES = 32, /* it asks nothing of the segmentation, and changes nothing of it */
+    PILOT_SAYS_ALL = 16,   /* show each line of its answer */
+    PILOT_ONLY_MOVES = 32, /* it reads and changes nothing of the segmentation */
     PILOT_OUTLINES = 64,   /* it plants the area within the corners */
-    PILOT_HAS_PAGES = 128  /* its answer has the screen for itself */
+    PILOT_HAS_PAGES = 128  /* its answer is shown on the whole screen */
 };
 
 typedef void pilot_act(struct press *p);
 
-/* The first row that has the key (struct chord) in the present mode is used. */
+/* An action. The first row that has the key (struct chord) in the present mode is used. */
 struct pilot_row {
-    const char *name;    /* NULL: of the page alone */
-    const char *keys;    /* on the page, */
-    const char *also;    /* and others with the same effect, not shown there */
-    const char *shown;   /* on the page in place of the keys of this row and of rows joining it; the
-                            heading of a part, in a row without keys and help */
-    unsigned in;         /* these modes */
-    const char *command; /* its effect: this command, with the cross-hair's place for '@', */
+    const char *name; /* NULL: a row of the page alone */
+    const char *keys; /* shown on the page, */
+    const char *also; /* and others with the same effect, not shown */
+    /* On the page in place of the keys of this row and of rows joining it; in a row without keys
+     * and help the heading of a part. */
+    const char *shown;
+    unsigned in;         /* modes in which the row applies */
+    const char *command; /* its effect: this command, with '@' for the cross-hair's place, */
     pilot_act *act;
-    int by; /* this, or that: which of several things that the function does */
+    int by; /* an argument of the function: which of several variants */
     enum pilot_deed deed;
     enum pilot_mode then; /* the mode afterwards; PILOT_MOVING means the state's `base` */
     unsigned flags;
     const char *help; /* on the page; "" joins the row before; NULL: none */
-    const char *hint; /* after its key, below the picture while a mode of the row lasts; or NULL */
+    const char *hint; /* after its key, below the picture, in the modes of the row; or NULL */
 };
 
 extern const struct pilot_row pilot_table[];
 extern const size_t pilot_rows;
 
-/* Give an action of the table the keys (struct chord). ERR_USAGE for a word that names no key and
- * for a key that another action was given. */
+/* Give an action of the table these keys (struct chord). ERR_USAGE for a word that names no key and
+ * for a key that another action has. */
 enum err setup_keys(struct pilot_setup *setup, const struct pilot_row *row, const char *words,
                     struct fault *fault);
 
-/* The row of that name; NULL for none. */
+/* Return the row of that name, or NULL. */
 const struct pilot_row *setup_row(const struct pilot_setup *setup, const char *name);
 
-/* The keys that the user has given a row, or NULL. */
+/* Return the keys that the user has given a row, or NULL. */
 const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *row);
 
 /* Add the keys of a row that the page shows, separated by blanks; at most `most`. */
 void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const struct pilot_row *row,
                     size_t most);
 
-/* Add a message with the keys that the user has: {NAME} is the first key of that row, {NAME:c} the
- * key with this character where the row has a range: s0 for {plant-label:0}. */
+/* Add a message with the user's keys: {NAME} is the first key of that row, {NAME:c} the key with
+ * this character if the row has a range: s0 for {plant-label:0}. */
 void setup_say(struct buf *out, const struct pilot_setup *setup, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 #define pilot_say(press, ...) setup_say((press)->message, (press)->state->setup, __VA_ARGS__)
@@ -369,16 +372,16 @@ void setup_say(struct buf *out, const struct pilot_setup *setup, const char *for
  *
  *     k                    a character
  *     Tab Page-up          a key with a name: Enter, Escape, Space, Left, Home, Delete ..
- *     Ctrl-r Shift-Up      with modifiers; Shift is a part of a character, and not named there
- *     gg 'a                a character after another, its leader
- *     0-9 a-z sa-z         any character from one to another, alone or after a leader
+ *     Ctrl-r Shift-Up      with modifiers; Shift is part of a character, and not named there
+ *     gg 'a                a character after another, its first key
+ *     0-9 a-z sa-z         a range of characters, alone or after a first key
  *     any                  any key
  *
  * Words are separated by blanks. Pure.
  */
 struct chord {
-    uint32_t leader; /* 0 for none */
-    enum key key;    /* KEY_PENDING for any */
+    uint32_t leader; /* the first key of two; 0: none */
+    enum key key;    /* KEY_PENDING: any */
     unsigned modifiers;
     uint32_t first, last; /* for KEY_CHARACTER */
 };
@@ -386,10 +389,10 @@ struct chord {
 /* Read the word of `length` bytes. False if it names no key. */
 bool chord_read(const char *word, size_t length, struct chord *chord);
 
-/* Return true if the event, after that leader, is the chord. */
+/* Return true if the event, after that first key, is the chord. */
 bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_event *event);
 
-/* Return true if an event is both, or is one and begins the other. */
+/* Return true if an event matches both, or matches one and begins the other. */
 bool chord_clashes(const struct chord *a, const struct chord *b);
 
 /* Iterate over words: set *word and *length to the next one and move *at past it. False at the
@@ -398,51 +401,52 @@ bool chord_next(const char **at, const char **word, size_t *length);
 
 /* ---- functions of rows ---- */
 
-/* `by` of pilot_move: the direction on the screen, and whether far. */
+/* `by` of pilot_move: the direction on the screen, and whether to move far. */
 enum { PILOT_LEFT, PILOT_DOWN, PILOT_UP, PILOT_RIGHT, PILOT_WAYS, PILOT_FAR = PILOT_WAYS };
 
-/* Go to a place; with the pen down a stroke is drawn to it. pilot_cross never draws, and returns
- * whether the cross-hair moves. */
+/* Go to a place; with the pen down draw a stroke to it. pilot_cross never draws, and returns true
+ * if the cross-hair moves. */
 void pilot_go_to(struct press *p, const uint32_t place[3]);
 bool pilot_cross(struct press *p, const uint32_t place[3]);
-/* Magnify slices around the cross-hair by steps of about a quarter; fewer than 0 reduce. False at
- * the largest or smallest size. */
+/* Magnify slices around the cross-hair by steps of about a quarter; negative steps reduce. Return
+ * false at the largest or smallest size. */
 bool pilot_magnify_by(struct press *p, int64_t steps);
-/* Set the corners of the last box or polygon again, relative to the cross-hair. False, with a
- * message, where they would leave the scene. */
+/* Set the corners of the last box or polygon again, relative to the cross-hair. Return false, with
+ * a message, if they would leave the scene. */
 bool pilot_move_shape(struct press *p);
 /* Remember the corners for pilot_move_shape and clear them. */
 void pilot_keep_shape(struct press *p);
-/* Add a corner. False, with a message, if it is in another slice or one too many. */
+/* Add a corner. Return false, with a message, if it is in another slice or there are too many. */
 bool pilot_add_corner(struct press *p, const uint32_t place[3]);
-/* Extend or drag an outline as the cross-hair goes to a place. False if no outline is begun. */
+/* Extend or drag an outline as the cross-hair goes to a place. Return false without an outline. */
 bool pilot_outline_to(struct press *p, const uint32_t place[3]);
 void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane);
-/* Read LOW..HIGH; false where `at` begins with something else. */
+/* Read LOW..HIGH; return false if `at` begins with something else. */
 bool pilot_scan_range(const char **at, struct decimal range[2]);
 /* Go there without drawing and remember the place before, for pilot_go_back. */
 void pilot_remember_place(struct press *p);
 void pilot_jump(struct press *p, const uint32_t place[3]);
-/* The voxel that a key acts on: under the cross-hair, or the one that the pixel of the rendition
- * shows, to which the cross-hair then goes. False, with a message, where the pixel shows none. */
+/* Get the voxel that a key acts on: the one under the cross-hair, or the one that the pixel of the
+ * rendition shows, to which the cross-hair then goes. Return false, with a message, if the pixel
+ * shows none. */
 bool pilot_take_voxel(struct press *p, uint32_t place[3]);
-/* The count typed before the key, else 1; `at` moved by some voxels within 0 .. end - 1. */
+/* Return the count typed before the key, else 1; `at` moved by voxels within 0 .. end - 1. */
 int64_t pilot_times(const struct press *p);
 uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end);
-/* A value rounded to a thousandth; very small and very large values to significant digits. */
+/* Round a value to a thousandth, or to significant digits if it is very small or very large. */
 struct decimal pilot_decimal(double value);
 double pilot_magnitude(double value);
 /* Return true if the path that is shown has an edge; else false, with a message. */
 bool pilot_has_edge(struct press *p);
-/* " 2 range=80..120": the label and the range of the brush. */
+/* Add " 2 range=80..120": the label and the range of the brush. */
 void pilot_add_label(struct buf *line, const struct pilot_brush *brush);
-/* "2.5mm", and "80..120" */
+/* Add "2.5mm", or "80..120". */
 void pilot_add_radius(struct buf *out, const struct pilot_brush *brush);
 void pilot_add_range(struct buf *out, const struct pilot_brush *brush);
 /* A place in a command: buf_printf(line, "cross " PLACE, XYZ(place)). */
 #define PLACE      "%u,%u,%u"
 #define XYZ(place) (place)[0], (place)[1], (place)[2]
-/* The commands of the stroke that the pen has drawn. */
+/* Add the commands of the stroke that the pen has drawn. */
 void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line);
 
 /* Functions of rows, by file. `by` of the row is 1 for an action and -1 for its counterpart, unless

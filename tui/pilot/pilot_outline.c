@@ -17,7 +17,10 @@
 #include "base/mem.h"
 #include "tui/pilot/pilot_keys.h"
 
-enum { HOLD_MOST = 8, CORNERS_LEAST = 3 }; /* voxels from the line to the place that holds it */
+enum {
+    HOLD_MOST = 8,
+    CORNERS_LEAST = 3
+}; /* voxels from the line to a place where it can be grabbed */
 /* Voxels along the line; products of coordinates and R^4 stay below 2^63. */
 enum { REACH_LEAST = 6, REACH_MOST = 1024 };
 
@@ -126,7 +129,7 @@ void pilot_close_outline(struct press *p)
     pilot_keep_shape(p);
     state->change = (struct pilot_change){setup_row(state->setup, "polygon"), *p->event, 0};
     end_outline(state);
-    state->doubt = 0; /* ranks have changed */
+    state->doubt = 0; /* the ranking has changed */
 }
 
 void pilot_begin_outline(struct press *p)
@@ -190,7 +193,7 @@ static bool ring_make(struct ring *ring, const struct polyline *line)
     return true;
 }
 
-/* Index of the voxel of the line nearest to a place; `count` if none is within the hold. */
+/* Return the index of the line's voxel nearest to a place; `count` if none is within HOLD_MOST. */
 static size_t nearest_of(const struct ring *ring, const uint32_t place[3])
 {
     int64_t least = HOLD_MOST * HOLD_MOST + 1;
@@ -235,7 +238,7 @@ void pilot_take_hold(struct press *p)
         take_hold_at(p, p->facts->place);
 }
 
-/* Set the line to the grabbed one, bent so that the hold is at the place. */
+/* Set the line to the grabbed one, bent so that the grabbed voxel is at the place. */
 static bool bend(struct polyline *out, const struct pilot_hold *hold, const uint32_t place[3],
                  const uint32_t size[3])
 {
@@ -266,7 +269,7 @@ static bool bend(struct polyline *out, const struct pilot_hold *hold, const uint
 bool pilot_outline_to(struct press *p, const uint32_t place[3])
 {
     struct pilot_state *state = p->state;
-    /* The first corner is the place where the pen was put down. */
+    /* The first corner is where the pen was put down. */
     if (state->base == PILOT_OUTLINING &&
         (state->outline.count > 0 || pilot_add_corner(p, p->facts->place)))
         pilot_add_corner(p, place);
@@ -297,7 +300,7 @@ static void take_up(struct press *p, const uint32_t place[3])
     state->mode = state->base = PILOT_SHAPING;
 }
 
-/* Return true if an edited outline is not planted yet. */
+/* Return true, with a message, if an edited outline is not planted yet. */
 static bool is_unfinished(struct press *p)
 {
     if (p->state->is_bent)
@@ -343,7 +346,7 @@ void pilot_go_to_doubt(struct press *p)
 
 /* ---- the mouse ---- */
 
-/* A click sets a corner; dragging draws, and releasing the button closes the outline. */
+/* A click adds a corner; dragging draws, and releasing the button closes the outline. */
 void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane)
 {
     struct pilot_state *state = p->state;

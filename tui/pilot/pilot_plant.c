@@ -11,7 +11,7 @@ enum { LINE_MOST = 60000 }; /* bytes; the limit of a journal is 65535 */
 
 /* ---- lines ---- */
 
-/* The command of a seed, without its line feed. */
+/* Add the command of a seed, without its line feed. */
 static void begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
 {
     buf_printf(line, "seed " PLACE, XYZ(place));
@@ -22,7 +22,7 @@ static void begin_seed(struct buf *line, const uint32_t place[3], const struct p
     pilot_add_radius(line, brush);
 }
 
-/* Add a seed of the brush; with another end, a stroke to there. */
+/* Add a seed of the brush; if the other end differs, a stroke to there. */
 static void add_seed(struct press *p, const uint32_t place[3], const uint32_t *other_end)
 {
     begin_seed(p->line, place, &p->state->brush);
@@ -119,7 +119,7 @@ bool pilot_scan_range(const char **at, struct decimal range[2])
            decimal_value(&range[0]) <= decimal_value(&range[1]);
 }
 
-/* Without digits the range is removed. */
+/* Without digits remove the range. */
 void pilot_end_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
@@ -140,7 +140,7 @@ void pilot_end_range(struct press *p)
 
 /* ---- seeds ---- */
 
-/* By 1: a seed of the label of the digit. */
+/* With `by` 1: plant a seed of the label of the digit. */
 void pilot_plant(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -153,8 +153,8 @@ void pilot_plant(struct press *p)
     state->stroke.is_set = false;
 }
 
-/* The radius is that of the brush, which gets the label. By 1: the label of the digit, else the
- * next one. */
+/* The radius is that of the brush, which gets the label. With `by` 1 it is the label of the digit,
+ * else the next one. */
 void pilot_plant_at_edge(struct press *p)
 {
     struct pilot_state *state = p->state;
@@ -165,7 +165,7 @@ void pilot_plant_at_edge(struct press *p)
     add_seed(p, state->way.edge, NULL);
 }
 
-/* Plant the shell of the ball around the path's seed through the edge. */
+/* Plant the surface of the ball around the path's seed through the edge. */
 void pilot_enclose_at_edge(struct press *p)
 {
     const struct pilot_way *way = &p->state->way;
@@ -212,7 +212,7 @@ void pilot_go_to(struct press *p, const uint32_t place[3])
     p->state->sketches = p->state->is_silent = true;
 }
 
-/* A stroke that is too long for a line of the journal is split into joined parts. */
+/* A stroke too long for a line of the journal is split into connected parts. */
 void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
 {
     const struct pilot_pen *pen = &state->pen;
@@ -237,11 +237,11 @@ void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts
 void pilot_lower_pen(struct press *p)
 {
     p->state->pen.is_down = !p->state->pen.is_down;
-    if (!p->state->pen.is_down) /* the row below the picture shows a pen that is down */
+    if (!p->state->pen.is_down) /* otherwise the row below the picture shows that the pen is down */
         buf_add_text(p->message, "the pen is up");
 }
 
-/* Set one end; the next seed is the other. */
+/* Set one end; the next seed is the other end. */
 static void begin_stroke_at(struct press *p, const uint32_t place[3])
 {
     memcpy(p->state->stroke.place, place, sizeof p->state->stroke.place);
@@ -313,8 +313,8 @@ void pilot_plant_box(struct press *p)
     pilot_keep_shape(p);
 }
 
-/* Plant the background around the label of the brush: by 1 on the box from the corner to the
- * cross-hair, by 0 on the ball around the corner. */
+/* Plant background around the label of the brush: with `by` 1 on the box from the corner to the
+ * cross-hair, with 0 on the ball around the corner. */
 void pilot_plant_shell(struct press *p)
 {
     const struct polyline *outline = &p->state->outline;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Keys and windows of a user, and shared words and moves. */
+/* The user's keys and windows, and shared words and moves. */
 #include <stdio.h>
 #include <string.h>
 
@@ -42,7 +42,7 @@ const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *r
     return *own ? own : NULL;
 }
 
-/* Another row to which the user has assigned the key, or a key that clashes with it. */
+/* Find another row to which the user has given the key, or a key that clashes with it. */
 static const struct pilot_row *taken_by(const struct pilot_setup *setup,
                                         const struct pilot_row *row, const struct chord *chord)
 {

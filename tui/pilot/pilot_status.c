@@ -5,18 +5,18 @@
 
 #include "tui/cells.h"
 
-/* The last is left out first. */
+/* Ranks of parts; the last one is left out first. */
 enum rank { FIRST, CHIEF, STATE, VALUE, WORLD, NAME, SHOWN, VOLUME, CHANGE, BRUSH, REST, RANKS };
 
 enum { PARTS_MOST = 32 };
 
-/* A part that begins with a blank belongs to the group of the part before, and is shown only with
- * its first. */
+/* A part of the row. One that begins with a blank belongs to the group of the part before, and is
+ * shown only with the first part of the group. */
 struct status {
     struct buf text;
     size_t count;
     struct part {
-        size_t start, length, head; /* bytes in the text; the group's first part */
+        size_t start, length, head; /* bytes in the text; the first part of its group */
         enum rank rank;
         bool is_shown;
     } part[PARTS_MOST];
@@ -99,7 +99,7 @@ static void add_known(struct status *s, const struct pilot_facts *facts)
         add_part(s, rank[i], facts->known[i]);
 }
 
-/* Two blanks between groups. */
+/* Return the width of the gap before a part: two blanks between groups. */
 static size_t gap_before(const struct status *s, const struct part *part)
 {
     return part > s->part && s->part + part->head == part ? 2 : 0;

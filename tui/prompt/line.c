@@ -15,7 +15,7 @@ enum line_step {
     STEP_NEW,
     STEP_TYPED,  /* added where the last addition ended */
     STEP_ERASED, /* removed right before or right after the last removal */
-    STEP_OVER    /* in the place of all that the last step added */
+    STEP_OVER    /* in place of everything that the last step added */
 };
 
 static void line_undo_clear(struct line_undo *u)
@@ -43,7 +43,7 @@ static void hold(struct line_undo *u, size_t tail, const char *bytes, size_t len
     u->removed.data[u->removed.length] = '\0';
 }
 
-/* Makes the change a part of the last step; false where it does not fit that. */
+/* Make the change a part of the last step; return false if it is not adjacent to it. */
 static bool join(struct line_undo *u, const struct line_change *c, const char *removed,
                  enum line_step step)
 {
@@ -128,7 +128,7 @@ static uint32_t point_at(const struct line *l, size_t at, size_t *bytes)
     return point;
 }
 
-/* The end of the character at `at` with the marks upon it. */
+/* Return the end of the character at `at`, with its combining marks. */
 static size_t next(const struct line *l, size_t at)
 {
     size_t bytes;
@@ -149,7 +149,7 @@ static size_t previous(const struct line *l, size_t at)
         while (at > 0 && end - at < 4 && (l->text.data[at] & 0xC0) == 0x80)
             at--;
         uint32_t point = point_at(l, at, &bytes);
-        if (at + bytes != end) { /* a broken sequence goes byte by byte */
+        if (at + bytes != end) { /* an invalid sequence counts byte by byte */
             at = end - 1;
             break;
         }
@@ -208,7 +208,7 @@ static size_t end(const struct line *l, size_t at)
 
 /* ---- edits ---- */
 
-/* All changes but line_clear come by here. */
+/* All changes except line_clear are made here. */
 static void change_text(struct line *l, size_t from, size_t to, const char *bytes, size_t length,
                         enum line_step step)
 {
@@ -240,7 +240,7 @@ static void insert(struct line *l, const char *bytes, size_t length, bool joins)
     change_text(l, l->cursor, l->cursor, bytes, length, joins ? STEP_TYPED : STEP_NEW);
 }
 
-/* A word is a step, with the blanks after it. */
+/* A word, with the blanks after it, is one undo step. */
 void line_insert(struct line *l, const char *bytes, size_t length)
 {
     const bool begins_word =
@@ -257,7 +257,7 @@ static void undo(struct line *l)
 {
     if (l->undo.count == 0)
         return;
-    struct line_undo kept = l->undo; /* the change that undoes a step is no step */
+    struct line_undo kept = l->undo; /* undoing a step must not store another step */
     const struct line_change change = kept.change[--kept.count];
     kept.removed.length -= change.removed;
     const char *removed = buf_text(&kept.removed) + kept.removed.length;
@@ -306,7 +306,7 @@ static void transpose(struct line *l)
     buf_release(&swapped);
 }
 
-/* Other letters up to the end of the word; a letter that has no other stays. */
+/* Change the case up to the end of the word; other characters stay as they are. */
 static void change_letters(struct line *l, enum line_action action)
 {
     const size_t end = word_right(l, l->cursor);
@@ -329,7 +329,7 @@ static void change_letters(struct line *l, enum line_action action)
 
 /* ---- one line after another ---- */
 
-/* Shows entry `place`; the line of today waits in the draft meanwhile. */
+/* Show the history entry `place`; the current line is stored in the draft meanwhile. */
 static void show_entry(struct line *l, size_t place, enum line_step step)
 {
     if (place == l->place || place > l->history->count)
@@ -343,7 +343,7 @@ static void show_entry(struct line *l, size_t place, enum line_step step)
     change_text(l, 0, l->text.length, text, strlen(text), step);
 }
 
-/* Lines shown one after another are one step. */
+/* Consecutive browsed lines are one undo step. */
 static enum line_step step_after(const struct line *l, enum line_last before)
 {
     return before == LAST_RECALLED && l->place < l->history->count ? STEP_OVER : STEP_NEW;
@@ -354,7 +354,7 @@ static bool is_entry(const struct line *l, size_t place)
     return strcmp(l->history->line[place], buf_text(&l->text)) == 0;
 }
 
-/* An entry that was shown and then edited is the line of today. */
+/* A history entry that was edited becomes the current line. */
 static void leave_edited_entry(struct line *l)
 {
     if (l->place < l->history->count && !is_entry(l, l->place))
@@ -369,7 +369,7 @@ static bool is_wanted(const struct line *l, size_t place)
 
 /* ---- last words ---- */
 
-/* The last word of a line, with its quotes. */
+/* Return the last word of a line, with its quotes. */
 static const char *last_word(const char *line, size_t *length)
 {
     const char *word = line;
@@ -400,13 +400,13 @@ static void cite(struct line *l, bool again)
     change_text(l, l->cited_at, l->cursor, word, length, again ? STEP_OVER : STEP_NEW);
 }
 
-/* LINE_OLDER and the actions after it; `before` is the action before it. */
+/* Do LINE_OLDER or an action after it in the enum; `before` is the previous action. */
 static void recall(struct line *l, enum line_action action, enum line_last before)
 {
     const bool again = before == LAST_RECALLED;
     const enum line_step step = step_after(l, before);
     l->last = action == LINE_CITE ? LAST_CITED : LAST_RECALLED;
-    if (action != LINE_CITE && !again) { /* the prefix of the lines to browse */
+    if (action != LINE_CITE && !again) { /* set the prefix of the lines to browse */
         leave_edited_entry(l);
         buf_clear(&l->prefix);
         buf_add(&l->prefix, buf_text(&l->text), l->cursor);
@@ -455,7 +455,7 @@ static void move(struct line *l, enum line_action action, enum line_last before)
     if (action <= LINE_END) {
         l->cursor = to;
     } else if (action <= LINE_DELETE) {
-        /* Once more is the same step. */
+        /* A repeated action is part of the same undo step. */
         l->last = LAST_ERASED;
         change_text(l, low, high, "", 0, before == LAST_ERASED ? STEP_ERASED : STEP_NEW);
     } else {
@@ -520,7 +520,7 @@ void line_search_begin(struct line *l)
     find_all(l);
 }
 
-/* The shown entry stays while it is in the list; then the next older one is shown. */
+/* Keep the entry shown while it still matches; otherwise show the next older match. */
 void line_search_add(struct line *l, const char *bytes, size_t length)
 {
     size_t number = 0;
@@ -531,7 +531,7 @@ void line_search_add(struct line *l, const char *bytes, size_t length)
     choose(l, number < l->founds ? number : 0);
 }
 
-/* A shorter text is in more lines; begin at the newest again. */
+/* A shorter text matches more lines: start again at the newest. */
 void line_search_erase(struct line *l)
 {
     if (l->wanted.length == 0)
@@ -564,7 +564,7 @@ void line_search_end(struct line *l, bool keep)
 
 /* ---- suggestions ---- */
 
-enum { SUGGESTIONS_TRIED = 50 }; /* lines that begin so, newest first */
+enum { SUGGESTIONS_TRIED = 50 }; /* matching lines to try, newest first */
 
 const char *line_suggestion(const struct line *l, line_knows_function *knows, void *context)
 {
@@ -578,7 +578,8 @@ const char *line_suggestion(const struct line *l, line_knows_function *knows, vo
         uint32_t point;
         if (strncmp(entry, l->text.data, length) != 0 || *rest == '\0')
             continue;
-        /* The rest must begin with a character, not with a mark on the last one typed. */
+        /* The rest must begin with a character, not with a mark that combines with the last one
+         * typed. */
         char_read(rest, strlen(rest), &point);
         if (point != CHAR_BROKEN && char_width(point) == 0)
             continue;
@@ -594,7 +595,7 @@ bool line_take_suggestion(struct line *l, const char *rest, enum line_action act
     if (*rest == '\0' || (action != LINE_RIGHT && action != LINE_END && action != LINE_WORD_RIGHT))
         return false;
     size_t length = strlen(rest);
-    if (action == LINE_WORD_RIGHT) { /* the first word of the suggestion */
+    if (action == LINE_WORD_RIGHT) { /* take the first word of the suggestion */
         struct line whole = {.cursor = l->cursor};
         buf_add(&whole.text, buf_text(&l->text), l->text.length);
         buf_add_text(&whole.text, rest);

@@ -20,15 +20,15 @@
 /* ---- the lines entered before ---- */
 
 /*
- * The lines entered before, oldest first, and the file that stores them between sessions.
+ * The history: lines entered before, oldest first, and the file that stores them between sessions.
  *
  * Not stored: empty lines, a line that begins with a blank, a repetition of the line before, and
- * lines longer than LINE_HISTORY_LONGEST. The file is plain text, a line each, mode 0600. Each line
- * is appended to it when it is entered, so that a session that is killed has lost none, and many
- * sessions at once store the lines of all (base/file_log.h). It is trimmed to the last
- * LINE_HISTORY_MOST lines now and then.
+ * lines longer than LINE_HISTORY_LONGEST. The file is plain text, one line each, with mode 0600.
+ * Each line is appended when it is entered, so a session that is killed loses none, and
+ * simultaneous sessions store the lines of all (base/file_log.h). From time to time it is trimmed
+ * to the last LINE_HISTORY_MOST lines.
  *
- * Lines of the file that hold control characters are passed over.
+ * Lines of the file that contain control characters are ignored.
  */
 enum {
     LINE_HISTORY_MOST = 10000,
@@ -39,7 +39,7 @@ enum {
 struct line_history {
     char **line; /* line[0] is the oldest */
     size_t count, capacity;
-    size_t appended; /* to the file, since it was trimmed */
+    size_t appended; /* lines appended to the file since it was trimmed */
 };
 
 /* `struct line_history h = {0}` is empty and ready. */
@@ -53,11 +53,10 @@ bool line_history_add(struct line_history *h, const char *text, size_t length);
  * for no file: the first is empty, or none of the variables is set. */
 bool line_history_path(struct buf *path);
 
-/* Reads the file into an empty history; one that is not there is empty. */
+/* Read the file into an empty history; without a file it stays empty. */
 enum err line_history_load(struct line_history *h, const char *path, struct fault *fault);
 
-/* Appends the latest line, which line_history_add has stored. Folders that are not there are
- * made. */
+/* Append the latest line, which line_history_add has stored. Missing folders are created. */
 enum err line_history_append(struct line_history *h, const char *path, struct fault *fault);
 
 /* ---- undo ---- */
@@ -80,9 +79,9 @@ struct line_undo {
         size_t at;             /* bytes before it in the text */
         size_t removed, added; /* bytes */
         size_t cursor;         /* before the change */
-    } * change;                /* the oldest first */
+    } * change;                /* oldest first */
     size_t count, capacity;
-    struct buf removed; /* by all of them, in their order */
+    struct buf removed; /* bytes removed by all of them, in the same order */
 };
 
 /* ---- the line ---- */
@@ -99,17 +98,17 @@ struct line {
     enum line_last last;
     struct buf killed;
     const struct line_history *history;
-    size_t place;      /* the history entry shown; history->count for the line of today */
-    struct buf draft;  /* the line of today while an older one is shown */
+    size_t place;      /* the history entry shown; history->count for the current line */
+    struct buf draft;  /* the current line, while an older one is shown */
     struct buf prefix; /* prefix of the lines that are browsed */
     size_t cited;      /* the history entry whose last word was inserted last, */
-    size_t cited_at;   /* and where in the text */
+    size_t cited_at;   /* and its position in the text */
     bool searching;
     bool search_failed;
-    struct buf wanted;             /* the text to search for */
-    size_t found[LINE_FOUND_MOST]; /* the history entries that hold it, each text once, the newest
-                                      first, */
-    size_t founds, chosen;         /* and which of them is shown; founds for none */
+    struct buf wanted; /* the text to search for */
+    size_t found
+        [LINE_FOUND_MOST]; /* the history entries that contain it, each text once, newest first, */
+    size_t founds, chosen; /* how many, and the index of the one shown */
 };
 
 /* In this order: moves, removals, kills, letters of a word, the rest. */
@@ -131,21 +130,21 @@ enum line_action {
     LINE_LOWER,
     LINE_CAPITAL, /* its first letter upper, the rest lower */
     LINE_YANK,
-    LINE_TRANSPOSE, /* the two characters around the cursor; at the end, the two before it */
+    LINE_TRANSPOSE, /* exchange the characters around the cursor; at the end, the last two */
     LINE_UNDO,
-    LINE_OLDER, /* among the lines that begin with the text before the cursor */
+    LINE_OLDER, /* browse the lines that begin with the text before the cursor */
     LINE_NEWER,
     LINE_OLDEST,
     LINE_NEWEST,
-    LINE_CITE, /* the last word of the line before; again, of the one before that */
+    LINE_CITE, /* insert the last word of the line before; again, of the one before that */
     LINE_ACTIONS
 };
 
-/* `history` (may be empty) outlives the line. */
+/* `history` may be empty; it must outlive the line. */
 void line_init(struct line *l, const struct line_history *history);
 void line_release(struct line *l);
 
-/* Empty again, back from the history; the kill buffer stays. */
+/* Empty the line and leave the history; the kill buffer stays. */
 void line_clear(struct line *l);
 
 /* Insert typed bytes at the cursor, which moves after them. */
@@ -154,7 +153,7 @@ void line_insert(struct line *l, const char *bytes, size_t length);
 /* Insert pasted bytes, which are undone as one step. */
 void line_paste(struct line *l, const char *bytes, size_t length);
 
-/* Puts `bytes` in the place of text[from..to); the cursor goes after them. */
+/* Replace text[from..to) by `bytes`; the cursor moves after them. */
 void line_replace(struct line *l, size_t from, size_t to, const char *bytes, size_t length);
 
 void line_act(struct line *l, enum line_action action);
@@ -175,12 +174,11 @@ void line_act(struct line *l, enum line_action action);
 void line_search_begin(struct line *l);
 void line_search_add(struct line *l, const char *bytes, size_t length);
 void line_search_erase(struct line *l);
-void line_search_older(struct line *l);          /* the next one of the list, */
-void line_search_newer(struct line *l);          /* or the one before */
-void line_search_end(struct line *l, bool keep); /* the entry stays, or the old line comes back */
+void line_search_older(struct line *l);          /* show the next match in the list, */
+void line_search_newer(struct line *l);          /* or the one before it */
+void line_search_end(struct line *l, bool keep); /* keep the entry, or restore the former line */
 
-/* Return true if a line of the history would still work as before: a name that it needs may be
- * gone. */
+/* Return true if a line of the history would still work now: a name that it needs may be gone. */
 typedef bool line_knows_function(void *context, const char *text);
 
 /* Return the suggestion: the rest of the newest known line that begins with the text and is longer.

@@ -9,12 +9,12 @@
 #include "base/safe.h"
 #include "tui/cells.h"
 
-/* Walks along cells, and writes those in rows first <= row < end. */
+/* A position that moves along cells, and writes those in rows first <= row < end. */
 struct walk {
     size_t row;
     unsigned column, columns;
     size_t first, end;
-    struct buf *out; /* NULL: only measure */
+    struct buf *out; /* NULL: measure only */
 };
 
 static void walk_cell(struct walk *w, const char *bytes, size_t length, unsigned width)
@@ -28,7 +28,7 @@ static void walk_cell(struct walk *w, const char *bytes, size_t length, unsigned
     w->column += width;
 }
 
-/* Draws one character of text and returns its bytes. */
+/* Draw one character of text and return its bytes. */
 static size_t walk_character(struct walk *w, const char *text, size_t length)
 {
     char hex[5];
@@ -51,7 +51,7 @@ static void walk_text(struct walk *w, const char *text, size_t length)
         i += walk_character(w, text + i, length - i);
 }
 
-/* A full row ends on the next one, as after the CR LF that line_draw writes. */
+/* A full row continues on the next one, as after the CR LF that line_draw writes. */
 static void walk_wrap(struct walk *w)
 {
     if (w->column < w->columns)
@@ -62,7 +62,7 @@ static void walk_wrap(struct walk *w)
     w->column = 0;
 }
 
-/* As much of the hint as fits before the last column, where terminals wait with the wrap. */
+/* Add as much of the hint as fits before the last column, where terminals delay the wrap. */
 static bool add_hint(const struct line_content *content, unsigned columns, unsigned column,
                      struct buf *out)
 {
@@ -135,7 +135,7 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
 
 enum { GAP = 2, ROWS_LEFT = 3, MEANING_LEAST = 8, NOTE_WIDE = 11 };
 
-/* The next word, from *at on, which moves after it and its meaning; NULL at the end. */
+/* Return the next word from *at on, and move *at past it and its meaning; NULL at the end. */
 static const char *take(const char **at, size_t *length)
 {
     while (**at == '\n' || **at == '\t')
@@ -194,7 +194,7 @@ static size_t widest(const struct candidates *c)
     return most;
 }
 
-/* The word of this number, as it is shown. A list has no more of them than the screen has cells. */
+/* Return word `number`, as shown. No list has more words than the screen has cells. */
 static const char *find(const struct candidates *c, size_t number, size_t *length)
 {
     const char *at = c->words, *word = take(&at, length);
@@ -205,7 +205,7 @@ static const char *find(const struct candidates *c, size_t number, size_t *lengt
     return word;
 }
 
-/* As much of a text as fits, in whole characters that are safe to print. */
+/* Add as much of a text as fits, in whole characters that are safe to print. */
 static void add_cropped(struct buf *out, const char *text, size_t length, size_t columns)
 {
     size_t end = 0, used = 0, bytes;
@@ -297,7 +297,8 @@ static size_t next(const char *text, size_t at, size_t length)
     return at + (n ? n : 1);
 }
 
-/* The end of what fits into `room` columns, or of the text where it fits in place of the dots. */
+/* Return the end of the text that fits into `room` columns; a text that fits without the dots is
+ * shown whole. */
 static size_t end_shown(const char *text, size_t first, size_t length, size_t room)
 {
     size_t end = first;
@@ -324,7 +325,7 @@ void caret_add(struct buf *out, const struct caret *caret, unsigned columns)
         add_caret(out, column, caret->coloured);
     else {
         const size_t room = columns - 1 - 2 * CUT;
-        /* No more than two thirds of the columns are before the place. */
+        /* Show at most two thirds of the columns before the marked place. */
         size_t first = 0;
         while (first < at && cells_width(caret->text + first, at - first) > room * 2 / 3)
             first = next(caret->text, first, at);

@@ -57,7 +57,7 @@ static void add_hint(const struct line_editor *e, struct buf *hint)
 
 enum { FOUND_ROWS_MOST = 10, ROWS_LEFT = 3, MARK_WIDE = 2 };
 
-/* The lines that a search has found, around the one that is chosen, which has a mark. */
+/* Add the lines that a search has found, near the chosen one, which is marked. */
 static void add_found(const struct line *l, const struct term_size *size, struct buf *out)
 {
     const size_t room = size->rows > ROWS_LEFT + FOUND_ROWS_MOST ? FOUND_ROWS_MOST
@@ -109,8 +109,7 @@ static enum err redraw(struct line_editor *e, const char *prompt, struct fault *
     return term_write_text(&out, "drawing the line", fault);
 }
 
-/* Draw the line once more with the cursor at its end, then `more`; the next output begins a line.
- */
+/* Draw the line again with the cursor at its end, then `more`; the next output begins a line. */
 static enum err leave_line(struct line_editor *e, const char *prompt, const char *more,
                            struct fault *fault)
 {
@@ -125,7 +124,7 @@ static enum err leave_line(struct line_editor *e, const char *prompt, const char
     return term_write_text(&out, "drawing the line", fault);
 }
 
-/* To the start of the line's rows, which go. */
+/* Move to the start of the line's rows and erase them. */
 static void erase_line(struct line_editor *e, struct buf *out)
 {
     if (e->drawing.row > 0)
@@ -134,7 +133,7 @@ static void erase_line(struct line_editor *e, struct buf *out)
     e->drawing = (struct line_drawing){0};
 }
 
-/* The line goes, these lines take its place, and it comes again below them. */
+/* Replace the drawn line by these lines, and draw it again below them. */
 static enum err show_above(struct line_editor *e, const char *prompt, const struct buf *text,
                            struct fault *fault)
 {
@@ -153,7 +152,7 @@ static enum err show_above(struct line_editor *e, const char *prompt, const stru
 
 enum { PIECE_LEAST = 2 };
 
-/* The first word, as far as the cursor, may be a piece of something. */
+/* The first word, up to the cursor, may be a part of a name. */
 static void find_by_piece(struct line_editor *e, size_t *start, struct buf *words)
 {
     const struct line *l = &e->line;
@@ -163,7 +162,7 @@ static void find_by_piece(struct line_editor *e, size_t *start, struct buf *word
     struct buf piece = {0};
     if (!e->find || (c.count && !e->is_one_line) || end != l->cursor)
         return;
-    if (c.count == 1 && c.common == l->cursor - *start) /* it is whole */
+    if (c.count == 1 && c.common == l->cursor - *start) /* the word is complete */
         return;
     buf_add(&piece, first, l->cursor - (size_t)(first - text));
     if (piece.length >= PIECE_LEAST && !piece.failed) {
@@ -294,8 +293,9 @@ static enum outcome search_key(struct line_editor *e, const struct key_event *ev
     return GO_ON;
 }
 
-/* Pasted text is text: only the end of a line, and Ctrl-C against a paste that never ends, do
- * anything. Where a line feed is a blank, Ctrl-C is a key if nothing has come after it. */
+/* Pasted text is inserted: only line feeds have an effect, and Ctrl-C, which ends a paste whose end
+ * never arrives. In a line of a full screen, where a line feed becomes a blank, Ctrl-C is a key
+ * only if no more input follows it. */
 static enum outcome paste_key(struct line_editor *e, const struct key_event *event)
 {
     bool control = event->modifiers & KEY_CONTROL;
@@ -339,8 +339,8 @@ static enum outcome take_key(struct line_editor *e, const struct key_event *even
     return e->line.searching ? search_key(e, event) : plain_key(e, event);
 }
 
-/* A bracket after the Escape key, which has no meaning here, is not typed by a user; the letters
- * that begin a string may be. */
+/* A `[` after the Escape key, which has no meaning here, is not typed by a user; the letters that
+ * begin a string sequence may be. */
 void line_editor_mend(struct line_editor *e, uint8_t byte)
 {
     struct key_event event;
@@ -352,7 +352,7 @@ void line_editor_mend(struct line_editor *e, uint8_t byte)
 
 /* ---- the loop ---- */
 
-/* The LF of a CR LF in a paste says nothing new. */
+/* In a paste, the LF of a CR LF is ignored. */
 bool line_editor_next(struct line_editor *e, struct key_event *event)
 {
     bool complete = false;
@@ -378,7 +378,7 @@ bool line_editor_time_out(struct line_editor *e, struct key_event *event)
     return true;
 }
 
-/* All bytes that have been read, up to one that leads to more than a redraw. */
+/* Handle the bytes that have been read, up to a key that needs more than a redraw. */
 static enum outcome take_input(struct line_editor *e)
 {
     struct key_event event;
@@ -391,11 +391,11 @@ static enum outcome take_input(struct line_editor *e)
 /* State of the screen. */
 enum screen { DRAWN, STALE, STALE_IN_PASTE };
 
-/* Waits for bytes, and says in *screen whether the line has to be drawn again. */
+/* Wait for bytes; set *screen if the line must be drawn again. */
 static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
 {
     struct key_event event;
-    bool waiting = !e->pasting && keys_waiting(&e->keys); /* no key is in a paste */
+    bool waiting = !e->pasting && keys_waiting(&e->keys); /* a paste contains no keys */
     bool stalled = *screen == STALE_IN_PASTE;
     enum outcome outcome;
     const int patience = waiting ? KEYS_TIMEOUT_MS : stalled ? PASTE_PATIENCE_MS : -1;
@@ -412,7 +412,7 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
     case TERM_SIGNAL:
         if (term_was_continued())
             e->drawing = (struct line_drawing){0};
-        term_was_resized(); /* every drawing reads the size again */
+        term_was_resized(); /* clear the flag: every drawing reads the size anyway */
         *screen = STALE;
         return GO_ON;
     case TERM_CLOSED:
@@ -437,17 +437,18 @@ void line_editor_suspend(struct line_editor *e)
 /* ---- another editor ---- */
 
 /*
- * The line in an editor of the user's choice: $VISUAL, else $EDITOR, on a private file that is
- * deleted afterwards.
+ * Edit the line in another editor: $VISUAL, else $EDITOR, on a private file that is deleted
+ * afterwards.
  *
- * The words of the variable are for the shell, as in `EDITOR="code --wait"`. While the editor runs
- * it owns the terminal, in the modes that our caller had; Ctrl-C and Ctrl-\ affect the editor
- * alone. Line feeds become blanks, other control characters are removed, so that nothing is
- * submitted.
+ * The shell splits the variable into words, as in `EDITOR="code --wait"`. While the editor runs it
+ * owns the terminal, in the modes that our caller had set; Ctrl-C and Ctrl-\ affect the editor
+ * alone. Line feeds become blanks and other control characters are removed, so that the text is not
+ * submitted by itself.
  */
-enum { OTHER_EDITOR_BYTES_MOST = 1 << 20 }; /* that are taken back */
+enum { OTHER_EDITOR_BYTES_MOST = 1 << 20 }; /* read back from the file */
 
-/* One line: what ends lines is a blank, but for the last; the rest has no control characters. */
+/* Make it a single line: each line end except the last becomes a blank, and control characters are
+ * removed. */
 static void flatten(struct buf *text)
 {
     size_t kept = 0;
@@ -518,7 +519,7 @@ static enum err edit_elsewhere(struct buf *text, struct fault *fault)
     return err;
 }
 
-/* The line is gone while another editor has it, and comes again at the same place. */
+/* Erase the line while another editor has it, and draw it again at the same place. */
 static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, struct fault *fault)
 {
     struct buf text = {0}, out = {0};
@@ -559,7 +560,7 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
         line_editor_suspend(e);
         return redraw(e, prompt, fault);
     case CLEAR:
-        if (e->is_one_line) /* the rest of the screen has another owner */
+        if (e->is_one_line) /* the rest of the screen belongs to the pilot */
             return redraw(e, prompt, fault);
         e->drawing = (struct line_drawing){0};
         err = term_write("\033[H\033[2J", 7, fault);

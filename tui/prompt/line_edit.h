@@ -25,9 +25,9 @@
 /*
  * THE table of the keys of the prompt: dispatch, `help keys` and tui/README.md use it.
  *
- * A row names its keys as people do, "Ctrl-F, Right", and an event is compared with that: no key is
- * written twice. A key after another one is a word more, "Ctrl-X Ctrl-E". Shift, and other
- * modifiers that no row names with a key, are ignored: Shift-Left is Left.
+ * A row names its keys as users do, "Ctrl-F, Right", and the name of an event is compared with
+ * that, so each key is written once. A sequence of two keys is two words, "Ctrl-X Ctrl-E". Shift,
+ * and other modifiers that no row names with a key, are ignored: Shift-Left is Left.
  */
 /* Action of a key: a change of the line by an enum line_action, or one of the editor. */
 enum line_duty {
@@ -35,43 +35,43 @@ enum line_duty {
     DUTY_SUBMIT,
     DUTY_COMPLETE,
     DUTY_SEARCH,
-    DUTY_DELETE_OR_END, /* LINE_DELETE, and the end of an empty line */
+    DUTY_DELETE_OR_END, /* LINE_DELETE; on an empty line, the end of input */
     DUTY_ABANDON,
     DUTY_CLEAR,
     DUTY_STOP,
     DUTY_OTHER_EDITOR,
     DUTY_HOST_LINE,
-    DUTY_MORE /* no more than the beginning of keys in a row */
+    DUTY_MORE /* the first key of a sequence */
 };
 
-enum { LINE_KEYS_MOST = 40 }; /* bytes of "Ctrl-X Ctrl-E" and the like */
+enum { LINE_KEYS_MOST = 40 }; /* bytes of the longest name, "Ctrl-X Ctrl-E" for example */
 
-/* The enum line_action or enum line_duty of a key. `before` holds the keys that it comes after, ""
- * at first, and is brought up to date. */
+/* Return the enum line_action or enum line_duty of a key. `before` holds the first key of a
+ * sequence, "" at first, and is updated. */
 unsigned line_key_find(const struct key_event *event, char before[LINE_KEYS_MOST]);
 
-/* Adds the table, in lines of at most 80 columns. */
+/* Add the table, in lines of at most 80 columns. */
 void line_keys_page(struct buf *out);
 
 /* ---- drawing (line_draw.c) ---- */
 
 /*
- * Drawing of the line being edited: prompt, text and cursor over several rows; and below it the
+ * Drawing of the line being edited: prompt, text and cursor over several rows; below it the
  * candidates for a word, and a caret under an error.
  *
  *     CSI nA CR CSI J   prompt text   CSI nA CR CSI nC       a redraw, in one write
  *
- * Rows break where the terminal breaks them: at the right margin, a wide character early. After a
- * character in the last column terminals delay the wrap, so if the text ends there, CR LF forces
- * it. If there are more rows than the terminal has, the rows around the cursor are shown. Bytes
- * that are not printable UTF-8 are drawn as \xNN, four columns wide. A hint ends in the row of the
- * cursor; lines below are limited by the rows left. Pure: bytes out.
+ * Rows break where the terminal breaks them: at the right margin, one column early before a wide
+ * character. After a character in the last column terminals delay the wrap, so if the text ends
+ * there, CR LF forces it. If there are more rows than the terminal has, the rows around the cursor
+ * are shown. Bytes that are not printable UTF-8 are drawn as \xNN, four columns wide. A hint ends
+ * in the row of the cursor; lines below are limited by the rows left. Pure: bytes out.
  */
 /* The drawing on the screen: `struct line_drawing d = {0}` is empty, with the cursor at a line's
  * start. */
 struct line_drawing {
     size_t cells; /* from the start of the first row shown to the cursor */
-    unsigned row; /* the cursor's, 0 is the first row shown */
+    unsigned row; /* of the cursor; 0 is the first row shown */
 };
 
 struct line_content {
@@ -79,7 +79,7 @@ struct line_content {
     const char *text;
     size_t length, cursor; /* in bytes of text */
     const char *hint;      /* after the text, where the cursor is; safe to print, or NULL */
-    const char *grey;      /* CSI .. m that makes it so */
+    const char *grey;      /* CSI .. m, the colour of the hint */
     const char *below;     /* lines below, safe to print, each with a line feed; or NULL */
 };
 
@@ -93,17 +93,17 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
 struct candidates {
     const char *words;
     size_t count;
-    size_t notes;      /* lines that begin with a tab: they are shown, and are no words */
-    const char *first; /* the first of them, */
-    size_t common;     /* and how many bytes of it all begin with, whole characters */
+    size_t notes;      /* lines that begin with a tab: shown, but no candidates */
+    const char *first; /* the first candidate, */
+    size_t common;     /* and the bytes, in whole characters, of the prefix common to all */
 };
 
 struct candidates candidates_of(const char *words);
 
 /*
  * Add the list in lines that end in CR LF, for a terminal of `columns` x `rows`; the list leaves
- * three rows free. Candidates are in columns, read downwards, without their common path up to a
- * slash, and without quotes:
+ * three rows free. Candidates are in columns, to be read downwards, without quotes and without
+ * their common path up to a slash:
  *
  *     scans/a b.nii  ->  a b.nii   masks/
  *     scans/ch2.nii      ch2.nii
@@ -114,9 +114,9 @@ struct candidates candidates_of(const char *words);
  *     seed       plant a seed, a ball of seeds, or a stroke
  *     seed-file  plant the seeds of a .csv list or a label map
  *
- * Notes follow below, with their topic in the place of the word.
+ * Notes follow below, with their topic in place of the word.
  *
- * Candidates that do not fit the screen are counted in a last line: "and 214 more".
+ * A last line counts the candidates that do not fit the screen: "and 214 more".
  */
 void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out);
 
@@ -133,13 +133,13 @@ struct caret {
     bool coloured;
 };
 
-/* Adds a line with a caret, below as much of the line as fits where that is needed. In less than 8
+/* Add a line with a caret, and below it as much of the line as fits, if needed. With fewer than 8
  * columns nothing is added. */
 void caret_add(struct buf *out, const struct caret *caret, unsigned columns);
 
 /* ---- the editor ---- */
 
-/* Fills `candidates` with whole words, one a line, for the word that begins at *word_start and ends
+/* Fill `candidates` with whole words, one a line, for the word that begins at *word_start and ends
  * at the cursor. */
 typedef void line_complete_function(void *context, const char *line, size_t cursor,
                                     struct buf *candidates, size_t *word_start);
@@ -151,36 +151,37 @@ typedef void line_find_function(void *context, const char *piece, struct buf *ca
 /* Add the usage after the line, safe to print. */
 typedef void line_hint_function(void *context, const char *line, size_t length, struct buf *out);
 
-/* Adds lines that are to be shown now, safe to print, each ended by a line feed. */
+/* Add lines to be shown now, safe to print, each ended by a line feed. */
 typedef void line_news_function(void *context, struct buf *out);
 
 struct line_editor {
     struct line_history history;
-    bool stored; /* the last line is in the history now */
+    bool stored; /* the last line is in the history */
     struct line line;
     struct keys keys;
-    struct buf input; /* bytes read; those before `taken` are done with */
+    struct buf input; /* bytes read; those before `taken` have been handled */
     size_t taken;
     bool pasting;
-    char keys_before[LINE_KEYS_MOST]; /* that wait for another, as Ctrl-X does */
+    char keys_before[LINE_KEYS_MOST]; /* the first key of a sequence, Ctrl-X for example */
     bool is_one_line;     /* a line feed in a paste is a blank; Escape empties and submits it */
-    bool lone_escape;     /* the last byte was an ESC that nothing followed for a while */
-    bool unanswered;      /* the terminal was asked and may still answer */
+    bool lone_escape;     /* the last byte was an ESC, and nothing followed in time */
+    bool unanswered;      /* the terminal was asked and has not answered yet */
     bool after_return;    /* a CR ended the last line of a paste: an LF after it is ignored */
     unsigned answers_due; /* DA1 questions sent, not answered yet */
-    void (*answered)(void *asker); /* called at other answers to DA1 that come meanwhile; or NULL */
+    void (*answered)(void *asker); /* called for other DA1 answers; or NULL */
     void *asker;
     struct line_drawing drawing;
     line_complete_function *complete; /* may be NULL */
-    line_find_function *find;         /* may be NULL: asked where no word begins as the first one
-                                         does, and for one line amid a screen in any case */
-    line_hint_function *hint;         /* may be NULL: asked wherever the cursor is at the end */
-    line_knows_function *knows;       /* may be NULL: nothing is suggested */
-    const char *grey;                 /* in which hints are drawn, CSI .. m */
-    bool submits;                     /* the line is drawn for the last time: without a hint */
-    line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */
+    /* May be NULL: called if the first word has no other completion, and always for one line of a
+     * full screen. */
+    line_find_function *find;
+    line_hint_function *hint;   /* may be NULL: called whenever the cursor is at the end */
+    line_knows_function *knows; /* may be NULL: nothing is suggested */
+    const char *grey;           /* CSI .. m, the colour of hints */
+    bool submits;               /* the line is drawn for the last time, without a hint */
+    line_news_function *news;   /* may be NULL; called when news_descriptor is readable */
     int news_descriptor;
-    const char *pager;          /* words of $PAGER, or NULL (pager.h) */
+    const char *pager;          /* the command in $PAGER, or NULL (pager.h) */
     const char *line_of_ctrl_o; /* submitted in place of the typed text, or NULL */
     void *context;
 };
@@ -188,22 +189,22 @@ struct line_editor {
 void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context);
 void line_editor_release(struct line_editor *e);
 
-/* Call for each byte before keys_feed: a slow connection may cut an answer of the terminal right
+/* Call for each byte before keys_feed. On a slow line an answer of the terminal may be cut right
  * after its ESC, which was then mistaken for the Escape key. */
 void line_editor_mend(struct line_editor *e, uint8_t byte);
 
-/* For other readers of the editor's input, as the pager: the next key of the bytes read, and the
- * key of bytes that were followed by nothing in time; false if there is no key. */
+/* For other readers of the editor's input, such as the pager: get the next key of the bytes read,
+ * or the key of bytes that nothing followed in time; return false without a key. */
 bool line_editor_next(struct line_editor *e, struct key_event *event);
 bool line_editor_time_out(struct line_editor *e, struct key_event *event);
 
-/* The terminal has said something: perhaps an answer that was due. */
+/* Call when the terminal has answered: it may be an answer that was due. */
 void line_editor_reply(struct line_editor *e);
 
 /* Wait for due answers: the next program at the terminal would read them as keys. */
 void line_editor_take_answers(struct line_editor *e);
 
-/* Wait for them, then stop as Ctrl-Z does; return when the process continues. */
+/* Wait for due answers, then stop as Ctrl-Z does; return when the process continues. */
 void line_editor_suspend(struct line_editor *e);
 
 /* Read a line at the terminal, which is open and raw, and add it to the history. News are shown

@@ -6,7 +6,7 @@
 
 static const struct {
     const char *keys;
-    unsigned action; /* or duty */
+    unsigned action; /* enum line_action or enum line_duty */
     const char *words;
 } table[] = {
     {"Ctrl-B, Left", LINE_LEFT, "move a character to the left"},

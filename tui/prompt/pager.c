@@ -53,7 +53,7 @@ bool pager_run(const char *pager, const struct buf *text)
 
 /* ---- at the prompt ---- */
 
-/* False for an event that leaves. */
+/* Return false for a key that leaves the pager. */
 static bool take_event(struct line_editor *e, const struct key_event *event, bool *has_key)
 {
     *has_key = event->key != KEY_REPLY && event->key != KEY_OTHER;
@@ -69,7 +69,7 @@ static bool take_event(struct line_editor *e, const struct key_event *event, boo
     return event->key != KEY_PASTE_BEGIN && !pager_is_left_by(event);
 }
 
-/* Waits for a key. False for one that leaves, or where the terminal has gone. */
+/* Wait for a key. Return false for one that leaves the pager, or if the terminal is gone. */
 static bool await_key(struct line_editor *e)
 {
     struct key_event event;
@@ -123,7 +123,7 @@ enum err page_text(struct line_editor *e, const struct buf *text, bool *paged, s
     enum err err = OK;
     cells_wrap(&wrapped, text, size.columns);
     *paged = !wrapped.failed && pager_page_end(&wrapped, 0, &size) < wrapped.length;
-    if (*paged) { /* unless keys were typed meanwhile: they follow the answers that are due */
+    if (*paged) { /* unless keys were typed meanwhile: they arrive after the answers that are due */
         line_editor_take_answers(e);
         term_read(&e->input, 0, -1);
         *paged = !e->pasting && e->taken == e->input.length;

@@ -86,13 +86,13 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
         struct fault ignored;
         if (prompts && print_prompt(host, &ignored))
             break;
-        /* At a terminal that reads whole lines, Ctrl-C has emptied the line: begin another. */
+        /* At a terminal that reads whole lines, Ctrl-C empties the line: show the prompt again. */
         while (prompts && poll(&ready, 1, -1) < 0 && errno == EINTR)
             if (term_write_to(STDOUT_FILENO, "\n", 1, NULL) || print_prompt(host, NULL))
                 break;
         ssize_t length = getline(&line, &capacity, stdin);
         if (length < 0) {
-            if (prompts) /* the next output begins a line */
+            if (prompts) /* the next output must begin on a new line */
                 term_write_to(STDOUT_FILENO, "\n", 1, &ignored);
             break;
         }
@@ -116,8 +116,9 @@ struct prompt {
     struct line_editor editor;
 };
 
-/* Adds the picture, if there is one, and a question whose answer says that it has been drawn.
- * The one before must have been: else pictures queue up in a slow connection. */
+/* Add the picture, if there is one, and a question whose answer confirms that it has been drawn.
+ * Pictures are sent only when the one before is confirmed: otherwise they would queue up on a slow
+ * line. */
 static void add_picture(struct prompt *p, struct buf *out)
 {
     struct image_view view;
@@ -138,8 +139,7 @@ static void add_picture(struct prompt *p, struct buf *out)
     }
 }
 
-/* Show the output of a command, in one write, or by pages if it `may_page`; pictures are not paged.
- */
+/* Show the output of a command with one write, or by pages if `may_page`; never page pictures. */
 static enum err show(struct prompt *p, struct buf *text, bool may_page, struct fault *fault)
 {
     struct buf out = {0};
@@ -175,7 +175,7 @@ static enum err execute(struct prompt *p, const char *prompt, const char *line, 
     enum err failed = p->host->execute(p->host->context, line, &text, &of_command);
     err = term_set_mode(TERM_RAW, fault);
     end_line(&text);
-    const bool may_page = !failed || text.length > 0; /* an error alone stays where it is */
+    const bool may_page = !failed || text.length > 0; /* an error alone is not paged */
     if (failed) {
         const bool coloured = p->facts.colours != COLOURS_NONE;
         const struct caret caret = {prompt, line, of_command.at - 1, text.length == 0, coloured};
@@ -218,7 +218,7 @@ static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
     struct buf words = {0}, out = {0};
     struct fault why;
     enum err err = p->host->screen(p->host->context, &p->facts, &p->editor, ended, &why);
-    if (err == ERR_IO) { /* the terminal has gone */
+    if (err == ERR_IO) { /* the terminal is gone */
         if (fault)
             *fault = why;
         return err;
@@ -232,7 +232,7 @@ static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
     return term_write_text(&out, "the output", fault);
 }
 
-/* A history that cannot be stored is no reason to stop: one warning. */
+/* Warn once if the history cannot be stored; the session continues. */
 static void warn_of_history(struct prompt *p, enum err err, const struct fault *fault)
 {
     struct buf words = {0};

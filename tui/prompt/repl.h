@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The prompt: reads lines, passes them to a host, prints the output. Knows no command.
+ * The prompt: it reads lines, passes them to a host and prints the output. It knows no command.
  *
- * At a terminal (standard input and output both) there are line editing, completion, history and
+ * At a terminal (both standard input and output) it offers line editing, completion, history and
  * pictures; with TERM=dumb only a prompt. Otherwise lines are read from standard input, output is
  * written to standard output and errors to standard error, without any escape sequence.
  *
@@ -21,31 +21,31 @@
 #include "tui/prompt/line_edit.h"
 #include "tui/cells.h"
 
-/* Output text is printed as it is: names in it have been escaped by the host. */
+/* Output is printed unchanged: the host has escaped the names in it. */
 struct repl_host {
     void *context;
-    /* The start of the session, such as loading a scene: called once, after the prompt has been
-     * shown. Keys typed meanwhile wait. An error ends repl_run with it. May be NULL. */
+    /* Start the session, by loading a scene for example: called once, after the prompt has been
+     * shown. Keys typed meanwhile wait. An error ends repl_run. May be NULL. */
     enum err (*begin)(void *context, struct buf *output, struct fault *fault);
-    /* Adds the prompt, "ch2> ". */
+    /* Add the prompt, "ch2> ". */
     void (*prompt)(void *context, struct buf *out);
-    /* Does what `line` (not blank) says; adds text to print to `output`, with an error too. */
+    /* Carry out `line`, which is not blank; add text to print to `output`, also after an error. */
     enum err (*execute)(void *context, const char *line, struct buf *output, struct fault *fault);
-    /* As of the line editor; may be NULL. Hints, and suggestions with them, are shown at a terminal
-     * with colours. */
+    /* As in the line editor; may be NULL. Hints and suggestions are shown at a terminal with
+     * colours. */
     line_complete_function *complete;
     line_find_function *find;
     line_hint_function *hint;
     line_knows_function *knows;
-    /* True once after a command made a picture to show; its pixels stay until the next execute.
-     * Asked only at a terminal. May be NULL. */
+    /* Return true once after a command that made a picture to show; its pixels are valid until the
+     * next execute. Called only at a terminal. May be NULL. */
     bool (*picture)(void *context, struct image_view *out);
     /* Add events that are not caused by commands: called when news_descriptor is readable, while a
      * line is edited, and before a plain prompt. May be NULL. */
     line_news_function *news;
     int news_descriptor;
-    /* wants_screen returns true once after a command that asked for the whole screen; screen runs
-     * there, with the terminal open and raw, until it returns to the prompt, or sets *ended. Ctrl-O
+    /* wants_screen returns true once after a command that asked for the whole screen; screen then
+     * runs with the terminal open and raw until it returns to the prompt, or sets *ended. Ctrl-O
      * types the command `screen_line`. NULL without such a screen. */
     bool (*wants_screen)(void *context);
     enum err (*screen)(void *context, struct terminal_facts *facts, struct line_editor *editor,
@@ -58,27 +58,28 @@ struct repl_host {
 };
 
 struct repl_options {
-    struct graphics_wish graphics; /* one, whatever the terminal says; {0}: it decides */
+    struct graphics_wish graphics; /* a protocol to use; {0}: chosen by the terminal */
     const char *history_path;      /* NULL: no history file */
     bool pages;                    /* at a terminal, long output is shown by pages (pager.h), */
-    const char *pager;             /* or by the user's pager, the words of $PAGER; NULL for none */
-    const struct theme *theme;     /* NULL: the one of dark terminals */
+    const char *pager;             /* or by the command in $PAGER; NULL for none */
+    const struct theme *theme;     /* NULL: the theme for dark terminals */
 };
 
-/* Runs until the host is finished or the input ends. Errors of commands are printed in one line
- * and do not end it. Returns OK at a terminal, unless the terminal fails; with plain input the code
- * of the first command that failed, with fault->text empty since it has been printed. */
+/* Run until the host is finished or the input ends. Errors of commands are printed in one line and
+ * do not end the session. At a terminal return OK, unless the terminal fails; with plain input
+ * return the code of the first command that failed, with fault->text empty since it has been
+ * printed. */
 enum err repl_run(const struct repl_host *host, const struct repl_options *options,
                   struct fault *fault);
 
-/* Outside repl_run: run `screen`, as in struct repl_host, on the whole screen, and restore
- * everything. ERR_USAGE without a terminal that can show it. */
+/* Outside repl_run: run `screen` of struct repl_host on the whole screen, and restore the terminal.
+ * ERR_USAGE without a terminal that can show it. */
 enum err give_screen_once(const struct repl_host *host, struct graphics_wish wish,
                           struct fault *fault);
 
 /* Outside repl_run: detect the terminal, show the picture at the cursor, which must be at the start
- * of a line, and restore everything. False, with nothing written, if standard output is no terminal
- * or cannot show it, or this is a background job. */
+ * of a line, and restore the terminal. Return false, with nothing written, if standard output is no
+ * terminal or cannot show it, or if this is a background job. */
 bool show_picture_once(struct graphics_wish wish, const struct image_view *view);
 
 #endif
