@@ -143,7 +143,7 @@ refused "slice 1 of 3 has 3 values a pixel (colours, perhaps of a palette); expe
     png-palette
 refused "slice 1 of 3 has 3 values a pixel (colours, perhaps of a palette)" png-colours
 refused "slice 1 of 3 has 2 values a pixel (grey with alpha); expected grey: \`mogrify" png-alpha
-refused "slice 3 of 3 is 5x4 with 1 values of uint16 a pixel, and the first 5x4 with 1 of uint8" \
+refused "slice 3 of 3 is 5x4 with 1 value of uint16 a pixel, and the first 5x4 with 1 of uint8" \
     png-deeper
 refused "slice 3 of 3 is 5x3" png-shorter
 close_story

@@ -5,9 +5,6 @@
  * One request comes on standard input, voxels and all; the answer goes to standard output;
  * registration.h has the protocol byte for byte. It opens no file: before the first voxel comes,
  * the process takes all files from itself, and all calls but those for its own memory.
- *
- *     register_itk.cc      registration
- *     register_transform.cc   transform files
  */
 #include <new>
 

@@ -8,10 +8,10 @@
  * header names, or that may lie beside it). A decoder that crashes takes only this process along.
  *
  *     volume_answer.cc   the answers, and how reading ends
- *     volume_names.cc    headers of text, and the files that they name
- *     volume_itk.cc      the formats of ITK, and slices as pictures
- *     volume_tiff.cc      TIFF, and folders of it; volume_tiff_stack.cc, slices and volumes of it
- *     volume_units.cc    units and scales in headers of text
+ *     volume_names.cc    headers of text: the files that they name, units and scales
+ *     volume_itk.cc      the formats of ITK
+ *     volume_pictures.cc slices as PNG and BMP
+ *     volume_tiff.cc     TIFF, and folders of it; volume_tiff_stack.cc, slices and volumes of it
  *     volume_mrc.cc      MRC
  *     volume_bytes.cc    whether a file has the bytes that its header promises
  *     volume_hdf5.cc     data sets of HDF5, and the files that they name
@@ -115,16 +115,12 @@ Request receive_request()
     request.chooses = flags & 16;
     request.series = take_number(line, at, number_most);
     request.volume = take_number(line, at, UINT32_MAX);
-    const uint64_t wanted = take_number(line, at, path_most);
-    const uint64_t skip = take_number(line, at, path_most);
-    const uint64_t data = take_number(line, at, path_most);
-    const uint64_t room = take_number(line, at, path_most);
-    const uint64_t path = take_number(line, at, path_most);
-    request.wanted = receive_text(wanted);
-    request.skip = receive_text(skip);
-    request.data = receive_text(data);
-    request.room = receive_text(room);
-    request.path = receive_text(path);
+    std::string *const text[] = {&request.wanted, &request.skip, &request.data, &request.room,
+                                 &request.path};
+    for (std::string *each : text)
+        each->resize(take_number(line, at, path_most));
+    for (std::string *each : text)
+        *each = receive_text(each->size());
     return request;
 }
 

@@ -22,65 +22,54 @@ struct part {
     unsigned numbers, fixeds;
 };
 
-/* M out of the parameters; false where they say none. */
-typedef bool linear_part(double m[3][3], const struct part *part);
+/* The linear part of the map, out of the parameters; false where they say none. */
+typedef bool linear_part(struct affine *out, const struct part *part);
 
-static bool linear_matrix(double m[3][3], const struct part *part)
+static bool linear_matrix(struct affine *out, const struct part *part)
 {
-    memcpy(m, part->number, 9 * sizeof *part->number);
+    for (int i = 0; i < 9; i++)
+        out->m[i / 3][i % 3] = part->number[i];
     return true;
 }
 
-static bool linear_none(double m[3][3], const struct part *part)
+static bool linear_none(struct affine *out, const struct part *part)
 {
-    struct affine identity;
     (void)part;
-    affine_identity(&identity);
-    for (int i = 0; i < 3; i++)
-        memcpy(m[i], identity.m[i], sizeof m[i]);
+    affine_identity(out);
     return true;
 }
 
-static void multiply(double out[3][3], const double a[3][3], const double b[3][3])
+static bool linear_euler(struct affine *out, const struct part *part)
 {
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
-}
-
-static bool linear_euler(double m[3][3], const struct part *part)
-{
-    double c[3], s[3], left[3][3];
+    double c[3], s[3];
     for (int a = 0; a < 3; a++) {
         c[a] = cos(part->number[a]);
         s[a] = sin(part->number[a]);
     }
-    const double x[3][3] = {{1, 0, 0}, {0, c[0], -s[0]}, {0, s[0], c[0]}};
-    const double y[3][3] = {{c[1], 0, s[1]}, {0, 1, 0}, {-s[1], 0, c[1]}};
-    const double z[3][3] = {{c[2], -s[2], 0}, {s[2], c[2], 0}, {0, 0, 1}};
+    const struct affine x = {{{1, 0, 0}, {0, c[0], -s[0]}, {0, s[0], c[0]}}};
+    const struct affine y = {{{c[1], 0, s[1]}, {0, 1, 0}, {-s[1], 0, c[1]}}};
+    const struct affine z = {{{c[2], -s[2], 0}, {s[2], c[2], 0}, {0, 0, 1}}};
     const bool is_zyx = part->fixeds > 3 && part->fixed[3] != 0;
-    multiply(left, z, is_zyx ? y : x);
-    multiply(m, (const double(*)[3])left, is_zyx ? x : y);
+    affine_compose(out, &z, is_zyx ? &y : &x);
+    affine_compose(out, out, is_zyx ? &x : &y);
     return true;
 }
 
-static bool linear_versor(double m[3][3], const struct part *part)
+static bool linear_versor(struct affine *out, const struct part *part)
 {
     const double x = part->number[0], y = part->number[1], z = part->number[2];
     const double squares = x * x + y * y + z * z, w = sqrt(fmax(1 - squares, 0));
-    const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+    *out = (struct affine){{{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
                             {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-                            {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-    memcpy(m, r, sizeof r);
+                            {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}}};
     return squares <= 1 + 1e-9;
 }
 
-static bool linear_similarity(double m[3][3], const struct part *part)
+static bool linear_similarity(struct affine *out, const struct part *part)
 {
-    const bool is_versor = linear_versor(m, part);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            m[i][j] *= part->number[6];
+    const bool is_versor = linear_versor(out, part);
+    for (int i = 0; i < 9; i++)
+        out->m[i / 3][i % 3] *= part->number[6];
     return is_versor;
 }
 
@@ -121,7 +110,6 @@ static bool is_named(const struct part *part, const char *name)
 static enum err take_part(struct affine *out, const struct part *part, struct fault *fault)
 {
     const struct kind *kind = NULL;
-    double m[3][3];
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         kind = is_named(part, kinds[i].name) ? &kinds[i] : kind;
     if (!kind)
@@ -135,16 +123,14 @@ static enum err take_part(struct affine *out, const struct part *part, struct fa
         return fault_set(fault, ERR_INPUT,
                          "its %s has %u parameters and %u fixed ones; expected %u and %u",
                          kind->name, part->numbers, part->fixeds, kind->numbers, kind->fixeds);
-    if (!kind->linear(m, part))
+    if (!kind->linear(out, part))
         return fault_set(fault, ERR_INPUT, "its %s holds no turn: a vector longer than 1",
                          kind->name);
     for (int i = 0; i < 3; i++) {
         const double centre = kind->fixeds ? part->fixed[i] : 0;
         out->m[i][3] = part->number[kind->t + (unsigned)i] + centre;
-        for (unsigned j = 0; j < 3; j++) {
-            out->m[i][j] = m[i][j];
-            out->m[i][3] -= m[i][j] * (kind->fixeds ? part->fixed[j] : 0);
-        }
+        for (int j = 0; j < 3; j++)
+            out->m[i][3] -= out->m[i][j] * (kind->fixeds ? part->fixed[j] : 0);
     }
     return OK;
 }
@@ -184,21 +170,7 @@ static enum err add_part(struct reading *r, const struct part *part, struct faul
     return OK;
 }
 
-static enum err end_reading(const struct reading *r, struct fault *fault)
-{
-    if (r->parts == 0)
-        return fault_set(fault, ERR_INPUT, "it holds no transform");
-    return r->kind->failed ? fault_memory(fault, "the name of a transform") : OK;
-}
-
 /* ---- text ---- */
-
-static const char BEGINNING[] = "#Insight Transform File V1.0";
-
-bool itk_transform_is_text(const char *bytes, size_t length)
-{
-    return length >= sizeof BEGINNING - 1 && memcmp(bytes, BEGINNING, sizeof BEGINNING - 1) == 0;
-}
 
 static bool is_line_end(char c)
 {
@@ -230,20 +202,16 @@ static void scan_name(const char **at, char name[NAME_MOST])
     scan_blanks(at);
 }
 
-enum err itk_transform_scan(struct affine *out, struct buf *kind, const char *text,
-                            struct fault *fault)
+static enum err read_text(struct reading *r, const char *text, struct fault *fault)
 {
-    struct affine found;
-    struct reading reading = {.out = &found, .kind = kind};
     struct part part = {.name = ""};
     enum err err = OK;
     unsigned line = 1;
-    affine_identity(&found);
     for (const char *at = text; !err; line++) {
         bool is_fine = true;
         if (!*at || scan_text(&at, "Transform:")) {
             if (*part.name)
-                err = add_part(&reading, &part, fault);
+                err = add_part(r, &part, fault);
             if (err || !*at)
                 break;
             part = (struct part){.name = ""};
@@ -262,9 +230,6 @@ enum err itk_transform_scan(struct affine *out, struct buf *kind, const char *te
         at += *at == '\r';
         at += *at == '\n';
     }
-    err = err ? err : end_reading(&reading, fault);
-    if (!err)
-        *out = found;
     return err;
 }
 
@@ -278,28 +243,28 @@ struct matrix {
 
 enum { HEADER = 20, BIG_ENDIAN_TYPE = 1000, SINGLE_TYPE = 10, ROWS_TYPE = 100 };
 
+static uint64_t bits_at(const char *bytes, int width, bool is_big)
+{
+    uint64_t bits = 0;
+    for (int i = 0; i < width; i++)
+        bits |= (uint64_t)(uint8_t)bytes[is_big ? width - 1 - i : i] << 8 * i;
+    return bits;
+}
+
 static uint32_t word_at(const char *bytes, bool is_big)
 {
-    uint32_t value = 0;
-    for (int i = 0; i < 4; i++)
-        value |= (uint32_t)(uint8_t)bytes[is_big ? 3 - i : i] << 8 * i;
-    return value;
+    return (uint32_t)bits_at(bytes, 4, is_big);
 }
 
 static double number_at(const char *bytes, bool is_big, bool is_single)
 {
-    const uint64_t first = word_at(bytes, is_big);
-    if (is_single) {
-        const uint32_t bits = (uint32_t)first;
-        float value;
-        memcpy(&value, &bits, sizeof value);
-        return value;
-    }
-    const uint64_t second = word_at(bytes + 4, is_big);
-    const uint64_t bits = is_big ? first << 32 | second : second << 32 | first;
+    const uint64_t bits = bits_at(bytes, is_single ? 4 : 8, is_big);
+    const uint32_t low = (uint32_t)bits;
+    float single;
     double value;
+    memcpy(&single, &low, sizeof single);
     memcpy(&value, &bits, sizeof value);
-    return value;
+    return is_single ? single : value;
 }
 
 /* The next matrix: a row or a column of numbers, and how long it is; 0 where there is none. */
@@ -333,19 +298,10 @@ static size_t take_matrix(struct matrix *out, const char *bytes, size_t length)
     return HEADER + name + width * out->numbers;
 }
 
-bool itk_transform_is_matlab(const char *bytes, size_t length)
+static enum err read_matrices(struct reading *r, const char *bytes, size_t length,
+                              struct fault *fault)
 {
-    struct matrix matrix;
-    return take_matrix(&matrix, bytes, length) > 0 && name_length(matrix.name) > 0;
-}
-
-enum err itk_transform_decode(struct affine *out, struct buf *kind, const char *bytes,
-                              size_t length, struct fault *fault)
-{
-    struct affine found;
-    struct reading reading = {.out = &found, .kind = kind};
     enum err err = OK;
-    affine_identity(&found);
     for (size_t at = 0, n; !err && at < length; at += n) {
         struct matrix parameters, fixed;
         struct part part;
@@ -361,9 +317,32 @@ enum err itk_transform_decode(struct affine *out, struct buf *kind, const char *
         memcpy(part.fixed, fixed.number, sizeof part.fixed);
         part.numbers = parameters.numbers;
         part.fixeds = fixed.numbers;
-        err = add_part(&reading, &part, fault);
+        err = add_part(r, &part, fault);
     }
-    err = err ? err : end_reading(&reading, fault);
+    return err;
+}
+
+enum err itk_transform_read(struct affine *out, struct buf *kind, const char *bytes, size_t length,
+                            struct fault *fault)
+{
+    struct affine found;
+    struct reading reading = {.out = &found, .kind = kind};
+    struct matrix matrix;
+    const char *text = bytes;
+    enum err err;
+    affine_identity(&found);
+    if (strlen(bytes) == length && scan_text(&text, "#Insight Transform File V1.0"))
+        err = read_text(&reading, bytes, fault);
+    else if (take_matrix(&matrix, bytes, length) > 0 && name_length(matrix.name) > 0)
+        err = read_matrices(&reading, bytes, length, fault);
+    else
+        return fault_set(fault, ERR_INPUT,
+                         "it is no affine transform that is known here: ITK's as text or .mat, or "
+                         "\"fsl:FILE\" for a matrix of FLIRT");
+    if (!err && reading.parts == 0)
+        err = fault_set(fault, ERR_INPUT, "it holds no transform");
+    if (!err && kind->failed)
+        err = fault_memory(fault, "the name of a transform");
     if (!err)
         *out = found;
     return err;

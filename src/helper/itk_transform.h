@@ -28,22 +28,16 @@
 #ifndef REGISTER_ITK_TRANSFORM_H
 #define REGISTER_ITK_TRANSFORM_H
 
-#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/buf.h"
 #include "base/err.h"
 #include "apply/affine.h"
 
-/* Whether the bytes begin as one of the two. */
-bool itk_transform_is_text(const char *bytes, size_t length);
-bool itk_transform_is_matlab(const char *bytes, size_t length);
-
 /* The map as it stands there: from the fixed scene's world to the moving one's, both LPS+. `kind`
- * gets the name of what was read ("AffineTransform"). `text` ends with a NUL. ERR_INPUT. */
-enum err itk_transform_scan(struct affine *out, struct buf *kind, const char *text,
+ * gets the name of what was read ("AffineTransform"). A NUL follows the bytes. ERR_INPUT, and `out`
+ * is left alone. */
+enum err itk_transform_read(struct affine *out, struct buf *kind, const char *bytes, size_t length,
                             struct fault *fault);
-enum err itk_transform_decode(struct affine *out, struct buf *kind, const char *bytes,
-                              size_t length, struct fault *fault);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The registration itself: rigid, then affine, by Mattes' mutual information; D. Mattes et al.,
+ * Registration, and files of transforms (itk_transform.h).
+ *
+ * Registration is rigid, then affine, by Mattes' mutual information; D. Mattes et al.,
  * "PET-CT image registration in the chest using free-form deformations", IEEE Trans. Med. Imaging
  * 22 (2003) 120-128.
  *
@@ -16,7 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
+#include <cstring>
 
 #include <itkAffineTransform.h>
 #include <itkBinShrinkImageFilter.h>
@@ -25,6 +27,10 @@
 #include <itkMattesMutualInformationImageToImageMetricv4.h>
 #include <itkRegularStepGradientDescentOptimizerv4.h>
 #include <itkVersorRigid3DTransform.h>
+
+extern "C" {
+#include "helper/itk_transform.h"
+}
 
 namespace registering
 {
@@ -424,8 +430,23 @@ Found find(Volume volume[2])
             row[3] -= row[a] * common.middle[a];
         }
     }
-    found.seconds = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
     return found;
+}
+
+/* ---- files of transforms ---- */
+
+TransformFile read_transform(const std::string &bytes)
+{
+    TransformFile out;
+    struct affine map;
+    struct fault fault = {};
+    struct buf kind = {};
+    if (itk_transform_read(&map, &kind, bytes.c_str(), bytes.size(), &fault))
+        throw Refusal{fault.text};
+    std::memcpy(out.map, map.m, sizeof out.map);
+    out.kind = buf_text(&kind);
+    buf_release(&kind);
+    return out;
 }
 
 } // namespace registering

@@ -28,7 +28,6 @@ struct Found {
     double metric, identity_metric, mirrored_metric;
     double fixed_overlap, moving_overlap; /* of the content of either, what lies in the other */
     double agreement_mm, length_mm;
-    double seconds;
 };
 
 /* `volume` are the fixed scene and the moving one. */

@@ -24,14 +24,20 @@ constexpr size_t fault_most = 511;   /* the client's line */
 constexpr size_t list_most = 200000; /* the client's */
 constexpr size_t name_most = 80;     /* of a file's name, in words */
 
-void refuse(const char *format, ...)
+static std::string words_from(const char *format, va_list arguments)
 {
     char words[words_most];
+    vsnprintf(words, sizeof words, format, arguments);
+    return words;
+}
+
+void refuse(const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(words, sizeof words, format, arguments);
+    const Refusal refusal = {words_from(format, arguments)};
     va_end(arguments);
-    throw Refusal{words};
+    throw refusal;
 }
 
 void refuse_for(const std::string &wrong)
@@ -42,10 +48,9 @@ void refuse_for(const std::string &wrong)
 
 std::string words_of(const char *format, ...)
 {
-    char words[words_most];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(words, sizeof words, format, arguments);
+    const std::string words = words_from(format, arguments);
     va_end(arguments);
     return words;
 }

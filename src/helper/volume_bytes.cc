@@ -153,49 +153,40 @@ struct Numbers {
     unsigned width = 0;
 };
 
-/* Fields of a page that say how many bytes it has. */
-struct PageFields {
-    Numbers width, height, bits, samples, packing, colours, place, length;
+/* Fields of a page, by their tags. */
+using PageFields = std::map<uint64_t, Numbers>;
 
-    Numbers *of_tag(uint64_t tag)
-    {
-        switch (tag) {
-        case 256:
-            return &width;
-        case 257:
-            return &height;
-        case 258:
-            return &bits;
-        case 259:
-            return &packing;
-        case 262:
-            return &colours;
-        case 273:
-        case 324:
-            return &place;
-        case 277:
-            return &samples;
-        case 279:
-        case 325:
-            return &length;
-        default:
-            return nullptr;
-        }
-    }
+enum PageTag : uint64_t {
+    WIDTH = 256,
+    HEIGHT = 257,
+    BITS = 258,
+    PACKING = 259,
+    COLOURS = 262,
+    STRIPS_AT = 273,
+    SAMPLES = 277,
+    STRIPS_LENGTH = 279,
+    TILES_AT = 324,
+    TILES_LENGTH = 325
 };
 
-uint64_t first_of(Counted &file, const Numbers &numbers, uint64_t usual)
+/* The first number of a field. */
+uint64_t first_of(Counted &file, const PageFields &field, PageTag tag, uint64_t usual)
 {
-    return numbers.count ? file.number(numbers.at, numbers.width) : usual;
+    const auto numbers = field.find(tag);
+    return numbers != field.end() && numbers->second.count
+               ? file.number(numbers->second.at, numbers->second.width)
+               : usual;
 }
 
 /* Where the strips or tiles of a page lie, and how long they are. Of a page without packing libtiff
  * reads on where its strips are too short for its pixels; it does so, too, where their lengths are
  * 0, which old writers mean. */
-void count_page(Counted &file, const PageFields &field, uint64_t &counted)
+void count_page(Counted &file, PageFields &field, uint64_t &counted)
 {
     constexpr uint64_t none = 1, subsampled = 6;
-    const Numbers &place = field.place, &length = field.length;
+    const bool is_tiled = field.count(TILES_AT) > 0;
+    const Numbers place = field[is_tiled ? TILES_AT : STRIPS_AT];
+    const Numbers length = field[is_tiled ? TILES_LENGTH : STRIPS_LENGTH];
     const uint64_t count = std::min(place.count, length.count);
     counted = sum_of(counted, count);
     if (counted > file.bytes())
@@ -211,11 +202,11 @@ void count_page(Counted &file, const PageFields &field, uint64_t &counted)
         has = sum_of(has, bytes);
         is_said = is_said && bytes > 0;
     }
-    uint64_t bits = product_of(first_of(file, field.bits, 1), first_of(file, field.samples, 1));
-    bits = product_of(bits, first_of(file, field.width, 0));
-    bits = product_of(bits, first_of(file, field.height, 0));
-    if (is_said && has < bits / 8 && first_of(file, field.packing, none) == none &&
-        first_of(file, field.colours, none) != subsampled)
+    uint64_t bits = product_of(first_of(file, field, BITS, 1), first_of(file, field, SAMPLES, 1));
+    bits = product_of(bits, first_of(file, field, WIDTH, 0));
+    bits = product_of(bits, first_of(file, field, HEIGHT, 0));
+    if (is_said && has < bits / 8 && first_of(file, field, PACKING, none) == none &&
+        first_of(file, field, COLOURS, none) != subsampled)
         refuse("cut short or false: a page has %llu bytes of pixels, and its size promises %llu",
                wide(has), wide(bits / 8));
 }
@@ -248,8 +239,7 @@ void count_tiff(Counted &file)
             if (!is_here)
                 numbers.at = file.number(numbers.at, wide_bytes);
             file.need(sum_of(numbers.at, product_of(numbers.count, numbers.width)));
-            if (Numbers *known = field.of_tag(tag))
-                *known = numbers;
+            field[tag] = numbers;
         }
         count_page(file, field, counted);
         page = file.number(end, wide_bytes);
@@ -299,6 +289,60 @@ void check_gipl(Counted &file)
         refuse("its voxels are of type %llu (%s), which is not read; expected 8 or 16 bits, or "
                "real numbers",
                wide(kind->first), kind->second);
+}
+
+/* ---- VTK ---- */
+
+/* What begins an array of voxels. */
+static const std::set<std::string> vtk_arrays = {"scalars", "vectors", "tensors", "color_scalars"};
+
+/* Refuses values that ITK does not read as voxels, by name. */
+void check_vtk(const std::string &path)
+{
+    static const std::set<std::string> grids = {"structured_grid", "unstructured_grid", "polydata",
+                                                "rectilinear_grid", "field"};
+    static const std::set<std::string> others = {"field", "normals", "texture_coordinates"};
+    static const std::set<std::string> types = {
+        "unsigned_char", "char", "unsigned_short", "short",  "unsigned_int", "int",
+        "unsigned_long", "long", "float",          "double", "vtktypeint64", "vtktypeuint64"};
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    uint64_t points = 1;
+    bool has_sides = false;
+    for (int i = 0; std::getline(file, line) && i < 100000; i++) {
+        const std::vector<std::string> word = words_in(in_small_letters(line.substr(0, 1000)));
+        if (i < 3 || word.empty())
+            continue;
+        if (word[0] == "dataset" && word.size() > 1 && grids.count(word[1]))
+            refuse("it is a %s of VTK, whose points are on no grid of equal steps; the filter "
+                   "Resample To Image of ParaView makes STRUCTURED_POINTS of it",
+                   word[1].c_str());
+        if (word[0] == "cell_data")
+            refuse("its values are of cells (CELL_DATA), and only those of points are read; the "
+                   "filter Cell Data to Point Data of ParaView makes means of them");
+        if (others.count(word[0]))
+            refuse("its first values are in %s, which is not read; expected SCALARS: save the one "
+                   "array as legacy VTK",
+                   word[0].c_str());
+        const bool is_step = word[0] == "spacing" || word[0] == "aspect_ratio";
+        has_sides = has_sides || word[0] == "dimensions";
+        if (!has_sides && (is_step || word[0] == "origin"))
+            refuse("its DIMENSIONS come after its spacing or origin, which is not read; move that "
+                   "line to the one after DATASET");
+        for (size_t a = 1; word[0] == "dimensions" && a < std::min<size_t>(4, word.size()); a++)
+            points = product_of(points, std::strtoull(word[a].c_str(), nullptr, 10));
+        if (word[0] == "point_data" && word.size() > 1 &&
+            std::strtoull(word[1].c_str(), nullptr, 10) != points)
+            refuse("its DIMENSIONS are of %llu points, and its POINT_DATA of another number",
+                   wide(points));
+        if (!vtk_arrays.count(word[0]))
+            continue;
+        if (word[0] != "color_scalars" && word.size() > 2 && !types.count(word[2]))
+            refuse("its voxels are of %s, which is not read; expected char to double: the filter "
+                   "Calculator of ParaView makes numbers of them",
+                   word[2] == "bit" ? "type bit, eight in a byte" : "another type");
+        return;
+    }
 }
 
 /* ---- HDF5 ---- */
@@ -424,36 +468,28 @@ class NetCdf
     std::vector<uint64_t> side_;
 };
 
-/* Of a NRRD, whose header may end with its file then. */
-bool names_files(const Header &header)
-{
-    return header.field.count("data file") || header.field.count("datafile");
-}
-
 void count_parts(const std::string &kind, const std::string &path, const std::string &what)
 {
-    static const std::set<std::string> counted = {"tiff", "png",  "gipl", "hdf5",
-                                                  "minc", "nrrd", "meta"};
-    if (!counted.count(kind))
-        return;
     Counted file(path, what);
-    if (kind == "nrrd" || kind == "meta") {
-        const Header header = header_of(kind, path);
-        if (header.end == 0 && !(kind == "nrrd" && names_files(header)))
-            refuse("%scut short: it has %llu bytes, and ends within its header; fetch it again",
-                   what.c_str(), wide(file.bytes()));
-        return;
-    }
+    const bool is_minc = kind == "minc"; /* which is netCDF or HDF5 */
     if (kind == "png")
         count_png(file);
     else if (kind == "gipl")
         check_gipl(file);
     else if (kind == "tiff")
         count_tiff(file);
-    else if (file.has(0, "CDF", 3))
+    else if (kind == "vtk")
+        check_vtk(path);
+    else if (is_minc && file.has(0, "CDF", 3))
         NetCdf(file).count();
-    else if (file.has(0, "\x89HDF", 4))
+    else if ((is_minc || kind == "hdf5") && file.has(0, "\x89HDF", 4))
         count_hdf5(file);
+    if (kind != "nrrd" && kind != "meta")
+        return;
+    const Header header = header_of(kind, path);
+    if (header.end == 0 && !header.names_files()) /* else it may end with its file */
+        refuse("%scut short: it has %llu bytes, and ends within its header; fetch it again",
+               what.c_str(), wide(file.bytes()));
 }
 
 /* ---- voxels in one run, or one for each file ---- */
@@ -471,21 +507,17 @@ struct Run {
     uint64_t packed = 0;   /* bytes of them in the file, where that is said */
 };
 
-Run run_in(Run run, const std::string &path)
-{
-    run.path = path;
-    run.what = words_of("its voxels are in %s, which is ", last_name(path).c_str());
-    return run;
-}
-
 /* In files that the header names, which share the voxels evenly. */
 std::vector<Run> runs_in(const std::vector<std::string> &named, Run all)
 {
     std::vector<Run> runs;
     all.bytes /= named.size();
     all.values /= named.size();
-    for (const std::string &path : named)
-        runs.push_back(run_in(all, path));
+    for (const std::string &path : named) {
+        all.path = path;
+        all.what = words_of("its voxels are in %s, which is ", last_name(path).c_str());
+        runs.push_back(all);
+    }
     return runs;
 }
 
@@ -539,7 +571,7 @@ std::vector<Run> runs_of_nrrd(Run run, const std::vector<std::string> &named)
         run.at = skipped > 0 ? static_cast<uint64_t>(skipped) : 0;
     if (!named.empty())
         return runs_in(named, run);
-    if (names_files(header))
+    if (header.names_files())
         refuse("its header names no file with its voxels");
     run.at = sum_of(run.at, header.end);
     return {run};
@@ -548,8 +580,6 @@ std::vector<Run> runs_of_nrrd(Run run, const std::vector<std::string> &named)
 /* The voxels begin after the line of their attribute, or the table that may follow it. */
 Run run_of_vtk(Run run)
 {
-    static const std::set<std::string> attributes = {"scalars", "vectors", "tensors",
-                                                     "color_scalars"};
     std::ifstream file(run.path, std::ios::binary);
     std::string line;
     bool is_found = false;
@@ -562,69 +592,9 @@ Run run_of_vtk(Run run)
             break;
         if (i == 2 && word == "ascii")
             run.packing = Packing::TEXT;
-        is_found = i > 2 && attributes.count(word);
+        is_found = i > 2 && vtk_arrays.count(word);
     }
     return run;
-}
-
-/* The words of a line, in small letters. */
-std::vector<std::string> vtk_words(const std::string &line)
-{
-    std::istringstream stream(in_small_letters(line));
-    std::vector<std::string> words;
-    for (std::string word; words.size() < 8 && stream >> word;)
-        words.push_back(word);
-    return words;
-}
-
-void check_vtk(const std::string &path)
-{
-    static const std::set<std::string> grids = {"structured_grid", "unstructured_grid", "polydata",
-                                                "rectilinear_grid", "field"};
-    static const std::set<std::string> attributes = {"scalars", "vectors", "tensors",
-                                                     "color_scalars"};
-    static const std::set<std::string> others = {"field", "normals", "texture_coordinates"};
-    static const std::set<std::string> types = {
-        "unsigned_char", "char", "unsigned_short", "short",  "unsigned_int", "int",
-        "unsigned_long", "long", "float",          "double", "vtktypeint64", "vtktypeuint64"};
-    std::ifstream file(path, std::ios::binary);
-    std::string line;
-    uint64_t points = 1;
-    bool has_sides = false;
-    for (int i = 0; std::getline(file, line) && i < 100000; i++) {
-        const std::vector<std::string> word = vtk_words(line.substr(0, 1000));
-        if (i < 3 || word.empty())
-            continue;
-        if (word[0] == "dataset" && word.size() > 1 && grids.count(word[1]))
-            refuse("it is a %s of VTK, whose points are on no grid of equal steps; the filter "
-                   "Resample To Image of ParaView makes STRUCTURED_POINTS of it",
-                   word[1].c_str());
-        if (word[0] == "cell_data")
-            refuse("its values are of cells (CELL_DATA), and only those of points are read; the "
-                   "filter Cell Data to Point Data of ParaView makes means of them");
-        if (others.count(word[0]))
-            refuse("its first values are in %s, which is not read; expected SCALARS: save the one "
-                   "array as legacy VTK",
-                   word[0].c_str());
-        const bool is_step = word[0] == "spacing" || word[0] == "aspect_ratio";
-        has_sides = has_sides || word[0] == "dimensions";
-        if (!has_sides && (is_step || word[0] == "origin"))
-            refuse("its DIMENSIONS come after its spacing or origin, which is not read; move that "
-                   "line to the one after DATASET");
-        for (size_t a = 1; word[0] == "dimensions" && a < std::min<size_t>(4, word.size()); a++)
-            points = product_of(points, std::strtoull(word[a].c_str(), nullptr, 10));
-        if (word[0] == "point_data" && word.size() > 1 &&
-            std::strtoull(word[1].c_str(), nullptr, 10) != points)
-            refuse("its DIMENSIONS are of %llu points, and its POINT_DATA of another number",
-                   wide(points));
-        if (!attributes.count(word[0]))
-            continue;
-        if (word[0] != "color_scalars" && word.size() > 2 && !types.count(word[2]))
-            refuse("its voxels are of %s, which is not read; expected char to double: the filter "
-                   "Calculator of ParaView makes numbers of them",
-                   word[2] == "bit" ? "type bit, eight in a byte" : "another type");
-        return;
-    }
 }
 
 std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const Request &request)

@@ -353,12 +353,9 @@ void take_lookup(Slice &slice, const gdcm::DataSet &set)
     }
     const auto lookup = std::make_shared<Lookup>();
     lookup->first = slice.is_signed ? static_cast<int16_t>(descriptor[1]) : descriptor[1];
-    for (size_t i = 0; i < count; i++) {
-        uint16_t value = static_cast<uint8_t>(data[i]);
-        if (width == 2)
-            std::memcpy(&value, &data[2 * i], sizeof value);
-        lookup->value.push_back(value);
-    }
+    for (size_t i = 0; i < count; i++)
+        lookup->value.push_back(width == 2 ? load<uint16_t>(&data[2 * i])
+                                           : static_cast<uint8_t>(data[i]));
     slice.lookup = lookup;
 }
 
@@ -743,9 +740,7 @@ template <typename Number> void clear_unused(std::vector<char> &bytes, unsigned 
     const auto mask = static_cast<Number>((uint64_t{1} << stored) - 1);
     const auto half = static_cast<Number>(sign ? uint64_t{1} << (stored - 1) : 0);
     for (size_t i = 0; i + sizeof(Number) <= bytes.size(); i += sizeof(Number)) {
-        Number value;
-        std::memcpy(&value, &bytes[i], sizeof value);
-        value = static_cast<Number>(((value & mask) ^ half) - half);
+        const auto value = static_cast<Number>(((load<Number>(&bytes[i]) & mask) ^ half) - half);
         std::memcpy(&bytes[i], &value, sizeof value);
     }
 }
@@ -776,10 +771,8 @@ bool read_plain(std::vector<char> &bytes, const Slice &slice)
         return false;
     /* As this machine has numbers. What of 8 bits is written as words of 16 is so here, too. */
     const bool is_of_words = slice.bits == 8 && slice.is_big && !slice.is_of_bytes;
-    const std::ptrdiff_t width = is_of_words ? 2 : slice.bits / 8;
-    if (is_of_words || slice.is_big != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__))
-        for (auto at = bytes.begin(); bytes.end() - at >= width; at += width)
-            std::reverse(at, at + width);
+    if (is_of_words || slice.is_big != is_big_machine)
+        reverse_each(bytes, is_of_words ? 2 : slice.bits / 8);
     clear_unused(bytes, slice.bits, slice.stored, slice.high, slice.is_signed);
     return true;
 }

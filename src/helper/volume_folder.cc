@@ -190,8 +190,6 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
     const std::string kind = slices.empty() ? most_of(pictures) : "";
     if (!slices.empty())
         stack_slices(volume, slices, request);
-    else if (kind == "bmp")
-        stack_bmps(volume, pictures[kind]);
     else
         stack_pictures(volume, pictures[kind], kind);
     for (const auto &[other, path] : pictures)

@@ -25,8 +25,6 @@ constexpr size_t name_most = 4096;
 constexpr size_t depth_most = 8;
 constexpr size_t files_most = 200; /* the library holds each open, and has zeros for the others */
 
-/* ---- values that lie elsewhere ---- */
-
 /* ---- values in files of no format ---- */
 
 std::string wrong_with_storage(hid_t made, const std::string &path, int files)
@@ -275,19 +273,14 @@ std::string hdf_type(hid_t set)
 /* What values of other types are. */
 std::string other_type(hid_t set)
 {
+    static const std::map<H5T_class_t, const char *> kinds = {
+        {H5T_COMPOUND, "records, such as complex numbers or colours"},
+        {H5T_OPAQUE, "opaque bytes"},
+        {H5T_BITFIELD, "fields of bits"},
+        {H5T_STRING, "texts"}};
     Handle type(H5Dget_type(set), H5Tclose);
-    switch (H5Tget_class(type)) {
-    case H5T_COMPOUND:
-        return "records, such as complex numbers or colours";
-    case H5T_OPAQUE:
-        return "opaque bytes";
-    case H5T_BITFIELD:
-        return "fields of bits";
-    case H5T_STRING:
-        return "texts";
-    default:
-        return "of a type that is not read";
-    }
+    const auto kind = kinds.find(H5Tget_class(type));
+    return kind == kinds.end() ? "of a type that is not read" : kind->second;
 }
 
 hid_t hdf_memory_type(const std::string &type)

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The formats that ITK reads, and slices as PNG in the order of their names, by its readers
- * directly, without its templates of images: this compiles in seconds. */
+/* The formats that ITK reads, by its readers directly, without its templates of images: this
+ * compiles in seconds. */
 #include "helper/volume_parts.hh"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <set>
 #include <vector>
 
@@ -40,34 +40,18 @@ struct Kind {
     unsigned known; /* of a format that always says it */
 };
 
-const char *type_of(itk::ImageIOBase &io)
+const char *type_of(const itk::ImageIOBase &io)
 {
-    switch (io.GetComponentType()) {
-    case itk::IOComponentEnum::UCHAR:
-        return "uint8";
-    case itk::IOComponentEnum::CHAR:
-        return "int8";
-    case itk::IOComponentEnum::USHORT:
-        return "uint16";
-    case itk::IOComponentEnum::SHORT:
-        return "int16";
-    case itk::IOComponentEnum::UINT:
-        return "uint32";
-    case itk::IOComponentEnum::INT:
-        return "int32";
-    case itk::IOComponentEnum::ULONG:
-    case itk::IOComponentEnum::ULONGLONG:
-        return "uint64";
-    case itk::IOComponentEnum::LONG:
-    case itk::IOComponentEnum::LONGLONG:
-        return "int64";
-    case itk::IOComponentEnum::FLOAT:
-        return "float32";
-    case itk::IOComponentEnum::DOUBLE:
-        return "float64";
-    default:
+    using Type = itk::IOComponentEnum;
+    static const std::map<Type, const char *> types = {
+        {Type::UCHAR, "uint8"},    {Type::CHAR, "int8"},     {Type::USHORT, "uint16"},
+        {Type::SHORT, "int16"},    {Type::UINT, "uint32"},   {Type::INT, "int32"},
+        {Type::ULONG, "uint64"},   {Type::LONG, "int64"},    {Type::ULONGLONG, "uint64"},
+        {Type::LONGLONG, "int64"}, {Type::FLOAT, "float32"}, {Type::DOUBLE, "float64"}};
+    const auto type = types.find(io.GetComponentType());
+    if (type == types.end())
         refuse("its voxels are of a type that is not read; expected integers or floats");
-    }
+    return type->second;
 }
 
 /* The matrix of ITK's spacing, directions and origin. Its world runs to the left and to the back
@@ -153,14 +137,6 @@ void send_in_parts(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
     }
 }
 
-itk::ImageIORegion whole_region(itk::ImageIOBase &io)
-{
-    itk::ImageIORegion region(io.GetNumberOfDimensions());
-    for (unsigned a = 0; a < io.GetNumberOfDimensions(); a++)
-        region.SetSize(a, io.GetDimensions(a));
-    return region;
-}
-
 /* What is left to do once the reader has read its header. */
 void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request &request,
               World world)
@@ -178,7 +154,10 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
     volume.send = [&volume, io, number]() {
         if (number >= volume.volumes)
             refuse("there is no such volume in it");
-        io->SetIORegion(whole_region(*io));
+        itk::ImageIORegion whole(io->GetNumberOfDimensions());
+        for (unsigned a = 0; a < io->GetNumberOfDimensions(); a++)
+            whole.SetSize(a, io->GetDimensions(a));
+        io->SetIORegion(whole);
         if (io->GetNumberOfComponents() == 1 && io->CanStreamRead())
             send_in_parts(volume, *io, number);
         else
@@ -186,29 +165,11 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
     };
 }
 
-/* What the resolution of a picture says of its pixels: many programs write one without knowing, and
- * none says how far apart slices are. So it is noted, and not taken. ITK has 1 where there is none.
- */
-void note_pixels(Volume &volume, double x, double y)
-{
-    if (std::isfinite(x) && std::isfinite(y) && x > 0 && y > 0 && !(x == 1 && y == 1))
-        note(volume, words_of("its resolution says pixels of %.6gx%.6g mm, and nothing how far "
-                              "apart slices are: where you know that, open it with "
-                              "spacing=%.6g,%.6g,Z",
-                              x, y, x, y));
-}
-
-void note_png(Volume &volume, const std::string &path)
-{
-    double mm[2];
-    if (png_resolution(path, mm)) /* which ITK 5.2 does not read */
-        note_pixels(volume, mm[0], mm[1]);
-}
-
 /* ---- what headers of text leave open ---- */
 
-/* NRRD: a place only where it names the space, and distances where it gives them all. */
-unsigned known_by_nrrd(const std::string &path)
+/* NRRD: a place only where it names the space, and distances where it gives them all; MetaImage: as
+ * its fields say. */
+unsigned known_by(const std::string &kind, const Header &header)
 {
     static const std::set<std::string> anatomical = {"right-anterior-superior",
                                                      "left-anterior-superior",
@@ -216,12 +177,16 @@ unsigned known_by_nrrd(const std::string &path)
                                                      "ras",
                                                      "las",
                                                      "lps"};
-    const Header header = header_of("nrrd", path);
-    const bool has_directions = header.field.count("space directions");
-    unsigned known = has_directions || nrrd_has_spacings(header) ? SPACING : NOTHING;
-    if (has_directions && anatomical.count(in_small_letters(header.value("space"))))
-        known |= ORIENTATION;
-    return known;
+    if (kind == "meta") {
+        const bool has_axes =
+            header.has("transformmatrix") || header.has("orientation") || header.has("rotation");
+        return (header.has("elementspacing") ? SPACING : NOTHING) |
+               (has_axes ? ORIENTATION : NOTHING);
+    }
+    if (!header.has("space directions"))
+        return nrrd_has_spacings(header) ? SPACING : NOTHING;
+    return anatomical.count(in_small_letters(header.value("space"))) ? SPACING | ORIENTATION
+                                                                     : SPACING;
 }
 
 /* The numbers of "(1,0,0) none (0,1,0)", without what is none; {} where there are other words. */
@@ -265,13 +230,12 @@ bool turn_column(Volume &volume, int column, const double *is)
 
 /* Of a NRRD in left-anterior-superior that is placed as ITK has it: where it lies. Where ITK has
  * read other numbers than stand in the header that is not known, and said. */
-void place_las(Volume &volume, itk::ImageIOBase &io, const Request &request)
+void place_las(Volume &volume, itk::ImageIOBase &io, const Header &header)
 {
-    const Header header = header_of("nrrd", request.path);
     const std::string space = in_small_letters(header.value("space"));
     if (!(volume.known & ORIENTATION) || (space != "las" && space != "left-anterior-superior"))
         return;
-    const bool has_origin = header.field.count("space origin");
+    const bool has_origin = header.has("space origin");
     const std::vector<double> axes = numbers_of(header.value("space directions"));
     std::vector<double> origin = numbers_of(header.value("space origin"));
     bool is_sure = axes.size() == 9 && (!has_origin || origin.size() == 3);
@@ -290,7 +254,7 @@ void place_las(Volume &volume, itk::ImageIOBase &io, const Request &request)
 
 /* The lengths of a header to millimetres. Where one is in a unit that is not known, no place is
  * known either: axes may be stretched. */
-void measure(Volume &volume, itk::ImageIOBase &io, const Units &units, const char *field)
+void measure(Volume &volume, itk::ImageIOBase &io, const Units &units)
 {
     const bool has_place = volume.known & ORIENTATION;
     const unsigned dimensions = std::min(io.GetNumberOfDimensions(), 3U);
@@ -298,7 +262,8 @@ void measure(Volume &volume, itk::ImageIOBase &io, const Units &units, const cha
         double square = 0; /* of the length along axis a, in a space that is not the patient's */
         for (unsigned w = 0; w < std::min<size_t>(3, io.GetDirection(a).size()); w++)
             square += std::pow(io.GetDirection(a)[w] * io.GetSpacing(a) * units.mm[w], 2);
-        if (units.are_of_space && !has_place && !units.are_alike())
+        if (units.are_of_space && !has_place &&
+            !(units.mm[0] == units.mm[1] && units.mm[1] == units.mm[2]))
             volume.to_mm[a][a] = std::sqrt(square);
         else
             for (unsigned w = 0; w < 3; w++)
@@ -311,17 +276,7 @@ void measure(Volume &volume, itk::ImageIOBase &io, const Units &units, const cha
     place(volume, io, World::NONE);
     note(volume, words_of("its field \"%s\" has a unit that is not known (" LENGTH_UNITS "): "
                           "distances of voxels are unknown; spacing=X,Y,Z says them in mm",
-                          field));
-}
-
-unsigned known_by_meta(const std::string &path)
-{
-    const Header header = header_of("meta", path);
-    unsigned known = header.field.count("elementspacing") ? SPACING : NOTHING;
-    for (const char *name : {"transformmatrix", "orientation", "rotation"})
-        if (header.field.count(name))
-            known |= ORIENTATION;
-    return known;
+                          units.field));
 }
 
 /* ---- the formats of ITK ---- */
@@ -343,32 +298,18 @@ const Kind kinds[] = {
     {"itk-hdf5", "HDF5 of ITK", make<itk::HDF5ImageIO>, World::LPS, SPACING | ORIENTATION},
 };
 
-/* NULL for none. */
-const Kind *find_kind(const std::string &name)
-{
-    for (const Kind &kind : kinds)
-        if (name == kind.name)
-            return &kind;
-    return nullptr;
-}
-
 void open_by_itk(Volume &volume, const Request &request, const std::string &name)
 {
-    const Kind *kind = find_kind(name);
-    if (!kind)
+    const Kind *kind = std::find_if(std::begin(kinds), std::end(kinds),
+                                    [&](const Kind &each) { return name == each.name; });
+    if (kind == std::end(kinds))
         refuse("it is of no format that is known here");
-    itk::ImageIOBase::Pointer io = kind->make();
+    const itk::ImageIOBase::Pointer io = kind->make();
     io->SetFileName(request.path);
-    count_parts(kind->name, request.path, "");
-    const bool is_nrrd = name == "nrrd", is_meta = name == "meta";
-    const Header header = is_nrrd || is_meta ? header_of(name, request.path) : Header();
-    if (is_nrrd)
-        check_nrrd(header);
-    if (is_meta)
-        check_meta_numbers(header);
-    if (name == "vtk")
-        check_vtk(request.path);
-    const Units units = is_nrrd ? units_of_nrrd(header) : is_meta ? units_of_meta(header) : Units();
+    count_parts(name, request.path, "");
+    const bool is_meta = name == "meta", is_text = is_meta || name == "nrrd";
+    const Header header = is_text ? header_of(name, request.path) : Header();
+    const Units units = is_text ? units_of(name, header) : Units();
     if (!io->CanReadFile(request.path.c_str()))
         refuse("its first bytes are of a %s file, and the rest of its header is not", kind->format);
     io->ReadImageInformation();
@@ -382,145 +323,18 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
             sides);
     }
     volume.format = kind->format;
-    volume.known = is_nrrd   ? known_by_nrrd(request.path)
-                   : is_meta ? known_by_meta(request.path)
-                             : kind->known;
+    volume.known = is_text ? known_by(name, header) : kind->known;
     describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
-    if (is_nrrd)
-        place_las(volume, *io, request);
-    if (is_nrrd || is_meta)
-        measure(volume, *io, units,
-                is_meta              ? "DistanceUnits"
-                : units.are_of_space ? "space units"
-                                     : "units");
+    if (name == "nrrd")
+        place_las(volume, *io, header);
+    if (is_text)
+        measure(volume, *io, units);
     if (is_meta)
         scale_meta(volume, header);
-    count_voxels(volume, kind->name, request);
-    if (name == "png")
-        note_png(volume, request.path);
-}
-
-/* ---- slices as pictures ---- */
-
-/* Names as people count: slice9 before slice10. */
-bool is_before(const std::string &a, const std::string &b)
-{
-    size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size()) {
-        if (std::isdigit(static_cast<unsigned char>(a[i])) &&
-            std::isdigit(static_cast<unsigned char>(b[j]))) {
-            const auto end = [](const std::string &s, size_t at) {
-                while (at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])))
-                    at++;
-                return at;
-            };
-            const auto digits = [](const std::string &s, size_t from, size_t to) {
-                while (from + 1 < to && s[from] == '0')
-                    from++;
-                return s.substr(from, to - from);
-            };
-            const size_t m = end(a, i), n = end(b, j);
-            const std::string p = digits(a, i, m), q = digits(b, j, n);
-            if (p != q)
-                return p.size() != q.size() ? p.size() < q.size() : p < q;
-            i = m;
-            j = n;
-        } else if (a[i] != b[j]) {
-            return a[i] < b[j];
-        } else {
-            i++;
-            j++;
-        }
-    }
-    return a.size() - i < b.size() - j;
-}
-
-itk::ImageIOBase::Pointer open_picture(const std::string &kind, const std::string &path,
-                                       size_t number, size_t all)
-{
-    const itk::ImageIOBase::Pointer io = find_kind(kind)->make();
-    io->SetFileName(path);
-    try {
-        io->ReadImageInformation();
-    } catch (const std::exception &) {
-        refuse("slice %zu of %zu cannot be decoded", number, all);
-    }
-    return io;
-}
-
-void send_pictures(const Volume &volume, const std::vector<std::string> &path,
-                   const std::string &kind)
-{
-    std::vector<char> bytes(bytes_in(volume, 1) / volume.size[2]);
-    for (size_t z = 0; z < path.size(); z++) {
-        const itk::ImageIOBase::Pointer io = open_picture(kind, path[z], z + 1, path.size());
-        const bool is_flat = io->GetNumberOfDimensions() < 3 || io->GetDimensions(2) == 1;
-        if (!is_flat || io->GetDimensions(0) != volume.size[0] ||
-            io->GetDimensions(1) != volume.size[1] || io->GetNumberOfComponents() != 1 ||
-            volume.type != type_of(*io))
-            refuse("slice %zu of %zu is %zux%zu with %u values of %s a pixel, and the first "
-                   "%llux%llu with 1 of %s; expected slices of one kind",
-                   z + 1, path.size(), static_cast<size_t>(io->GetDimensions(0)),
-                   static_cast<size_t>(io->GetDimensions(1)), io->GetNumberOfComponents(),
-                   type_of(*io), wide(volume.size[0]), wide(volume.size[1]), volume.type.c_str());
-        io->SetIORegion(whole_region(*io));
-        io->Read(bytes.data());
-        send_piece(bytes.data(), bytes.size());
-    }
-}
-
-/* Says where numbers in names leave some out: the last number of each name. */
-void note_gaps(Volume &volume, const std::vector<std::string> &path)
-{
-    long former = -1;
-    size_t gaps = 0;
-    std::string first;
-    for (size_t i = 0; i < path.size(); i++) {
-        size_t end = path[i].find_last_of("0123456789");
-        size_t begin = end;
-        while (begin != std::string::npos && begin > 0 &&
-               std::isdigit(static_cast<unsigned char>(path[i][begin - 1])))
-            begin--;
-        if (end == std::string::npos || end - begin > 9)
-            return;
-        const long number = std::atol(path[i].c_str() + begin);
-        if (former >= 0 && number != former + 1 && gaps++ == 0)
-            first = words_of("after slice %zu", i);
-        former = number;
-    }
-    if (gaps)
-        note(volume, words_of("the numbers in the names of the slices leave some out (the first "
-                              "time %s)",
-                              first.c_str()));
-}
-
-void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind)
-{
-    std::sort(path.begin(), path.end(), is_before);
-    for (size_t z = 0; z < path.size(); z++)
-        count_parts(
-            kind, path[z],
-            words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), last_name(path[z]).c_str()));
-    if (kind == "tiff") {
-        stack_tiffs(volume, path);
-        note_gaps(volume, path);
-        return;
-    }
-    const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
-    if (io->GetNumberOfComponents() != 1)
-        refuse("slice 1 of %zu has %u values a pixel (%s); expected grey: `mogrify -format png "
-               "-type Grayscale -alpha off *.png` (imagemagick) makes grey of all",
-               path.size(), io->GetNumberOfComponents(),
-               io->GetNumberOfComponents() == 2 ? "grey with alpha"
-                                                : "colours, perhaps of a palette");
-    volume.format = "PNG slices";
-    volume.type = type_of(*io);
-    volume.size[0] = io->GetDimensions(0);
-    volume.size[1] = io->GetDimensions(1);
-    volume.size[2] = path.size();
-    note_gaps(volume, path);
-    note_png(volume, path[0]);
-    volume.send = [&volume, path, kind]() { send_pictures(volume, path, kind); };
+    count_voxels(volume, name, request);
+    double mm[2];
+    if (name == "png" && png_resolution(request.path, mm)) /* which ITK 5.2 does not read */
+        note_pixels(volume, mm[0], mm[1]);
 }
 
 } // namespace volume

@@ -60,9 +60,7 @@ class MrcHeader
     double real(unsigned at) const
     {
         const auto bits = static_cast<uint32_t>(number_in(bytes_ + at, 4, is_big));
-        float value;
-        std::memcpy(&value, &bits, sizeof value);
-        return static_cast<double>(value);
+        return static_cast<double>(load<float>(&bits));
     }
     unsigned char stamp() const
     {
@@ -206,20 +204,6 @@ void take_spacing(Volume &volume, const MrcHeader &header)
 
 /* ---- the voxels ---- */
 
-/* One number, in the order of this machine. */
-void take_number(char *to, const char *from, unsigned width, bool is_big)
-{
-    const uint64_t bits = number_in(from, width, is_big);
-    const auto four = static_cast<uint32_t>(bits);
-    const auto two = static_cast<uint16_t>(bits);
-    if (width == 4)
-        std::memcpy(to, &four, sizeof four);
-    else if (width == 2)
-        std::memcpy(to, &two, sizeof two);
-    else
-        *to = *from;
-}
-
 /* Slices of z, which the file has in any order: whole sections are read, as few as hold them. */
 void send_mrc(const Volume &volume, const Mrc &mrc, const std::string &path, uint64_t number)
 {
@@ -243,16 +227,18 @@ void send_mrc(const Volume &volume, const Mrc &mrc, const std::string &path, uin
                       static_cast<std::streamsize>(is_in_order ? n * slice * width : from.size()));
             if (!file)
                 refuse("it cannot be read");
+            if (mrc.is_big != is_big_machine)
+                reverse_each(from, width);
         }
         size_t at = 0;
         for (uint64_t k = 0; k < n; k++)
             for (uint64_t y = 0; y < volume.size[1]; y++)
                 for (uint64_t x = 0; x < volume.size[0]; x++, at += width)
-                    take_number(
+                    std::memcpy(
                         &to[at],
                         &from[((is_in_order ? k : z + k) * along[2] + y * along[1] + x * along[0]) *
                               width],
-                        width, mrc.is_big);
+                        width);
         send_piece(to.data(), at);
     }
 }

@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* Headers of text, NRRD and MetaImage: their fields, and which files they name for the voxels. */
+/* Headers of text, NRRD and MetaImage: their fields, the files that they name for the voxels, and
+ * units of length and scales of values, which ITK leaves out; and numbers there, of which ITK takes
+ * the beginning where the rest is no number. */
 #include "helper/volume_parts.hh"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 
 extern "C" {
 #include "base/confine.h"
+#include "image/reader_common.h"
 }
 
 namespace volume
@@ -69,30 +74,14 @@ std::string last_name(const std::string &path)
 
 std::string wrong_with(const std::string &header, const std::string &name)
 {
-    const char *is = "";
-    switch (beneath_look(folder_of(header).c_str(), name.c_str())) {
-    case BENEATH_FINE:
+    const enum beneath look = beneath_look(folder_of(header).c_str(), name.c_str());
+    if (look == BENEATH_FINE)
         return "";
-    case BENEATH_MISSING:
-        is = "which is not there";
-        break;
-    case BENEATH_OUTSIDE:
-        is = "which is not below the folder of the header";
-        break;
-    case BENEATH_FOLDER:
-    case BENEATH_NO_FILE:
-        is = "which is not a regular file";
-        break;
-    }
+    const char *is = look == BENEATH_MISSING   ? "which is not there"
+                     : look == BENEATH_OUTSIDE ? "which is not below the folder of the header"
+                                               : "which is not a regular file";
     return words_of("voxels of it are in %s, %s; nothing else is read in its place",
                     shown(name).c_str(), is);
-}
-
-/* The path of a file that a header names, which is sound. */
-std::string take_name(const std::string &header, const std::string &name)
-{
-    refuse_for(wrong_with(header, name));
-    return folder_of(header) + name;
 }
 
 /* ---- lines ---- */
@@ -335,8 +324,10 @@ std::vector<std::string> named_files(const Request &request)
         names = names_in_nrrd(begin_of(request.path));
     else if (request.kind == "meta")
         names = names_in_meta(begin_of(request.path), request.path);
-    for (const std::string &name : names)
-        paths.push_back(take_name(request.path, name));
+    for (const std::string &name : names) {
+        refuse_for(wrong_with(request.path, name));
+        paths.push_back(folder_of(request.path) + name);
+    }
     return paths;
 }
 
@@ -347,6 +338,160 @@ void check_meta(const Request &request, const std::string &name, const std::vect
     if (meta_says(text, at) != name ||
         ((is_list(name) || name.find('%') != std::string::npos) && meta_sides(text.bytes) != sides))
         refuse_header();
+}
+
+/* ---- units of length, and scales of values ---- */
+
+/* The texts between quotes. */
+std::vector<std::string> quoted_in(const std::string &value)
+{
+    std::vector<std::string> texts;
+    for (size_t at = value.find('"'); at != std::string::npos; at = value.find('"', at)) {
+        const size_t end = value.find('"', at + 1);
+        if (end == std::string::npos)
+            break;
+        texts.push_back(value.substr(at + 1, end - at - 1));
+        at = end + 1;
+    }
+    return texts;
+}
+
+void check_numbers(const Header &header, const char *name)
+{
+    for (const std::string &word : words_in(header.value(name))) {
+        char *end;
+        std::strtod(word.c_str(), &end);
+        if (*end == '\0')
+            continue;
+        refuse(word.find(',') != std::string::npos
+                   ? "its field %s has a decimal comma; write its numbers with a decimal point"
+                   : "its field %s has words that are no numbers",
+               name);
+    }
+}
+
+/* An empty word says nothing, as a field that is not there: lengths are in millimetres then. */
+void take_unit(Units &units, int axis, const std::string &word)
+{
+    units.mm[axis] = word.empty() ? 1 : length_mm(word.c_str());
+    if (units.mm[axis] > 0)
+        return;
+    units.mm[axis] = 1;
+    units.are_known = false;
+}
+
+/* Numbers of the first three axes that ITK takes for those of space. It moves an axis of values,
+ * such as a list, to the front, and keeps the order of all others. */
+std::vector<size_t> axes_of_space(const Header &header)
+{
+    const std::string directions = header.value("space directions");
+    const std::vector<std::string> kinds = words_in(in_small_letters(header.value("kinds")));
+    const size_t rank = std::strtoul(header.value("dimension").c_str(), nullptr, 10);
+    std::vector<bool> has_none;
+    for (size_t at = 0; at < directions.size(); at++)
+        if (directions[at] == '(' || directions[at] == 'n') {
+            has_none.push_back(directions[at] == 'n');
+            at = directions.find_first_of(directions[at] == 'n' ? " \t" : ")", at);
+            if (at == std::string::npos)
+                break;
+        }
+    std::vector<size_t> axes;
+    size_t lists = 0;
+    for (size_t a = 0; a < std::min(rank, size_t{16}); a++) {
+        const std::string kind = a < kinds.size() ? kinds[a] : "none";
+        const bool is_time = kind == "time";
+        if (!is_time && kind != "domain" && kind != "space" && kind != "none" && kind != "???" &&
+            kind != "unknown") {
+            lists++;
+        } else if (axes.size() < 3) {
+            if (is_time || (a < has_none.size() && has_none[a]))
+                refuse("its axis %zu is not one of space, and comes before three of those; `unu "
+                       "permute -p 1 2 3 0 -i FILE -o OUT` puts the first axis last",
+                       a + 1);
+            axes.push_back(a);
+        }
+    }
+    if (lists > 1)
+        refuse("it has %zu axes of lists or vectors; expected one at most: `unu slice` takes one "
+               "place along an axis",
+               lists);
+    return axes;
+}
+
+bool nrrd_has_spacings(const Header &header)
+{
+    const std::vector<std::string> words = words_in(header.value("spacings"));
+    for (const size_t axis : axes_of_space(header))
+        if (axis >= words.size() || std::isnan(std::strtod(words[axis].c_str(), nullptr)))
+            return false;
+    return true;
+}
+
+void check_nrrd(const Header &header)
+{
+    const std::string encoding = in_small_letters(header.value("encoding"));
+    const bool is_bzip2 = encoding == "bzip2" || encoding == "bz2";
+    if (is_bzip2 || encoding == "zrl")
+        refuse("its voxels are packed %s, which is not read; `unu save -f nrrd -e gzip -i FILE -o "
+               "OUT` packs them by gzip",
+               is_bzip2 ? "by bzip2" : "as zrl");
+    if (in_small_letters(header.value("type")) == "block")
+        refuse("its voxels are blocks of bytes; expected integers or floats");
+    check_numbers(header, "spacings");
+}
+
+Units units_of_nrrd(const Header &header)
+{
+    Units units;
+    const std::vector<size_t> axes = axes_of_space(header);
+    const std::vector<std::string> of_axes = quoted_in(header.value("units"));
+    units.are_of_space = header.has("space directions");
+    units.field = units.are_of_space ? "space units" : "units";
+    const std::vector<std::string> words = quoted_in(header.value(units.field));
+    for (size_t a = 0; a < 3 && header.has(units.field); a++) {
+        const size_t which = units.are_of_space ? a : a < axes.size() ? axes[a] : words.size();
+        if (units.are_of_space || a < axes.size())
+            take_unit(units, static_cast<int>(a), which < words.size() ? words[which] : "?");
+    }
+    if (units.are_of_space)
+        for (const std::string &word : of_axes)
+            if (!word.empty()) /* two answers for the same lengths */
+                units.are_known = false;
+    return units;
+}
+
+Units units_of(const std::string &kind, const Header &header)
+{
+    Units units;
+    if (kind == "nrrd") {
+        check_nrrd(header);
+        return units_of_nrrd(header);
+    }
+    for (const char *name :
+         {"elementspacing", "elementsize", "offset", "position", "origin", "transformmatrix",
+          "rotation", "orientation", "centerofrotation", "dimsize",
+          "elementtointensityfunctionslope", "elementtointensityfunctionoffset"})
+        check_numbers(header, name);
+    const std::string word = header.value("distanceunits");
+    units.field = "DistanceUnits";
+    for (int a = 0; a < 3; a++)
+        take_unit(units, a, word == "?" ? "" : word);
+    return units;
+}
+
+void scale_meta(Volume &volume, const Header &header)
+{
+    const std::string slope = header.value("elementtointensityfunctionslope");
+    const std::string offset = header.value("elementtointensityfunctionoffset");
+    volume.slope = slope.empty() ? 1 : std::strtod(slope.c_str(), nullptr);
+    volume.intercept = offset.empty() ? 0 : std::strtod(offset.c_str(), nullptr);
+    if (volume.slope != 0 && std::isfinite(volume.slope) && std::isfinite(volume.intercept))
+        return;
+    note(volume, words_of("its ElementToIntensityFunction is %g * number + %g, which is no scale: "
+                          "numbers are taken as they are",
+                          volume.slope, volume.intercept));
+    volume.slope = 1;
+    volume.intercept = 0;
 }
 
 } // namespace volume

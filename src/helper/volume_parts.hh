@@ -12,9 +12,11 @@
 #ifndef IMAGE_VOLUME_PARTS_HH
 #define IMAGE_VOLUME_PARTS_HH
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <map>
 #include <memory>
@@ -27,6 +29,11 @@ namespace gdcm
 class DataSet;
 class Tag;
 } // namespace gdcm
+
+namespace itk
+{
+class ImageIOBase;
+} // namespace itk
 
 namespace volume
 {
@@ -118,8 +125,25 @@ void catch_signals();
 
 /* ---- what is read ---- */
 
+constexpr bool is_big_machine = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+
 /* The number that so many bytes are, 8 at most. */
 uint64_t number_in(const char *bytes, unsigned width, bool is_big);
+
+/* A number of this machine, wherever it lies. */
+template <typename Number> Number load(const void *bytes)
+{
+    Number number;
+    std::memcpy(&number, bytes, sizeof number);
+    return number;
+}
+
+/* Brings numbers of so many bytes each into the other byte order. */
+template <typename Byte> void reverse_each(std::vector<Byte> &bytes, size_t width)
+{
+    for (size_t at = 0; at + width <= bytes.size(); at += width)
+        std::reverse(&bytes[at], &bytes[at] + width);
+}
 
 /* The value of a tag: its numbers; or its text, with the numbers that it is sorted by before. */
 using Value = std::pair<std::vector<double>, std::string>;
@@ -260,9 +284,6 @@ void check_minc_unit(const std::string &unit);
 /* Refuses a file that has fewer bytes; returns how many more it has. */
 uint64_t check_bytes(const std::string &path, uint64_t bytes);
 
-/* Refuses a VTK of values that ITK does not read as voxels, by name. */
-void check_vtk(const std::string &path);
-
 /* Of the others, once its header is known: of voxels that are packed, or written as text, when they
  * are to be sent. */
 void count_voxels(Volume &volume, const std::string &kind, const Request &request);
@@ -276,11 +297,17 @@ struct Header {
     uint64_t end = 0; /* how many bytes it has; 0 where it does not end */
 
     std::string value(const char *name) const; /* "" for none */
+    bool has(const char *name) const
+    {
+        return field.count(name) > 0;
+    }
+    bool names_files() const /* of a NRRD */
+    {
+        return has("data file") || has("datafile");
+    }
 };
 
 Header header_of(const std::string &kind, const std::string &path);
-
-/* ---- units in headers of text (volume_units.cc) ---- */
 
 /* Millimetres in the units of a header: of the axes of its space, which are the rows of
  * Volume.to_mm, or of the axes of voxels, which are its columns. */
@@ -288,18 +315,13 @@ struct Units {
     double mm[3] = {1, 1, 1};
     bool are_known = true; /* false where a word is none that is known; it counts as 1 */
     bool are_of_space = false;
-
-    bool are_alike() const;
+    const char *field = ""; /* that says them */
 };
 
-/* Refuses axes of time or of lists among those of space, and numbers that are none. */
-Units units_of_nrrd(const Header &header);
+/* Refuses kinds of files that ITK does not read, by name; axes of time or of lists among those of
+ * space; and numbers that are none. */
+Units units_of(const std::string &kind, const Header &header);
 bool nrrd_has_spacings(const Header &header); /* of each axis of space */
-Units units_of_meta(const Header &header);
-
-/* Refuses kinds of files that ITK does not read, by name; and fields of numbers that are none. */
-void check_nrrd(const Header &header);
-void check_meta_numbers(const Header &header);
 
 /* Slope and intercept by ElementToIntensityFunction. */
 void scale_meta(Volume &volume, const Header &header);
@@ -320,21 +342,19 @@ std::vector<std::string> named_files(const Request &request);
 /* That the library has read the same in a MetaImage. */
 void check_meta(const Request &request, const std::string &name, const std::vector<long> &sides);
 
-/* Slices as pictures, "png" or "tiff", in the order of their names. */
+/* ---- slices as pictures (volume_pictures.cc) ---- */
+
+/* "png", "tiff" or "bmp", in the order of their names as people count. */
 void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind);
-
-/* The same of BMP. */
 bool is_bmp(const std::string &path); /* by its first bytes */
-void stack_bmps(Volume &volume, std::vector<std::string> path);
 
-/* What slices as pictures have in common: the order of names as people count, what their numbers
- * leave out, and the size of pixels in mm by the resolution, which is noted and not taken. */
-bool is_before(const std::string &a, const std::string &b);
-void note_gaps(Volume &volume, const std::vector<std::string> &path);
+/* Files of TIFF, which are in their order. */
+void stack_tiffs(Volume &volume, const std::vector<std::string> &path);
+
+/* The size of pixels in mm by the resolution, which is noted and not taken. */
 void note_pixels(Volume &volume, double x, double y);
 
-/* The same of TIFF, whose files are in their order. */
-void stack_tiffs(Volume &volume, const std::vector<std::string> &path);
+const char *type_of(const itk::ImageIOBase &io);
 
 void open_tiff(Volume &volume, const Request &request);
 void open_mrc(Volume &volume, const Request &request);

@@ -232,26 +232,27 @@ std::vector<size_t> find_series(const std::vector<Series> &all, const std::strin
     return same.empty() ? having : same;
 }
 
-/* Refuses, with those that there are: in one line where they fit, in lines of their own where those
- * are wanted, else as many as fit, and how many more there are. */
-[[noreturn]] void refuse_series(const std::string &words, const std::vector<std::string> &entries,
-                                const Request &request)
+/* Adds entries to a line, as many as `room` letters hold, and how many more there are. False, with
+ * nothing added, where not all fit and the client shows lists: then they are in lines of their own.
+ */
+bool add_entries(std::string &line, const std::vector<std::string> &entries, size_t room,
+                 bool lists)
 {
-    size_t room = words_room(request), said = 0;
-    std::string line = words + ": ", lines;
+    std::string lines;
     for (const std::string &entry : entries)
         lines += entry + "\n";
     const bool fits = line.size() + lines.size() + entries.size() <= room;
-    if (!fits && request.lists) {
+    if (!fits && lists) {
         answer_list(lines);
-        throw Refusal{words + "; they are listed"};
+        return false;
     }
     room -= fits ? 0 : std::min(room, more_most);
+    size_t said = 0;
     for (; said < entries.size() && line.size() + entries[said].size() + 2 <= room; said++)
         line += (said ? "; " : "") + entries[said];
     if (said < entries.size())
         line += words_of("%sand %zu more", said ? "; " : "", entries.size() - said);
-    throw Refusal{line};
+    return true;
 }
 
 /* The one that is asked for, counted from 0; refuses, with what there is, where that is not one. */
@@ -281,8 +282,13 @@ size_t choose_series(const std::vector<Series> &all, const Request &request)
     else
         words = words_of("it holds %zu series; choose one with series=N%s", all.size(),
                          request.lists ? ", or with a piece of its description" : "");
-    refuse_series(words, entries_of(all, found.empty() ? every : found, request.lists), request);
+    std::string line = words + ": ";
+    const bool fits =
+        add_entries(line, entries_of(all, found.empty() ? every : found, request.lists),
+                    words_room(request), request.lists);
+    throw Refusal{fits ? line : words + "; they are listed"};
 }
+
 /* ---- in their places ---- */
 
 /* Arranges a sorted series by place and volume. A label for each volume; none for a single one. */
@@ -318,24 +324,12 @@ void tell_volumes(Volume &volume, const std::vector<std::string> &labels, const 
         note(volume, entries[request.volume]);
         return;
     }
-    std::string lines;
-    for (const std::string &entry : entries)
-        lines += entry + "\n";
-    if (lines.size() + labels.size() > contents_most && request.lists) {
-        answer_list(lines);
+    if (!add_entries(volume.contents, entries, contents_most, request.lists)) {
         volume.contents = "they are listed";
         return;
     }
     for (const std::string &entry : entries)
         note(volume, entry);
-    const bool fits = lines.size() + labels.size() <= contents_most;
-    const size_t room = contents_most - (fits ? 0 : more_most);
-    size_t said = 0;
-    for (; said < entries.size() && volume.contents.size() + entries[said].size() + 2 <= room;
-         said++)
-        volume.contents += (said ? "; " : "") + entries[said];
-    if (said < entries.size())
-        volume.contents += words_of("; and %zu more", entries.size() - said);
 }
 
 /* Where gaps are, in steps: 0 between slices that follow each other. */
@@ -531,18 +525,9 @@ void settle_type(Volume &volume, Stack &stack)
 /* The number at `at`, of so many bytes. */
 int64_t number_at(const char *at, unsigned bits, bool is_signed)
 {
-    uint64_t value = 0;
-    if (bits == 8) {
-        value = static_cast<uint8_t>(*at);
-    } else if (bits == 16) {
-        uint16_t half;
-        std::memcpy(&half, at, sizeof half);
-        value = half;
-    } else {
-        uint32_t whole;
-        std::memcpy(&whole, at, sizeof whole);
-        value = whole;
-    }
+    const uint64_t value = bits == 8    ? static_cast<uint8_t>(*at)
+                           : bits == 16 ? load<uint16_t>(at)
+                                        : load<uint32_t>(at);
     const uint64_t sign = uint64_t{1} << (bits - 1);
     return is_signed ? static_cast<int64_t>(value ^ sign) - static_cast<int64_t>(sign)
                      : static_cast<int64_t>(value);
@@ -617,7 +602,7 @@ void send_blank(const Volume &volume, const Stack &stack, const Slice &slice)
     const double stored = (real - stack.intercept) / stack.slope;
     for (size_t i = 0; i < pixels; i++)
         if (stack.is_real) {
-            const float value = static_cast<float>(real);
+            const auto value = static_cast<float>(real);
             std::memcpy(&bytes[4 * i], &value, sizeof value);
         } else if (volume.type == "int16" && stored >= -32768 && stored <= 32767) {
             const int16_t value = static_cast<int16_t>(stored);

@@ -132,11 +132,8 @@ static double rounded(double number)
 template <typename Number>
 static void take_numbers(std::vector<double> &out, const std::string &bytes)
 {
-    for (size_t at = 0; at + sizeof(Number) <= bytes.size(); at += sizeof(Number)) {
-        Number number;
-        std::memcpy(&number, &bytes[at], sizeof number);
-        out.push_back(static_cast<double>(number));
-    }
+    for (size_t at = 0; at + sizeof(Number) <= bytes.size(); at += sizeof(Number))
+        out.push_back(static_cast<double>(load<Number>(&bytes[at])));
 }
 
 static std::vector<double> numbers_of(Slice &slice, const gdcm::DataSet &set, const Source &source)

@@ -82,6 +82,11 @@ class Tiff
     {
         return file_;
     }
+    uint64_t bytes() const
+    {
+        struct stat status;
+        return fstat(TIFFFileno(file_), &status) == 0 ? static_cast<uint64_t>(status.st_size) : 0;
+    }
     [[noreturn]] void damaged() const
     {
         if (problems.has_mixed_samples)
@@ -282,44 +287,33 @@ void convert_row(uint8_t *to, const uint8_t *from, const TiffPage &page, size_t 
     const bool is_inverse = page.photometric == PHOTOMETRIC_MINISWHITE;
     const unsigned bits = page.bits;
     const size_t wide_bytes = bytes_of(type_of(page));
-    if (page.format == SAMPLEFORMAT_IEEEFP && bits == 16) {
-        for (size_t i = 0; i < pixels; i++) {
-            uint16_t half;
-            std::memcpy(&half, from + 2 * (i * samples + sample), sizeof half);
-            const float number = float_of(half);
-            std::memcpy(to + i * sizeof number, &number, sizeof number);
-        }
+    if (bits == 8 * wide_bytes && samples == 1) {
+        std::memcpy(to, from, pixels * wide_bytes);
         return;
     }
-    if (bits == 8 * wide_bytes) {
-        if (samples == 1)
-            std::memcpy(to, from, pixels * wide_bytes);
-        else
-            for (size_t i = 0; i < pixels; i++)
-                std::memcpy(to + i * wide_bytes, from + (i * samples + sample) * wide_bytes,
-                            wide_bytes);
-        return;
-    }
-    for (size_t i = 0; i < pixels; i++) {
+    for (size_t i = 0; i < pixels; i++, to += wide_bytes) {
         const size_t at = (i * samples + sample) * bits;
-        uint32_t number;
-        if (bits == 24) {
-            const auto *byte = from + at / 8; /* in the order of this machine */
-            number = static_cast<uint32_t>(number_in(reinterpret_cast<const char *>(byte), 3,
-                                                     __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__));
-        } else {
-            number = bits_at(from, at, bits);
+        const uint8_t *byte =
+            from + at / 8; /* of numbers of whole bytes, in this machine's order */
+        if (bits == 8 * wide_bytes) {
+            std::memcpy(to, byte, wide_bytes);
+            continue;
         }
+        if (page.format == SAMPLEFORMAT_IEEEFP) {
+            const float number = float_of(load<uint16_t>(byte));
+            std::memcpy(to, &number, sizeof number);
+            continue;
+        }
+        uint32_t number = bits == 24 ? static_cast<uint32_t>(number_in(
+                                           reinterpret_cast<const char *>(byte), 3, is_big_machine))
+                                     : bits_at(from, at, bits);
         if (is_signed && number >> (bits - 1))
             number |= UINT32_MAX << bits;
         if (is_inverse) /* of 1 bit */
             number ^= 1;
-        if (wide_bytes == 1)
-            to[i] = static_cast<uint8_t>(number);
-        else if (wide_bytes == 2)
-            reinterpret_cast<uint16_t *>(to)[i] = static_cast<uint16_t>(number);
-        else
-            reinterpret_cast<uint32_t *>(to)[i] = number;
+        if (is_big_machine) /* its last bytes are the low ones */
+            number <<= 32 - 8 * wide_bytes;
+        std::memcpy(to, &number, wide_bytes);
     }
 }
 
@@ -370,17 +364,8 @@ void read_run(std::vector<uint8_t> &to, const Tiff &file, const TiffPage &page, 
             refuse("cut short: slice %zu ends before its last voxel; fetch it again", number + 1);
         done += static_cast<size_t>(n);
     }
-    if (TIFFIsByteSwapped(file)) {
-        const auto count = static_cast<tmsize_t>(from.size() * 8 / page.bits);
-        if (page.bits == 16)
-            TIFFSwabArrayOfShort(reinterpret_cast<uint16_t *>(from.data()), count);
-        else if (page.bits == 24)
-            TIFFSwabArrayOfTriples(from.data(), count);
-        else if (page.bits == 32)
-            TIFFSwabArrayOfLong(reinterpret_cast<uint32_t *>(from.data()), count);
-        else if (page.bits == 64)
-            TIFFSwabArrayOfLong8(reinterpret_cast<uint64_t *>(from.data()), count);
-    }
+    if (TIFFIsByteSwapped(file) && page.bits >= 16)
+        reverse_each(from, page.bits / 8);
     convert_piece(to, from.data(), page, {0, 0, page.width, page.height, row, 0, page.samples});
 }
 
@@ -608,10 +593,10 @@ void note_pages(Volume &volume, const Opened &opened)
 }
 
 /* Refuses a file that is stored in one run and ends before its last slice. */
-void check_run(const Opened &opened, const std::string &path)
+void check_run(const Opened &opened)
 {
-    struct stat status;
     const TiffPage &page = opened.page[opened.first];
+    const uint64_t all = opened.file.bytes();
     const uint64_t row = (uint64_t{page.width} * page.samples * page.bits + 7) / 8;
     const uint64_t at = begin_of_run(opened.file);
     uint64_t end = 0;
@@ -620,10 +605,9 @@ void check_run(const Opened &opened, const std::string &path)
                "not found",
                opened.stack.by.c_str(), opened.stack.page.size());
     if (__builtin_mul_overflow(row * page.height, opened.stack.page.size(), &end) ||
-        __builtin_add_overflow(end, at, &end) || stat(path.c_str(), &status) != 0 ||
-        static_cast<uint64_t>(status.st_size) < end)
+        __builtin_add_overflow(end, at, &end) || all < end)
         refuse("cut short: it has %llu bytes, and its header promises %llu; fetch it again",
-               wide(static_cast<uint64_t>(status.st_size)), wide(end));
+               wide(all), wide(end));
 }
 
 /* Says that more follows the only page than belongs to it, as where a writer gave the other slices
@@ -631,14 +615,11 @@ void check_run(const Opened &opened, const std::string &path)
 void note_rest(Volume &volume, const Opened &opened)
 {
     constexpr uint64_t least = 4096; /* descriptions may be as long */
-    struct stat status;
-    const uint64_t at = begin_of_run(opened.file);
+    const uint64_t at = begin_of_run(opened.file), all = opened.file.bytes();
     const uint64_t bytes = bytes_in(volume, 1);
     if (opened.page.size() != 1 || opened.stack.is_run || at == 0 || opened.page[0].samples != 1 ||
-        opened.page[0].bits != 8 * bytes_of(volume.type) ||
-        fstat(TIFFFileno(opened.file), &status) != 0)
+        opened.page[0].bits != 8 * bytes_of(volume.type))
         return;
-    const uint64_t all = static_cast<uint64_t>(status.st_size);
     if (all > at && all - at > bytes && all - at - bytes >= std::max(bytes, least))
         note(volume,
              words_of("%llu bytes come after the pixels of its only page: `open raw:FILE "
@@ -664,8 +645,7 @@ std::shared_ptr<Opened> open_pages(const std::string &path)
     check_page(*first, !lsm.empty());
     opened->first = static_cast<size_t>(first - opened->page.begin());
     opened->samples = first->samples - first->alphas;
-    struct stat status;
-    if (!lsm.empty() && (fstat(TIFFFileno(file), &status) != 0 || status.st_size > UINT32_MAX))
+    if (!lsm.empty() && file.bytes() > UINT32_MAX)
         refuse("an LSM of more than 4 GB, whose offsets do not fit their 32 bits; `bfconvert FILE "
                "A.ome.tif` (Bio-Formats) makes an OME-TIFF of it");
     opened->stack = stack_of(opened->page, opened->samples, path, description, lsm, resolution,
@@ -674,7 +654,7 @@ std::shared_ptr<Opened> open_pages(const std::string &path)
     if (stack.is_run) {
         if (!TIFFSetSubDirectory(file, first->at))
             file.damaged();
-        check_run(*opened, path);
+        check_run(*opened);
         return opened;
     }
     opened->first = stack.page[0];

@@ -445,7 +445,7 @@ void arrange_lsm(TiffStack &stack, const std::vector<TiffPage> &page, unsigned s
     const uint64_t scan = number_in(&lsm[SCAN], 2, false);
     for (size_t a = 0; a < 3; a++) {
         const uint64_t bits = number_in(&lsm[VOXEL + 8 * a], 8, false);
-        std::memcpy(&stack.step[a], &bits, sizeof bits);
+        stack.step[a] = load<double>(&bits);
         if (scan != 0 && scan != 3 && scan != 6) /* pages are of other axes than x and y */
             stack.step[a] = 0;
     }

@@ -266,28 +266,16 @@ void fuzz_seeds(const uint8_t *bytes, size_t length)
 /* Transforms of ITK, as text and as MATLAB's: what is read has a name, and a refusal has words and
  * leaves the map alone. */
 
-static void check_transform(enum err err, const struct affine *out, const struct buf *kind,
-                            const struct fault *fault)
-{
-    if (err)
-        HOLDS(*fault->text && out->m[0][0] >= 42 && out->m[0][0] <= 42);
-    else
-        HOLDS(kind->length > 0);
-}
-
 void fuzz_transform(const uint8_t *bytes, size_t length)
 {
     struct buf text = {0}, kind = {0};
     struct affine out = {{{42}}};
     struct fault fault = {.text = ""};
     buf_add(&text, bytes, length);
-    const char *at = buf_text(&text);
-    check_transform(itk_transform_scan(&out, &kind, at, &fault), &out, &kind, &fault);
-    buf_clear(&kind);
-    out = (struct affine){{{42}}};
-    if (itk_transform_is_text(at, length))
-        HOLDS(!itk_transform_is_matlab(at, length));
-    check_transform(itk_transform_decode(&out, &kind, at, length, &fault), &out, &kind, &fault);
+    if (itk_transform_read(&out, &kind, buf_text(&text), length, &fault))
+        HOLDS(*fault.text && out.m[0][0] >= 42 && out.m[0][0] <= 42);
+    else
+        HOLDS(kind.length > 0);
     buf_release(&text);
     buf_release(&kind);
 }

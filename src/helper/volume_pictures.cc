@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Slices as pictures, in the order of their names: PNG by ITK, and BMP of 8 bits of grey, not
+ * packed, as SkyScan's NRecon writes them. Of BMP the reader of ITK 5.2 takes no header of 108 or
+ * 124 bytes, and makes colours of grey.
+ *
+ *     0 "BM"   10 where pixels begin   14 bytes of the header, from here
+ *     18 columns   22 rows; below 0: from the top   28 bits a pixel   30 packing
+ *     38 pixels a metre   46 colours of the palette; 0: 256
+ *
+ * The palette follows the header: blue, green, red, 0.
+ * All little-endian. Rows begin at the bottom, and each fills up to 4 bytes.
+ */
+#include "helper/volume_parts.hh"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include <itkPNGImageIO.h>
+
+namespace volume
+{
+
+/* A file whose header was read. `read` fills in its pixels, rows from the top. */
+struct Picture {
+    uint64_t columns = 0, rows = 0;
+    std::string type;
+    unsigned values = 1;   /* of a pixel */
+    double mm[2] = {0, 0}; /* a pixel, by the resolution; 0: not said */
+    std::function<void(std::vector<char> &)> read;
+};
+
+/* ---- BMP ---- */
+
+constexpr size_t head_bytes = 54;
+
+struct Bmp {
+    int64_t columns = 0, rows = 0;
+    uint64_t begin = 0, header = 0, bits = 0, packing = 0, colours = 0;
+    double metre[2] = {0, 0}; /* pixels */
+    bool is_grey = false;     /* each number is the grey of its own */
+
+    uint64_t stride() const
+    {
+        return (static_cast<uint64_t>(columns) + 3) / 4 * 4;
+    }
+    uint64_t height() const
+    {
+        return static_cast<uint64_t>(rows < 0 ? -rows : rows);
+    }
+};
+
+bool read_bmp(Bmp &bmp, std::ifstream &file, const std::string &path)
+{
+    char head[head_bytes], colour[4];
+    file.open(path, std::ios::binary);
+    if (!file.read(head, sizeof head))
+        return false;
+    const auto number = [&](size_t at, unsigned width) {
+        return number_in(head + at, width, false);
+    };
+    const auto with_sign = [&](size_t at) { return static_cast<int32_t>(number(at, 4)); };
+    bmp.begin = number(10, 4);
+    bmp.header = number(14, 4);
+    bmp.columns = with_sign(18);
+    bmp.rows = with_sign(22);
+    bmp.bits = number(28, 2);
+    bmp.packing = number(30, 4);
+    bmp.metre[0] = with_sign(38);
+    bmp.metre[1] = with_sign(42);
+    bmp.colours = number(46, 4) ? number(46, 4) : 256;
+    bmp.is_grey = bmp.colours <= 256;
+    file.seekg(static_cast<std::streamoff>(14 + bmp.header));
+    for (uint64_t i = 0; i < bmp.colours && bmp.is_grey; i++)
+        bmp.is_grey =
+            file.read(colour, sizeof colour) && number_in(colour, 3, false) == i * 0x10101;
+    file.clear();
+    return true;
+}
+
+/* What is not read of it; "" for nothing. */
+std::string lack_of(const Bmp &bmp)
+{
+    if (bmp.header < 40)
+        return words_of("of OS/2 (a header of %llu bytes)", wide(bmp.header));
+    if (bmp.bits != 8)
+        return words_of("of %llu bits a pixel", wide(bmp.bits));
+    if (bmp.packing != 0)
+        return "that is packed (as RLE)";
+    if (!bmp.is_grey)
+        return "with a palette of colours";
+    return bmp.columns < 1 || bmp.rows == 0 ? "without pixels" : "";
+}
+
+bool is_bmp(const std::string &path)
+{
+    char head[18] = {0};
+    std::ifstream file(path, std::ios::binary);
+    file.read(head, sizeof head);
+    const uint64_t header = number_in(head + 14, 4, false);
+    return std::memcmp(head, "BM", 2) == 0 && header >= 12 && header <= 124;
+}
+
+Picture open_bmp(const std::string &path, size_t number, size_t all)
+{
+    const auto file = std::make_shared<std::ifstream>();
+    Bmp bmp;
+    Picture picture;
+    const std::string what =
+        words_of("slice %zu of %zu, %s, is ", number, all, last_name(path).c_str());
+    if (!read_bmp(bmp, *file, path))
+        refuse("%scut short within its header; fetch it again", what.c_str());
+    const std::string lack = lack_of(bmp);
+    if (!lack.empty())
+        refuse("%sa BMP %s; those of 8 bits of grey are read: `mogrify -format png -type "
+               "Grayscale *.bmp` (imagemagick) makes PNG of all",
+               what.c_str(), lack.c_str());
+    file->seekg(0, std::ios::end);
+    const uint64_t bytes = static_cast<uint64_t>(file->tellg());
+    const uint64_t needed = bmp.begin + bmp.stride() * bmp.height();
+    if (bytes < needed)
+        refuse("%scut short: it has %llu bytes, and its header promises %llu; fetch it again",
+               what.c_str(), wide(bytes), wide(needed));
+    picture.columns = static_cast<uint64_t>(bmp.columns);
+    picture.rows = bmp.height();
+    picture.type = "uint8";
+    for (int a = 0; a < 2; a++)
+        picture.mm[a] = bmp.metre[a] > 0 ? 1e3 / bmp.metre[a] : 0;
+    picture.read = [=](std::vector<char> &to) {
+        for (uint64_t y = 0; y < picture.rows; y++) {
+            const uint64_t row = bmp.rows < 0 ? y : picture.rows - 1 - y;
+            file->seekg(static_cast<std::streamoff>(bmp.begin + row * bmp.stride()));
+            if (!file->read(&to[y * picture.columns], static_cast<std::streamsize>(bmp.columns)))
+                refuse("slice %zu of %zu cannot be read", number, all);
+        }
+    };
+    return picture;
+}
+
+/* ---- PNG ---- */
+
+Picture open_png(const std::string &path, size_t number, size_t all)
+{
+    Picture picture;
+    const itk::PNGImageIO::Pointer io = itk::PNGImageIO::New();
+    io->SetFileName(path);
+    try {
+        io->ReadImageInformation();
+    } catch (const std::exception &) {
+        refuse("slice %zu of %zu cannot be decoded", number, all);
+    }
+    picture.columns = io->GetDimensions(0);
+    picture.rows = io->GetDimensions(1);
+    picture.type = type_of(*io);
+    picture.values = io->GetNumberOfComponents();
+    png_resolution(path, picture.mm); /* which ITK 5.2 does not read */
+    picture.read = [io](std::vector<char> &to) {
+        itk::ImageIORegion region(2);
+        region.SetSize(0, io->GetDimensions(0));
+        region.SetSize(1, io->GetDimensions(1));
+        io->SetIORegion(region);
+        io->Read(to.data());
+    };
+    return picture;
+}
+
+/* ---- a folder of them ---- */
+
+/* Names as people count: slice9 before slice10. */
+bool is_before(const std::string &a, const std::string &b)
+{
+    size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (std::isdigit(static_cast<unsigned char>(a[i])) &&
+            std::isdigit(static_cast<unsigned char>(b[j]))) {
+            const auto end = [](const std::string &s, size_t at) {
+                while (at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])))
+                    at++;
+                return at;
+            };
+            const auto digits = [](const std::string &s, size_t from, size_t to) {
+                while (from + 1 < to && s[from] == '0')
+                    from++;
+                return s.substr(from, to - from);
+            };
+            const size_t m = end(a, i), n = end(b, j);
+            const std::string p = digits(a, i, m), q = digits(b, j, n);
+            if (p != q)
+                return p.size() != q.size() ? p.size() < q.size() : p < q;
+            i = m;
+            j = n;
+        } else if (a[i] != b[j]) {
+            return a[i] < b[j];
+        } else {
+            i++;
+            j++;
+        }
+    }
+    return a.size() - i < b.size() - j;
+}
+
+/* Says where numbers in names leave some out: the last number of each name. */
+void note_gaps(Volume &volume, const std::vector<std::string> &path)
+{
+    long former = -1;
+    size_t gaps = 0;
+    std::string first;
+    for (size_t i = 0; i < path.size(); i++) {
+        size_t end = path[i].find_last_of("0123456789");
+        size_t begin = end;
+        while (begin != std::string::npos && begin > 0 &&
+               std::isdigit(static_cast<unsigned char>(path[i][begin - 1])))
+            begin--;
+        if (end == std::string::npos || end - begin > 9)
+            return;
+        const long number = std::atol(path[i].c_str() + begin);
+        if (former >= 0 && number != former + 1 && gaps++ == 0)
+            first = words_of("after slice %zu", i);
+        former = number;
+    }
+    if (gaps)
+        note(volume, words_of("the numbers in the names of the slices leave some out (the first "
+                              "time %s)",
+                              first.c_str()));
+}
+
+/* What the resolution of a picture says of its pixels: many programs write one without knowing, and
+ * none says how far apart slices are. So it is noted, and not taken. ITK has 1 where there is none.
+ */
+void note_pixels(Volume &volume, double x, double y)
+{
+    if (std::isfinite(x) && std::isfinite(y) && x > 0 && y > 0 && !(x == 1 && y == 1))
+        note(volume, words_of("its resolution says pixels of %.6gx%.6g mm, and nothing how far "
+                              "apart slices are: where you know that, open it with "
+                              "spacing=%.6g,%.6g,Z",
+                              x, y, x, y));
+}
+
+void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind)
+{
+    const bool is_bmp = kind == "bmp";
+    const auto open = is_bmp ? open_bmp : open_png;
+    std::sort(path.begin(), path.end(), is_before);
+    for (size_t z = 0; z < path.size(); z++)
+        count_parts(
+            kind, path[z],
+            words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), last_name(path[z]).c_str()));
+    if (kind == "tiff") {
+        stack_tiffs(volume, path);
+        note_gaps(volume, path);
+        return;
+    }
+    const Picture first = open(path[0], 1, path.size());
+    if (first.values != 1)
+        refuse("slice 1 of %zu has %u values a pixel (%s); expected grey: `mogrify -format png "
+               "-type Grayscale -alpha off *.png` (imagemagick) makes grey of all",
+               path.size(), first.values,
+               first.values == 2 ? "grey with alpha" : "colours, perhaps of a palette");
+    volume.format = is_bmp ? "BMP slices" : "PNG slices";
+    volume.type = first.type;
+    volume.size[0] = first.columns;
+    volume.size[1] = first.rows;
+    volume.size[2] = path.size();
+    note_gaps(volume, path);
+    note_pixels(volume, first.mm[0], first.mm[1]);
+    volume.send = [&volume, path, open]() {
+        std::vector<char> bytes(bytes_in(volume, 1) / volume.size[2]);
+        for (size_t z = 0; z < path.size(); z++) {
+            const Picture slice = open(path[z], z + 1, path.size());
+            if (slice.columns != volume.size[0] || slice.rows != volume.size[1] ||
+                slice.values != 1 || slice.type != volume.type)
+                refuse("slice %zu of %zu is %llux%llu with %s of %s a pixel, and the first "
+                       "%llux%llu with 1 of %s; expected slices of one kind",
+                       z + 1, path.size(), wide(slice.columns), wide(slice.rows),
+                       plural_of(slice.values, "value").c_str(), slice.type.c_str(),
+                       wide(volume.size[0]), wide(volume.size[1]), volume.type.c_str());
+            slice.read(bytes);
+            send_piece(bytes.data(), bytes.size());
+        }
+    };
+}
+
+} // namespace volume
