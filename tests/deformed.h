@@ -151,11 +151,21 @@ static inline enum err subject_make(struct subject *out, const struct volume *ba
     return scene_new_plain(&out->scene, size, intensity, NULL, NULL);
 }
 
-/* How far off a map is, at most, where the head is: in a box of 140 mm about the middle. */
+/* How far off a map is, at most, where the head is: at the corners of a box of 140 mm about the
+ * middle. */
 static inline double subject_error(const struct subject *subject, const struct affine *found)
 {
     const double low[3] = {-60, -90, -50}, high[3] = {60, 60, 70};
-    return affine_apart(&subject->truth, found, low, high);
+    double most = 0;
+    for (unsigned corner = 0; corner < 8; corner++) {
+        double from[3], to[3], is[3];
+        for (unsigned i = 0; i < 3; i++)
+            from[i] = corner >> i & 1 ? high[i] : low[i];
+        affine_apply(&subject->truth, from, to);
+        affine_apply(found, from, is);
+        most = fmax(most, hypot(hypot(to[0] - is[0], to[1] - is[1]), to[2] - is[2]));
+    }
+    return most;
 }
 
 #endif

@@ -14,21 +14,17 @@ static double between(double low, double high)
     return low + (high - low) * (double)(state >> 11) / 0x1p53;
 }
 
-static double size_of(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-/* A turn about any axis by Rodrigues' formula: another way than that of the fit. */
-static struct affine turn(void)
+/* A turn about any axis by up to so many radians, by Rodrigues' formula: another way than that of
+ * the fit. */
+static struct affine turn_by(double most)
 {
     double axis[3], length;
     do {
         for (int i = 0; i < 3; i++)
             axis[i] = between(-1, 1);
-        length = size_of(axis);
+        length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
     } while (length < 0.1 || length > 1);
-    const double angle = between(-3.1, 3.1), c = cos(angle), s = sin(angle);
+    const double angle = between(-most, most), c = cos(angle), s = sin(angle);
     const double x = axis[0] / length, y = axis[1] / length, z = axis[2] / length;
     const double cross[3][3] = {{0, -z, y}, {z, 0, -x}, {-y, x, 0}}, u[3] = {x, y, z};
     struct affine out;
@@ -38,6 +34,11 @@ static struct affine turn(void)
         out.m[i][3] = between(-100, 100);
     }
     return out;
+}
+
+static struct affine turn(void)
+{
+    return turn_by(3.1);
 }
 
 static struct affine scaled(struct affine a, double by)
@@ -57,10 +58,17 @@ static struct affine anything(void)
     return out;
 }
 
+/* No place up to 100 mm from the middle is farther apart, in any coordinate. */
 static double difference(const struct affine *a, const struct affine *b)
 {
-    return affine_apart(a, b, (const double[3]){-100, -100, -100},
-                        (const double[3]){100, 100, 100});
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        double apart = fabs(a->m[i][3] - b->m[i][3]);
+        for (int j = 0; j < 3; j++)
+            apart += 100 * fabs(a->m[i][j] - b->m[i][j]);
+        most = fmax(most, apart);
+    }
+    return most;
 }
 
 enum { PLACES = 12 };
@@ -190,23 +198,9 @@ STORY(no_map_nearby_leaves_less)
             const double least = squares_left(&found, 8, ROWS(from), ROWS(to));
             CHECK(fabs(sqrt(least / 8) - rms[kind]) < 1e-9);
             for (int t = 0; t < 20; t++) {
-                struct affine small = turn(), other;
+                struct affine small = turn_by(0.02), other;
                 for (int r = 0; r < 3; r++)
-                    for (int c = 0; c < 4; c++)
-                        small.m[r][c] = c == 3 ? between(-0.1, 0.1) : 0;
-                const double x = between(-.01, .01), y = between(-.01, .01),
-                             z = between(-9e-3, .01);
-                const double n = sqrt(1 + x * x + y * y + z * z), w = 1 / n;
-                const double q[4] = {w, x / n, y / n, z / n};
-                small.m[0][0] = 1 - 2 * (q[2] * q[2] + q[3] * q[3]);
-                small.m[1][1] = 1 - 2 * (q[1] * q[1] + q[3] * q[3]);
-                small.m[2][2] = 1 - 2 * (q[1] * q[1] + q[2] * q[2]);
-                small.m[0][1] = 2 * (q[1] * q[2] - q[0] * q[3]);
-                small.m[1][0] = 2 * (q[1] * q[2] + q[0] * q[3]);
-                small.m[0][2] = 2 * (q[1] * q[3] + q[0] * q[2]);
-                small.m[2][0] = 2 * (q[1] * q[3] - q[0] * q[2]);
-                small.m[1][2] = 2 * (q[2] * q[3] - q[0] * q[1]);
-                small.m[2][1] = 2 * (q[2] * q[3] + q[0] * q[1]);
+                    small.m[r][3] = between(-0.1, 0.1);
                 if (kind == AFFINE_SIMILARITY)
                     small = scaled(small, between(0.99, 1.01));
                 if (kind == AFFINE_FULL)
@@ -251,18 +245,25 @@ STORY(places_that_do_not_say_it_are_refused_in_words)
     for (int p = 0; p < 4; p++)
         for (int k = 0; k < 3; k++)
             mirrored[p][k] = k == 0 ? -solid[p][k] : solid[p][k];
-    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 2, solid, solid, &rms, &fault), ERR_INPUT);
-    CHECK_HAS(fault.text, "2 pairs of places; a rigid map takes 3 or more");
-    CHECK_INT(affine_fit(&out, AFFINE_FULL, 3, solid, solid, &rms, &fault), ERR_INPUT);
-    CHECK_HAS(fault.text, "affine map takes 4");
-    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 4, line, solid, &rms, &fault), ERR_INPUT);
-    CHECK_HAS(fault.text, "on one line");
-    CHECK_INT(affine_fit(&out, AFFINE_SIMILARITY, 4, solid, line, &rms, &fault), ERR_INPUT);
-    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 4, point, solid, &rms, &fault), ERR_INPUT);
-    CHECK_INT(affine_fit(&out, AFFINE_RIGID, 4, ROWS(broken), solid, &rms, &fault), ERR_INPUT);
-    CHECK_INT(affine_fit(&out, AFFINE_FULL, 4, plane, solid, &rms, &fault), ERR_INPUT);
-    CHECK_HAS(fault.text, "in one plane");
-    CHECK_INT(affine_fit(&out, AFFINE_FULL, 4, solid, plane, &rms, &fault), ERR_INPUT);
+    const struct {
+        enum affine_kind kind;
+        size_t n;
+        const double (*from)[3], (*to)[3];
+        const char *words;
+    } cases[] = {{AFFINE_RIGID, 2, solid, solid, "2 pairs of places; a rigid map takes 3 or more"},
+                 {AFFINE_FULL, 3, solid, solid, "affine map takes 4"},
+                 {AFFINE_RIGID, 4, line, solid, "on one line"},
+                 {AFFINE_SIMILARITY, 4, solid, line, "on one line"},
+                 {AFFINE_RIGID, 4, point, solid, "on one line"},
+                 {AFFINE_RIGID, 4, ROWS(broken), solid, "on one line"},
+                 {AFFINE_FULL, 4, plane, solid, "in one plane"},
+                 {AFFINE_FULL, 4, solid, plane, "in one plane"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        CHECK_INT(
+            affine_fit(&out, cases[i].kind, cases[i].n, cases[i].from, cases[i].to, &rms, &fault),
+            ERR_INPUT);
+        CHECK_HAS(fault.text, cases[i].words);
+    }
     for (int kind = AFFINE_RIGID; kind <= AFFINE_FULL; kind++) {
         CHECK_INT(affine_fit(&out, (enum affine_kind)kind, 4, solid, ROWS(mirrored), &rms, &fault),
                   ERR_INPUT);

@@ -76,9 +76,9 @@ bool affine_invert(struct affine *out, const struct affine *a)
 
 enum { SIDE = 4 };
 
-/* Of a symmetric matrix of n <= 4 rows, by Jacobi's rotations: values, largest first, and vectors
- * in the columns of `vector`. */
-static void eigen(int n, double matrix[SIDE][SIDE], double value[SIDE], double vector[SIDE][SIDE])
+/* Of a symmetric matrix of n <= 4 rows, by Jacobi's rotations: values, which are left on its
+ * diagonal, and vectors in the columns of `vector`. */
+static void eigen(int n, double matrix[SIDE][SIDE], double vector[SIDE][SIDE])
 {
     enum { SWEEPS = 60 };
     for (int i = 0; i < n; i++)
@@ -106,65 +106,38 @@ static void eigen(int n, double matrix[SIDE][SIDE], double value[SIDE], double v
                     vector[k][q] = s * vp + c * vq;
                 }
             }
-    for (int i = 0; i < n; i++)
-        value[i] = matrix[i][i];
-    for (int i = 0; i < n; i++)
-        for (int j = i + 1; j < n; j++)
-            if (value[j] > value[i]) {
-                const double held = value[i];
-                value[i] = value[j];
-                value[j] = held;
-                for (int k = 0; k < n; k++) {
-                    const double of_i = vector[k][i];
-                    vector[k][i] = vector[k][j];
-                    vector[k][j] = of_i;
-                }
-            }
+}
+
+static void swap(double *a, double *b)
+{
+    const double held = *a;
+    *a = *b;
+    *b = held;
 }
 
 /* The square roots of the eigenvalues of m' m, or of a sum of x x' (`squared`), largest first. */
-static void spread(const double squared[3][3], double out[3])
+static void spread(const struct affine *squared, double out[3])
 {
-    double matrix[SIDE][SIDE] = {{0}}, value[SIDE], vector[SIDE][SIDE];
+    double matrix[SIDE][SIDE] = {{0}}, vector[SIDE][SIDE];
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            matrix[i][j] = squared[i][j];
-    eigen(3, matrix, value, vector);
+        memcpy(matrix[i], squared->m[i], 3 * sizeof *matrix[i]);
+    eigen(3, matrix, vector);
     for (int i = 0; i < 3; i++)
-        out[i] = sqrt(fmax(value[i], 0));
-}
-
-static void singular_values(const double m[3][3], double out[3])
-{
-    double squared[3][3] = {{0}};
+        out[i] = sqrt(fmax(matrix[i][i], 0));
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            for (int k = 0; k < 3; k++)
-                squared[i][j] += m[k][i] * m[k][j];
-    spread((const double(*)[3])squared, out);
+        for (int j = i + 1; j < 3; j++)
+            if (out[j] > out[i])
+                swap(&out[i], &out[j]);
 }
 
 void affine_stretches(const struct affine *a, double out[3])
 {
-    double m[3][3];
+    struct affine squared = {{{0}}};
     for (int i = 0; i < 3; i++)
-        memcpy(m[i], a->m[i], sizeof m[i]);
-    singular_values((const double(*)[3])m, out);
-}
-
-double affine_apart(const struct affine *a, const struct affine *b, const double low[3],
-                    const double high[3])
-{
-    double most = 0;
-    for (unsigned corner = 0; corner < 8; corner++) {
-        double from[3], by_a[3], by_b[3];
-        for (unsigned i = 0; i < 3; i++)
-            from[i] = corner >> i & 1 ? high[i] : low[i];
-        affine_apply(a, from, by_a);
-        affine_apply(b, from, by_b);
-        most = fmax(most, hypot(hypot(by_a[0] - by_b[0], by_a[1] - by_b[1]), by_a[2] - by_b[2]));
-    }
-    return most;
+        for (int j = 0; j < 3; j++)
+            for (int k = 0; k < 3; k++)
+                squared.m[i][j] += a->m[k][i] * a->m[k][j];
+    spread(&squared, out);
 }
 
 /* ---- the fit ---- */
@@ -178,13 +151,13 @@ static const double MIRRORED = 0.5;
 /* Both sets of places about their middles. */
 struct moments {
     double from_mean[3], to_mean[3];
-    double from_from[3][3], to_to[3][3], to_from[3][3]; /* sums of products */
+    struct affine from_from, to_to, to_from; /* sums of products */
 };
 
 static void take_moments(struct moments *out, size_t n, const double (*from)[3],
                          const double (*to)[3])
 {
-    memset(out, 0, sizeof *out);
+    *out = (struct moments){.from_mean = {0}};
     for (size_t p = 0; p < n; p++)
         for (int i = 0; i < 3; i++) {
             out->from_mean[i] += from[p][i] / (double)n;
@@ -196,14 +169,14 @@ static void take_moments(struct moments *out, size_t n, const double (*from)[3],
                 const double fi = from[p][i] - out->from_mean[i];
                 const double fj = from[p][j] - out->from_mean[j];
                 const double ti = to[p][i] - out->to_mean[i], tj = to[p][j] - out->to_mean[j];
-                out->from_from[i][j] += fi * fj;
-                out->to_to[i][j] += ti * tj;
-                out->to_from[i][j] += ti * fj;
+                out->from_from.m[i][j] += fi * fj;
+                out->to_to.m[i][j] += ti * tj;
+                out->to_from.m[i][j] += ti * fj;
             }
 }
 
 /* Out of `size` dimensions: 2 for what must not lie on a line, 3 for a plane. */
-static bool is_flat(const double squared[3][3], int size)
+static bool is_flat(const struct affine *squared, int size)
 {
     double length[3];
     spread(squared, length);
@@ -211,128 +184,91 @@ static bool is_flat(const double squared[3][3], int size)
 }
 
 /* The rotation that takes `from` nearest to `to`. */
-static void rotation(double out[3][3], const double s[3][3])
+static void rotation(struct affine *out, const struct affine *to_from)
 {
     /* Horn's N, with the sums S_ab of from_a to_b: s is its transpose. */
+    const double(*s)[4] = to_from->m;
     double n[SIDE][SIDE] = {
         {s[0][0] + s[1][1] + s[2][2], s[2][1] - s[1][2], s[0][2] - s[2][0], s[1][0] - s[0][1]},
         {0, s[0][0] - s[1][1] - s[2][2], s[1][0] + s[0][1], s[0][2] + s[2][0]},
         {0, 0, s[1][1] - s[0][0] - s[2][2], s[2][1] + s[1][2]},
         {0, 0, 0, s[2][2] - s[0][0] - s[1][1]}};
-    double value[SIDE], vector[SIDE][SIDE];
+    double vector[SIDE][SIDE];
+    int largest = 0;
     for (int i = 0; i < SIDE; i++)
         for (int j = 0; j < i; j++)
             n[i][j] = n[j][i];
-    eigen(SIDE, n, value, vector);
-    const double w = vector[0][0], x = vector[1][0], y = vector[2][0], z = vector[3][0];
-    const double r[3][3] = {
-        {w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
-        {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
-        {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}};
-    memcpy(out, r, sizeof r);
+    eigen(SIDE, n, vector);
+    for (int i = 1; i < SIDE; i++)
+        largest = n[i][i] > n[largest][largest] ? i : largest;
+    const double w = vector[0][largest], x = vector[1][largest], y = vector[2][largest],
+                 z = vector[3][largest];
+    *out = (struct affine){
+        {{w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
+         {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
+         {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}}};
 }
 
 /* Whether a mirror image would fit far better than any rotation: by the singular values s of the
  * sums, what is left of either is what there is less twice s0 + s1 + s2 or s0 + s1 - s2. */
 static bool is_mirrored(const struct moments *sums)
 {
-    const double(*m)[3] = sums->to_from;
     double s[3], from = 0, to = 0;
-    struct affine a = {{{0}}};
     for (int i = 0; i < 3; i++) {
-        memcpy(a.m[i], m[i], sizeof m[i]);
-        from += sums->from_from[i][i];
-        to += sums->to_to[i][i];
+        from += sums->from_from.m[i][i];
+        to += sums->to_to.m[i][i];
     }
-    if (!(affine_determinant(&a) < 0))
+    if (!(affine_determinant(&sums->to_from) < 0))
         return false;
-    singular_values(m, s);
+    affine_stretches(&sums->to_from, s);
     const double scale = (s[0] + s[1] + s[2]) / from; /* whatever the kind allows */
     const double mirrored = to - scale * (s[0] + s[1] + s[2]);
     const double rotated = to - (s[0] + s[1] - s[2]) * (s[0] + s[1] - s[2]) / from;
     return fmax(mirrored, 0) < MIRRORED * MIRRORED * rotated;
 }
 
-/* sum of to from' times the inverse of the sum of from from'. */
-static bool full(double out[3][3], const struct moments *sums)
-{
-    struct affine both = {{{0}}}, back;
-    for (int i = 0; i < 3; i++)
-        memcpy(both.m[i], sums->from_from[i], sizeof sums->from_from[i]);
-    if (!affine_invert(&back, &both))
-        return false;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            out[i][j] = 0;
-            for (int k = 0; k < 3; k++)
-                out[i][j] += sums->to_from[i][k] * back.m[k][j];
-        }
-    return true;
-}
-
-size_t affine_pairs_least(enum affine_kind kind)
-{
-    return kind == AFFINE_FULL ? 4 : 3;
-}
-
-static double left_mm(const struct affine *a, size_t n, const double (*from)[3],
-                      const double (*to)[3])
-{
-    double squares = 0;
-    for (size_t p = 0; p < n; p++) {
-        double at[3];
-        affine_apply(a, from[p], at);
-        for (int i = 0; i < 3; i++)
-            squares += (at[i] - to[p][i]) * (at[i] - to[p][i]);
-    }
-    return sqrt(squares / (double)n);
-}
-
 enum err affine_fit(struct affine *out, enum affine_kind kind, size_t n, const double (*from)[3],
                     const double (*to)[3], double *rms_mm, struct fault *fault)
 {
-    const int size = kind == AFFINE_FULL ? 3 : 2;
+    const bool is_full = kind == AFFINE_FULL;
+    const size_t least = is_full ? AFFINE_PAIRS_FULL : AFFINE_PAIRS;
     struct moments sums;
-    double m[3][3];
-    if (n < affine_pairs_least(kind))
+    struct affine found;
+    if (n < least)
         return fault_set(fault, ERR_INPUT, "%zu pair%s of places; a %s map takes %zu or more", n,
                          n == 1 ? "" : "s",
                          kind == AFFINE_RIGID        ? "rigid"
                          : kind == AFFINE_SIMILARITY ? "similarity"
                                                      : "affine",
-                         affine_pairs_least(kind));
+                         least);
     take_moments(&sums, n, from, to);
-    if (is_flat((const double(*)[3])sums.from_from, size) ||
-        is_flat((const double(*)[3])sums.to_to, size))
+    if (is_flat(&sums.from_from, is_full ? 3 : 2) || is_flat(&sums.to_to, is_full ? 3 : 2))
         return fault_set(fault, ERR_INPUT,
-                         kind == AFFINE_FULL
-                             ? "all places lie in one plane, or nearly so, which leaves an affine "
-                               "map open; expected one more, well off that plane"
-                             : "all places lie on one line, or nearly so, which leaves the turn "
-                               "about it open; expected one more, well off that line");
+                         is_full ? "all places lie in one plane, or nearly so, which leaves an "
+                                   "affine map open; expected one more, well off that plane"
+                                 : "all places lie on one line, or nearly so, which leaves the "
+                                   "turn about it open; expected one more, well off that line");
     if (is_mirrored(&sums))
         return fault_set(fault, ERR_INPUT,
                          "the places are mirror images of each other, as where left and right are "
                          "mixed up; expected the same ones on the same sides");
-    if (kind != AFFINE_FULL)
-        rotation(m, (const double(*)[3])sums.to_from);
-    else if (!full(m, &sums))
+    if (!is_full)
+        rotation(&found, &sums.to_from);
+    else if (affine_invert(&found, &sums.from_from))
+        affine_compose(&found, &sums.to_from, &found);
+    else
         return fault_set(fault, ERR_INPUT, "the places leave an affine map open");
-    double scale = 1;
-    if (kind == AFFINE_SIMILARITY) {
-        double turned = 0, whole = 0;
-        for (int i = 0; i < 3; i++) {
-            whole += sums.from_from[i][i];
-            for (int j = 0; j < 3; j++)
-                turned += m[i][j] * sums.to_from[i][j];
-        }
-        scale = turned / whole;
+    double turned = 0, whole = 0;
+    for (int i = 0; i < 3; i++) {
+        whole += sums.from_from.m[i][i];
+        for (int j = 0; j < 3; j++)
+            turned += found.m[i][j] * sums.to_from.m[i][j];
     }
-    struct affine found;
+    const double scale = kind == AFFINE_SIMILARITY ? turned / whole : 1;
     for (int i = 0; i < 3; i++) {
         found.m[i][3] = sums.to_mean[i];
         for (int j = 0; j < 3; j++) {
-            found.m[i][j] = scale * m[i][j];
+            found.m[i][j] *= scale;
             found.m[i][3] -= found.m[i][j] * sums.from_mean[j];
         }
     }
@@ -340,7 +276,14 @@ enum err affine_fit(struct affine *out, enum affine_kind kind, size_t n, const d
         return fault_set(fault, ERR_INPUT,
                          "the places turn the scene inside out; expected the same ones on the "
                          "same sides");
+    double squares = 0;
+    for (size_t p = 0; p < n; p++) {
+        double at[3];
+        affine_apply(&found, from[p], at);
+        for (int i = 0; i < 3; i++)
+            squares += (at[i] - to[p][i]) * (at[i] - to[p][i]);
+    }
     *out = found;
-    *rms_mm = left_mm(&found, n, from, to);
+    *rms_mm = sqrt(squares / (double)n);
     return OK;
 }

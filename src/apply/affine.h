@@ -38,15 +38,11 @@ bool affine_is_finite(const struct affine *a);
  * first. */
 void affine_stretches(const struct affine *a, double out[3]);
 
-/* How far apart, in millimetres, the two take a corner of a box at most. */
-double affine_apart(const struct affine *a, const struct affine *b, const double low[3],
-                    const double high[3]);
-
 /* What may be fitted: turned and moved; scaled as well, all axes alike; anything. */
 enum affine_kind { AFFINE_RIGID, AFFINE_SIMILARITY, AFFINE_FULL };
 
-/* How many pairs a kind takes: 3, 3 or 4. */
-size_t affine_pairs_least(enum affine_kind kind);
+/* How many pairs a kind takes; and AFFINE_FULL. */
+enum { AFFINE_PAIRS = 3, AFFINE_PAIRS_FULL = 4 };
 
 /*
  * Least squares over pairs of places in millimetres: to ~ out(from), and in *rms_mm the root of the

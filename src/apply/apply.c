@@ -73,9 +73,9 @@ static enum err check_names(struct applying *a, struct fault *fault)
         for (size_t k = 0; !err && k < i; k++) {
             struct buf name[2] = {{0}, {0}};
             a->choice.scene = o->scene[i];
-            subject_journal(&name[0], &a->choice);
+            subject_path(&name[0], &a->choice, SUBJECT_JOURNAL);
             a->choice.scene = o->scene[k];
-            subject_journal(&name[1], &a->choice);
+            subject_path(&name[1], &a->choice, SUBJECT_JOURNAL);
             if (strcmp(buf_text(&name[0]), buf_text(&name[1])) == 0)
                 err = fault_set(fault, ERR_USAGE,
                                 "%s and %s would both come to %s; apply them one by one, each with "
@@ -143,8 +143,7 @@ static enum err check_output(const struct applying *a, const char *path,
  * that is yet to come. */
 static enum err check_inputs(struct applying *a, struct fault *fault)
 {
-    static void (*const output[])(struct buf *, const struct subject_choice *) = {
-        subject_journal, subject_seeds, subject_goldens};
+    static const char *const output[] = {SUBJECT_JOURNAL, SUBJECT_SEEDS, SUBJECT_GOLDENS};
     const struct apply_options *o = a->options;
     const char *const other[] = {o->procedure.path, o->procedure.journal.scene_path, o->landmarks,
                                  a->choice.carry.way == CARRY_FILE ? o->by : NULL};
@@ -161,7 +160,7 @@ static enum err check_inputs(struct applying *a, struct fault *fault)
         for (size_t k = 0; !err && k < sizeof output / sizeof *output; k++) {
             struct buf path = {0};
             a->choice.scene = o->scene[i];
-            output[k](&path, &a->choice);
+            subject_path(&path, &a->choice, output[k]);
             err = path.failed ? fault_memory(fault, "a path")
                               : check_output(a, buf_text(&path), input, inputs, fault);
             buf_release(&path);

@@ -5,9 +5,9 @@
 #ifndef APPLY_APPLY_H
 #define APPLY_APPLY_H
 
-#include "apply/carry.h"
 #include "apply/procedure.h"
 #include "command/script.h"
+#include "session/session.h"
 
 struct apply_options {
     struct procedure_source procedure;
@@ -26,6 +26,49 @@ struct apply_options {
  * comes back: ERR_CHECK where one was refused and none failed otherwise. */
 enum err apply_procedure(const struct apply_options *options, const struct printer *printer,
                          struct fault *fault);
+
+/*
+ * Carrying over: how a place of a subject's scene is found in the procedure's.
+ *
+ *     world      both have the same millimetres
+ *     landmarks  those of the same names, by least squares
+ *     affine     by the intensities of both (apply/registration.h)
+ *     file       a transform that another program has found (apply/registration.h)
+ *
+ * Nothing is guessed: a scene of which nobody says where it lies is refused; landmarks need no
+ * place, but sides and millimetres.
+ */
+
+enum carry_way { CARRY_WORLD, CARRY_LANDMARKS, CARRY_AFFINE, CARRY_FILE }; /* as ORIGIN_WAYS */
+
+#define CARRY_FITS "rigid|similarity|affine" /* enum affine_kind */
+
+struct carry_choice {
+    enum carry_way way;
+    const char *file; /* of CARRY_FILE */
+    enum affine_kind kind;
+    const struct procedure_landmark *landmark; /* the subject's */
+    size_t landmarks;
+    const uint16_t *intensity; /* of the procedure's scene, [z][y][x]; NULL where it is not known */
+};
+
+struct carry {
+    struct affine pull; /* subject's world -> procedure's world */
+    size_t pairs;       /* of landmarks, */
+    double rms_mm;      /* and what they are off by */
+    struct buf words;   /* what there is to say of it; no line feed */
+};
+
+/* `carry` is to be released by buf_release(&carry->words), whatever is returned. ERR_INPUT in words
+ * that say what to do, ERR_CHECK for a registration that is not to be used. */
+enum err carry_find(struct carry *carry, const struct carry_choice *choice,
+                    const struct procedure *procedure, const struct session *subject,
+                    struct fault *fault);
+
+/* The landmarks of a file of lines NAME X,Y,Z in millimetres of the scene's world; comments begin
+ * with #. ERR_INPUT with the line. */
+enum err carry_read_landmarks(struct procedure_landmark mark[PROCEDURE_LANDMARKS], size_t *marks,
+                              const char *path, struct fault *fault);
 
 /*
  * One subject: the journal that a procedure comes to in its scene.
@@ -82,11 +125,12 @@ struct subject {
 };
 void subject_release(struct subject *subject);
 
-/* The paths that it may write: its journal, the map of its seeds, the folder with copies of labels.
- */
-void subject_journal(struct buf *out, const struct subject_choice *choice);
-void subject_seeds(struct buf *out, const struct subject_choice *choice);
-void subject_goldens(struct buf *out, const struct subject_choice *choice);
+/* The paths that it may write: its journal, the map of its seeds, the folder with copies of labels,
+ * each the name of the scene with one of these endings. */
+#define SUBJECT_JOURNAL ".iftty"
+#define SUBJECT_SEEDS   ".seeds.nii.gz"
+#define SUBJECT_GOLDENS ".golden"
+void subject_path(struct buf *out, const struct subject_choice *choice, const char *ending);
 
 /* `subject` begins as {0}, and is to be released whatever is returned. ERR_CHECK where it is not to
  * be carried over so, ERR_INPUT, ERR_IO; there is no journal then that was not there before. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "apply/carry.h"
+#include "apply/apply.h"
 
 #include <string.h>
 
@@ -86,15 +86,14 @@ static enum err fit(struct carry *carry, const struct carry_choice *choice,
                 memcpy(to[n++], p->landmark[k].mm, sizeof to[n]);
             }
     carry->pairs = n;
-    if (n < 3)
+    if (n < AFFINE_PAIRS)
         return fault_set(fault, ERR_INPUT,
                          "%zu landmark%s of the subject %s in the procedure too (%zu and %zu), and "
                          "3 are needed; `landmark NAME X,Y,Z` in the procedure's journal makes "
                          "them, and --landmarks FILE gives those of the subject",
                          n, plural(n), n == 1 ? "is" : "are", choice->landmarks, p->landmarks);
-    const enum affine_kind kind = choice->kind == AFFINE_FULL && n < affine_pairs_least(AFFINE_FULL)
-                                      ? AFFINE_RIGID
-                                      : choice->kind;
+    const enum affine_kind kind =
+        choice->kind == AFFINE_FULL && n < AFFINE_PAIRS_FULL ? AFFINE_RIGID : choice->kind;
     const enum err err = affine_fit(&carry->pull, kind, n, (const double(*)[3])from,
                                     (const double(*)[3])to, &carry->rms_mm, fault);
     const struct choice word = choice_at(CARRY_FITS, kind);
@@ -197,6 +196,5 @@ enum err carry_find(struct carry *carry, const struct carry_choice *choice,
     struct placed_grid there = {.geometry = &of_procedure}, here = {.geometry = geometry};
     memcpy(there.size, p->size, sizeof there.size);
     memcpy(here.size, subject->scene->grid.size, sizeof here.size);
-    return transform_read(&carry->pull, &carry->words, choice->file, TRANSFORM_SUBJECT_FIXED,
-                          &there, &here, fault);
+    return transform_read(&carry->pull, &carry->words, choice->file, &there, &here, fault);
 }

@@ -14,6 +14,26 @@ enum { BYTES_MOST = 1 << 20, SIXTEEN = 16, KIND_MOST = 96, TRANSFORM_HELD_MOST =
 
 static const char FSL[] = "fsl:";
 
+const char *register_helper_program;
+int register_helper_patience_ms = 60000;
+
+/* Starts one for `task`, which may hold so many bytes. coprocess_release ends it, after an error
+ * too. */
+static enum err start_helper(struct coprocess *out, const char *task, uint64_t bytes,
+                             struct watch *watch, struct fault *fault)
+{
+    const uint64_t available = mem_available();
+    const enum err err = coprocess_init(out, REGISTER_HELPER, register_helper_program, fault);
+    out->kind = "the register helper";
+    out->made_of = COPROCESS_OF_ITK;
+    out->package = "iftty-volume";
+    out->patience_ms = register_helper_patience_ms;
+    out->memory = bytes < available ? bytes : available;
+    out->watch = watch;
+    out->doing = task;
+    return err ? err : coprocess_start(out, fault);
+}
+
 /* ---- FSL ---- */
 
 /* Sixteen numbers in four rows, the last of which is 0 0 0 1. */
@@ -83,8 +103,7 @@ static enum err read_by_helper(struct affine *out, struct buf *kind, const struc
     const char *at = line;
     static const int64_t most = KIND_MOST - 1;
     int64_t length = 0;
-    enum err err =
-        register_helper_start(&process, "a transform", TRANSFORM_HELD_MOST, 0, NULL, fault);
+    enum err err = start_helper(&process, "a transform", TRANSFORM_HELD_MOST, NULL, fault);
     snprintf(line, sizeof line, "transform %zu\n", bytes->length);
     if (!err && !(coprocess_transmit(&process, line, strlen(line)) &&
                   coprocess_transmit(&process, buf_text(bytes), bytes->length)))
@@ -146,30 +165,13 @@ static enum err take_file(struct affine *out, struct buf *kind, const struct buf
     return err;
 }
 
-static enum err check(const struct affine *a, struct fault *fault)
-{
-    struct affine back;
-    const double determinant = affine_determinant(a);
-    if (!affine_is_finite(a) || !affine_invert(&back, a))
-        return fault_set(fault, ERR_INPUT, "it has no inverse");
-    if (determinant < 0)
-        return fault_set(fault, ERR_INPUT,
-                         "it makes a mirror image of the patient (its determinant is %.3g); left "
-                         "and right are mixed up in one of the scenes, or it is another program's",
-                         determinant);
-    return OK;
-}
-
 enum err transform_read(struct affine *out, struct buf *words, const char *path,
-                        enum transform_fixed fixed, const struct placed_grid *procedure,
-                        const struct placed_grid *subject, struct fault *fault)
+                        const struct placed_grid *procedure, const struct placed_grid *subject,
+                        struct fault *fault)
 {
-    const bool is_fsl = scan_text(&path, FSL), takes_subject = fixed == TRANSFORM_SUBJECT_FIXED;
-    const struct placed_grid *to = takes_subject ? subject : procedure;
-    const struct placed_grid *from = takes_subject ? procedure : subject;
-    const bool has_subject = geometry_has_place(subject->geometry);
+    const bool is_fsl = scan_text(&path, FSL), has_subject = geometry_has_place(subject->geometry);
     struct buf bytes = {0}, kind = {0};
-    struct affine found;
+    struct affine found, back;
     if (!has_subject || !geometry_has_place(procedure->geometry))
         return fault_set(fault, ERR_INPUT,
                          "%s: the file of the %s scene does not say where it lies in the world, so "
@@ -178,16 +180,17 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
     enum err err = file_read(&bytes, path, BYTES_MOST, fault);
     if (err)
         return err;
-    err = take_file(&found, &kind, &bytes, is_fsl, to, from, fault);
-    if (!err)
-        err = check(&found, fault);
-    if (!err && !takes_subject)
-        affine_invert(&found, &found);
-    if (!err && words)
-        buf_printf(words, "%s, taken as found with the %s scene as the fixed one%s",
-                   buf_text(&kind), takes_subject ? "subject's" : "procedure's",
-                   is_fsl ? " (-ref)" : "");
-    if (!err && (kind.failed || (words && words->failed)))
+    err = take_file(&found, &kind, &bytes, is_fsl, subject, procedure, fault);
+    if (!err && (!affine_is_finite(&found) || !affine_invert(&back, &found)))
+        err = fault_set(fault, ERR_INPUT, "it has no inverse");
+    if (!err && affine_determinant(&found) < 0)
+        err = fault_set(fault, ERR_INPUT,
+                        "it makes a mirror image of the patient (its determinant is %.3g); left "
+                        "and right are mixed up in one of the scenes, or it is another program's",
+                        affine_determinant(&found));
+    buf_printf(words, "%s, taken as found with the subject's scene as the fixed one%s",
+               buf_text(&kind), is_fsl ? " (-ref)" : "");
+    if (!err && (kind.failed || words->failed))
         err = fault_memory(fault, "a transform's name");
     if (!err)
         *out = found;
@@ -198,55 +201,10 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
     return err;
 }
 
-const char *register_helper_program;
-int register_helper_patience_ms = 60000;
-
-enum err register_helper_start(struct coprocess *out, const char *task, uint64_t bytes, int work_ms,
-                               struct watch *watch, struct fault *fault)
-{
-    const uint64_t available = mem_available();
-    const enum err err = coprocess_init(out, REGISTER_HELPER, register_helper_program, fault);
-    out->kind = "the register helper";
-    out->made_of = COPROCESS_OF_ITK;
-    out->package = "iftty-volume";
-    out->work_ms = work_ms;
-    out->patience_ms =
-        register_helper_patience_ms > work_ms ? register_helper_patience_ms : work_ms;
-    out->memory = bytes < available ? bytes : available;
-    out->watch = watch;
-    out->doing = task;
-    return err ? err : coprocess_start(out, fault);
-}
-
-/* Waits for the line `word`, and shows how far it is. */
-static enum err register_helper_await(struct coprocess *process, const char *word,
-                                      struct fault *fault)
-{
-    enum { STEPS_MOST = 1000000 };
-    int64_t before = -1;
-    for (;;) {
-        static const int64_t most[2] = {STEPS_MOST, STEPS_MOST};
-        int64_t number[2];
-        char line[COPROCESS_LINE];
-        const char *at = line;
-        const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
-        if (err || strcmp(line, word) == 0)
-            return err;
-        if (!scan_text(&at, "progress ") || !coprocess_numbers(at, 2, most, number) ||
-            number[0] < before || number[0] > number[1]) {
-            coprocess_odd(process);
-            return coprocess_fault(process, NULL, NULL, fault);
-        }
-        before = number[0];
-        if (watch_poll(process->watch, process->doing, (uint64_t)number[0], (uint64_t)number[1]))
-            return watch_fault(process->watch, fault);
-    }
-}
-
 enum {
     VOXELS_MOST = 1 << 23, /* that are registered; larger scenes are reduced */
     MAP = 12,              /* numbers of a map, and of a matrix to the world */
-    NUMBERS = 20
+    NUMBERS = 19
 };
 
 /* Two scenes with their levels, and ITK itself, which took 190 MB for two heads of 7 M voxels. */
@@ -340,10 +298,26 @@ static enum err send_scene(struct coprocess *process, const struct reduced *from
 static enum err receive_found(struct registration *out, struct coprocess *process,
                               struct fault *fault)
 {
+    enum { STEPS_MOST = 1000000 };
+    static const int64_t most[2] = {STEPS_MOST, STEPS_MOST};
+    char line[COPROCESS_LINE];
     double number[NUMBERS];
-    const enum err err = register_helper_await(process, "found", fault);
-    if (err)
-        return err;
+    int64_t before = -1, step[2];
+    for (;; before = step[0]) {
+        const char *at = line;
+        const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
+        if (err)
+            return err;
+        if (strcmp(line, "found") == 0)
+            break;
+        if (!scan_text(&at, "progress ") || !coprocess_numbers(at, 2, most, step) ||
+            step[0] < before || step[0] > step[1]) {
+            coprocess_odd(process);
+            return coprocess_fault(process, NULL, NULL, fault);
+        }
+        if (watch_poll(process->watch, process->doing, (uint64_t)step[0], (uint64_t)step[1]))
+            return watch_fault(process->watch, fault);
+    }
     bool makes_sense = coprocess_receive(process, number, sizeof number);
     for (int i = 0; makes_sense && i < NUMBERS; i++)
         if (!isfinite(number[i]) || (i >= MAP && number[i] < 0))
@@ -359,8 +333,7 @@ static enum err receive_found(struct registration *out, struct coprocess *proces
     out->tells_sides = out->mirrored_metric * REGISTRATION_MIRRORED_MOST < out->metric;
     at += 2;
     out->agreement_mm = *at++;
-    out->length_mm = *at++;
-    out->seconds = *at;
+    out->length_mm = *at;
     affine_stretches(&out->affine, out->stretch);
     return OK;
 }
@@ -422,7 +395,7 @@ static enum err find(struct registration *out, struct coprocess *process,
     char line[COPROCESS_LINE];
     const int length = snprintf(line, sizeof line, "register %u %u %u %u %u %u\n", a[0], a[1], a[2],
                                 b[0], b[1], b[2]);
-    enum err err = register_helper_start(process, "registration", HELD_MOST, 0, watch, fault);
+    enum err err = start_helper(process, "registration", HELD_MOST, watch, fault);
     if (!err && !coprocess_transmit(process, line, (size_t)length))
         err = coprocess_fault(process, NULL, NULL, fault);
     for (int i = 0; i < 2 && !err; i++)
@@ -448,8 +421,6 @@ enum err registration_find(struct registration *out, const struct placed_scene *
     coprocess_release(&process);
     if (err)
         return err;
-    scene_proof(out->subject, subject->scene);
-    scene_proof(out->procedure, procedure->scene);
     err = watch_fault(watch, fault);
     return err ? err : judge(out, fault);
 }

@@ -16,7 +16,6 @@
 #include "apply/affine.h"
 #include "base/buf.h"
 #include "base/err.h"
-#include "base/hash.h"
 #include "base/watch.h"
 #include "engine/scene.h"
 #include "image/coprocess.h"
@@ -30,7 +29,6 @@ struct placed_scene {
 
 struct registration {
     struct affine affine; /* subject's world -> procedure's world, millimetres, RAS+ */
-    char subject[SHA256_HEX], procedure[SHA256_HEX]; /* what scene_proof says of them */
     /* Mutual information in nats, more is better: with the map, with the scenes as they lie in
      * their worlds, and with the best map of the subject's mirror image. */
     double metric, identity_metric, mirrored_metric;
@@ -41,7 +39,6 @@ struct registration {
                             the subject, leads away at most, in the box of the subject's content */
     double length_mm;    /* the longest side of that box */
     double stretch[3];   /* singular values, largest first */
-    double seconds;      /* of the processor */
 };
 
 /*
@@ -84,7 +81,7 @@ enum err registration_find(struct registration *out, const struct placed_scene *
  *     answer    any number of
  *                 progress DONE TOTAL\n
  *               and then
- *                 found\n  20 numbers
+ *                 found\n  19 numbers
  *               or
  *                 error LENGTH\n  words
  *
@@ -97,7 +94,7 @@ enum err registration_find(struct registration *out, const struct placed_scene *
  * voxels to the world (right, anterior, superior; millimetres), its voxels are of 16 bits, x
  * fastest. Those found are the three rows of the map from the subject's world to the procedure's;
  * the metric of the map, of the identity, of the mirror image; what part of the subject's content
- * and of the procedure's lies in the other; agreement and length, in millimetres; and seconds.
+ * and of the procedure's lies in the other; agreement and length, in millimetres.
  */
 
 #define REGISTER_HELPER "iftty-register" /* the program (coprocess_find) */
@@ -106,12 +103,6 @@ enum err registration_find(struct registration *out, const struct placed_scene *
  * stay silent. */
 extern const char *register_helper_program;
 extern int register_helper_patience_ms;
-
-/* Starts one for `task` ("registration"), which may hold so many bytes, and may work for so many
- * milliseconds of the processor between two answers (0: as any coprocess). coprocess_release ends
- * it, after an error too. */
-enum err register_helper_start(struct coprocess *out, const char *task, uint64_t bytes, int work_ms,
-                               struct watch *watch, struct fault *fault);
 
 /*
  * Transform files: what other programs found to be the way from one scene to another.
@@ -136,21 +127,18 @@ struct placed_grid {
     const struct geometry *geometry;
 };
 
-/* Which scene was the fixed one (FSL: -ref) when the other program was run. What its tools do to
- * bring a procedure's labels onto a subject is TRANSFORM_SUBJECT_FIXED. */
-enum transform_fixed { TRANSFORM_SUBJECT_FIXED, TRANSFORM_PROCEDURE_FIXED };
-
 /*
  * Reads the file at `path` ("fsl:PATH": FLIRT's) as the way from the subject's world to the
- * procedure's, both RAS+, whichever way the file has it. `words` (may be NULL) gets what was taken,
- * in one line: the format, and which scene was taken for fixed.
+ * procedure's, both RAS+: the subject's scene was the fixed one (FSL: -ref) when the other program
+ * was run, as its tools have it that bring a procedure's labels onto a subject. `words` gets
+ * what was taken, in one line.
  *
  * ERR_INPUT, and `out` is left alone, for what is not affine (a warp field), has no inverse, makes
  * mirror images, is neither format, or could be either; and where a scene has no place in the
  * world, as nothing says then what the numbers mean.
  */
 enum err transform_read(struct affine *out, struct buf *words, const char *path,
-                        enum transform_fixed fixed, const struct placed_grid *procedure,
-                        const struct placed_grid *subject, struct fault *fault);
+                        const struct placed_grid *procedure, const struct placed_grid *subject,
+                        struct fault *fault);
 
 #endif

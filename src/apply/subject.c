@@ -29,6 +29,7 @@ struct making {
     const struct procedure *procedure;
     const struct subject_choice *choice;
     struct subject *subject;
+    bool is_there; /* a journal of its name */
     struct warped warped;
     struct buf origin, seeds; /* a command; commands, a line each */
     struct buf made;          /* paths of files that were written, each ended by NUL */
@@ -41,35 +42,17 @@ void subject_release(struct subject *subject)
     buf_release(&subject->words);
 }
 
-/* The file's name without its ending. */
-static void add_name(struct buf *out, const struct subject_choice *choice)
+/* Of the scene's file the name, without its ending. */
+void subject_path(struct buf *out, const struct subject_choice *choice, const char *ending)
 {
-    const char *scene = choice->scene, *ending = volume_ending(scene);
-    size_t end = strlen(scene) - (ending ? strlen(ending) : 0);
+    const char *scene = choice->scene, *of_scene = volume_ending(scene);
+    size_t end = strlen(scene) - (of_scene ? strlen(of_scene) : 0);
     while (end > 1 && scene[end - 1] == '/')
         end--;
     size_t begin = end;
     while (begin > 0 && scene[begin - 1] != '/')
         begin--;
-    buf_printf(out, "%s/%.*s", choice->folder, (int)(end - begin), scene + begin);
-}
-
-void subject_journal(struct buf *out, const struct subject_choice *choice)
-{
-    add_name(out, choice);
-    buf_add_text(out, ".iftty");
-}
-
-void subject_seeds(struct buf *out, const struct subject_choice *choice)
-{
-    add_name(out, choice);
-    buf_add_text(out, ".seeds.nii.gz");
-}
-
-void subject_goldens(struct buf *out, const struct subject_choice *choice)
-{
-    add_name(out, choice);
-    buf_add_text(out, ".golden");
+    buf_printf(out, "%s/%.*s%s", choice->folder, (int)(end - begin), scene + begin, ending);
 }
 
 /* ---- commands ---- */
@@ -229,7 +212,7 @@ static enum err prepare_labels(struct making *m)
                                    .description = "iftty seeds",
                                    .row = write_row,
                                    .context = m};
-    subject_seeds(&path, m->choice);
+    subject_path(&path, m->choice, SUBJECT_SEEDS);
     for (unsigned l = 1; l <= 256; l++) {
         const unsigned label = l % 256;
         const uint64_t left = m->warped.eroded[label] - m->warped.dropped[label];
@@ -614,11 +597,11 @@ static void say_left(struct making *m)
                    plural(left[LEFT_GESTURES]), left[LEFT_GESTURES] == 1 ? "is" : "are");
 }
 
-static enum err carry_over(struct making *m, bool is_there)
+static enum err carry_over(struct making *m)
 {
     struct carry carry = {.pairs = 0};
     const enum err err =
-        is_there && m->choice->carry.way == CARRY_AFFINE
+        m->is_there && m->choice->carry.way == CARRY_AFFINE
             ? find_pull(&carry.pull, m)
             : carry_find(&carry, &m->choice->carry, m->procedure, m->interp.session, m->fault);
     m->subject->pull = carry.pull;
@@ -629,33 +612,15 @@ static enum err carry_over(struct making *m, bool is_there)
     return err;
 }
 
-static enum err make(struct making *m, bool is_there)
+static enum err make(struct making *m)
 {
-    enum err err = open_scene(m);
-    if (!err)
-        err = carry_over(m, is_there);
-    if (!err)
-        err = execute_settings(m);
-    if (!err)
-        err = name_labels(m);
-    if (!err)
-        err = place_landmarks(m);
-    if (!err)
-        err = prepare(m);
-    if (!err)
-        err = plant(m);
-    if (!err)
-        err = sum_up(m);
+    static enum err (*const step[])(struct making * m) = {
+        open_scene, carry_over, execute_settings, name_labels, place_landmarks, prepare,
+        plant,      sum_up};
+    enum err err = OK;
+    for (size_t i = 0; !err && i < sizeof step / sizeof *step; i++)
+        err = step[i](m);
     return err ? err : journal_sync(m->interp.journal, m->fault);
-}
-
-/* Removes the files that were written. */
-static void discard_made(struct making *m, const char *goldens, bool had_goldens)
-{
-    for (size_t at = 0; at < m->made.length; at += strlen(m->made.data + at) + 1)
-        file_discard(m->made.data + at);
-    if (!had_goldens)
-        rmdir(goldens);
 }
 
 enum err subject_make(struct subject *subject, const struct procedure *procedure,
@@ -664,10 +629,11 @@ enum err subject_make(struct subject *subject, const struct procedure *procedure
     struct making m = {
         .procedure = procedure, .choice = choice, .subject = subject, .fault = fault};
     struct buf draft = {0}, goldens = {0};
-    subject_journal(&subject->journal, choice);
-    subject_goldens(&goldens, choice);
+    subject_path(&subject->journal, choice, SUBJECT_JOURNAL);
+    subject_path(&goldens, choice, SUBJECT_GOLDENS);
     const char *path = buf_text(&subject->journal);
-    const bool is_there = file_exists(path), had_goldens = file_exists(buf_text(&goldens));
+    const bool is_there = m.is_there = file_exists(path);
+    const bool had_goldens = file_exists(buf_text(&goldens));
     enum err err = interpreter_init(&m.interp, fault);
     session_set_watch(m.interp.session, choice->watch);
     if (!err && (subject->journal.failed || goldens.failed))
@@ -680,7 +646,7 @@ enum err subject_make(struct subject *subject, const struct procedure *procedure
     if (!err) /* what lies beside it is named as it will be called */
         err = interpreter_set_home(&m.interp, path, fault);
     if (!err)
-        err = make(&m, is_there);
+        err = make(&m);
     interpreter_release(&m.interp);
     if (!err && is_there)
         err = compare_records(&m, buf_text(&draft));
@@ -690,8 +656,12 @@ enum err subject_make(struct subject *subject, const struct procedure *procedure
         err = file_publish(buf_text(&draft), path, FILE_KEEP, fault);
     else if (is_begun)
         file_discard(buf_text(&draft));
-    if (err || is_there)
-        discard_made(&m, buf_text(&goldens), had_goldens);
+    if (err || is_there) {
+        for (size_t at = 0; at < m.made.length; at += strlen(m.made.data + at) + 1)
+            file_discard(m.made.data + at);
+        if (!had_goldens)
+            rmdir(buf_text(&goldens));
+    }
     warped_release(&m.warped);
     buf_release(&m.origin);
     buf_release(&m.seeds);

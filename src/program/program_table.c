@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "apply/carry.h"
+#include "apply/apply.h"
 #include "session/map.h"
 #include "verify/verify.h"
 

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "command/interpreter.h"
@@ -77,6 +78,7 @@ static enum err row(const char *name, const struct placed_scene *subject,
     struct registration r;
     char off[16] = "-";
     held_most = 0;
+    const uint64_t begin = clock_ns();
     const enum err err = registration_find(&r, subject, procedure, &watch, fault);
     if (err && err != ERR_CHECK && err != ERR_INPUT)
         return err;
@@ -88,7 +90,7 @@ static enum err row(const char *name, const struct placed_scene *subject,
     else
         printf(" %6.3f %8.3f %8.3f %7.2f %9.2f  %4.2f-%4.2f %7s %6.1f %4zu\n", r.metric,
                r.identity_metric, r.mirrored_metric, r.overlap, r.agreement_mm, r.stretch[2],
-               r.stretch[0], off, r.seconds, held_most / 1000000);
+               r.stretch[0], off, (double)(clock_ns() - begin) / 1e9, held_most / 1000000);
     fflush(stdout);
     return OK;
 }

@@ -265,7 +265,6 @@ void fuzz_seeds(const uint8_t *bytes, size_t length)
 
 /* Transforms of ITK, as text and as MATLAB's: what is read has a name, and a refusal has words and
  * leaves the map alone. */
-
 void fuzz_transform(const uint8_t *bytes, size_t length)
 {
     struct buf text = {0}, kind = {0};
