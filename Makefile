@@ -363,8 +363,7 @@ bench-apply: all build/.packages-heads
 bench-chafa: all build/.packages-chafa
 	@$(PYTHON) -B tests/bench/chafa.py $(ARGS) $(BUILD)
 
-## bench-beside: draw the pictures of examples/ beside VTK's, in build/beside, and compare both with
-##     shapes of known surface; ARGS="--only brain", ARGS="--only truth"
+## bench-beside: draw the pictures of examples/ beside VTK's, in build/beside; ARGS="--only brain"
 bench-beside: all build/.packages-beside
 	@$(PYTHON) -B tests/bench/beside.py $(ARGS) $(BUILD)
 

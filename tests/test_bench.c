@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The benchmark's parts: seeds of the procedure, the comparison of experiments, reports, charts,
- * the line of progress. No time is looked at.
+ * The benchmark's parts: seeds of the procedure, the comparison of experiments, reports. No time is
+ * looked at.
  */
 #include <limits.h>
 #include <stdlib.h>
@@ -13,7 +13,6 @@
 #include "session/session.h"
 #include "session/session_inside.h"
 #include "show/draw.h"
-#include "tests/bench/plot.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 
@@ -345,119 +344,23 @@ STORY(means_leave_the_first_step_out)
     CHECK(report_ratio(&trial, RATIO_BORDER_SHARE) == 2 / 33.5);
 }
 
-static void print_to(struct buf *text, void (*print)(FILE *, const struct trial *, size_t),
-                     const struct trial *trial, size_t count)
-{
-    char *data = NULL;
-    size_t length = 0;
-    FILE *out = open_memstream(&data, &length);
-    if (!CHECK(out != NULL))
-        return;
-    print(out, trial, count);
-    fclose(out);
-    buf_clear(text);
-    buf_add(text, data, length);
-    free(data);
-}
-
-STORY(every_row_of_csv_has_every_column)
+STORY(the_summary_is_readable_in_100_columns)
 {
     const struct trial trial[2] = {made_trial("brain"), made_trial("geom222")};
-    struct buf text = {0};
-    size_t rows = 0;
-    print_to(&text, report_csv, trial, 2);
-    for (const char *at = buf_text(&text); *at; rows++) {
-        size_t commas = 0, n = strcspn(at, "\n");
-        for (size_t i = 0; i < n; i++)
-            commas += at[i] == ',';
-        CHECK_INT(commas, 16);
-        at += n + (at[n] == '\n');
-    }
-    CHECK_INT(rows, 1 + 2 * 3 * EXPERIMENTS);
-    print_to(&text, report_summary, trial, 2);
-    for (const char *at = buf_text(&text); *at;) { /* readable in 100 columns */
+    char *text = NULL;
+    size_t length = 0;
+    FILE *out = open_memstream(&text, &length);
+    if (!CHECK(out != NULL))
+        return;
+    report_summary(out, trial, 2);
+    fclose(out);
+    CHECK_HAS(text, "geom222");
+    for (const char *at = text; *at;) {
         size_t n = strcspn(at, "\n");
         CHECK(n <= 100);
         at += n + (at[n] == '\n');
     }
-    CHECK_HAS(buf_text(&text), "geom222");
-    buf_release(&text);
-}
-
-/* ---- charts ---- */
-
-STORY(ticks_are_round)
-{
-    static const struct {
-        double value;
-        unsigned most;
-        double tick;
-    } row[] = {{6, 6, 1},     {6.1, 6, 2},   {13, 6, 5},    {1460, 6, 500}, {0.3, 6, 0.05},
-               {600, 6, 100}, {601, 6, 200}, {1e9, 5, 2e8}, {0, 6, 1}};
-    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        double tick = plot_tick(row[i].value, row[i].most);
-        if (!CHECK(tick > row[i].tick * 0.999999 && tick < row[i].tick * 1.000001))
-            printf("#   %g by %u: %g\n", row[i].value, row[i].most, tick);
-    }
-}
-
-static size_t count_of(const char *text, const char *part)
-{
-    size_t count = 0;
-    for (; (text = strstr(text, part)) != NULL; text++)
-        count++;
-    return count;
-}
-
-STORY(a_chart_holds_every_value)
-{
-    static const double value[2][3] = {{1, 2.5, 30}, {0, 4, 12}};
-    static const char *const name[3] = {"brain", "a<b & c", "geom"};
-    const struct plot_series series[2] = {{"one", value[0], 0}, {"two", value[1], 4}};
-    const struct plot plot = {"Title", "caption", "ms", name, 3, "scenes", series, 2};
-    struct buf bars = {0}, lines = {0};
-    plot_bars(&bars, &plot);
-    plot_lines(&lines, &plot);
-    CHECK_INT(count_of(buf_text(&bars), "<rect "), 1 + 2 + 6);
-    CHECK_INT(count_of(buf_text(&lines), "<polyline "), 2);
-    CHECK_INT(count_of(buf_text(&lines), "<path "), 2 + 6);
-    const struct buf *both[2] = {&bars, &lines};
-    for (int i = 0; i < 2; i++) {
-        const char *text = buf_text(both[i]);
-        CHECK(strncmp(text, "<svg xmlns=", 11) == 0);
-        CHECK(strcmp(text + both[i]->length - 7, "</svg>\n") == 0);
-        CHECK_HAS(text, "a&lt;b &amp; c");
-        CHECK_HAS(text, ">30</text>"); /* the top of the scale, or of a bar */
-        CHECK_INT(count_of(text, "<text "), count_of(text, "</text>"));
-        CHECK(!strstr(text, "nan") && !strstr(text, "inf"));
-    }
-    buf_release(&bars);
-    buf_release(&lines);
-}
-
-STORY(a_chart_of_zeros_is_a_chart)
-{
-    static const double zero[2] = {0, 0};
-    static const char *const name[2] = {"a", "b"};
-    const struct plot_series series = {"none", zero, 1};
-    const struct plot plot = {"T", "c", "ms", name, 2, NULL, &series, 1};
-    struct buf svg = {0};
-    plot_bars(&svg, &plot);
-    CHECK(!strstr(buf_text(&svg), "nan") && !strstr(buf_text(&svg), "inf"));
-    buf_release(&svg);
-}
-
-STORY(charts_overwrite_nothing)
-{
-    const struct trial trial = made_trial("brain");
-    char plots[PATH_MAX];
-    struct fault fault = {0};
-    snprintf(plots, sizeof plots, "%s/plots", folder);
-    CHECK(report_plots_check(plots, &trial, 1, &fault) == OK);
-    CHECK(report_plots(plots, &trial, 1, &fault) == OK);
-    CHECK(report_plots_check(plots, &trial, 1, &fault) == ERR_IO);
-    CHECK_HAS(fault.text, "plots/steps-brain.svg is there already; nothing is overwritten");
-    CHECK(report_plots(plots, &trial, 1, &fault) == ERR_IO);
+    free(text);
 }
 
 /* ---- times ---- */

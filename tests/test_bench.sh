@@ -5,7 +5,7 @@
 bench=$build/tests/bench/bench
 
 begin "the paper's experiments agree on geom, and are told as text"
-expect 0 "$bench" paper geom --quick --rounds 1 --plots "$work/plots" </dev/null
+expect 0 "$bench" paper geom --quick --rounds 1 </dev/null
 out_has "geom: 200x200x100, 4000000 voxels; median of 1 round, "
 out_has "(5) DIFT + scan + BP"
 out_has "identical labels, keys and pictures in all experiments: 8 comparisons"
@@ -13,10 +13,6 @@ out_has "paper             > 4     1.14"
 same "$(wc -c <"$work/err" | tr -d ' ')" 0 # no progress where there is no terminal
 awk 'length > 100 { bad = 1 } END { exit bad }' "$work/out" ||
     fail "a line of more than 100 columns"
-same "$(cd "$work/plots" && ls | tr '\n' ' ')" "rendition.svg segmentation.svg steps-geom.svg "
-for chart in "$work/plots"/*; do
-    [ "$(tail -n 1 "$chart")" = "</svg>" ] || fail "$chart does not end"
-done
 close_story
 
 begin "JSON is JSON"
@@ -119,21 +115,6 @@ EOS
 fi
 close_story
 
-# Without VTK: iftty's pictures and the shapes' own. A torus is right within a pixel.
-begin "pictures beside the truth"
-mkdir -p "$work/beside" "$work/no-vtk/vtkmodules"
-echo 'raise ImportError("no VTK")' >"$work/no-vtk/vtkmodules/__init__.py"
-PYTHONPATH=$work/no-vtk expect 0 /usr/bin/python3 -B tests/bench/beside.py --only truth-torus \
-    --places 1 --side 32 --out "$work/beside" "$build"
-out_has "torus, rays "
-awk '/^torus, iftty/ { seen = $3 < 1 && $5 < 4 && $7 < 0.3 } END { exit !seen }' "$work/out" ||
-    fail "a torus is shown wrong: $(cat "$work/out")"
-same "$(ls "$work/beside")" truth-torus.png
-same "$(grep -c VTK "$work/out")" 0
-expect 2 /usr/bin/python3 -B tests/bench/beside.py --side 8 "$build"
-err_has "--side is 32 to 200"
-close_story
-
 begin "what is wrong is told at once"
 expect 2 "$bench" terminal --scene ch2.nii.gz
 err_has '`bench terminal` has no option --scene; it belongs to '
@@ -149,7 +130,7 @@ err_has '`bench growth` has no option --rounds; it belongs to `bench paper`'
 expect 0 "$bench" --help
 out_has "bench journal [JOURNAL]"
 expect 0 "$bench" paper --help
-out_has "--plots DIR"
+out_has "--rounds N"
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
     expect 2 "$bench" paper geom "$scene"
     err_has \
@@ -159,14 +140,6 @@ for rounds in 0 100 x 3x -1 ""; do
     expect 2 "$bench" paper geom --rounds "$rounds"
     err_has "--rounds: expected a number 1..99"
 done
-expect 2 "$bench" paper geom --json --csv
-err_has "not both"
-mkdir -p "$work/full"
-: >"$work/full/rendition.svg"
-expect 3 "$bench" paper geom --plots "$work/full"
-err_has "rendition.svg is there already; nothing is overwritten"
-expect 3 "$bench" paper geom --plots "$work/full/rendition.svg"
-same "$(file_bytes "$work/full/rendition.svg")" 0
 close_story
 
 begin "brain is not there: the words say which file"

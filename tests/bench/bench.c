@@ -2,19 +2,7 @@
 /* The benchmarks as a program: its table, and its main. */
 #include "tests/bench/bench.h"
 
-enum {
-    JSON = 1,
-    CSV,
-    QUICK_PAPER,
-    QUICK_GROWTH,
-    QUICK_KEYS,
-    ROUNDS,
-    PLOTS,
-    METHOD,
-    PROGRAM,
-    BRUSH,
-    SCENE
-};
+enum { JSON = 1, QUICK_PAPER, QUICK_GROWTH, QUICK_KEYS, ROUNDS, METHOD, PROGRAM, BRUSH, SCENE };
 
 #define FLAG(member) option_read_flag, offsetof(struct bench_options, member), 0, 0, NULL
 #define TEXT(member) option_read_text, offsetof(struct bench_options, member), 0, 0, NULL
@@ -22,7 +10,6 @@ enum {
 static const struct option option[] = {
     {0},
     [JSON] = {"--json", NULL, "print JSON", FLAG(common.json)},
-    [CSV] = {"--csv", NULL, "print a row for each scene, step and experiment", FLAG(csv)},
     [QUICK_PAPER] = {"--quick", NULL, "only the first two steps", FLAG(quick)},
     [QUICK_GROWTH] = {"--quick", NULL, "only the first two scenes", FLAG(quick)},
     [QUICK_KEYS] = {"--quick", NULL, "one start, few keys, and no line", FLAG(quick)},
@@ -34,7 +21,6 @@ static const struct option option[] = {
     [BRUSH] = {"--brush", "N", "radius of balls at most N (3)", option_read_number,
                offsetof(struct bench_options, brush), 1, 128, NULL},
     [SCENE] = {"--scene", "FILE", "measure on this scene", TEXT(common.scene)},
-    [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
 };
 
 static const struct program program[] = {
@@ -54,7 +40,7 @@ static const struct program program[] = {
     {.name = "paper",
      .words = "[SCENE...]",
      .most = 24,
-     .option = {ROUNDS, QUICK_PAPER, JSON, CSV, PLOTS},
+     .option = {ROUNDS, QUICK_PAPER, JSON},
      .summary = "the paper's five experiments",
      .detail = "On brain and geom, as they are or with the axes interpolated that have a 2 in "
                "brain211, or ch2better, or all: the same seeds in the same eight steps as in the "
@@ -112,9 +98,9 @@ static const struct program program[] = {
      .run = run_looks},
     {.name = "surface",
      .words = "",
-     .summary = "how true surfaces of balls, rods, planes and sheets are; VTK beside them",
+     .summary = "how true surfaces of balls, rods, planes and sheets are",
      .detail = "At random places and in random directions: radius, volume, ripple, the median and "
-               "95 % of the angles of normals. VTK where python3-vtk9 is installed.",
+               "95 % of the angles of normals.",
      .run = run_surface},
     {.name = "effort",
      .words = "[OBJECT...]",

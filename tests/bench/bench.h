@@ -13,10 +13,9 @@
 struct bench_options {
     struct options common; /* first: a benchmark is run with a pointer to this, */
     size_t rounds, brush;
-    const char *plots;
     const char *method;
     const char *program; /* another iftty than that of this tree, or NULL */
-    bool csv, quick;
+    bool quick;
 };
 
 /* and finds the others by it. */

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """iftty's pictures beside VTK's of the same labels: `make bench-beside`.
 
-    beside.py [--only WORD] [--out FOLDER] [--places N] [--side VOXELS] BUILD
+    beside.py [--only WORD] [--out FOLDER] BUILD
 
 Each row of PICTURES is a golden image of a journal in examples/, or what more commands make of it.
 iftty carries the journal's commands out, draws the picture, and saves the labels; VTK draws them by
@@ -11,8 +11,7 @@ Slicer begins with) and with normals. What iftty hides or cuts away has label 0 
 picture has ambient occlusion, VTK's is that of the screen.
 
 FOLDER/NAME.png has both, iftty on the left, and below each the part that is most telling, four
-times as large. Nothing is compared: people look. Then comes the table of truth.py, which compares
-pictures of shapes with what they would be.
+times as large. Nothing is compared: people look.
 
 Exit status: 0 fine, 3 a program could not be run."""
 
@@ -24,7 +23,6 @@ import re
 import sys
 import tempfile
 
-import truth
 from programs import Broken, leave_by, run
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -177,12 +175,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("--only", default="", help="pictures with this word in their names")
     parser.add_argument("--out", help="BUILD/beside where it is not given")
-    parser.add_argument("--places", type=int, default=truth.PLACES, help="of each shape")
-    parser.add_argument("--side", type=int, default=truth.SIDE, help="of their scenes, in voxels")
     parser.add_argument("build")
     options = parser.parse_args()
-    if not 32 <= options.side <= 200 or options.places < 1:
-        parser.error("--side is 32 to 200, and --places 1 or more")
     out = options.out or os.path.join(options.build, "beside")
     os.makedirs(out, exist_ok=True)
     for name, (journal, golden, more, middle) in PICTURES.items():
@@ -198,7 +192,6 @@ def main():
         except Broken as error:
             raise Broken("%s: %s" % (name, error)) from None
         print(path)
-    truth.print_table(options.build, options.only, out, options.places, options.side)
 
 
 leave_by(main)

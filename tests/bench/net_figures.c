@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* How true surface nets are: balls, rods, planes and sheets at random places; VTK beside them. */
+/* How true surface nets are: balls, rods, planes and sheets at random places. */
 #include "tests/bench/bench.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/mem.h"
 #include "engine/net.h"
@@ -170,69 +168,6 @@ static void figure_mesh_release(struct figure_mesh *mesh)
     *mesh = (struct figure_mesh){.points = 0};
 }
 
-/* ---- VTK's meshes ---- */
-
-static FILE *to_vtk, *from_vtk;
-static pid_t vtk;
-
-/* A process of tests/peers/vtk_mesh.py; false where VTK is not here. */
-static bool start_vtk(void)
-{
-    int in[2], out[2];
-    if (pipe(in) != 0)
-        return false;
-    if (pipe(out) != 0) {
-        close(in[0]);
-        close(in[1]);
-        return false;
-    }
-    vtk = fork();
-    if (vtk == 0) {
-        dup2(in[0], 0);
-        dup2(out[1], 1);
-        close(in[1]);
-        close(out[0]);
-        execl("/usr/bin/python3", "python3", "-B", "tests/peers/vtk_mesh.py", (char *)NULL);
-        _exit(127);
-    }
-    close(in[0]);
-    close(out[1]);
-    to_vtk = fdopen(in[1], "wb");
-    from_vtk = fdopen(out[0], "rb");
-    return to_vtk && from_vtk && fgetc(from_vtk) == '+';
-}
-
-static void stop_vtk(void)
-{
-    if (to_vtk)
-        fclose(to_vtk);
-    if (from_vtk)
-        fclose(from_vtk);
-    if (vtk > 0)
-        waitpid(vtk, NULL, 0);
-}
-
-static bool mesh_of_vtk(struct figure_mesh *mesh, const struct object *o)
-{
-    const size_t voxels = (size_t)o->side * (size_t)o->side * (size_t)o->side;
-    uint32_t counts[2];
-    *mesh = (struct figure_mesh){.points = 0};
-    if (fwrite(&o->side, sizeof o->side, 1, to_vtk) != 1 ||
-        fwrite(o->voxel, 1, voxels, to_vtk) != voxels || fflush(to_vtk) != 0 ||
-        fread(counts, sizeof counts, 1, from_vtk) != 1)
-        return false;
-    mesh->points = counts[0];
-    mesh->triangles = counts[1];
-    mesh->at = malloc((mesh->points + 1) * sizeof *mesh->at);
-    mesh->normal = malloc((mesh->points + 1) * sizeof *mesh->normal);
-    mesh->triangle = malloc((mesh->triangles + 1) * sizeof *mesh->triangle);
-    return mesh->at && mesh->normal && mesh->triangle &&
-           fread(mesh->at, sizeof *mesh->at, mesh->points, from_vtk) == mesh->points &&
-           fread(mesh->normal, sizeof *mesh->normal, mesh->points, from_vtk) == mesh->points &&
-           fread(mesh->triangle, sizeof *mesh->triangle, mesh->triangles, from_vtk) ==
-               mesh->triangles;
-}
-
 /* ---- figures ---- */
 
 static double volume_of(const struct figure_mesh *m)
@@ -332,12 +267,7 @@ static double angle_at(double part)
 
 /* ---- the table ---- */
 
-struct maker {
-    const char *name;
-    bool (*make)(struct figure_mesh *mesh, const struct object *object);
-};
-
-static void measure_balls(const struct maker *maker, double radius)
+static void measure_balls(double radius)
 {
     double by_volume = 0, seen = 0, ratio = 0, worst = 0;
     struct object o = {.size = radius, .is_in = in_ball, .side = (int32_t)(2 * radius + 14)};
@@ -349,7 +279,7 @@ static void measure_balls(const struct maker *maker, double radius)
         long count;
         while ((count = fill(&o)) == 0)
             ;
-        if (!maker->make(&m, &o))
+        if (!mesh_of_net(&m, &o))
             return;
         const double volume = volume_of(&m), off = volume / (double)count - 1;
         by_volume += cbrt(volume * 3 / 4 / 3.14159265358979) / BALLS;
@@ -364,13 +294,13 @@ static void measure_balls(const struct maker *maker, double radius)
         }
         figure_mesh_release(&m);
     }
-    printf("%-4s ball %5.2f: radius by volume %6.3f, seen %6.3f; volume/voxels %.4f, worst %+.4f; "
+    printf("ball %5.2f: radius by volume %6.3f, seen %6.3f; volume/voxels %.4f, worst %+.4f; "
            "normals %4.1f %4.1f\n",
-           maker->name, radius, by_volume, seen, ratio, worst, angle_at(0.5), angle_at(0.95));
+           radius, by_volume, seen, ratio, worst, angle_at(0.5), angle_at(0.95));
     free(o.voxel);
 }
 
-static void measure_rods(const struct maker *maker, double radius)
+static void measure_rods(double radius)
 {
     double mean = 0, least_one = 1e9, most_one = 0;
     struct object o = {.size = radius, .is_in = in_rod, .side = SIDE};
@@ -380,7 +310,7 @@ static void measure_rods(const struct maker *maker, double radius)
         struct figure_mesh m;
         turn_by_chance(&o);
         fill(&o);
-        if (!maker->make(&m, &o))
+        if (!mesh_of_net(&m, &o))
             return;
         const double r = rod_radius_of(&m, &o);
         mean += r / BALLS;
@@ -388,14 +318,14 @@ static void measure_rods(const struct maker *maker, double radius)
         most_one = fmax(most_one, r);
         figure_mesh_release(&m);
     }
-    printf("%-4s rod  %5.2f: radius by volume %6.3f (%.3f to %.3f)\n", maker->name, radius, mean,
-           least_one, most_one);
+    printf("rod  %5.2f: radius by volume %6.3f (%.3f to %.3f)\n", radius, mean, least_one,
+           most_one);
     free(o.voxel);
 }
 
 /* Planes; sheets from both sides, whose voxels are thick enough to hang together by faces or not;
  * how many rays across one see the inside of the mesh first. */
-static void measure_sheets(const struct maker *maker, const char *name, double thickness,
+static void measure_sheets(const char *name, double thickness,
                            bool (*is_in)(const struct object *, const double[3]))
 {
     double square = 0, mean = 0, thick = 0, is = 0;
@@ -410,7 +340,7 @@ static void measure_sheets(const struct maker *maker, const char *name, double t
         fill(&o);
         const double most = fabs(o.along[0]) + fabs(o.along[1]) + fabs(o.along[2]);
         const double half = is_in == in_plate ? most / 2 : is_in == in_sheet ? thickness / 2 : 0;
-        if (!maker->make(&m, &o))
+        if (!mesh_of_net(&m, &o))
             return;
         double sums[2] = {0}, counts[2] = {0};
         for (uint32_t v = 0; v < m.points; v++) {
@@ -439,7 +369,7 @@ static void measure_sheets(const struct maker *maker, const char *name, double t
         is += 2 * half;
         figure_mesh_release(&m);
     }
-    printf("%-4s %s: ripple %.4f (mean %+.4f), normals %4.1f %4.1f", maker->name, name,
+    printf("%s: ripple %.4f (mean %+.4f), normals %4.1f %4.1f", name,
            sqrt(square / (double)count - mean * mean / (double)count / (double)count),
            mean / (double)count, angle_at(0.5), angle_at(0.95));
     if (is > 0)
@@ -448,19 +378,19 @@ static void measure_sheets(const struct maker *maker, const char *name, double t
     free(o.voxel);
 }
 
-static void measure(const struct maker *maker)
+static void measure(void)
 {
     static const double balls[] = {0.8, 1.1, 1.5, 2.37, 3.19, 4.06, 5.09, 10};
     static const double rods[] = {1, 1.47, 2.49, 4};
     for (size_t k = 0; k < sizeof balls / sizeof *balls; k++)
-        measure_balls(maker, balls[k]);
+        measure_balls(balls[k]);
     for (size_t k = 0; k < sizeof rods / sizeof *rods; k++)
-        measure_rods(maker, rods[k]);
-    measure_sheets(maker, "plane  ", 0, below_plane);
-    measure_sheets(maker, "sheet 1", 1, in_sheet);
-    measure_sheets(maker, "sheet 2", 2, in_sheet);
-    measure_sheets(maker, "sheet 3", 3, in_sheet);
-    measure_sheets(maker, "plate  ", 0, in_plate);
+        measure_rods(rods[k]);
+    measure_sheets("plane  ", 0, below_plane);
+    measure_sheets("sheet 1", 1, in_sheet);
+    measure_sheets("sheet 2", 2, in_sheet);
+    measure_sheets("sheet 3", 3, in_sheet);
+    measure_sheets("plate  ", 0, in_plate);
 }
 
 enum err run_surface(const struct options *options, struct fault *fault)
@@ -468,10 +398,7 @@ enum err run_surface(const struct options *options, struct fault *fault)
     (void)options;
     (void)fault;
     puts("lengths in voxels; normals: median and 95 %, degrees");
-    measure(&(struct maker){"net", mesh_of_net});
-    if (start_vtk())
-        measure(&(struct maker){"VTK", mesh_of_vtk});
-    stop_vtk();
+    measure();
     free(angles.value);
     angles.value = NULL;
     return OK;

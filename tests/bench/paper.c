@@ -193,7 +193,7 @@ static enum err run_scenes(struct run *run, struct fault *fault)
     enum err err = OK;
     for (; !err && run->at < run->scenes; run->at++) {
         err = run_scene(run, fault);
-        if (!err && !o->csv && !o->common.json)
+        if (!err && !o->common.json)
             err = print(report_scenes, &run->trial[run->at], 1, fault);
     }
     return err;
@@ -208,19 +208,10 @@ enum err run_paper(const struct options *common, struct fault *fault)
     console_handle_interrupts();
     run->options = o;
     enum err err = choose_scenes(run, fault);
-    if (!err && o->csv && common->json)
-        err = fault_set(fault, ERR_USAGE, "--json or --csv, not both");
-    if (!err && o->plots)
-        err = report_plots_check(o->plots, run->trial, run->scenes, fault);
     if (!err)
         err = run_scenes(run, fault);
     if (!err)
-        err = print(common->json ? report_json
-                    : o->csv     ? report_csv
-                                 : report_summary,
-                    run->trial, run->scenes, fault);
-    if (!err && o->plots)
-        err = report_plots(o->plots, run->trial, run->scenes, fault);
+        err = print(common->json ? report_json : report_summary, run->trial, run->scenes, fault);
     free(run);
     return err;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/bench/report.h"
 
+#include "base/json.h"
+
 const struct ratio_told ratio_told[RATIOS] = {
     [RATIO_IFT] = {"ift_to_dift", {"IFT/", "DIFT"}, 4, "> 4"},
     [RATIO_BDIFT] = {"bdift_to_dift", {"BDIFT/", "DIFT"}, 1.14, "1.14"},
@@ -178,4 +180,87 @@ void report_summary(FILE *out, const struct trial *trial, size_t count)
     print_times(out, trial, count);
     print_ratios(out, trial, count);
     fputs(caption, out);
+}
+
+/* ---- for programs ---- */
+
+static const char *const phase_name[PHASES] = {"segmentation_ms", "border_ms", "rendition_ms"};
+
+static void add_experiment(struct json *json, const struct trial_step *step, enum experiment e)
+{
+    json_object(json, NULL);
+    json_count(json, "experiment", e + 1);
+    json_text(json, "method", experiment_name[e]);
+    for (enum phase p = 0; p < PHASES; p++)
+        json_fixed(json, phase_name[p], step->cost[e].ms[p], 4);
+    json_fixed(json, "total_ms", trial_total(step, e), 4);
+    json_count(json, "voxels", step->cost[e].served);
+    json_fixed(json, "ns_per_voxel", trial_ns_per_voxel(step, e), 2);
+    json_boolean(json, "whole", step->cost[e].is_whole);
+    json_end(json);
+}
+
+static void add_step(struct json *json, const struct trial *trial, unsigned s)
+{
+    const struct trial_step *step = &trial->step[s];
+    json_object(json, NULL);
+    json_count(json, "step", s + 1);
+    json_count(json, "seeds", step->seeds);
+    json_count(json, "border_voxels", step->border_voxels);
+    json_format(json, "forest", "%016llx", (unsigned long long)step->keys);
+    json_format(json, "labels", "%016llx", (unsigned long long)step->labels);
+    json_format(json, "picture", "%016llx", (unsigned long long)step->picture);
+    json_array(json, "experiments");
+    for (enum experiment e = 0; e < EXPERIMENTS; e++)
+        add_experiment(json, step, e);
+    json_end(json);
+    json_end(json);
+}
+
+static void add_scene(struct json *json, const struct trial *t)
+{
+    json_object(json, NULL);
+    json_text(json, "scene", t->name);
+    json_boolean(json, "in_paper", t->in_paper);
+    json_array(json, "size");
+    for (int a = 0; a < 3; a++)
+        json_count(json, NULL, t->size[a]);
+    json_end(json);
+    json_count(json, "voxels", t->voxels);
+    json_boolean(json, "identical", true);
+    json_count(json, "comparisons", t->compared);
+    json_object(json, "ratios");
+    for (enum ratio r = 0; r < RATIOS; r++)
+        json_fixed(json, ratio_told[r].name, report_ratio(t, r), 4);
+    json_end(json);
+    json_array(json, "steps");
+    for (unsigned s = 0; s < t->steps; s++)
+        add_step(json, t, s);
+    json_end(json);
+    json_end(json);
+}
+
+void report_json(FILE *out, const struct trial *trial, size_t count)
+{
+    struct buf text = {0};
+    struct json json = {.out = &text, .lines = 6};
+    json_object(&json, NULL);
+    json_count(&json, "rounds", count ? trial[0].rounds : 0);
+    json_count(&json, "threads", count ? trial[0].threads : 0);
+    json_array(&json, "picture");
+    json_count(&json, NULL, TRIAL_SIDE);
+    json_count(&json, NULL, TRIAL_SIDE);
+    json_end(&json);
+    json_array(&json, "scenes");
+    for (size_t i = 0; i < count; i++)
+        add_scene(&json, trial + i);
+    json_end(&json);
+    json_object(&json, "paper");
+    for (enum ratio r = 0; r < RATIOS; r++)
+        if (ratio_told[r].paper > 0)
+            json_fixed(&json, ratio_told[r].name, ratio_told[r].paper, 2);
+    json_end(&json);
+    json_end(&json);
+    fputs(buf_text(&text), out);
+    buf_release(&text);
 }

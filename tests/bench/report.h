@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the paper's experiments gave, beside the paper's own figures: as text for people, as JSON
- * and CSV for programs, and as charts.
+ * for programs.
  */
 #ifndef TESTS_BENCH_REPORT_H
 #define TESTS_BENCH_REPORT_H
 
 #include <stdio.h>
 
-#include "base/file.h"
 #include "tests/bench/trial.h"
 
 /* Each scene: means of each experiment, and each step (the paper's figure 9). */
@@ -17,16 +16,8 @@ void report_scenes(FILE *out, const struct trial *trial, size_t count);
 /* All scenes: times and ratios (the paper's figure 7). */
 void report_summary(FILE *out, const struct trial *trial, size_t count);
 
-/* One object; one row for each scene, step and experiment. */
+/* One object. */
 void report_json(FILE *out, const struct trial *trial, size_t count);
-void report_csv(FILE *out, const struct trial *trial, size_t count);
-
-/* Segmentation and rendition of all scenes, and the steps of each, as SVG files in `folder`.
- * report_plots_check says beforehand what would be in the way: ERR_IO. */
-enum err report_plots_check(const char *folder, const struct trial *trial, size_t count,
-                            struct fault *fault);
-enum err report_plots(const char *folder, const struct trial *trial, size_t count,
-                      struct fault *fault);
 
 /* The ratios that the paper gives. */
 enum ratio {

@@ -5,7 +5,7 @@ changed, what a turn takes, and the same labels as a picture.
     vtk_render.py LABELS.nii[.gz] [--size W H] [--angles YAW PITCH ROLL] [--zoom PIXELS]
                   [--rounds N] [--colours 1=#d6b296,2=#56b4e9] [--opacity 1=25,2=50] [--at X,Y,Z]
                   [--background #ffffff|gradient] [--smooth TIMES BAND] [--occlusion MM]
-                  [--png FILE | --maps FILE]
+                  [--png FILE]
 
 LABELS is what `save labels FILE` writes. Size, angles (degrees), zoom (pixels to a voxel of the
 finest spacing) and at (the voxel in the middle) are those of iftty's `size`, `view` and `zoom`, and
@@ -32,10 +32,6 @@ Surfaces are as they come out of the filter in the first three rows. In the last
 --png, they are those of flying edges, smoothed (windowed sinc, 20 iterations, pass band 0.1, or
 what --smooth says) and with normals. With --png they are shaded by Phong's model with iftty's
 coefficients, what is translucent by depth peeling, and written to FILE; nothing is timed.
-
---maps draws the same surfaces, and writes what each pixel shows: five planes of float32, from its
-upper left on, label (0 for none), normal along right, anterior and superior, and depth in mm behind
-the plane of the middle.
 
 Debian 12 has VTK 9.1 as python3-vtk9, which /usr/bin/python3 sees. Its windows are those of X even
 off the screen, so this runs itself again under xvfb-run where there is no DISPLAY: packages
@@ -294,44 +290,6 @@ class Stage:
         if not os.path.exists(path):
             raise Broken("cannot write %s" % path)
 
-    def read(self):
-        """Colours as drawn, rows from the top on, and depths: 0 near, 1 far."""
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-        from vtkmodules.vtkCommonCore import vtkFloatArray, vtkUnsignedCharArray
-
-        self.draw()
-        width, height = self.window.GetSize()
-        far, colours = vtkFloatArray(), vtkUnsignedCharArray()
-        self.window.GetZbufferData(0, 0, width - 1, height - 1, far)
-        self.window.GetPixelData(0, 0, width - 1, height - 1, 0, colours, 0)
-        return (vtk_to_numpy(colours).reshape(height, width, 3)[::-1].astype(float),
-                vtk_to_numpy(far).reshape(height, width)[::-1].astype(float))
-
-    def write_maps(self, surface, path):
-        import numpy
-        from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-        from vtkmodules.vtkCommonExecutionModel import vtkTrivialProducer
-
-        surface.Update()
-        mesh, read = surface.GetOutput(), []
-        points = mesh.GetPointData()
-        normals = vtk_to_numpy(points.GetNormals())
-        labels = numpy.repeat(vtk_to_numpy(points.GetScalars())[:, None], 3, 1)
-        source = vtkTrivialProducer()
-        source.SetOutput(mesh)
-        self.show(source)
-        self.mapper.SetColorModeToDirectScalars()
-        self.actor.GetProperty().LightingOff()
-        for values in labels, numpy.rint((normals + 1) * 127.5):
-            points.SetScalars(numpy_to_vtk(values.astype(numpy.uint8), deep=True))
-            mesh.Modified()
-            read.append(self.read())
-        near, end = self.renderer.GetActiveCamera().GetClippingRange()
-        depth = near + read[0][1] * (end - near) - AWAY
-        label = numpy.where(read[0][1] < 1, read[0][0][:, :, 0], 0)
-        normal = numpy.moveaxis(read[1][0], 2, 0) / 127.5 - 1
-        numpy.stack([label, *normal, depth]).astype("<f4").tofile(path)
-
     def versions(self):
         from vtkmodules.vtkCommonCore import vtkSMPTools, vtkVersion
 
@@ -490,7 +448,6 @@ def parse():
     parser.add_argument("--occlusion", type=float, default=0)
     parser.add_argument("--smooth", nargs=2, type=float, default=[20, 0.1])
     parser.add_argument("--png")
-    parser.add_argument("--maps")
     options = parser.parse_args()
     if min(options.size) < 1 or options.zoom <= 0 or options.rounds < 1:
         parser.error("size, zoom and rounds are above 0")
@@ -519,13 +476,9 @@ def run(options):
     labels = labels.copy()
     image = image_of(labels, spacing)
     stage = Stage(middle_of(labels, spacing, axes, options.at), spacing, options)
-    if options.png or options.maps:
+    if options.png:
         surface = surface_filter("vtkDiscreteFlyingEdges3D", image, values)
-        surface = smoothed(surface, *options.smooth)
-        if options.maps:
-            stage.write_maps(surface, options.maps)
-            return
-        stage.show(surface)
+        stage.show(smoothed(surface, *options.smooth))
         stage.write(options.png)
         return
     lines = []
