@@ -76,7 +76,7 @@ for name in none nan words; do
     for file in las/$name.nrrd las/$name.nhdr; do
         expect 0 "$iftty" info $file
         out_has "axes      unknown"
-        out_has "left-anterior-superior, and where its voxels lie in it is not certain: sides of"
+        out_has "left-anterior-superior, and the place of its voxels in it is uncertain: sides of"
     done
 done
 close_story

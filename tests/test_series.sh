@@ -42,8 +42,8 @@ for name in bare uncounted broken bare/IM0; do
     refused "a mosaic, and nothing says how many images it holds" "open $name"
 done
 refused "do not say the same of how many images it holds" "open contrary"
-refused "does not say where its images lie" "open unturned"
-refused "said to hold 7 images, which do not fit side by side into its 61x84 pixels" "open odd"
+refused "without the place of its images" "open unturned"
+refused "header says 7 images, which do not fit side by side into its 61x84 pixels" "open odd"
 refused "holds more images than its private header says" "open hidden"
 close_story
 

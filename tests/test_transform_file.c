@@ -96,11 +96,11 @@ STORY(a_file_of_itk_that_is_not_affine_or_not_whole_is_refused_in_words)
         const char *text, *expected;
     } cases[] = {
         {TRANSFORM("BSplineTransform_double_3_3", "1 2 3", " 0"),
-         "it holds a \"BSplineTransform_double_3_3\"; what is read"},
+         "it holds a \"BSplineTransform_double_3_3\"; supported are"},
         {TRANSFORM("AffineTransform_double_2_2", "1 0 0 1 0 0", " 0 0"), "three dimensions"},
         {TRANSFORM("AffineTransform_double_3_3", "1 0 0 1", " 0 0 0"),
          "has 4 parameters and 3 fixed ones; expected 12 and 3"},
-        {TRANSFORM("Euler3DTransform_double_3_3", "0 0 0 nan 0 0", " 0 0 0"), "line 4 of it"},
+        {TRANSFORM("Euler3DTransform_double_3_3", "0 0 0 nan 0 0", " 0 0 0"), "line 4 is not"},
         {TRANSFORM("VersorRigid3DTransform_double_3_3", "0.9 0.9 0 0 0 0", " 0 0 0"), "no turn"},
         {TRANSFORM("AffineTransform_double_3_3", "-1 0 0 0 1 0 0 0 1 0 0 0", " 0 0 0"),
          "mirror image of the patient"},
@@ -111,7 +111,7 @@ STORY(a_file_of_itk_that_is_not_affine_or_not_whole_is_refused_in_words)
                    "") "#Transform 1\nTransform: TranslationTransform_double_3_3\n"
                        "Parameters: 1 2 3\nFixedParameters:\n",
          "more than one transform"},
-        {HEAD "what\n", "line 3 of it"},
+        {HEAD "what\n", "line 3 is not"},
         {"", "no affine transform that is known here"},
         {"solid\n", "no affine transform that is known here"},
     };
@@ -198,14 +198,14 @@ STORY(a_matrix_of_flirt_leads_from_in_to_ref)
     }
 }
 
-STORY(sixteen_numbers_are_nobodys_unless_they_are_named)
+STORY(sixteen_numbers_are_refused_unless_they_are_named)
 {
     static const char text[] = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
     char name[FILE_LENGTH + 8];
     struct affine out;
     struct fault fault;
-    check_refused(text, "it is sixteen numbers, and does not say whose; where FLIRT wrote them, "
-                        "name it as \"fsl:FILE\"");
+    check_refused(text, "its sixteen numbers may mean anything; if FLIRT wrote them, name it as "
+                        "\"fsl:FILE\"");
     snprintf(name, sizeof name, "fsl:%s", file_with("a.txt", text, sizeof text - 1));
     CHECK_INT(read_file(&out, name, &fault), OK);
     static const char *const wrong[] = {"1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2",
@@ -228,7 +228,7 @@ STORY(a_scene_without_a_place_or_a_file_that_is_not_there_is_refused)
     CHECK_INT(
         transform_read(&out, &words, "tests/transforms/affine.tfm", &procedure, &nowhere, &fault),
         ERR_INPUT);
-    CHECK_HAS(fault.text, "the file of the subject's scene does not say where it lies");
+    CHECK_HAS(fault.text, "the file of the subject's scene does not say where it is");
     CHECK(read_file(&out, "fsl:nowhere.mat", &fault) != OK);
     CHECK_HAS(fault.text, "nowhere.mat");
 }

@@ -150,7 +150,7 @@ done
 expect 0 "$iftty" -c "open one/unscaled.dcm"
 out_has "it does not say what dose its numbers are"
 expect 0 "$iftty" -c "open one/left.dcm"
-out_has "they have 12 bits, up to bit 15: they are taken as they stand"
+out_has "they have 12 bits, up to bit 15: they are used unchanged"
 expect 0 "$iftty" -c "open one/unspaced.dcm spacing=0.5,0.25,1; measure 0,0,0 10,0,0"
 out_has "5.00 mm"
 close_story

@@ -13,7 +13,7 @@ struct rest {
     size_t length;
 };
 
-/* The next so many bytes; NULL where there are fewer. */
+/* Take the next `length` bytes; NULL if there are fewer. */
 static const uint8_t *take(struct rest *rest, size_t length)
 {
     const uint8_t *at = rest->at;
@@ -57,7 +57,7 @@ int csa_numbers(double *out, int most, const uint8_t *bytes, size_t length, cons
             if (!text)
                 return -1;
             if (!take(&rest, -bytes_in % 4))
-                rest.length = 0; /* the last one may end with its text */
+                rest.length = 0; /* the last text may lack its padding */
             takes = takes && count < most && is_number(&out[count], text, bytes_in);
             count += takes;
         }

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * CSA: the private header in which Siemens scanners say of a picture what DICOM has no place for.
+ * CSA: the private header of Siemens scanners, with facts that DICOM has no element for.
  *
- * It is binary, little-endian, and a stranger's: each count and length is held against the bytes
- * that are there. Its second kind alone is read, which scanners have written since 2004; the first
- * one does not say its lengths plainly.
+ * It is binary, little-endian and untrusted: each count and length is checked against the bytes
+ * that exist. Only its second version is read, written by scanners since 2004; the first one has no
+ * plain lengths.
  *
  *     "SV10"  4 bytes  number of elements  77
  *     of each element
- *         name[64]  how many values it has  type[4]  a number  number of items  77 or 205
+ *         name[64]  number of values  type[4]  a number  number of items  77 or 205
  *         of each item
  *             a number  LENGTH  77 or 205  a number
- *             LENGTH bytes of text, and up to 3 to a multiple of 4
+ *             LENGTH bytes of text, padded to a multiple of 4
  *
- * Numbers have 4 bytes, texts end at a NUL. More items may be there than values: those are empty.
+ * Numbers have 4 bytes, texts end with a NUL. Items beyond the number of values are empty.
  * (nibabel, doc/source/dicom/siemens_csa.rst.)
  */
 #ifndef IMAGE_CSA_H
@@ -22,9 +22,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The first `most` values of the element `name`, as finite numbers; how many there are of those, up
- * to the first item that is none. 0 where there is no such element; -1 where the bytes are no such
- * header, or are cut short before it ends. */
+/* Read the first `most` values of the element `name`, as finite numbers. Return their count, up to
+ * the first item that is no number; 0 if there is no such element; -1 if the bytes are no such
+ * header or are cut before its end. */
 int csa_numbers(double *out, int most, const uint8_t *bytes, size_t length, const char *name);
 
 #endif

@@ -2,14 +2,14 @@
 /*
  * iftty-image: reads and writes images by OpenImageIO for the program that started it.
  *
- * Requests come on standard input, answers go to standard output; image_helper.h has the protocol
- * byte for byte. The end of input, or a request that breaks the protocol, ends the program.
+ * Requests arrive on standard input and answers leave on standard output; image_helper.h has the
+ * protocol byte for byte. The program ends at the end of input, or after a request that breaks the
+ * protocol.
  *
- * This process takes what a request asks and no byte of a picture. Each request is carried out in a
- * process of its own, which is made of this one with the library loaded, takes from itself all but
- * the file that is named (wire.hh), answers (image_oiio.cc), and ends. So what a hostile picture
- * makes of it is gone before the next is read or written; if it dies, this process ends the same
- * way.
+ * This process reads requests and no byte of a picture. It forks for each request: the child, with
+ * the library loaded, drops access to all files but the requested one (wire.hh), answers
+ * (image_oiio.cc), and ends. So a hostile picture cannot affect later requests; if it crashes the
+ * child, this process ends the same way.
  */
 #include <cerrno>
 #include <csignal>
@@ -81,9 +81,9 @@ Request receive_request()
     return request;
 }
 
-/* ---- in a process of its own ---- */
+/* ---- child process ---- */
 
-/* A library may write a file that is there, and make none: so it is made here. */
+/* A confined library may write an existing file but create none: create it here. */
 void confine_to_file(Request &request)
 {
     const bool writes = request.kind == Request::WRITE;
@@ -113,14 +113,12 @@ void confine_to_file(Request &request)
         else
             about_image(request);
     } catch (const std::bad_alloc &) {
-        leave(3); /* perhaps in the middle of a request: the client sees it from the status */
+        leave(3); /* perhaps within a request: the client sees the status */
     } catch (const std::exception &error) {
         answer_error(error.what());
     }
     leave(0);
 }
-
-/* ---- */
 
 void serve()
 {
@@ -138,7 +136,7 @@ void serve()
         ;
     if (process < 0)
         leave(3);
-    if (WIFSIGNALED(status)) { /* ends as that did */
+    if (WIFSIGNALED(status)) { /* end by the same signal */
         signal(WTERMSIG(status), SIG_DFL);
         raise(WTERMSIG(status));
     }
@@ -146,7 +144,7 @@ void serve()
         leave(WIFEXITED(status) ? WEXITSTATUS(status) : 3);
 }
 
-/* Threads of this process; 1 where the kernel does not say. */
+/* Number of threads of this process; 1 if unknown. */
 int count_threads()
 {
     std::ifstream file("/proc/self/status");
@@ -156,7 +154,7 @@ int count_threads()
     return 1;
 }
 
-/* All that it reads from elsewhere, it reads now. */
+/* Read everything that the library reads from other files. */
 void prepare_library()
 {
     const int before = count_threads();
@@ -165,9 +163,8 @@ void prepare_library()
     OIIO::attribute("limits:imagesize_MB", 4096);
     OIIO::attribute("limits:channels", 64);
     OIIO::get_string_attribute("format_list");
-    /* The library begins a thread and ends it, and does not wait until it is gone: a process that
-     * is made meanwhile may wait for ever for what that thread held. Threads from before are
-     * asleep. */
+    /* The library starts and ends a thread without joining it. A process forked meanwhile may wait
+     * forever for its locks. Earlier threads are idle. */
     constexpr int tries_most = 1000;
     for (int tries = 0; count_threads() > before && tries < tries_most; tries++)
         usleep(1000);

@@ -2,9 +2,9 @@
 /*
  * iftty-register: register two scenes by ITK, for the program that started it.
  *
- * One request comes on standard input, voxels and all; the answer goes to standard output;
- * registration.h has the protocol byte for byte. It opens no file: before the first voxel comes,
- * the process takes all files from itself, and all calls but those for its own memory.
+ * One request arrives on standard input with all voxels, and the answer leaves on standard output;
+ * registration.h has the protocol byte for byte. It opens no file: before the first voxel arrives,
+ * the process drops access to all files, and all calls except those for its own memory.
  */
 #include <new>
 
@@ -22,11 +22,11 @@ using namespace wire;
 using namespace registering;
 
 constexpr rlim_t working_s = 3600;
-constexpr uint64_t voxels_most = 1 << 24; /* of a scene */
+constexpr uint64_t voxels_most = 1 << 24; /* per scene */
 constexpr uint64_t side_most = 65534;
 constexpr uint64_t transform_most = 1 << 20;
 
-/* With more threads than one, sums depend on which of them is first. */
+/* With several threads, sums would depend on their order. */
 void keep_to_one_thread()
 {
     itk::MultiThreaderBase::SetGlobalDefaultThreader(
@@ -52,7 +52,7 @@ void answer_registration(const std::string &line, size_t at)
         receive(one.to_mm, sizeof one.to_mm);
         receive(one.voxels.data(), one.voxels.size() * sizeof one.voxels[0]);
     }
-    const Found found = find(volume);
+    const Found found = register_volumes(volume);
     transmit("found\n");
     transmit(&found, sizeof found);
 }
@@ -94,9 +94,9 @@ int main()
     } catch (const Refusal &refusal) {
         words = refusal.words;
     } catch (const std::bad_alloc &) {
-        words = "it takes more memory than it may";
+        words = "it needs more memory than is allowed";
     } catch (const std::exception &) {
-        words = "the library gave up on it";
+        words = "the library failed on it";
     }
     answer_error(words);
     leave(0);

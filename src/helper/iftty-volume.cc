@@ -2,22 +2,22 @@
 /*
  * iftty-volume: reads volumes by ITK, GDCM, HDF5 and libtiff for the program that started it.
  *
- * One request comes on standard input, of one file or folder; what is in it goes to standard
+ * One request for a file or folder arrives on standard input, and the volume leaves on standard
  * output; volume_helper.h has the protocol byte for byte. Before the first byte of a file is read,
- * the process takes from itself all but reading that file (or that folder, and the files that a
- * header names, or that may lie beside it). A decoder that crashes takes only this process along.
+ * the process drops access to everything but that file (or that folder, or the files that a header
+ * names). If a decoder crashes, only this process ends.
  *
- *     volume_answer.cc   the answers, and how reading ends
- *     volume_names.cc    headers of text: the files that they name, units and scales
+ *     volume_answer.cc   answers, and the end of reading
+ *     volume_names.cc    headers in text: the files that they name, units and scales
  *     volume_itk.cc      the formats of ITK
  *     volume_pictures.cc slices as PNG and BMP
  *     volume_tiff.cc     TIFF, and folders of it; volume_tiff_stack.cc, slices and volumes of it
  *     volume_mrc.cc      MRC
- *     volume_bytes.cc    whether a file has the bytes that its header promises
+ *     volume_bytes.cc    check that a file has the bytes that its header promises
  *     volume_hdf5.cc     data sets of HDF5, and the files that they name
- *     volume_dicom.cc    what a file of DICOM says of slices and mosaics, and its pixels
- *     volume_series.cc   which series of a folder, and its slices in their places
- *     volume_tags.cc     which images of one place make a volume
+ *     volume_dicom.cc    headers of DICOM, slices and mosaics, and pixels
+ *     volume_series.cc   the series of a folder, and the order of its slices
+ *     volume_tags.cc     which images of one place are of one volume
  *     volume_folder.cc   folders of slices
  */
 #include <cstdlib>
@@ -45,14 +45,14 @@ using namespace wire;
 using namespace volume;
 
 constexpr uint64_t path_most = 4096;
-constexpr rlim_t memory_most = RLIM_INFINITY; /* the client says how much */
+constexpr rlim_t memory_most = RLIM_INFINITY; /* set by the client */
 constexpr rlim_t reading_s = 3600;
 
 /* ---- confinement ---- */
 
-/* From here on this process reads what it was asked for, and nothing else: of a header whose voxels
- * lie in other files, those that it names, which are looked at with no more than its folder. Files
- * that an HDF5 file names only its library can say: then it is the folder. */
+/* Restrict the process to the requested file. If a header names other files, they are allowed too;
+ * their names are checked with access to the header's folder alone. Only HDF5's library knows the
+ * files that an HDF5 file names: then the folder is allowed. */
 void confine_to_request(Request &request, const Files &files)
 {
     const std::string folder = folder_of(request.path);
@@ -66,7 +66,7 @@ void confine_to_request(Request &request, const Files &files)
     }
     const bool is_beside = request.kind == "hdf5";
     if (request.is_alone && (is_beside || !request.named.empty()))
-        throw volume::Refusal{"its voxels may lie in other files, or be a few of many"};
+        throw volume::Refusal{"its voxels may be in other files, or be a few of many"};
     if (!is_beside)
         needs.places = {own};
     for (const std::string &name : is_header ? request.named : files.targets)
@@ -82,7 +82,7 @@ void confine_to_request(Request &request, const Files &files)
     confine(needs);
 }
 
-/* libtiff says "LIBTIFF, Version 4.5.0" and a copyright, expat "expat_2.5.0". */
+/* libtiff returns "LIBTIFF, Version 4.5.0" and a copyright, expat "expat_2.5.0". */
 std::string versions()
 {
     unsigned hdf5[3];
@@ -124,12 +124,12 @@ Request receive_request()
     return request;
 }
 
-/* Libraries print to standard error, which leads nowhere, and GDCM more than it needs to. */
+/* Libraries print to standard error, which is discarded; GDCM prints more than necessary. */
 void serve()
 {
     Volume volume;
     std::string words;
-    expect_end("it is damaged: its reader gave up");
+    expect_end("it is damaged: its reader failed");
     catch_signals();
     gdcm::Trace::SetWarning(false);
     gdcm::Trace::SetError(false);
@@ -157,7 +157,7 @@ void serve()
     } catch (const Refusal &refusal) {
         words = refusal.words;
     } catch (const std::bad_alloc &) {
-        words = "it takes more memory than it may";
+        words = "it needs more memory than is allowed";
     } catch (const std::exception &) {
         words = "it is damaged, or of a kind that is not known here";
     }

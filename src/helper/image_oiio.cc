@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writing a picture, or several of one file, reading one, and what its file is, by OpenImageIO. */
+/* Write one or more pictures of a file, read one, and describe a file, by OpenImageIO. */
 #include "helper/image_oiio.hh"
 
 #include <algorithm>
@@ -27,8 +27,8 @@ namespace image
 
 using namespace wire;
 
-/* The HEIC writer of OpenImageIO 2.4 copies rows of libheif's length, which is that of 64 pixels or
- * more, and a multiple of 16: of the last row it reads what lies after the picture. */
+/* The HEIC writer of OpenImageIO 2.4 copies rows of libheif's length, a multiple of 16 and at least
+ * 64 pixels: it reads beyond the last row. */
 constexpr uint64_t read_beyond = 256;
 constexpr size_t fact_most = 4096;
 
@@ -56,7 +56,7 @@ std::string extension_of(const std::string &path)
     return dot == std::string::npos ? std::string() : path.substr(dot);
 }
 
-/* Notes as the format has them; nothing that differs from one run to the next. */
+/* Store notes as the format allows; nothing may differ from run to run. */
 void add_notes(OIIO::ImageSpec &spec, const std::string &format, const std::vector<Note> &notes)
 {
     if (format == "png") {
@@ -77,9 +77,9 @@ OIIO::ImageSpec spec_of(const Request &request, const std::vector<Note> &notes,
     OIIO::ImageSpec spec(static_cast<int>(request.width), static_cast<int>(request.height),
                          static_cast<int>(request.channels), OIIO::TypeUInt8);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    if (request.channels == 4) /* colours as they are, not multiplied by alpha */
+    if (request.channels == 4) /* straight alpha */
         spec.attribute("oiio:UnassociatedAlpha", 1);
-    if (format == "hdr") { /* this one holds linear light */
+    if (format == "hdr") { /* linear light */
         spec.set_format(OIIO::TypeFloat);
         spec.attribute("oiio:ColorSpace", "linear");
     }
@@ -91,12 +91,12 @@ OIIO::ImageSpec spec_of(const Request &request, const std::vector<Note> &notes,
         spec.attribute("Compression", "heic:100");
     if (format == "webp")
         spec.attribute("Compression", "lossless");
-    /* These put the time of writing in where none is given. PNG leaves out what is no time; the
-     * others, which would store even that, get the beginning of all of them. */
+    /* These formats store the current time if none is given. PNG omits an invalid time; the others
+     * store it, so they get the epoch. */
     if (format == "png") {
         spec.attribute("DateTime", "none");
-        /* Each row less the one above, which zlib makes smaller in a third of the time than it
-         * takes by default. */
+        /* Filter by the row above: it compresses as well in a third of the time of zlib's default.
+         */
         spec.attribute("png:filter", 0x20);
         spec.attribute("png:compressionLevel", 4);
     }
@@ -110,8 +110,8 @@ OIIO::ImageSpec spec_of(const Request &request, const std::vector<Note> &notes,
     return spec;
 }
 
-/* Linear light of a level of sRGB: the half of our table as a float, by its bits, so that no
- * library's idea of a power decides a file's bytes. */
+/* Linear light of an sRGB level, from our table of half floats by bits, so that no library's power
+ * function decides a file's bytes. */
 float linear_of(uint8_t level)
 {
     const uint32_t half = linear_half[level];
@@ -121,7 +121,7 @@ float linear_of(uint8_t level)
     return light;
 }
 
-/* Opens for the frame `number`; some formats need to know all of them first. */
+/* Open the file for frame `number`; some formats need all frames first. */
 bool open_frame(OIIO::ImageOutput &out, const Request &request, const OIIO::ImageSpec &spec,
                 uint64_t number)
 {
@@ -137,11 +137,11 @@ bool open_frame(OIIO::ImageOutput &out, const Request &request, const OIIO::Imag
 std::string reason(OIIO::ImageOutput &out)
 {
     const std::string words = out.geterror();
-    return words.empty() ? "OpenImageIO gives no reason" : words;
+    return words.empty() ? "OpenImageIO reports no reason" : words;
 }
 
-/* Writes what the request asks for as its frames arrive; the words of a failure, or none. Whatever
- * happens, all frames are received. */
+/* Write the frames as they arrive; return the words of a failure, or none. All frames are received
+ * in any case. */
 std::string write_frames(const Request &request, const std::vector<Note> &notes,
                          OIIO::ImageOutput *out, std::string words)
 {
@@ -169,7 +169,7 @@ std::string write_frames(const Request &request, const std::vector<Note> &notes,
         } catch (const std::bad_alloc &) {
             throw;
         } catch (const std::exception &error) {
-            words = *error.what() ? error.what() : "OpenImageIO gives no reason";
+            words = *error.what() ? error.what() : "OpenImageIO reports no reason";
         }
     }
     if (out && !out->close() && words.empty())
@@ -194,9 +194,9 @@ void write_image(const Request &request)
             extension_of(request.path) + " holds one picture; expected for instance .gif or .tif";
         out.reset();
     }
-    /* The library does not check what closing a file returns, and so would not see that the disk
-     * was full; where it lets us hold the file, we check. (Its TIFF writer reports the failure by
-     * itself, and loses its directory when held.) */
+    /* The library ignores errors when it closes a file, such as a full disk. Hold the file and
+     * check, if the format allows it. (The TIFF writer reports errors, and loses its directory if
+     * its file is held.) */
     std::unique_ptr<OIIO::Filesystem::IOFile> file;
     if (out && std::strcmp(out->format_name(), "tiff") != 0 && out->supports("ioproxy")) {
         file = std::make_unique<OIIO::Filesystem::IOFile>(request.path,
@@ -227,7 +227,7 @@ std::vector<Note> notes_of(const OIIO::ImageSpec &spec)
     return notes;
 }
 
-/* Grey or colour, with or without alpha, to four channels, in place from the back. */
+/* Convert grey or colour, with or without alpha, to four channels, in place from the end. */
 void widen(std::vector<uint8_t> &pixels, size_t channels, size_t count)
 {
     for (size_t i = count; i-- > 0;) {
@@ -242,8 +242,7 @@ void widen(std::vector<uint8_t> &pixels, size_t channels, size_t count)
     }
 }
 
-/* Colours as the file holds them, not multiplied by alpha; an error is answered for what is none,
- * or too large. */
+/* Open a picture with straight alpha; answer an error if it is no picture or too large. */
 std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
 {
     OIIO::ImageSpec wish;
@@ -258,7 +257,7 @@ std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
     }
     const OIIO::ImageSpec &spec = in->spec();
     struct stat status;
-    const uint64_t pixels = spec.image_pixels(); /* a megabyte may hold a gigabyte of them */
+    const uint64_t pixels = spec.image_pixels(); /* a megabyte may claim a gigabyte */
     const bool swells =
         stat(path.c_str(), &status) != 0 ||
         swelling_needs_yes(4 * pixels, pixels, static_cast<uint64_t>(status.st_size));
@@ -270,7 +269,7 @@ std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
         in.reset();
     } else if (swells) {
         answer_error("it claims " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
-                     " pixels; so large a picture takes a byte for "
+                     " pixels; a picture of that size has a byte for "
                      "each " +
                      std::to_string(SWELLING_MOST) + " of them");
         in.reset();
@@ -278,7 +277,7 @@ std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
     return in;
 }
 
-/* The first four channels at most; nothing, and an answer "error", where they cannot be had. */
+/* Read the first four channels; answer an error and return nothing on failure. */
 std::vector<uint8_t> pixels_of(OIIO::ImageInput &in)
 {
     const OIIO::ImageSpec &spec = in.spec();
@@ -325,7 +324,7 @@ void about_image(const Request &request)
     const OIIO::ImageSpec spec = in->spec();
     const std::vector<Note> notes = notes_of(spec);
     const std::string format = in->format_name(), type = spec.format.c_str();
-    std::string channels; /* "R,G,B", cut where it is too long */
+    std::string channels; /* "R,G,B", cut if too long */
     for (int c = 0; c < spec.nchannels; c++)
         channels += (c ? "," : "") + std::string(spec.channel_name(c));
     channels.resize(std::min(channels.size(), fact_most));

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What iftty-image is asked, and the answers, which OpenImageIO makes (image_oiio.cc).
- */
+/* Requests of iftty-image, and the answers, made by OpenImageIO (image_oiio.cc). */
 #ifndef IMAGE_IMAGE_OIIO_HH
 #define IMAGE_IMAGE_OIIO_HH
 
@@ -21,17 +19,17 @@ struct Request {
     enum { WRITE, READ, ABOUT } kind = READ;
     std::string path;
     uint64_t width = 0, height = 0, notes = 0, frames = 0, delay_ms = 0,
-             channels = 0; /* of WRITE */
-    std::string refusal;   /* why it cannot be written, or none */
+             channels = 0; /* for WRITE */
+    std::string refusal;   /* reason against writing; "" if there is no reason */
 };
 
-/* Words that a picture carries; at most name_most and value_most bytes. */
+/* Text in a picture; at most name_most and value_most bytes. */
 struct Note {
     std::string name, value;
 };
 
-/* Each sends the answer. Libraries may throw before its first byte. */
-void write_image(const Request &request); /* takes the notes and the frames first */
+/* Send the answer. Libraries may throw before its first byte. */
+void write_image(const Request &request); /* receives notes and frames first */
 void read_image(const Request &request);
 void about_image(const Request &request);
 

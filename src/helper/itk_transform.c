@@ -9,12 +9,12 @@
 #include "base/scan.h"
 
 enum {
-    NUMBERS_MOST = 16, /* of parameters */
+    NUMBERS_MOST = 16, /* parameters */
     NAME_MOST = 80,
-    PARTS_MOST = 64 /* of a composite */
+    PARTS_MOST = 64 /* parts of a composite */
 };
 
-/* ---- what the parameters mean ---- */
+/* ---- parameters ---- */
 
 struct part {
     char name[NAME_MOST];
@@ -22,7 +22,7 @@ struct part {
     unsigned numbers, fixeds;
 };
 
-/* The linear part of the map, out of the parameters; false where they say none. */
+/* Compute the linear part of the map from the parameters; false if they are invalid. */
 typedef bool linear_part(struct affine *out, const struct part *part);
 
 static bool linear_matrix(struct affine *out, const struct part *part)
@@ -73,7 +73,8 @@ static bool linear_similarity(struct affine *out, const struct part *part)
     return is_versor;
 }
 
-/* Where t begins; fixed parameters are `fixeds`, or that and one more. */
+/* `t` is the index of the translation; the number of fixed parameters is `fixeds` to `fixeds_most`.
+ */
 static const struct kind {
     const char *name;
     unsigned numbers, t, fixeds, fixeds_most;
@@ -88,7 +89,7 @@ static const struct kind {
 };
 static const char COMPOSITE[] = "CompositeTransform";
 
-/* What stands before "_double_3_3" or "_float_3_3"; 0 where that does not end it. */
+/* Length of the name before "_double_3_3" or "_float_3_3"; 0 without such an ending. */
 static size_t name_length(const char *name)
 {
     static const char *const endings[] = {"_double_3_3", "_float_3_3"};
@@ -114,7 +115,7 @@ static enum err take_part(struct affine *out, const struct part *part, struct fa
         kind = is_named(part, kinds[i].name) ? &kinds[i] : kind;
     if (!kind)
         return fault_set(fault, ERR_INPUT,
-                         "it holds a \"%s\"; what is read are affine transforms of three "
+                         "it holds a \"%s\"; supported are affine transforms of three "
                          "dimensions (AffineTransform, MatrixOffsetTransformBase, Euler3D, "
                          "VersorRigid3D, Similarity3D, Translation)",
                          part->name);
@@ -135,7 +136,7 @@ static enum err take_part(struct affine *out, const struct part *part, struct fa
     return OK;
 }
 
-/* ---- several of them ---- */
+/* ---- composites ---- */
 
 struct reading {
     struct affine *out;
@@ -144,7 +145,7 @@ struct reading {
     bool is_composite;
 };
 
-/* Parts come in their order: each is carried out before those that came. */
+/* Each part is applied before the earlier ones. */
 static enum err add_part(struct reading *r, const struct part *part, struct fault *fault)
 {
     struct affine one;
@@ -226,7 +227,7 @@ static enum err read_text(struct reading *r, const char *text, struct fault *fau
         scan_blanks(&at);
         if (!is_fine || !is_line_end(*at))
             return fault_set(fault, ERR_INPUT,
-                             "line %u of it is none of an affine transform of ITK", line);
+                             "line %u is not a line of an affine transform of ITK", line);
         at += *at == '\r';
         at += *at == '\n';
     }
@@ -267,7 +268,7 @@ static double number_at(const char *bytes, bool is_big, bool is_single)
     return is_single ? single : value;
 }
 
-/* The next matrix: a row or a column of numbers, and how long it is; 0 where there is none. */
+/* Parse the next matrix, a row or a column, and return its length; 0 on failure. */
 static size_t take_matrix(struct matrix *out, const char *bytes, size_t length)
 {
     if (length < HEADER)

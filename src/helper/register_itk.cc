@@ -2,16 +2,16 @@
 /*
  * Registration, and files of transforms (itk_transform.h).
  *
- * Registration is rigid, then affine, by Mattes' mutual information; D. Mattes et al.,
- * "PET-CT image registration in the chest using free-form deformations", IEEE Trans. Med. Imaging
- * 22 (2003) 120-128.
+ * Registration is rigid, then affine, by Mattes' mutual information; D. Mattes et al., "PET-CT
+ * image registration in the chest using free-form deformations", IEEE Trans. Med. Imaging 22 (2003)
+ * 120-128.
  *
- * Both scenes are put into one world in which the middle of the fixed scene's content is 0 and half
- * its length 1, the same for both. Then a unit is as much of a turn as of a stretch or a way, and
- * an optimiser that normalises its steps needs no scales.
+ * Both scenes are moved to one world in which the fixed scene's content has its middle at 0 and
+ * half its length is 1. There a unit of rotation, stretch and translation has a similar effect, so
+ * that an optimiser with normalised steps needs no scales.
  *
- * Samples are those of a lattice that no grid shares its steps with, the same for each run: on
- * voxels' centres, mutual information of two grids that lie on each other is wrongly high.
+ * Samples are on a fixed lattice that shares its steps with no grid: sampled at voxel centres,
+ * mutual information of two coinciding grids is too high.
  */
 #include "helper/register_parts.hh"
 
@@ -46,21 +46,21 @@ using Point = Image::PointType;
 constexpr unsigned bins = 40;
 constexpr double part_sampled = 0.02;
 constexpr size_t shrunk_least = 400000; /* voxels */
-constexpr size_t samples_least = 16000; /* of small levels, which are sampled more densely */
+constexpr size_t samples_least = 16000; /* small levels are sampled more densely */
 
-/* Three rows, as they come. */
+/* Three rows of a matrix. */
 using Map = std::array<std::array<double, 4>, 3>;
 
-/* ---- the scenes ---- */
+/* ---- scenes ---- */
 
-/* A scene as it is registered. */
+/* A scene to register. */
 struct Scene {
-    Image::Pointer level[3]; /* as it comes; by 2; by 4 along each axis, unless that is too few */
-    Point low, high, mass;   /* of its content: box and middle, in the common world */
+    Image::Pointer level[3]; /* full; halved; quartered along each axis, unless too small */
+    Point low, high, mass;   /* box and mean of its content, in the common world */
     std::vector<Point> content;
 };
 
-/* Intensities that a thousandth lies below, and above: what lies beyond is held to them. */
+/* Range of intensities without the lowest and highest thousandth; others are clamped to it. */
 void take_range(float range[2], const std::vector<uint16_t> &voxels)
 {
     std::vector<size_t> count(65536);
@@ -76,7 +76,7 @@ void take_range(float range[2], const std::vector<uint16_t> &voxels)
     range[1] = static_cast<float>(high);
 }
 
-/* The threshold that parts a histogram best: N. Otsu, IEEE Trans. Syst. Man Cybern. 9 (1979). */
+/* Otsu's threshold: N. Otsu, IEEE Trans. Syst. Man Cybern. 9 (1979). */
 float threshold_of(const Image *image, const float range[2])
 {
     constexpr size_t parts = 256;
@@ -105,7 +105,7 @@ float threshold_of(const Image *image, const float range[2])
     return range[0] + (range[1] - range[0]) * static_cast<float>(part + 1) / parts;
 }
 
-/* The voxels of the smallest level that are more than its background. */
+/* Collect the voxels of the smallest level above its background. */
 void take_content(Scene &scene, const float range[2])
 {
     const Image *image = scene.level[2];
@@ -131,7 +131,7 @@ void take_content(Scene &scene, const float range[2])
         scene.mass[w] /= static_cast<double>(scene.content.size());
 }
 
-void place(Image *image, const Map &to_world)
+void place_image(Image *image, const Map &to_world)
 {
     Image::DirectionType direction;
     Image::SpacingType spacing;
@@ -148,7 +148,7 @@ void place(Image *image, const Map &to_world)
     image->SetDirection(direction);
 }
 
-/* Half as many voxels along the axes on which they are close; no fewer than a search needs. */
+/* Halve the image along its finer axes, unless it is small. */
 Image::Pointer shrunk(Image *image)
 {
     auto filter = itk::BinShrinkImageFilter<Image, Image>::New();
@@ -180,7 +180,7 @@ Scene scene_of(Volume &volume, const char *which)
     Map to_mm;
     for (size_t w = 0; w < 3; w++)
         std::copy(volume.to_mm[w], volume.to_mm[w] + 4, to_mm[w].begin());
-    place(image, to_mm);
+    place_image(image, to_mm);
     scene.level[0] = image;
     scene.level[1] = shrunk(image);
     scene.level[2] = shrunk(scene.level[1]);
@@ -214,10 +214,10 @@ void move_into(const Common &common, Scene &scene)
         point = moved(point);
 }
 
-/* ---- the metric ---- */
+/* ---- metric ---- */
 
 /* M. Roberts' sequence in three dimensions: the powers of 1/g, g the root of x^4 = x + 1, which is
- * the least correlated with any grid. */
+ * least correlated with any grid. */
 Metric::FixedSampledPointSetPointer samples_of(const Image *image)
 {
     constexpr double step[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
@@ -253,7 +253,7 @@ Metric::Pointer metric_of(const Scene &fixed, const Scene &moving, unsigned leve
     return metric;
 }
 
-/* In nats; 0 where hardly anything of the one lies in the other. */
+/* Mutual information in nats; 0 if the scenes hardly overlap. */
 double information(Metric *metric, Transform *transform)
 {
     metric->SetMovingTransform(transform);
@@ -262,23 +262,23 @@ double information(Metric *metric, Transform *transform)
     return value < 0 && std::isfinite(value) ? -value : 0;
 }
 
-/* ---- the search ---- */
+/* ---- search ---- */
 
 unsigned steps_done, steps_total;
 
-/* Steps of so many millimetres at first and at last, some half a head off the middle. */
+/* First and last step in millimetres, half a head off the middle. */
 struct Pace {
     unsigned level, iterations;
     double first_mm, last_mm;
 };
 
-void search(const Scene &fixed, const Scene &moving, Transform *transform, const Pace &pace,
-            double length)
+void search_map(const Scene &fixed, const Scene &moving, Transform *transform, const Pace &pace,
+                double length)
 {
     const unsigned before = steps_done;
     const bool is_new =
         pace.level > 0 || fixed.level[0] != fixed.level[1] || moving.level[0] != moving.level[1];
-    if (!is_new) /* few voxels: this has been done */
+    if (!is_new) /* the level is the finer one: already done */
         return;
     auto metric = metric_of(fixed, moving, pace.level);
     auto optimizer = Optimizer::New();
@@ -328,7 +328,7 @@ Affine::Pointer affine_of(const Transform *transform)
     return affine;
 }
 
-/* From where they lie in their worlds, and from two more starts; to `finest` of the levels. */
+/* Search from the identity and from two other starts, down to level `finest`. */
 Affine::Pointer search_all(const Scene &fixed, const Scene &moving, unsigned finest, double length)
 {
     Rigid::Pointer best;
@@ -336,22 +336,22 @@ Affine::Pointer search_all(const Scene &fixed, const Scene &moving, unsigned fin
     auto metric = metric_of(fixed, moving, 2);
     for (unsigned start = 0; start < starts; start++) {
         auto rigid = start_of(fixed, moving, start);
-        search(fixed, moving, rigid, rigid_pace[0], length);
+        search_map(fixed, moving, rigid, rigid_pace[0], length);
         const double value = information(metric, rigid);
         if (value > most) {
             most = value;
             best = rigid;
         }
     }
-    search(fixed, moving, best, rigid_pace[1], length);
+    search_map(fixed, moving, best, rigid_pace[1], length);
     auto affine = affine_of(best);
     for (const Pace &pace : affine_pace)
         if (pace.level >= finest)
-            search(fixed, moving, affine, pace, length);
+            search_map(fixed, moving, affine, pace, length);
     return affine;
 }
 
-/* What the mirror image of the fixed scene can reach from the same place. */
+/* Metric of the fixed scene's mirror image, searched from the same map. */
 double mirrored_information(const Scene &fixed, const Scene &moving, const Affine *affine,
                             double length)
 {
@@ -360,12 +360,12 @@ double mirrored_information(const Scene &fixed, const Scene &moving, const Affin
     scale.Fill(1);
     scale[0] = -1; /* x is the patient's left and right; 0 is the middle of the content */
     mirrored->Scale(scale, true);
-    search(fixed, moving, mirrored, affine_pace[0], length);
-    search(fixed, moving, mirrored, affine_pace[1], length);
+    search_map(fixed, moving, mirrored, affine_pace[0], length);
+    search_map(fixed, moving, mirrored, affine_pace[1], length);
     return information(metric_of(fixed, moving, 1), mirrored);
 }
 
-/* ---- how good it is ---- */
+/* ---- quality ---- */
 
 double overlap(const Scene &of, const Scene &in, const Transform *transform)
 {
@@ -379,8 +379,8 @@ double overlap(const Scene &of, const Scene &in, const Transform *transform)
     return static_cast<double>(inside) / static_cast<double>(of.content.size());
 }
 
-/* How far there and back leads away from a corner of the content. */
-double apart(const Scene &fixed, const Transform *there, const Transform *back)
+/* Largest error of going there and back, at the corners of the content. */
+double round_trip_error(const Scene &fixed, const Transform *there, const Transform *back)
 {
     double most = 0;
     for (unsigned corner = 0; corner < 8; corner++) {
@@ -393,7 +393,7 @@ double apart(const Scene &fixed, const Transform *there, const Transform *back)
     return most;
 }
 
-Found find(Volume volume[2])
+Found register_volumes(Volume volume[2])
 {
     Found found = {};
     steps_total = 2 * starts * rigid_pace[0].iterations + 2 * rigid_pace[1].iterations +
@@ -416,7 +416,7 @@ Found find(Volume volume[2])
     found.metric = information(metric, there);
     found.identity_metric = information(metric, identity);
     found.mirrored_metric = mirrored_information(fixed, moving, there, common.length);
-    found.agreement_mm = apart(fixed, there, back) * common.length;
+    found.agreement_mm = round_trip_error(fixed, there, back) * common.length;
     found.length_mm = 2 * common.length;
     found.fixed_overlap = overlap(fixed, moving, there);
     auto inverse = Affine::New();

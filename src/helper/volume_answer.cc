@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What iftty-volume answers, and how its reading ends. */
+/* Answers of iftty-volume, and the end of reading. */
 #include "helper/volume_parts.hh"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ constexpr size_t notes_most = 1200;
 constexpr size_t piece_most = 4 << 20;
 constexpr size_t fault_most = 511;   /* the client's line */
 constexpr size_t list_most = 200000; /* the client's */
-constexpr size_t name_most = 80;     /* of a file's name, in words */
+constexpr size_t name_most = 80;     /* a file's name in a message */
 
 static std::string words_from(const char *format, va_list arguments)
 {
@@ -80,7 +80,7 @@ std::string in_small_letters(std::string text)
     return text;
 }
 
-/* The client puts the path before them, with bytes escaped that a terminal would obey. */
+/* The client prepends the path, with unsafe bytes escaped. */
 size_t words_room(const Request &request)
 {
     size_t path = 2;
@@ -100,10 +100,10 @@ std::string about_file(const std::string &name, const std::string &what)
            " leaves it out";
 }
 
-/* ---- what is said where a library gives up ---- */
+/* ---- the answer if a library crashes ---- */
 
-/* The answer where a signal ends this process while it reads: made before, since a handler may do
- * little. Libraries end by assertions that fail, and by reading where nothing is. */
+/* The answer in case a signal ends this process while it reads. It is prepared in advance, because
+ * a handler may do little. Libraries end by failed assertions and bad accesses. */
 char last_answer[2 * words_most];
 size_t last_length;
 
@@ -128,7 +128,7 @@ void end_by_signal(int)
     _exit(4);
 }
 
-/* On a stack of its own, since the other may be full. */
+/* On its own stack, because the other one may be full. */
 void catch_signals()
 {
     static char room[65536];
@@ -143,7 +143,7 @@ void catch_signals()
         sigaction(signal, &action, nullptr);
 }
 
-/* ---- what is answered ---- */
+/* ---- answers ---- */
 
 void note(Volume &volume, const std::string &line)
 {
@@ -177,7 +177,6 @@ void send_piece(const void *bytes, size_t length)
     }
 }
 
-/* The header of an answer; and, when the client asks for them, the voxels. */
 void answer(const Volume &volume)
 {
     for (const uint64_t side : volume.size)

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bytes counted: whether a file is as long as its header promises, before a library fills up with
- * zeros what is missing.
+ * Check that a file is as long as its header promises, before a library fills the rest with zeros.
  *
- * Formats whose parts say where they lie (TIFF, PNG, HDF5, netCDF, which MINC 1 is) are gone
- * through part by part; of the others the voxels are one run of bytes, in the file or beside it.
- * What a file has more than its header promises is nobody's concern.
+ * Formats whose parts have offsets (TIFF, PNG, HDF5, netCDF, which MINC 1 uses) are checked part by
+ * part. In other formats the voxels are one run of bytes, in the file or in another one. Bytes
+ * after the promised ones are ignored.
  */
 #include "helper/volume_parts.hh"
 
@@ -31,9 +30,9 @@ extern "C" {
 namespace volume
 {
 
-/* ---- a file, and how long it is ---- */
+/* ---- a file of known length ---- */
 
-/* What a hostile header adds up to is too much, and not too little. */
+/* Saturate on overflow. */
 uint64_t sum_of(uint64_t a, uint64_t b)
 {
     return a > UINT64_MAX - b ? UINT64_MAX : a + b;
@@ -53,7 +52,7 @@ uint64_t number_in(const char *bytes, unsigned width, bool is_big)
     return number;
 }
 
-/* Reading where it does not go on, or asking for what it does not have, is a refusal. */
+/* A file that refuses reads beyond its end. */
 class Counted
 {
   public:
@@ -89,7 +88,7 @@ class Counted
         return fd_;
     }
 
-    /* A whole number of so many bytes, 8 at most. */
+    /* Decode a number of `width` bytes, at most 8. */
     uint64_t number(uint64_t at, unsigned width)
     {
         char bytes[8];
@@ -118,7 +117,7 @@ class Counted
             ::close(fd_);
         fd_ = -1;
     }
-    /* By way of a piece that is held: numbers lie together. */
+    /* Read through a buffer: numbers are close together. */
     void take(char *to, uint64_t at, unsigned length)
     {
         need(sum_of(at, length));
@@ -147,13 +146,13 @@ uint64_t check_bytes(const std::string &path, uint64_t bytes)
 
 /* ---- TIFF ---- */
 
-/* An array of numbers that a field of a page has. */
+/* The numbers of a field of a page. */
 struct Numbers {
     uint64_t count = 0, at = 0;
     unsigned width = 0;
 };
 
-/* Fields of a page, by their tags. */
+/* Fields of a page by their tags. */
 using PageFields = std::map<uint64_t, Numbers>;
 
 enum PageTag : uint64_t {
@@ -169,7 +168,7 @@ enum PageTag : uint64_t {
     TILES_LENGTH = 325
 };
 
-/* The first number of a field. */
+/* First number of a field. */
 uint64_t first_of(Counted &file, const PageFields &field, PageTag tag, uint64_t usual)
 {
     const auto numbers = field.find(tag);
@@ -178,9 +177,9 @@ uint64_t first_of(Counted &file, const PageFields &field, PageTag tag, uint64_t 
                : usual;
 }
 
-/* Where the strips or tiles of a page lie, and how long they are. Of a page without packing libtiff
- * reads on where its strips are too short for its pixels; it does so, too, where their lengths are
- * 0, which old writers mean. */
+/* Check the extent of the strips or tiles of a page. If an unpacked page has too few bytes in its
+ * strips, libtiff reads beyond them; it also does if their lengths are 0, as old writers have them.
+ */
 void count_page(Counted &file, PageFields &field, uint64_t &counted)
 {
     constexpr uint64_t none = 1, subsampled = 6;
@@ -259,7 +258,7 @@ void count_png(Counted &file)
     }
 }
 
-/* Its chunk pHYs: pixels along x, and along y, in a metre where the last byte is 1. */
+/* The chunk pHYs: pixels per metre along x and y if the last byte is 1. */
 bool png_resolution(const std::string &path, double mm[2])
 {
     Counted file(path, "");
@@ -277,7 +276,7 @@ bool png_resolution(const std::string &path, double mm[2])
 
 /* ---- GIPL ---- */
 
-/* Types that ITK 5.2 does not read. */
+/* Refuse types that ITK 5.2 does not read. */
 void check_gipl(Counted &file)
 {
     static const std::map<uint64_t, const char *> kinds = {
@@ -293,10 +292,10 @@ void check_gipl(Counted &file)
 
 /* ---- VTK ---- */
 
-/* What begins an array of voxels. */
+/* attributes with voxels */
 static const std::set<std::string> vtk_arrays = {"scalars", "vectors", "tensors", "color_scalars"};
 
-/* Refuses values that ITK does not read as voxels, by name. */
+/* Refuse values that ITK does not read as voxels, and name them. */
 void check_vtk(const std::string &path)
 {
     static const std::set<std::string> grids = {"structured_grid", "unstructured_grid", "polydata",
@@ -347,7 +346,7 @@ void check_vtk(const std::string &path)
 
 /* ---- HDF5 ---- */
 
-/* Its superblock says where the file ends. */
+/* The superblock has the end of the file. */
 void count_hdf5(Counted &file)
 {
     const uint64_t version = file.number(8, 1);
@@ -358,7 +357,7 @@ void count_hdf5(Counted &file)
         file.need(file.number(at, static_cast<unsigned>(width)));
 }
 
-/* ---- netCDF, which MINC 1 is ---- */
+/* ---- netCDF (MINC 1) ---- */
 
 void check_minc_unit(const std::string &unit)
 {
@@ -371,7 +370,7 @@ void check_minc_unit(const std::string &unit)
                "and zspace");
 }
 
-/* A list of its header is passed: a word, a count, and what each holds. */
+/* Skips the lists of a header: a word, a count, and the items. */
 class NetCdf
 {
   public:
@@ -413,7 +412,7 @@ class NetCdf
         pass(4);
         return next(count_);
     }
-    /* Up to 16 letters of it; all is passed. */
+    /* Return up to 16 letters of a text, and skip all of it. */
     std::string take_text(uint64_t length)
     {
         const std::string text = file_.text(at_, length < 16 ? static_cast<unsigned>(length) : 16);
@@ -426,7 +425,7 @@ class NetCdf
         const uint64_t type = next(4);
         return type < sizeof bytes / sizeof *bytes ? bytes[type] : 0;
     }
-    /* Of a variable; "" for the file. */
+    /* `of` is the variable's name; "" for the file. */
     void pass_attributes(const std::string &of)
     {
         for (uint64_t n = items(); n > 0; n--) {
@@ -437,7 +436,7 @@ class NetCdf
                 check_minc_unit(value);
         }
     }
-    /* The first of its sides is 0 where it goes on from record to record. */
+    /* The first side of a variable with records is 0. */
     void pass_variable()
     {
         uint64_t values = 1;
@@ -452,7 +451,7 @@ class NetCdf
         }
         pass_attributes(name);
         const uint64_t bytes = product_of(values, type_bytes());
-        next(count_); /* its length, which 32 bits may not hold */
+        next(count_); /* its length, which may exceed 32 bits */
         const uint64_t end = sum_of(next(offset_), bytes);
         if (!has_records) {
             file_.need(end);
@@ -471,7 +470,7 @@ class NetCdf
 void count_parts(const std::string &kind, const std::string &path, const std::string &what)
 {
     Counted file(path, what);
-    const bool is_minc = kind == "minc"; /* which is netCDF or HDF5 */
+    const bool is_minc = kind == "minc"; /* netCDF or HDF5 */
     if (kind == "png")
         count_png(file);
     else if (kind == "gipl")
@@ -487,27 +486,27 @@ void count_parts(const std::string &kind, const std::string &path, const std::st
     if (kind != "nrrd" && kind != "meta")
         return;
     const Header header = header_of(kind, path);
-    if (header.end == 0 && !header.names_files()) /* else it may end with its file */
+    if (header.end == 0 && !header.names_files()) /* otherwise the header may end with its file */
         refuse("%scut short: it has %llu bytes, and ends within its header; fetch it again",
                what.c_str(), wide(file.bytes()));
 }
 
-/* ---- voxels in one run, or one for each file ---- */
+/* ---- runs of voxels ---- */
 
 enum class Packing { NONE, TEXT, GZIP };
 
 struct Run {
     std::string path, what;
     Packing packing = Packing::NONE;
-    uint64_t at = 0;       /* of its first byte, */
-    bool from_end = false; /* or as many as are needed, up to the end */
-    uint64_t bytes = 0;    /* of voxels, when they are unpacked */
-    uint64_t values = 0;   /* the same in numbers */
-    std::string type;      /* of them */
-    uint64_t packed = 0;   /* bytes of them in the file, where that is said */
+    uint64_t at = 0;       /* offset of the first byte, */
+    bool from_end = false; /* or the run ends with the file */
+    uint64_t bytes = 0;    /* unpacked */
+    uint64_t values = 0;   /* numbers in them */
+    std::string type;      /* type of a number */
+    uint64_t packed = 0;   /* packed bytes, if the header has their number */
 };
 
-/* In files that the header names, which share the voxels evenly. */
+/* The files that a header names have equal shares of the voxels. */
 std::vector<Run> runs_in(const std::vector<std::string> &named, Run all)
 {
     std::vector<Run> runs;
@@ -521,7 +520,7 @@ std::vector<Run> runs_in(const std::vector<std::string> &named, Run all)
     return runs;
 }
 
-/* ---- where headers say that voxels are ---- */
+/* ---- runs by headers ---- */
 
 std::vector<Run> runs_of_meta(Run run, const std::vector<std::string> &named)
 {
@@ -545,8 +544,8 @@ std::vector<Run> runs_of_meta(Run run, const std::vector<std::string> &named)
     if (!named.empty())
         return runs_in(named, run);
     run.at = run.at ? run.at : header.end;
-    if (run.packing == Packing::GZIP && !run.packed) /* ITK gives zeros */
-        refuse("its voxels are packed, and its header lacks CompressedDataSize; write it anew "
+    if (run.packing == Packing::GZIP && !run.packed) /* ITK would return zeros */
+        refuse("its voxels are packed, and its header lacks CompressedDataSize; write it again "
                "without packing");
     return {run};
 }
@@ -563,7 +562,7 @@ std::vector<Run> runs_of_nrrd(Run run, const std::vector<std::string> &named)
     else if (encoding != "raw")
         run.packing = Packing::TEXT;
     if (encoding == "bzip2" || encoding == "bz2" || encoding == "hex" || std::atoll(lines.c_str()))
-        return {}; /* teem counts them itself */
+        return {}; /* teem checks these itself */
     run.from_end = skipped < 0;
     if (run.packing == Packing::GZIP)
         run.bytes = sum_of(run.bytes, skipped > 0 ? static_cast<uint64_t>(skipped) : 0);
@@ -577,7 +576,7 @@ std::vector<Run> runs_of_nrrd(Run run, const std::vector<std::string> &named)
     return {run};
 }
 
-/* The voxels begin after the line of their attribute, or the table that may follow it. */
+/* The voxels begin after the line of their attribute, or after the table that follows it. */
 Run run_of_vtk(Run run)
 {
     std::ifstream file(run.path, std::ios::binary);
@@ -616,9 +615,9 @@ std::vector<Run> runs_of(const Volume &volume, const std::string &kind, const Re
     return {run};
 }
 
-/* ---- counting them ---- */
+/* ---- counting ---- */
 
-/* Whether it is a number of the type, which is whole unless the type is not. */
+/* Test whether a word is a number of the type. */
 bool is_number_of(const std::string &word, const std::string &type)
 {
     char *end = nullptr;
@@ -639,7 +638,7 @@ bool is_number_of(const std::string &word, const std::string &type)
     return *end == '\0' && errno == 0 && value <= most && value >= -most - 1;
 }
 
-/* Looks at the numbers that are needed. */
+/* Check the numbers of the voxels. */
 void check_text(const Run &run)
 {
     constexpr size_t digits_most = 400; /* a double in full has 309 before its point */
@@ -669,7 +668,7 @@ void check_text(const Run &run)
                run.what.c_str(), wide(count), wide(run.values));
 }
 
-/* Packed voxels and text, which takes reading all of it. */
+/* Count packed and text voxels, by reading all of them. */
 void count_closely(const Run &run)
 {
     if (run.packing == Packing::TEXT) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * DICOM: what the header of a file says of its slices, and the images of a mosaic; where the pixels
- * lie, whether all of them are there, and what they are.
+ * DICOM: read the header of a file with its slices or the images of a mosaic, find its pixels,
+ * check that they are complete, and read them.
  *
- * GDCM reads headers, and decodes what is packed. It makes zeros of what a cut file lacks, and
- * takes big-endian numbers of 32 bits for two of 16, so plain pixels are read here.
+ * GDCM reads headers and unpacks pixels. It fills cut files with zeros and reads big-endian numbers
+ * of 32 bits as two of 16, so plain pixels are read here.
  */
 #include "helper/volume_parts.hh"
 
@@ -35,17 +35,17 @@ namespace volume
 
 constexpr uint64_t undefined_length = 0xffffffff;
 constexpr size_t inflated_most = size_t{256} << 20;
-constexpr size_t description_most = 64; /* of a long string in DICOM */
-constexpr size_t private_least = 3;     /* letters of a name that are looked for */
+constexpr size_t description_most = 64; /* a long string in DICOM */
+constexpr size_t private_least = 3;     /* letters of a name that are searched for */
 
 static const gdcm::Tag frames_tag(0x0028, 0x0008), shared_tag(0x5200, 0x9229),
     each_tag(0x5200, 0x9230), detector_tag(0x0054, 0x0022), offsets_tag(0x3004, 0x000c),
     description_tag(0x0008, 0x103e), name_tag(0x0010, 0x0010), id_tag(0x0010, 0x0020),
     birth_tag(0x0010, 0x0030), type_tag(0x0008, 0x0008);
 
-/* ---- the bytes of a file ---- */
+/* ---- bytes of a file ---- */
 
-/* All that follows in a file, inflated; up to where it is cut or damaged. */
+/* Inflate the rest of a file, up to its end or to the first damaged byte. */
 std::string inflate_rest(std::istream &file)
 {
     std::string out;
@@ -67,13 +67,13 @@ std::string inflate_rest(std::istream &file)
                        inflated_most >> 20);
             }
         } while (state == Z_OK && zlib.avail_out == 0);
-        state = state == Z_BUF_ERROR ? Z_OK : state; /* it wants more */
+        state = state == Z_BUF_ERROR ? Z_OK : state; /* more input is needed */
     }
     inflateEnd(&zlib);
     return out;
 }
 
-/* Whether the first bytes may be of DICOM, with or without its preamble. */
+/* Test whether the first bytes may be DICOM, with or without a preamble. */
 bool may_be_dicom(const char *bytes, std::streamsize length)
 {
     if (length >= 132 && std::memcmp(bytes + 128, "DICM", 4) == 0)
@@ -82,8 +82,8 @@ bool may_be_dicom(const char *bytes, std::streamsize length)
                             (bytes[0] == 0 && bytes[1] == 8 && bytes[2] == 0));
 }
 
-/* A file of DICOM as it is read, or nothing where it is none. One whose data set is deflated is
- * given as the same one that is not: GDCM cannot go back and forth in such. */
+/* Open a DICOM file; null if it is no DICOM. A deflated data set is replaced by its inflated copy,
+ * because GDCM cannot seek in deflated ones. */
 std::unique_ptr<std::istream> open_bytes(const std::string &path)
 {
     static const char syntax[] = "\x02\0\x10\0UI\x16\0"
@@ -109,13 +109,14 @@ std::unique_ptr<std::istream> open_bytes(const std::string &path)
 
 /* ---- elements ---- */
 
-/* NULL where there is none. */
+/* NULL if there is no such element. */
 const gdcm::ByteValue *value_of(const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     return set.FindDataElement(tag) ? set.GetDataElement(tag).GetByteValue() : nullptr;
 }
 
-/* Takes a value of that length, of numbers in the order of this machine; false for no such one. */
+/* Copy a value of exactly that length, in the byte order of this machine; false otherwise.
+ */
 bool take_bytes(void *out, size_t length, const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     const gdcm::ByteValue *value = value_of(set, tag);
@@ -176,7 +177,7 @@ void take_decimal(Slice &slice, double &out, const gdcm::DataSet &set, const gdc
         out = number;
 }
 
-/* What is none is not said. */
+/* A malformed number counts as missing. */
 void take_integer(int &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     double number;
@@ -185,7 +186,7 @@ void take_integer(int &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
         out = static_cast<int>(number);
 }
 
-/* Takes a binary number of 16 or 32 bits. */
+/* Read a binary number of 16 or 32 bits. */
 void take_binary(unsigned &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     uint16_t half;
@@ -206,9 +207,9 @@ gdcm::Tag find_private(const gdcm::DataSet &set, uint16_t group, uint16_t elemen
     return {0, 0};
 }
 
-/* ---- what a series is known by ---- */
+/* ---- descriptions of a series ---- */
 
-/* Whether a text has a part of another, which ends at any of `ends`. */
+/* Test whether a text contains a part of another, split at `ends`. */
 bool has_part(const std::string &text, const std::string &of, const char *ends)
 {
     for (size_t from = 0; from < of.size();) {
@@ -252,7 +253,7 @@ void take_words(Slice &slice, const gdcm::DataSet &set)
 
 /* ---- slices ---- */
 
-/* Six numbers that are two unit vectors at right angles, within what decimals lose. */
+/* Test for two orthogonal unit vectors, within the error of decimals. */
 bool are_axes(const double axis[6])
 {
     double one = 0, two = 0, dot = 0;
@@ -264,7 +265,8 @@ bool are_axes(const double axis[6])
     return std::fabs(one - 1) < 0.01 && std::fabs(two - 1) < 0.01 && std::fabs(dot) < 0.01;
 }
 
-/* What a data set says of a slice; of an enhanced image, one of its groups of functions. */
+/* Read the geometry and scale of a slice from a data set, or from a functional group of an enhanced
+ * image. */
 void take_place(Slice &slice, const gdcm::DataSet &set)
 {
     double number[6];
@@ -284,11 +286,11 @@ void take_place(Slice &slice, const gdcm::DataSet &set)
     take_decimal(slice, slice.thickness, set, gdcm::Tag(0x0018, 0x0050));
     take_decimal(slice, slice.slope, set, gdcm::Tag(0x0028, 0x1053));
     take_decimal(slice, slice.intercept, set, gdcm::Tag(0x0028, 0x1052));
-    take_decimal(slice, slice.slope, set, gdcm::Tag(0x3004, 0x000e)); /* of a dose */
+    take_decimal(slice, slice.slope, set, gdcm::Tag(0x3004, 0x000e)); /* dose grid scaling */
     take_decimal(slice, slice.location, set, gdcm::Tag(0x0020, 0x1041));
 }
 
-/* The first item of a sequence, or item `number`; empty where there is none. */
+/* Item `number` of a sequence; empty if there is no such item. */
 gdcm::DataSet item_of(const gdcm::DataSet &set, const gdcm::Tag &tag, size_t number)
 {
     gdcm::SmartPointer<gdcm::SequenceOfItems> items;
@@ -310,7 +312,7 @@ void take_functions(Slice &slice, const gdcm::DataSet &group)
             continue;
         const gdcm::DataSet function = item_of(group, element.GetTag(), 0);
         take_tags(slice, function);
-        take_tags(slice, item_of(function, gdcm::Tag(0x0018, 0x9076), 0)); /* of a gradient */
+        take_tags(slice, item_of(function, gdcm::Tag(0x0018, 0x9076), 0)); /* diffusion gradient */
     }
 }
 
@@ -334,11 +336,11 @@ void take_pixels(Slice &slice, const gdcm::DataSet &set)
         slice.samples = 3; /* a palette */
 }
 
-/* The Modality LUT, in place of a slope. */
+/* Read the Modality LUT, which replaces a slope. */
 void take_lookup(Slice &slice, const gdcm::DataSet &set)
 {
     static const gdcm::Tag tag(0x0028, 0x3000), slope_tag(0x0028, 0x1053);
-    uint16_t descriptor[3] = {0, 0, 0}; /* how many values, of which number the first, their bits */
+    uint16_t descriptor[3] = {0, 0, 0}; /* number of values, first stored number, bits */
     const gdcm::DataSet item = item_of(set, tag, 0);
     const std::string data = raw_of(item, {0x0028, 0x3006});
     if (!set.FindDataElement(tag))
@@ -367,12 +369,12 @@ void normal_of(double normal[3], const double axis[6])
     }
 }
 
-/* The frames of a file that holds several. Without a place of their own they have none. */
+/* Add the frames of a file with several. Without a place of their own they have none. */
 void add_frames(std::vector<Slice> &slices, const Slice &first, const gdcm::DataSet &set)
 {
     Slice common = first;
     take_functions(common, item_of(set, shared_tag, 0));
-    std::vector<double> offsets(common.frames + size_t{1}); /* one more, which would be too many */
+    std::vector<double> offsets(common.frames + size_t{1}); /* one more, to detect too many */
     const bool has_offsets = common.has_position && common.has_axes &&
                              decimals_of(common.fault, set, offsets_tag, offsets.data(),
                                          offsets.size()) == common.frames;
@@ -392,16 +394,15 @@ void add_frames(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
 
 /* ---- mosaics ----
  *
- * DICOM: the mosaics of Siemens, whose one picture holds all slices of a volume side by side.
+ * The mosaics of Siemens: one picture holds all slices of a volume side by side.
  *
- *     0 1 2     N images lie in rows from the top, in a square of as few as hold them; what is
- *     3 4 5     left of it is blank. N, and the side towards which slices follow each other, are
- *     6 . .     said by the private header alone (csa.h).
+ *     0 1 2     N images in rows from the top, in the smallest square that holds them; the rest is
+ *     3 4 5     blank. Only the private header (csa.h) has N, and the direction in which slices
+ *     6 . .     follow each other.
  *
- * The place that the file says is that of a slice as large as the whole square around the middle
- * of the first one: its corner is moved back by half of what the square is larger. So it is in
- * nibabel (nicom, MosaicWrapper) and in SPM; GDCM has a splitter, which takes the middle of a slice
- * for its corner and, where nothing says N, a number that fits. */
+ * The position in the file is the corner of a slice as large as the whole square, centred on the
+ * first slice: it is moved by half the difference, as in nibabel (nicom, MosaicWrapper) and SPM.
+ * GDCM's splitter uses the centre of a slice as its corner and, without N, any number that fits. */
 
 static const gdcm::Tag matrix_tag(0x0018, 0x1310);
 
@@ -409,9 +410,9 @@ constexpr uint16_t csa_group = 0x0029, csa_element = 0x10;
 constexpr uint16_t count_group = 0x0019, count_element = 0x0a;
 constexpr unsigned images_most = 4096;
 
-/* What the private header says. */
+/* Facts of the private header. */
 struct Private {
-    unsigned images = 0; /* 0: nothing says so */
+    unsigned images = 0; /* 0: unknown */
     bool is_contrary = false;
     double normal[3] = {0, 0, 0};
     bool has_normal = false;
@@ -420,9 +421,9 @@ struct Private {
 Private private_of(const gdcm::DataSet &set)
 {
     Private header;
-    unsigned beside = 0;
-    take_binary(beside, set, find_private(set, count_group, count_element, "SIEMENS MR HEADER"));
-    header.images = beside;
+    unsigned other = 0;
+    take_binary(other, set, find_private(set, count_group, count_element, "SIEMENS MR HEADER"));
+    header.images = other;
     const gdcm::Tag tag = find_private(set, csa_group, csa_element, "SIEMENS CSA HEADER");
     const gdcm::ByteValue *value = value_of(set, tag);
     if (!value)
@@ -433,12 +434,12 @@ Private private_of(const gdcm::DataSet &set)
     if (csa_numbers(&images, 1, bytes, length, "NumberOfImagesInMosaic") == 1 && images >= 0 &&
         images <= images_most && images == std::floor(images))
         header.images = static_cast<unsigned>(images);
-    header.is_contrary = beside && beside != header.images;
+    header.is_contrary = other && other != header.images;
     header.has_normal = csa_numbers(header.normal, 3, bytes, length, "SliceNormalVector") == 3;
     return header;
 }
 
-/* The least square that holds so many. */
+/* Side of the smallest square that holds `images`. */
 unsigned side_of(unsigned images)
 {
     unsigned side = 1;
@@ -447,8 +448,8 @@ unsigned side_of(unsigned images)
     return side;
 }
 
-/* Whether so many images lie side by side in it. An image that was cut out of a mosaic may still
- * have its header: then they would be far smaller than what was acquired. */
+/* Test whether the images fit side by side. An image cut out of a mosaic may still have the
+ * mosaic's header: its images would be much smaller than the acquired ones. */
 bool holds(const Slice &whole, unsigned images, const gdcm::DataSet &set)
 {
     const unsigned side = side_of(images);
@@ -459,7 +460,7 @@ bool holds(const Slice &whole, unsigned images, const gdcm::DataSet &set)
            2 * std::max(whole.columns, whole.rows) / side >= acquired;
 }
 
-/* From one image to the next in the patient; false where that is not said. */
+/* Compute the step from one image to the next in the patient; false if it is unknown. */
 bool take_step(double step[3], const Slice &whole, const Private &header)
 {
     const double apart = whole.between > 0 ? whole.between : whole.thickness;
@@ -494,8 +495,7 @@ void add_images(std::vector<Slice> &slices, const Slice &whole, unsigned images,
     }
 }
 
-/* The images of a mosaic in their places, or `first` with what is wrong with it; false where it is
- * no mosaic. */
+/* Add the images of a mosaic, or `first` with its fault; false if it is no mosaic. */
 bool add_mosaic(std::vector<Slice> &slices, const Slice &first, const gdcm::DataSet &set)
 {
     const std::string type = "\\" + text_of(set, type_tag) + "\\";
@@ -514,14 +514,15 @@ bool add_mosaic(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
         whole.fault = "a mosaic, and two of its private elements (Siemens) do not say the same of "
                       "how many images it holds; export it again as single slices";
     else if (!fits)
-        whole.fault = words_of("a mosaic that is said to hold %u images, which do not fit "
+        whole.fault = words_of("a mosaic whose header says %u images, which do not fit "
                                "side by side into its %ux%u pixels; export it again as single "
                                "slices",
                                header.images, first.columns, first.rows);
     else if (!take_step(step, first, header))
-        whole.fault = "a mosaic that does not say where its images lie, or towards which side they "
-                      "follow each other (SliceNormalVector in the private header, Siemens CSA); "
-                      "export it again with that, or as single slices";
+        whole.fault =
+            "a mosaic without the place of its images, or without the side towards which they "
+            "follow each other (SliceNormalVector in the private header, Siemens CSA); "
+            "export it again with that, or as single slices";
     if (!whole.fault.empty())
         slices.push_back(whole);
     else
@@ -529,15 +530,15 @@ bool add_mosaic(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
     return true;
 }
 
-/* ---- whether the pixels are there ---- */
+/* ---- missing pixels ---- */
 
 uint64_t bytes_in(const Slice &slice)
 {
     return uint64_t{slice.columns} * slice.rows * slice.samples * slice.frames * slice.bits / 8;
 }
 
-/* Whether the end mark of a JPEG of any kind stands in the last bytes before `end`. In its numbers
- * it cannot. */
+/* Test for the end mark of a JPEG in the last bytes before `end`. Coded numbers cannot contain it.
+ */
 bool ends_as_jpeg(std::istream &in, uint64_t begin, uint64_t end)
 {
     char bytes[1024] = {0};
@@ -548,8 +549,8 @@ bool ends_as_jpeg(std::istream &in, uint64_t begin, uint64_t end)
     return in && std::search(bytes, bytes + length, mark, mark + 2) != bytes + length;
 }
 
-/* Packed pixels are pieces, of which the first says where others begin. A frame of a JPEG is one or
- * more and has an end mark; one of RLE is one. */
+/* Packed pixels are pieces, and the first one is a table of offsets. A frame of a JPEG has one or
+ * more pieces and an end mark, a frame of RLE one piece. */
 void check_packed(Slice &slice, std::istream &in, uint64_t size, const std::string &syntax)
 {
     const bool is_jpeg = syntax.compare(0, 20, "1.2.840.10008.1.2.4.") == 0 && syntax.size() == 22;
@@ -579,11 +580,11 @@ void check_packed(Slice &slice, std::istream &in, uint64_t size, const std::stri
                               frames, slice.frames);
 }
 
-/* Where the pixels of a file lie, and what is missing of them. `in` is where its header ends. */
+/* Find the pixels of a file, and how many are missing. `in` is at the end of its header. */
 void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syntax)
 {
     const std::streamoff at = in.tellg();
-    char before[12] = {0}; /* (VR, two bytes,) length; or, of implicit VR, tag and length */
+    char before[12] = {0}; /* (VR, two bytes,) length; with implicit VR, tag and length */
     slice.lack = "holds no pixels of whole numbers";
     in.clear();
     if (at < static_cast<std::streamoff>(sizeof before))
@@ -614,9 +615,9 @@ void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syn
                               wide(needed));
 }
 
-/* ---- objects that are no images ---- */
+/* ---- objects without images ---- */
 
-/* By SOP class, or by the beginning of several, which ends in a point. */
+/* By SOP class, or by a prefix that ends with a point. */
 static const std::pair<const char *, const char *> objects[] = {
     {"1.2.840.10008.1.3.10", "a DICOMDIR, the index of a folder; open the folder with the slices"},
     {"1.2.840.10008.5.1.4.1.1.4.2", "MR spectroscopy, which is not read"},
@@ -651,7 +652,7 @@ static const std::pair<const char *, const char *> objects[] = {
     {"1.2.840.10008.5.1.4.1.1.481.", "a plan or record of radiotherapy (RTPLAN), without voxels"},
 };
 
-/* "" for an image, and for a class that is not known. */
+/* Description of an object that is no image; "" for an image or an unknown class. */
 static std::string other_than_image(const gdcm::File &file)
 {
     for (const std::string &name : {text_of(file.GetDataSet(), gdcm::Tag(0x0008, 0x0016)),
@@ -696,7 +697,7 @@ bool scan(std::vector<Slice> &slices, const std::string &path)
     take_place(slice, set);
     take_place(slice, item_of(set, detector_tag, 0));
     const std::string other = other_than_image(reader.GetFile());
-    if (!other.empty()) { /* the only slice that stands for all its frames */
+    if (!other.empty()) { /* one slice for all frames */
         slice.fault = other;
         slices.push_back(slice);
         return true;
@@ -704,7 +705,7 @@ bool scan(std::vector<Slice> &slices, const std::string &path)
     if (slice.lookup && !slices.empty() && slices.back().lookup &&
         slices.back().lookup->first == slice.lookup->first &&
         slices.back().lookup->value == slice.lookup->value)
-        slice.lookup = slices.back().lookup; /* in memory once */
+        slice.lookup = slices.back().lookup; /* share it in memory */
     find_pixels(slice, *in, reader.GetFile().GetHeader().GetDataSetTransferSyntax());
     if (slice.frames == 1 && add_mosaic(slices, slice, set))
         return true;
@@ -734,7 +735,7 @@ bool is_of_images(std::string &words, const std::string &path)
 
 /* ---- pixels ---- */
 
-/* Bits above those that are stored held overlays once, and are no part of the number. */
+/* Clear bits above the stored ones: they once held overlays. */
 template <typename Number> void clear_unused(std::vector<char> &bytes, unsigned stored, bool sign)
 {
     const auto mask = static_cast<Number>((uint64_t{1} << stored) - 1);
@@ -764,12 +765,12 @@ bool read_plain(std::vector<char> &bytes, const Slice &slice)
     if (!in)
         return false;
     const auto needed = static_cast<size_t>(bytes_in(slice));
-    bytes.resize(needed + needed % 2); /* with the byte that makes it even, where it is there */
+    bytes.resize(needed + needed % 2); /* with the padding byte, if there is one */
     in->seekg(static_cast<std::streamoff>(slice.pixels_at));
     in->read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (static_cast<size_t>(in->gcount()) < needed)
         return false;
-    /* As this machine has numbers. What of 8 bits is written as words of 16 is so here, too. */
+    /* Convert to the byte order of this machine. Numbers of 8 bits may be stored in words of 16. */
     const bool is_of_words = slice.bits == 8 && slice.is_big && !slice.is_of_bytes;
     if (is_of_words || slice.is_big != is_big_machine)
         reverse_each(bytes, is_of_words ? 2 : slice.bits / 8);
@@ -779,7 +780,7 @@ bool read_plain(std::vector<char> &bytes, const Slice &slice)
 
 bool read_packed(std::vector<char> &bytes, const Slice &slice)
 {
-    gdcm::PixmapReader reader; /* of the pixels alone: GDCM refuses places that it finds odd */
+    gdcm::PixmapReader reader; /* reads pixels alone: GDCM's image reader rejects unusual places */
     reader.SetFileName(slice.path.c_str());
     if (!reader.Read())
         return false;
@@ -798,7 +799,7 @@ bool read_packed(std::vector<char> &bytes, const Slice &slice)
     return true;
 }
 
-/* The pixels of a mosaic, image after image. */
+/* Reorder the pixels of a mosaic image by image. */
 void split_mosaic(std::vector<char> &bytes, const Slice &slice)
 {
     const size_t width = slice.bits / 8, row = slice.columns * width, image = row * slice.rows;
@@ -807,7 +808,8 @@ void split_mosaic(std::vector<char> &bytes, const Slice &slice)
         const size_t corner = i / slice.tiles * image * slice.tiles + i % slice.tiles * row;
         for (size_t y = 0; y < slice.rows; y++)
             std::memcpy(&split[i * image + y * row], &bytes[corner + y * row * slice.tiles], row);
-        /* What is left of the square is blank: where it is not, there are more than is said. */
+        /* The unused rest of the square is blank; otherwise there are more images than the header
+         * says. */
         for (size_t at = width; i >= slice.images && at < image; at += width)
             if (std::memcmp(&split[i * image], &split[i * image + at], width) != 0)
                 refuse("a mosaic that holds more images than its private header says");
@@ -847,7 +849,7 @@ void check_pixels(Volume &volume, const std::vector<Slice> &slices)
         throw Refusal{about_file(lack->name, lack->lack + others)};
     if (first.stored && first.stored < first.bits && first.high + 1 != first.stored)
         note(volume, words_of("it says of its numbers that they have %u bits, up to bit %u: they "
-                              "are taken as they stand",
+                              "are used unchanged",
                               first.stored, first.high));
     if (first.modality == "RTDOSE" && first.slope == 1)
         note(volume, "it does not say what dose its numbers are (no dose grid scaling)");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Folders: which of their files are slices, and of what. */
+/* Folders: find the files that are slices, and their kind. */
 #include "helper/volume_parts.hh"
 
 #include <algorithm>
@@ -61,7 +61,7 @@ void walk(Files &files, const std::string &folder, bool follows_links, size_t de
     }
 }
 
-/* "png", "tiff", "bmp" or nothing, by the first bytes. */
+/* Kind of a picture by its first bytes: "png", "tiff", "bmp" or "". */
 std::string picture_kind(const std::string &path)
 {
     char bytes[4] = {0};
@@ -75,7 +75,7 @@ std::string picture_kind(const std::string &path)
     return is_bmp(path) ? "bmp" : "";
 }
 
-/* Leaves out the files that are to be, by their names below the folder; how many. */
+/* Leave out the files named by skip=, relative to the folder; return their number. */
 size_t skip_files(Files &files, const Request &request)
 {
     const size_t before = files.path.size();
@@ -90,7 +90,7 @@ size_t skip_files(Files &files, const Request &request)
     if (request.skip.empty())
         return 0;
     take_out();
-    if (!names.empty()) { /* it is no name that has a comma in it */
+    if (!names.empty()) { /* no single name that contains a comma */
         names.clear();
         for (size_t from = 0, to; from <= request.skip.size(); from = to + 1) {
             to = std::min(request.skip.find(',', from), request.skip.size());
@@ -104,7 +104,7 @@ size_t skip_files(Files &files, const Request &request)
     return before - files.path.size();
 }
 
-/* Whether it says that it is DICOM, in the place that DICOM has for that. */
+/* Test for DICOM's mark at byte 128. */
 bool has_dicom_mark(const std::string &path)
 {
     char mark[4] = {0};
@@ -114,8 +114,8 @@ bool has_dicom_mark(const std::string &path)
     return std::memcmp(mark, "DICM", sizeof mark) == 0;
 }
 
-/* The slices of a file of the folder, if it is DICOM. One that is damaged is named; one that has no
- * pixels is described in `other`, if it is the first. */
+/* Add the slices of a file of the folder, if it is DICOM. A damaged file is refused by name; the
+ * first one without pixels is described in `other`. */
 bool scan_named(std::vector<Slice> &slices, std::string &other, const Request &request,
                 const std::string &path)
 {
@@ -126,7 +126,7 @@ bool scan_named(std::vector<Slice> &slices, std::string &other, const Request &r
     expect_end(words);
     try {
         is_dicom = scan(slices, path);
-    } catch (const std::exception &) { /* of any kind: no header takes much memory */
+    } catch (const std::exception &) { /* any exception: headers need little memory */
         throw Refusal{words};
     }
     if (!is_dicom && has_dicom_mark(path))
@@ -141,7 +141,7 @@ bool scan_named(std::vector<Slice> &slices, std::string &other, const Request &r
     return is_dicom;
 }
 
-/* The kind that has most pictures; of equals the last by its name. */
+/* Kind with the most pictures; of equal ones the last by name. */
 std::string most_of(const std::map<std::string, std::vector<std::string>> &pictures)
 {
     const auto has_fewer = [](const auto &a, const auto &b) {
@@ -155,7 +155,7 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
 {
     Files files = all;
     std::vector<Slice> slices;
-    std::map<std::string, std::vector<std::string>> pictures; /* by their kind */
+    std::map<std::string, std::vector<std::string>> pictures; /* by kind */
     std::string object;
     const size_t skipped = skip_files(files, request);
     size_t others = 0, without = 0;
@@ -174,7 +174,7 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
         else
             others++;
     }
-    expect_end("it is damaged: its reader gave up");
+    expect_end("it is damaged: its reader failed");
     if (slices.empty() && pictures.empty())
         refuse(
             "the folder holds no slices of DICOM, TIFF, PNG or BMP (%s of other kinds, %s of DICOM "

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * HDF5: data sets of other programs, by the library itself; those of ITK and MINC by ITK.
+ * HDF5: data sets of other programs, by the library; those of ITK and MINC are left to ITK.
  *
- * The values of a data set may be stored outside the file or, where it is virtual, be those of
- * other data sets; links may lead to other files. What such names lead to is looked at before.
+ * Values of a data set may be stored outside the file; a virtual data set consists of other data
+ * sets; links may lead to other files. The names of such files are checked before they are opened.
  */
 #include "helper/volume_hdf5.hh"
 
@@ -23,9 +23,10 @@ namespace volume
 
 constexpr size_t name_most = 4096;
 constexpr size_t depth_most = 8;
-constexpr size_t files_most = 200; /* the library holds each open, and has zeros for the others */
+constexpr size_t files_most =
+    200; /* the library holds each open, and reads zeros from the others */
 
-/* ---- values in files of no format ---- */
+/* ---- values in raw files ---- */
 
 std::string wrong_with_storage(hid_t made, const std::string &path, int files)
 {
@@ -53,11 +54,11 @@ std::string wrong_with_storage(hid_t made, const std::string &path, int files)
 
 struct Source {
     std::string file, set;
-    std::vector<hsize_t> last; /* the last place that is taken of it; none: all of it, which is */
-    hssize_t values = 0;       /* so many values */
+    std::vector<hsize_t> last; /* last index that is used; empty: all of it */
+    hssize_t values = 0;       /* number of values */
 };
 
-/* False where it is of a kind that is not read. */
+/* False for unsupported kinds. */
 bool take_source(Source &source, hid_t made, size_t i)
 {
     char name[name_most] = {0};
@@ -90,13 +91,13 @@ herr_t follow_none(const char *, const char *, const char *, const char *, unsig
     return -1;
 }
 
-/* Why the data set of the file at `path` cannot be read: what it names is not sound, or holds less
- * than is asked of it, for which the library has zeros; "" where it can. Nothing that a name leads
- * to is opened before the name is known to be sound. */
+/* Explain why the data set of the file at `path` cannot be read: a file that it names fails the
+ * check, or holds less than is needed, for which the library would read zeros; "" if it can be
+ * read. No file is opened before its name is checked. */
 std::string wrong_inside(hid_t set, const std::string &path, size_t depth,
                          std::set<std::string> &files);
 
-/* The source itself: it is there, is as large as what is taken of it, and is sound as well. */
+/* Check a source: it exists, is large enough, and can be read as well. */
 std::string wrong_with_source(hid_t file, const std::string &path, const Source &source,
                               size_t depth, std::set<std::string> &files)
 {
@@ -134,21 +135,17 @@ std::string wrong_with_virtual(hid_t set, hid_t made, const std::string &path, s
         Source source;
         if (!take_source(source, made, i))
             return "it is made of data sets that are counted, or grow, which are not read";
-        if (source.file == ".") {
-            Handle own(H5Iget_file_id(set), H5Fclose);
-            const std::string wrong = wrong_with_source(own, path, source, depth, files);
-            if (!wrong.empty())
-                return wrong;
-            continue;
-        }
-        std::string wrong = wrong_with(path, source.file);
-        const std::string at = folder_of(path) + source.file;
+        const bool is_own = source.file == ".";
+        const std::string at = is_own ? path : folder_of(path) + source.file;
+        std::string wrong = is_own ? "" : wrong_with(path, source.file);
         if (!wrong.empty())
             return wrong;
-        files.insert(at);
+        if (!is_own)
+            files.insert(at);
         if (files.size() > files_most)
             return words_of("it is made of more than %zu files, which are not read", files_most);
-        Handle file(H5Fopen(at.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+        Handle file(is_own ? H5Iget_file_id(set) : H5Fopen(at.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
+                    H5Fclose);
         if (file < 0)
             return words_of("voxels of it are in %s, which is no HDF5 file, or is damaged",
                             shown(source.file).c_str());
@@ -159,7 +156,7 @@ std::string wrong_with_virtual(hid_t set, hid_t made, const std::string &path, s
     return "";
 }
 
-/* ---- a data set, and all of them ---- */
+/* ---- all data sets ---- */
 
 std::string wrong_inside(hid_t set, const std::string &path, size_t depth,
                          std::set<std::string> &files)
@@ -168,7 +165,7 @@ std::string wrong_inside(hid_t set, const std::string &path, size_t depth,
     const int external = H5Pget_external_count(made);
     if (depth > depth_most)
         return "it is made of data sets that are made of others, and so on, which are not read";
-    if (external > 0 && depth > 0) /* whose names the library looks up elsewhere */
+    if (external > 0 && depth > 0) /* the library resolves these names elsewhere */
         return "a part of it is stored in a file of no format, which is not read";
     if (external > 0)
         return wrong_with_storage(made, path, external);
@@ -176,7 +173,7 @@ std::string wrong_inside(hid_t set, const std::string &path, size_t depth,
                                               : "";
 }
 
-/* What to say of values that no source has, as far as that is known; "" for none. */
+/* Describe values without a source, if known; "" for none. */
 std::string note_of_sources(hid_t set)
 {
     Handle made(H5Dget_create_plist(set), H5Pclose);
@@ -194,7 +191,7 @@ std::string note_of_sources(hid_t set)
     return values >= all
                ? ""
                : words_of("%lld of the %lld values of the data set are in none of the "
-                          "files that it is made of, and are what it gives for that",
+                          "files that it is made of, and have its fill value",
                           static_cast<long long>(all - values), static_cast<long long>(all));
 }
 
@@ -231,8 +228,8 @@ herr_t look_at_object(hid_t file, const char *name, const H5O_info_t *info, void
     return search.wrong.empty() ? 0 : 1;
 }
 
-/* The same of all data sets of the file, and of links to other files, for a
- * library that goes its own way through it. */
+/* Check all data sets of the file, and links to other files, for a library that chooses its own
+ * way. */
 std::string wrong_with_any(hid_t file, const std::string &path)
 {
     Search search = {path, ""};
@@ -247,16 +244,16 @@ std::string wrong_with_any(hid_t file, const std::string &path)
 struct DataSet {
     std::string name, type;
     std::vector<hsize_t> side;
-    std::string wrong; /* why its values cannot be read */
+    std::string wrong; /* reason why its values cannot be read; "" if they can */
 };
 
 struct Sets {
     std::vector<DataSet> list;
-    std::string other; /* the values of one of three dimensions that has no numbers */
+    std::string other; /* type of the first set of three dimensions without numbers */
     const std::string &path;
 };
 
-/* Of an enum, as of a mask that numpy calls bool, the type of its numbers. */
+/* Type of the voxels; for an enum, such as numpy's bool, that of its numbers. */
 std::string hdf_type(hid_t set)
 {
     Handle type(H5Dget_type(set), H5Tclose);
@@ -270,7 +267,7 @@ std::string hdf_type(hid_t set)
     return "";
 }
 
-/* What values of other types are. */
+/* Describe values of an unsupported type. */
 std::string other_type(hid_t set)
 {
     static const std::map<H5T_class_t, const char *> kinds = {
@@ -293,7 +290,7 @@ hid_t hdf_memory_type(const std::string &type)
     return types.at(type);
 }
 
-/* Where values lie elsewhere, the library may look there for the sides already. */
+/* The sides are read after the check, because the library may look in other files for them. */
 bool describe_set(DataSet &set, hid_t file, const char *name, Sets &sets)
 {
     Handle id(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
@@ -325,7 +322,7 @@ herr_t visit(hid_t file, const char *name, const H5O_info_t *info, void *list)
     return sets.list.size() < 1000 ? 0 : 1;
 }
 
-/* "/t0/channel0 (400x512x512 uint16)", in letters that are safe to print. */
+/* "/t0/channel0 (400x512x512 uint16)", safe to print. */
 std::string listed(const std::vector<DataSet> &sets)
 {
     std::string list;
@@ -343,7 +340,7 @@ std::string listed(const std::vector<DataSet> &sets)
     return list;
 }
 
-/* Slices of z, which the data set may hold in any order. */
+/* Send slices of z, whatever the order of dimensions. */
 void send_set(const Volume &volume, hid_t set, const Axes &axes, std::vector<hsize_t> from)
 {
     const size_t width = bytes_of(volume.type), rank = from.size();
@@ -402,7 +399,7 @@ const DataSet &choose_set(const std::vector<DataSet> &sets, const std::string &o
            listed(sets).c_str());
 }
 
-/* Pieces that were never written are the fill value of the data set, which is 0 mostly. */
+/* Chunks that were never written have the fill value of the data set, usually 0. */
 void count_stored(Volume &volume, hid_t set)
 {
     if (set < 0)
@@ -426,7 +423,7 @@ void count_stored(Volume &volume, hid_t set)
                               wide(pieces - stored), wide(pieces)));
 }
 
-/* Of filters that the library has not, the name, and what unpacks it. */
+/* Refuse missing filters by name, and suggest a program that unpacks them. */
 void check_filters(hid_t set)
 {
     static const std::map<H5Z_filter_t, const char *> names = {{H5Z_FILTER_SZIP, "szip"},
@@ -454,7 +451,7 @@ void check_filters(hid_t set)
     }
 }
 
-/* What ITK's readers of MINC and of its own HDF5 pass over, or take for damage. */
+/* Check properties that ITK's readers of MINC and of its own HDF5 ignore or misread. */
 void check_for_itk(hid_t file, bool is_minc)
 {
     const std::string dimensions = "/minc-2.0/dimensions/";
@@ -466,12 +463,12 @@ void check_for_itk(hid_t file, bool is_minc)
     Handle set(is_minc ? -1 : H5Dopen2(file, "/ITKImage/0/VoxelData", H5P_DEFAULT), H5Dclose);
     Handle type(set < 0 ? -1 : H5Dget_type(set), H5Tclose);
     if (type >= 0 && H5Tget_size(type) > 1 && H5Tget_order(type) == H5T_ORDER_BE)
-        refuse("its voxels are big-endian, which is not read of HDF5 of ITK: write it anew on a "
+        refuse("its voxels are big-endian, which is not read of HDF5 of ITK: write it again on a "
                "machine that is little-endian, or as a NRRD");
 }
 
-/* The images of Imaris in full resolution, by time and channel; none where they differ, or where
- * there are no such. */
+/* Images of Imaris in full resolution, by time and channel; empty if they differ or do not exist.
+ */
 std::vector<DataSet> images_of_imaris(const std::vector<DataSet> &sets)
 {
     std::map<std::pair<unsigned, unsigned>, DataSet> images;
@@ -510,7 +507,7 @@ void open_hdf5(Volume &volume, const Request &request)
         }
     Sets sets = {{}, "", request.path};
     H5Ovisit(*file, H5_INDEX_NAME, H5_ITER_INC, visit, &sets);
-    if (sets.list.empty()) /* it may all be elsewhere */
+    if (sets.list.empty()) /* all of it may be in other files */
         refuse_for(wrong_with_any(*file, request.path));
     const std::vector<DataSet> images =
         request.data.empty() ? images_of_imaris(sets.list) : std::vector<DataSet>();
@@ -519,8 +516,8 @@ void open_hdf5(Volume &volume, const Request &request)
                                : images[std::min<size_t>(request.volume, images.size() - 1)];
     refuse_for(chosen.wrong);
     Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
-    H5Pset_efile_prefix(access, "${ORIGIN}"); /* what it names is looked up in the folder of its */
-    H5Pset_virtual_prefix(access, "${ORIGIN}"); /* file, and nowhere before */
+    H5Pset_efile_prefix(access, "${ORIGIN}");   /* look up named files only in the folder */
+    H5Pset_virtual_prefix(access, "${ORIGIN}"); /* this file's folder */
     const std::shared_ptr<Handle> set =
         std::make_shared<Handle>(H5Dopen2(*file, chosen.name.c_str(), access), H5Dclose);
     const size_t rank = chosen.side.size();

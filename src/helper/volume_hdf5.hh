@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* HDF5 by its library: handles that close themselves, and what attributes say of a data set. */
+/* HDF5 by its library: handles that close themselves, and attributes of data sets. */
 #ifndef IMAGE_VOLUME_HDF5_HH
 #define IMAGE_VOLUME_HDF5_HH
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-/* Functions and structs as HDF5 1.10 has them; later versions have others by the same names. */
+/* Later versions of HDF5 give other functions the same names. */
 #define H5_USE_110_API
 #include <hdf5.h>
 
@@ -16,7 +16,7 @@ namespace volume
 
 struct Volume;
 
-/* Closes what it holds. */
+/* Closes its handle. */
 class Handle
 {
   public:
@@ -40,32 +40,32 @@ class Handle
     herr_t (*close_)(hid_t);
 };
 
-/* The text of an attribute; "" where there is none. */
+/* Text of an attribute; "" if it does not exist. */
 std::string text_of(hid_t object, const std::string &name);
 
-/* Which dimensions of a data set, the slowest first, are x, y and z; the others are of a series. */
+/* Dimensions of a data set, the slowest first, that are x, y and z; the others are of a series. */
 struct Axes {
     static constexpr size_t none = SIZE_MAX;
-    size_t dimension[3] = {none, none, none}; /* z may be none */
+    size_t dimension[3] = {none, none, none}; /* z may be missing */
 
     bool holds(size_t d) const;
     bool is_in_order() const; /* z, y, x */
 };
 
-/* Refuses names that leave it open. */
+/* Find the axes. Refuse ambiguous names. */
 Axes axes_of(Volume &volume, hid_t set, const std::vector<hsize_t> &side);
 
-/* Spacing by the attributes of the data set. */
+/* Set the spacing by the attributes of the data set. */
 void place_set(Volume &volume, hid_t set, const Axes &axes, size_t rank);
 
 struct ImarisPlace {
     unsigned level = 0, time = 0, channel = 0;
 };
 
-/* Whether the name is that of an image of Imaris. */
+/* Parse the name of an image of Imaris. */
 bool read_imaris(ImarisPlace &place, const std::string &name);
 
-/* Size and spacing of such an image. */
+/* Set size and spacing of an image of Imaris. */
 void crop_imaris(Volume &volume, hid_t file, const std::string &name);
 
 } // namespace volume

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * HDF5: which dimension of a data set is which axis, and how far apart voxels are, by the
- * attributes that programs write.
+ * HDF5: find the axes of a data set and the distances of voxels, by attributes that programs write.
  *
  *     axistags            ilastik (vigra): {"axes": [{"key": "z", "resolution": 0, ...}, ...]}
  *     axis_units          ilastik: {"z": "um", ...}, the units of those resolutions
@@ -10,8 +9,8 @@
  *     element_size_um     micrometres, the slowest dimension of space first
  *     resolution, voxel_size, spacing, pixel_size, scale; with _nm, _um or _mm, or `unit`, `units`
  *
- * Without names of axes the last three dimensions are z, y and x. Of the last row programs write
- * either order of axes: it is taken where all three numbers are the same, and noted else.
+ * Without names of axes the last three dimensions are z, y and x. Programs write attributes of the
+ * last row in either order of axes: three equal numbers are used, others only noted.
  *
  * Imaris has the size of the image and its extent in attributes of texts, one letter each; data
  * sets are padded to whole blocks.
@@ -65,7 +64,7 @@ std::vector<std::string> texts_of(hid_t object, const std::string &name)
     return texts;
 }
 
-/* Texts of one letter each are one text. */
+/* Concatenate texts of one letter each. */
 std::string text_of(hid_t object, const std::string &name)
 {
     std::string whole;
@@ -92,8 +91,8 @@ std::vector<double> reals_of(hid_t object, const std::string &name)
 
 /* ---- JSON ---- */
 
-/* Members of the objects in a text of JSON that are so deep, by their names; of each object one. A
- * text is given without its quotes. Nothing else is made of it: what is no JSON gives few. */
+/* Collect the members of objects at a depth of a JSON text, by name, without quotes. Malformed JSON
+ * yields fewer members. */
 std::vector<std::map<std::string, std::string>> objects_in(const std::string &text, int depth)
 {
     std::vector<std::map<std::string, std::string>> objects;
@@ -139,7 +138,7 @@ std::vector<std::map<std::string, std::string>> objects_in(const std::string &te
 
 /* ---- axes ---- */
 
-/* "" where there are none of this kind, or none of one dimension. */
+/* Names of the dimensions; "" if unknown. */
 std::vector<std::string> names_of_axes(hid_t set, size_t rank)
 {
     std::vector<std::string> names;
@@ -213,7 +212,7 @@ void note_no_unit(Volume &volume, const std::string &name, const std::string &wh
                           name.c_str(), why.c_str()));
 }
 
-/* Those of the three axes, of numbers the slowest first; false where which is which is not sure. */
+/* Assign numbers, the slowest first, to the axes; false if their order is ambiguous. */
 bool order_numbers(double of[3], const std::vector<double> &numbers, const Axes &axes, size_t rank)
 {
     const bool is_one =
@@ -243,7 +242,7 @@ void take_distances(Volume &volume, const double number[3], const double mm[3])
             volume.to_mm[a][a] = 1;
 }
 
-/* By the resolutions of ilastik; false where it has none, which 0 says. */
+/* Use ilastik's resolutions; false if they are 0. */
 bool place_by_tags(Volume &volume, hid_t set)
 {
     static const char *const letter[3] = {"x", "y", "z"};
@@ -271,7 +270,7 @@ bool place_by_tags(Volume &volume, hid_t set)
     return true;
 }
 
-/* A unit of length that the data set or its file says; 0 for none that is known. */
+/* Unit of length of the data set or its file; 0 if unknown. */
 double unit_of(hid_t set)
 {
     double mm = 0;
@@ -303,7 +302,7 @@ void place_set(Volume &volume, hid_t set, const Axes &axes, size_t rank)
         else if (order_numbers(number, um, axes, rank))
             take_distances(volume, number, mm);
         else
-            note_no_unit(volume, "element_size_um", "of which the order is not known");
+            note_no_unit(volume, "element_size_um", "whose order is unknown");
         return;
     }
     for (const char *base : {"resolution", "voxel_size", "voxelsize", "spacing", "pixel_size",
@@ -321,7 +320,7 @@ void place_set(Volume &volume, hid_t set, const Axes &axes, size_t rank)
                      number[1] == number[2])
                 take_distances(volume, number, mm);
             else
-                note_no_unit(volume, name, "of which the order is not known");
+                note_no_unit(volume, name, "whose order is unknown");
             return;
         }
 }
@@ -336,7 +335,7 @@ bool read_imaris(ImarisPlace &place, const std::string &name)
            static_cast<size_t>(end) == name.size();
 }
 
-/* The size of the image in a data set that is padded, and its spacing. */
+/* Set size and spacing of an image in a padded data set. */
 void crop_imaris(Volume &volume, hid_t file, const std::string &name)
 {
     ImarisPlace place;

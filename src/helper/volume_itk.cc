@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The formats that ITK reads, by its readers directly, without its templates of images: this
- * compiles in seconds. */
+/* The formats that ITK reads, by its readers alone, without its templates of images: this compiles
+ * in seconds. */
 #include "helper/volume_parts.hh"
 
 #include <algorithm>
@@ -28,16 +28,16 @@ extern "C" {
 namespace volume
 {
 
-/* ---- what ITK reads ---- */
+/* ---- ITK's images ---- */
 
-/* How a format says where its voxels lie. */
+/* World of a format. */
 enum class World { LPS, RAS, NONE };
 
 struct Kind {
     const char *name, *format;
     itk::ImageIOBase::Pointer (*make)();
     World world;
-    unsigned known; /* of a format that always says it */
+    unsigned known; /* if the format always has it */
 };
 
 const char *type_of(const itk::ImageIOBase &io)
@@ -54,9 +54,9 @@ const char *type_of(const itk::ImageIOBase &io)
     return type->second;
 }
 
-/* The matrix of ITK's spacing, directions and origin. Its world runs to the left and to the back
- * where ours runs to the right and to the front: signs change, and nothing else. */
-void place(Volume &volume, itk::ImageIOBase &io, World world)
+/* Convert ITK's spacing, directions and origin to a matrix. In ITK's world x runs to the left and y
+ * to the back: only signs change. */
+void place_volume(Volume &volume, itk::ImageIOBase &io, World world)
 {
     const unsigned dimensions = std::min(io.GetNumberOfDimensions(), 3U);
     for (unsigned a = 0; a < dimensions; a++) {
@@ -71,14 +71,14 @@ void place(Volume &volume, itk::ImageIOBase &io, World world)
         const double sign = world == World::LPS && a < 2 ? -1 : 1;
         volume.to_mm[a][3] = world == World::NONE ? 0 : sign * io.GetOrigin(a);
     }
-    if (dimensions < 3) { /* of a plane, which lies in no patient */
+    if (dimensions < 3) { /* a plane has no place in a patient */
         volume.known &= ~ORIENTATION;
         if (volume.known & SPACING)
             note(volume, "it is one slice, and says no thickness: 1 mm is taken for it");
     }
 }
 
-/* Voxels of several values: colours are refused, others are a series of volumes. */
+/* Number of volumes: values of colours are refused, other values are volumes. */
 uint64_t volumes_in(itk::ImageIOBase &io)
 {
     const unsigned components = io.GetNumberOfComponents();
@@ -95,14 +95,14 @@ uint64_t volumes_in(itk::ImageIOBase &io)
     return volumes;
 }
 
-/* All of it at once, and of that the volume that is wanted. */
+/* Read all volumes at once, and send the requested one. */
 void send_whole(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
 {
     const size_t one = bytes_in(volume, 1), width = bytes_of(volume.type);
     std::vector<char> bytes(bytes_in(volume, volume.volumes));
     io.Read(bytes.data());
     const unsigned components = io.GetNumberOfComponents();
-    if (components > 1) { /* next to each other: bring those of one together */
+    if (components > 1) { /* interleaved: collect those of one */
         const size_t component = number % components, first = number / components * one;
         for (size_t i = 0; i < one; i += width)
             std::memcpy(&bytes[i], &bytes[first * components + i * components + component * width],
@@ -113,7 +113,7 @@ void send_whole(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
     send_piece(&bytes[number * one], one);
 }
 
-/* A few slices at a time, where the reader can. */
+/* Read and send a few slices at a time, for readers that can. */
 void send_in_parts(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
 {
     const size_t slice = bytes_in(volume, 1) / volume.size[2];
@@ -137,9 +137,9 @@ void send_in_parts(const Volume &volume, itk::ImageIOBase &io, uint64_t number)
     }
 }
 
-/* What is left to do once the reader has read its header. */
-void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request &request,
-              World world)
+/* Fill in the volume once the reader has read its header. */
+void describe_volume(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request &request,
+                     World world)
 {
     volume.type = type_of(*io);
     if (io->GetNumberOfDimensions() < 2)
@@ -149,7 +149,7 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
     volume.volumes = volumes_in(*io);
     if (world == World::NONE)
         volume.known &= ~ORIENTATION;
-    place(volume, *io, world);
+    place_volume(volume, *io, world);
     const uint64_t number = request.volume;
     volume.send = [&volume, io, number]() {
         if (number >= volume.volumes)
@@ -165,10 +165,10 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
     };
 }
 
-/* ---- what headers of text leave open ---- */
+/* ---- geometry of headers in text ---- */
 
-/* NRRD: a place only where it names the space, and distances where it gives them all; MetaImage: as
- * its fields say. */
+/* A NRRD has a place only if it names its space, and distances only if all are given; in a
+ * MetaImage fields decide. */
 unsigned known_by(const std::string &kind, const Header &header)
 {
     static const std::set<std::string> anatomical = {"right-anterior-superior",
@@ -189,7 +189,7 @@ unsigned known_by(const std::string &kind, const Header &header)
                                                                      : SPACING;
 }
 
-/* The numbers of "(1,0,0) none (0,1,0)", without what is none; {} where there are other words. */
+/* Numbers of "(1,0,0) none (0,1,0)", without none; {} if there are other words. */
 std::vector<double> numbers_of(const std::string &text)
 {
     std::vector<double> numbers;
@@ -209,9 +209,9 @@ std::vector<double> numbers_of(const std::string &text)
     return numbers;
 }
 
-/* A column of left-anterior-superior as it is in our world, from where ITK has it: ITK 5.2 turns x
- * to the right where y is to be turned to the back, and who has put that right turns y. Both are
- * taken, and the signs are those of the header. False where ITK says anything else, which stays. */
+/* Convert a column of left-anterior-superior to our world. ITK 5.2 reverses x instead of y, and
+ * fixed versions reverse y: accept both, and use the signs of the header. False, with the column
+ * unchanged, if ITK has other numbers. */
 bool turn_column(Volume &volume, int column, const double *is)
 {
     const double said[3] = {-is[0], is[1], is[2]};
@@ -228,8 +228,8 @@ bool turn_column(Volume &volume, int column, const double *is)
     return true;
 }
 
-/* Of a NRRD in left-anterior-superior that is placed as ITK has it: where it lies. Where ITK has
- * read other numbers than stand in the header that is not known, and said. */
+/* Place a NRRD in left-anterior-superior. If ITK has other numbers than the header, its place is
+ * unknown, and a note says so. */
 void place_las(Volume &volume, itk::ImageIOBase &io, const Header &header)
 {
     const std::string space = in_small_letters(header.value("space"));
@@ -239,27 +239,27 @@ void place_las(Volume &volume, itk::ImageIOBase &io, const Header &header)
     const std::vector<double> axes = numbers_of(header.value("space directions"));
     std::vector<double> origin = numbers_of(header.value("space origin"));
     bool is_sure = axes.size() == 9 && (!has_origin || origin.size() == 3);
-    if (!has_origin) /* as of every space: 0, of which ITK turns none and iftty two */
+    if (!has_origin) /* as in every space: 0, whose signs ITK keeps and iftty reverses */
         origin = {0.0, -0.0, 0};
     for (int a = 0; a < 3 && is_sure; a++)
         is_sure = turn_column(volume, a, &axes[3 * static_cast<size_t>(a)]);
     is_sure = is_sure && turn_column(volume, 3, origin.data());
     if (!is_sure) {
         volume.known &= ~ORIENTATION;
-        place(volume, io, World::NONE);
-        note(volume, "its space is left-anterior-superior, and where its voxels lie in it is not "
-                     "certain: sides of the patient are unknown");
+        place_volume(volume, io, World::NONE);
+        note(volume, "its space is left-anterior-superior, and the place of its voxels in it is "
+                     "uncertain: sides of the patient are unknown");
     }
 }
 
-/* The lengths of a header to millimetres. Where one is in a unit that is not known, no place is
- * known either: axes may be stretched. */
-void measure(Volume &volume, itk::ImageIOBase &io, const Units &units)
+/* Convert lengths of a header to millimetres. If a unit is unknown, so is the place: axes may be
+ * stretched. */
+void scale_lengths(Volume &volume, itk::ImageIOBase &io, const Units &units)
 {
     const bool has_place = volume.known & ORIENTATION;
     const unsigned dimensions = std::min(io.GetNumberOfDimensions(), 3U);
     for (unsigned a = 0; a < dimensions; a++) {
-        double square = 0; /* of the length along axis a, in a space that is not the patient's */
+        double square = 0; /* the length along axis a, in a space that is not the patient's */
         for (unsigned w = 0; w < std::min<size_t>(3, io.GetDirection(a).size()); w++)
             square += std::pow(io.GetDirection(a)[w] * io.GetSpacing(a) * units.mm[w], 2);
         if (units.are_of_space && !has_place &&
@@ -273,7 +273,7 @@ void measure(Volume &volume, itk::ImageIOBase &io, const Units &units)
     if (units.are_known || !(volume.known & SPACING))
         return;
     volume.known = NOTHING;
-    place(volume, io, World::NONE);
+    place_volume(volume, io, World::NONE);
     note(volume, words_of("its field \"%s\" has a unit that is not known (" LENGTH_UNITS "): "
                           "distances of voxels are unknown; spacing=X,Y,Z says them in mm",
                           units.field));
@@ -286,8 +286,8 @@ template <typename Reader> itk::ImageIOBase::Pointer make()
     return Reader::New().GetPointer();
 }
 
-/* ITK 5.2 gives the world of a MINC as it is, to the right and to the front. A format that does not
- * know the patient has no world. */
+/* ITK 5.2 does not convert the world of MINC: to the right and to the front. A format without a
+ * patient has no world. */
 const Kind kinds[] = {
     {"nrrd", "NRRD", make<itk::NrrdImageIO>, World::LPS, NOTHING},
     {"meta", "MetaImage", make<itk::MetaImageIO>, World::LPS, NOTHING},
@@ -324,16 +324,16 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
     }
     volume.format = kind->format;
     volume.known = is_text ? known_by(name, header) : kind->known;
-    describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
+    describe_volume(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
     if (name == "nrrd")
         place_las(volume, *io, header);
     if (is_text)
-        measure(volume, *io, units);
+        scale_lengths(volume, *io, units);
     if (is_meta)
         scale_meta(volume, header);
     count_voxels(volume, name, request);
     double mm[2];
-    if (name == "png" && png_resolution(request.path, mm)) /* which ITK 5.2 does not read */
+    if (name == "png" && png_resolution(request.path, mm)) /* ITK 5.2 ignores it */
         note_pixels(volume, mm[0], mm[1]);
 }
 

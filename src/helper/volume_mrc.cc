@@ -3,18 +3,17 @@
  * MRC, CCP4 and the files of IMOD: a header of 1024 bytes, an extended one, and one run of voxels.
  *
  *     byte 0     nx ny nz: columns, rows and sections; mode: the type of a number
- *     byte 28    mx my mz: intervals in the cell along x, y, z; of a stack of volumes mz sections
+ *     byte 28    mx my mz: intervals in the cell along x, y, z; in a stack of volumes mz sections
  *     byte 40    the cell: x y z in Angstrom, three angles in degrees
- *     byte 64    the axes (1 x, 2 y, 3 z) that columns, rows and sections run along
- *     byte 76    the least, the greatest and the mean value; not determined where least > greatest
+ *     byte 64    axes (1 x, 2 y, 3 z) along columns, rows and sections
+ *     byte 76    least, greatest and mean value; undetermined if least > greatest
  *     byte 88    ispg: 0 a stack of images, 401 a stack of volumes
  *     byte 92    bytes of the extended header
  *     byte 152   "IMOD" as a number, and flags: 1 bytes are signed, 16 numbers have 4 bits
  *     byte 208   "MAP ", and the byte order: 0x44 little, 0x11 big
  *
- * Bytes (mode 0) are signed. Exceptions: a file of IMOD says it by its flags; and where determined
- * statistics reach beyond int8 the bytes cannot be signed. The orientation is unknown, so origins
- * do not matter.
+ * Bytes (mode 0) are signed. Exceptions: IMOD has a flag for it; and if determined statistics
+ * exceed int8, bytes are unsigned. The orientation is unknown, so origins do not matter.
  *
  * From: CCP-EM, MRC2014 (https://www.ccpem.ac.uk/mrc_format/mrc2014.php), and the MRC page of IMOD.
  */
@@ -35,11 +34,11 @@ constexpr uint64_t imod_stamp = 1146047817;
 struct Mrc {
     bool is_big = false;
     uint64_t side[3] = {0};      /* columns, rows and sections of a volume */
-    int axis[3] = {0, 1, 2};     /* the axis that each runs along */
-    uint64_t begin = 0, one = 0; /* bytes before the voxels, and of a volume */
+    int axis[3] = {0, 1, 2};     /* axis of each */
+    uint64_t begin = 0, one = 0; /* bytes before the voxels; of a volume */
 };
 
-/* ---- the header ---- */
+/* ---- header ---- */
 
 class MrcHeader
 {
@@ -66,7 +65,7 @@ class MrcHeader
     {
         return static_cast<unsigned char>(bytes_[212]);
     }
-    /* Whether its first numbers make sense in this byte order. */
+    /* Test whether the first numbers are plausible in this byte order. */
     bool makes_sense() const
     {
         bool makes = number(12) >= 0 && number(12) <= 127 && number(92) >= 0;
@@ -82,7 +81,7 @@ class MrcHeader
     char bytes_[header_bytes];
 };
 
-/* By the machine stamp, where the numbers make sense then; else by the numbers. */
+/* Use the machine stamp if the numbers are plausible then; otherwise the other order. */
 void find_order(Volume &volume, MrcHeader &header)
 {
     const bool is_said = header.stamp() == 0x44 || header.stamp() == 0x11;
@@ -136,7 +135,7 @@ void take_mode(Volume &volume, const MrcHeader &header)
                static_cast<long long>(header.number(12)));
 }
 
-/* None is said by old programs, which have x, y, z. */
+/* Old programs write zeros for x, y, z. */
 void take_axes(Mrc &mrc, const MrcHeader &header)
 {
     bool is_there[4] = {false}, is_none = true;
@@ -160,7 +159,7 @@ void take_sides(Mrc &mrc, Volume &volume, const MrcHeader &header)
     const int64_t sections = header.number(8), interval = header.number(36);
     for (unsigned i = 0; i < 3; i++)
         mrc.side[i] = static_cast<uint64_t>(header.number(4 * i));
-    if (header.number(88) >= 401) { /* 400 more than the space group */
+    if (header.number(88) >= 401) { /* 400 plus the space group */
         if (interval < 1 || sections % interval != 0)
             refuse("it is a stack of volumes of %lld sections in all, and %lld in each; expected "
                    "a whole number of volumes",
@@ -174,7 +173,7 @@ void take_sides(Mrc &mrc, Volume &volume, const MrcHeader &header)
         refuse("it holds more than a million volumes");
 }
 
-/* The cell over its intervals. */
+/* Spacing is the cell divided by its intervals. */
 void take_spacing(Volume &volume, const MrcHeader &header)
 {
     bool is_square = true;
@@ -202,15 +201,15 @@ void take_spacing(Volume &volume, const MrcHeader &header)
             volume.to_mm[a][a] = 1;
 }
 
-/* ---- the voxels ---- */
+/* ---- voxels ---- */
 
-/* Slices of z, which the file has in any order: whole sections are read, as few as hold them. */
+/* Send slices of z, whatever the order of axes, and read as few sections as possible. */
 void send_mrc(const Volume &volume, const Mrc &mrc, const std::string &path, uint64_t number)
 {
     std::ifstream file(path, std::ios::binary);
     const auto width = static_cast<unsigned>(bytes_of(volume.type));
     const uint64_t step[3] = {1, mrc.side[0], mrc.side[0] * mrc.side[1]};
-    uint64_t along[3]; /* numbers of the file to the next x, y, z */
+    uint64_t along[3]; /* numbers to the next x, y, z */
     for (unsigned i = 0; i < 3; i++)
         along[mrc.axis[i]] = step[i];
     const bool is_in_order = mrc.axis[2] == 2;
@@ -256,7 +255,7 @@ void open_mrc(Volume &volume, const Request &request)
     take_spacing(volume, header);
     mrc.begin = header_bytes + static_cast<uint64_t>(header.number(92));
     mrc.one = bytes_in(volume, 1);
-    bytes_in(volume, volume.volumes); /* which fit 64 bits */
+    bytes_in(volume, volume.volumes); /* check that they fit 64 bits */
     const uint64_t rest = check_bytes(request.path, mrc.begin + volume.volumes * mrc.one);
     if (rest > 0)
         note(volume, words_of("%llu of its bytes come after the voxels", wide(rest)));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Headers of text, NRRD and MetaImage: their fields, the files that they name for the voxels, and
- * units of length and scales of values, which ITK leaves out; and numbers there, of which ITK takes
- * the beginning where the rest is no number. */
+/* Headers in text, NRRD and MetaImage: their fields, the files that they name for the voxels, and
+ * units of length and scales of values, which ITK ignores. Malformed numbers are refused; ITK would
+ * use their first digits. */
 #include "helper/volume_parts.hh"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ extern "C" {
 namespace volume
 {
 
-constexpr size_t header_most = 1 << 20; /* bytes; lists of names with it */
+constexpr size_t header_most = 1 << 20; /* bytes, with lists of names */
 constexpr uint64_t files_most = 100000;
 constexpr size_t fields_most = 1000;
 
@@ -37,8 +37,8 @@ std::string trimmed(const std::string &text)
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-/* That of a MetaImage, of "NAME = VALUE", ends with the field that says where its voxels are; a
- * NRRD's, of "NAME: VALUE", with an empty line. */
+/* A MetaImage has lines "NAME = VALUE" and ends with the field that names its voxels; a NRRD has
+ * lines "NAME: VALUE" and ends with an empty line. */
 Header header_of(const std::string &kind, const std::string &path)
 {
     const bool is_meta = kind == "meta";
@@ -115,7 +115,7 @@ std::vector<std::string> words_in(const std::string &text)
     return words;
 }
 
-/* The number that a word is, of at most nine digits. */
+/* Parse a number of at most nine digits. */
 long number_of(const std::string &word)
 {
     const size_t sign = word[0] == '-';
@@ -125,11 +125,11 @@ long number_of(const std::string &word)
     return std::stol(word);
 }
 
-/* Names that are counted: "slice%03d.raw" with the first number, the last and the step. */
+/* Expand a pattern such as "slice%03d.raw", from the first number to the last in steps. */
 std::vector<std::string> count_names(const std::string &pattern, long first, long last, long step)
 {
     std::vector<std::string> names;
-    /* Its only conversion; a header may hold any other for its reader to stumble over. */
+    /* Allow only this conversion: others could harm the reader. */
     const size_t begin = pattern.find('%');
     const size_t letter = pattern.find_first_not_of("0123456789", begin + 1), end = letter + 1;
     if (letter == std::string::npos || pattern[letter] != 'd' || letter - begin > 4 ||
@@ -151,7 +151,7 @@ std::vector<std::string> count_names(const std::string &pattern, long first, lon
     return names;
 }
 
-/* A line from `at` on, without its end, and `at` after it. */
+/* Line at `at` without its end; advance `at` past it. */
 std::string next_line(const std::string &text, size_t &at)
 {
     const size_t end = std::min(text.find('\n', at), text.size());
@@ -171,7 +171,7 @@ bool is_list(const std::string &value)
 
 /* ---- NRRD ---- */
 
-/* Whether its reader takes the value for a pattern: the first % of which there are not two. */
+/* Test whether teem treats the value as a pattern: a % that is not doubled. */
 bool is_pattern(const std::string &value)
 {
     size_t at = value.find('%');
@@ -218,7 +218,7 @@ std::vector<std::string> names_in_nrrd(const Text &text)
             names.push_back(value);
         }
     }
-    if (!text.is_whole) /* it would go on where nobody has looked */
+    if (!text.is_whole) /* the rest was not checked */
         refuse_header();
     return names;
 }
@@ -227,7 +227,7 @@ std::vector<std::string> names_in_nrrd(const Text &text)
 
 const char meta_field[] = "ElementDataFile";
 
-/* The value of the field that begins at `at`, and the line after it. */
+/* Value of the field at `at`; advance `at` past its line. */
 std::string meta_value(const std::string &text, size_t &at)
 {
     const std::string line = next_line(text, at);
@@ -236,7 +236,7 @@ std::string meta_value(const std::string &text, size_t &at)
     return begin == std::string::npos ? "" : line.substr(begin, end + 1 - begin);
 }
 
-/* The sides that the header gives, the fastest first. */
+/* Sizes in the header, the fastest axis first. */
 std::vector<long> meta_sides(const std::string &text)
 {
     std::vector<long> sides;
@@ -251,7 +251,8 @@ std::vector<long> meta_sides(const std::string &text)
     return sides;
 }
 
-/* One file for each piece of so many dimensions: a list that is too short would leave zeros. */
+/* Require one file for each piece of `dimensions` axes: a list that is too short would leave zeros.
+ */
 void check_number(size_t files, const std::vector<long> &sides, size_t dimensions)
 {
     uint64_t pieces = 1;
@@ -263,7 +264,7 @@ void check_number(size_t files, const std::vector<long> &sides, size_t dimension
                plural_of(pieces, "piece").c_str());
 }
 
-/* Its reader takes the last word of the header's fields to be this one, and stops there. */
+/* MetaIO ends a header at this field, wherever it is in a line; require it at the begin of one. */
 std::string meta_says(const Text &text, size_t &at)
 {
     at = text.bytes.find(meta_field);
@@ -309,13 +310,13 @@ std::vector<std::string> names_in_meta(const Text &text, const std::string &path
         check_number(names.size(), sides, sides.size() - 1);
         return names;
     }
-    for (const char *ending : {"", ".gz"}) /* which its reader tries in turn */
+    for (const char *ending : {"", ".gz"}) /* both are tried by MetaIO */
         if (beneath_look(folder_of(path).c_str(), (value + ending).c_str()) != BENEATH_MISSING)
             return {value + ending};
     return {value};
 }
 
-/* ---- the whole ---- */
+/* ---- all names ---- */
 
 std::vector<std::string> named_files(const Request &request)
 {
@@ -342,7 +343,7 @@ void check_meta(const Request &request, const std::string &name, const std::vect
 
 /* ---- units of length, and scales of values ---- */
 
-/* The texts between quotes. */
+/* Texts between quotes. */
 std::vector<std::string> quoted_in(const std::string &value)
 {
     std::vector<std::string> texts;
@@ -370,7 +371,7 @@ void check_numbers(const Header &header, const char *name)
     }
 }
 
-/* An empty word says nothing, as a field that is not there: lengths are in millimetres then. */
+/* An empty word counts as a missing field: millimetres. */
 void take_unit(Units &units, int axis, const std::string &word)
 {
     units.mm[axis] = word.empty() ? 1 : length_mm(word.c_str());
@@ -380,8 +381,8 @@ void take_unit(Units &units, int axis, const std::string &word)
     units.are_known = false;
 }
 
-/* Numbers of the first three axes that ITK takes for those of space. It moves an axis of values,
- * such as a list, to the front, and keeps the order of all others. */
+/* Numbers of the first three axes that ITK uses as axes of space. It moves an axis of values, such
+ * as a list, to the front, and keeps the order of the others. */
 std::vector<size_t> axes_of_space(const Header &header)
 {
     const std::string directions = header.value("space directions");
@@ -412,9 +413,10 @@ std::vector<size_t> axes_of_space(const Header &header)
         }
     }
     if (lists > 1)
-        refuse("it has %zu axes of lists or vectors; expected one at most: `unu slice` takes one "
-               "place along an axis",
-               lists);
+        refuse(
+            "it has %zu axes of lists or vectors; expected one at most: `unu slice` extracts one "
+            "place along an axis",
+            lists);
     return axes;
 }
 
@@ -455,7 +457,7 @@ Units units_of_nrrd(const Header &header)
     }
     if (units.are_of_space)
         for (const std::string &word : of_axes)
-            if (!word.empty()) /* two answers for the same lengths */
+            if (!word.empty()) /* ambiguous */
                 units.are_known = false;
     return units;
 }

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Slices as pictures, in the order of their names: PNG by ITK, and BMP of 8 bits of grey, not
- * packed, as SkyScan's NRecon writes them. Of BMP the reader of ITK 5.2 takes no header of 108 or
- * 124 bytes, and makes colours of grey.
+ * Pictures as slices, in natural order of their names: PNG by ITK, and BMP of 8 bits of grey,
+ * uncompressed, as SkyScan's NRecon writes it. ITK 5.2 reads no BMP with a header of 108 or 124
+ * bytes, and converts grey to colours.
  *
- *     0 "BM"   10 where pixels begin   14 bytes of the header, from here
- *     18 columns   22 rows; below 0: from the top   28 bits a pixel   30 packing
+ *     0 "BM"   10 offset of the pixels   14 bytes of the header, from here
+ *     18 columns   22 rows; negative: from the top   28 bits a pixel   30 compression
  *     38 pixels a metre   46 colours of the palette; 0: 256
  *
  * The palette follows the header: blue, green, red, 0.
- * All little-endian. Rows begin at the bottom, and each fills up to 4 bytes.
+ * All numbers are little-endian. Rows begin at the bottom, and are padded to 4 bytes.
  */
 #include "helper/volume_parts.hh"
 
@@ -24,12 +24,12 @@
 namespace volume
 {
 
-/* A file whose header was read. `read` fills in its pixels, rows from the top. */
+/* A file with its header read. `read` fills in the pixels, rows from the top. */
 struct Picture {
     uint64_t columns = 0, rows = 0;
     std::string type;
-    unsigned values = 1;   /* of a pixel */
-    double mm[2] = {0, 0}; /* a pixel, by the resolution; 0: not said */
+    unsigned values = 1;   /* per pixel */
+    double mm[2] = {0, 0}; /* pixel size by the resolution; 0: unknown */
     std::function<void(std::vector<char> &)> read;
 };
 
@@ -40,8 +40,8 @@ constexpr size_t head_bytes = 54;
 struct Bmp {
     int64_t columns = 0, rows = 0;
     uint64_t begin = 0, header = 0, bits = 0, packing = 0, colours = 0;
-    double metre[2] = {0, 0}; /* pixels */
-    bool is_grey = false;     /* each number is the grey of its own */
+    double metre[2] = {0, 0}; /* pixels a metre */
+    bool is_grey = false;     /* each entry of the palette is the grey of its index */
 
     uint64_t stride() const
     {
@@ -81,7 +81,7 @@ bool read_bmp(Bmp &bmp, std::ifstream &file, const std::string &path)
     return true;
 }
 
-/* What is not read of it; "" for nothing. */
+/* Describe an unsupported BMP; "" if it is supported. */
 std::string lack_of(const Bmp &bmp)
 {
     if (bmp.header < 40)
@@ -156,7 +156,7 @@ Picture open_png(const std::string &path, size_t number, size_t all)
     picture.rows = io->GetDimensions(1);
     picture.type = type_of(*io);
     picture.values = io->GetNumberOfComponents();
-    png_resolution(path, picture.mm); /* which ITK 5.2 does not read */
+    png_resolution(path, picture.mm); /* ITK 5.2 ignores it */
     picture.read = [io](std::vector<char> &to) {
         itk::ImageIORegion region(2);
         region.SetSize(0, io->GetDimensions(0));
@@ -167,9 +167,9 @@ Picture open_png(const std::string &path, size_t number, size_t all)
     return picture;
 }
 
-/* ---- a folder of them ---- */
+/* ---- folders ---- */
 
-/* Names as people count: slice9 before slice10. */
+/* Natural order: slice9 before slice10. */
 bool is_before(const std::string &a, const std::string &b)
 {
     size_t i = 0, j = 0;
@@ -202,7 +202,7 @@ bool is_before(const std::string &a, const std::string &b)
     return a.size() - i < b.size() - j;
 }
 
-/* Says where numbers in names leave some out: the last number of each name. */
+/* Note gaps between the last numbers of names. */
 void note_gaps(Volume &volume, const std::vector<std::string> &path)
 {
     long former = -1;
@@ -227,9 +227,8 @@ void note_gaps(Volume &volume, const std::vector<std::string> &path)
                               first.c_str()));
 }
 
-/* What the resolution of a picture says of its pixels: many programs write one without knowing, and
- * none says how far apart slices are. So it is noted, and not taken. ITK has 1 where there is none.
- */
+/* Note the pixel size by the resolution of a picture. It is not used, because many programs write
+ * one without knowing it, and it has no distance between slices. ITK has 1 if it is missing. */
 void note_pixels(Volume &volume, double x, double y)
 {
     if (std::isfinite(x) && std::isfinite(y) && x > 0 && y > 0 && !(x == 1 && y == 1))

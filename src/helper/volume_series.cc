@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* DICOM: the slices of a series, in their places. ITK sorts too, but says nothing of gaps, doubled
- * slices and uneven distances. */
+/* DICOM: sort the slices of a series. ITK sorts them too, but does not report gaps, doubled slices
+ * and uneven distances. */
 #include "helper/volume_parts.hh"
 
 #include <algorithm>
@@ -16,11 +16,11 @@ namespace volume
 
 using Series = std::vector<Slice>;
 
-/* ---- which slices ---- */
+/* ---- grouping and sorting ---- */
 
 bool are_alike(const Slice &a, const Slice &b)
 {
-    if (!a.fault.empty() || !b.fault.empty()) /* of which little is known */
+    if (!a.fault.empty() || !b.fault.empty()) /* their geometry is unknown */
         return a.series == b.series;
     return a.series == b.series && a.columns == b.columns && a.rows == b.rows &&
            a.samples == b.samples && a.has_axes == b.has_axes && a.has_position == b.has_position &&
@@ -30,8 +30,7 @@ bool are_alike(const Slice &a, const Slice &b)
            std::fabs(a.spacing[1] - b.spacing[1]) <= 1e-4 * a.spacing[1];
 }
 
-/* Slices of one series that lie in one direction and have one size, in the order of the numbers of
- * their series. */
+/* Group slices by series, direction and size, and sort the groups by series number. */
 std::vector<Series> series_of(std::vector<Slice> slices)
 {
     std::vector<Series> all;
@@ -56,14 +55,14 @@ bool have_places(const Series &series)
     return series[0].has_position && series[0].has_axes;
 }
 
-/* The order of slices without a place. */
+/* Sort key of slices without a place. */
 std::vector<Value> order_of(const Slice &slice)
 {
     return {value_of(slice, TEMPORAL_POSITION), value_of(slice, ECHO_NUMBER),
             value_of(slice, ACQUISITION_NUMBER), value_of(slice, INSTANCE_NUMBER)};
 }
 
-/* Whether no two files have a number in common. */
+/* Test whether the files have distinct numbers. */
 bool have_numbers(const Series &series)
 {
     std::map<std::vector<Value>, std::string> file;
@@ -72,7 +71,7 @@ bool have_numbers(const Series &series)
     });
 }
 
-/* Whether they say SliceLocation, and not all the same. */
+/* Test whether all slices have a SliceLocation, and at least two differ. */
 bool have_locations(const Series &series)
 {
     bool differ = false;
@@ -89,8 +88,8 @@ bool are_along(const Series &series)
     return have_places(series) || have_locations(series);
 }
 
-/* By their places along the normal of the first; where they have none, by SliceLocation, in the
- * direction of their numbers; without that too, by numbers and frames alone. */
+/* Sort by position along the normal of the first slice; otherwise by SliceLocation, in the
+ * direction of the numbers; otherwise by numbers and frames. */
 void sort_slices(Series &series)
 {
     double normal[3];
@@ -108,7 +107,7 @@ void sort_slices(Series &series)
             slice.along += normal[w] * slice.position[w];
     }
     std::stable_sort(series.begin(), series.end(), [](const Slice &a, const Slice &b) {
-        /* what is nearer than this lies in one place */
+        /* nearer slices are in one place */
         return std::floor(a.along * 200 + 0.5) < std::floor(b.along * 200 + 0.5);
     });
 }
@@ -118,16 +117,15 @@ bool is_same_place(const Slice &a, const Slice &b)
     return std::fabs(a.along - b.along) < 0.0075;
 }
 
-/* ---- which series ----
+/* ---- choosing a series ----
  *
- * They are told apart by what their files say of them. A description is shown to the user who
- * chooses (Request.lists), and to nobody else: who names a series by a piece of its description is
- * answered with its number, which is what is recorded. One that holds a name or number of the
- * patient is not shown at all. */
+ * Series are distinguished by facts of their files. A description is shown only to the user who
+ * chooses (Request.lists). If a series is named by a piece of its description, the answer is its
+ * number, which is recorded. A description with a name or number of the patient is never shown. */
 
-constexpr size_t more_most = 18; /* of "; and 100000 more" */
+constexpr size_t more_most = 18; /* length of "; and 100000 more" */
 
-/* "TE 4.9 ms", "b 0 to 1000"; nothing where it is not said. */
+/* "TE 4.9 ms", "b 0 to 1000"; "" if unknown. */
 std::string range_of(const Series &series, Tagged row, const char *name, const char *unit)
 {
     double least = INFINITY, most = -1;
@@ -142,13 +140,13 @@ std::string range_of(const Series &series, Tagged row, const char *name, const c
                         : words_of("%s %.4g%s", name, most, unit);
 }
 
-/* What one can know it by. */
+/* Description of a series to choose by. */
 struct Entry {
     std::string description, rest; /* "18 slices of 56x64, MR, 4x4x5 mm" */
-    std::string apart[3];          /* said where it differs from another that is alike else */
+    std::string apart[3];          /* shown if it differs from another similar entry */
 };
 
-/* How far its slices are apart, the usual distance, and how many lie in one place. */
+/* Median distance of slices, and the number of volumes. */
 double step_of(Series series, size_t &volumes)
 {
     std::vector<double> steps;
@@ -169,7 +167,7 @@ Entry entry_of(const Series &series, bool lists)
 {
     static const std::set<std::string> known = {"CT", "MR", "PT", "NM", "US",  "CR",     "DX", "MG",
                                                 "XA", "RF", "OT", "SC", "OCT", "RTDOSE", "SEG"};
-    const Slice &slice = series[0]; /* of its modality nothing is said but a code that is known */
+    const Slice &slice = series[0]; /* only known modalities are shown */
     const char *modality =
         known.count(slice.modality) ? slice.modality.c_str() : "of another modality";
     Entry entry;
@@ -191,7 +189,7 @@ Entry entry_of(const Series &series, bool lists)
     return entry;
 }
 
-/* Entries as they are shown: `1: "t1_mprage", 18 slices of ..`. */
+/* Entries for the user: `1: "t1_mprage", 18 slices of ..`. */
 std::vector<std::string> entries_of(const std::vector<Series> &all,
                                     const std::vector<size_t> &wanted, bool lists)
 {
@@ -217,7 +215,8 @@ std::vector<std::string> entries_of(const std::vector<Series> &all,
     return texts;
 }
 
-/* Those whose description is that piece, or else has it, whatever the size of its letters. */
+/* Find the series whose description equals a piece, otherwise series that contain it; letter case
+ * is ignored. */
 std::vector<size_t> find_series(const std::vector<Series> &all, const std::string &piece)
 {
     const std::string small = in_small_letters(description_of(piece));
@@ -232,9 +231,8 @@ std::vector<size_t> find_series(const std::vector<Series> &all, const std::strin
     return same.empty() ? having : same;
 }
 
-/* Adds entries to a line, as many as `room` letters hold, and how many more there are. False, with
- * nothing added, where not all fit and the client shows lists: then they are in lines of their own.
- */
+/* Append the entries that fit into `room` letters, and the number of the others. If not all fit and
+ * the client shows lists, send them in lines, append nothing and return false. */
 bool add_entries(std::string &line, const std::vector<std::string> &entries, size_t room,
                  bool lists)
 {
@@ -255,7 +253,7 @@ bool add_entries(std::string &line, const std::vector<std::string> &entries, siz
     return true;
 }
 
-/* The one that is asked for, counted from 0; refuses, with what there is, where that is not one. */
+/* Index of the requested series. Refuse an ambiguous or wrong request, and list the series. */
 size_t choose_series(const std::vector<Series> &all, const Request &request)
 {
     std::vector<size_t> every(all.size());
@@ -289,9 +287,9 @@ size_t choose_series(const std::vector<Series> &all, const Request &request)
     throw Refusal{fits ? line : words + "; they are listed"};
 }
 
-/* ---- in their places ---- */
+/* ---- places and gaps ---- */
 
-/* Arranges a sorted series by place and volume. A label for each volume; none for a single one. */
+/* Sort a series by place and volume. Return a label for each volume; none for a single volume. */
 std::vector<std::string> find_volumes(Volume &volume, Series &series)
 {
     std::vector<size_t> count;
@@ -312,10 +310,11 @@ std::vector<std::string> find_volumes(Volume &volume, Series &series)
     return labels;
 }
 
-/* What the volumes are: of the one that is chosen, else of all. */
-void tell_volumes(Volume &volume, const std::vector<std::string> &labels, const Request &request)
+/* Describe the chosen volume, otherwise all volumes. */
+void describe_volumes(Volume &volume, const std::vector<std::string> &labels,
+                      const Request &request)
 {
-    constexpr size_t contents_most = 255; /* the client's */
+    constexpr size_t contents_most = 255; /* limit of the client */
     std::vector<std::string> entries;
     for (size_t v = 0; v < labels.size(); v++)
         entries.push_back(words_of("volume %zu: ", v) + labels[v]);
@@ -332,12 +331,12 @@ void tell_volumes(Volume &volume, const std::vector<std::string> &labels, const 
         note(volume, entry);
 }
 
-/* Where gaps are, in steps: 0 between slices that follow each other. */
+/* Gaps between slices, in steps. */
 struct Gaps {
-    double step = 0;             /* the usual distance */
-    double least = 0, most = 0;  /* found */
+    double step = 0;             /* median distance */
+    double least = 0, most = 0;  /* least and greatest distance */
     std::vector<size_t> missing; /* after slice i */
-    size_t all = 0;              /* slices that are missing */
+    size_t all = 0;              /* missing slices */
     bool is_irregular = false;
 };
 
@@ -382,11 +381,10 @@ std::string listed(const Gaps &gaps)
     return list + (count > 8 ? words_of(", and in %zu more places", count - 8) : "");
 }
 
-/* A series as it is read: `slice[z]` of the volume that is wanted, of frame `blank` where there is
- * none. */
+/* A series to read: `slice[z]` of the requested volume; frame `blank` for a missing one. */
 struct Stack {
     std::vector<Slice> slice;
-    bool is_real = false; /* rescaled each by its own: float32 */
+    bool is_real = false; /* slices have different scales or types: float32 */
     double slope = 1, intercept = 0;
 };
 
@@ -416,11 +414,10 @@ void note_unevenness(Volume &volume, const Gaps &gaps, const std::vector<Slice> 
         }
     }
     if (sideways > 0.1)
-        note(volume,
-             words_of("slices do not lie in one line: up to %.2g mm to the side", sideways));
+        note(volume, words_of("slices are not in one line: up to %.2g mm to the side", sideways));
 }
 
-/* Puts blank slices where some are missing, if the user wants them. */
+/* Insert blank slices for missing ones, if the user allows it. */
 void close_gaps(std::vector<Slice> &slice, const Gaps &gaps, bool fills_gaps, Volume &volume)
 {
     if (gaps.all == 0)
@@ -442,8 +439,8 @@ void close_gaps(std::vector<Slice> &slice, const Gaps &gaps, bool fills_gaps, Vo
     note(volume, words_of("%s: blank in their places", listed(gaps).c_str()));
 }
 
-/* The way from voxels to the world: rows, columns, and from the first slice to the last. */
-void place(Volume &volume, const std::vector<Slice> &slice)
+/* Compute the matrix from voxels to the world: rows, columns, first slice to last. */
+void place_series(Volume &volume, const std::vector<Slice> &slice)
 {
     const Slice &first = slice.front(), &last = slice.back();
     const size_t steps = slice.size() - 1;
@@ -478,8 +475,8 @@ void place(Volume &volume, const std::vector<Slice> &slice)
                                                         : "numbers"));
 }
 
-/* A slope of 0 is none, as in a NIfTI. */
-void settle_slope(Volume &volume, std::vector<Slice> &slice)
+/* A slope of 0 means no scale, as in NIfTI. */
+void check_slopes(Volume &volume, std::vector<Slice> &slice)
 {
     const Slice first = slice[0];
     for (Slice &each : slice) {
@@ -494,8 +491,8 @@ void settle_slope(Volume &volume, std::vector<Slice> &slice)
                               first.intercept));
 }
 
-/* What number a slice holds, and what a blank one. */
-void settle_type(Volume &volume, Stack &stack)
+/* Choose the type of voxels and their scale. */
+void choose_type(Volume &volume, Stack &stack)
 {
     const Slice &first = stack.slice[0];
     stack.slope = first.slope;
@@ -522,7 +519,7 @@ void settle_type(Volume &volume, Stack &stack)
 
 /* ---- pixels ---- */
 
-/* The number at `at`, of so many bytes. */
+/* Decode a stored number. */
 int64_t number_at(const char *at, unsigned bits, bool is_signed)
 {
     const uint64_t value = bits == 8    ? static_cast<uint8_t>(*at)
@@ -533,11 +530,11 @@ int64_t number_at(const char *at, unsigned bits, bool is_signed)
                      : static_cast<int64_t>(value);
 }
 
-/* Decodes files; a file of several frames once for all of them that follow each other. */
+/* Decodes files; the frames of one file that follow each other only once. */
 class Decoder
 {
   public:
-    /* The pixels of a slice, or nothing where they cannot be had. */
+    /* Pixels of a slice; null on failure. */
     const char *decode(const Slice &slice)
     {
         const size_t frame = size_t{slice.columns} * slice.rows * (slice.bits / 8);
@@ -555,8 +552,9 @@ class Decoder
     std::vector<char> bytes_;
 };
 
-/* Leaves out files that are there twice; how many. Those of one SOPInstanceUID are copies if their
- * place, their tags and their pixels are the same: programs that anonymise may give one to all. */
+/* Leave out copies of files, and return their number. Images with the same SOPInstanceUID are
+ * copies if place, tags and pixels are equal: programs that anonymise may give all files the same
+ * one. */
 size_t leave_out_copies(Volume &volume, Series &series)
 {
     using Identity =
@@ -593,7 +591,7 @@ size_t leave_out_copies(Volume &volume, Series &series)
     return copies;
 }
 
-/* A blank slice holds what is air in a CT, and else 0. */
+/* Send a blank slice: air in a CT, otherwise 0. */
 void send_blank(const Volume &volume, const Stack &stack, const Slice &slice)
 {
     const size_t pixels = size_t{slice.columns} * slice.rows;
@@ -670,15 +668,15 @@ void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Reques
         refuse("there is no volume %llu; it holds %s, counted from 0", wide(request.volume),
                plural_of(volume.volumes, "volume").c_str());
     if (!labels.empty())
-        tell_volumes(volume, labels, request);
+        describe_volumes(volume, labels, request);
     const std::shared_ptr<Stack> stack = std::make_shared<Stack>();
     std::vector<double> along;
     for (size_t i = request.volume; i < series.size(); i += volume.volumes) {
         stack->slice.push_back(series[i]);
         along.push_back(series[i].along);
     }
-    settle_slope(volume, stack->slice);
-    place(volume, stack->slice);
+    check_slopes(volume, stack->slice);
+    place_series(volume, stack->slice);
     if (are_along(series)) {
         const Gaps gaps = gaps_of(along);
         note_unevenness(volume, gaps, stack->slice);
@@ -696,7 +694,7 @@ void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Reques
     if (copies)
         note(volume, plural_of(copies, "file") + (copies == 1 ? " is a copy" : " are copies") +
                          " of others, and left out");
-    settle_type(volume, *stack);
+    choose_type(volume, *stack);
     check_pixels(volume, stack->slice);
     volume.format = "DICOM";
     volume.size[0] = stack->slice[0].columns;

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * DICOM: which images of a series make a volume together, where it holds several at each place.
+ * DICOM: divide a series with several images at each place into volumes.
  *
- * Tags tell them apart: echo, b-value, kind of image, time. A tag counts only if it differs between
- * images of one place. How far its values are trusted depends on its grade:
+ * Tags distinguish the images: echo, b-value, kind of image, time. A tag counts only if it differs
+ * between images of one place. Its grade says how far it is trusted:
  *
  *     KIND     A volume has one value. The images of a value fill every place the same number of
- *              times; if they do not, the series is refused.
- *     MOMENT   A time, which may differ from slice to slice of a volume: the earliest image of each
- *              place is of the first volume, the next of the second.
+ *              times; otherwise the series is refused.
+ *     MOMENT   A time, which may differ between slices of a volume: the earliest image of each
+ *              place belongs to the first volume, the next one to the second.
  *     NUMBER   As MOMENT, if either all numbers of a volume are less than those of the next, or all
- *              numbers of a place less than those of another; else it decides nothing.
+ *              numbers of a place less than those of another; otherwise it divides nothing.
  *     LAST     As NUMBER, for images between which no other tag differs, if no two files have the
  *              same number.
  *
- * Each row divides what the rows before it left together, so volumes are in the order of the rows,
- * each ascending, a missing value first.
+ * Each row divides the groups left by the rows before it. So volumes are sorted by the rows in
+ * turn, ascending, a missing value first.
  */
 #include "helper/volume_parts.hh"
 
@@ -41,7 +41,7 @@ struct Source {
     Form form;
 };
 
-/* The last of the tags that a file has is taken: those of functional groups come after others. */
+/* The last present tag is used: those of functional groups come after others. */
 struct Row {
     const char *name, *unit;
     Grade grade;
@@ -79,7 +79,7 @@ static const std::vector<Row> rows = {
 };
 
 constexpr size_t numbers_most = 16;
-constexpr unsigned components = 16; /* of a row: each dimension index is a tag of its own */
+constexpr unsigned components = 16; /* per row: each dimension index is a separate tag */
 constexpr double half_a_day_s = 43200;
 
 static const Row &row_of(unsigned id)
@@ -89,7 +89,7 @@ static const Row &row_of(unsigned id)
 
 /* ---- values ---- */
 
-/* Seconds of a date and time, or of a time alone; NaN where the text is neither. */
+/* Seconds of a date and time, or of a time; NaN for other texts. */
 static double clock_of(std::string text)
 {
     text.erase(std::remove(text.begin(), text.end(), ':'), text.end());
@@ -112,7 +112,7 @@ static double clock_of(std::string text)
     return static_cast<double>(timegm(&date)) + std::atof(("0" + text.substr(digits)).c_str());
 }
 
-/* Its date, where it has one: of a time of the day that is in the tag 0x10 before. */
+/* Add the date, if there is one: for a time of day it is in the tag 0x10 before. */
 static double clock_of(const gdcm::DataSet &set, const Source &source)
 {
     const std::string text = text_of(set, {source.group, source.element});
@@ -123,7 +123,7 @@ static double clock_of(const gdcm::DataSet &set, const Source &source)
     return text.empty() ? NAN : clock_of(day.size() == 8 ? day + text : text);
 }
 
-/* Numbers that differ beyond their sixth digit are equal. */
+/* Ignore differences beyond the sixth digit. */
 static double rounded(double number)
 {
     return std::atof(words_of("%.6g", number).c_str()) + 0.0;
@@ -162,7 +162,7 @@ static std::vector<double> numbers_of(Slice &slice, const gdcm::DataSet &set, co
     return numbers;
 }
 
-/* Words are in the order original, derived; magnitude, phase, real, imaginary; then by letters. */
+/* Sort words: original, derived; magnitude, phase, real, imaginary; then by letters. */
 static Value words_value(const std::string &text)
 {
     static const char *const kinds[] = {"magnitude", "phase", "real", "imaginary"};
@@ -212,7 +212,7 @@ const Value &value_of(const Slice &slice, Tagged row)
 
 /* ---- volumes ---- */
 
-/* Images by place, each a number in its series. A volume, once each place has one. */
+/* Images by place, as indices of the series; a volume if each place has one. */
 using Group = std::vector<std::vector<size_t>>;
 
 struct Part {
@@ -236,7 +236,7 @@ static bool differs(const std::vector<Slice> &series, const Group &group, unsign
     return false;
 }
 
-/* The least and the greatest value of some images. */
+/* Least and greatest value of images. */
 using Range = std::pair<Value, Value>;
 
 static void widen(Range &range, const Value &value, bool is_first)
@@ -257,7 +257,7 @@ static Range range_of(const std::vector<Slice> &series, const Group &group, unsi
     return range;
 }
 
-/* Whether no value of one range is within, or beyond, the next in their order. */
+/* Test whether the ranges, sorted, do not overlap. */
 static bool are_apart(std::vector<Range> ranges)
 {
     std::sort(ranges.begin(), ranges.end());
@@ -278,7 +278,7 @@ static bool are_in_blocks(const std::vector<Slice> &series, const Group &whole,
     return are_apart(volumes) || are_apart(places);
 }
 
-/* Of a time of the day half a day or more apart, which may be midnight, nothing is known. */
+/* Times of day more than half a day apart may span midnight. */
 static bool is_too_long(const Row &row, const Range &range)
 {
     return row.sources[0].form == CLOCK &&
@@ -296,7 +296,8 @@ static std::string listed(const Value &value, double before)
     return list;
 }
 
-/* ", echo 4.92 ms": of what a file says in words, our own, or which of them it is. */
+/* Text for a value: ", echo 4.92 ms". Words from the file are replaced by our own, or by their
+ * rank. */
 static std::string label_of(const Row &row, unsigned id, const Range &range, size_t which,
                             size_t parts, const Range &whole)
 {
@@ -310,13 +311,13 @@ static std::string label_of(const Row &row, unsigned id, const Range &range, siz
         return name + words_of(" %zu of %zu", which + 1, parts) +
                (kind.empty() ? "" : " (" + kind + ")");
     const bool is_clock =
-        row.sources[0].form == CLOCK; /* counted from the first: it tells no day */
+        row.sources[0].form == CLOCK; /* relative to the first: no date is shown */
     const double before = is_clock ? whole.first.first[0] : 0;
     const std::string least = listed(range.first, before), most = listed(range.second, before);
     return name + (is_clock ? " +" : " ") + least + (least == most ? "" : " to " + most) + row.unit;
 }
 
-/* LAST: whether nothing else differs, and each file has a number of its own. */
+/* LAST: test whether no other tag differs, and each file has its own number. */
 static bool may_decide(const std::vector<Slice> &series, const Group &group, unsigned id,
                        const std::vector<unsigned> &differing)
 {
@@ -333,7 +334,7 @@ static bool may_decide(const std::vector<Slice> &series, const Group &group, uns
            });
 }
 
-/* Divides a part by a tag that differs within the series; false where a KIND is mixed. */
+/* Divide a part by a tag; false if values of a KIND are mixed. */
 static bool divide(std::vector<Part> &out, const Part &part, const std::vector<Slice> &series,
                    unsigned id, const std::vector<unsigned> &differing)
 {

@@ -2,10 +2,10 @@
 /*
  * TIFF by libtiff: one file of pages, or a folder of files of one page each.
  *
- * Voxels are the numbers of the file: of a palette the indices, of grey with alpha the grey.
- * Colours and complex numbers are refused, and so are pages that differ. A page of 1 bit in which
- * 0 is white is inverted; one of more bits is refused, because readers disagree about it. An
- * Orientation is obeyed. Thumbnails and mask pages (NewSubfileType) are left out and counted.
+ * Voxels are the numbers of the file: the indices of a palette, the grey of grey with alpha.
+ * Colours, complex numbers and pages that differ are refused. A page of 1 bit in which 0 is white
+ * is inverted; with more bits it is refused, because readers disagree about it. An Orientation is
+ * applied. Thumbnails and mask pages (NewSubfileType) are left out and counted.
  *
  * libtiff maps no file, allocates no more than allocation_most at once, and reports errors to
  * Problems instead of standard error.
@@ -37,7 +37,7 @@ constexpr uint32_t tag_lsm = 34412, tag_metamorph = 33629, tag_fluoview = 34361;
 
 /* ---- a file ---- */
 
-/* What libtiff has reported since it was cleared. */
+/* Errors and warnings of libtiff since the last reset. */
 struct Problems {
     bool has_error = false, has_warning = false, has_mixed_samples = false;
 };
@@ -108,7 +108,7 @@ template <typename Number> Number field_of(TIFF *file, uint32_t tag, Number usua
     return TIFFGetFieldDefaulted(file, tag, &number) ? number : usual;
 }
 
-/* Bytes of a tag that libtiff has no type for. */
+/* Bytes of a tag without a type in libtiff. */
 std::string bytes_of_tag(TIFF *file, uint32_t tag)
 {
     uint32_t count = 0;
@@ -118,7 +118,7 @@ std::string bytes_of_tag(TIFF *file, uint32_t tag)
     return std::string(bytes, count);
 }
 
-/* Refuses stacks of microscopes with axes in tags that are not read. */
+/* Refuse microscope stacks with axes in unsupported tags. */
 void refuse_foreign(TIFF *file, size_t pages)
 {
     for (int i = 0; i < TIFFGetTagListCount(file); i++) {
@@ -159,8 +159,8 @@ TiffPage page_of(const Tiff &file)
     return page;
 }
 
-/* The type of its numbers here: of few bits the next wider one, of float16 float32; "" for one that
- * is not read. */
+/* Type of the voxels: small integers get the next wider type, float16 becomes float32; "" for an
+ * unsupported type. */
 std::string type_of(const TiffPage &page)
 {
     const unsigned bits = page.bits;
@@ -183,7 +183,7 @@ bool is_grey(const TiffPage &page)
            page.photometric == PHOTOMETRIC_MINISWHITE || page.photometric == PHOTOMETRIC_PALETTE;
 }
 
-/* Refuses a page whose numbers are no voxels, or whose packing libtiff does not know. */
+/* Refuse a page that holds no voxels, or that libtiff cannot unpack. */
 void check_page(const TiffPage &page, bool is_lsm)
 {
     if (page.width == 0 || page.height == 0)
@@ -234,8 +234,8 @@ bool are_alike(const TiffPage &a, const TiffPage &b)
            a.photometric == b.photometric && a.orientation == b.orientation;
 }
 
-/* All pages of the file; the tag CZ_LSMINFO of the first that has it, and the description of the
- * first page or the first image. */
+/* Read all pages, the first tag CZ_LSMINFO, and the description of the first page or of the first
+ * image. */
 std::vector<TiffPage> pages_of(Tiff &file, std::string &description, std::string &lsm)
 {
     std::vector<TiffPage> pages;
@@ -270,7 +270,7 @@ float float_of(uint16_t half)
     return half >> 15 ? -size : size;
 }
 
-/* The bits of a number that begins at bit `at` of a row, the highest first. */
+/* Extract a number at bit `at` of a row, highest bit first. */
 uint32_t bits_at(const uint8_t *row, size_t at, unsigned bits)
 {
     uint32_t number = 0;
@@ -279,7 +279,7 @@ uint32_t bits_at(const uint8_t *row, size_t at, unsigned bits)
     return number;
 }
 
-/* Numbers of one sample, of a row in which every pixel has so many, to those of the type. */
+/* Convert one sample of each pixel of a row, with `samples` interleaved, to the voxel type. */
 void convert_row(uint8_t *to, const uint8_t *from, const TiffPage &page, size_t pixels,
                  unsigned sample, unsigned samples)
 {
@@ -293,8 +293,7 @@ void convert_row(uint8_t *to, const uint8_t *from, const TiffPage &page, size_t 
     }
     for (size_t i = 0; i < pixels; i++, to += wide_bytes) {
         const size_t at = (i * samples + sample) * bits;
-        const uint8_t *byte =
-            from + at / 8; /* of numbers of whole bytes, in this machine's order */
+        const uint8_t *byte = from + at / 8; /* for whole bytes, in this machine's order */
         if (bits == 8 * wide_bytes) {
             std::memcpy(to, byte, wide_bytes);
             continue;
@@ -309,17 +308,17 @@ void convert_row(uint8_t *to, const uint8_t *from, const TiffPage &page, size_t 
                                      : bits_at(from, at, bits);
         if (is_signed && number >> (bits - 1))
             number |= UINT32_MAX << bits;
-        if (is_inverse) /* of 1 bit */
+        if (is_inverse) /* 1 bit */
             number ^= 1;
-        if (is_big_machine) /* its last bytes are the low ones */
+        if (is_big_machine) /* the low bytes are the last ones */
             number <<= 32 - 8 * wide_bytes;
         std::memcpy(to, &number, wide_bytes);
     }
 }
 
-/* A strip or tile as it is unpacked: rows of pixels, of which every pixel has so many samples. */
+/* An unpacked strip or tile: rows of pixels with interleaved samples. */
 struct Piece {
-    size_t x, y, columns, rows; /* of the page */
+    size_t x, y, columns, rows; /* in the page */
     size_t row_bytes;
     unsigned sample, samples;
 };
@@ -335,7 +334,7 @@ void convert_piece(std::vector<uint8_t> &to, const uint8_t *from, const TiffPage
                     page, columns, piece.sample, piece.samples);
 }
 
-/* Where the numbers of a page that is stored without packing begin, if they follow each other. */
+/* Offset of the pixels of an unpacked page if they are contiguous; 0 otherwise. */
 uint64_t begin_of_run(const Tiff &file)
 {
     if (TIFFIsTiled(file) ||
@@ -351,7 +350,7 @@ uint64_t begin_of_run(const Tiff &file)
     return TIFFGetStrileOffset(file, 0);
 }
 
-/* Plane `number` after the one of the only page, which is stored without a gap. */
+/* Read plane `number` after the first one, in a file with one page and contiguous planes. */
 void read_run(std::vector<uint8_t> &to, const Tiff &file, const TiffPage &page, size_t number)
 {
     const size_t row = (size_t{page.width} * page.samples * page.bits + 7) / 8;
@@ -369,8 +368,8 @@ void read_run(std::vector<uint8_t> &to, const Tiff &file, const TiffPage &page, 
     convert_piece(to, from.data(), page, {0, 0, page.width, page.height, row, 0, page.samples});
 }
 
-/* Refuses a strip or tile that does not unpack to all of its numbers. Decoders of faxes and JPEG
- * fill up what is missing, and warn. */
+/* Refuse a strip or tile that unpacks incompletely. Decoders of faxes and JPEG fill in missing
+ * pixels, and warn. */
 void check_piece(const Tiff &file, const TiffPage &page, tmsize_t is, tmsize_t expected,
                  size_t number)
 {
@@ -380,7 +379,7 @@ void check_piece(const Tiff &file, const TiffPage &page, tmsize_t is, tmsize_t e
                number + 1);
 }
 
-/* The page that libtiff is at: one of its samples, in rows from the first stored. */
+/* Read one sample of libtiff's current page, in stored order. */
 void read_stored(std::vector<uint8_t> &to, Tiff &file, const TiffPage &page, unsigned sample,
                  size_t number)
 {
@@ -432,8 +431,7 @@ bool is_turned(const TiffPage &page)
     return page.orientation >= ORIENTATION_LEFTTOP && page.orientation <= ORIENTATION_LEFTBOT;
 }
 
-/* Puts rows and columns in the order that an Orientation of 2 to 8 says: those of 5 and more are
- * stored in columns. */
+/* Reorder rows and columns by an Orientation of 2 to 8; from 5 on they are stored in columns. */
 void orient(std::vector<uint8_t> &bytes, const TiffPage &page)
 {
     const unsigned o = page.orientation;
@@ -456,7 +454,7 @@ void orient(std::vector<uint8_t> &bytes, const TiffPage &page)
 
 /* ---- a file of pages ---- */
 
-/* A file that is open, and which of its pages are slices. */
+/* An open file and its slices. */
 struct Opened {
     explicit Opened(const std::string &path) : file(path)
     {
@@ -464,8 +462,8 @@ struct Opened {
     Tiff file;
     std::vector<TiffPage> page;
     TiffStack stack;
-    unsigned samples = 1; /* that are channels */
-    size_t first = 0;     /* the page that all others are like */
+    unsigned samples = 1; /* channels */
+    size_t first = 0;     /* page that the others must equal */
 };
 
 void read_slice(std::vector<uint8_t> &bytes, Opened &opened, uint64_t volume, uint64_t z)
@@ -486,7 +484,7 @@ void read_slice(std::vector<uint8_t> &bytes, Opened &opened, uint64_t volume, ui
         orient(bytes, page);
 }
 
-/* Millimetres from pixel to pixel, by the resolution of the page; 0 for unknown. */
+/* Pixel size by the resolution of the page; 0: unknown. */
 TiffStack resolution_of(TIFF *file)
 {
     TiffStack stack;
@@ -499,7 +497,8 @@ TiffStack resolution_of(TIFF *file)
     return stack;
 }
 
-/* The size of a voxel where all of it is known; else what is known, and the words that set it. */
+/* Set the voxel size if all of it is known; otherwise note the known part, and the option that sets
+ * it. */
 void place_stack(Volume &volume, const TiffStack &stack, bool in_columns)
 {
     static const char *const letter[] = {"X", "Y", "Z"};
@@ -521,10 +520,10 @@ void place_stack(Volume &volume, const TiffStack &stack, bool in_columns)
     if (known == 3 && mm > 0) {
         volume.known |= SPACING;
     } else if (known == 0 || (mm <= 0 && step[0] == 1 && step[1] == 1 && known == 2)) {
-        return; /* nothing, or what programs write that know nothing */
+        return; /* nothing, or a meaningless default */
     } else if (mm <= 0) {
         if (stack.unit.empty() && stack.by == "its resolution")
-            return; /* by which pixels are square, or not, and no more */
+            return; /* only the ratio of the sides */
         note(volume,
              words_of("%s says voxels of %sx%sx%s, and %s: where you know their size, open "
                       "it with %s",
@@ -544,7 +543,7 @@ void place_stack(Volume &volume, const TiffStack &stack, bool in_columns)
     }
 }
 
-/* Says which volume is which. */
+/* Note the order of volumes. */
 void note_axes(Volume &volume, const TiffStack &stack)
 {
     std::string list;
@@ -563,7 +562,7 @@ void note_axes(Volume &volume, const TiffStack &stack)
                          "-u 270 COPY` removes it from a copy; then each page is a slice");
 }
 
-/* What is left out of the file, and how its numbers are taken. */
+/* Note the pages left out, and how numbers are interpreted. */
 void note_pages(Volume &volume, const Opened &opened)
 {
     const TiffPage &first = opened.page[opened.first];
@@ -583,16 +582,16 @@ void note_pages(Volume &volume, const Opened &opened)
     if (first.photometric == PHOTOMETRIC_MINISWHITE)
         note(volume, "0 is white in it (MinIsWhite): its voxels are 1 where it is white");
     if (first.format == SAMPLEFORMAT_VOID)
-        note(volume, "the type of its numbers is said to be unknown: taken as whole, without sign");
+        note(volume, "the type of its numbers is unknown: read as unsigned integers");
     if (first.orientation > ORIENTATION_TOPLEFT && first.orientation <= ORIENTATION_LEFTBOT)
         note(volume, words_of("its rows and columns are stored in another order (Orientation %u): "
-                              "put in the order in which it is shown",
+                              "put in the order of display",
                               first.orientation));
     for (const std::string &line : opened.stack.note)
         note(volume, line);
 }
 
-/* Refuses a file that is stored in one run and ends before its last slice. */
+/* Refuse a file with contiguous planes that ends before the last one. */
 void check_run(const Opened &opened)
 {
     const TiffPage &page = opened.page[opened.first];
@@ -610,11 +609,11 @@ void check_run(const Opened &opened)
                wide(all), wide(end));
 }
 
-/* Says that more follows the only page than belongs to it, as where a writer gave the other slices
- * of a stack no directories and no description. */
+/* Note bytes after the only page: some writers give further slices neither directory nor
+ * description. */
 void note_rest(Volume &volume, const Opened &opened)
 {
-    constexpr uint64_t least = 4096; /* descriptions may be as long */
+    constexpr uint64_t least = 4096; /* longer than most descriptions */
     const uint64_t at = begin_of_run(opened.file), all = opened.file.bytes();
     const uint64_t bytes = bytes_in(volume, 1);
     if (opened.page.size() != 1 || opened.stack.is_run || at == 0 || opened.page[0].samples != 1 ||
@@ -629,7 +628,7 @@ void note_rest(Volume &volume, const Opened &opened)
                       TIFFIsBigEndian(opened.file) ? "big" : "little"));
 }
 
-/* Opens a file and arranges its pages. */
+/* Open a file and arrange its pages. */
 std::shared_ptr<Opened> open_pages(const std::string &path)
 {
     const auto opened = std::make_shared<Opened>(path);
@@ -702,7 +701,7 @@ void open_tiff(Volume &volume, const Request &request)
 
 /* ---- a folder of files ---- */
 
-/* Runs `read` on a file of the folder; a refusal names the slice and the file. */
+/* Run `read` for a file of the folder, and prepend slice and file to a refusal. */
 template <typename Read> void name_slice(const std::vector<std::string> &path, size_t z, Read read)
 {
     try {
@@ -714,7 +713,7 @@ template <typename Read> void name_slice(const std::vector<std::string> &path, s
     }
 }
 
-/* A file that is one slice. */
+/* Open a file with a single slice. */
 std::shared_ptr<Opened> open_slice(const std::string &path)
 {
     const auto opened = open_pages(path);
@@ -739,7 +738,7 @@ void stack_tiffs(Volume &volume, const std::vector<std::string> &path)
     volume.size[1] = is_turned(model) ? model.width : model.height;
     volume.size[2] = path.size();
     TiffStack stack = opened->stack;
-    stack.step[2] = 0; /* by which files lie how far apart, no file says */
+    stack.step[2] = 0; /* no file has the distance between files */
     place_stack(volume, stack, is_turned(model));
     note_pages(volume, *opened);
     volume.send = [&volume, path, model]() {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * TIFF: the parts that volume_tiff.cc, which reads pages by libtiff, and volume_tiff_stack.cc,
- * which assigns pages to slices and volumes, share.
+ * TIFF: shared by volume_tiff.cc, which reads pages by libtiff, and volume_tiff_stack.cc, which
+ * assigns pages to slices and volumes.
  *
- * The pages of a TIFF have no axes. Programs write theirs into the description of the first page:
+ * The pages of a TIFF have no axes. Programs write them into the description of the first page:
  *
  *     ImageJ    lines: images=10 channels=2 slices=5 frames=1 unit=um spacing=2; channels fastest
  *     OME       XML: SizeZ, SizeC, SizeT, DimensionOrder, and in TiffData the page of each plane
@@ -26,9 +26,9 @@ namespace volume
 struct TiffPage {
     uint64_t at = 0; /* its offset in the file */
     uint32_t width = 0, height = 0;
-    unsigned samples = 1, alphas = 0; /* of a pixel; the last ones are alpha */
+    unsigned samples = 1, alphas = 0; /* per pixel; the last ones are alpha */
     unsigned bits = 1, format = 1, photometric = 1, orientation = 1, compression = 1;
-    uint32_t depth = 1;                       /* slices, of which only 1 is read */
+    uint32_t depth = 1;                       /* slices; only 1 is supported */
     bool is_reduced = false, is_mask = false; /* NewSubfileType */
 };
 
@@ -37,20 +37,20 @@ struct TiffAxis {
     uint64_t size;
 };
 
-/* Which page is slice z of volume v: page[v * slices + z], an index of the pages of the file. */
+/* Page of slice z of volume v: page[v * slices + z], an index of the file's pages. */
 struct TiffStack {
-    std::string by = "its resolution"; /* where the size of a voxel is from */
+    std::string by = "its resolution"; /* source of the voxel size */
     uint64_t slices = 0, volumes = 1;
-    std::vector<TiffAxis> axes; /* along the volumes, the fastest first; with samples as channels */
+    std::vector<TiffAxis> axes; /* axes of volumes, the fastest first; samples count as channels */
     std::vector<size_t> page;
-    bool is_run = false;        /* page[] counts planes that follow the only page without a gap */
-    double step[3] = {0, 0, 0}; /* from voxel to voxel in `unit`; 0: not said */
-    std::string unit = "mm";    /* as it is written; "" for none */
+    bool is_run = false;           /* page[] counts contiguous planes after the only page */
+    double step[3] = {0, 0, 0};    /* voxel size in `unit`; 0: unknown */
+    std::string unit = "mm";       /* as written; "" for none */
     std::vector<std::string> note; /* lines */
 };
 
-/* The file as its description and its tag CZ_LSMINFO ("" for none) describe it. `samples` are those
- * of a page, without alpha. Of resolution only step[0] and step[1] are set. */
+/* Arrange the pages by the description and the tag CZ_LSMINFO ("" for none). `samples` of a page
+ * exclude alpha. `resolution` has only step[0] and step[1]. */
 TiffStack stack_of(const std::vector<TiffPage> &page, unsigned samples, const std::string &path,
                    const std::string &description, const std::string &lsm,
                    const TiffStack &resolution, const std::string &type);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* TIFF: which page is which slice of which volume, by what programs write into descriptions. */
+/* TIFF: assign pages to slices and volumes, by the descriptions that programs write. */
 #include "helper/volume_tiff.hh"
 
 #include <algorithm>
@@ -23,12 +23,12 @@ namespace volume
 
 constexpr uint64_t planes_most = 1000000;
 constexpr size_t none = SIZE_MAX;
-/* Before the sides of a shape: of tifffile, and of it before 2017, (2, 5, 7, 11). */
+/* Before the sides of a shape, by tifffile; before 2017 (2, 5, 7, 11). */
 constexpr char shape_name[] = "\"shape\": [", old_shape_name[] = "shape=(";
 
 /* ---- axes ---- */
 
-/* Products of hostile numbers saturate. */
+/* Saturate on overflow. */
 uint64_t times(uint64_t a, uint64_t b)
 {
     uint64_t product;
@@ -43,11 +43,11 @@ uint64_t planes_in(const std::vector<TiffAxis> &axes)
     return planes;
 }
 
-/* Arranges planes that follow each other along the axes, the fastest first: planes[i] is the page
- * of plane i. Volumes count channels first. */
+/* Arrange consecutive planes along the axes, the fastest first: planes[i] is the page of plane i.
+ * Channels are the fastest axis of volumes. */
 void arrange(TiffStack &stack, const std::vector<TiffAxis> &axes, const std::vector<size_t> &planes)
 {
-    std::vector<TiffAxis> along;    /* the volumes */
+    std::vector<TiffAxis> along;    /* axes of volumes */
     std::vector<uint64_t> step;     /* in planes */
     uint64_t stride = 1, slice = 0; /* from slice to slice */
     stack.slices = 1;
@@ -73,7 +73,7 @@ void arrange(TiffStack &stack, const std::vector<TiffAxis> &axes, const std::vec
     }
 }
 
-/* The pages that are images, in their order. */
+/* Indices of the pages that are images. */
 std::vector<size_t> images_of(const std::vector<TiffPage> &page)
 {
     std::vector<size_t> images;
@@ -83,8 +83,8 @@ std::vector<size_t> images_of(const std::vector<TiffPage> &page)
     return images;
 }
 
-/* The pages for so many planes: one for each; or, of a file with one page, planes that follow each
- * other without directories of their own. None where there are more or fewer pages. */
+/* Pages for `planes`: one for each, or contiguous planes after the only page. Empty if the number
+ * of pages differs. */
 std::vector<size_t> pages_for(TiffStack &stack, const std::vector<TiffPage> &page, uint64_t planes)
 {
     std::vector<size_t> images = images_of(page);
@@ -101,7 +101,7 @@ std::vector<size_t> pages_for(TiffStack &stack, const std::vector<TiffPage> &pag
 
 /* ---- ImageJ ---- */
 
-/* The value of "name=" at the begin of a line; "" for none. */
+/* Value of "name=" at the begin of a line; "" for none. */
 std::string value_in(const std::string &lines, const std::string &name)
 {
     const std::string text = "\n" + lines, key = "\n" + name + "=";
@@ -145,15 +145,15 @@ void arrange_imagej(TiffStack &stack, const std::vector<TiffPage> &page, const s
                plural_of(pages, "page").c_str());
     arrange(stack, axes, planes);
     stack.by = "its ImageJ description";
-    if (!value_in(text, "unit").empty()) /* else that of the resolution */
+    if (!value_in(text, "unit").empty()) /* otherwise the unit of the resolution */
         stack.unit = value_in(text, "unit");
     stack.step[2] = std::strtod(value_in(text, "spacing").c_str(), nullptr);
 }
 
 /* ---- tifffile ---- */
 
-/* {"shape": [2, 5, 7, 11], "axes": "CZYX"}; the last are those of a page. Of each write of a file
- * there is one, so that it counts only where it is of all pages. */
+/* {"shape": [2, 5, 7, 11], "axes": "CZYX"}; the last sides are of a page. A file written in several
+ * parts has a description of each, so it counts only if it covers all pages. */
 void arrange_shaped(TiffStack &stack, const std::vector<TiffPage> &page, const std::string &text)
 {
     static const char names[] = "\"axes\": \"";
@@ -203,12 +203,12 @@ using Attributes = std::map<std::string, std::string>;
 
 struct OmePlanes { /* a TiffData */
     Attributes attribute;
-    std::string file, uuid; /* that its planes are in; "" for this one */
+    std::string file, uuid; /* file of its planes; "" for this one */
 };
 
 struct Ome {
     std::string uuid, metadata_file;
-    Attributes pixels; /* of the first image */
+    Attributes pixels; /* the first image */
     std::vector<OmePlanes> planes;
     size_t images = 0, pixel_sets = 0;
     bool in_uuid = false;
@@ -262,7 +262,7 @@ void take_text(void *context, const char *text, int length)
         ome.planes.back().uuid.append(text, static_cast<size_t>(length));
 }
 
-/* Only hostile descriptions declare entities, which may expand to gigabytes. */
+/* Stop at declarations of entities: they are hostile and may expand to gigabytes. */
 void stop_at_doctype(void *context, const char *, const char *, const char *, int)
 {
     XML_StopParser(static_cast<Ome *>(context)->parser, XML_FALSE);
@@ -287,7 +287,7 @@ Ome ome_of(const std::string &text)
     return ome;
 }
 
-/* Refuses an image that is in other files, by the name of the first. */
+/* Refuse an image with parts in other files, and name the first one. */
 void check_files(const Ome &ome, const std::string &path)
 {
     const std::string own = path.substr(path.find_last_of('/') + 1);
@@ -304,7 +304,7 @@ void check_files(const Ome &ome, const std::string &path)
                shown(other).c_str());
 }
 
-/* Refuses a description that is of other pages. */
+/* Refuse a description that does not match the pages. */
 void check_pixels(Ome &ome, const TiffPage &page, const std::string &type)
 {
     static const std::map<std::string, std::string> types = {
@@ -320,7 +320,7 @@ void check_pixels(Ome &ome, const TiffPage &page, const std::string &type)
                type.c_str());
 }
 
-/* The size of a voxel, in the unit of x. */
+/* Voxel size in millimetres. */
 void step_ome(TiffStack &stack, Ome &ome)
 {
     static const char *const name[] = {"PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"};
@@ -339,7 +339,7 @@ void step_ome(TiffStack &stack, Ome &ome)
     }
 }
 
-/* The page of each plane, in the order of the axes. A TiffData without a page is for all pages. */
+/* Page of each plane, in the order of the axes. A TiffData without a page covers all pages. */
 std::vector<size_t> planes_of(const Ome &ome, const std::vector<TiffAxis> &axes, size_t pages)
 {
     const uint64_t all = planes_in(axes);
@@ -379,7 +379,7 @@ void arrange_ome(TiffStack &stack, const std::vector<TiffPage> &page, unsigned s
     if (ome.images != 1 || ome.pixel_sets != 1)
         refuse(
             "it holds %zu images, says its OME description; `bfconvert -series 0 FILE A.ome.tif` "
-            "(Bio-Formats) takes out one",
+            "(Bio-Formats) extracts one",
             ome.images);
     check_pixels(ome, page[images_of(page)[0]], type);
     const uint64_t channels = number_of(ome.pixels, "SizeC", 1);
@@ -417,12 +417,12 @@ void arrange_ome(TiffStack &stack, const std::vector<TiffPage> &page, unsigned s
     });
     if (others)
         stack.note.push_back(plural_of(static_cast<size_t>(others), "page") +
-                             " of which its OME description says nothing left out");
+                             " without an OME description left out");
 }
 
 /* ---- LSM ---- */
 
-/* The header CZ_LSMINFO: of little-endian numbers, lengths in metres. */
+/* The header CZ_LSMINFO: little-endian numbers, lengths in metres. */
 void arrange_lsm(TiffStack &stack, const std::vector<TiffPage> &page, unsigned samples,
                  const std::string &lsm)
 {
@@ -446,14 +446,14 @@ void arrange_lsm(TiffStack &stack, const std::vector<TiffPage> &page, unsigned s
     for (size_t a = 0; a < 3; a++) {
         const uint64_t bits = number_in(&lsm[VOXEL + 8 * a], 8, false);
         stack.step[a] = load<double>(&bits);
-        if (scan != 0 && scan != 3 && scan != 6) /* pages are of other axes than x and y */
+        if (scan != 0 && scan != 3 && scan != 6) /* other axes than x and y */
             stack.step[a] = 0;
     }
 }
 
-/* ---- all of them ---- */
+/* ---- all programs ---- */
 
-/* Stacks of microscopes with axes that are described in ways that are not read. */
+/* Refuse microscope stacks with unsupported descriptions of axes. */
 void refuse_foreign(const std::string &description, size_t pages)
 {
     static const char *const begin[] = {"state.", "SI.", "scanimage."};
@@ -483,7 +483,7 @@ TiffStack stack_of(const std::vector<TiffPage> &page, unsigned samples, const st
         arrange_shaped(stack, page, description);
     if (stack.page.empty())
         arrange(stack, {{'Z', pages}}, images_of(page));
-    if (samples > 1) { /* as channels, those of a page first */
+    if (samples > 1) { /* samples are channels, the fastest axis */
         stack.axes.insert(stack.axes.begin(), {'C', samples});
         stack.volumes = times(stack.volumes, samples);
     }

@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The helpers' side of a co-process (coprocess.h): requests come on standard input, answers go to
- * standard output, which are one socket; a library may read and print there without harm once
- * wire_prepare has moved it away.
+ * The helpers' side of a co-process (coprocess.h). Requests arrive on standard input and answers
+ * leave on standard output, which are one socket; prepare() moves it to another descriptor, so that
+ * libraries may read and print without harm.
  *
- * The end of input, or a request that breaks the protocol, ends the program; the end of the client
- * kills it, whatever it is doing, so that nothing is read or written for nobody.
+ * The program ends at the end of input, or after a request that breaks the protocol; it is killed
+ * when its client ends.
  *
- * Before the first byte of a file is decoded, `confine` takes everything else from the process, in
- * every use and for every client: whatever a hostile file makes of a library, it can
- *     (W1) reach the files that the request names, those that their headers name and, where only
- *          a library can tell these (HDF5), what lies below their folder; and no other;
- *     (W2) make the calls of confine.h alone: no network, no other program, no other process;
- *     (W3) hold so much memory (the client says how much), and take so much of the processor;
- *     (W4) see no environment, and no descriptor but the socket's.
- * Where the kernel has Landlock and seccomp (`iftty info` says so), the process ends rather than do
- * without.
+ * Before the first byte of a file is decoded, `confine` drops access to all other things, in every
+ * use and for every client. A hostile file that takes over a library can then only
+ *     (W1) reach the files that the request names, files that their headers name and, if only a
+ *          library can tell these (HDF5), the files below their folder;
+ *     (W2) make the calls of confine.h: no network, no other program, no other process;
+ *     (W3) use a bounded amount of memory (set by the client) and of processor time;
+ *     (W4) see no environment, and no descriptor except the socket.
+ * If the kernel has Landlock and seccomp (`iftty info` shows it) and they fail, the process ends.
  */
 #ifndef IMAGE_WIRE_HH
 #define IMAGE_WIRE_HH
@@ -48,10 +47,10 @@ inline int fd = -1;
 
 [[noreturn]] inline void leave(int status)
 {
-    _exit(status); /* no destructors: plugins have been seen to hang in theirs */
+    _exit(status); /* without destructors, because plugins may hang in theirs */
 }
 
-/* All of it, by read or write. */
+/* Read or write all bytes. */
 template <typename Call, typename Bytes> void pass(Call call, Bytes *at, size_t length)
 {
     while (length > 0) {
@@ -100,7 +99,7 @@ inline std::string receive_text(uint64_t length)
     return text;
 }
 
-/* The next number of `line`, which begins at `at`; moves `at` past it and a blank. */
+/* Parse the next number of `line` from `at`; advance `at` past it and a blank. */
 inline uint64_t take_number(const std::string &line, size_t &at, uint64_t most)
 {
     uint64_t value = 0;
@@ -117,17 +116,17 @@ inline uint64_t take_number(const std::string &line, size_t &at, uint64_t most)
     return value;
 }
 
-/* An answer "error": one line, of what fits the client's. */
+/* Send an error: one line, cut to the client's limit. */
 inline void answer_error(std::string words)
 {
     std::replace(words.begin(), words.end(), '\n', ' ');
     if (words.empty())
-        words = "the library gives no reason";
+        words = "the library reports no reason";
     words.resize(std::min(words.size(), words_most));
     transmit("error " + std::to_string(words.size()) + "\n" + words);
 }
 
-/* The request "versions", which comes alone: the libraries of this helper, in a line. */
+/* Answer the request "versions", which comes alone: the libraries of this helper, in a line. */
 inline bool answer_versions(const std::string &request, const std::string &words)
 {
     if (request != "versions")
@@ -142,7 +141,7 @@ inline void limit(int resource, rlim_t most)
     setrlimit(static_cast<__rlimit_resource_t>(resource), &both);
 }
 
-/* A client that ended before this was asked for has closed its end. */
+/* A client that ended before PR_SET_PDEATHSIG has closed its end. */
 inline void end_with_client()
 {
     struct pollfd client = {fd, 0, 0};
@@ -151,8 +150,8 @@ inline void end_with_client()
         leave(0);
 }
 
-/* Moves the socket away from standard input and output, and closes what was inherited besides; no
- * core, no more addresses than `most`, and no life after the client's. */
+/* Move the socket away from standard input and output, close inherited descriptors, disable core
+ * dumps, limit the address space to `most`, and die with the client. */
 inline void prepare(rlim_t most)
 {
     constexpr int socket = 3;
@@ -169,13 +168,13 @@ inline void prepare(rlim_t most)
 }
 
 struct Needs {
-    std::vector<struct confine_place> places; /* what is not there is passed over */
+    std::vector<struct confine_place> places; /* missing files are skipped */
     unsigned calls = 0;                       /* enum confine_calls */
     bool writes = false;
-    rlim_t seconds = 0; /* of the processor's time */
+    rlim_t seconds = 0; /* processor time */
 };
 
-/* The first three, for good. */
+/* Establish W1 to W3, permanently. */
 inline void confine(const Needs &needs)
 {
     constexpr rlim_t files_most = 256;

@@ -6,7 +6,7 @@
 namespace registering
 {
 
-Found find(Volume[2])
+Found register_volumes(Volume[2])
 {
     throw Refusal{"registering: " + attempts("./probed", false, false)};
 }

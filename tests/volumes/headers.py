@@ -405,7 +405,7 @@ def make_hdf5():
             ("no-unit", {"axistags": tags("zyx", size)}, "axistags has numbers, and their unit"),
             ("two-units", {"element_size_um": [1.0, 2, 3], "unit": "nm"}, "another has another"),
             ("which", {"element_size_um": [1.0, 2, 3], "axistags": tags("xyz")}, "of which the"),
-            ("order", {"resolution": [5.0, 3, 2], "unit": "um"}, "of which the order is not known"),
+            ("order", {"resolution": [5.0, 3, 2], "unit": "um"}, "whose order is unknown"),
             ("odd-unit", {"spacing": [5.0, 5, 5], "unit": "ell"}, "and their unit is not known")):
         hdf5(name + ".h5", data if name == "which" else data.T, attributes)
         if name == "two-units":
