@@ -250,8 +250,8 @@ STORY(places_that_do_not_say_it_are_refused_in_words)
         size_t n;
         const double (*from)[3], (*to)[3];
         const char *words;
-    } cases[] = {{AFFINE_RIGID, 2, solid, solid, "2 pairs of places; a rigid map takes 3 or more"},
-                 {AFFINE_FULL, 3, solid, solid, "affine map takes 4"},
+    } cases[] = {{AFFINE_RIGID, 2, solid, solid, "2 pairs of places; a rigid map needs 3 or more"},
+                 {AFFINE_FULL, 3, solid, solid, "affine map needs 4"},
                  {AFFINE_RIGID, 4, line, solid, "on one line"},
                  {AFFINE_SIMILARITY, 4, solid, line, "on one line"},
                  {AFFINE_RIGID, 4, point, solid, "on one line"},

@@ -140,7 +140,7 @@ sed 's/A /A x/' marks.txt >bad.txt
 expect 3 "$iftty" apply p.iftty other.nii --by landmarks --landmarks bad.txt --out o2
 err_has "bad.txt, line 1: expected NAME X,Y,Z in millimetres, each name once"
 expect 2 "$iftty" apply p.iftty other.nii --by landmarks --out o2
-err_has "--landmarks FILE gives those of the subject"
+err_has "--landmarks FILE"
 close_story
 
 begin "the subject's landmarks may be those of a journal of it"
@@ -163,7 +163,7 @@ put away.nii 292 '\000\200\351\103' # its sform: 467 in place of -33
 apply away.nii --by shift.txt
 expect 0 "$iftty" verify o/away.iftty
 expect 3 "$iftty" apply p.iftty far.nii --by world --out o
-err_has "they have no place in common"
+err_has "the scenes do not overlap"
 expect 3 "$iftty" apply p.iftty moved.nii --by nothere.txt --out o
 err_has "nothere.txt"
 close_story
@@ -183,7 +183,7 @@ before=$(cat o/moved.iftty)
 expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
 out_has "moved.nii: done before: o/moved.iftty"
 expect 3 "$iftty" apply p.iftty moved.nii --by world --as seeds --out o
-err_has "is there, and is not what would be made now"
+err_has "exists, and differs from the journal that would be written"
 cp mirrored.nii moved2.nii && mkdir -p other && cp mirrored.nii other/moved.nii
 expect 3 "$iftty" apply p.iftty other/moved.nii --by world --out o
 same "$(cat o/moved.iftty)" "$before"
@@ -211,7 +211,7 @@ for by in world affine; do
         grep -qF "$origin" o/again.iftty || fail "no such origin: $origin"
         cp o/again.iftty forged.iftty
         expect 3 "$iftty" apply p.iftty again.nii --by $by --out o
-        err_has "is there, and is not what would be made now: its records are others"
+        err_has "exists, and differs from the journal that would be written"
         same_files o/again.iftty forged.iftty
     done
 done
@@ -221,7 +221,7 @@ begin "no file that apply did not write is replaced, and none is left that it di
 rm -rf o && mkdir o
 echo mine >o/moved.seeds.nii.gz
 expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
-err_has "o/moved.seeds.nii.gz is there, and is not the map of seeds that would be written"
+err_has "o/moved.seeds.nii.gz exists, and is not the map of seeds that would be written"
 same "$(cat o/moved.seeds.nii.gz) $(ls o)" "mine moved.seeds.nii.gz"
 echo mine >elsewhere && ln -sf ../elsewhere o/moved.seeds.nii.gz
 expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
@@ -249,7 +249,7 @@ nothing() { # SCENE...: status 2, and o is as it was
     same_files before after
 }
 nothing p.iftty moved.nii o/moved.seeds.nii.gz
-err_has "moved.nii would come to o/moved.seeds.nii.gz, which is the file o/moved.seeds.nii.gz"
+err_has "moved.nii would be written to o/moved.seeds.nii.gz, which is the file o/moved.seeds.nii.gz"
 mkdir there && ln -s ../o there/linked
 nothing p.iftty moved.nii there/linked/moved.seeds.nii.gz
 ln -s o/moved.seeds.nii.gz not-yet.nii.gz
@@ -290,15 +290,15 @@ rm o/sub-01_T1w.seeds.nii.gz # the journal has a copy beside it, under its own n
 same "$(find o -name 'labels-*' | cut -d / -f 2)" sub-01_T1w.golden
 expect 0 "$iftty" verify o/sub-01_T1w.iftty
 expect 2 "$iftty" apply p.iftty moved.nii other/moved.nii --by world --out o
-err_has "would both come to o/moved.iftty"
+err_has "would both be written to o/moved.iftty"
 close_story
 
 begin "what a file does not say is not guessed"
 $phantom make silent.nii moved silent
 expect 3 "$iftty" apply p.iftty silent.nii --by world --out o
-err_has "does not say to which sides of the patient its axes run, and nobody may guess it; --orient"
+err_has "does not say to which sides of the patient its axes run, and iftty does not guess it; if"
 expect 3 "$iftty" apply p.iftty silent.nii --by world --orient RAS --out o
-err_has "its file does not say where it lies in the world; --by landmarks needs no more"
+err_has "its file does not say where it is in the world; --by landmarks needs only"
 printf 'A 33,26,27\nB 53,31,27\nC 33,40,33\n' >told.txt
 apply silent.nii --by landmarks --landmarks told.txt --orient RAS
 expect 0 $phantom check o/silent.seeds.nii.gz moved 7 2.2
@@ -309,12 +309,12 @@ close_story
 
 begin "a registration without the expert's image is refused, in words that help"
 expect 3 "$iftty" apply p.proc moved.nii --out o3
-err_has "looks at both scenes, and a procedure's file has none; give the journal with its scene"
+err_has "needs both scenes, and a procedure's file has no scene; use the journal with its scene"
 close_story
 
 begin "a registration that is not believed is refused: status 1, and no journal"
 expect 1 "$iftty" apply p.iftty oblique.nii --out o3
-err_has "the scenes were registered, and the outcome is not believed"
+err_has "the scenes were registered, and the result is implausible"
 same "$(ls o3)" ""
 expect 0 "$iftty" apply p.iftty plain.nii --out o3
 out_has "registered: overlap 100 %"
@@ -333,7 +333,7 @@ rows = json.load(open(sys.argv[1]))
 assert [row["state"] for row in rows] == ["made", "failed", "made"], rows
 assert rows[0]["labels"][0]["name"] == "large" and rows[0]["labels"][0]["seeds"] > 500
 assert 0.8 < rows[0]["labels"][1]["volume_mm3"] / rows[0]["labels"][1]["expected_mm3"] < 1.3
-assert len(rows[0]["pull"]) == 12 and "no place in common" in rows[1]["why"]
+assert len(rows[0]["pull"]) == 12 and "do not overlap" in rows[1]["why"]
 END
 err_has "1 of 3 scenes failed or were refused"
 close_story
@@ -359,10 +359,10 @@ refused() { # SED WORDS
 }
 forge p.proc same.proc ''
 same_files p.proc same.proc
-refused 's/^setting weight.*/setting weight \/etc\/passwd/' "a setting that is none of weights"
-refused 's/^setting weight.*/setting save labels stolen.nii/' "a setting that is none of weights"
-refused 's/^setting weight.*/setting open other.nii/' "a setting that is none of weights"
-refused 's/^setting weight.*/setting nonsense/' "a setting that is none of weights"
+refused 's/^setting weight.*/setting weight \/etc\/passwd/' "a setting that is not of weights"
+refused 's/^setting weight.*/setting save labels stolen.nii/' "a setting that is not of weights"
+refused 's/^setting weight.*/setting open other.nii/' "a setting that is not of weights"
+refused 's/^setting weight.*/setting nonsense/' "a setting that is not of weights"
 refused 's/^size .*/size 65534 65534 65534/' "it has more than"
 refused 's/^size .*/size 64 56 47/' "runs LABEL"
 refused 's/^size .*/size 64 56 49/' "runs LABEL"
@@ -386,7 +386,7 @@ expect 2 "$iftty" apply p.iftty moved.nii --as pictures
 err_has "--as: expected labels or seeds, not pictures"
 expect 2 "$iftty" apply p.iftty moved.nii --by landmarks --fit bent --landmarks marks.txt
 expect 2 "$iftty" apply p.iftty moved.nii far.nii --by landmarks --landmarks marks.txt
-err_has "they are those of one subject"
+err_has "the landmarks belong to one subject"
 mkdir -p stranger && cp p.iftty stranger && sed -i 's/^open .*/open ..\/plain.nii weight=morph/' \
     stranger/p.iftty
 chain_anew stranger/p.iftty stranger/q.iftty

@@ -100,7 +100,7 @@ static void check_refused(const struct deformation *d, const char *words)
     struct fault fault;
     CHECK_INT(find_of(&found, d, &subject, &fault), ERR_CHECK);
     CHECK_HAS(fault.text, words);
-    CHECK_HAS(fault.text, "marks in both scenes");
+    CHECK_HAS(fault.text, "landmarks in both scenes");
 }
 
 STORY(a_mirror_image_and_a_slab_are_refused_in_words)
@@ -109,8 +109,8 @@ STORY(a_mirror_image_and_a_slab_are_refused_in_words)
     mirrored.mirrored = true;
     slab.first = 16;
     slab.planes = 4;
-    check_refused(&mirrored, "left and right may be mixed up");
-    check_refused(&slab, "of what one scene shows lies in the other");
+    check_refused(&mirrored, "left and right may be swapped");
+    check_refused(&slab, "of one scene's content is inside the other");
 }
 
 STORY(scenes_that_say_too_little_are_refused_before_anything_is_done)
@@ -124,7 +124,7 @@ STORY(scenes_that_say_too_little_are_refused_before_anything_is_done)
     CHECK_INT(subject_make(&subject, &ch2, &nothing, COARSE), OK);
     geometry_place_spaced(&subject.geometry);
     CHECK_INT(find(&found, &subject, NULL, &fault), ERR_INPUT);
-    CHECK_HAS(fault.text, "the subject's file does not say how its axes lie");
+    CHECK_HAS(fault.text, "the subject's file does not say how its axes run");
     scene_free(subject.scene);
 }
 
@@ -192,14 +192,14 @@ STORY(each_figure_of_an_answer_is_judged)
         {0, 1.8, ERR_CHECK, "it stretches by 1.80, 1.00 and 1.00"},
         {5, 0.5, ERR_CHECK, "it stretches by 1.00, 1.00 and 0.50"},
         {5, 0, ERR_CHECK, "it stretches by 1.00, 1.00 and 0.00"},
-        {12, 0.1, ERR_CHECK, "next to nothing about each other (0.100 nats"},
-        {13, 1.06, ERR_CHECK, "fit better as they lie in their worlds (1.060 nats to 1.000)"},
+        {12, 0.1, ERR_CHECK, "hardly related (0.100 nats"},
+        {13, 1.06, ERR_CHECK, "fit better without it (1.060 nats to 1.000)"},
         {13, 1.04, OK, ""},
         {14, 1.02, OK, ""},
-        {14, 1.04, ERR_CHECK, "left and right may be mixed up"},
-        {15, 0.45, ERR_CHECK, "only 45 % of what one scene shows lies in the other"},
-        {16, 0.12, ERR_CHECK, "only 12 % of what"},
-        {17, 6.5, ERR_CHECK, "there and back leads 6.5 mm away; expected 6.0 mm or less"},
+        {14, 1.04, ERR_CHECK, "left and right may be swapped"},
+        {15, 0.45, ERR_CHECK, "only 45 % of one scene's content is inside the other"},
+        {16, 0.12, ERR_CHECK, "only 12 % of one"},
+        {17, 6.5, ERR_CHECK, "the maps there and back differ by 6.5 mm; expected 6.0 mm or less"},
         {17, -1, ERR_IO, "makes no sense"},
         {3, NAN, ERR_IO, "makes no sense"},
         {12, INFINITY, ERR_IO, "makes no sense"},

@@ -57,7 +57,7 @@ bool affine_invert(struct affine *out, const struct affine *a)
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             size = fmax(size, fabs(a->m[i][j]));
-    /* Relative to its size, so that nanometres are as good as metres. */
+    /* Relative to the size of the matrix: nanometres and metres work alike. */
     if (!affine_is_finite(a) || !(fabs(determinant) > 1e-12 * size * size * size))
         return false;
     for (int i = 0; i < 3; i++)
@@ -76,8 +76,8 @@ bool affine_invert(struct affine *out, const struct affine *a)
 
 enum { SIDE = 4 };
 
-/* Of a symmetric matrix of n <= 4 rows, by Jacobi's rotations: values, which are left on its
- * diagonal, and vectors in the columns of `vector`. */
+/* Eigenvalues and eigenvectors of a symmetric matrix of n <= 4 rows, by Jacobi's rotations. The
+ * values are left on the diagonal of `matrix`, the vectors in the columns of `vector`. */
 static void eigen(int n, double matrix[SIDE][SIDE], double vector[SIDE][SIDE])
 {
     enum { SWEEPS = 60 };
@@ -115,7 +115,7 @@ static void swap(double *a, double *b)
     *b = held;
 }
 
-/* The square roots of the eigenvalues of m' m, or of a sum of x x' (`squared`), largest first. */
+/* Square roots of the eigenvalues of m' m, or of a sum of x x' (`squared`), largest first. */
 static void spread(const struct affine *squared, double out[3])
 {
     double matrix[SIDE][SIDE] = {{0}}, vector[SIDE][SIDE];
@@ -142,13 +142,13 @@ void affine_stretches(const struct affine *a, double out[3])
 
 /* ---- the fit ---- */
 
-/* A spread so much smaller than the largest is none: what a mark may be off by, of a head. */
+/* A smaller spread, relative to the largest, counts as zero: the error of a mark in a head. */
 static const double FLAT = 0.01;
 
-/* A mirror image that leaves less than this part of what a rotation leaves: they are mirrored. */
+/* The places are mirrored if a mirror image leaves less than this part of a rotation's residual. */
 static const double MIRRORED = 0.5;
 
-/* Both sets of places about their middles. */
+/* Sums over both sets of places, relative to their means. */
 struct moments {
     double from_mean[3], to_mean[3];
     struct affine from_from, to_to, to_from; /* sums of products */
@@ -175,7 +175,7 @@ static void take_moments(struct moments *out, size_t n, const double (*from)[3],
             }
 }
 
-/* Out of `size` dimensions: 2 for what must not lie on a line, 3 for a plane. */
+/* Test whether a set of places is flat: on a line (size 2) or in a plane (size 3). */
 static bool is_flat(const struct affine *squared, int size)
 {
     double length[3];
@@ -183,7 +183,7 @@ static bool is_flat(const struct affine *squared, int size)
     return !(length[size - 1] > FLAT * length[0]) || !isfinite(length[0]);
 }
 
-/* The rotation that takes `from` nearest to `to`. */
+/* Compute the rotation that maps `from` closest to `to`. */
 static void rotation(struct affine *out, const struct affine *to_from)
 {
     /* Horn's N, with the sums S_ab of from_a to_b: s is its transpose. */
@@ -209,8 +209,9 @@ static void rotation(struct affine *out, const struct affine *to_from)
          {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}}};
 }
 
-/* Whether a mirror image would fit far better than any rotation: by the singular values s of the
- * sums, what is left of either is what there is less twice s0 + s1 + s2 or s0 + s1 - s2. */
+/* Test whether a mirror image would fit far better than any rotation. By the singular values s of
+ * the sums, the residual is the total less twice s0 + s1 + s2 for the mirror image, s0 + s1 - s2
+ * for the rotation. */
 static bool is_mirrored(const struct moments *sums)
 {
     double s[3], from = 0, to = 0;
@@ -221,7 +222,7 @@ static bool is_mirrored(const struct moments *sums)
     if (!(affine_determinant(&sums->to_from) < 0))
         return false;
     affine_stretches(&sums->to_from, s);
-    const double scale = (s[0] + s[1] + s[2]) / from; /* whatever the kind allows */
+    const double scale = (s[0] + s[1] + s[2]) / from; /* an upper bound for each kind */
     const double mirrored = to - scale * (s[0] + s[1] + s[2]);
     const double rotated = to - (s[0] + s[1] - s[2]) * (s[0] + s[1] - s[2]) / from;
     return fmax(mirrored, 0) < MIRRORED * MIRRORED * rotated;
@@ -235,7 +236,7 @@ enum err affine_fit(struct affine *out, enum affine_kind kind, size_t n, const d
     struct moments sums;
     struct affine found;
     if (n < least)
-        return fault_set(fault, ERR_INPUT, "%zu pair%s of places; a %s map takes %zu or more", n,
+        return fault_set(fault, ERR_INPUT, "%zu pair%s of places; a %s map needs %zu or more", n,
                          n == 1 ? "" : "s",
                          kind == AFFINE_RIGID        ? "rigid"
                          : kind == AFFINE_SIMILARITY ? "similarity"
@@ -244,20 +245,21 @@ enum err affine_fit(struct affine *out, enum affine_kind kind, size_t n, const d
     take_moments(&sums, n, from, to);
     if (is_flat(&sums.from_from, is_full ? 3 : 2) || is_flat(&sums.to_to, is_full ? 3 : 2))
         return fault_set(fault, ERR_INPUT,
-                         is_full ? "all places lie in one plane, or nearly so, which leaves an "
-                                   "affine map open; expected one more, well off that plane"
-                                 : "all places lie on one line, or nearly so, which leaves the "
-                                   "turn about it open; expected one more, well off that line");
+                         is_full
+                             ? "all places are in one plane, or nearly so, which does not "
+                               "determine an affine map; add a place well off that plane"
+                             : "all places are on one line, or nearly so, which does not determine "
+                               "the rotation about it; add a place well off that line");
     if (is_mirrored(&sums))
         return fault_set(fault, ERR_INPUT,
-                         "the places are mirror images of each other, as where left and right are "
-                         "mixed up; expected the same ones on the same sides");
+                         "the places are mirror images of each other, as if left and right were "
+                         "swapped; expected the same places on the same sides");
     if (!is_full)
         rotation(&found, &sums.to_from);
     else if (affine_invert(&found, &sums.from_from))
         affine_compose(&found, &sums.to_from, &found);
     else
-        return fault_set(fault, ERR_INPUT, "the places leave an affine map open");
+        return fault_set(fault, ERR_INPUT, "the places do not determine an affine map");
     double turned = 0, whole = 0;
     for (int i = 0; i < 3; i++) {
         whole += sums.from_from.m[i][i];
@@ -273,9 +275,9 @@ enum err affine_fit(struct affine *out, enum affine_kind kind, size_t n, const d
         }
     }
     if (!affine_is_finite(&found) || !(affine_determinant(&found) > 0))
-        return fault_set(fault, ERR_INPUT,
-                         "the places turn the scene inside out; expected the same ones on the "
-                         "same sides");
+        return fault_set(
+            fault, ERR_INPUT,
+            "the map would turn the scene inside out; expected the same places on the same sides");
     double squares = 0;
     for (size_t p = 0; p < n; p++) {
         double at[3];

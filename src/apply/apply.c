@@ -22,12 +22,12 @@ struct applying {
     struct buf image;
     struct procedure_landmark landmark[PROCEDURE_LANDMARKS];
     struct subject_choice choice;
-    struct buf text; /* the report as JSON, which is printed at the end */
+    struct buf text; /* report as JSON, printed at the end */
     struct json json;
     size_t refused, failed, made, there;
 };
 
-/* ---- what is asked ---- */
+/* ---- options and inputs ---- */
 
 static enum err take_options(struct applying *a, struct fault *fault)
 {
@@ -51,12 +51,13 @@ static enum err take_options(struct applying *a, struct fault *fault)
     a->choice.carry.kind = (enum affine_kind)kind;
     if (a->choice.carry.way == CARRY_LANDMARKS && !o->landmarks)
         return fault_set(fault, ERR_USAGE,
-                         "--by landmarks: --landmarks FILE gives those of the subject: lines NAME "
-                         "X,Y,Z in millimetres, or a journal with the command `landmark`");
+                         "--by landmarks: name the subject's landmarks by --landmarks FILE: lines "
+                         "NAME X,Y,Z in millimetres, or a journal with the command `landmark`");
     if (o->landmarks && o->scenes > 1)
-        return fault_set(fault, ERR_USAGE,
-                         "--landmarks: they are those of one subject; expected one scene, not %zu",
-                         o->scenes);
+        return fault_set(
+            fault, ERR_USAGE,
+            "--landmarks: the landmarks belong to one subject; expected one scene, not %zu",
+            o->scenes);
     if (a->choice.carry.way == CARRY_FILE && o->scenes > 1)
         return fault_set(fault, ERR_USAGE,
                          "--by %s: a transform leads to one scene; expected one, not %zu", o->by,
@@ -64,7 +65,7 @@ static enum err take_options(struct applying *a, struct fault *fault)
     return OK;
 }
 
-/* No two scenes come to one journal. */
+/* Reject two scenes with the same journal. */
 static enum err check_names(struct applying *a, struct fault *fault)
 {
     const struct apply_options *o = a->options;
@@ -78,8 +79,8 @@ static enum err check_names(struct applying *a, struct fault *fault)
             subject_path(&name[1], &a->choice, SUBJECT_JOURNAL);
             if (strcmp(buf_text(&name[0]), buf_text(&name[1])) == 0)
                 err = fault_set(fault, ERR_USAGE,
-                                "%s and %s would both come to %s; apply them one by one, each with "
-                                "an --out DIR of its own",
+                                "%s and %s would both be written to %s; apply them one by one, "
+                                "each with its own --out DIR",
                                 o->scene[k], o->scene[i], buf_text(&name[0]));
             buf_release(&name[0]);
             buf_release(&name[1]);
@@ -87,7 +88,7 @@ static enum err check_names(struct applying *a, struct fault *fault)
     return err;
 }
 
-/* A file as it is reached by any link; the system says whether two are one. */
+/* Identity of a file, by its resolved path and by its inode. */
 struct file_place {
     const char *name;
     struct buf settled;
@@ -109,8 +110,7 @@ static bool is_one(const struct file_place *a, const struct file_place *b)
             a->status.st_ino == b->status.st_ino);
 }
 
-/* ERR_USAGE where a file that a scene would come to is one of those that are read, or lies in a
- * folder that is. */
+/* ERR_USAGE if an output file is an input, or is below an input folder. */
 static enum err check_output(const struct applying *a, const char *path,
                              const struct file_place *input, size_t inputs, struct fault *fault)
 {
@@ -128,8 +128,8 @@ static enum err check_output(const struct applying *a, const char *path,
             err = fault_memory(fault, "a path");
         else if (is_in || is_one(&output, &input[i]))
             err = fault_set(fault, ERR_USAGE,
-                            "%s would come to %s, which is %s%s that is read; nothing was written; "
-                            "--out DIR makes it elsewhere",
+                            "%s would be written to %s, which is %s%s that is read; nothing was "
+                            "written; choose another folder by --out DIR",
                             a->choice.scene, path, is_in ? "in the folder " : "the file ",
                             input[i].name);
     }
@@ -139,8 +139,8 @@ static enum err check_output(const struct applying *a, const char *path,
     return err;
 }
 
-/* No scene comes to a file that is read: the procedure, its scene, landmarks, a transform, a scene
- * that is yet to come. */
+/* Check that no output overwrites an input: procedure, its scene, landmarks, transform, any scene.
+ */
 static enum err check_inputs(struct applying *a, struct fault *fault)
 {
     static const char *const output[] = {SUBJECT_JOURNAL, SUBJECT_SEEDS, SUBJECT_GOLDENS};
@@ -171,7 +171,7 @@ static enum err check_inputs(struct applying *a, struct fault *fault)
     return err;
 }
 
-/* A journal of the subject is carried out as that of the procedure is. */
+/* A journal is replayed as the procedure's is. */
 static enum err take_landmarks(struct applying *a, struct fault *fault)
 {
     const struct apply_options *o = a->options;
@@ -190,9 +190,9 @@ static enum err take_landmarks(struct applying *a, struct fault *fault)
     return err;
 }
 
-/* ---- what came of a scene ---- */
+/* ---- results of a scene ---- */
 
-static void print(struct applying *a, struct buf *text)
+static void print_text(struct applying *a, struct buf *text)
 {
     a->printer->print(a->printer->context, buf_text(text));
     buf_release(text);
@@ -226,7 +226,7 @@ static void write_text(struct applying *a, const struct subject *s, enum err err
     struct buf text = {0};
     buf_add_safe_text(&text, a->choice.scene);
     if (err && a->options->scenes == 1) {
-        buf_clear(&text); /* the end says it */
+        buf_clear(&text); /* printed by the caller */
     } else if (err) {
         buf_printf(&text, ": %s: %s\n", err == ERR_CHECK ? "refused" : "failed", fault->text);
     } else if (s->was_there) {
@@ -239,7 +239,7 @@ static void write_text(struct applying *a, const struct subject *s, enum err err
         buf_printf(&text, "%s%s\n", s->words.length ? ", " : "", buf_text(&s->words));
         write_table(&text, a, s);
     }
-    print(a, &text);
+    print_text(a, &text);
 }
 
 static void write_json(struct applying *a, const struct subject *s, enum err err,
@@ -288,7 +288,7 @@ static void write_json(struct applying *a, const struct subject *s, enum err err
     json_end(json);
 }
 
-/* ---- all of them ---- */
+/* ---- all scenes ---- */
 
 static enum err apply_one(struct applying *a, struct fault *fault)
 {
@@ -325,12 +325,12 @@ static enum err apply_all(struct applying *a, struct fault *fault)
     if (worst == ERR_CANCELLED)
         return worst;
     if (o->json)
-        print(a, &a->text);
+        print_text(a, &a->text);
     else if (o->scenes > 1) {
         struct buf sum = {0};
         buf_printf(&sum, "# %zu made, %zu done before, %zu refused, %zu failed\n", a->made,
                    a->there, a->refused, a->failed);
-        print(a, &sum);
+        print_text(a, &sum);
     }
     return worst && o->scenes > 1
                ? fault_set(fault, worst, "%zu of %zu scenes failed or were refused",
@@ -364,7 +364,7 @@ enum err apply_procedure(const struct apply_options *options, const struct print
     if (!err)
         err = apply_all(a, fault);
     if (err && makes_folder)
-        rmdir(options->out); /* stays where it holds anything */
+        rmdir(options->out); /* fails if it has files */
     procedure_release(&a->procedure);
     buf_release(&a->image);
     buf_release(&a->text);

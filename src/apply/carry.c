@@ -74,8 +74,8 @@ enum err carry_read_landmarks(struct procedure_landmark mark[PROCEDURE_LANDMARKS
     return err;
 }
 
-static enum err fit(struct carry *carry, const struct carry_choice *choice,
-                    const struct procedure *p, struct fault *fault)
+static enum err fit_landmarks(struct carry *carry, const struct carry_choice *choice,
+                              const struct procedure *p, struct fault *fault)
 {
     double from[PROCEDURE_LANDMARKS][3], to[PROCEDURE_LANDMARKS][3];
     size_t n = 0;
@@ -89,8 +89,8 @@ static enum err fit(struct carry *carry, const struct carry_choice *choice,
     if (n < AFFINE_PAIRS)
         return fault_set(fault, ERR_INPUT,
                          "%zu landmark%s of the subject %s in the procedure too (%zu and %zu), and "
-                         "3 are needed; `landmark NAME X,Y,Z` in the procedure's journal makes "
-                         "them, and --landmarks FILE gives those of the subject",
+                         "3 are needed; `landmark NAME X,Y,Z` adds them to the procedure's "
+                         "journal, and --landmarks FILE names the subject's",
                          n, plural(n), n == 1 ? "is" : "are", choice->landmarks, p->landmarks);
     const enum affine_kind kind =
         choice->kind == AFFINE_FULL && n < AFFINE_PAIRS_FULL ? AFFINE_RIGID : choice->kind;
@@ -103,9 +103,9 @@ static enum err fit(struct carry *carry, const struct carry_choice *choice,
     return err;
 }
 
-/* ---- registered ---- */
+/* ---- registration ---- */
 
-/* Of the procedure's scene: where it lies, and its steps. */
+/* Place and spacing of the procedure's scene. */
 static struct geometry geometry_of(const struct procedure *p)
 {
     struct geometry geometry = {.slope = 1};
@@ -124,9 +124,9 @@ static enum err find_affine(struct carry *carry, const struct carry_choice *choi
     const struct geometry geometry = geometry_of(p);
     if (!choice->intensity)
         return fault_set(fault, ERR_INPUT,
-                         "--by affine looks at both scenes, and a procedure's file has none; give "
-                         "the journal with its scene, or carry over --by landmarks, --by FILE (a "
-                         "transform that was found where the scene is) or --by world");
+                         "--by affine needs both scenes, and a procedure's file has no scene; use "
+                         "the journal with its scene, or --by landmarks, --by FILE (a transform "
+                         "that was found with the scene) or --by world");
     enum err err = scene_new_filled(&scene, p->size, choice->intensity, subject->watch, fault);
     if (!err) {
         memcpy(scene->spacing_nm, geometry.spacing_nm, sizeof scene->spacing_nm);
@@ -150,9 +150,9 @@ static enum err find_affine(struct carry *carry, const struct carry_choice *choi
     return err;
 }
 
-/* ---- any ---- */
+/* ---- all ways ---- */
 
-/* What is not known of where a scene lies. */
+/* Reject a scene whose place is not known well enough. */
 static enum err check_place(const struct carry_choice *choice, const struct procedure *p,
                             const struct session *subject, struct fault *fault)
 {
@@ -161,22 +161,22 @@ static enum err check_place(const struct carry_choice *choice, const struct proc
         geometry->orientation != ORIENTATION_UNKNOWN && !geometry->spacing_unknown;
     const bool has_place = geometry_has_place(geometry);
     if (!has_sides)
-        return fault_set(fault, ERR_INPUT, "its file does not say %s, and nobody may guess it; %s",
-                         geometry->spacing_unknown ? "how far apart voxels are"
-                                                   : "to which sides of the patient its axes run",
-                         geometry->spacing_unknown
-                             ? "write a file that does"
-                             : "--orient RAS, say, tells it, where you know it for sure");
+        return fault_set(
+            fault, ERR_INPUT, "its file does not say %s, and iftty does not guess it; %s",
+            geometry->spacing_unknown ? "how far apart voxels are"
+                                      : "to which sides of the patient its axes run",
+            geometry->spacing_unknown
+                ? "write a file that does"
+                : "if you know the orientation for sure, give it, for example by --orient RAS");
     if (choice->way == CARRY_LANDMARKS || choice->way == CARRY_AFFINE ||
         (has_place && p->has_place))
         return OK;
     return fault_set(fault, ERR_INPUT,
-                     "%s where %s in the world; --by landmarks needs no more than sides and "
-                     "millimetres",
+                     "%s where %s in the world; --by landmarks needs only sides and millimetres",
                      has_place      ? "the procedure's scene does not say"
                      : p->has_place ? "its file does not say"
                                     : "neither its file nor the procedure's scene says",
-                     has_place || p->has_place ? "it lies" : "they lie");
+                     has_place || p->has_place ? "it is" : "they are");
 }
 
 enum err carry_find(struct carry *carry, const struct carry_choice *choice,
@@ -189,7 +189,7 @@ enum err carry_find(struct carry *carry, const struct carry_choice *choice,
     if (err || choice->way == CARRY_WORLD)
         return err;
     if (choice->way == CARRY_LANDMARKS)
-        return fit(carry, choice, p, fault);
+        return fit_landmarks(carry, choice, p, fault);
     if (choice->way == CARRY_AFFINE)
         return find_affine(carry, choice, p, subject, fault);
     const struct geometry of_procedure = geometry_of(p);

@@ -26,8 +26,8 @@ double percentiles_value(const struct session *session, uint32_t cell)
     return levels_value(&session->geometry, session->levels, session->scene->cell[cell].intensity);
 }
 
-/* The least intensity that a tenth of `tenths` of the voxels do not exceed. */
-static uint16_t find(const uint32_t *count, uint64_t voxels, unsigned tenths)
+/* Lowest intensity that at most a tenth of `tenths` of the voxels exceed. */
+static uint16_t intensity_at_tenth(const uint32_t *count, uint64_t voxels, unsigned tenths)
 {
     uint64_t below = 0;
     unsigned at = 0;
@@ -65,10 +65,10 @@ enum err percentiles_find(struct percentiles *out, const struct session *session
     for (unsigned l = 0; l < 256; l++) {
         if (fine && count[l]) {
             const double low = levels_value(&session->geometry, session->levels,
-                                            find(count[l], out->voxels[l], 1)),
+                                            intensity_at_tenth(count[l], out->voxels[l], 1)),
                          high = levels_value(&session->geometry, session->levels,
-                                             find(count[l], out->voxels[l], 9));
-            out->low[l] = low < high ? low : high; /* a slope may be below 0 */
+                                             intensity_at_tenth(count[l], out->voxels[l], 9));
+            out->low[l] = low < high ? low : high; /* the slope may be negative */
             out->high[l] = low < high ? high : low;
         }
         free(count[l]);
@@ -81,10 +81,10 @@ _Static_assert((int)PROCEDURE_NAME == (int)LABEL_NAME_BYTES &&
                    (int)PROCEDURE_LANDMARKS == (int)LANDMARKS,
                "names and landmarks of a session fit");
 
-/* ---- which command put up which markers ---- */
+/* ---- markers of each command ---- */
 
 struct planted {
-    size_t record, first, last; /* its markers, from 1 */
+    size_t record, first, last; /* markers, counted from 1 */
 };
 
 struct noting {
@@ -108,7 +108,8 @@ static void note_markers(void *context, const struct interpreter *interp, const 
 
 /* ---- gestures ---- */
 
-/* What of a marker the seeds still are, at least half of it: another may lie over it. */
+/* Test whether at least half of a marker's seeds are still in effect; another marker may cover it.
+ */
 static bool still_stands(const struct markers *markers, const struct marker *marker)
 {
     uint32_t own = 0;
@@ -154,7 +155,7 @@ static const char *command_of(const struct history *history, size_t record)
     return NULL;
 }
 
-/* Balls and strokes alone: what else was planted is in the labels. */
+/* Only balls and strokes are kept; other gestures are kept by the labels. */
 static enum err take_gestures(struct procedure *p, const struct noting *noting,
                               const struct interpreter *interp, struct fault *fault)
 {
@@ -184,8 +185,7 @@ static enum err take_gestures(struct procedure *p, const struct noting *noting,
 static void write_settings(struct buf *out, const struct kept *kept, const struct state *state)
 {
     struct buf text = {0};
-    if (kept->weight.kind !=
-        WEIGHT_FILE) { /* a map lies on its scene: the default takes its place */
+    if (kept->weight.kind != WEIGHT_FILE) { /* a map belongs to its scene: use the default */
         act_write_weight(&text, kept);
         buf_add_text(out, "weight ");
         buf_add(out, buf_text(&text),
@@ -211,15 +211,15 @@ static void write_settings(struct buf *out, const struct kept *kept, const struc
     buf_release(&text);
 }
 
-/* ---- all of a session ---- */
+/* ---- from a session ---- */
 
 static enum err take_place(struct procedure *p, const struct session *session, struct fault *fault)
 {
     const struct geometry *geometry = &session->geometry;
     if (geometry->orientation == ORIENTATION_UNKNOWN || geometry->spacing_unknown)
         return fault_set(fault, ERR_INPUT,
-                         "the file of its scene does not say %s, and nobody may guess it; `orient` "
-                         "and `open ... spacing=` in a journal of that scene say it",
+                         "the file of its scene does not say %s, and iftty does not guess it; add "
+                         "`orient` and `open ... spacing=` to a journal of that scene",
                          geometry->spacing_unknown ? "how far apart voxels are"
                                                    : "to which sides of the patient its axes run");
     p->has_place = geometry_has_place(geometry);
@@ -288,9 +288,9 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
     return !err && p->settings.failed ? fault_memory(fault, "a procedure") : err;
 }
 
-/* ---- what its process hands back ---- */
+/* ---- from the replaying process ---- */
 
-/* How long the text is, the text, and the intensities. */
+/* Return the length of the text, the text, and the intensities. */
 static enum err hand_back(void *context, const struct interpreter *interp,
                           const struct side_facts *facts, const uint8_t *label, struct buf *out,
                           struct fault *fault)
@@ -320,7 +320,7 @@ static enum err hand_back(void *context, const struct interpreter *interp,
     return err;
 }
 
-/* The process may have been taken over: its text is read as a stranger's. */
+/* The process may be compromised: its text is parsed like a stranger's. */
 static enum err take_back(struct buf *text, struct buf *image, const struct side *side,
                           const char *path, struct fault *fault)
 {
@@ -329,7 +329,7 @@ static enum err take_back(struct buf *text, struct buf *image, const struct side
     if (left >= sizeof length)
         memcpy(&length, at, sizeof length);
     if (left < sizeof length || length > left - sizeof length)
-        return fault_set(fault, ERR_INPUT, "%s: its process hands back what makes no sense", path);
+        return fault_set(fault, ERR_INPUT, "%s: the answer of its process makes no sense", path);
     at += sizeof length, left -= sizeof length;
     buf_add(text, at, length);
     if (image)
@@ -337,7 +337,7 @@ static enum err take_back(struct buf *text, struct buf *image, const struct side
     return text->failed || (image && image->failed) ? fault_memory(fault, "a procedure") : OK;
 }
 
-/* ---- from outside ---- */
+/* ---- from a file ---- */
 
 enum err procedure_text(struct buf *text, struct buf *image, const struct procedure_source *source,
                         struct fault *fault)
@@ -366,7 +366,7 @@ enum err procedure_load(struct procedure *p, struct buf *image,
         err = procedure_read(p, buf_text(&text), text.length, fault);
         if (!err && image && image->length &&
             image->length != (size_t)2 * p->size[0] * p->size[1] * p->size[2])
-            err = fault_set(fault, ERR_INPUT, "its process hands back what makes no sense");
+            err = fault_set(fault, ERR_INPUT, "the answer of its process makes no sense");
         if (err)
             fault_prefix(fault, err, "%s", source->path);
     }
@@ -415,38 +415,15 @@ enum err procedure_add_corner(struct procedure *p, const double mm[3], struct fa
     return OK;
 }
 
-/* ---- written ---- */
-
-static void write_real(struct buf *out, double value)
-{
-    const struct decimal decimal = decimal_near(value, 17);
-    buf_add_char(out, ' ');
-    decimal_write(out, &decimal);
-}
+/* ---- writing ---- */
 
 static void write_reals(struct buf *out, const double *value, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
-        write_real(out, value[i]);
-}
-
-static void write_label(struct buf *out, unsigned label, const struct procedure_label *l)
-{
-    buf_printf(out, "label %u #%02x%02x%02x %u", label, l->rgb[0], l->rgb[1], l->rgb[2], l->number);
-    write_real(out, l->low);
-    write_real(out, l->high);
-    buf_printf(out, " %s\n", l->name);
-}
-
-static void write_gesture(struct buf *out, const struct procedure *p,
-                          const struct procedure_gesture *g)
-{
-    buf_printf(out, "gesture %u", g->label);
-    write_real(out, g->radius_mm);
-    write_real(out, g->within_mm);
-    write_real(out, g->intensity);
-    write_reals(out, p->corner[g->corner], 3 * g->corners);
-    buf_add_char(out, '\n');
+    for (size_t i = 0; i < count; i++) {
+        const struct decimal decimal = decimal_near(value[i], 17);
+        buf_add_char(out, ' ');
+        decimal_write(out, &decimal);
+    }
 }
 
 static void write_voxels(struct buf *out, const struct procedure *p)
@@ -480,16 +457,27 @@ void procedure_write(struct buf *out, const struct procedure *p)
         buf_printf(out, "setting %.*s\n", (int)n, at);
         at += n + (at[n] == '\n');
     }
-    for (unsigned label = 0; label < 256; label++)
-        if (p->label[label].is_there)
-            write_label(out, label, &p->label[label]);
+    for (unsigned label = 0; label < 256; label++) {
+        const struct procedure_label *l = &p->label[label];
+        if (!l->is_there)
+            continue;
+        buf_printf(out, "label %u #%02x%02x%02x %u", label, l->rgb[0], l->rgb[1], l->rgb[2],
+                   l->number);
+        write_reals(out, (const double[]){l->low, l->high}, 2);
+        buf_printf(out, " %s\n", l->name);
+    }
     for (size_t i = 0; i < p->landmarks; i++) {
         buf_printf(out, "landmark %s", p->landmark[i].name);
         write_reals(out, p->landmark[i].mm, 3);
         buf_add_char(out, '\n');
     }
-    for (size_t i = 0; i < p->gestures; i++)
-        write_gesture(out, p, &p->gesture[i]);
+    for (size_t i = 0; i < p->gestures; i++) {
+        const struct procedure_gesture *g = &p->gesture[i];
+        buf_printf(out, "gesture %u", g->label);
+        write_reals(out, (const double[]){g->radius_mm, g->within_mm, g->intensity}, 3);
+        write_reals(out, p->corner[g->corner], 3 * g->corners);
+        buf_add_char(out, '\n');
+    }
     buf_add_text(out, "voxels\n");
     write_voxels(out, p);
     if (out->failed)
@@ -498,22 +486,22 @@ void procedure_write(struct buf *out, const struct procedure *p)
     buf_printf(out, "digest %s\n", digest);
 }
 
-/* ---- read ---- */
+/* ---- reading ---- */
 
 struct reader {
-    const char *at, *end; /* of the text, which a NUL ends */
-    const char *line;     /* at hand */
+    const char *at, *end; /* the text; ends with a NUL */
+    const char *line;     /* current line */
     size_t number;
     struct fault *fault;
 };
 
-static enum err refuse(const struct reader *r, const char *expected)
+static enum err refuse_line(const struct reader *r, const char *expected)
 {
     return fault_set(r->fault, ERR_INPUT, "line %zu of the procedure: expected %s", r->number,
                      expected);
 }
 
-/* Begins the next line where it has this word. */
+/* Start the next line if it begins with this word. */
 static bool begins(struct reader *r, const char *word)
 {
     const char *at = r->at;
@@ -562,7 +550,7 @@ static bool take_number(struct reader *r, int64_t least, int64_t most, int64_t *
     return scan_text(&r->at, " ") && scan_integer(&r->at, least, most, out);
 }
 
-/* The rest of the line, or up to a blank; it may be empty where it is the rest. */
+/* Read a name up to a character of `until`; it may be empty. */
 static bool take_name(struct reader *r, char *out, size_t room, const char *until)
 {
     const size_t n = scan_text(&r->at, " ") ? strcspn(r->at, until) : room;
@@ -580,23 +568,23 @@ static enum err read_head(struct reader *r, struct procedure *p)
     char world[8];
     if (!begins(r, "iftty") || !scan_text(&r->at, " procedure") ||
         !take_number(r, 1, 999999999, &version) || !ends_line(r))
-        return refuse(r, "`" PROCEDURE_BEGINS "1`: it is none");
+        return refuse_line(r, "`" PROCEDURE_BEGINS "1` on the first line");
     if (version > PROCEDURE_VERSION)
         return fault_set(r->fault, ERR_INPUT,
                          "it is a procedure of version %lld, and this program knows %d",
                          (long long)version, PROCEDURE_VERSION);
     if (!begins(r, "chain") || !take_digits(r, p->chain.hex, RECORD_CHAIN_DIGITS) || !ends_line(r))
-        return refuse(r, "chain and 32 digits");
+        return refuse_line(r, "chain and 32 digits");
     if (!begins(r, "scene") || !take_digits(r, p->scene, SHA256_HEX - 1) || !ends_line(r))
-        return refuse(r, "scene and 64 digits");
+        return refuse_line(r, "scene and 64 digits");
     if (!begins(r, "world") || !take_name(r, world, sizeof world, " \n") || !ends_line(r) ||
         (strcmp(world, "place") != 0 && strcmp(world, "sides") != 0))
-        return refuse(r, "world place, or world sides");
+        return refuse_line(r, "world place, or world sides");
     p->has_place = *world == 'p';
     if (!begins(r, "size") || !take_number(r, 1, GRID_SIDE_MOST, &size[0]) ||
         !take_number(r, 1, GRID_SIDE_MOST, &size[1]) ||
         !take_number(r, 1, GRID_SIDE_MOST, &size[2]) || !ends_line(r))
-        return refuse(r, "size and three numbers");
+        return refuse_line(r, "size and three numbers");
     for (int a = 0; a < 3; a++)
         p->size[a] = (uint32_t)size[a];
     if ((uint64_t)size[0] * (uint64_t)size[1] > PROCEDURE_VOXELS / (uint64_t)size[2])
@@ -604,7 +592,7 @@ static enum err read_head(struct reader *r, struct procedure *p)
     struct affine inverse;
     if (!begins(r, "to_mm") || !take_reals(r, p->to_mm.m[0], 12) || !ends_line(r) ||
         !affine_invert(&inverse, &p->to_mm))
-        return refuse(r, "to_mm and twelve numbers that can be inverted");
+        return refuse_line(r, "to_mm and twelve numbers that can be inverted");
     return OK;
 }
 
@@ -613,10 +601,10 @@ static enum err read_left(struct reader *r, struct procedure *p)
     int64_t left[LEFT_KINDS];
     for (int i = 0; i < LEFT_KINDS; i++) {
         if (!take_number(r, 0, i == LEFT_GESTURES ? UINT32_MAX : 1, &left[i]))
-            return refuse(r, "what is not carried over: 0 or 1 three times, and a number");
+            return refuse_line(r, "left, 0 or 1 three times, and a number");
         p->left[i] = (uint32_t)left[i];
     }
-    return ends_line(r) ? OK : refuse(r, "the end of the line");
+    return ends_line(r) ? OK : refuse_line(r, "the end of the line");
 }
 
 static bool take_colour(struct reader *r, uint8_t rgb[3])
@@ -634,12 +622,12 @@ static enum err read_labels(struct reader *r, struct procedure *p)
     int64_t number, label, before = -1;
     while (begins(r, "label")) {
         if (!take_number(r, before + 1, 255, &label))
-            return refuse(r, "labels 0..255, in rising order");
+            return refuse_line(r, "labels 0..255, in rising order");
         struct procedure_label *l = &p->label[label];
         if (!take_colour(r, l->rgb) || !take_number(r, 0, REGION_MOST, &number) ||
             !take_real(r, &l->low) || !take_real(r, &l->high) || l->low > l->high ||
             !take_name(r, l->name, sizeof l->name, "\n") || !ends_line(r))
-            return refuse(r, "label N #rrggbb NUMBER LOW HIGH NAME");
+            return refuse_line(r, "label N #rrggbb NUMBER LOW HIGH NAME");
         l->number = (uint16_t)number;
         l->is_there = true;
         before = label;
@@ -652,13 +640,13 @@ static enum err read_landmarks(struct reader *r, struct procedure *p)
     while (begins(r, "landmark")) {
         struct procedure_landmark *mark = &p->landmark[p->landmarks];
         if (p->landmarks == PROCEDURE_LANDMARKS)
-            return refuse(r, "no more than 64 landmarks");
+            return refuse_line(r, "no more than 64 landmarks");
         if (!take_name(r, mark->name, sizeof mark->name, " \n") || !*mark->name ||
             !take_reals(r, mark->mm, 3) || !ends_line(r))
-            return refuse(r, "landmark NAME X Y Z");
+            return refuse_line(r, "landmark NAME X Y Z");
         for (size_t i = 0; i < p->landmarks; i++)
             if (strcmp(p->landmark[i].name, mark->name) == 0)
-                return refuse(r, "each landmark once");
+                return refuse_line(r, "each landmark once");
         p->landmarks++;
     }
     return OK;
@@ -673,18 +661,18 @@ static enum err read_gestures(struct reader *r, struct procedure *p)
         if (!take_number(r, 0, 255, &label) || !take_real(r, &g.radius_mm) ||
             !take_real(r, &g.within_mm) || !take_real(r, &g.intensity) || g.radius_mm < 0 ||
             g.within_mm < 0)
-            return refuse(r, "gesture LABEL RADIUS REACH INTENSITY X Y Z ...");
+            return refuse_line(r, "gesture LABEL RADIUS REACH INTENSITY X Y Z ...");
         g.label = (uint8_t)label;
         enum err err = procedure_add_gesture(p, &g, r->fault);
         while (!err && *r->at == ' ')
             err = take_reals(r, mm, 3) ? procedure_add_corner(p, mm, r->fault)
-                                       : refuse(r, "corners of three numbers each");
+                                       : refuse_line(r, "corners of three numbers each");
         if (err)
             return err;
         if (g.within_mm > 0 && p->gesture[p->gestures - 1].corners > 1)
-            return refuse(r, "a reach for a ball alone, and not for a stroke");
+            return refuse_line(r, "a reach for a ball alone, and not for a stroke");
         if (!p->gesture[p->gestures - 1].corners || !ends_line(r))
-            return refuse(r, "a corner of three numbers, and the end of the line");
+            return refuse_line(r, "a corner of three numbers, and the end of the line");
     }
     return OK;
 }
@@ -695,7 +683,7 @@ static enum err read_voxels(struct reader *r, struct procedure *p)
     int64_t label, count;
     size_t done = 0;
     if (!begins(r, "voxels") || !ends_line(r))
-        return refuse(r, "voxels, or lines in the order of the format");
+        return refuse_line(r, "voxels, or lines in the order of the format");
     p->voxel = mem_array(voxels, 1);
     if (!p->voxel)
         return fault_memory(r->fault, "the labels of a procedure");
@@ -704,14 +692,14 @@ static enum err read_voxels(struct reader *r, struct procedure *p)
         if (!scan_integer(&r->at, 0, 255, &label) || !scan_text(&r->at, "*") ||
             !scan_integer(&r->at, 1, (int64_t)(voxels - done), &count) ||
             (label && !p->label[label].is_there))
-            return refuse(r, "runs LABEL*COUNT of labels that are named, as many as voxels");
+            return refuse_line(r, "runs LABEL*COUNT of labels with a line, one for each voxel");
         memset(p->voxel + done, (int)label, (size_t)count);
         p->label[label].voxels += (uint64_t)count;
         done += (size_t)count;
         if (scan_text(&r->at, "\n"))
             r->number++;
         else if (!scan_text(&r->at, " "))
-            return refuse(r, "a blank or the end of the line after a run");
+            return refuse_line(r, "a blank or the end of the line after a run");
     }
     r->number--;
     return OK;
@@ -726,7 +714,7 @@ static enum err read_all(struct reader *r, struct procedure *p, const char *begi
     while (!err && begins(r, "setting")) {
         const size_t n = strcspn(r->at, "\n");
         if (n < 2 || r->at[n] != '\n')
-            return refuse(r, "a command");
+            return refuse_line(r, "a command");
         buf_add(&p->settings, r->at + 1, n);
         r->at += n + 1;
     }
@@ -745,11 +733,10 @@ static enum err read_all(struct reader *r, struct procedure *p, const char *begi
     sha256_bytes_hex(now, begin, (size_t)(r->at - begin));
     if (!begins(r, "digest") || !take_digits(r, p->digest, SHA256_HEX - 1) || !ends_line(r) ||
         r->at != r->end)
-        return refuse(r, "digest and 64 digits, and the end of the file");
+        return refuse_line(r, "digest and 64 digits, and the end of the file");
     return strcmp(now, p->digest) == 0
                ? OK
-               : fault_set(r->fault, ERR_INPUT,
-                           "it is not as it was written: its digest does not fit");
+               : fault_set(r->fault, ERR_INPUT, "it was changed: its digest does not match");
 }
 
 enum err procedure_read(struct procedure *p, const char *bytes, size_t length, struct fault *fault)
@@ -757,6 +744,6 @@ enum err procedure_read(struct procedure *p, const char *bytes, size_t length, s
     struct reader r = {.at = bytes, .end = bytes + length, .fault = fault};
     if (length > PROCEDURE_BYTES || memchr(bytes, '\0', length))
         return fault_set(fault, ERR_INPUT,
-                         "it is no procedure: it is too long, or holds a zero byte");
+                         "it is no procedure: it is too long, or has a zero byte");
     return read_all(&r, p, bytes);
 }

@@ -1,32 +1,32 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A procedure: what a journal holds of a segmentation that can be carried to another scene.
+ * A procedure: the part of a journal's segmentation that can be carried to another scene.
  *
- * That is the labels that it came to, with their grid and where it lies; how each label is called;
- * between which intensities most of its voxels are; the gestures that still stand; landmarks; and
- * the settings of weights and of the finish. No image, no name of a file or of a person, and no
- * comment. So it can be handed on where the scene may not be.
+ * It has the final labels with their grid and place, the labels' names, colours and intensities,
+ * the gestures that are still in effect, landmarks, and the settings of weights and finish. It has
+ * no image, no name of a file or person, and no comment, so it can be shared where the scene may
+ * not be.
  *
- * As text (`iftty log --procedure`), which a reader takes only as it is written here:
+ * As text (`iftty log --procedure`), read only in exactly this form:
  *
  *     iftty procedure 1
  *     chain 74120d6c3f0cc54e2237dc0bced98ab5
- *     scene SHA256                      of the scene that it was made on (engine/scene.h)
+ *     scene SHA256                      of its scene (engine/scene.h)
  *     world place|sides                 whether to_mm is a place in the world, or sides alone
  *     size 181 217 181
  *     to_mm A B C D ...                 twelve numbers: world = to_mm * (i, j, k, 1), as NIfTI
- *     left 0 1 0 3                      what is not carried over (enum procedure_left)
+ *     left 0 1 0 3                      not carried over (enum procedure_left)
  *     setting weight gauss 1.5          a command each
  *     label 2 #56b4e9 0 40.5 90 cerebellum    colour, own number, percentiles 10 and 90, name
  *     landmark AC 0.5 3 -4              millimetres of the world
  *     gesture 2 3 0 75 X Y Z ...        label, radius and reach in mm (0: none), intensity, corners
  *     voxels
- *     0*345 1*17 0*4 ...                labels by rows, x fastest; as many as voxels
+ *     0*345 1*17 0*4 ...                labels by rows, x fastest; one for each voxel
  *     digest SHA256                     of all bytes before this line
  *
- * Lines stand in this order, those from `setting` to `gesture` as often as they are wanted, and
- * `left` only where something is. Intensities are real values. Numbers have 17 digits, and so are
- * the same when they are read.
+ * Lines have this order; those from `setting` to `gesture` may be repeated or missing, and `left`
+ * is missing if nothing is left out. Intensities are real values. Numbers have 17 digits, enough to
+ * be read back exactly.
  */
 #ifndef APPLY_PROCEDURE_H
 #define APPLY_PROCEDURE_H
@@ -47,7 +47,7 @@ enum {
     PROCEDURE_CORNERS = 1000000,
     PROCEDURE_BYTES = 1 << 28,
     PROCEDURE_VOXELS = 1 << 30,
-    PROCEDURE_NAME = 32, /* bytes of a name, its end among them */
+    PROCEDURE_NAME = 32, /* bytes of a name, with its NUL */
     PROCEDURE_LANDMARKS = 64,
 };
 
@@ -55,8 +55,8 @@ struct procedure_label {
     bool is_there; /* it has voxels */
     char name[PROCEDURE_NAME];
     uint8_t rgb[3];
-    uint16_t number;  /* in files; 0: the label itself */
-    uint64_t voxels;  /* follows from the labels */
+    uint16_t number;  /* in files; 0: the label */
+    uint64_t voxels;  /* counted from the labels */
     double low, high; /* real values: percentiles 10 and 90 of its voxels */
 };
 
@@ -65,27 +65,27 @@ struct procedure_landmark {
     double mm[3];
 };
 
-/* A ball of seeds, or a stroke of them. */
+/* A ball or a stroke of seeds. */
 struct procedure_gesture {
     uint8_t label;
     double radius_mm, within_mm; /* 0: none */
-    double intensity;            /* real value, in the middle of its first ball */
+    double intensity;            /* real value, at the centre of the first ball */
     size_t corner, corners;      /* in `corner` */
 };
 
-/* What lies on the procedure's own scene, and so is not carried over: whether its weights are a
- * map, whether a mask or a range restricts its trees; how many gestures stand that are no ball or
- * stroke, of which the labels alone are carried. */
+/* Parts of the procedure that belong to its scene and are not carried over: a map of weights, a
+ * mask, a range of intensities; and the number of gestures that are no ball or stroke, whose labels
+ * alone are carried. */
 enum procedure_left { LEFT_WEIGHTS, LEFT_MASK, LEFT_RANGE, LEFT_GESTURES, LEFT_KINDS };
 
 struct procedure {
     struct record_chain chain;
     char scene[SHA256_HEX];
-    char digest[SHA256_HEX]; /* of its text */
+    char digest[SHA256_HEX]; /* SHA-256 of its text */
     bool has_place;
     uint32_t size[3];
-    struct affine to_mm; /* of voxels */
-    struct buf settings; /* commands, a line each */
+    struct affine to_mm; /* from voxels */
+    struct buf settings; /* one command a line */
     uint32_t left[LEFT_KINDS];
     struct procedure_label label[256];
     struct procedure_landmark landmark[PROCEDURE_LANDMARKS];
@@ -102,59 +102,55 @@ void procedure_release(struct procedure *procedure);
 /* Volume of a voxel, mm3. */
 double procedure_voxel_mm3(const struct procedure *procedure);
 
-/* Adds the text. */
+/* Append the text. */
 void procedure_write(struct buf *out, const struct procedure *procedure);
 
-/* Takes the text apart. `procedure` begins as {0}, and is to be released whatever is returned.
- * ERR_INPUT with the line that is wrong, and what was expected; ERR_MEMORY. Memory is bounded by
- * what it says of its size, PROCEDURE_VOXELS bytes at most. */
+/* Parse a text. `procedure` starts as {0}; release it in any case. ERR_INPUT names the wrong line
+ * and the expected text; ERR_MEMORY. Memory is bounded by the size in the text, at most
+ * PROCEDURE_VOXELS bytes. */
 enum err procedure_read(struct procedure *procedure, const char *bytes, size_t length,
                         struct fault *fault);
 
-/* Adds a corner to the gesture that is the last. */
+/* Append a corner to the last gesture. */
 enum err procedure_add_corner(struct procedure *procedure, const double mm[3], struct fault *fault);
 enum err procedure_add_gesture(struct procedure *procedure, const struct procedure_gesture *gesture,
                                struct fault *fault);
 
 /*
- * Where a procedure comes from: the text of one, or a journal, which is carried out.
+ * Source of a procedure: its text, or a journal, which is replayed.
  *
- * A journal may be a stranger's. It is carried out in a process of its own (verify/side.h), which
- * hands back the procedure as text; so both are read by the same reader, and lead to the same
- * bytes.
+ * A journal may be a stranger's. It is replayed in a process of its own (verify/side.h), which
+ * returns the procedure as text, so both sources pass the same parser and yield the same bytes.
  */
 
 struct procedure_source {
     const char *path;
-    struct side_options journal; /* how one is carried out; strictly, whatever this says */
+    struct side_options journal; /* options of the replay; always strict */
 };
 
-/* The text of it. `image` (NULL: not wanted) gets the intensities of the scene, two bytes each,
- * [z][y][x]; it stays empty where the procedure is a file, which has none. Words name the file.
- * ERR_CHECK where a journal gives other results than it records. */
+/* Get the text. `image` (or NULL) gets the intensities of the scene, two bytes each, [z][y][x]; it
+ * stays empty if the source is a text. The fault names the file. ERR_CHECK if a journal does not
+ * reproduce its results. */
 enum err procedure_text(struct buf *text, struct buf *image, const struct procedure_source *source,
                         struct fault *fault);
 
-/* The same, read. `procedure` begins as {0}, and is to be released whatever is returned. */
+/* Get and parse it. `procedure` starts as {0}; release it in any case. */
 enum err procedure_load(struct procedure *procedure, struct buf *image,
                         const struct procedure_source *source, struct fault *fault);
 
-/*
- * Between which intensities most voxels of each label lie: percentiles 10 and 90, as real values.
- * By those the grey of an object in one scene is matched with that in another.
- */
+/* Percentiles 10 and 90 of each label's intensities, as real values. They match an object's grey in
+ * one scene with that in another. */
 
 struct percentiles {
     uint64_t voxels[256];
     double low[256], high[256]; /* 0 for a label without voxels */
 };
 
-/* Of label[z][y][x], 0..255; other numbers count for nothing. ERR_MEMORY: it takes 256 kB for each
- * label. */
+/* Count label[z][y][x], 0..255, and ignore other numbers. ERR_MEMORY: 256 kB for each label. */
 enum err percentiles_find(struct percentiles *out, const struct session *session,
                           const uint16_t *label, struct fault *fault);
 
-/* The real value of the intensity at a voxel. */
+/* Real value of a voxel's intensity. */
 double percentiles_value(const struct session *session, uint32_t cell);
 
 #endif

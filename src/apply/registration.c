@@ -17,8 +17,7 @@ static const char FSL[] = "fsl:";
 const char *register_helper_program;
 int register_helper_patience_ms = 60000;
 
-/* Starts one for `task`, which may hold so many bytes. coprocess_release ends it, after an error
- * too. */
+/* Start the helper for `task`, with this limit of memory. Always call coprocess_release. */
 static enum err start_helper(struct coprocess *out, const char *task, uint64_t bytes,
                              struct watch *watch, struct fault *fault)
 {
@@ -36,7 +35,7 @@ static enum err start_helper(struct coprocess *out, const char *task, uint64_t b
 
 /* ---- FSL ---- */
 
-/* Sixteen numbers in four rows, the last of which is 0 0 0 1. */
+/* Parse four rows of four numbers; the last row must be 0 0 0 1. */
 static bool scan_square(struct affine *out, const char *text)
 {
     double number[SIXTEEN];
@@ -47,7 +46,7 @@ static bool scan_square(struct affine *out, const char *text)
         if (!*text)
             break;
         if (count == SIXTEEN || !decimal_scan(&text, &decimal) || !strchr(" \t\r\n", *text))
-            return false; /* strchr finds the NUL too */
+            return false; /* strchr also matches the NUL */
         number[count++] = decimal_value(&decimal);
     }
     if (count != SIXTEEN || number[12] != 0 || number[13] != 0 || number[14] != 0 ||
@@ -57,8 +56,8 @@ static bool scan_square(struct affine *out, const char *text)
     return true;
 }
 
-/* From FLIRT's millimetres of a scene to its world: along the voxel axes from the middle of the
- * first voxel, x from the other end where the axes are right-handed. */
+/* Map from FLIRT's millimetres of a scene to its world: along the voxel axes from the centre of the
+ * first voxel, x from the other end if the axes are right-handed. */
 static bool from_flirt(struct affine *out, const struct placed_grid *grid)
 {
     const struct geometry *geometry = grid->geometry;
@@ -78,7 +77,7 @@ static bool from_flirt(struct affine *out, const struct placed_grid *grid)
     return true;
 }
 
-/* FLIRT's matrix as a map from the moving scene's world to the fixed one's. */
+/* Convert FLIRT's matrix to a map from the moving scene's world to the fixed one's. */
 static enum err world_of_flirt(struct affine *out, const struct affine *flirt,
                                const struct placed_grid *fixed, const struct placed_grid *moving,
                                struct fault *fault)
@@ -94,7 +93,7 @@ static enum err world_of_flirt(struct affine *out, const struct affine *flirt,
 
 /* ---- ITK ---- */
 
-/* By the helper, which is confined, of a format that it knows. */
+/* Parse a transform of ITK in the confined helper. */
 static enum err read_by_helper(struct affine *out, struct buf *kind, const struct buf *bytes,
                                struct fault *fault)
 {
@@ -125,7 +124,7 @@ static enum err read_by_helper(struct affine *out, struct buf *kind, const struc
     return err;
 }
 
-/* Out of LPS+: x and y run the other way, on both sides. */
+/* Convert from LPS+ to RAS+: reverse x and y on both sides. */
 static void turn_to_ras(struct affine *a)
 {
     for (int i = 0; i < 3; i++)
@@ -134,9 +133,9 @@ static void turn_to_ras(struct affine *a)
                 a->m[i][j] = 0 - a->m[i][j];
 }
 
-/* ---- which ---- */
+/* ---- all formats ---- */
 
-/* What the file says, from the fixed scene's world to the moving one's, RAS+. */
+/* Parse a file to a map from the fixed scene's world to the moving one's, RAS+. */
 static enum err take_file(struct affine *out, struct buf *kind, const struct buf *bytes,
                           bool is_fsl, const struct placed_grid *fixed,
                           const struct placed_grid *moving, struct fault *fault)
@@ -148,8 +147,8 @@ static enum err take_file(struct affine *out, struct buf *kind, const struct buf
     if (is_fsl) {
         if (!is_text || !scan_square(&flirt, text))
             return fault_set(fault, ERR_INPUT,
-                             "it is no matrix of FLIRT: four rows of four numbers, of which the "
-                             "last is 0 0 0 1");
+                             "it is no matrix of FLIRT; expected four rows of four numbers, the "
+                             "last one 0 0 0 1");
         buf_add_text(kind, "a matrix of FSL's FLIRT");
         err = world_of_flirt(out, &flirt, fixed, moving, fault);
         if (!err && !affine_invert(out, out))
@@ -157,9 +156,9 @@ static enum err take_file(struct affine *out, struct buf *kind, const struct buf
         return err;
     }
     if (is_text && scan_square(&flirt, text))
-        return fault_set(fault, ERR_INPUT,
-                         "it is sixteen numbers, and does not say whose; where FLIRT wrote them, "
-                         "name it as \"fsl:FILE\"");
+        return fault_set(
+            fault, ERR_INPUT,
+            "its sixteen numbers may mean anything; if FLIRT wrote them, name it as \"fsl:FILE\"");
     err = read_by_helper(out, kind, bytes, fault);
     turn_to_ras(out);
     return err;
@@ -174,8 +173,8 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
     struct affine found, back;
     if (!has_subject || !geometry_has_place(procedure->geometry))
         return fault_set(fault, ERR_INPUT,
-                         "%s: the file of the %s scene does not say where it lies in the world, so "
-                         "nothing says what a transform's numbers mean in it",
+                         "%s: the file of the %s scene does not say where it is in the world, so a "
+                         "transform's numbers have no meaning in it",
                          path, has_subject ? "procedure's" : "subject's");
     enum err err = file_read(&bytes, path, BYTES_MOST, fault);
     if (err)
@@ -184,10 +183,11 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
     if (!err && (!affine_is_finite(&found) || !affine_invert(&back, &found)))
         err = fault_set(fault, ERR_INPUT, "it has no inverse");
     if (!err && affine_determinant(&found) < 0)
-        err = fault_set(fault, ERR_INPUT,
-                        "it makes a mirror image of the patient (its determinant is %.3g); left "
-                        "and right are mixed up in one of the scenes, or it is another program's",
-                        affine_determinant(&found));
+        err = fault_set(
+            fault, ERR_INPUT,
+            "it makes a mirror image of the patient (its determinant is %.3g): left and right are "
+            "swapped in one of the scenes, or it is no transform of ITK or FLIRT",
+            affine_determinant(&found));
     buf_printf(words, "%s, taken as found with the subject's scene as the fixed one%s",
                buf_text(&kind), is_fsl ? " (-ref)" : "");
     if (!err && (kind.failed || words->failed))
@@ -202,25 +202,25 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
 }
 
 enum {
-    VOXELS_MOST = 1 << 23, /* that are registered; larger scenes are reduced */
-    MAP = 12,              /* numbers of a map, and of a matrix to the world */
+    VOXELS_MOST = 1 << 23, /* limit of a registered scene; larger scenes are reduced */
+    MAP = 12,              /* numbers of a map or a matrix */
     NUMBERS = 19
 };
 
-/* Two scenes with their levels, and ITK itself, which took 190 MB for two heads of 7 M voxels. */
+/* Two scenes with their pyramids, and ITK, which took 190 MB for two heads of 7 M voxels. */
 static const uint64_t HELD_MOST = UINT64_C(1) << 30;
 
-/* ---- what is sent ---- */
+/* ---- request ---- */
 
-/* A scene of which boxes of voxels are one. */
+/* A scene reduced by boxes of voxels. */
 struct reduced {
     const struct scene *scene;
     uint32_t size[3], factor[3];
     double to_mm[3][4];
 };
 
-/* The shortest side of a voxel is made longer until there are few enough. */
-static void reduce(struct reduced *out, const struct placed_scene *placed)
+/* Enlarge the shortest side of a voxel until few enough remain. */
+static void reduce_scene(struct reduced *out, const struct placed_scene *placed)
 {
     const struct grid *grid = &placed->scene->grid;
     struct geometry geometry = *placed->geometry;
@@ -256,7 +256,7 @@ static uint16_t intensity_of(const struct scene *scene, uint32_t x, uint32_t y, 
                         : scene->cell[grid_cell(&scene->grid, x, y, z)].intensity;
 }
 
-/* The rounded mean of a box. */
+/* Rounded mean of a box. */
 static uint16_t mean_of(const struct reduced *from, const uint32_t place[3])
 {
     const uint32_t *f = from->factor;
@@ -293,7 +293,7 @@ static enum err send_scene(struct coprocess *process, const struct reduced *from
     return err || goes ? err : coprocess_fault(process, NULL, NULL, fault);
 }
 
-/* ---- what comes ---- */
+/* ---- answer ---- */
 
 static enum err receive_found(struct registration *out, struct coprocess *process,
                               struct fault *fault)
@@ -338,23 +338,24 @@ static enum err receive_found(struct registration *out, struct coprocess *proces
     return OK;
 }
 
-/* Whether it is to be used. Most telling first: what follows is often true beside it. */
-static enum err judge(const struct registration *r, struct fault *fault)
+/* Reject an implausible result. The most telling figure comes first: the later ones often fail with
+ * it. */
+static enum err check_result(const struct registration *r, struct fault *fault)
 {
-    static const char way_out[] = "marks in both scenes, or a transform of another program, can "
-                                  "say it instead";
+    static const char way_out[] = "use landmarks in both scenes, or a transform of another program";
     const double volume = affine_determinant(&r->affine);
     const double identity_least = r->identity_metric * (1 - REGISTRATION_WORSE_MOST);
     char words[200] = "";
     if (r->metric < REGISTRATION_METRIC_LEAST)
         snprintf(words, sizeof words,
-                 "their intensities say next to nothing about each other (%.3f nats; expected "
+                 "their intensities are hardly related (%.3f nats; expected "
                  "%.2f or more)",
                  r->metric, REGISTRATION_METRIC_LEAST);
     else if (r->overlap < REGISTRATION_OVERLAP_LEAST)
-        snprintf(words, sizeof words,
-                 "only %.0f %% of what one scene shows lies in the other; expected %.0f %% or more",
-                 100 * r->overlap, 100 * REGISTRATION_OVERLAP_LEAST);
+        snprintf(
+            words, sizeof words,
+            "only %.0f %% of one scene's content is inside the other; expected %.0f %% or more",
+            100 * r->overlap, 100 * REGISTRATION_OVERLAP_LEAST);
     else if (!(volume * REGISTRATION_VOLUME_MOST >= 1 && volume <= REGISTRATION_VOLUME_MOST) ||
              r->stretch[2] < REGISTRATION_STRETCH_LEAST ||
              r->stretch[0] > REGISTRATION_STRETCH_MOST)
@@ -364,32 +365,33 @@ static enum err judge(const struct registration *r, struct fault *fault)
                  r->stretch[0], r->stretch[1], r->stretch[2], REGISTRATION_STRETCH_LEAST,
                  REGISTRATION_STRETCH_MOST, 1 / REGISTRATION_VOLUME_MOST, REGISTRATION_VOLUME_MOST);
     else if (!(r->agreement_mm <= REGISTRATION_AGREEMENT_MOST * r->length_mm))
-        snprintf(words, sizeof words, "there and back leads %.1f mm away; expected %.1f mm or less",
+        snprintf(words, sizeof words,
+                 "the maps there and back differ by %.1f mm; expected %.1f mm or less",
                  r->agreement_mm, REGISTRATION_AGREEMENT_MOST * r->length_mm);
     else if (r->mirrored_metric > REGISTRATION_MIRRORED_MOST * r->metric)
         snprintf(words, sizeof words,
-                 "its mirror image fits better (%.3f nats to %.3f): left and right may be mixed up "
+                 "its mirror image fits better (%.3f nats to %.3f): left and right may be swapped "
                  "in one of the files",
                  r->mirrored_metric, r->metric);
     else if (r->metric < identity_least)
-        snprintf(words, sizeof words,
-                 "the scenes fit better as they lie in their worlds (%.3f nats to %.3f)",
+        snprintf(words, sizeof words, "the scenes fit better without it (%.3f nats to %.3f)",
                  r->identity_metric, r->metric);
     else
         return OK;
     return fault_set(fault, ERR_CHECK,
-                     "the scenes were registered, and the outcome is not believed: %s; %s", words,
+                     "the scenes were registered, and the result is implausible: %s; %s", words,
                      way_out);
 }
 
-/* Where its origin lies may be unknown. */
+/* The origin may be unknown. */
 static bool says_sides(const struct geometry *geometry)
 {
     return geometry->orientation != ORIENTATION_UNKNOWN && !geometry->spacing_unknown;
 }
 
-static enum err find(struct registration *out, struct coprocess *process,
-                     const struct reduced scene[2], struct watch *watch, struct fault *fault)
+static enum err register_scenes(struct registration *out, struct coprocess *process,
+                                const struct reduced scene[2], struct watch *watch,
+                                struct fault *fault)
 {
     const uint32_t *a = scene[0].size, *b = scene[1].size;
     char line[COPROCESS_LINE];
@@ -412,15 +414,15 @@ enum err registration_find(struct registration *out, const struct placed_scene *
     *out = (struct registration){.metric = 0};
     if (!says_sides(subject->geometry) || !says_sides(procedure->geometry))
         return fault_set(fault, ERR_INPUT,
-                         "the %s file does not say how its axes lie in the patient, or how far "
-                         "apart its voxels are, so nothing says what is left and right in it",
+                         "the %s file does not say how its axes run in the patient, or how far "
+                         "apart its voxels are, so left and right are unknown",
                          says_sides(subject->geometry) ? "procedure's" : "subject's");
-    reduce(&scene[0], subject);
-    reduce(&scene[1], procedure);
-    enum err err = find(out, &process, scene, watch, fault);
+    reduce_scene(&scene[0], subject);
+    reduce_scene(&scene[1], procedure);
+    enum err err = register_scenes(out, &process, scene, watch, fault);
     coprocess_release(&process);
     if (err)
         return err;
     err = watch_fault(watch, fault);
-    return err ? err : judge(out, fault);
+    return err ? err : check_result(out, fault);
 }

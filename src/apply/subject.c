@@ -20,8 +20,8 @@
 #include "session/paint.h"
 #include "session/tally.h"
 
-/* How far intensities of the background's gestures may be off, of what lies between the percentiles
- * of the largest object. 0.3 to 0.8 did alike. */
+/* Tolerance of intensities of the background's gestures, relative to the difference of the largest
+ * object's percentiles. 0.3 to 0.8 had similar results. */
 #define GATE_OF_BACKGROUND 0.5
 
 struct making {
@@ -29,10 +29,10 @@ struct making {
     const struct procedure *procedure;
     const struct subject_choice *choice;
     struct subject *subject;
-    bool is_there; /* a journal of its name */
+    bool is_there; /* the journal exists */
     struct warped warped;
-    struct buf origin, seeds; /* a command; commands, a line each */
-    struct buf made;          /* paths of files that were written, each ended by NUL */
+    struct buf origin, seeds; /* a command; commands, one a line */
+    struct buf made;          /* paths of written files, each with its NUL */
     struct fault *fault;
 };
 
@@ -42,7 +42,7 @@ void subject_release(struct subject *subject)
     buf_release(&subject->words);
 }
 
-/* Of the scene's file the name, without its ending. */
+/* The scene's file name without its own ending, in the output folder. */
 void subject_path(struct buf *out, const struct subject_choice *choice, const char *ending)
 {
     const char *scene = choice->scene, *of_scene = volume_ending(scene);
@@ -57,7 +57,7 @@ void subject_path(struct buf *out, const struct subject_choice *choice, const ch
 
 /* ---- commands ---- */
 
-static enum err execute(struct making *m, const char *line)
+static enum err execute_line(struct making *m, const char *line)
 {
     struct reply reply = {0};
     const enum err err = interpreter_execute(&m->interp, line, &reply, m->fault);
@@ -69,7 +69,7 @@ static enum err execute(struct making *m, const char *line)
 static enum err execute_buf(struct making *m, struct buf *line)
 {
     const enum err err =
-        line->failed ? fault_memory(m->fault, "a command") : execute(m, buf_text(line));
+        line->failed ? fault_memory(m->fault, "a command") : execute_line(m, buf_text(line));
     buf_release(line);
     return err;
 }
@@ -91,7 +91,7 @@ static enum err open_scene(struct making *m)
     return err ? err : session_complete(m->interp.session, m->fault);
 }
 
-/* Commands of a file, which somebody else may have written: these alone, and none that reads. */
+/* The commands may be a stranger's: allow only settings that read no file. */
 static enum err execute_settings(struct making *m)
 {
     struct buf line = {0};
@@ -110,10 +110,10 @@ static enum err execute_settings(struct making *m)
         call_release(&call);
         if (!is_fine)
             err = fault_set(m->fault, ERR_INPUT,
-                            "the procedure has a setting that is none of weights or the finish: %s",
+                            "the procedure has a setting that is not of weights or the finish: %s",
                             buf_text(&line));
         if (!err)
-            err = execute(m, buf_text(&line));
+            err = execute_line(m, buf_text(&line));
     }
     buf_release(&line);
     return err;
@@ -152,7 +152,7 @@ static enum err place_landmarks(struct making *m)
         const struct procedure_landmark *mark = &m->choice->carry.landmark[i];
         int64_t at[3];
         struct buf line = {0};
-        if (!find_voxel(at, m, mark->mm)) /* the fit has it all the same */
+        if (!find_voxel(at, m, mark->mm)) /* outside the scene; the fit still uses it */
             continue;
         buf_printf(&line, "landmark %s %d,%d,%d", mark->name, (int)at[0], (int)at[1], (int)at[2]);
         err = execute_buf(m, &line);
@@ -160,7 +160,7 @@ static enum err place_landmarks(struct making *m)
     return err;
 }
 
-/* ---- what is planted ---- */
+/* ---- seeds ---- */
 
 static void write_row(void *context, uint32_t y, uint32_t z, void *values)
 {
@@ -176,7 +176,7 @@ static void note_label(struct making *m, unsigned label, uint64_t seeds, uint64_
     m->subject->label[label].dropped += dropped;
 }
 
-/* Writes the map, unless a file with its bytes is there. */
+/* Write the map, unless a file with the same bytes exists. */
 static enum err write_seeds(struct making *m, const struct volume_map *map, const char *path)
 {
     struct watch *watch = m->interp.session->watch;
@@ -192,15 +192,15 @@ static enum err write_seeds(struct making *m, const struct volume_map *map, cons
     err = volume_write(buf_text(&draft), FILE_REPLACE, map, watch, m->fault);
     if (!err && !file_holds_same(buf_text(&draft), path))
         err = fault_set(m->fault, ERR_IO,
-                        "%s is there, and is not the map of seeds that would be written; it was "
-                        "left alone; rename it, or --out DIR makes all of it elsewhere",
+                        "%s exists, and is not the map of seeds that would be written; it was left "
+                        "alone; rename it, or choose another folder by --out DIR",
                         path);
     file_discard(buf_text(&draft));
     buf_release(&draft);
     return err;
 }
 
-/* The map, and the command that plants it. */
+/* Write the map, and the command that plants it. */
 static enum err prepare_labels(struct making *m)
 {
     struct session *session = m->interp.session;
@@ -255,10 +255,10 @@ static unsigned largest_object(const struct procedure *p)
     return largest;
 }
 
-/* Intensities that seeds of a gesture may have; low above high: any. Those of the background have
- * none in common, so each gesture of it is held to its own, matched by the largest object: without
- * that, brain Dice was .895 in place of .936 on a head deformed by 5 mm, since the background was
- * planted in the brain. */
+/* Range of intensities of a gesture's seeds; low above high: any. The background's seeds share no
+ * intensity, so each of its gestures has a range around its own, matched by the largest object.
+ * Without that range brain Dice was .895 instead of .936 on a head deformed by 5 mm, because
+ * background was planted in the brain. */
 static void find_range(double range[2], const struct making *m, const struct procedure_gesture *g)
 {
     const unsigned object = largest_object(m->procedure);
@@ -274,7 +274,7 @@ static void find_range(double range[2], const struct making *m, const struct pro
     range[1] = matched + GATE_OF_BACKGROUND * spread;
 }
 
-/* How many voxels of a gesture are within a range. */
+/* Count the voxels of a gesture in a range. */
 static enum err count_seeds(struct making *m, const struct procedure_gesture *g, int64_t radius_nm,
                             const uint32_t (*corner)[3], const double range[2], uint64_t *left)
 {
@@ -295,7 +295,7 @@ static enum err count_seeds(struct making *m, const struct procedure_gesture *g,
     return err;
 }
 
-/* Adds the command of a gesture; none where a corner of it lies outside, or nothing is left. */
+/* Append the command of a gesture, unless a corner is outside the scene or no seed is left. */
 static enum err prepare_gesture(struct making *m, const struct procedure_gesture *g,
                                 const struct affine *push, double times, uint32_t (*corner)[3])
 {
@@ -352,8 +352,8 @@ static enum err prepare_gestures(struct making *m)
     enum err err = corner ? OK : fault_memory(m->fault, "gestures");
     if (!err && !p->gestures)
         err = fault_set(m->fault, ERR_INPUT,
-                        "the procedure has no gesture that can be moved (balls and strokes can); "
-                        "--as labels carries what it came to");
+                        "the procedure has no ball and no stroke, which alone can be moved; carry "
+                        "its labels by --as labels");
     if (!err && !affine_invert(&push, &m->subject->pull))
         err = fault_set(m->fault, ERR_INPUT, "the transform has no inverse");
     for (size_t i = 0; !err && i < p->gestures; i++)
@@ -413,18 +413,18 @@ static void add_figures(struct making *m)
         }
 }
 
-/* ---- a journal that is there ---- */
+/* ---- an existing journal ---- */
 
 static enum err refuse_journal(const struct making *m)
 {
-    return fault_set(m->fault, ERR_IO,
-                     "%s is there, and is not what would be made now: its records are others, of "
-                     "another procedure or scene, by other options, or unfinished; --out DIR makes "
-                     "it elsewhere",
-                     buf_text(&m->subject->journal));
+    return fault_set(
+        m->fault, ERR_IO,
+        "%s exists, and differs from the journal that would be written: it is of another procedure "
+        "or scene, of other options, or unfinished; choose another folder by --out DIR",
+        buf_text(&m->subject->journal));
 }
 
-/* The walk needs the bytes; both are to be released. */
+/* The walk uses the bytes; release both. */
 static enum err walk_file(struct walk *walk, struct buf *bytes, const char *path,
                           struct fault *fault)
 {
@@ -433,7 +433,7 @@ static enum err walk_file(struct walk *walk, struct buf *bytes, const char *path
     return err ? err : walk_begin(walk, buf_text(bytes), bytes->length, fault);
 }
 
-/* Reads twelve numbers as an origin has them. */
+/* Parse the twelve numbers of an origin. */
 static bool read_pull(struct affine *pull, const char *command)
 {
     const char *at = strncmp(command, "origin ", 7) == 0 ? strstr(command, " pull=") : NULL;
@@ -450,7 +450,7 @@ static bool read_pull(struct affine *pull, const char *command)
     return count == 12 && affine_is_finite(pull);
 }
 
-/* The transform that the origin of the journal says. */
+/* Read the transform from the journal's origin. */
 static enum err find_pull(struct affine *pull, const struct making *m)
 {
     struct buf bytes = {0};
@@ -465,7 +465,7 @@ static enum err find_pull(struct affine *pull, const struct making *m)
     return err ? err : found ? OK : refuse_journal(m);
 }
 
-/* Compares the journal with the draft, record by record. */
+/* Compare the journal with the draft, record by record. */
 static enum err compare_records(const struct making *m, const char *draft)
 {
     struct buf bytes[2] = {{0}, {0}};
@@ -489,9 +489,9 @@ static enum err compare_records(const struct making *m, const char *draft)
     return err || same ? err : refuse_journal(m);
 }
 
-/* ---- what came of it ---- */
+/* ---- results ---- */
 
-/* Voxels of each label that have a face on another. */
+/* Count the voxels of each label that share a face with another label. */
 static void count_borders(uint64_t border[256], const struct session *session)
 {
     const struct scene *scene = session->scene;
@@ -515,7 +515,7 @@ static enum err find_doubts(struct making *m)
     struct session *session = m->interp.session;
     const struct hint_list *hints;
     if (session->now.kept.weight.kind == WEIGHT_POLARITY)
-        return OK; /* there are none */
+        return OK; /* has no hints */
     const enum err err = session_find_hints(session, &hints, NULL, m->fault);
     uint64_t border[256] = {0};
     count_borders(border, session);
@@ -524,7 +524,7 @@ static enum err find_doubts(struct making *m)
         m->subject->label[hint->label].doubt += hint->voxels;
         m->subject->label[hint->other].doubt += hint->voxels;
     }
-    for (unsigned l = 0; l < 256; l++) { /* both sides of the border count */
+    for (unsigned l = 0; l < 256; l++) { /* the border has two sides */
         const double share = m->subject->label[l].doubt / (2 * (double)border[l] + 1);
         m->subject->label[l].doubt = fmin(share, 1);
     }
@@ -547,21 +547,21 @@ static enum err sum_up(struct making *m)
     return err;
 }
 
-/* ---- all of it ---- */
+/* ---- all steps ---- */
 
-static enum err plant(struct making *m)
+static enum err plant_seeds(struct making *m)
 {
-    enum err err = execute(m, buf_text(&m->origin));
+    enum err err = execute_line(m, buf_text(&m->origin));
     for (char *at = m->seeds.data; !err && *at;) {
         char *end = at + strcspn(at, "\n");
         *end = '\0';
-        err = execute(m, at);
+        err = execute_line(m, at);
         at = end + 1;
     }
-    return err ? err : execute(m, "run");
+    return err ? err : execute_line(m, "run");
 }
 
-static enum err prepare(struct making *m)
+static enum err prepare_seeds(struct making *m)
 {
     const struct procedure *p = m->procedure;
     const double shrinks = fabs(affine_determinant(&m->subject->pull));
@@ -580,7 +580,7 @@ static enum err prepare(struct making *m)
     return err ? err : m->origin.failed || m->seeds.failed ? fault_memory(m->fault, "seeds") : OK;
 }
 
-/* Nothing is left out without a word. */
+/* List all that is not carried over. */
 static void say_left(struct making *m)
 {
     static const char *const what[LEFT_GESTURES] = {"its map of weights", "its mask", "its range"};
@@ -612,11 +612,11 @@ static enum err carry_over(struct making *m)
     return err;
 }
 
-static enum err make(struct making *m)
+static enum err make_journal(struct making *m)
 {
     static enum err (*const step[])(struct making * m) = {
-        open_scene, carry_over, execute_settings, name_labels, place_landmarks, prepare,
-        plant,      sum_up};
+        open_scene,      carry_over,    execute_settings, name_labels,
+        place_landmarks, prepare_seeds, plant_seeds,      sum_up};
     enum err err = OK;
     for (size_t i = 0; !err && i < sizeof step / sizeof *step; i++)
         err = step[i](m);
@@ -643,10 +643,10 @@ enum err subject_make(struct subject *subject, const struct procedure *procedure
     if (!err)
         err = interpreter_create_journal(&m.interp, buf_text(&draft), fault);
     const bool is_begun = !err;
-    if (!err) /* what lies beside it is named as it will be called */
+    if (!err) /* name files by the journal's final name */
         err = interpreter_set_home(&m.interp, path, fault);
     if (!err)
-        err = make(&m);
+        err = make_journal(&m);
     interpreter_release(&m.interp);
     if (!err && is_there)
         err = compare_records(&m, buf_text(&draft));

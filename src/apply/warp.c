@@ -10,7 +10,7 @@
 #include "engine/scene.h"
 #include "image/geometry.h"
 
-/* An object keeps one of so many voxels at least. */
+/* An object keeps at least one of this many voxels. */
 enum { KEEPS_ONE_OF = 10, BINS = 4096 };
 
 void warped_release(struct warped *warped)
@@ -21,7 +21,7 @@ void warped_release(struct warped *warped)
 
 /* ---- warped ---- */
 
-/* The label at a place in the procedure's voxels. */
+/* Label at a place, in voxels of the procedure. */
 static uint16_t label_at(const struct procedure *p, const double at[3])
 {
     size_t index = 0;
@@ -60,9 +60,9 @@ enum err warp_labels(struct warped *warped, const struct procedure *p,
             }
     const enum err err = watch_fault(session->watch, fault);
     if (!err && !common)
-        return fault_set(fault, ERR_INPUT,
-                         "no voxel of it lies where the procedure's scene does: they have no place "
-                         "in common");
+        return fault_set(
+            fault, ERR_INPUT,
+            "no voxel of it is inside the procedure's scene: the scenes do not overlap");
     return err ? err : percentiles_find(&warped->percentiles, session, warped->label, fault);
 }
 
@@ -93,7 +93,8 @@ static bool differs(const uint16_t *label, const struct grid *grid, uint32_t x, 
     return false;
 }
 
-/* How far each voxel is from the nearest at the border of two labels, in BINS of `bin_mm`. */
+/* Compute the distance of each voxel to the nearest voxel at a border of labels, in bins of
+ * `bin_mm`. */
 static enum err find_depths(uint16_t *depth, const struct warped *warped,
                             const struct session *session, double bin_mm, struct fault *fault)
 {
@@ -120,7 +121,7 @@ static enum err find_depths(uint16_t *depth, const struct warped *warped,
     return err;
 }
 
-/* The deepest bin up to `most` that leaves a tenth of the voxels. */
+/* Deepest bin up to `most` that leaves a tenth of the voxels. */
 static unsigned find_least(const uint64_t *count, uint64_t voxels, unsigned most)
 {
     uint64_t left = voxels;
