@@ -8,6 +8,8 @@
 
 #include "command/interpreter.h"
 #include "program/program.h"
+#include "engine/forest.h"
+#include "render/rendition.h"
 
 /* What their command lines give. */
 struct bench_options {
@@ -50,6 +52,17 @@ struct bench_process {
     double seconds, of_processors, megabytes; /* elapsed; of processors; held at most */
 };
 enum err bench_turntable(struct bench_process *process, const char *commands, struct fault *fault);
+
+/* Edits of the voxels of a ball that are no seeds: seeds of label 0, and their erasure. */
+enum { BENCH_BALL_MOST = 4096 };
+struct bench_ball {
+    struct edit seed[BENCH_BALL_MOST], undo[BENCH_BALL_MOST];
+    size_t count;
+};
+void bench_ball_make(struct bench_ball *ball, const struct scene *scene, uint32_t cell, int radius);
+
+/* The next of a fixed sequence of pixels that show an object. */
+size_t bench_next_pixel(const struct rendition *frame, size_t pixel);
 
 /* A session of many commands on 7 million voxels, and how long going on with its journal takes: the
  * least of three times. ERR_CHECK where what is resumed is not what was left. */

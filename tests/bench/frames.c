@@ -140,32 +140,7 @@ static enum err time_frames(struct session *session, struct table *table, const 
 
 /* ---- edits ---- */
 
-enum { BALL = 6, BALL_MOST = 1000, EDITS = 16 };
-
-struct ball {
-    struct edit seed[BALL_MOST], undo[BALL_MOST];
-    size_t count;
-};
-
-static void make_ball(struct ball *ball, const struct scene *scene, uint32_t cell)
-{
-    const struct place p = grid_place(&scene->grid, cell);
-    ball->count = 0;
-    for (int i = 0; i < (2 * BALL + 1) * (2 * BALL + 1) * (2 * BALL + 1); i++) {
-        const int x = i % (2 * BALL + 1) - BALL, y = i / (2 * BALL + 1) % (2 * BALL + 1) - BALL;
-        const int z = i / (2 * BALL + 1) / (2 * BALL + 1) - BALL;
-        const int64_t at[3] = {(int64_t)p.x + x, (int64_t)p.y + y, (int64_t)p.z + z};
-        if (x * x + y * y + z * z > BALL * BALL || ball->count == BALL_MOST ||
-            !grid_contains(&scene->grid, at[0], at[1], at[2]))
-            continue;
-        const uint32_t c =
-            grid_cell(&scene->grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
-        if (scene->cell[c].flags & CELL_SEED)
-            continue; /* erasing the ball would take it too */
-        ball->seed[ball->count] = (struct edit){c, 0, 0};
-        ball->undo[ball->count++] = (struct edit){c, EDIT_ERASE, 0};
-    }
-}
+enum { BALL = 6, EDITS = 16 };
 
 /* The incremental image of an edit, which is left out. */
 static enum err follow(struct session *session, const struct edit *edit, size_t count,
@@ -189,17 +164,15 @@ static enum err time_edits(struct session *session, struct table *table, const c
     if (table->text && !strstr(what, table->text))
         return OK;
     struct row *row = add_row(table, what);
-    struct ball *ball = mem_new(sizeof *ball);
+    struct bench_ball *ball = mem_new(sizeof *ball);
     enum err err = ball ? look_with(session, &f, 1, fault) : fault_memory(fault, "a benchmark");
     if (!err)
         err = session_draw(session, RENDER_BORDER, fault);
     size_t pixel = 0;
     for (int i = 0; !err && i < EDITS * TEAMS * 8 && row->times[1].count < EDITS; i++) {
         const struct rendition *frame = session_frame(session);
-        do
-            pixel = (pixel + 12347) % ((size_t)frame->width * frame->height);
-        while (frame->cell[pixel] == CELL_NONE);
-        make_ball(ball, session->scene, frame->cell[pixel]);
+        pixel = bench_next_pixel(frame, pixel);
+        bench_ball_make(ball, session->scene, frame->cell[pixel], BALL);
         take_team(table, session, i % TEAMS);
         err = follow(session, ball->seed, ball->count, &row->times[i % TEAMS], fault);
         if (!err)

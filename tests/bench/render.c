@@ -187,12 +187,7 @@ static enum err time_looks(struct session *session, struct table *table, struct 
 
 /* ---- edits ---- */
 
-struct ball {
-    struct edit seed[4096], undo[4096];
-    size_t count;
-};
-
-static void make_ball(struct ball *ball, const struct scene *scene, uint32_t cell, int radius)
+void bench_ball_make(struct bench_ball *ball, const struct scene *scene, uint32_t cell, int radius)
 {
     const struct place p = grid_place(&scene->grid, cell);
     ball->count = 0;
@@ -206,10 +201,18 @@ static void make_ball(struct ball *ball, const struct scene *scene, uint32_t cel
                 const uint32_t c =
                     grid_cell(&scene->grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
                 if (scene->cell[c].flags & CELL_SEED)
-                    continue; /* erasing the ball would take a seed of the procedure */
+                    continue; /* erasing the ball would remove a seed of the procedure */
                 ball->seed[ball->count] = (struct edit){c, 0, 0};
                 ball->undo[ball->count++] = (struct edit){c, EDIT_ERASE, 0};
             }
+}
+
+size_t bench_next_pixel(const struct rendition *frame, size_t pixel)
+{
+    do
+        pixel = (pixel + 12347) % ((size_t)frame->width * frame->height);
+    while (frame->cell[pixel] == CELL_NONE);
+    return pixel;
 }
 
 /* One edit and its incremental image: what that took, and how many labels the edit changed; 0 where
@@ -258,18 +261,16 @@ static enum err time_edits(struct session *session, struct table *table, uint32_
     struct row *row =
         add_row(table, zoom == VIEW_ZOOM_ONE ? "incremental image and shading, zoom 1"
                                              : "incremental image and shading, zoom 2");
-    struct ball *ball = mem_new(sizeof *ball);
+    struct bench_ball *ball = mem_new(sizeof *ball);
     enum err err = ball ? turn_to(session, 5, zoom, fault) : fault_memory(fault, "a benchmark");
     if (!err)
         err = session_render(session, RENDER_BORDER, fault);
-    uint64_t pixel = 0;
+    size_t pixel = 0;
     for (int i = 0; !err && i < TRIES && row->count < 2 * EDITS; i++) {
         struct followed way[2];
-        do
-            pixel = (pixel + 12347) % (SIDE * SIDE);
-        while (session->pictures->rendition.cell[pixel] == CELL_NONE);
-        make_ball(ball, session->scene, session->pictures->rendition.cell[pixel],
-                  4 + i % (BALL_MOST - 3));
+        pixel = bench_next_pixel(&session->pictures->rendition, pixel);
+        bench_ball_make(ball, session->scene, session->pictures->rendition.cell[pixel],
+                        4 + i % (BALL_MOST - 3));
         err = follow_edit(session, ball->seed, ball->count, &way[0], fault);
         if (!err)
             err = follow_edit(session, ball->undo, ball->count, &way[1], fault);
@@ -388,18 +389,16 @@ static enum err time_following(struct session *session, struct table *table, str
     static struct label_stats stats[256];
     const struct labels labels = labels_of_forest(session->scene);
     struct label_measures measures = {0};
-    struct ball *ball = mem_new(sizeof *ball);
+    struct bench_ball *ball = mem_new(sizeof *ball);
     enum err err =
         ball ? session_render(session, RENDER_BORDER, fault) : fault_memory(fault, "a benchmark");
     if (!err)
         err = label_stats_find(stats, &measures, &labels, session->team, fault);
-    uint64_t pixel = 0;
+    size_t pixel = 0;
     for (int i = 0; !err && i < TRIES && row[0]->count < 2 * EDITS; i++) {
-        do
-            pixel = (pixel + 12347) % (SIDE * SIDE);
-        while (session->pictures->rendition.cell[pixel] == CELL_NONE);
-        make_ball(ball, session->scene, session->pictures->rendition.cell[pixel],
-                  4 + i % (BALL_MOST - 3));
+        pixel = bench_next_pixel(&session->pictures->rendition, pixel);
+        bench_ball_make(ball, session->scene, session->pictures->rendition.cell[pixel],
+                        4 + i % (BALL_MOST - 3));
         err = time_measures(session, &measures, ball->seed, ball->count, row, fault);
         if (!err)
             err = time_measures(session, &measures, ball->undo, ball->count, row, fault);

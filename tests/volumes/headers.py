@@ -404,7 +404,7 @@ def make_hdf5():
     for name, attributes, words in (
             ("no-unit", {"axistags": tags("zyx", size)}, "axistags has numbers, and their unit"),
             ("two-units", {"element_size_um": [1.0, 2, 3], "unit": "nm"}, "another has another"),
-            ("which", {"element_size_um": [1.0, 2, 3], "axistags": tags("xyz")}, "of which the"),
+            ("which", {"element_size_um": [1.0, 2, 3], "axistags": tags("xyz")}, "whose order is"),
             ("order", {"resolution": [5.0, 3, 2], "unit": "um"}, "whose order is unknown"),
             ("odd-unit", {"spacing": [5.0, 5, 5], "unit": "ell"}, "and their unit is not known")):
         hdf5(name + ".h5", data if name == "which" else data.T, attributes)
