@@ -44,7 +44,7 @@ grep -qx "seed-file atlas.nii regions=2001,9170 as=4,9 erode=1" j.iftty || fail 
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,2 as=1'
 err_has 'as: expected a label for each of `regions`; from 2 on there is none'
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1 as=1 label=2'
-err_has 'as and label are two answers to one question'
+err_has 'as and label are mutually exclusive'
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,,2'
 err_has 'regions: expected A-B, or A, within 0-65533, not 1,,2; several have commas between them'
 close_story
@@ -154,7 +154,7 @@ expect 0 "$iftty" -c 'open s.nii; labels many.nii label=1; run'
 expect 3 "$iftty" -c 'open s.nii; labels negative.nii'
 err_has '1 of its voxels holds numbers below 0 or above 65533, which are no regions'
 expect 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
-err_has 'numbers: a journal has it beside copy=DIGEST'
+err_has 'numbers: only in journals'
 close_story
 
 begin "a replay reads the table again, and notices one that has changed"

@@ -372,7 +372,7 @@ echo 'open good.nii' >words.iftty
 : >empty.iftty
 for name in words.iftty empty.iftty; do
     refused 3 "$name has no header of a journal; \`iftty run $name\`" "$iftty" $name </dev/null
-    refused 3 "$name is named as a journal, and \`open\` takes a scene" "$iftty" -c "open $name"
+    refused 3 "$name is named as a journal, and \`open\` opens scenes" "$iftty" -c "open $name"
     refused 3 "it is no picture of a format that is known here" "$iftty" info $name
 done
 refused 3 "it is no picture of a format that is known here" "$iftty" show good.nii

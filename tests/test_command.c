@@ -434,7 +434,7 @@ STORY(millimetres_lead_to_the_nearest_voxel)
     }
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
         CHECK(command_parse(&call, outside[i], interp.session, &fault) == ERR_INPUT);
-        CHECK_HAS(fault.text, "lies outside the scene, whose voxels are 0,0,0 to 11,10,9");
+        CHECK_HAS(fault.text, "is outside the scene, whose voxels are 0,0,0 to 11,10,9");
         CHECK_HAS(fault.text, "nothing has changed");
     }
     buf_release(&out);
@@ -570,7 +570,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"label 3 abcdefghijklmnopqrstuvwxyzabcdef", "at most 31 bytes"},
         {"label 3 cerebellum", "label 2 is already called cerebellum"},
         {"help nothing", "there is no command nothing"},
-        {"view left 3", "a named view takes no angles"},
+        {"view left 3", "a named view has no angles"},
         {"pan 1", "missing: DOWN; usage: pan RIGHT DOWN"},
         {"pan 8192.001 0", "RIGHT: expected a number -8192..8192 with at most three decimals"},
         {"pan up 3", "RIGHT: expected a number"},
@@ -579,21 +579,21 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"clip sagittal 5-12", "there are sagittal slices 0-11, right to left, not 12"},
         {"clip coronal 5-4", "SLICES: expected A-B, or A, within 0-65533, not 5-4"},
         {"clip oblique 1-2", "PLANE: expected axial|coronal|sagittal|none, not oblique"},
-        {"clip none 1-2", "`clip none` takes no slices; the view is unchanged"},
+        {"clip none 1-2", "`clip none` has no slices; the view is unchanged"},
         {"plane", "missing: PLACE; usage: plane none|X,Y,Z"},
-        {"plane 12,0,0", "lies outside the scene"},
+        {"plane 12,0,0", "is outside the scene"},
         {"plane all", "PLACE: expected none or X,Y,Z (voxel indices) or X,Y,Zmm (world), not all"},
         {"cut 1,1,1", "expected two corners X,Y,Z X,Y,Z, or none alone; the view is unchanged"},
         {"cut none 1,1,1", "expected two corners"},
-        {"cut 1,1,1 2,2,10", "lies outside the scene"},
+        {"cut 1,1,1 2,2,10", "is outside the scene"},
         {"cut 1,1,1 2,2,x", "OPPOSITE: expected X,Y,Z (voxel indices)"},
         {"focus here",
          "PLACE: expected scene or X,Y,Z (voxel indices) or X,Y,Zmm (world), not here"},
-        {"focus 12,0,0", "lies outside the scene, whose voxels are 0,0,0 to 11,10,9"},
+        {"focus 12,0,0", "is outside the scene, whose voxels are 0,0,0 to 11,10,9"},
         {"golden ../front", "lower-case letters"},
         {"pick 0 0", "`render` first"},
         {"remove 1,1,1", "no seed reaches it"},
-        {"cross 12,0,0", "lies outside the scene, whose voxels are 0,0,0 to 11,10,9"},
+        {"cross 12,0,0", "is outside the scene, whose voxels are 0,0,0 to 11,10,9"},
         {"cross", "missing: PLACE; usage: cross X,Y,Z"},
         {"window", "missing: LOW"},
         {"window 5", "expected LOW and HIGH, or auto alone; nothing has changed"},
@@ -618,7 +618,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"golden x of=oblique",
          "of: expected rendition|axial|coronal|sagittal|mosaic, not oblique"},
         {"open elsewhere.nii", "there is no scene elsewhere.nii here"},
-        {"open elsewhere.iftty", "there is no journal elsewhere.iftty here, and `open` takes a "},
+        {"open elsewhere.iftty", "there is no journal elsewhere.iftty here, and `open` opens "},
         {"open synth:geom", "a scene is open already"},
         {"render missing-folder/x.exr", "there is no folder"},
         {"\x1b]0;title\x07", "\\x1b]0;title\\x07"},
@@ -1152,8 +1152,8 @@ static void say_nothing(void *context, const char *text)
     buf_add_text(kept, text);
 }
 
-/* Carried out again from the journal, by another interpreter, everything is the same; or where `words`
- * is not NULL, a file that was changed is told from the one that was planted. */
+/* A replay of the journal in another interpreter is the same; or, if `words`
+ * is not NULL, it reports a file that was changed since. */
 static void replay_tells(const char *words)
 {
     struct buf told = {0};
@@ -1269,7 +1269,7 @@ STORY(a_seed_file_that_is_wrong_plants_nothing)
         const char *line, *words;
     } row[] = {
         {"seed-file elsewhere.csv", "there is no file elsewhere.csv here; nothing has changed"},
-        {"seed-file bad.csv", "bad.csv: line 3: 12,1,1 lies outside the scene"},
+        {"seed-file bad.csv", "bad.csv: line 3: 12,1,1 is outside the scene"},
         {"seed-file seeds.csv each=2", "are for label maps, and seeds.csv is a list"},
         {"seed-file seeds.csv regions=1-2", "are for label maps"},
         {"seed-file narrow.nii", "the map has 9x11x10 voxels and the scene 12x11x10"},
@@ -1327,7 +1327,7 @@ STORY(a_journal_knows_its_seed_files_again)
     make_regions("regions.nii", size[0], 1);
     replay_tells("file is ");
     CHECK(unlink(place("regions.nii")) == 0);
-    replay_tells("there is no file regions.nii beside the journal or among the scenes");
+    replay_tells("there is no file regions.nii next to the journal or among the scenes");
     make_seed_files();
     journal_verifies();
 }
@@ -1803,7 +1803,7 @@ STORY(a_journal_knows_its_weights_and_masks_again)
     make_regions("regions.nii", size[0], 254); /* 256 is 0 */
     replay_tells("file is ");
     CHECK(unlink(place("regions.nii")) == 0);
-    replay_tells("there is no file regions.nii beside the journal or among the scenes");
+    replay_tells("there is no file regions.nii next to the journal or among the scenes");
     make_seed_files();
     make_weights("weights.nii", 1);
     replay_tells("weights is ");
@@ -1917,31 +1917,35 @@ STORY(a_command_that_is_cancelled_is_undone)
     interpreter_release(&interp);
 }
 
+/* Stop a command at looks further and further apart until it ends; how often it was stopped. */
+static unsigned stop_until_done(struct interpreter *interp, const char *line)
+{
+    struct snapshot before;
+    unsigned cancelled = 0;
+    enum err err = ERR_CANCELLED;
+    take_snapshot(&before, interp);
+    for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
+        struct looks looks = {0, at};
+        struct watch watch = {.context = &looks, .poll = after_some_polls};
+        interp->session->watch = &watch;
+        err = execute(interp, line);
+        interp->session->watch = NULL;
+        if (err)
+            is_as_before(&before, interp, line);
+        cancelled += err == ERR_CANCELLED;
+    }
+    CHECK_INT(err, OK);
+    return cancelled;
+}
+
 STORY(interpolation_that_is_cancelled_is_undone)
 {
-    static const char line[] = "interpolate 2 1 1";
     struct interpreter interp;
-    struct looks looks;
-    struct watch watch = {.context = &looks, .poll = after_some_polls};
-    struct snapshot before;
-    enum err err = ERR_CANCELLED;
-    unsigned cancelled = 0;
     begin_interpreter(&interp);
     must(&interp, "open synth:geom:120x100x90");
     must(&interp, "range 0 300");
     must(&interp, "render mode=sp");
-    take_snapshot(&before, &interp);
-    for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
-        looks = (struct looks){0, at};
-        interp.session->watch = &watch;
-        err = execute(&interp, line);
-        interp.session->watch = NULL;
-        if (err)
-            is_as_before(&before, &interp, line);
-        cancelled += err == ERR_CANCELLED;
-    }
-    CHECK_INT(err, OK);
-    CHECK(cancelled > 5);
+    CHECK(stop_until_done(&interp, "interpolate 2 1 1") > 5);
     CHECK_INT(interp.session->scene->grid.size[0], 239);
     interpreter_release(&interp);
 }
@@ -1950,20 +1954,11 @@ STORY(opening_that_is_cancelled_opens_nothing)
 {
     static const char *const line[] = {"open synth:geom:120x100x90", "open synth:geom:211",
                                        "open scene.nii"};
-    struct interpreter interp;
-    struct looks looks;
-    struct watch watch = {.context = &looks, .poll = after_some_polls};
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        enum err err = ERR_CANCELLED;
+        struct interpreter interp;
         begin_interpreter(&interp);
-        for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
-            looks = (struct looks){0, at};
-            interp.session->watch = &watch;
-            err = execute(&interp, line[i]);
-            CHECK(err ? !interp.session->has_scene && !interp.session->scene
-                      : interp.session->has_scene);
-        }
-        CHECK_INT(err, OK);
+        CHECK(stop_until_done(&interp, line[i]) > 0);
+        CHECK(interp.session->has_scene);
         interpreter_release(&interp);
     }
 }

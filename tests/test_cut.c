@@ -462,7 +462,7 @@ STORY(a_plane_with_a_normal_is_the_same_from_everywhere)
     CHECK_INT(interp.session->now.kept.cut.planes, 1);
     interp.session->scene->sides_unknown = true;
     CHECK(execute(&interp, "plane 1,1,1 normal=left") == ERR_INPUT);
-    CHECK_HAS(fault.text, "nothing says which way the patient lies; expected A,B,C");
+    CHECK_HAS(fault.text, "orientation is unknown; expected A,B,C");
     must(&interp, "plane 1,1,1 normal=1,0,0");
     interp.session->scene->spacing_unknown = true;
     CHECK(execute(&interp, "plane 1,1,1 normal=1,0,0 offset=1") == ERR_INPUT);

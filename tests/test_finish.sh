@@ -265,7 +265,7 @@ refused "finish components" "voxels: \`finish components\` needs it"
 refused "finish none label=2" "expected a step"
 refused "finish label=2" "expected a step"
 refused "finish majority label=0" "label"
-refused "save cost c.nii finished=yes" "of labels alone"
+refused "save cost c.nii finished=yes" "only for labels and surfaces"
 expect 3 "$iftty" -c "open scene.nii; finish open radius=40mm"
 err_has "finish open: the radius reaches 40 voxels along x; at most 16"
 for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16; do echo "finish holes"; done >sixteen

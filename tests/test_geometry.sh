@@ -79,7 +79,7 @@ close_story
 begin "what the user tells is recorded, undone, and shown as told"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; orient LPI; info; undo; info; redo; info' \
     --journal told.iftty
-[ "$(grep -c 'axes towards LPI as told by the user' "$work/out")" = 3 ] || fail "$(cat "$work/out")"
+[ "$(grep -c 'axes towards LPI set by the user' "$work/out")" = 3 ] || fail "$(cat "$work/out")"
 [ "$(grep -c 'size, orientation unknown' "$work/out")" = 1 ] || fail "$(cat "$work/out")"
 grep -q '^= 1 .* orientation=unknown' told.iftty || fail "$(cat told.iftty)"
 grep -q '^= 2 orientation=told' told.iftty || fail "$(cat told.iftty)"
@@ -103,7 +103,7 @@ out_has "2 mm, axes towards LAS,"
 out_has "2 mm, axes towards RAS,"
 expect 0 "$iftty" verify chosen.iftty
 expect 3 "$iftty" -c 'open contrary.nii.gz; seed 12,4,9mm 1'
-err_has "where this scene lies in the world is not known"
+err_has "the position of this scene in the world is unknown"
 expect 0 "$iftty" -c 'open contrary.nii.gz; orient sform; seed 12,4,9mm 1; orient qform
     seed 5,6,9mm 1'
 out_has "seed 8,8,1 1"
@@ -113,7 +113,7 @@ close_story
 begin "a scene that does not say it gives maps that do not say it"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii empty=yes; orient LPI
 save labels b.nii empty=yes'
-[ "$(grep -c "where it lies is as unknown in it as in the scene" "$work/out")" = 2 ] ||
+[ "$(grep -c "its position is as unknown as that of the scene" "$work/out")" = 2 ] ||
     fail "$(cat "$work/out")"
 cmp -s a.nii b.nii || fail "what was told is in the map"
 expect 0 "$iftty" info a.nii

@@ -104,7 +104,7 @@ expect 0 "$iftty" verify --strict k.iftty
 rm -r o.golden
 cp -a k.golden o.golden
 expect 1 "$iftty" verify o.iftty
-out_has "o.golden/first.exr, which leads out of its folder, is not what was recorded"
+out_has "o.golden/first.exr, which leads out of its folder, differs from the record"
 expect 0 "$iftty" verify o.iftty --accept why
 [ -f o.golden/first.exr ] && [ ! -h o.golden/first.exr ] || fail "the link was not replaced"
 expect 0 "$iftty" verify o.iftty
@@ -190,7 +190,7 @@ close_story
 begin "a golden image that is gone while its PNG is there is named"
 mv j.golden/first.exr kept.exr
 expect 1 "$iftty" verify j.iftty
-out_has "its PNG is there, but j.golden/first.exr, which is what is compared, is not"
+out_has "its PNG exists, but not j.golden/first.exr, which is compared"
 expect 1 "$iftty" log --reseal j.iftty
 mv kept.exr j.golden/first.exr
 expect 0 "$iftty" verify --strict j.iftty
@@ -365,7 +365,7 @@ cp kept.exr j.golden/first.exr
 cp slice.golden/slice.exr side.exr
 /usr/bin/python3 forge.py context side.exr slice.golden/slice.exr
 expect 1 "$iftty" verify slice.iftty
-out_has "its note iftty:context is all is well, which is no note of what is drawn"
+out_has "its note iftty:context is all is well, which is no note of the new picture"
 close_story
 
 begin "a PNG with bytes or words that nobody compares fails"

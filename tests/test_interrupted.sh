@@ -60,7 +60,7 @@ for made in $(seq 1 "$records"); do
             err_has "k.iftty has all of "
             err_has ", $records records: nothing is left to do"
         else
-            err_has "k.iftty has what stands before line "
+            err_has "k.iftty has the lines before line "
             err_has ", $made record"
         fi
     done
@@ -98,7 +98,7 @@ beginning() {
 differs() { # WORDS: this line, and this record
     expect_in again 3 "$iftty" run other --journal k.iftty
     err_has "$1"
-    err_has "the journal has another run, or was gone on with; nothing was added to it"
+    err_has "the journal has another run, or was continued; nothing was added to it"
     same "$(wc -l <err | tr -d ' ')" 1
     same_files again/k.iftty again/former
 }

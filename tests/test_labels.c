@@ -493,7 +493,7 @@ STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
             for (uint32_t x = 0; x < size[0]; x++)
                 expected += is_bright(x, y, z);
     CHECK(execute(&interp, "object 2 threshold 100..255") == ERR_INPUT);
-    CHECK_HAS(fault.text, "no seed of label 2 lies in a voxel of this range");
+    CHECK_HAS(fault.text, "no seed of label 2 is in a voxel of this range");
     CHECK(execute(&interp, "object 2 threshold 100..255 from=0,0,0") == ERR_INPUT);
     CHECK_HAS(fault.text, "voxel 0,0,0 has the intensity 0, beyond the range");
     must(&interp, "object 2 threshold 100..255 from=11,10,9");
@@ -502,8 +502,8 @@ STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
     CHECK_HAS(buf_text(&reply.text), words);
     CHECK_INT(seeds_of(interp.session, 2), expected);
     CHECK_HAS(buf_text(&reply.words), "marker=1");
-    CHECK_HAS(buf_text(&reply.text), "nothing holds label 2 cerebellum back, and a run gives it "
-                                     "all of the scene\n");
+    CHECK_HAS(buf_text(&reply.text),
+              "nothing holds label 2 cerebellum back, and a run grows it over all of the scene\n");
     must(&interp, "undo");
     must(&interp, "range 100 255");
     must(&interp, "object 2 threshold 100..255 from=11,10,9");

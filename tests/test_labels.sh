@@ -44,7 +44,7 @@ deep='open room.nii; labels block.nii; run; seed 11,10,8 2'
 expect 0 "$iftty" -c "$deep; run"
 out_has '    7 voxels changed'
 expect 0 "$iftty" -c "$deep radius=2; run; undo 2; save labels undone.nii"
-! grep -q 'undo takes it back' "$work/out" || fail "$(cat "$work/out")"
+! grep -q 'undo reverts it' "$work/out" || fail "$(cat "$work/out")"
 cmp -s block.nii undone.nii || fail "undo has left something"
 expect 0 "$iftty" -c "$deep to=14,10,8 radius=1; run; stats"
 [ "$(sed -n 's/^    \([0-9]*\) voxels changed.*/\1/p' "$work/out" | tail -1)" -lt 150 ] ||
@@ -128,7 +128,7 @@ cp elsewhere.nii model.nii
 expect 0 "$iftty" verify a.iftty
 { head -c 352 elsewhere.nii; tail -c +354 elsewhere.nii; printf '\007'; } >model.nii
 expect 3 "$iftty" verify a.iftty
-out_has "model.nii holds other labels than were recorded"
+out_has "model.nii holds labels other than recorded"
 rm model.nii
 close_story
 
@@ -139,7 +139,7 @@ for copy in $(ls copies); do
     cp "copies/$first" "a.golden/$copy"
 done
 expect 3 "$iftty" verify a.iftty
-out_has "holds other labels than were recorded"
+out_has "holds labels other than recorded"
 printf 'open s.nii\nlabels x.nii copy=../../../../../../etc/passwd00000000000\n' >script
 expect 2 "$iftty" run script
 err_has "expected 32 digits"
@@ -180,7 +180,7 @@ expect 0 "$iftty" -c 'undo 2; run; object 2 threshold 95..105 from=20,5,5; run
     --journal e.iftty
 same_files own.nii again.nii
 expect 3 "$iftty" -c 'object 5 threshold 70..89' --journal e.iftty
-err_has "no seed of label 5 lies in a voxel of this range"
+err_has "no seed of label 5 is in a voxel of this range"
 expect 2 "$iftty" -c 'object 5 threshold' --journal e.iftty
 expect 2 "$iftty" -c 'object 5 threshold 9..1' --journal e.iftty
 close_story

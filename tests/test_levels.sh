@@ -121,14 +121,14 @@ image.header.set_xyzt_units("mm")
 nibabel.save(image, "close.nii")
 PY
 expect 0 "$iftty" -c 'open close.nii; range 0.2 0.500000015'
-out_has '120 voxels have a level that an end of the range cuts: a level is 1.53e-05, and values'
+out_has '120 voxels have a level that contains an end of the range: its width is 1.53e-05'
 expect 0 "$iftty" -c 'open close.nii; why 6,1,1; why 0,0,1'
 out_has 'intensity 0.500008 +-7.6e-06, '
 out_has 'intensity 0.000595593, '
 expect 0 "$iftty" -c 'open close.nii; seed 6,6,6 1 radius=1 range=0.2..0.500000015'
-out_has 'voxels have a level that an end of the range cuts'
+out_has 'voxels have a level that contains an end of the range'
 expect 0 "$iftty" -c 'open close.nii; object 1 threshold 0.2..0.500000015 from=4,4,4'
-out_has '120 voxels have a level that an end of the range cuts'
+out_has '120 voxels have a level that contains an end of the range'
 expect 0 "$iftty" -c 'open close.nii; range 0.2 0.45'
 out_lacks 'cuts'
 expect 0 "$iftty" -c 'open close.nii; interpolate 2 1 1; range 0.2 0.5; info'

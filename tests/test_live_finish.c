@@ -93,7 +93,8 @@ STORY(finished_says_what_pictures_show)
     MUST_ANSWER(&interp, "finish relax", "finish    relax sweeps=60 reach=2; pictures show it\n");
     CHECK(picture_of(&interp, "render") != plain);
     MUST_MENTION(&interp, "info", "finish    relax sweeps=60 reach=2; pictures show it\n");
-    MUST_MENTION(&interp, "save labels x.nii", "`finished=yes` writes those that pictures show\n");
+    MUST_MENTION(&interp, "save labels x.nii",
+                 "`finished=yes` writes the labels shown in pictures\n");
     must(&interp, "save labels x.nii finished=yes replace=yes");
     CHECK(!strstr(buf_text(&reply.text), "pictures show"));
     MUST_ANSWER(&interp, "finished off", "pictures show the labels of the forest\n");

@@ -109,7 +109,7 @@ expect 2 "$iftty" -c 'open synth:geom reduce=2'
 err_has 'volume, crop and reduce choose from a file'
 for word in series=1 data=x missing=blank spacing=1,1,2 huge=yes; do
     expect 2 "$iftty" -c "open synth:geom:9x9x9 $word"
-    err_has 'are about a file, and a synthetic scene is made as it is to be; nothing was opened'
+    err_has 'are for files, not for synthetic scenes; nothing was opened'
     printf 'open synth:geom:9x9x9 %s\n' "$word" >recorded # before it was refused
     expect 0 "$iftty" replay recorded
 done

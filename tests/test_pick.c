@@ -158,7 +158,7 @@ STORY(every_pixel_tells_the_voxel_it_shows)
         }
     CHECK(objects > 200);
     CHECK_INT(execute(&interp, "pick 40 0"), ERR_INPUT);
-    CHECK_HAS(fault.text, "pixel 40,0 lies outside the picture of 40x30");
+    CHECK_HAS(fault.text, "pixel 40,0 is outside the picture of 40x30");
     CHECK_INT(execute(&interp, "pick 0 30"), ERR_INPUT);
     CHECK_INT(execute(&interp, "pick -1 0"), ERR_USAGE);
     CHECK_INT(execute(&interp, "pick 8193 0"), ERR_USAGE);

@@ -363,7 +363,7 @@ tmux_here resize-window -t prompt -x 130 -y 30
 comes_true stands_in_row 29 || fail "the screen is:" "$(screen_text | grep .)"
 see '^coronal at .* mm  mean [0-9.]*, SD [0-9.]*, [0-9.]* x [0-9.]* x [0-9.]* m' # of the label
 enter ":seed 20,4,3 0"
-see '^this `seed` took .* of label 1 through 20,4,2; undo takes it back$' # lines are a page
+see '^this `seed` took .* of label 1 through 20,4,2; undo reverts it$' # lines are a page
 see '^[(]any key[)]$'
 typing " " '^coronal at [0-9]*,13,[0-9]* '
 enter ":cross 20,4,3"

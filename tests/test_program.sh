@@ -75,7 +75,7 @@ printf 'open s.nii\nseed 99,1,1 1\nseed 1,1,1 1\nsed\nrun\n' >bad
 expect 3 "$iftty" run bad
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;"
 same "$(cat err)" \
-    "bad:2: 99,1,1 lies outside the scene, whose voxels are 0,0,0 to 23,19,15; nothing has changed"
+    "bad:2: 99,1,1 is outside the scene, whose voxels are 0,0,0 to 23,19,15; nothing has changed"
 expect 3 "$iftty" run bad --keep-going
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;seed 1,1,1 1;run;"
 same "$(cut -d: -f1-2 err | tr '\n' ' ')" "bad:2 bad:4 "
@@ -442,7 +442,7 @@ begin "files that were read from elsewhere are looked for by name"
 expect_in spread/here 0 "$iftty" -c 'open s.nii; mask ../abs.nii; seed 1,1,1 1; run' \
     --journal r.iftty
 expect 3 "$iftty" verify spread/here/r.iftty
-out_has "the journal may not read ../abs.nii: there is no file abs.nii beside the journal or among"
+out_has "the journal may not read ../abs.nii: there is no file abs.nii next to the journal or among"
 expect 0 env IFTTY_SCENES="$work/spread" "$iftty" verify spread/here/r.iftty
 close_story
 
@@ -502,7 +502,7 @@ expect_in up/here 0 "$iftty" run - --journal u.iftty </dev/null # one's own goes
 expect 0 "$iftty" verify up/here/u.iftty
 mv up/scenes up/away
 expect 3 "$iftty" verify up/here/u.iftty
-out_has "the scene of this record is not at ../scenes/s.nii: there is no scene s.nii beside the"
+out_has "the scene of this record is not at ../scenes/s.nii: there is no scene s.nii next to the"
 out_has "expected --scene FILE"
 expect 3 "$iftty" run - --journal up/here/u.iftty </dev/null
 err_has "expected --scene FILE"
@@ -538,13 +538,13 @@ same "$(names_of far/one.iftty)$(names_of far/two.iftty)$(names_of far/subj/thre
     "subj/b.nii $work/far/subj/b.nii raw:../subj/b.nii "
 same "$(names_of far/out/four.iftty)" "../subj/b.nii "
 expect 3 "$iftty" verify far/out/s.iftty # maps of strangers are read below the folder alone
-out_has "no file m.nii beside the journal or among the scenes (\$IFTTY_SCENES names their folders)"
+out_has "no file m.nii next to the journal or among the scenes (\$IFTTY_SCENES names their folders)"
 expect 0 env IFTTY_SCENES="$work/far/maps" "$iftty" verify far/out/s.iftty
 expect 0 "$iftty" verify far/one.iftty far/two.iftty far/out/four.iftty linked/four.iftty
 cp s.nii far/out/s.nii
 flip_byte far/out/s.nii 1000
 expect 3 "$iftty" -c 'open s.nii' --journal far/out/five.iftty
-err_has "there is s.nii here, and another one beside the journal; expected the whole path"
+err_has "there are two files s.nii, here and next to the journal; expected the whole path"
 rm -r far linked
 close_story
 

@@ -29,7 +29,7 @@ see '^s> zoom fit\|FACTOR \[at=X,Y,Z\]$'
 entering "fit" '^s> zoom fit$'
 press s Tab
 see '^seed +plant a seed'
-see '^sync +when records are synced'
+see '^sync +set when records are synced'
 press e Tab
 see '^s> seed X,Y,Z LABEL \[radius=0\.\.512\|Rmm\] \[range=LOW\.\.HIGH\] '
 pressing C-u '^s>$'

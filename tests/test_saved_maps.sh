@@ -150,7 +150,7 @@ same "$(seen_as f-cost.mgz)" "$(seen_as f-cost.nii)"
 expect 2 "$iftty" -c "open p.nii; $start; save root r.mgz"
 err_has "FreeSurfer's files hold no numbers up to 4294967295; expected .nii.gz, .nrrd or .mha"
 expect 0 "$iftty" -c "open s.nii; $start; save labels s.mgz"
-out_has 'where it lies is as unknown in it as in the scene'
+out_has 'its position is as unknown as that of the scene'
 expect 0 "$iftty" -c "open s.nii; seed-file s.mgz"
 expect 0 "$iftty" -c "open f-cost.mgz; save labels again.mgz empty=yes" # bit for bit
 /usr/bin/python3 - 2>err <<'END' || fail "$(cat err)"

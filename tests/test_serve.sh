@@ -361,8 +361,8 @@ answered 5
 has "$(answer 1)" '"words": {"marker": "1-2", "forest": "'
 has "$(answer 2)" '"words": {"removed": 1, "marker": "3-4", "forest": "'
 same "$(for at in 10,9,8 13,9,8 14,13,8; do voxel "$(answer 3)" $at; done | xargs)" "2 0 0"
-has "$(answer 4)" '"why": "instead: no marker 77 stands'
-has "$(answer 5)" '"why": "14,99,8 lies outside the scene'
+has "$(answer 4)" '"why": "instead: there is no marker 77'
+has "$(answer 5)" '"why": "14,99,8 is outside the scene'
 has "$(answer 5)" '"column": 27'
 stop 0
 close_story

@@ -163,30 +163,30 @@ STORY(what_is_no_shell_is_refused)
     must(&interp, "seed 5,5,5 1");
     is_refused(&interp, "seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside");
     is_refused(&interp, "seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside");
-    is_refused(&interp, "seed 5,5,5 0 radius=100 shell=yes", "none of it lies in the scene");
+    is_refused(&interp, "seed 5,5,5 0 radius=100 shell=yes", "none of it is in the scene");
     is_refused(&interp, "seed 5,5,5 0 radius=513 shell=yes", "radius: expected a number 0..512");
     is_refused(&interp, "seed 5,5,5 0 radius=900mm shell=yes",
                "it reaches 900 voxels along x; at most 512");
     is_refused(&interp, "seed 5,5,5 0 radius=129", "it reaches 129 voxels along x; at most 128");
     is_refused(&interp, "seed 15,5,5 0 radius=3 shell=yes", "15");
     is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes",
-               "label 1 is that of the object inside as well");
-    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes around=1", "of the object inside as well");
-    is_refused(&interp, "seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "and of no stroke");
-    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes joined=yes", "and of no stroke");
-    is_refused(&interp, "seed 5,5,5 0 through=6,6,6", "through: it is for shell=yes");
+               "label 1 is also the label of the object inside");
+    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes around=1", "also the label of the object inside");
+    is_refused(&interp, "seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "not for strokes");
+    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes joined=yes", "not for strokes");
+    is_refused(&interp, "seed 5,5,5 0 through=6,6,6", "through: only with shell=yes");
     is_refused(&interp, "seed 5,5,5 0 radius=3 through=6,6,6 shell=yes",
                "`radius` or `through`, not both");
     is_refused(&interp, "seed 5,5,5 0 through=5,5,5 shell=yes",
                "a ball of radius 0 has nothing inside");
-    is_refused(&interp, "seed 5,5,5 0 radius=3 around=1", "around: it is for shell=yes");
-    is_refused(&interp, "box 1,1,1 5,5,5 0 around=1", "around: it is for shell=yes");
+    is_refused(&interp, "seed 5,5,5 0 radius=3 around=1", "around: only with shell=yes");
+    is_refused(&interp, "box 1,1,1 5,5,5 0 around=1", "around: only with shell=yes");
     is_refused(&interp, "box 1,1,1 5,2,5 0 shell=yes",
                "less than 3 voxels thick has nothing inside");
     is_refused(&interp, "box 5,5,5 5,5,5 0 shell=yes",
                "less than 3 voxels thick has nothing inside");
     is_refused(&interp, "seed 5,5,5 0 radius=2 shell=yes around=2",
-               "lies in other objects than the one");
+               "is in objects other than the one");
     must(&interp, "seed 0,0,0 2 radius=2 shell=yes");
     interpreter_release(&interp);
 }

@@ -470,9 +470,9 @@ STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
     CHECK_INT(grey_of(&interp, 7, 5), 15);
     refused(&interp, "magnify 0.5", "TIMES: expected");
     refused(&interp, "magnify 4096.001", "TIMES: expected");
-    refused(&interp, "magnify 2 at=10,0,0", "10,0,0 lies outside the scene");
-    refused(&interp, "magnify fit at=1,1,1", "what is shown whole has no voxel in its middle");
-    refused(&interp, "magnify 1 at=1,1,1", "what is shown whole has no voxel in its middle");
+    refused(&interp, "magnify 2 at=10,0,0", "10,0,0 is outside the scene");
+    refused(&interp, "magnify fit at=1,1,1", "only for magnified slices");
+    refused(&interp, "magnify 1 at=1,1,1", "only for magnified slices");
     interpreter_release(&interp);
 }
 
@@ -891,8 +891,8 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     must(&interp, "size 22 20");
     picks(&interp, "pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
     picks(&interp, "pick 1 0 of=axial", "voxel 9,9,3 ");
-    refused(&interp, "pick 22 0 of=axial", "pixel 22,0 lies outside the picture of 22x20");
-    refused(&interp, "pick 0 20 of=mosaic", "pixel 0,20 lies outside the picture of 22x20");
+    refused(&interp, "pick 22 0 of=axial", "pixel 22,0 is outside the picture of 22x20");
+    refused(&interp, "pick 0 20 of=mosaic", "pixel 0,20 is outside the picture of 22x20");
     refused(&interp, "pick 0 0 of=oblique", "of: expected rendition|axial|coronal|sagittal|mosaic");
     /* Panes of 10x9, 11x9 and 10x10 pixels and a seam of one; nine pixels for ten voxels. */
     picks(&interp, "pick 8 8 of=mosaic", "voxel 1,2,0 ");

@@ -123,7 +123,7 @@ begin "what a question has applied is recorded as a run, and undone as one"
 rm -f j.iftty
 expect 0 "$iftty" -c 'open scene.nii; seed 7,12,10 1; stats; stats; seed 2,2,2 2; why 7,12,12
     undo; info; stats; undo 2; info' --journal j.iftty
-same "$(grep -c "the edit that waited is applied, $applied" "$work/out")" 3
+same "$(grep -c "applied the waiting edit, $applied" "$work/out")" 3
 same "$(sed -n 's/^ok \([0-9-]*\) \(stats\|why\).*/\1/p' "$work/out" | tr '\n' ' ')" "3 - 5 7 "
 same "$(grep '^[a-z]' j.iftty | tail -n +3 | tr '\n' ';')" \
     "run for=stats;seed 2,2,2 2;run for=why;undo;run for=stats;undo 2;"

@@ -45,7 +45,7 @@ expect 2 "$iftty" verify --strict --no-strict j.iftty
 err_has "--strict and --no-strict: give one of them"
 close_story
 
-begin "digests that were taken out, all or of one record, with the chain computed anew"
+begin "digests that were taken out, all or of one record, with the chain recomputed"
 copy none
 sed 's/^\(= [0-9]*\) .* chain=/\1 chain=/' j.iftty >before
 chain_anew before none.iftty

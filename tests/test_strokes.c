@@ -132,7 +132,7 @@ STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
 
 STORY(only_what_was_just_planted_is_gone_on_with)
 {
-    static const char words[] = "joined: the command before has not planted seeds of label 1";
+    static const char words[] = "joined: the previous command did not plant seeds of label 1";
     begin_with_journal(&interp, "alone.iftty");
     is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
     must(&interp, "seed 1,1,1 2");
@@ -198,8 +198,8 @@ STORY(millimetres_are_refused_where_nobody_knows_them)
     begin_interpreter(&interp);
     open_scene(&interp, "sizeless.nii");
     must(&interp, "seed 5,5,5 1 radius=2"); /* whose brush is let go of once */
-    is_refused(&interp, "seed 5,5,5 1 radius=2mm", "does not say how large voxels are");
-    is_refused(&interp, "remove 5,5,5 radius=2mm", "does not say how large voxels are");
+    is_refused(&interp, "seed 5,5,5 1 radius=2mm", "voxel size is unknown");
+    is_refused(&interp, "remove 5,5,5 radius=2mm", "voxel size is unknown");
     must(&interp, "seed 5,5,5 1 radius=2");
     interpreter_release(&interp);
 }
@@ -228,7 +228,7 @@ STORY(only_intensities_of_the_range_are_planted)
                "each, not 20");
     is_refused(&interp, "seed 1,1,1 1 range=20..10", "expected LOW..HIGH");
     must(&interp, "range 0 90");
-    is_refused(&interp, "seed 9,9,8 1 range=90..300", "lies outside the region of interest");
+    is_refused(&interp, "seed 9,9,8 1 range=90..300", "is outside the region of interest");
     interpreter_release(&interp);
 }
 
@@ -281,7 +281,7 @@ STORY(an_outline_says_what_lies_on_both_sides_of_a_border)
     must(&interp, "remove 2,4,5"); /* by its ring */
     CHECK_INT(seeds(), 1);
     must(&interp, "undo");
-    is_refused(&interp, "seed 8,8,8 0 joined=yes", "the command before has not planted");
+    is_refused(&interp, "seed 8,8,8 0 joined=yes", "the previous command did not plant");
     resume("outline.iftty");
     has_seeds(0, 5, 52, 52);
     must(&interp, "undo 5");
@@ -293,7 +293,7 @@ STORY(an_outline_says_what_lies_on_both_sides_of_a_border)
     must(&interp,
          "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=0"); /* nor where none is wanted */
     CHECK_HAS(buf_text(&reply.words), "marker=7 ");
-    is_refused(&interp, "outline 4,4,5 0 to=6,4,5 to=6,6,5 ring=1", "around an object");
+    is_refused(&interp, "outline 4,4,5 0 to=6,4,5 to=6,6,5 ring=1", "only for objects");
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5", "a polygon has three corners or more");
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 range=300..400", "no voxel of it has");
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 ring=17", "ring: expected");
@@ -347,8 +347,8 @@ STORY(an_outline_takes_the_place_of_a_marker)
     must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=1 instead=5"); /* by its ring */
     CHECK_HAS(buf_text(&reply.words), "removed=4 marker=6-7 ");
     has_seeds(1, 5, 9, 10);
-    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=4", "no marker 4 stands");
-    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=99", "no marker 99 stands");
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=4", "there is no marker 4");
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=99", "there is no marker 99");
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,6 instead=6", "lie in one slice");
     has_seeds(1, 5, 9, 10);
     resume("instead.iftty");

@@ -84,7 +84,7 @@ IFTTY_THREADS=1 expect_in "$work" 0 "$iftty" verify j.iftty
 grep -qa "orientation unknown" "$work/a.stl" || fail "a.stl names the world"
 grep -qa "SPACE=RAS" "$work/1/all.stl" || fail "no SPACE=RAS in all.stl"
 expect_in "$work" 0 "$iftty" -c "open s.nii; seed 6,10,8 1; save surface b.ply"
-out_has "its places are in millimetres along the axes of the voxels"
+out_has "its coordinates are in millimetres along the voxel axes"
 expect_in "$work" 0 "$iftty" -c "open s.nii; seed 6,10,8 1; finish open radius=2; finish largest
     save surface raw.ply; save surface finished.ply finished=yes; save labels f.nii finished=yes" \
     --journal finished.iftty

@@ -44,7 +44,7 @@ STORY(a_passage_is_the_strongest_edge_that_most_paths_share)
 static bool is_surprised(const char *line)
 {
     must(&interp, line);
-    return strstr(buf_text(&reply.text), "; undo takes it back\n") != NULL;
+    return strstr(buf_text(&reply.text), "; undo reverts it\n") != NULL;
 }
 
 static void begin(void)

@@ -136,7 +136,7 @@ out_has "its axes stand at right angles: nothing to straighten"
 expect 0 "$iftty" -c "open leans straighten=no"
 out_has "its axes are sheared"
 expect 2 "$iftty" -c "open synth:geom straighten=yes"
-err_has "huge and straighten are about a file"
+err_has "huge and straighten are for files"
 /usr/bin/python3 - <<'END' || fail "nibabel writes no scene"
 import nibabel, numpy
 to_mm = numpy.diag([1.0, 1, 2, 1])

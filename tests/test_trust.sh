@@ -166,7 +166,7 @@ expect 0 "$iftty" verify p.iftty
 cp s.nii "$work/secret/p.img" # whose name was that of a scene
 ln -sf "$work/secret/p.img" p.img
 expect 3 "$iftty" verify p.iftty
-out_has "there is no scene p.hdr beside the journal or among the scenes; expected --scene FILE"
+out_has "there is no scene p.hdr next to the journal or among the scenes; expected --scene FILE"
 rm p.hdr p.img
 cp pairs/p.hdr pairs/p.img . # a header of the stranger's, who would choose and guess the bytes
 rm -f p.iftty
@@ -177,7 +177,7 @@ for name in p.hdr p.img; do
     sed "s/^open p.hdr/open $name/" p.iftty >guess
     chain_anew guess guess.iftty
     expect 3 "$iftty" verify guess.iftty
-    out_has "there is no scene $name beside the journal or among the scenes"
+    out_has "there is no scene $name next to the journal or among the scenes"
 done
 rm p.hdr p.img
 close_story
@@ -385,7 +385,7 @@ echo precious >out/p.png
 echo precious >out/l.nii
 journal j 'open s.nii; seed 2,3,4 1; run; render p.png replace=yes'
 expect 3 "$iftty" replay j --out out
-err_has "out/p.png was there before; a replay replaces only what it has written itself"
+err_has "out/p.png existed before; a replay replaces only its own files"
 journal j 'open s.nii; seed 2,3,4 1; run; save labels l.nii'
 expect 3 "$iftty" replay j --out out
 err_has "out/l.nii exists already and was left alone"

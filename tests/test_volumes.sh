@@ -128,7 +128,7 @@ done
 for name in rtdose_1frame rtdose_expb_1frame rtdose_rle_1frame; do # it says its thickness nowhere
     rm -f "$work"/[ab].iftty
     expect 0 "$iftty" -c "open one/$name.dcm" --journal "$work/a.iftty"
-    out_has "distances of voxels unknown"
+    out_has "voxel spacing unknown"
     expect 0 "$iftty" -c "open one/$name.dcm.twin.nii" --journal "$work/b.iftty"
     for key in scene sha256; do
         same "$name $(last_word $key "$work/a.iftty")" "$name $(last_word $key "$work/b.iftty")"
@@ -144,7 +144,7 @@ expect 0 "$iftty" -c "open one/dose-uneven.dcm"
 out_has "slices are not evenly spaced: 4 to 6 mm apart"
 for name in few many; do
     expect 0 "$iftty" -c "open one/dose-$name.dcm"
-    out_has "distances of voxels unknown"
+    out_has "voxel spacing unknown"
     out_has "its slices hold no place in the patient"
 done
 expect 0 "$iftty" -c "open one/unscaled.dcm"
@@ -215,7 +215,7 @@ for name in fine fine/s1.tif; do
     expect 0 "$iftty" -c "open $name"
     out_has "its resolution says pixels of 0.1x0.1 mm, and nothing how far apart slices are"
     out_has "with spacing=0.1,0.1,Z"
-    out_has "distances of voxels unknown"
+    out_has "voxel spacing unknown"
 done
 expect 2 "$iftty" -c "open a.vtk spacing=0.5,0.5,2"
 err_has "the file says that its voxels are 0.9x1.1x2.5 mm apart"

@@ -92,10 +92,10 @@ see 'label|head'
 press q
 type_letters ":seed 1,1,1 3"
 press Enter
-see 'this is for looking: only questions'
+see 'only questions and commands that change the view: only questions'
 type_letters ":undo"
 press Enter
-see 'this is for looking: only questions'
+see 'only questions and commands that change the view: only questions'
 type_letters "c"
 see '^Where it is bright\.$'
 press x

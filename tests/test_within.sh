@@ -9,9 +9,9 @@ open='open synth:geom:40x40x40'
 begin "a tree ends where its seed reaches, and what no tree may hold is counted"
 asks='info; why 20,20,26; why 20,20,27'
 expect 0 "$iftty" -c "$open; seed 20,20,20 1 radius=2 within=6; run; $asks" --journal j.iftty
-out_has "reach     33 seeds with \`within\`; 63075 voxels without a tree, since all around end"
+out_has "reach     33 seeds with \`within\`; 63075 voxels without a tree, since all seeds around end"
 out_has "of the seed at 20,20,22, within 6 voxels of 20,20,20"
-out_has "it lies beyond the seed at 20,20,22, within 6 voxels of 20,20,20, of label 1, which would"
+out_has "it is out of reach of the seed at 20,20,22, within 6 voxels of 20,20,20, of label 1, "
 grep -qx 'seed 20,20,20 1 radius=2 within=6' j.iftty || fail "$(cat j.iftty)"
 expect 0 "$iftty" verify j.iftty
 close_story
@@ -60,15 +60,15 @@ refused() { # STATUS WORDS MESSAGE
     err_has "$3"
     out_has "0 seeds, 0 edits waiting"
 }
-refused 2 '20,20,20 1 radius=3 within=2' "within: it is less than the radius"
-refused 2 '20,20,20 1 radius=3 within=2.9mm' "within: it is less than the radius"
+refused 2 '20,20,20 1 radius=3 within=2' "within: less than the radius"
+refused 2 '20,20,20 1 radius=3 within=2.9mm' "within: less than the radius"
 refused 2 '20,20,20 1 within=0' "within: expected a number 1..512, or millimetres"
 refused 2 '20,20,20 1 within=513' "within: expected a number 1..512"
 refused 2 '20,20,20 1 within=0mm' "within: expected"
 refused 2 '20,20,20 1 within=1001mm' "within: expected"
-refused 2 '20,20,20 0 radius=9 within=12 shell=yes' "within: it is that of one ball"
-refused 2 '20,20,20 1 within=9 to=22,20,20' "within: it is that of one ball"
-refused 2 '20,20,20 1 within=9 joined=yes' "within: it is that of one ball"
+refused 2 '20,20,20 0 radius=9 within=12 shell=yes' "within: only for one ball"
+refused 2 '20,20,20 1 within=9 to=22,20,20' "within: only for one ball"
+refused 2 '20,20,20 1 within=9 joined=yes' "within: only for one ball"
 close_story
 
 finish

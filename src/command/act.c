@@ -50,7 +50,7 @@ enum err act_choose_regions(uint16_t **as, const struct act *act, const struct v
 {
     if (label && label->given && act_has(act, "as"))
         return fault_set(act->fault, ERR_USAGE,
-                         "as and label are two answers to one question; expected one of them");
+                         "as and label are mutually exclusive; expected one of them");
     const enum err err = regions_new(as, act_text(act, "regions"), act_text(act, "as"), act->fault);
     if (!err && !act_has(act, "as"))
         numbering_translate(*as, &act->session->now.kept);
@@ -122,7 +122,7 @@ enum err act_label_file(const struct act *act)
     free(as);
     label_table_release(&table);
     if (err)
-        return act_naming(name, err, act->fault);
+        return act_prefix_file(name, err, act->fault);
     buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),
                tally.colours, plural(tally.colours));
     if (tally.beyond && !act_has(act, "regions"))
@@ -139,7 +139,7 @@ enum err act_label_file(const struct act *act)
     return act_go(act);
 }
 
-enum err act_naming(const char *file, enum err err, struct fault *fault)
+enum err act_prefix_file(const char *file, enum err err, struct fault *fault)
 {
     return err ? fault_prefix(fault, err, "%s", file) : OK;
 }
@@ -230,7 +230,7 @@ enum err act_read_map(const struct act *act, struct volume *map)
 
 /* ---- labels ---- */
 
-static enum err take(const struct act *act, bool finished, struct labels *labels)
+static enum err get_labels(const struct act *act, bool finished, struct labels *labels)
 {
     struct session *session = act->session;
     *labels = labels_of_forest(session->scene);
@@ -273,7 +273,7 @@ enum err act_take_labels(const struct act *act, struct labels *labels)
         buf_clear(&act->reply->canonical);
         command_write(&act->reply->canonical, &said);
     }
-    const enum err err = take(act, finished, labels);
+    const enum err err = get_labels(act, finished, labels);
     if (err || !labels->finished || act->interp->mode != MODE_LIVE)
         return err;
     return act_write_losses(act->interp, labels, false, act->session->watch, &act->reply->text,
@@ -282,10 +282,10 @@ enum err act_take_labels(const struct act *act, struct labels *labels)
 
 enum err act_take_shown(const struct act *act, struct labels *labels)
 {
-    return take(act,
-                act_has(act, "finished") ? act_is_yes(act, "finished")
-                                         : session_shows_finished(act->session),
-                labels);
+    return get_labels(act,
+                      act_has(act, "finished") ? act_is_yes(act, "finished")
+                                               : session_shows_finished(act->session),
+                      labels);
 }
 
 /* ---- digests ---- */

@@ -82,7 +82,7 @@ static inline bool act_is_yes(const struct act *act, const char *name)
 enum err act_go(const struct act *act);
 
 /* Put the name of a file before the words of an error; return `err`. */
-enum err act_naming(const char *file, enum err err, struct fault *fault);
+enum err act_prefix_file(const char *file, enum err err, struct fault *fault);
 
 /* Check a name: a word of less than `room` bytes that cannot be mistaken for a number, a colour or
  * an option. ERR_USAGE. */
@@ -272,7 +272,7 @@ void volumes_write(struct buf *out, const struct session *session, bool is_finis
                    uint64_t took_ns);
 
 /* Add a line about a surprise (show/label_loss.h): "this `seed` took 1.2 l of label 1 through
- * 93,40,61; undo takes it back". `command` is NULL for edits that were waiting. */
+ * 93,40,61; undo reverts it". `command` is NULL for edits that were waiting. */
 void surprise_write(struct buf *out, struct session *session, const char *command);
 
 /* Add a line about the seed that would own the voxel if its reach (`seed within=`) were larger. */

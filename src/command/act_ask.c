@@ -74,7 +74,7 @@ static enum err check_pull(const struct act *act)
 }
 
 /* Read "1:1200000,2:150000" into volume[256], or check "1:12/3400,.." if it is NULL. */
-static enum err read_list(const struct act *act, const char *key, uint32_t *volume)
+static enum err read_pairs(const struct act *act, const char *key, uint32_t *volume)
 {
     const char *at = act_text(act, key);
     int64_t label, number, of, before = -1;
@@ -114,9 +114,9 @@ enum err act_origin(const struct act *act)
     enum err err = check_pull(act);
     memset(kept->origin_mm3, 0, sizeof kept->origin_mm3);
     if (!err)
-        err = read_list(act, "volumes", kept->origin_mm3);
+        err = read_pairs(act, "volumes", kept->origin_mm3);
     if (!err)
-        err = read_list(act, "dropped", NULL);
+        err = read_pairs(act, "dropped", NULL);
     if (err)
         return err;
     if (!is_none)
@@ -152,7 +152,7 @@ void act_write_origin(struct buf *out, const struct session *session)
 static enum err refuse_pixel(uint32_t column, uint32_t row, uint32_t width, uint32_t height,
                              struct fault *fault)
 {
-    return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column, row,
+    return fault_set(fault, ERR_INPUT, "pixel %u,%u is outside the picture of %ux%u", column, row,
                      width, height);
 }
 
@@ -298,8 +298,8 @@ enum err act_measure(const struct act *act)
     const bool measures = !session->geometry.spacing_unknown;
     if (product(a.voxels, a.voxels) == 0 || product(b.voxels, b.voxels) == 0)
         return fault_set(act->fault, ERR_INPUT,
-                         "there is no angle at %u,%u,%u: expected two other voxels beside it",
-                         other[0], other[1], other[2]);
+                         "there is no angle at %u,%u,%u: expected two other voxels", other[0],
+                         other[1], other[2]);
     buf_printf(&act->reply->text, "%.1f degrees at %u,%u,%u%s\n",
                measures ? angle_between(a.mm, b.mm) : angle_between(a.voxels, b.voxels), other[0],
                other[1], other[2], measures ? "" : ", as if voxels were cubes");
@@ -349,7 +349,7 @@ static void take_column(struct profile *p, unsigned column)
     p->mean[column] = sum / (double)(end - first);
 }
 
-static void draw(struct buf *out, const struct profile *p, bool has_blocks)
+static void draw_profile(struct buf *out, const struct profile *p, bool has_blocks)
 {
     uint16_t eighths[CHART_COLUMNS];
     char top[16], bottom[16];
@@ -373,7 +373,7 @@ enum err act_profile(const struct act *act)
     for (unsigned c = 0; c < p.columns; c++)
         take_column(&p, c);
     write_distance(act, p.from, p.to);
-    draw(out, &p, act->interp->has_blocks);
+    draw_profile(out, &p, act->interp->has_blocks);
     buf_printf(out, "%lld voxel%s", (long long)p.steps + 1, plural((uint64_t)p.steps + 1));
     if (p.steps >= p.columns)
         buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
@@ -578,8 +578,8 @@ static enum err hint_slices(const struct act *act)
     size_t count = 0;
     if (!label || act_has(act, "report"))
         return fault_set(act->fault, ERR_USAGE,
-                         label ? "report: it is of places, and not of slices"
-                               : "label: expected an object; doubt is of its border");
+                         label ? "report: only for places, not for slices"
+                               : "label: expected an object, not the background");
     enum err err = session_catch_up(session, act->fault);
     if (!err)
         err = session_labels(session, session_shows_finished(session), &labels, act->fault);
@@ -594,8 +594,9 @@ static enum err hint_slices(const struct act *act)
         buf_add_char(out, '\n');
     }
     if (!err)
-        buf_add_text(out, count ? "`cross X,Y,Z` leads there, and `outline` says what lies where\n"
-                                : "no slice: there is no border, or the scene tells where it is\n");
+        buf_add_text(out,
+                     count ? "`cross X,Y,Z` goes there; `outline` marks the object in that slice\n"
+                           : "no slice: there is no border, or its place is certain\n");
     return err;
 }
 

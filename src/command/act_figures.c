@@ -21,20 +21,18 @@ struct counts {
     size_t seeds[256], voxels[256];
 };
 
-static enum err count(struct counts *counts, const struct act *act)
+static enum err count_labels(struct counts *counts, const struct act *act)
 {
     const struct session *session = act->session;
     const struct grid *grid = &session->scene->grid;
-    struct task task = task_begin(session->watch, "counting", grid->voxels);
+    const struct slab whole = {0, grid->size[2]};
+    struct grid_walk walk = grid_walk(grid, session->watch, "counting", whole, 0);
     *counts = (struct counts){.seeds = {0}};
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = session->scene->cell + c;
-                counts->voxels[cell->label] += cell_is_reached(cell);
-                counts->seeds[cell->label] += cell->flags & CELL_SEED;
-            }
+    while (grid_walk_next(&walk))
+        for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
+            const struct cell *cell = session->scene->cell + c;
+            counts->voxels[cell->label] += cell_is_reached(cell);
+            counts->seeds[cell->label] += cell->flags & CELL_SEED;
         }
     return watch_fault(session->watch, act->fault);
 }
@@ -59,7 +57,7 @@ static void write_counts(const struct act *act, const struct counts *counts, uns
 enum err act_write_counts(const struct act *act)
 {
     struct counts counts;
-    const enum err err = count(&counts, act);
+    const enum err err = count_labels(&counts, act);
     for (unsigned label = 0; !err && label < 256; label++)
         if (counts.voxels[label])
             write_counts(act, &counts, label);
@@ -84,8 +82,8 @@ static void write_forest(const struct act *act)
                (unsigned long long)forest_label_digest(session->forest));
 }
 
-static enum err answer(const struct act *act, const struct label_stats *stats,
-                       const struct labels *labels)
+static enum err answer_stats(const struct act *act, const struct label_stats *stats,
+                             const struct labels *labels)
 {
     const struct session *session = act->session;
     const char *file = act_text(act, "report");
@@ -108,7 +106,7 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
         .geometry = &session->geometry,
         .levels = session->levels,
         .listed = listed};
-    enum err err = count(&counts, act);
+    enum err err = count_labels(&counts, act);
     for (unsigned label = 1; label < 256; label++)
         listed[label] = counts.voxels[label] || counts.seeds[label] || *report.label_name[label];
     if (file && file_is_named(file, ".json"))
@@ -144,7 +142,7 @@ enum err act_stats(const struct act *act)
     if (!err)
         err = session_find_stats(act->session, &labels, stats, act->fault);
     if (!err)
-        err = answer(act, stats, &labels);
+        err = answer_stats(act, stats, &labels);
     free(stats);
     return err;
 }
@@ -152,26 +150,27 @@ enum err act_stats(const struct act *act)
 /* ---- `compare` ---- */
 
 /* Get the session's labels; with `label`, only that one. */
-static enum err take_own(struct compared *compared, const struct act *act, struct labels *labels)
+static enum err get_own_labels(struct compared *compared, const struct act *act,
+                               struct labels *labels)
 {
     const struct grid *grid = &act->session->scene->grid;
     const struct value *only = act_value(act, "label");
     uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
-    struct task task = task_begin(act->session->watch, "present labels", grid->voxels);
+    const struct slab whole = {0, grid->size[2]};
+    struct grid_walk walk = grid_walk(grid, act->session->watch, "present labels", whole, 0);
     enum err err = label ? act_take_labels(act, labels) : fault_memory(act->fault, "the labels");
     if (err)
         return err;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            labels_copy_row(labels, grid_row(grid, y, z), label);
-            for (const uint8_t *end = label + grid->size[0]; label < end; label++)
-                *label = only->given && *label != only->number ? 0 : *label;
-        }
+    while (grid_walk_next(&walk)) {
+        labels_copy_row(labels, walk.row, label);
+        for (const uint8_t *end = label + grid->size[0]; label < end; label++)
+            *label = only->given && *label != only->number ? 0 : *label;
+    }
     return watch_fault(act->session->watch, act->fault);
 }
 
 /* Get the labels of the map. */
-static enum err take_map(struct compared *compared, bool listed[256], const struct act *act)
+static enum err get_map_labels(struct compared *compared, bool listed[256], const struct act *act)
 {
     struct watch *watch = act->session->watch;
     struct volume map = {0};
@@ -186,9 +185,9 @@ static enum err take_map(struct compared *compared, bool listed[256], const stru
     if (!err) {
         const struct map_labels choice = {as, (int)act_number_or(act, "label", LABEL_OWN)};
         buf_add_text(&act->reply->text, map.notes);
-        err = act_naming(act_text(act, "FILE"),
-                         map_to_labels(&compared->label[1], &map, &choice, watch, act->fault),
-                         act->fault);
+        err = act_prefix_file(act_text(act, "FILE"),
+                              map_to_labels(&compared->label[1], &map, &choice, watch, act->fault),
+                              act->fault);
     }
     volume_release(&map);
     free(as);
@@ -261,7 +260,7 @@ enum err act_compare(const struct act *act)
     enum err err = comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison");
     if (!err && act_has(act, "at") && !act_has(act, "picture"))
         err = fault_set(act->fault, ERR_USAGE,
-                        "at: it says where slices of the picture lie; expected picture=FILE too");
+                        "at: the place of the picture's slices; expected picture=FILE too");
     for (unsigned label = 1; label < 256 && !act_has(act, "label"); label++)
         listed[label] = *session->now.kept.label_name[label];
     for (int a = 0; a < 3; a++) {
@@ -269,9 +268,9 @@ enum err act_compare(const struct act *act)
         compared.spacing_nm[a] = session->scene->spacing_nm[a];
     }
     if (!err)
-        err = take_map(&compared, listed, act);
+        err = get_map_labels(&compared, listed, act);
     if (!err)
-        err = take_own(&compared, act, &labels);
+        err = get_own_labels(&compared, act, &labels);
     if (!err)
         err = comparison_make(comparison, &compared, session->team, session->watch, act->fault);
     if (!err)

@@ -21,7 +21,7 @@ static void write_point(struct buf *out, const struct history *history, uint32_t
 }
 
 /* Go to a point, and report it in the answer and in the words of the record. */
-static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool moves_tip)
+static enum err go_to_point(const struct act *act, uint32_t to, uint32_t branch, bool moves_tip)
 {
     struct history *history = &act->interp->history;
     const struct branch *on = history->branch + branch;
@@ -74,7 +74,7 @@ static enum err go_by(const struct act *act, bool back)
                    plural(count), back ? "undone" : "done again", wanted);
     if (back)
         write_undone(history, to, act->reply);
-    return go(act, to, history->on, history_is_at_tip(history));
+    return go_to_point(act, to, history->on, history_is_at_tip(history));
 }
 
 enum err act_undo(const struct act *act)
@@ -92,7 +92,7 @@ enum err act_goto(const struct act *act)
     uint32_t to, branch;
     enum err err =
         history_find(&act->interp->history, act_text(act, "PLACE"), &to, &branch, act->fault);
-    return err ? err : go(act, to, branch, false);
+    return err ? err : go_to_point(act, to, branch, false);
 }
 
 enum err act_branch(const struct act *act)
@@ -174,8 +174,8 @@ static enum err continue_in(const struct act *act, const char *path)
         interpreter_set_home(interp, buf_text(former), NULL);
     /* Records are copied byte for byte, including their names of files. */
     else if (!file_is_same(buf_text(former_folder), buf_text(folder)))
-        buf_add_text(&act->reply->text, "what it has read so far it names as seen from its former "
-                                        "folder; --scene FILE says where the scene is\n");
+        buf_add_text(&act->reply->text, "files that it has read are named relative to its former "
+                                        "folder; --scene FILE names the scene\n");
     return err;
 }
 
@@ -204,7 +204,7 @@ enum err act_journal(const struct act *act)
     if (interp->mode != MODE_LIVE)
         return fault_set(
             act->fault, ERR_INPUT,
-            "`journal` is not for scripts of a journal: where it is stored is no part of it");
+            "`journal` is not allowed in the script of a journal, which does not contain its file");
     if (act_has(act, "FILE")) {
         const enum err err = record_in(act, act_text(act, "FILE"));
         if (err)
@@ -219,7 +219,7 @@ enum err act_journal(const struct act *act)
     buf_printf(out, ", %zu record%s%s\n", journal_count(interp->journal),
                plural(journal_count(interp->journal)),
                journal_only_looks(interp->journal) ? ", read-only: nothing is written" : "");
-    interpreter_tell_lock(interp, out);
+    interpreter_write_lock(interp, out);
     return OK;
 }
 
@@ -227,8 +227,8 @@ enum err act_sync(const struct act *act)
 {
     static const char *const words[] = {
         "each command is on the disk before it is acknowledged",
-        "a loss of power may take the commands of the last second",
-        "a loss of power may take what was done since the last `sync`"};
+        "a loss of power may lose the commands of the last second",
+        "a loss of power may lose the commands since the last `sync`"};
     enum err err = OK;
     if (act->interp->mode != MODE_LIVE)
         return OK; /* nothing is written */

@@ -228,14 +228,14 @@ static enum err keep_copy(const struct act *act, const struct volume *map, const
 /* ---- the labels ---- */
 
 /* Number the labels by the record. */
-static enum err take_numbers(const struct act *act, const char *list)
+static enum err apply_numbers(const struct act *act, const char *list)
 {
     struct numbering_tally tally;
     struct buf *out = &act->reply->text;
     const enum err err =
         numbering_take(&act->next->kept, &tally, list, &act->session->markers, act->fault);
     if (err)
-        return act_naming(act_text(act, "FILE"), err, act->fault);
+        return act_prefix_file(act_text(act, "FILE"), err, act->fault);
     if (tally.regions)
         buf_printf(
             out,
@@ -262,7 +262,7 @@ static enum err number_regions(struct buf *numbers, uint16_t *as, const struct a
             has[map->intensity[i]] = true;
     numbering_list(numbers, as, has, &act->session->now.kept);
     free(has);
-    const enum err err = numbers->length ? take_numbers(act, buf_text(numbers)) : OK;
+    const enum err err = numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
     if (!err)
         numbering_translate(as, &act->next->kept);
     return err;
@@ -295,11 +295,12 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
         err = act_read_map(act, map);
     choice.as = as;
     if (!err)
-        err = act_naming(name, find_regions(map, act), act->fault);
+        err = act_prefix_file(name, find_regions(map, act), act->fault);
     if (!err && !act_has(act, "as|label"))
         err = number_regions(numbers, as, act, map);
     if (!err)
-        err = act_naming(name, map_label(map, &choice, session->watch, act->fault), act->fault);
+        err =
+            act_prefix_file(name, map_label(map, &choice, session->watch, act->fault), act->fault);
     if (!err)
         buf_add_text(&act->reply->text, map->notes);
     free(as);
@@ -338,7 +339,7 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
     if (!err)
         err = has_copy ? read_copy(map, act, buf_text(path)) : read_original(map, act, numbers);
     if (!err && has_copy && numbered->given)
-        err = take_numbers(act, numbered->text);
+        err = apply_numbers(act, numbered->text);
     if (err && !has_copy && path->length)
         fault_prefix(act->fault, err, "there is no copy %s", buf_text(path));
     if (!err)
@@ -350,7 +351,7 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
     return same_numbers && strcmp(digest, recorded) == 0
                ? OK
                : fault_set(act->fault, ERR_INPUT,
-                           "%s holds other labels than were recorded (%s, not %s); nothing was "
+                           "%s holds labels other than recorded (%s, not %s); nothing was "
                            "planted",
                            has_copy ? buf_text(path) : act_text(act, "FILE"), digest, recorded);
 }
@@ -361,7 +362,7 @@ static enum err read_new(struct volume *map, const struct act *act, char digest[
     struct buf *numbers = act_buf(act);
     if (act_has(act, "numbers"))
         return fault_set(act->fault, ERR_USAGE,
-                         "numbers: a journal has it beside copy=DIGEST; regions= chooses regions");
+                         "numbers: only in journals, with copy=DIGEST; regions= chooses regions");
     enum err err = read_original(map, act, numbers);
     if (!err)
         err = label_copy_digest(digest, map, act->session->watch, act->fault);
@@ -412,7 +413,7 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
 
 /* True for a seed of an older object in the background of regions that are not chosen. It is kept,
  * so that these regions do not overwrite regions chosen before. */
-static bool is_left(const struct act *act, const struct volume *map, uint32_t cell)
+static bool keeps_seed(const struct act *act, const struct volume *map, uint32_t cell)
 {
     const struct session *session = act->session;
     const uint32_t number = markers_at(&session->markers, cell);
@@ -429,8 +430,8 @@ static int compare_cells(const void *a, const void *b)
 
 /* Add the voxels of a piece that have seeds of other labels, except for the first `own`, its own
  * seeds. */
-static enum err take_over(struct voxels *out, const struct act *act, const struct piece *piece,
-                          struct marker_run run, size_t own)
+static enum err add_overruled(struct voxels *out, const struct act *act, const struct piece *piece,
+                              struct marker_run run, size_t own)
 {
     const struct markers *markers = &act->session->markers;
     for (uint32_t c = run.first; c < run.end; c++) {
@@ -463,17 +464,17 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
     if (!act->session->former_markers)
         return OK;
     for (size_t r = first; !err && r < piece->run_end && task_advance(&task, 1); r++)
-        err = take_over(out, act, piece, seeds->run[r], own);
+        err = add_overruled(out, act, piece, seeds->run[r], own);
     size_t kept = 0;
     for (size_t k = 0; k < out->count && piece->label == 0; k++)
-        if (!is_left(act, map, out->cell[k]))
+        if (!keeps_seed(act, map, out->cell[k]))
             out->cell[kept++] = out->cell[k];
     out->count = piece->label == 0 ? kept : out->count;
     return err ? err : watch_fault(act->session->watch, act->fault);
 }
 
-static enum err plant(const struct act *act, const struct piece_seeds *seeds,
-                      const struct volume *map)
+static enum err plant_pieces(const struct act *act, const struct piece_seeds *seeds,
+                             const struct volume *map)
 {
     struct planting planting = act_begin_planting(act->session, NULL);
     struct voxels voxels = {0};
@@ -506,11 +507,11 @@ static enum err plant(const struct act *act, const struct piece_seeds *seeds,
     act_add_digest(act, "file", digest);
     buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
-    return act_naming(act_text(act, "FILE"), act_write_planting(act, &planting), act->fault);
+    return act_prefix_file(act_text(act, "FILE"), act_write_planting(act, &planting), act->fault);
 }
 
 /* Warn before planting if most voxels would be seeds: the file is probably no segmentation. */
-static void announce(const struct act *act, const struct piece_seeds *seeds)
+static void warn_of_noise(const struct act *act, const struct piece_seeds *seeds)
 {
     const struct session *session = act->session;
     const size_t voxels = session->scene->grid.voxels;
@@ -557,9 +558,9 @@ enum err act_labels(const struct act *act)
         err = fault_set(act->fault, ERR_INPUT, "no piece of it has %u voxels; nothing was planted",
                         choice.least);
     if (!err)
-        announce(act, &seeds);
+        warn_of_noise(act, &seeds);
     if (!err)
-        err = plant(act, &seeds, &map);
+        err = plant_pieces(act, &seeds, &map);
     piece_seeds_release(&seeds);
     volume_release(&map);
     return err;

@@ -28,7 +28,7 @@ static bool read_three(uint32_t out[3], const char *text, unsigned places)
 }
 
 /* Read "A-B,C-D,E-F". */
-static enum err choose_box(struct volume_choice *choice, const char *list, struct fault *fault)
+static enum err read_box(struct volume_choice *choice, const char *list, struct fault *fault)
 {
     int64_t first, last;
     int axis = 0;
@@ -45,7 +45,7 @@ static enum err choose_box(struct volume_choice *choice, const char *list, struc
                                  axis, plural((uint64_t)axis));
 }
 
-static enum err choose_layout(struct raw_layout *raw, const struct act *act)
+static enum err read_layout(struct raw_layout *raw, const struct act *act)
 {
     enum voxel_type type = VOXEL_UINT8;
     if (!act_has(act, "size") || !act_has(act, "type"))
@@ -62,7 +62,7 @@ static enum err choose_layout(struct raw_layout *raw, const struct act *act)
 }
 
 /* Read "3", or a part of a description. */
-static enum err choose_series(struct volume_choice *choice, const char *text, struct fault *fault)
+static enum err read_series(struct volume_choice *choice, const char *text, struct fault *fault)
 {
     int64_t number;
     const char *at = text;
@@ -78,7 +78,8 @@ static enum err choose_series(struct volume_choice *choice, const char *text, st
     return OK;
 }
 
-static enum err choose(struct volume_choice *choice, const char **name, const struct act *act)
+static enum err read_parameters(struct volume_choice *choice, const char **name,
+                                const struct act *act)
 {
     struct fault *fault = act->fault;
     enum err err = OK;
@@ -95,16 +96,15 @@ static enum err choose(struct volume_choice *choice, const char **name, const st
         .straightens = act_is_yes(act, "straighten"),
     };
     if (act_has(act, "series"))
-        err = choose_series(choice, act_text(act, "series"), fault);
+        err = read_series(choice, act_text(act, "series"), fault);
     if (!err && act_has(act, "crop"))
-        err = choose_box(choice, act_text(act, "crop"), fault);
+        err = read_box(choice, act_text(act, "crop"), fault);
     const bool is_raw = scan_text(name, RAW);
     if (!err && is_raw)
-        err = choose_layout(&choice->raw, act);
+        err = read_layout(&choice->raw, act);
     if (!is_raw && act_has(act, "size|type|endian|offset"))
         return fault_set(fault, ERR_USAGE,
-                         "size, type, endian and offset are for `open raw:FILE`, whose layout "
-                         "nothing else says");
+                         "size, type, endian and offset are only for `open raw:FILE`");
     if (!err && act_has(act, "spacing") &&
         !read_three(choice->spacing_nm, act_text(act, "spacing"), 6))
         err =
@@ -149,8 +149,9 @@ static enum err read_weight(struct weight_choice *weight, const char *text, stru
                 return OK;
         }
     return fault_set(fault, ERR_USAGE,
-                     "weight: expected " WEIGHT_KINDS ", with what it takes after a colon, as in "
-                     "gauss:1.5, not %s; `weight FILE` takes a map once the scene is open; nothing "
+                     "weight: expected " WEIGHT_KINDS
+                     ", with its number after a colon, as in gauss:1.5, not %s; `weight FILE` "
+                     "reads a map once the scene is open; nothing "
                      "was opened",
                      text);
 }
@@ -184,8 +185,7 @@ static void write_orientation(const struct act *act)
         buf_add_text(&reply->text, "orientation unknown: no picture or answer names a side of the "
                                    "patient\n");
     if (session->geometry.spacing_unknown)
-        buf_add_text(&reply->text, "distances of voxels unknown: lengths and volumes are in "
-                                   "voxels\n");
+        buf_add_text(&reply->text, "voxel spacing unknown: lengths and volumes are in voxels\n");
 }
 
 /* Find the file of a scene. A journal is rejected: `open` does not resume it. */
@@ -194,17 +194,17 @@ static enum err find_scene(const struct act *act, const char *name, bool by_proo
     const enum err err = interpreter_find_scene(act->interp, name, by_proof, path, act->fault);
     if (!err && interpreter_is_journal(buf_text(path)))
         return fault_set(act->fault, ERR_INPUT,
-                         "%s is a journal, and `open` takes a scene; `iftty %s` in a shell goes on "
-                         "with it; nothing was opened",
+                         "%s is a journal, and `open` opens scenes; `iftty %s` in a shell resumes "
+                         "it; nothing was opened",
                          name, name);
     if (!err && file_is_named(name, ".iftty") && act->interp->mode == MODE_LIVE)
         return fault_set(act->fault, ERR_INPUT,
-                         "%s is named as a journal, and `open` takes a scene; nothing was opened",
+                         "%s is named as a journal, and `open` opens scenes; nothing was opened",
                          name);
     if (err && file_is_named(name, ".iftty") && !interpreter_is_wary(act->interp))
         return fault_set(act->fault, err,
-                         "there is no journal %s here, and `open` takes a scene; `iftty JOURNAL` "
-                         "in a shell goes on with a journal; nothing was opened",
+                         "there is no journal %s here, and `open` opens scenes; `iftty JOURNAL` in "
+                         "a shell resumes a journal; nothing was opened",
                          name);
     return err;
 }
@@ -217,8 +217,8 @@ static enum err check_words(const struct act *act, const char *name)
     if (act_has(act, "series|data|missing|skip|size|type|endian|offset|spacing|huge|private|"
                      "straighten"))
         return fault_set(act->fault, ERR_USAGE,
-                         "series, data, missing, skip, spacing, huge and straighten are about a "
-                         "file, and a synthetic scene is made as it is to be; nothing was "
+                         "series, data, missing, skip, spacing, huge and straighten are for files, "
+                         "not for synthetic scenes; nothing was "
                          "opened");
     return OK;
 }
@@ -309,7 +309,7 @@ enum err act_open(const struct act *act)
     const char *name;
     const bool had_scene = session->has_scene;
     bool has_weight = false;
-    enum err err = choose(&choice, &name, act);
+    enum err err = read_parameters(&choice, &name, act);
     choice.as_recorded = act->interp->mode != MODE_LIVE;
     choice.list = choice.as_recorded ? NULL : &act->reply->list;
     if (!err)

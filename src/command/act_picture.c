@@ -178,7 +178,7 @@ static enum err draw_whole(struct spin *spin, struct picture *picture, uint64_t 
     return act_take_picture(spin->act, &spin->labels, spin->pattern.name, picture);
 }
 
-static enum err show_turned(struct spin *spin, const struct view *from, unsigned number)
+static enum err draw_turned(struct spin *spin, const struct view *from, unsigned number)
 {
     struct session *session = spin->act->session;
     const struct view view = view_of(spin, from, number);
@@ -204,7 +204,7 @@ static enum err show_turned(struct spin *spin, const struct view *from, unsigned
     return err;
 }
 
-static enum err turn_around(struct spin *spin)
+static enum err draw_turns(struct spin *spin)
 {
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
@@ -223,7 +223,7 @@ static enum err turn_around(struct spin *spin)
         err = image_helper_start(spin->act->interp->helper, fault);
     for (unsigned i = 0; i < spin->total && !err; i++) {
         watch_poll(session->watch, "turntable", i, spin->total);
-        err = show_turned(spin, &from, i);
+        err = draw_turned(spin, &from, i);
     }
     if (!err)
         err = finish_file(spin);
@@ -260,7 +260,7 @@ static enum err read_axes(struct spin *spin)
     return OK;
 }
 
-static enum err prepare(struct spin *spin)
+static enum err prepare_spin(struct spin *spin)
 {
     struct fault *fault = spin->act->fault;
     if (!read_pattern(&spin->pattern, act_text(spin->act, "FILE")))
@@ -288,12 +288,12 @@ enum err act_spin(const struct act *act)
                         .name = act_buf(act),
                         .path = act_buf(act),
                         .first = act_buf(act)};
-    enum err err = prepare(&spin);
+    enum err err = prepare_spin(&spin);
     if (err)
         return err;
     if (act->interp->mode == MODE_SKIM)
         return session_run(act->session, act->fault);
-    err = turn_around(&spin);
+    err = draw_turns(&spin);
     image_movie_abandon(&spin.movie);
     if (err)
         return err;
@@ -414,7 +414,7 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
     if (is_beside) { /* a job for the picture writer, queued once the command is recorded */
         if (picture_writer_holds(interp->writer, path))
             picture_writer_wait(interp->writer, NULL, NULL); /* so that its file exists */
-        interpreter_note_kept(interp, path, mode);
+        interpreter_note_existing(interp, path, mode);
         err = picture_job_new(&interp->job, path, mode, picture, act->fault);
     } else {
         err = act_write_now(interp, path, mode, picture, act->fault);
@@ -510,7 +510,7 @@ enum err act_render(const struct act *act)
 /* ---- how slices are shown ---- */
 
 /* Apply the next state, and describe the slices. */
-static enum err go_and_say(const struct act *act)
+static enum err go_and_describe(const struct act *act)
 {
     enum err err = act_go(act);
     if (!err)
@@ -522,11 +522,11 @@ enum err act_cross(const struct act *act)
 {
     for (int a = 0; a < 3; a++)
         act->next->outlook.slices.cross[a] = act_place(act, "PLACE")[a];
-    return go_and_say(act);
+    return go_and_describe(act);
 }
 
 /* Set the magnification in place of `slice zoom=`. */
-static void magnify(struct slice_settings *slices, uint32_t times, const uint32_t *middle)
+static void set_magnification(struct slice_settings *slices, uint32_t times, const uint32_t *middle)
 {
     slices->zoom = 0;
     slices->times = times;
@@ -541,10 +541,11 @@ enum err act_magnify(const struct act *act)
     const bool is_whole = times->text || times->number == SLICE_TIMES_ONE;
     if (is_whole && at->given)
         return fault_set(act->fault, ERR_USAGE,
-                         "what is shown whole has no voxel in its middle; nothing has changed");
-    magnify(&act->next->outlook.slices, is_whole ? SLICE_TIMES_ONE : (uint32_t)times->number,
-            at->given ? at->place : NULL);
-    return go_and_say(act);
+                         "at: only for magnified slices; nothing has changed");
+    set_magnification(&act->next->outlook.slices,
+                      is_whole ? SLICE_TIMES_ONE : (uint32_t)times->number,
+                      at->given ? at->place : NULL);
+    return go_and_describe(act);
 }
 
 enum err act_window(const struct act *act)
@@ -561,15 +562,15 @@ enum err act_window(const struct act *act)
     slices->has_window = !is_auto;
     for (int i = 0; i < 2; i++)
         slices->window[i] = is_auto ? (struct decimal){0, 0, 0} : window[i];
-    return go_and_say(act);
+    return go_and_describe(act);
 }
 
 /* ---- pictures of slices ---- */
 
 /* Draw a picture of slices, and add its digest to the words of the record; the caller releases the
  * canvas. `with_cells` also finds the voxel of each pixel. */
-static enum err draw(const struct act *act, enum slice_kind kind, const struct labels *labels,
-                     bool with_cells, struct canvas *canvas)
+static enum err draw_slices(const struct act *act, enum slice_kind kind,
+                            const struct labels *labels, bool with_cells, struct canvas *canvas)
 {
     const enum err err = slicing_draw(canvas, act->session, kind, labels, with_cells, act->fault);
     if (!err)
@@ -581,7 +582,7 @@ enum err act_take_slices(const struct act *act, enum slice_kind kind, const stru
                          struct picture *picture)
 {
     struct canvas canvas;
-    enum err err = draw(act, kind, labels, true, &canvas);
+    enum err err = draw_slices(act, kind, labels, true, &canvas);
     if (err)
         return err;
     err = slicing_export(picture, act->session, kind, labels, &canvas, act->fault);
@@ -605,7 +606,7 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
     enum err err = act_take_shown(act, &labels);
     if (!err && !act_has(act, "FILE")) {
         struct canvas canvas;
-        err = draw(act, kind, &labels, false, &canvas);
+        err = draw_slices(act, kind, &labels, false, &canvas);
         if (!err)
             interpreter_show(act->interp, &canvas);
         return err;
@@ -633,7 +634,7 @@ enum err act_slice(const struct act *act)
     if (act_has(act, "N"))
         slices->cross[slice_axis(act->session->scene, plane)] = (uint32_t)act_number(act, "N");
     if (act_has(act, "zoom")) {
-        magnify(slices, SLICE_TIMES_ONE, NULL);
+        set_magnification(slices, SLICE_TIMES_ONE, NULL);
         slices->zoom = act_text(act, "zoom") ? 0 : (uint32_t)act_number(act, "zoom");
     }
     enum err err = act_go(act);

@@ -38,8 +38,8 @@ static enum err refuse_missing(struct interpreter *interp, const char *name, con
     buf_add_text(png, "png");
     return file_exists(buf_text(png))
                ? fault_set(fault, ERR_CHECK,
-                           "golden image %s is missing: its PNG is there, but %s, which is what is "
-                           "compared, is not; restore that file from a copy",
+                           "golden image %s is missing: its PNG exists, but not %s, which is "
+                           "compared; restore that file from a copy",
                            name, path)
                : fault_set(fault, ERR_CHECK, "golden image %s is missing: there is no %s", name,
                            path);
@@ -175,9 +175,8 @@ enum err act_golden(const struct act *act)
         return err;
     const bool has_place = interp->home.length || !is_new;
     if (!has_place)
-        buf_add_text(&act->reply->text,
-                     "not stored: there is no journal that it could belong to; `--journal FILE` "
-                     "records one from the beginning\n");
+        buf_add_text(&act->reply->text, "not stored: there is no journal; `--journal FILE` "
+                                        "records one from the beginning\n");
     else
         err = golden_path(path, buf_text(&interp->home), name, act->fault);
     if (!err && has_place && is_new)
@@ -316,7 +315,7 @@ static enum err write_surface(const struct act *act, const struct labels *labels
 }
 
 /* Report the size and position of each surface. */
-static void answer(const struct act *act, const struct surface *surface, bool joins)
+static void answer_surface(const struct act *act, const struct surface *surface, bool joins)
 {
     struct buf *out = &act->reply->text;
     const struct session *session = act->session;
@@ -330,10 +329,10 @@ static void answer(const struct act *act, const struct surface *surface, bool jo
         buf_add_char(out, '\n');
     }
     if (session->geometry.spacing_unknown)
-        buf_add_text(out, "its places are in voxels: how far apart those are is unknown\n");
+        buf_add_text(out, "its coordinates are in voxels: the spacing is unknown\n");
     else if (session->geometry.orientation == ORIENTATION_UNKNOWN)
-        buf_add_text(out, "its places are in millimetres along the axes of the voxels: the "
-                          "orientation is unknown (`orient` says it)\n");
+        buf_add_text(out, "its coordinates are in millimetres along the voxel axes: orientation is "
+                          "unknown; use `orient` first\n");
 }
 
 static enum err save_surface(const struct act *act, const struct labels *labels, const char *path,
@@ -348,7 +347,7 @@ static enum err save_surface(const struct act *act, const struct labels *labels,
     if (!err)
         err = write_surface(act, labels, path, how, surface);
     if (!err)
-        answer(act, surface, joins);
+        answer_surface(act, surface, joins);
     surface_free(surface);
     return err;
 }
@@ -368,7 +367,7 @@ static enum err save_seeds(const struct act *act, const char *path, enum file_mo
     return err ? err : file_write(path, text->data, text->length, how, act->fault);
 }
 
-static void tell_changed_names(const struct act *act, const struct label_writing *writing)
+static void report_changed_names(const struct act *act, const struct label_writing *writing)
 {
     struct buf *out = &act->reply->text;
     buf_printf(out, "%u name%s ", writing->changed, plural(writing->changed));
@@ -408,7 +407,7 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     if (!err)
         err = file_write(path, text->data, text->length, how, act->fault);
     if (!err && writing.changed)
-        tell_changed_names(act, &writing);
+        report_changed_names(act, &writing);
     return err;
 }
 
@@ -420,10 +419,10 @@ static enum err check_parameters(const struct act *act)
         return surface_file_check(act_text(act, "FILE"), act->fault);
     if (act_has(act, "finished") && what != MAP_LABELS)
         return fault_set(act->fault, ERR_USAGE,
-                         "finished: of labels alone, and of surfaces (`save labels FILE "
+                         "finished: only for labels and surfaces (`save labels FILE "
                          "finished=yes`)");
     if (act_has(act, "empty") && what != MAP_LABELS)
-        return fault_set(act->fault, ERR_USAGE, "empty: of `save labels` alone");
+        return fault_set(act->fault, ERR_USAGE, "empty: only for `save labels`");
     if (act_has(act, "label|smooth|triangles"))
         return fault_set(act->fault, ERR_USAGE,
                          "label=, smooth= and triangles= are for `save surface`, not for %s",
@@ -431,7 +430,7 @@ static enum err check_parameters(const struct act *act)
     return OK;
 }
 
-static enum err save(const struct act *act, const struct labels *labels, const char *path)
+static enum err write_file(const struct act *act, const struct labels *labels, const char *path)
 {
     const enum file_mode how = act_file_mode(act);
     const int64_t what = act_number(act, "MAP");
@@ -451,21 +450,19 @@ struct coverage {
     uint64_t labelled, outside, unreached;
 };
 
-static struct coverage cover(const struct session *session, const struct labels *labels)
+static struct coverage count_coverage(const struct session *session, const struct labels *labels)
 {
     const struct grid *grid = &session->scene->grid;
     struct coverage count = {0};
-    struct task task = task_begin(session->watch, "counting", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = session->scene->cell + c;
-                const bool is_outside = cell->flags & CELL_OUTSIDE;
-                count.labelled += labels_at(labels, c) > 0;
-                count.outside += is_outside;
-                count.unreached += !is_outside && !cell_is_reached(cell);
-            }
+    const struct slab whole = {0, grid->size[2]};
+    struct grid_walk walk = grid_walk(grid, session->watch, "counting", whole, 0);
+    while (grid_walk_next(&walk))
+        for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
+            const struct cell *cell = session->scene->cell + c;
+            const bool is_outside = cell->flags & CELL_OUTSIDE;
+            count.labelled += labels_at(labels, c) > 0;
+            count.outside += is_outside;
+            count.unreached += !is_outside && !cell_is_reached(cell);
         }
     return count;
 }
@@ -478,20 +475,19 @@ static void warn_of_background(struct buf *out, uint64_t voxels, const char *whi
 }
 
 /* Warn about contents that may be unexpected. */
-static void warn(const struct act *act, const char *path, const struct coverage *coverage,
-                 bool finished)
+static void warn_of_contents(const struct act *act, const char *path,
+                             const struct coverage *coverage, bool finished)
 {
     const struct session *session = act->session;
     const int64_t what = act_number(act, "MAP");
     warn_of_background(&act->reply->text, coverage->unreached, "that no seed reaches");
     warn_of_background(&act->reply->text, coverage->outside, "outside the region of interest");
     if (volume_ending(path) && !geometry_has_place(&session->geometry))
-        buf_add_text(&act->reply->text,
-                     "where it lies is as unknown in it as in the scene's file\n");
+        buf_add_text(&act->reply->text, "its position is as unknown as that of the scene's file\n");
     if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act_has(act, "finished") && !finished &&
         session_shows_finished(session))
         buf_add_text(&act->reply->text, "it has the labels of the forest; `finished=yes` writes "
-                                        "those that pictures show\n");
+                                        "the labels shown in pictures\n");
 }
 
 enum err act_save(const struct act *act)
@@ -511,7 +507,7 @@ enum err act_save(const struct act *act)
     if (err || !path->length)
         return err;
     if (has_labels)
-        coverage = cover(act->session, &labels);
+        coverage = count_coverage(act->session, &labels);
     /* An empty map would be mistaken for a result. */
     if (what == MAP_LABELS && !coverage.labelled && !act_is_yes(act, "empty"))
         return fault_set(
@@ -520,10 +516,10 @@ enum err act_save(const struct act *act)
             "map with empty=yes; nothing was written");
     err = watch_fault(act->session->watch, act->fault);
     if (!err)
-        err = save(act, &labels, buf_text(path));
+        err = write_file(act, &labels, buf_text(path));
     if (err)
         return err;
     act_write_file_line("wrote ", buf_text(path), act->reply);
-    warn(act, buf_text(path), &coverage, labels.finished != NULL);
+    warn_of_contents(act, buf_text(path), &coverage, labels.finished != NULL);
     return OK;
 }

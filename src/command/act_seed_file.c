@@ -30,11 +30,12 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
             act_text(act, "FILE"));
     const enum err err = file_read(text, path, LIST_BYTES_MOST, fault);
     return err ? err
-               : act_naming(act_text(act, "FILE"),
-                            seeds_from_list(seeds, buf_text(text), text->length,
-                                            &session->scene->grid, session->now.kept.label_name,
-                                            label_of(act), session->watch, fault),
-                            fault);
+               : act_prefix_file(act_text(act, "FILE"),
+                                 seeds_from_list(seeds, buf_text(text), text->length,
+                                                 &session->scene->grid,
+                                                 session->now.kept.label_name, label_of(act),
+                                                 session->watch, fault),
+                                 fault);
 }
 
 /* Read the parameters about regions; the caller frees the labels `as`. */
@@ -68,10 +69,10 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     const struct map_place place = act_map_place(act);
     enum err err = map_read(&map, path, &place, session->watch, fault);
     if (!err)
-        err = act_naming(act_text(act, "FILE"),
-                         seeds_from_map(seeds, &tally, &map, &session->scene->grid,
-                                        &session->geometry, choice, session->watch, fault),
-                         fault);
+        err = act_prefix_file(act_text(act, "FILE"),
+                              seeds_from_map(seeds, &tally, &map, &session->scene->grid,
+                                             &session->geometry, choice, session->watch, fault),
+                              fault);
     if (!err)
         buf_add_text(out, map.notes);
     volume_release(&map);
@@ -131,9 +132,9 @@ static enum err plant_region(const struct act *act, struct planting *planting,
     const struct seed_group *group = &seeds->group[region - SEED_GROUPS_FROM];
     struct reach reach = group->reach;
     if (!reach.unit[0] && session->geometry.spacing_unknown)
-        return fault_set(act->fault, ERR_INPUT,
-                         "it has a distance in millimetres, and the scene's file does not say how "
-                         "large voxels are; nothing was planted");
+        return fault_set(
+            act->fault, ERR_INPUT,
+            "it has a distance in millimetres, but voxel size is unknown; nothing was planted");
     for (int a = 0; a < 3; a++)
         reach.unit[a] = reach.unit[a] ? reach.unit[a] : session->scene->spacing_nm[a];
     const enum err err = session_add_reach(session, &reach, &planting->reach, act->fault);
@@ -141,8 +142,8 @@ static enum err plant_region(const struct act *act, struct planting *planting,
 }
 
 /* Plant each region as a marker. */
-static enum err plant(const struct act *act, const struct seeds *seeds, const char *path,
-                      const struct region_choice *choice, struct planting *planting)
+static enum err plant_regions(const struct act *act, const struct seeds *seeds, const char *path,
+                              const struct region_choice *choice, struct planting *planting)
 {
     uint32_t *cell = NULL;
     struct session *session = act->session;
@@ -186,13 +187,13 @@ enum err act_seed_file(const struct act *act)
     }
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     if (!err)
-        err = plant(act, &seeds, buf_text(path), &choice, &planting);
+        err = plant_regions(act, &seeds, buf_text(path), &choice, &planting);
     act_add_digest(act, "file", seeds_digest(&seeds));
     buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
     buf_printf(&act->reply->text, "%zu seed%s\n", planting.planted, plural(planting.planted));
     if (!err)
-        err = act_naming(name, act_write_planting(act, &planting), act->fault);
+        err = act_prefix_file(name, act_write_planting(act, &planting), act->fault);
     free(as);
     seeds_release(&seeds);
     return err;

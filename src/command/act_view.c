@@ -46,7 +46,7 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     if (!err)
         err = map_read(&map, buf_text(path), &place, session->watch, fault);
     if (!err)
-        err = act_naming(name, map_to_weights(&map, session->watch, fault), fault);
+        err = act_prefix_file(name, map_to_weights(&map, session->watch, fault), fault);
     if (!err)
         err = session_set_weight_map(session, name, map.intensity, fault);
     if (!err)
@@ -123,16 +123,12 @@ static enum err add_roi(const struct act *act, enum err err)
 static void fill_mask(uint64_t *mask, const struct volume *map, const struct scene *scene)
 {
     const struct grid *grid = &scene->grid;
-    struct task task = task_begin(scene->watch, "voxels of the mask", grid->voxels);
+    const struct slab whole = {0, grid->size[2]};
+    struct grid_walk walk = grid_walk(grid, scene->watch, "voxels of the mask", whole, 0);
     const uint16_t *region = map->intensity;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
+    while (grid_walk_next(&walk))
+        for (uint32_t c = walk.row.first; c < walk.row.end; c++)
+            mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
 }
 
 static enum err mask_by_file(const struct act *act)
@@ -146,9 +142,9 @@ static enum err mask_by_file(const struct act *act)
     uint64_t *mask = NULL;
     enum err err = act_read_map(act, &map);
     if (!err)
-        err = act_naming(name,
-                         map_to_regions(&map, regions[0], regions[1], session->watch, act->fault),
-                         act->fault);
+        err = act_prefix_file(
+            name, map_to_regions(&map, regions[0], regions[1], session->watch, act->fault),
+            act->fault);
     if (!err && !(mask = mem_new(mask_bytes(&session->scene->grid))))
         err = fault_memory(act->fault, "a mask");
     if (!err) {
@@ -156,8 +152,8 @@ static enum err mask_by_file(const struct act *act)
         buf_add_text(&act->reply->text, map.notes);
         const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
         act_add_digest(act, "file", roi_tally(&alone, session->scene).digest);
-        err = act_naming(name, session_set_mask(session, mask, name, regions, act->fault),
-                         act->fault);
+        err = act_prefix_file(name, session_set_mask(session, mask, name, regions, act->fault),
+                              act->fault);
     }
     volume_release(&map);
     free(mask);
@@ -182,13 +178,12 @@ static size_t count_unsure(const struct session *session, const struct decimal r
 {
     const struct grid *grid = &session->scene->grid;
     const struct interval interval = levels_within(&session->geometry, session->levels, range);
+    const struct slab whole = {0, grid->size[2]};
+    struct grid_walk walk = grid_walk(grid, NULL, "levels", whole, 0);
     size_t voxels = 0;
-    for (uint32_t z = 0; interval.split[0] >= 0 && z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                voxels += interval_splits(&interval, session->scene->cell[c].intensity);
-        }
+    while (interval.split[0] >= 0 && grid_walk_next(&walk))
+        for (uint32_t c = walk.row.first; c < walk.row.end; c++)
+            voxels += interval_splits(&interval, session->scene->cell[c].intensity);
     return voxels;
 }
 
@@ -222,7 +217,7 @@ enum err act_view(const struct act *act)
     struct view *view = &act->next->outlook.view;
     if (act_text(act, "YAW")) {
         if (act_has(act, "PITCH|ROLL"))
-            return fault_set(act->fault, ERR_USAGE, "a named view takes no angles");
+            return fault_set(act->fault, ERR_USAGE, "a named view has no angles");
         view_by_name(act_text(act, "YAW"), view->angle);
     } else {
         for (int i = 0; i < 3; i++)
@@ -358,7 +353,7 @@ enum err act_clip(const struct act *act)
         const struct cut whole = cut_none();
         if (act_has(act, "SLICES"))
             return fault_set(act->fault, ERR_USAGE,
-                             "`clip none` takes no slices; the view is unchanged");
+                             "`clip none` has no slices; the view is unchanged");
         memcpy(cut->first, whole.first, sizeof cut->first);
         memcpy(cut->last, whole.last, sizeof cut->last);
         return act_go(act);
@@ -406,8 +401,8 @@ static enum err read_normal(const struct act *act, int64_t normal[3])
     const bool is_side = act_number(act, "normal") >= 0;
     if (is_side && act->session->scene->sides_unknown)
         return fault_set(act->fault, ERR_INPUT,
-                         "normal=%s: nothing says which way the patient lies; expected A,B,C along "
-                         "the voxel axes, or `orient` before; the view is unchanged",
+                         "normal=%s: orientation is unknown; expected A,B,C along the voxel axes, "
+                         "or use `orient` first; the view is unchanged",
                          word);
     if (is_side) {
         int32_t angle[3], right[3], up[3], ahead[3];
@@ -436,8 +431,8 @@ static enum err make_plane(const struct act *act, struct cut_plane *plane)
     enum err err;
     if (scene->spacing_unknown && offset_nm)
         return fault_set(act->fault, ERR_INPUT,
-                         "offset: how far apart the voxels of this scene are is not known, so "
-                         "there are no millimetres; expected another voxel; the view is unchanged");
+                         "offset: voxel spacing is unknown, so there are no millimetres; expected "
+                         "another voxel; the view is unchanged");
     if (!act_has(act, "normal")) {
         err = session_aim(act->session, &act->session->now.outlook, &camera, act->fault);
         for (int a = 0; a < 3 && !err; a++)
@@ -461,7 +456,7 @@ enum err act_plane(const struct act *act)
     if (act_text(act, "PLACE")) {
         if (act_has(act, "normal|offset"))
             return fault_set(act->fault, ERR_USAGE,
-                             "`plane none` takes no normal and no offset; the view is unchanged");
+                             "`plane none` has no normal and no offset; the view is unchanged");
         memset(cut->plane, 0, sizeof cut->plane);
         cut->planes = 0;
     } else if (cut->planes == CUT_PLANES_MOST) {
@@ -505,7 +500,7 @@ enum err act_cut(const struct act *act)
 /* ---- settings: commands that do no more than set something (session/setting.h) ---- */
 
 /* Return a value in the representation of the member. */
-static int64_t held(const struct setting_member *member, const struct value *value)
+static int64_t member_value(const struct setting_member *member, const struct value *value)
 {
     static const uint32_t background[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,
                                           BACKGROUND_CLEAR};
@@ -521,7 +516,7 @@ static int64_t held(const struct setting_member *member, const struct value *val
     }
 }
 
-static void say(const struct act *act, enum setting_says what)
+static void report_setting(const struct act *act, enum setting_says what)
 {
     struct buf *out = &act->reply->text;
     const struct outlook *outlook = &act->session->now.outlook;
@@ -560,7 +555,7 @@ enum err act_set(const struct act *act)
         const struct value *value = act_value(act, parameter[i].name);
         given += value->given;
         if (value->given)
-            setting_put(act->next, member, held(member, value));
+            setting_put(act->next, member, member_value(member, value));
         else if (!member->stays)
             setting_put(act->next, member, member->usual);
     }
@@ -569,6 +564,6 @@ enum err act_set(const struct act *act)
                          act->call->command->example);
     const enum err err = act_go(act);
     if (!err)
-        say(act, parameter->sets.says);
+        report_setting(act, parameter->sets.says);
     return err;
 }

@@ -57,11 +57,11 @@ void act_write_refusal(struct buf *out, const struct session *session, uint32_t 
         return;
     const uint32_t root = key_root(refused);
     const struct place p = grid_place(&scene->grid, root);
-    buf_printf(out, "it lies beyond the seed at %u,%u,%u", p.x, p.y, p.z);
+    buf_printf(out, "it is out of reach of the seed at %u,%u,%u", p.x, p.y, p.z);
     write_reach(out, session, root);
     buf_add_text(out, ", of label ");
     label_report_write_name(out, session, scene->cell[root].label);
-    buf_printf(out, ", which would take it at a cost of %u\n", key_cost(refused));
+    buf_printf(out, ", whose path would cost %u\n", key_cost(refused));
 }
 
 static enum err write_reaches(const struct act *act)
@@ -75,8 +75,8 @@ static enum err write_reaches(const struct act *act)
     const enum err err = forest_count_refused(forest, &voxels, act->fault);
     buf_printf(out, "reach     %zu seed%s with `within`; ", seeds, plural(seeds));
     if (voxels)
-        buf_printf(out, "%zu voxel%s without a tree, since all around end before\n", voxels,
-                   plural(voxels));
+        buf_printf(out, "%zu voxel%s without a tree, since all seeds around end before them\n",
+                   voxels, plural(voxels));
     else
         buf_add_text(out, "no voxel is left without a tree by it\n");
     return err;
@@ -156,7 +156,7 @@ void volumes_write(struct buf *out, const struct session *session, bool is_finis
     const double ms = (double)took_ns / 1e6;
     const uint64_t changed = session_changed_voxels(session);
     if (changed == CHANGES_UNKNOWN)
-        buf_add_text(out, "computed anew");
+        buf_add_text(out, "recomputed");
     else if (changed == 0)
         buf_add_text(out, "no label has changed");
     else
@@ -194,7 +194,7 @@ void surprise_write(struct buf *out, struct session *session, const char *comman
     if (surprise.has_passage)
         buf_printf(out, " through %u,%u,%u", surprise.passage[0], surprise.passage[1],
                    surprise.passage[2]);
-    buf_add_text(out, "; undo takes it back\n");
+    buf_add_text(out, "; undo reverts it\n");
 }
 
 /* ---- the scene, weights and the region of interest ---- */
@@ -216,7 +216,7 @@ void act_write_axes(struct buf *out, const struct geometry *geometry)
         buf_add_text(out, "orientation unknown");
     else
         buf_printf(out, "axes towards %s%s", towards,
-                   geometry->orientation == ORIENTATION_TOLD ? " as told by the user" : "");
+                   geometry->orientation == ORIENTATION_TOLD ? " set by the user" : "");
 }
 
 /* Add "part 4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2". */
@@ -491,7 +491,7 @@ enum err act_info(const struct act *act)
                (double)parts.seeds / 1e6, (double)parts.pictures / 1e6);
     if (parts.answers)
         buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);
-    buf_printf(out, "; and %.1f MB for what can be undone\n",
+    buf_printf(out, "; and %.1f MB for undo\n",
                (double)history_memory(&act->interp->history) / 1e6);
     return err;
 }

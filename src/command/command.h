@@ -7,7 +7,7 @@
  * double quotes, in which \" and \\ mean " and \, or between single quotes, in which no character
  * is special (MEANING_QUOTES). Parameters come in the order of the table; those marked `keyed` are
  * written name=value, where the value may be in double quotes, anywhere after the command's name.
- * Parsing a line and writing it in canonical form gives the same command, in the same canonical
+ * Parsing a line and writing it in canonical form yields the same command, in the same canonical
  * form.
  */
 #ifndef COMMAND_COMMAND_H

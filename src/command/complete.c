@@ -198,7 +198,7 @@ struct partial {
 };
 
 /* Mark the parameter as given, and the one paired with it if the word is a choice. */
-static void give(struct partial *p, int i, const char *word)
+static void mark_given(struct partial *p, int i, const char *word)
 {
     const struct parameter *parameter = p->command->parameter + i;
     p->value[i].given = true;
@@ -215,7 +215,7 @@ static void take_whole_word(struct partial *p)
     }
     const int i = p->command ? command_parameter_for(p->command, p->value, &word) : -1;
     if (i >= 0)
-        give(p, i, word);
+        mark_given(p, i, word);
 }
 
 /* Read the words of `line`, up to the one at its end. */
@@ -391,7 +391,7 @@ static bool is_folder(int folder, const struct dirent *entry)
     return fstatat(folder, entry->d_name, &status, 0) == 0 && S_ISDIR(status.st_mode);
 }
 
-static int compare(const void *a, const void *b)
+static int compare_names(const void *a, const void *b)
 {
     const char *const *x = a, *const *y = b;
     return strverscmp(*x, *y);
@@ -420,7 +420,7 @@ static void listing_read(struct listing *listing, const char *folder, const char
     const char *at = listing->store.data;
     for (; listing->count < count; at += strlen(at) + 1)
         listing->name[listing->count++] = at;
-    qsort(listing->name, count, sizeof *listing->name, compare);
+    qsort(listing->name, count, sizeof *listing->name, compare_names);
 }
 
 static void listing_release(struct listing *listing)
@@ -432,7 +432,7 @@ static void listing_release(struct listing *listing)
 
 /* ---- files ---- */
 
-static const char *join(struct buf *path, const char *folder, size_t length, const char *name)
+static const char *join_path(struct buf *path, const char *folder, size_t length, const char *name)
 {
     buf_clear(path);
     buf_add(path, folder, length);
@@ -452,9 +452,9 @@ static void offer_files(const struct offers *o)
     listing_read(&listing, leads ? buf_text(&folder) : ".", begin);
     buf_release(&folder);
     for (size_t i = 0; i < listing.count && !quoted; i++)
-        quoted = needs_quotes(join(&path, o->typed, leads, listing.name[i]));
+        quoted = needs_quotes(join_path(&path, o->typed, leads, listing.name[i]));
     for (size_t i = 0; i < listing.count; i++) {
-        const char *whole = join(&path, o->typed, leads, listing.name[i]);
+        const char *whole = join_path(&path, o->typed, leads, listing.name[i]);
         if (path.failed)
             break;
         write_offer(o->out, whole, path.length, quoted, whole[path.length - 1] == '/',
@@ -586,7 +586,7 @@ void command_hint(struct buf *out, const char *line, size_t length)
     if (knows && p.words > 0 && p.key > 0 && buf_text(&p.word)[p.key] == '\0')
         usage_form(&rest, &p.command->parameter[p.parameter]);
     if (knows && p.words > 0 && !begins)
-        give(&p, p.parameter, buf_text(&p.word) + p.key);
+        mark_given(&p, p.parameter, buf_text(&p.word) + p.key);
     if (knows)
         usage_rest(&rest, p.command->parameter, p.value);
     const char *text = buf_text(&rest);

@@ -183,10 +183,10 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
     if (!err && !interp->is_read_only)
         clear_away(interp, path, told);
     if (!err && told)
-        interpreter_tell_lock(interp, told);
+        interpreter_write_lock(interp, told);
     if (!err && told && interp->is_read_only) {
         buf_add_safe_text(told, path);
-        buf_add_text(told, " is open read-only: what is done here is not written to it\n");
+        buf_add_text(told, " is open read-only: new commands are not written to it\n");
     }
     interp->mode = MODE_LIVE;
     interp->wish = WISH_NONE;
@@ -196,14 +196,13 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
 
 /* ---- carried out ---- */
 
-static enum err apply(const struct interpreter *interp, struct session *session,
-                      struct reply *reply, struct fault *fault)
+static enum err apply_edits(const struct interpreter *interp, struct session *session,
+                            struct reply *reply, struct fault *fault)
 {
     if (interp->applied == 1)
-        buf_add_text(&reply->text, "the edit that waited is applied, as by `run`\n");
+        buf_add_text(&reply->text, "applied the waiting edit, as by `run`\n");
     else
-        buf_printf(&reply->text, "the %zu edits that waited are applied, as by `run`\n",
-                   interp->applied);
+        buf_printf(&reply->text, "the %zu waiting edits applied, as by `run`\n", interp->applied);
     enum err err = session_run(session, fault);
     if (!err &&
         interp->mode ==
@@ -212,8 +211,8 @@ static enum err apply(const struct interpreter *interp, struct session *session,
     return err;
 }
 
-static enum err act(struct interpreter *interp, const struct call *call, struct reply *reply,
-                    struct fault *fault)
+static enum err run_act(struct interpreter *interp, const struct call *call, struct reply *reply,
+                        struct fault *fault)
 {
     const struct command *command = call->command;
     struct session *session = interp->session;
@@ -232,7 +231,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     if (!err && reports)
         err = session_count_before(session, fault);
     if (!err && interp->applied)
-        err = apply(interp, session, reply, fault);
+        err = apply_edits(interp, session, reply, fault);
     struct state next = session->now;
     if (!err)
         err = (command->act ? command->act
@@ -263,11 +262,11 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
 {
     struct watch *watch = interp->session->watch;
     enum err err = watch_fault(watch, fault);
-    interp->keeps = false;
+    interp->found_existing = false;
     interp->applied = 0;
     if (!err)
-        err = act(interp, call, reply, fault);
-    if (err == ERR_IO && interp->keeps)
+        err = run_act(interp, call, reply, fault);
+    if (err == ERR_IO && interp->found_existing)
         fault_append(fault, "; replace=yes writes over it");
     if (err && fault)
         command_point_at(call, line, fault);
@@ -289,16 +288,16 @@ static enum err begin_journal(struct interpreter *interp, struct buf *told, stru
     const enum err err = interpreter_create_journal(interp, interp->new_journal, fault);
     if (err)
         return fault_prefix(fault, err,
-                            "no journal can be begun here (--journal FILE begins it elsewhere)");
+                            "cannot create a journal here (--journal FILE creates it elsewhere)");
     interp->new_journal = NULL;
-    interpreter_tell_lock(interp, told);
+    interpreter_write_lock(interp, told);
     return OK;
 }
 
 /* Add to the history and, for new commands, to the journal. For a question that applied waiting
  * edits, record a `run`. */
-static enum err record(struct interpreter *interp, const struct command *command,
-                       struct reply *reply, struct fault *fault)
+static enum err record_command(struct interpreter *interp, const struct command *command,
+                               struct reply *reply, struct fault *fault)
 {
     char run[80];
     snprintf(run, sizeof run, RUN_FOR "%s", command->name);
@@ -323,7 +322,7 @@ static enum err record(struct interpreter *interp, const struct command *command
 /* ---- settled ---- */
 
 /* Commit or roll back all changes of the command. */
-static void settle(struct interpreter *interp, bool stands)
+static void finish_command(struct interpreter *interp, bool stands)
 {
     interpreter_settle_files(interp, stands);
     arena_release(&interp->arena);
@@ -363,8 +362,8 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
         err = carry_out(interp, &call, line, reply, fault);
         recorded |= interp->applied > 0;
         if (!err && recorded)
-            err = record(interp, call.command, reply, fault);
-        settle(interp, err == OK);
+            err = record_command(interp, call.command, reply, fault);
+        finish_command(interp, err == OK);
     }
     if (!err)
         interp->acknowledged = recorded ? interp->history.records : 0;
@@ -379,8 +378,8 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
 static enum err refuse_to_change(const struct call *call, struct fault *fault)
 {
     return fault_set(fault, ERR_USAGE,
-                     "%s: this is for looking: only questions, and what changes how one looks, can "
-                     "be asked for; nothing has changed",
+                     "%s: only questions and commands that change the view are allowed here; "
+                     "nothing has changed",
                      call->command->name);
 }
 
@@ -407,7 +406,7 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
             !edit_lists_are_copies(&session->now.lists, &session->former.lists);
         if (!err && has_changed_more)
             err = refuse_to_change(&call, fault);
-        settle(interp, err == OK);
+        finish_command(interp, err == OK);
     }
     call_release(&call);
     return err;
@@ -438,7 +437,7 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
     err = carry_out(interp, &call, line, &reply, fault);
     if (!err)
         err = history_note(&interp->history, session, buf_text(&reply.canonical), fault);
-    settle(interp, err == OK);
+    finish_command(interp, err == OK);
     reply_release(&reply);
     call_release(&call);
     return err;

@@ -40,17 +40,17 @@ static enum err refuse_note(const struct attribute *note, const char *drawn, str
     buf_add_text(&words, " is ");
     buf_add_safe(&words, note->value, strnlen(note->value, 200));
     if (drawn) {
-        buf_add_text(&words, ", and what is drawn has ");
+        buf_add_text(&words, ", and the new picture has ");
         buf_add_safe(&words, drawn, strnlen(drawn, 200));
     } else {
-        buf_add_text(&words, ", which is no note of what is drawn");
+        buf_add_text(&words, ", which is no note of the new picture");
     }
     const enum err err = fault_set(fault, ERR_CHECK, "its note %s", buf_text(&words));
     buf_release(&words);
     return err;
 }
 
-static bool counts(const struct attribute *note, bool names_scene)
+static bool is_compared(const struct attribute *note, bool names_scene)
 {
     return !golden_note_is_of_its_time(note) &&
            (names_scene || strcmp(note->name, "iftty:scene-name") != 0);
@@ -62,13 +62,13 @@ enum err golden_compare_notes(const struct picture *kept, const struct picture *
     for (size_t i = 0; i < kept->attributes; i++) {
         const struct attribute *note = &kept->attribute[i];
         const char *now = picture_find(drawn, note->name);
-        if (counts(note, names_scene) && (!now || strcmp(now, note->value) != 0))
+        if (is_compared(note, names_scene) && (!now || strcmp(now, note->value) != 0))
             return refuse_note(note, now, fault);
     }
     for (size_t i = 0; i < drawn->attributes; i++)
-        if (counts(&drawn->attribute[i], names_scene) &&
+        if (is_compared(&drawn->attribute[i], names_scene) &&
             !picture_find(kept, drawn->attribute[i].name))
-            return fault_set(fault, ERR_CHECK, "it has no note %s, which what is drawn has",
+            return fault_set(fault, ERR_CHECK, "it has no note %s, which the new picture has",
                              drawn->attribute[i].name);
     return OK;
 }

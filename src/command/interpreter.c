@@ -21,7 +21,7 @@ enum err interpreter_init(struct interpreter *interp, struct fault *fault)
     return err ? err : image_helper_new(&interp->helper, NULL, fault);
 }
 
-enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault)
+enum err interpreter_write_in_background(struct interpreter *interp, struct fault *fault)
 {
     return picture_writer_new(&interp->writer, NULL, fault);
 }
@@ -99,7 +99,7 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
     return err;
 }
 
-void interpreter_tell_lock(const struct interpreter *interp, struct buf *told)
+void interpreter_write_lock(const struct interpreter *interp, struct buf *told)
 {
     const char *lock = interp->journal ? journal_lock_file(interp->journal) : NULL;
     if (!lock)
@@ -127,8 +127,8 @@ static bool try_folder(struct buf *path, const char *folder, size_t length, cons
     return file_exists(buf_text(path));
 }
 
-static enum err find(const struct interpreter *interp, const char *name, struct buf *path,
-                     const struct trust_sought *sought, struct fault *fault)
+static enum err find_file(const struct interpreter *interp, const char *name, struct buf *path,
+                          const struct trust_sought *sought, struct fault *fault)
 {
     struct buf folder = {0};
     bool found = false;
@@ -154,7 +154,7 @@ static enum err find(const struct interpreter *interp, const char *name, struct 
         return fault_memory(fault, "a path");
     if (!found)
         return fault_set(fault, ERR_IO, "there is no %s %s here%s%s; nothing %s", sought->kind,
-                         name, interp->home.length ? " nor beside the journal" : "",
+                         name, interp->home.length ? " nor next to the journal" : "",
                          sought->is_scene && interp->mode != MODE_LIVE ? "; expected --scene FILE"
                                                                        : "",
                          sought->undone);
@@ -169,7 +169,7 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
         const struct trust_sought sought = {"scene", "was opened", true, by_proof};
         const bool is_elsewhere = interpreter_is_wary(interp) && trust_leads_out(name);
         const enum err err =
-            find(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
+            find_file(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
         if (err && is_elsewhere)
             fault_prefix(fault, err,
                          by_proof ? "the scene of this record is not at %s"
@@ -193,7 +193,8 @@ enum err interpreter_find_file(const struct interpreter *interp, const char *nam
 {
     static const struct trust_sought sought = {"file", "has changed", false, false};
     const bool is_elsewhere = interpreter_is_wary(interp) && trust_leads_out(name);
-    const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
+    const enum err err =
+        find_file(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
     return err && is_elsewhere ? fault_prefix(fault, err, "the journal may not read %s", name)
                                : err;
 }
@@ -202,7 +203,7 @@ enum err interpreter_find_file(const struct interpreter *interp, const char *nam
 
 /* out = the absolute path of `name` without "." and ".." at its beginning. The current folder is
  * resolved without links. */
-static bool make_whole(struct buf *out, const char *name)
+static bool absolute_path(struct buf *out, const char *name)
 {
     char *here = *name == '/' ? NULL : realpath(".", NULL);
     buf_clear(out);
@@ -228,7 +229,7 @@ static bool make_whole(struct buf *out, const char *name)
 
 /* out = the absolute path `path` relative to the folder, an absolute path without links; false if
  * they have only "/" in common. */
-static bool see_from(struct buf *out, const char *path, const char *folder)
+static bool relative_path(struct buf *out, const char *path, const char *folder)
 {
     size_t common = 0, ups = 0;
     for (size_t i = 0; path[i] && (folder[i] == path[i] || (!folder[i] && path[i] == '/')); i++) {
@@ -249,20 +250,21 @@ static bool see_from(struct buf *out, const char *path, const char *folder)
 }
 
 /* Reject a name that is found both here and next to the journal with different content. */
-static enum err check_one(const char *here, const char *beside, const char *name,
-                          struct fault *fault)
+static enum err check_unique(const char *here, const char *beside, const char *name,
+                             struct fault *fault)
 {
     if (!file_exists(here) || !file_exists(beside) || file_is_same(here, beside) ||
         file_holds_same(here, beside))
         return OK;
     return fault_set(fault, ERR_INPUT,
-                     "there is %s here, and another one beside the journal; expected the "
+                     "there are two files %s, here and next to the journal; expected the "
                      "whole path of one of them; nothing has changed",
                      name);
 }
 
 /* out = `name` relative to the folder of the journal, or an absolute path. */
-static enum err settle(struct buf *out, const char *name, const char *journal, struct fault *fault)
+static enum err make_relative(struct buf *out, const char *name, const char *journal,
+                              struct fault *fault)
 {
     struct buf folder = {0}, beside = {0}, path = {0}, whole = {0};
     file_from_home(&path, name);
@@ -270,12 +272,12 @@ static enum err settle(struct buf *out, const char *name, const char *journal, s
     buf_printf(&beside, "%s/%s", buf_text(&folder), name);
     char *real = realpath(buf_text(&folder), NULL);
     const bool is_whole = *buf_text(&path) == '/';
-    enum err err = is_whole ? OK : check_one(name, buf_text(&beside), name, fault);
+    enum err err = is_whole ? OK : check_unique(name, buf_text(&beside), name, fault);
     buf_clear(out);
     buf_add_text(out, buf_text(&path));
     if (!err && real && (is_whole || !file_exists(buf_text(&beside))) &&
-        file_exists(buf_text(&path)) && make_whole(&whole, buf_text(&path))) {
-        const bool is_seen = see_from(out, buf_text(&whole), real);
+        file_exists(buf_text(&path)) && absolute_path(&whole, buf_text(&path))) {
+        const bool is_seen = relative_path(out, buf_text(&whole), real);
         buf_clear(&beside);
         buf_printf(&beside, "%s/%s", real, buf_text(out));
         if (!is_seen || !file_is_same(buf_text(&beside), buf_text(&path))) {
@@ -321,7 +323,7 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
     struct buf settled = {0};
     enum err err = OK;
     if (journal)
-        err = settle(&settled, name, journal, fault);
+        err = make_relative(&settled, name, journal, fault);
     else
         file_from_home(&settled, name);
     buf_add_text(&call->settled, is_raw ? "raw:" : "");
@@ -338,8 +340,8 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
 
 enum err golden_refuse_link(const char *path, struct fault *fault)
 {
-    return fault_set(fault, ERR_CHECK,
-                     "%s, which leads out of its folder, is not what was recorded", path);
+    return fault_set(fault, ERR_CHECK, "%s, which leads out of its folder, differs from the record",
+                     path);
 }
 
 enum err interpreter_may_read(const struct interpreter *interp, const char *path, bool *leads_out,
@@ -432,10 +434,10 @@ static bool has_made(const struct interpreter *interp, const char *path)
     return at < end;
 }
 
-void interpreter_note_kept(struct interpreter *interp, const char *path, enum file_mode mode)
+void interpreter_note_existing(struct interpreter *interp, const char *path, enum file_mode mode)
 {
-    interp->keeps = mode == FILE_KEEP && interp->mode == MODE_LIVE && file_exists(path) &&
-                    !file_is_folder(path);
+    interp->found_existing = mode == FILE_KEEP && interp->mode == MODE_LIVE && file_exists(path) &&
+                             !file_is_folder(path);
 }
 
 enum err interpreter_will_write(struct interpreter *interp, const char *path, enum file_mode mode,
@@ -452,16 +454,15 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
                                fault); /* records before the file is written are on the disk */
     if (err)
         return err;
-    interpreter_note_kept(interp, path, mode);
+    interpreter_note_existing(interp, path, mode);
     if (file_exists(path)) {
         if (mode == FILE_KEEP)
             return OK; /* the writer rejects it */
         if (interpreter_is_wary(interp) && !has_made(interp, path))
-            return fault_set(
-                fault, ERR_IO,
-                "%s was there before; a replay replaces only what it has written itself; "
-                "it was left alone",
-                path);
+            return fault_set(fault, ERR_IO,
+                             "%s existed before; a replay replaces only its own files; "
+                             "it was left alone",
+                             path);
         err = file_backup(&backup, path, fault);
     }
     const size_t made = interpreter_is_wary(interp) ? strlen(path) + 1 : 0;

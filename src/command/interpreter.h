@@ -100,7 +100,7 @@ struct interpreter {
     bool has_blocks;      /* charts are drawn with the blocks of UTF-8 */
     void (*add_keys)(struct buf *out); /* adds the text of `help keys`, or NULL */
     enum interpreter_wish wish;
-    bool keeps;          /* the current command has found a file that it must not replace */
+    bool found_existing; /* the current command has found a file that it must not replace */
     bool shows_picture;  /* the last command made a picture to show inline: */
     struct canvas shown; /* it; without pixels, the session's rendition */
 };
@@ -110,7 +110,7 @@ void interpreter_release(struct interpreter *interp);
 
 /* Write pictures in the background from now on, at a prompt. picture_writer_news reports each
  * result; a failed picture does not undo its command. */
-enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault);
+enum err interpreter_write_in_background(struct interpreter *interp, struct fault *fault);
 
 /* True while executing a stranger's journal: names are resolved and files written by the rules of
  * command/trust.h. */
@@ -137,7 +137,7 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
 
 /* Add a line if the journal's file system has no locks: the name of the lock file (resuming adds it
  * itself). */
-void interpreter_tell_lock(const struct interpreter *interp, struct buf *told);
+void interpreter_write_lock(const struct interpreter *interp, struct buf *told);
 
 /*
  * Files named by commands: where they are found and where they may be written. Files written by a
@@ -190,7 +190,7 @@ enum err interpreter_output_path(struct interpreter *interp, const char *name, s
 
 /* Note whether a new command finds an existing file that its writer must not replace: its error
  * then ends with "replace=yes writes over it". */
-void interpreter_note_kept(struct interpreter *interp, const char *path, enum file_mode mode);
+void interpreter_note_existing(struct interpreter *interp, const char *path, enum file_mode mode);
 
 /* Announce that the current command is about to write `path`. If the command fails or cannot be
  * recorded, a new file is removed and a replaced one is restored. */

@@ -34,7 +34,7 @@ void command_try_names(struct near *near)
 }
 
 /* Report an unknown name: "WHAT sede; did you mean seed?", or "WHAT xyz; `help` lists them". */
-static enum err unknown(struct fault *fault, const char *what, const char *word)
+static enum err report_unknown(struct fault *fault, const char *what, const char *word)
 {
     struct near near = near_to(word);
     command_try_names(&near);
@@ -98,8 +98,8 @@ bool command_take_word(const char **cursor, struct buf *out, const char *quotes)
 }
 
 /* Add the words of a line to `out`, each ended by NUL. */
-static enum err split(struct buf *out, unsigned *count, const char *line, const char *quotes,
-                      struct fault *fault)
+static enum err split_words(struct buf *out, unsigned *count, const char *line, const char *quotes,
+                            struct fault *fault)
 {
     const char *at = line, *text_end;
     *count = 0;
@@ -119,7 +119,7 @@ static enum err split(struct buf *out, unsigned *count, const char *line, const 
         ++*count;
     }
     if (out->length && memchr(out->data, '\t', out->length)) /* it could not be recorded */
-        return fault_set(fault, ERR_USAGE, "a tab in a word; tabs stand between words only");
+        return fault_set(fault, ERR_USAGE, "a tab in a word; tabs may only separate words");
     return out->failed ? fault_memory(fault, "a command") : OK;
 }
 
@@ -132,8 +132,8 @@ struct known {
 };
 
 /* Report "LABELS: expected none|tint or a number 1..3, not tnit; did you mean tint?". */
-static enum err expect(struct fault *fault, const struct parameter *p, const char *word,
-                       const char *expected)
+static enum err report_expected(struct fault *fault, const struct parameter *p, const char *word,
+                                const char *expected)
 {
     const char *choices = p->choices ? p->choices : "";
     struct near near = near_to(word);
@@ -154,15 +154,15 @@ static enum err read_position(struct value *value, const struct parameter *p, co
     const bool reads = scan_three(&at, 6, INT64_C(-1000000000000), INT64_C(1000000000000), part);
     const bool world = reads && scan_text(&at, "mm");
     if (!reads || *at)
-        return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
+        return report_expected(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
     for (int a = 0; a < 3; a++) {
         if (!world && part[a] % 1000000)
-            return expect(fault, p, word, "whole voxel indices, or mm at the end");
+            return report_expected(fault, p, word, "whole voxel indices, or mm at the end");
         place[a] = part[a] / 1000000;
     }
     if (world && !geometry_has_place(&known->session->geometry))
         return fault_set(fault, ERR_INPUT,
-                         "%s: where this scene lies in the world is not known; expected voxel "
+                         "%s: the position of this scene in the world is unknown; expected voxel "
                          "indices, as in 0,0,0; nothing has changed",
                          word);
     const double point[3] = {(double)part[0] / 1e6, (double)part[1] / 1e6, (double)part[2] / 1e6};
@@ -170,7 +170,7 @@ static enum err read_position(struct value *value, const struct parameter *p, co
     if ((world && !geometry_voxel(&known->session->geometry, point, place)) ||
         !grid_contains(&known->session->scene->grid, place[0], place[1], place[2]))
         return fault_set(fault, ERR_INPUT,
-                         "%s lies outside the scene, whose voxels are 0,0,0 to %u,%u,%u; "
+                         "%s is outside the scene, whose voxels are 0,0,0 to %u,%u,%u; "
                          "nothing has changed",
                          word, size[0] - 1, size[1] - 1, size[2] - 1);
     for (int a = 0; a < 3; a++)
@@ -221,13 +221,13 @@ static enum err read_number(struct value *value, const struct parameter *p, cons
     buf_add_text(&expected, "..");
     write_decimal(&expected, p->most * unit, 3);
     buf_add_text(&expected, places ? " with at most three decimals" : "");
-    const enum err err = expect(fault, p, word, buf_text(&expected));
+    const enum err err = report_expected(fault, p, word, buf_text(&expected));
     buf_release(&expected);
     return err;
 }
 
-static enum err expect_range(struct fault *fault, const struct parameter *p, const char *word,
-                             const char *more)
+static enum err report_expected_range(struct fault *fault, const struct parameter *p,
+                                      const char *word, const char *more)
 {
     return fault_set(fault, ERR_USAGE, "%s: expected A-B, or A, within %lld-%lld, not %s%s",
                      p->name, (long long)p->least, (long long)p->most, *word ? word : "nothing",
@@ -240,7 +240,7 @@ static enum err read_range(struct value *value, const struct parameter *p, const
     const char *at = word;
     int64_t first, last;
     if (!scan_range(&at, p->least, p->most, &first, &last) || *at)
-        return expect_range(fault, p, word, "");
+        return report_expected_range(fault, p, word, "");
     value->place[0] = (uint32_t)first;
     value->place[1] = (uint32_t)last;
     return OK;
@@ -251,7 +251,7 @@ static enum err read_list(struct value *value, const struct parameter *p, const 
                           struct fault *fault)
 {
     if (!scan_is_list(word, p->least, p->most))
-        return expect_range(fault, p, word, "; several have commas between them");
+        return report_expected_range(fault, p, word, "; several have commas between them");
     value->text = word;
     value->number = -1;
     return OK;
@@ -263,7 +263,8 @@ static enum err read_real(struct value *value, const struct parameter *p, const 
     const char *at = word;
     if (decimal_scan(&at, &value->real[0]) && *at == '\0')
         return OK;
-    return expect(fault, p, word, "a number, as in 40, -0.5 or 1.5e-3, of at most 19 digits");
+    return report_expected(fault, p, word,
+                           "a number, as in 40, -0.5 or 1.5e-3, of at most 19 digits");
 }
 
 static enum err read_interval(struct value *value, const struct parameter *p, const char *word,
@@ -274,8 +275,8 @@ static enum err read_interval(struct value *value, const struct parameter *p, co
     if (decimal_scan(&at, &real[0]) && scan_text(&at, "..") && decimal_scan(&at, &real[1]) &&
         *at == '\0' && decimal_value(&real[0]) <= decimal_value(&real[1]))
         return OK;
-    return expect(fault, p, word,
-                  "LOW..HIGH, as in 40..1200.5 or 1e-6..2.5e-6, of at most 19 digits each");
+    return report_expected(
+        fault, p, word, "LOW..HIGH, as in 40..1200.5 or 1e-6..2.5e-6, of at most 19 digits each");
 }
 
 static enum err read_radius(struct value *value, const struct parameter *p, const char *word,
@@ -295,7 +296,7 @@ static enum err read_radius(struct value *value, const struct parameter *p, cons
                "a number %lld..%lld, or millimetres as in 2.5mm, above 0 and up to 1000 with at "
                "most six decimals",
                (long long)p->least, (long long)p->most);
-    const enum err err = expect(fault, p, word, buf_text(&expected));
+    const enum err err = report_expected(fault, p, word, buf_text(&expected));
     buf_release(&expected);
     return err;
 }
@@ -309,7 +310,7 @@ static enum err read_colour(struct value *value, const struct parameter *p, cons
     for (size_t i = 0; i < 7 && word[i]; i++)
         lower[i] = (char)tolower((unsigned char)word[i]);
     if (*word != '#' || !scan_hex(&at, 6, &colour) || word[7])
-        return expect(fault, p, word, "#rrggbb, six hexadecimal digits");
+        return report_expected(fault, p, word, "#rrggbb, six hexadecimal digits");
     value->number = (int64_t)colour;
     return OK;
 }
@@ -320,7 +321,7 @@ static enum err read_part(struct value *value, const struct parameter *p, const 
 {
     const int none = choice_find(p->choices, strrchr(p->choices, '|') + 1), all = none - 1;
     if (choice < 0)
-        return expect(fault, p, word, "");
+        return report_expected(fault, p, word, "");
     if (value->given && (choice == none || value->number == 0))
         return fault_set(fault, ERR_USAGE, "expected %s alone; nothing has changed",
                          strrchr(p->choices, '|') + 1);
@@ -360,14 +361,14 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         case VALUE_COLOUR:
             return read_colour(value, p, word, fault);
         case VALUE_CHOICE:
-            return expect(fault, p, word, "");
+            return report_expected(fault, p, word, "");
         case VALUE_COMMAND:
             if (!command_find(word))
-                return unknown(fault, "there is no command", word);
+                return report_unknown(fault, "there is no command", word);
             break;
         default:
             if (!*word)
-                return expect(fault, p, word, "a word");
+                return report_expected(fault, p, word, "a word");
         }
     value->text = word;
     value->number = choice;
@@ -432,8 +433,8 @@ static bool is_near_a_key(const struct command *command, const char *word, struc
     return true;
 }
 
-static enum err fill(struct call *call, const char *word, const struct known *known,
-                     struct fault *fault)
+static enum err fill_parameter(struct call *call, const char *word, const struct known *known,
+                               struct fault *fault)
 {
     const char *whole = word;
     int i = command_parameter_for(call->command, call->value, &word);
@@ -454,7 +455,7 @@ static enum err fill(struct call *call, const char *word, const struct known *kn
 }
 
 /* Put the position of the command in front of its line. */
-static enum err lead_line(struct call *call, struct value *value, struct fault *fault)
+static enum err prepend_start(struct call *call, struct value *value, struct fault *fault)
 {
     struct polyline whole = {0};
     bool fits = polyline_add(&whole, call->value->place);
@@ -476,10 +477,10 @@ static enum err read_words(struct call *call, unsigned count, const struct known
     *wrong = 0;
     call->command = command_find(word);
     if (!call->command)
-        return unknown(fault, "unknown command", word);
+        return report_unknown(fault, "unknown command", word);
     for (*wrong = 1; *wrong < count; ++*wrong) {
         word += strlen(word) + 1;
-        enum err err = fill(call, word, known, fault);
+        enum err err = fill_parameter(call, word, known, fault);
         if (err)
             return err;
     }
@@ -492,7 +493,7 @@ static enum err read_words(struct call *call, unsigned count, const struct known
         if (p[i].type == VALUE_LINE && value->given)
             line = value;
     }
-    return line ? lead_line(call, line, fault) : OK;
+    return line ? prepend_start(call, line, fault) : OK;
 }
 
 /* Return the position of the word of this number; after the last word, one byte behind. */
@@ -524,7 +525,7 @@ enum err command_parse_by(struct call *call, const char *line, const struct sess
     scan_blanks(&at);
     if (*at == '#')
         return OK;
-    enum err err = split(&call->store, &count, line, call->quotes, fault);
+    enum err err = split_words(&call->store, &count, line, call->quotes, fault);
     if (!err && count > 0) {
         err = read_words(call, count, &known, &wrong, fault);
         if (err)
@@ -536,7 +537,7 @@ enum err command_parse_by(struct call *call, const char *line, const struct sess
 }
 
 /* True if the words of an error contain this word, not as a part of another. */
-static bool names(const char *text, const char *word)
+static bool contains_word(const char *text, const char *word)
 {
     static const char after[] = " ,;:?";
     const size_t length = strlen(word);
@@ -553,7 +554,7 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
     struct buf word = {0};
     for (int i = 0; p[i].type && !wrong; i++) {
         const char *text = call->value[i].text;
-        if (text && names(fault->text, text))
+        if (text && contains_word(fault->text, text))
             wrong = text;
     }
     for (scan_blanks(&at); wrong && *at; scan_blanks(&at)) {

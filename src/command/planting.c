@@ -74,7 +74,7 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
     if (!planting->planted && planting->outside)
         return fault_set(
             act->fault, ERR_INPUT,
-            "all of it lies outside the region of interest, where no tree grows; plant elsewhere, "
+            "all of it is outside the region of interest, where no tree grows; plant elsewhere, "
             "or widen the region with `mask` or `range` (`info` shows it); nothing was planted");
     if (!planting->planted && planting->beyond)
         return fault_set(act->fault, ERR_INPUT,
@@ -82,7 +82,7 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
                          "one); nothing was planted");
     if (!planting->planted && planting->others)
         return fault_set(act->fault, ERR_INPUT,
-                         "all of the shell lies in other objects than the one inside, label %u; "
+                         "all of the shell is in objects other than the one inside, label %u; "
                          "around=LABEL names the object; nothing was planted",
                          planting->inside);
     write_left_out(&act->reply->text, "in another object", planting->others);
@@ -95,10 +95,11 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
 void act_write_unsure(const struct act *act, size_t voxels)
 {
     if (voxels)
-        buf_printf(&act->reply->text,
-                   "%zu voxel%s a level that an end of the range cuts: a level is %.3g, and values "
-                   "are known to half of it\n",
-                   voxels, voxels == 1 ? " has" : "s have", act->session->levels->step);
+        buf_printf(
+            &act->reply->text,
+            "%zu voxel%s a level that contains an end of the range: its width is %.3g, and values "
+            "are known to half of it\n",
+            voxels, voxels == 1 ? " has" : "s have", act->session->levels->step);
 }
 
 void act_add_markers(const struct act *act)
@@ -131,7 +132,7 @@ static enum err plant_all(const struct act *act, struct planting *planting, stru
     return err ? err : act_write_planting(act, planting);
 }
 
-static enum err plant(const struct act *act, struct voxels *voxels)
+static enum err plant_voxels(const struct act *act, struct voxels *voxels)
 {
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     return plant_all(act, &planting, voxels, (int16_t)act_number(act, "LABEL"));
@@ -274,7 +275,7 @@ static enum err find_unit(const uint32_t **unit, const struct act *act, const ch
     return !distance->in_mm || !session->geometry.spacing_unknown
                ? OK
                : fault_set(act->fault, ERR_INPUT,
-                           "%s: the scene's file does not say how large voxels are; expected a "
+                           "%s: voxel size is unknown; expected a "
                            "number of voxels, not millimetres; nothing has changed",
                            name);
 }
@@ -340,11 +341,11 @@ static enum err plant_shell(const struct act *act, struct voxels *voxels, const 
     planting.inside = (uint8_t)act_number_or(act, "around", planting.inside);
     if (!err && !voxels->count)
         err = fault_set(act->fault, ERR_INPUT,
-                        "shell: none of it lies in the scene; nothing was planted");
+                        "shell: none of it is in the scene; nothing was planted");
     if (!err && planting.inside == label && (is_reached || act_has(act, "around")))
         err = fault_set(act->fault, ERR_INPUT,
-                        "shell: label %u is that of the object inside as well; a shell takes the "
-                        "label of what lies around it, and around=LABEL names the object; nothing "
+                        "shell: label %u is also the label of the object inside; a shell has the "
+                        "label of the surroundings, and around=LABEL names the object; nothing "
                         "was planted",
                         planting.inside);
     if (!err)
@@ -436,7 +437,7 @@ static enum err find_reach(uint16_t *number, const struct act *act, const struct
         const struct place p = grid_place(&session->scene->grid, voxels->cell[i]);
         if (!reach_holds(&reach, p.x, p.y, p.z))
             err = fault_set(act->fault, ERR_USAGE,
-                            "within: it is less than the radius; expected as much or more; "
+                            "within: less than the radius; expected at least the radius; "
                             "nothing was planted");
     }
     return err ? err : session_add_reach(session, &reach, number, act->fault);
@@ -449,18 +450,18 @@ enum err act_seed(const struct act *act)
     struct voxels voxels = {0};
     if (act_has(act, "within") && (is_shell || act_has(act, "to|joined")))
         return fault_set(act->fault, ERR_USAGE,
-                         "within: it is that of one ball, and of no stroke or shell; nothing was "
+                         "within: only for one ball, not for strokes and shells; nothing was "
                          "planted");
     if (is_shell && act_has(act, "to|joined"))
-        return refuse_shell(act, "it is that of one ball, and of no stroke");
+        return refuse_shell(act, "only for one ball, not for strokes");
     if (act_has(act, "around|through") && !is_shell)
-        return fault_set(act->fault, ERR_USAGE, "%s: it is for shell=yes; nothing was planted",
+        return fault_set(act->fault, ERR_USAGE, "%s: only with shell=yes; nothing was planted",
                          act_has(act, "around") ? "around" : "through");
     if (is_shell)
         return plant_hollow_ball(act);
     if (act_has(act, "joined") && !can_join(act))
         return fault_set(act->fault, ERR_USAGE,
-                         "joined: the command before has not planted seeds of label %lld; nothing "
+                         "joined: the previous command did not plant seeds of label %lld; nothing "
                          "was planted",
                          (long long)act_number(act, "LABEL"));
     enum err err = act_find_voxels(act, act_value(act, "to"), &voxels);
@@ -480,12 +481,12 @@ enum err act_box(const struct act *act)
 {
     struct voxels voxels = {0};
     if (act_has(act, "around") && !act_is_yes(act, "shell"))
-        return fault_set(act->fault, ERR_USAGE, "around: it is for shell=yes; nothing was planted");
+        return fault_set(act->fault, ERR_USAGE, "around: only with shell=yes; nothing was planted");
     if (act_is_yes(act, "shell"))
         return plant_hollow_box(act);
     enum err err = paint_box(&voxels, &act->session->scene->grid, act_place(act, "CORNER"),
                              act_place(act, "OPPOSITE"), act->session->watch, act->fault);
-    err = err ? err : plant(act, &voxels);
+    err = err ? err : plant_voxels(act, &voxels);
     return err ? err : free_around_box(act);
 }
 
@@ -582,7 +583,7 @@ static enum err plant_polygon(const struct act *act, int ring)
     struct voxels inside = {0}, around = {0};
     if (!line || line->count < 3)
         return fault_set(act->fault, ERR_USAGE,
-                         "a polygon has three corners or more, not all ahead on one line (`box` "
+                         "a polygon has three corners or more, not all on one line (`box` "
                          "fills a rectangle); nothing was planted");
     const uint32_t(*corner)[3] = (const uint32_t(*)[3])line->corner;
     enum err err = paint_polygon(&inside, grid, corner, line->count, watch, act->fault);
@@ -605,7 +606,7 @@ enum err act_fill(const struct act *act)
 }
 
 /* Remove the marker `instead`, given by any of its parts. */
-static enum err take_former(const struct act *act)
+static enum err remove_former(const struct act *act)
 {
     const struct markers *markers = &act->session->markers;
     const int64_t number = act_number(act, "instead");
@@ -613,10 +614,11 @@ static enum err take_former(const struct act *act)
         number <= (int64_t)markers->count ? markers_stroke(markers, (uint32_t)number) : 0;
     const enum err err = session_take_away(act->session, &first, 1, act->fault);
     if (err == ERR_CHECK)
-        return fault_set(act->fault, ERR_INPUT,
-                         "instead: no marker %lld stands; expected the number of one, as `marker=` "
-                         "of its record; nothing has changed",
-                         (long long)number);
+        return fault_set(
+            act->fault, ERR_INPUT,
+            "instead: there is no marker %lld; expected the number of one, as in `marker=` "
+            "of its record; nothing has changed",
+            (long long)number);
     buf_printf(&act->reply->words, "removed=%u", first);
     return err;
 }
@@ -627,9 +629,9 @@ enum err act_outline(const struct act *act)
     const int64_t ring = act_number_or(act, "ring", is_object ? OUTLINE_RING : 0);
     if (ring && !is_object)
         return fault_set(act->fault, ERR_USAGE,
-                         "ring: it is of the background, and around an object; nothing was "
+                         "ring: a ring of background is only for objects; nothing was "
                          "planted");
-    const enum err err = act_has(act, "instead") ? take_former(act) : OK;
+    const enum err err = act_has(act, "instead") ? remove_former(act) : OK;
     return err ? err : plant_polygon(act, (int)ring);
 }
 
@@ -661,16 +663,13 @@ static enum err find_pieces(struct search *s)
 {
     const struct session *session = s->act->session;
     const struct grid *grid = &session->scene->grid;
-    struct task task = task_begin(session->watch, "voxels in the range", grid->voxels);
+    const struct slab whole = {0, grid->size[2]};
+    struct grid_walk walk = grid_walk(grid, session->watch, "voxels in the range", whole, 0);
     memset(s->may, 0, grid->cells);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                s->may[c] = may_belong(s, c);
-                s->unsure +=
-                    interval_splits(&s->planting.within, session->scene->cell[c].intensity);
-            }
+    while (grid_walk_next(&walk))
+        for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
+            s->may[c] = may_belong(s, c);
+            s->unsure += interval_splits(&s->planting.within, session->scene->cell[c].intensity);
         }
     const enum err err = watch_fault(session->watch, s->act->fault);
     return err ? err : components_find(&s->found, grid, s->may, session->watch, s->act->fault);
@@ -690,7 +689,7 @@ static bool begins_in(const struct search *s, const struct component_run *run)
     return false;
 }
 
-static enum err take_pieces(struct search *s)
+static enum err collect_voxels(struct search *s)
 {
     size_t voxels = 0;
     for (size_t i = 0; i < s->found.runs; i++) {
@@ -745,7 +744,7 @@ static void warn_of_no_other(const struct search *s)
     buf_add_text(out, "no other label has a seed: nothing holds label ");
     label_report_write_name(out, session, (unsigned)s->label);
     buf_printf(out,
-               " back, and a run gives it all of the %s\nthat its trees reach; seeds of the "
+               " back, and a run grows it over all of the %s\nthat its trees reach; seeds of the "
                "background hold it, as `seed X,Y,Z 0`, or a shell or a box around it\n",
                roi_is_none(&session->roi) ? "scene" : "region of interest");
 }
@@ -758,7 +757,7 @@ static enum err plant_object(struct search *s)
     if (!s->voxels.count)
         return fault_set(
             act->fault, ERR_INPUT,
-            "no seed of label %d lies in a voxel of this range; plant one there, or name a "
+            "no seed of label %d is in a voxel of this range; plant one there, or name a "
             "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
             s->label);
     const enum err err = act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label);
@@ -785,7 +784,7 @@ enum err act_object(const struct act *act)
     enum err err = search.may ? find_pieces(&search) : fault_memory(act->fault, "an object");
     if (!err) {
         search.is_taken = mem_new(search.found.count * sizeof *search.is_taken);
-        err = search.is_taken ? take_pieces(&search) : fault_memory(act->fault, "an object");
+        err = search.is_taken ? collect_voxels(&search) : fault_memory(act->fault, "an object");
     }
     if (!err)
         err = plant_object(&search);

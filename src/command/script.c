@@ -80,7 +80,7 @@ struct recorded {
     struct kept kept;                     /* and the names of labels to read lines with */
 };
 
-static void step(struct recorded *recorded)
+static void next_record(struct recorded *recorded)
 {
     if (walk_next_sound(&recorded->walk, &recorded->record) != WALK_RECORD)
         recorded->mode = RECORDED_ENDS;
@@ -104,7 +104,7 @@ static enum err recorded_begin(struct recorded *recorded, struct interpreter *in
     if (err)
         return err;
     recorded->mode = RECORDED_UNDECIDED;
-    step(recorded);
+    next_record(recorded);
     bool knows;
     const bool opens = script_opens_scene(input, &knows);
     if (knows && interp->session->has_scene)
@@ -165,7 +165,8 @@ static void add_quoted(struct buf *words, const char *line)
     buf_add_char(words, '`');
 }
 
-static enum err differs(const struct recorded *recorded, const char *line, struct fault *fault)
+static enum err report_difference(const struct recorded *recorded, const char *line,
+                                  struct fault *fault)
 {
     struct buf words = {0};
     buf_add_text(&words, line ? "this line is" : "the script ends");
@@ -176,7 +177,7 @@ static enum err differs(const struct recorded *recorded, const char *line, struc
     buf_add_text(&words, " is");
     add_quoted(&words, recorded->record.command);
     fault_set(fault, ERR_INPUT,
-              "%s: the journal has another run, or was gone on with; nothing was added to it "
+              "%s: the journal has another run, or was continued; nothing was added to it "
               "(`--journal FILE` of a new name begins another)",
               buf_text(&words));
     buf_release(&words);
@@ -184,7 +185,7 @@ static enum err differs(const struct recorded *recorded, const char *line, struc
 }
 
 /* Store the comments read so far with the next command. */
-static enum err give_comments(struct recorded *recorded, struct fault *fault)
+static enum err store_comments(struct recorded *recorded, struct fault *fault)
 {
     enum err err = OK;
     for (char *at = recorded->comments.data; !err && at && *at;) {
@@ -199,8 +200,8 @@ static enum err give_comments(struct recorded *recorded, struct fault *fault)
 
 /* Compare a line with the next record. The call is written as its record would be, as far as known
  * without executing it: with files relative to the journal, and a series by its number. */
-static enum err take(struct recorded *recorded, const char *line, struct call *call, bool *taken,
-                     struct reply *reply, struct fault *fault)
+static enum err compare_line(struct recorded *recorded, const char *line, struct call *call,
+                             bool *taken, struct reply *reply, struct fault *fault)
 {
     struct interpreter *interp = recorded->interp;
     const struct session *session = interp->session;
@@ -219,7 +220,7 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
             is_met || (opens && session->has_scene) ? RECORDED_FOLLOWS : RECORDED_NOTHING;
     *taken = recorded->mode == RECORDED_FOLLOWS;
     if (!*taken)
-        return recorded->mode == RECORDED_NOTHING ? give_comments(recorded, fault) : OK;
+        return recorded->mode == RECORDED_NOTHING ? store_comments(recorded, fault) : OK;
     interp->acknowledged = 0;
     if (is_met) {
         const struct record *record = &recorded->record;
@@ -235,11 +236,11 @@ static enum err take(struct recorded *recorded, const char *line, struct call *c
             buf_add_text(&reply->canonical, record->command);
         }
         interp->acknowledged = record->number;
-        step(recorded);
+        next_record(recorded);
     } else if (is_recorded)
-        return differs(recorded, line, fault);
+        return report_difference(recorded, line, fault);
     else
-        buf_add_text(&reply->text, "passed over: the journal goes on after it\n");
+        buf_add_text(&reply->text, "skipped: the journal continues after it\n");
     return reply->canonical.failed || reply->text.failed ? fault_memory(fault, "an answer") : OK;
 }
 
@@ -257,7 +258,7 @@ static enum err recorded_take(struct recorded *recorded, const char *line, bool 
         journal_count(interp->journal) > recorded->records) /* a question was recorded */
         recorded->mode = RECORDED_NOTHING;
     if (!follows && recorded->mode != RECORDED_UNDECIDED)
-        return give_comments(recorded, fault);
+        return store_comments(recorded, fault);
     reply_clear(reply);
     *taken = *line == '#' || *line == '\0' || follows;
     if (is_comment(line)) { /* stored with the next command that is executed */
@@ -269,8 +270,9 @@ static enum err recorded_take(struct recorded *recorded, const char *line, bool 
     const struct kept *kept = follows ? kept_then(recorded) : &interp->session->now.kept;
     if (command_parse_by(&call, line, interp->session, kept,
                          fault)) /* interpreter_execute reports the error */
-        return follows ? differs(recorded, line, fault) : OK;
-    const enum err err = call.command ? take(recorded, line, &call, taken, reply, fault) : OK;
+        return follows ? report_difference(recorded, line, fault) : OK;
+    const enum err err =
+        call.command ? compare_line(recorded, line, &call, taken, reply, fault) : OK;
     call_release(&call);
     return err;
 }
@@ -300,8 +302,8 @@ void script_acknowledge(const struct interpreter *interp, const struct reply *re
     buf_release(&text);
 }
 
-static void warn(const struct printer *printer, const char *name, size_t line,
-                 const struct fault *fault)
+static void print_warning(const struct printer *printer, const char *name, size_t line,
+                          const struct fault *fault)
 {
     struct buf text = {0};
     buf_add_safe_text(&text, name);
@@ -322,18 +324,18 @@ struct run {
 };
 
 /* Report the line at which the run continues; 0 for none. */
-static void say_what_is_left(const struct run *run, size_t line)
+static void report_rest(const struct run *run, size_t line)
 {
     const size_t other = run->recorded.other_comment;
     struct buf text = {0};
     buf_add_safe_text(&text, journal_path(run->interp->journal));
     if (line)
-        buf_printf(&text, " has what stands before line %zu of ", line);
+        buf_printf(&text, " has the lines before line %zu of ", line);
     else
         buf_add_text(&text, " has all of ");
     buf_add_safe_text(&text, run->name);
     buf_printf(&text, ", %zu record%s", run->recorded.records, plural(run->recorded.records));
-    buf_add_text(&text, line ? ": the run goes on there\n" : ": nothing is left to do\n");
+    buf_add_text(&text, line ? ": the run continues there\n" : ": nothing is left to do\n");
     if (other)
         buf_printf(
             &text,
@@ -348,7 +350,7 @@ static bool was_answered(const struct run *run, const char *line)
 {
     struct interpreter *interp = run->interp;
     struct call call;
-    if (run->recorded.mode != RECORDED_ENDS || !interp->keeps ||
+    if (run->recorded.mode != RECORDED_ENDS || !interp->found_existing ||
         journal_count(interp->journal) > run->recorded.records ||
         command_parse(&call, line, interp->session, NULL) != OK)
         return false;
@@ -368,14 +370,14 @@ static enum err run_line(struct run *run, const char *line, size_t number, bool 
         return err;
     if (run->recorded.mode == RECORDED_ENDS && !stays && !run->goes_on) {
         run->goes_on = true;
-        say_what_is_left(run, number);
+        report_rest(run, number);
     }
     if (interp->journal && stays)
         err = journal_comment(interp->journal, line, fault);
     if (!err)
         err = interpreter_execute(interp, line, reply, fault);
     if (err == ERR_IO && was_answered(run, line)) {
-        warn(run->printer, run->name, number, fault);
+        print_warning(run->printer, run->name, number, fault);
         err = OK;
         reply_clear(reply);
     }
@@ -417,7 +419,7 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
             if (text.length)
                 printer->print(printer->context, buf_text(&text));
             buf_release(&text);
-            warn(printer, name, number, fault);
+            print_warning(printer, name, number, fault);
             first = first ? first : err;
             ends = !keep_going || err == ERR_CANCELLED;
             *stopped = ends && !taken ? number : 0;
@@ -432,13 +434,13 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     if (!first && interp->wish != WISH_QUIT && watch_fault(interp->session->watch, fault)) {
         *stopped = number;
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
-        warn(printer, name, number, fault);
+        print_warning(printer, name, number, fault);
     } else if (!ends && run.recorded.mode == RECORDED_FOLLOWS) {
-        const enum err left = differs(&run.recorded, NULL, fault);
-        warn(printer, name, number, fault);
+        const enum err left = report_difference(&run.recorded, NULL, fault);
+        print_warning(printer, name, number, fault);
         first = first ? first : left;
     } else if (!ends && run.recorded.mode == RECORDED_ENDS && !run.goes_on) {
-        say_what_is_left(&run, 0);
+        report_rest(&run, 0);
     }
     walk_release(&run.recorded.walk);
     buf_release(&run.recorded.journal);

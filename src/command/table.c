@@ -22,36 +22,38 @@
 #define FINISH_NOTE(kind, name, takes, usual, heeds, help) help
 #define FINISH_NOTES                                       FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
 #define WEIGHT_DETAIL                                                                              \
-    "Each gradient gives an edge of height h the weight h. Lengths are in voxels, whatever the "   \
+    "An edge of height h has the weight h under each gradient. Lengths are in voxels, whatever "   \
+    "the "                                                                                         \
     "spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid with the weight of each voxel, "    \
     "whole numbers 0..65535." MAP_NOTE
 #define OPENING_NOTE                                                                               \
-    "series: which one of those that a folder of DICOM holds: its number, from 1, or a piece of "  \
-    "its description, as in series=t1_mprage; without it they are listed. The record has the "     \
+    "series: one of the series in a folder of DICOM: its number, from 1, or a part of its "        \
+    "description, as in series=t1_mprage; without it they are listed. The record has the "         \
     "number.\n"                                                                                    \
     "data: the data set of an HDF5 file.\n"                                                        \
-    "missing: blank puts a blank slice where one of a DICOM series is missing.\n"                  \
-    "skip: files of a folder that are left out, by their names in it, as in skip=IM0004,IM0007.\n" \
+    "missing: blank inserts a blank slice for a missing one of a DICOM series.\n"                  \
+    "skip: files of a folder to leave out, as in skip=IM0004,IM0007.\n"                            \
     "size, type, endian, offset: of raw:FILE, in voxels, x fastest, and bytes before them.\n"      \
-    "spacing: of voxels, X,Y,Z in mm, where the file does not say it.\n"                           \
-    "private: yes leaves out of pictures what the scene's file and the journal are called. "       \
-    "Folders are named in none.\n"                                                                 \
-    "straighten: yes shifts slices that are sheared, as of a gantry that leans, in their planes, " \
-    "until axes stand at right angles; after crop and reduce.\n"                                   \
-    "weight: that it begins with, morph unless given, as in weight=gauss:1.5 (`help weight`). A "  \
-    "new record has it in any case, and means the same when another one is the default."
-#define VOLUME_SERIES_NOTE "volume: which one of a series, as 4-D files hold, counted from 0.\n"
+    "spacing: of voxels, X,Y,Z in mm, if the file does not contain it.\n"                          \
+    "private: yes leaves the names of the scene's file and of the journal out of pictures. Names " \
+    "of folders are never in pictures.\n"                                                          \
+    "straighten: yes shifts sheared slices, as of a tilted gantry, in their planes, until axes "   \
+    "are perpendicular; after crop and reduce.\n"                                                  \
+    "weight: the initial one, morph unless given, as in weight=gauss:1.5 (`help weight`). New "    \
+    "records contain it, so that they mean the same under another default."
+#define VOLUME_SERIES_NOTE "volume: one of a series in a 4-D file, counted from 0.\n"
 #define PART_NOTE                                                                                  \
     "crop: only this box of voxels, the first and last along x, y and z, as in 0-99,40-159,0-79; " \
-    "memory is taken for that alone, and places count from its first voxel.\n"                     \
-    "reduce: so many voxels along each axis become one, their mean; with crop, those of the box. " \
-    "Maps on the grid of the whole file are taken in the same way, by the voxel in the middle.\n"  \
-    "huge: yes opens a small file that claims gigabytes, which is refused else."
+    "memory is allocated only for it, and places count from its first voxel.\n"                    \
+    "reduce: this number of voxels along each axis becomes one, their mean; with crop, those of "  \
+    "the box. "                                                                                    \
+    "Maps on the grid of the whole file are reduced too, to the voxel in the middle.\n"            \
+    "huge: yes accepts a small file whose header declares gigabytes."
 #define SYNTHETIC_NOTE                                                                             \
     "synth:geom has 200x200x100 voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in "        \
     "synth:geom:221. A SIZE in voxels, as in synth:geom:1024x1024x1024, draws the same solids in " \
-    "a scene of that size. A large scene says what memory it needs before it is loaded, and is "   \
-    "refused where that is not free."
+    "a scene of that size. A large scene reports the memory it needs before loading, and is "      \
+    "rejected if that is not free."
 
 enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
 enum { VOLUMES_MOST = 65535 };
@@ -82,7 +84,7 @@ enum { VOLUMES_MOST = 65535 };
 /* Parameters shared by all commands that plant. */
 #define BRUSH       KEYED("radius", VALUE_RADIUS, .most = 32)
 #define WITHIN      KEYED("range", VALUE_INTERVAL)
-#define WITHIN_NOTE "\nrange: only voxels whose intensity, as `why` prints it, is LOW to HIGH."
+#define WITHIN_NOTE "\nrange: only voxels with intensities LOW to HIGH, as printed by `why`."
 
 /* Parameters of shells. */
 #define HOLLOW                                                                                     \
@@ -90,9 +92,9 @@ enum { VOLUMES_MOST = 65535 };
 
 /* Parameters for finished labels. */
 #define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
-#define LEFT_NOTE     "\nfinished=yes: labels as `finish` leaves them."
-#define SHOWN_NOTE    LEFT_NOTE " Unless given, as `finished` has it."
-#define FINISHED_NOTE LEFT_NOTE " Unless given at a prompt, as `finished` has it."
+#define LEFT_NOTE     "\nfinished=yes: labels after `finish`."
+#define SHOWN_NOTE    LEFT_NOTE " Unless given, by the setting `finished`."
+#define FINISHED_NOTE LEFT_NOTE " At a prompt, unless given, by the setting `finished`."
 
 /* Parameters shared by all commands that read a map. */
 #define OF_MAP                                                                                     \
@@ -100,9 +102,9 @@ enum { VOLUMES_MOST = 65535 };
         KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                                       \
         KEYED("data", VALUE_WORD, .form = "NAME")
 #define MAP_NOTE                                                                                   \
-    "\nresample: yes takes a map that lies elsewhere, or has another size, by its nearest "        \
-    "voxels; without it, one that is off by more than half a voxel is refused.\n"                  \
-    "volume, data: which one of several, as `open` has them."
+    "\nresample: yes resamples a map with another position or size, by nearest voxels; without "   \
+    "it, a map that is off by more than half a voxel is rejected.\n"                               \
+    "volume, data: one of several in a file, as in `open`."
 
 /* Parameters of weights. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
@@ -165,20 +167,20 @@ static const struct command command_table[] = {
      "interpolate 2 2 1"},
     {COMMAND("orient", act_orient, GROUP_SCENE, R | S),
      {NEED("HOW", VALUE_WORD, .is_kept = true, .choices = "file|sform|qform")},
-     "the sides that its axes run towards",
+     "set the orientation of the axes",
      "Three letters, as in LPI, name the sides that x, y and z run towards: R or L, A or P, S or "
-     "I. They are for files that say nothing, or contradict themselves; pictures say then that the "
-     "user has told it. sform and qform choose between the two that a NIfTI may have. file takes "
-     "what the file says.\n"
-     "A wrong answer swaps left and right in every picture and report. A map that is saved says as "
-     "much of its place as the file of the scene.",
+     "I. Use them for files without orientation, or with a contradictory one; pictures then "
+     "contain a note that the user has set it. sform and qform choose between the two of a NIfTI. "
+     "file restores the orientation of the file.\n"
+     "A wrong orientation swaps left and right in every picture and report. A saved map has the "
+     "same information about its position as the file of the scene.",
      "orient RAS"},
     {COMMAND("landmark", act_landmark, GROUP_SCENE, R | S),
      {NEED("NAME", VALUE_WORD, .is_kept = true), NEED("PLACE", VALUE_POSITION, .choices = "none")},
-     "name a place that other subjects have too",
-     "As the anterior commissure, AC. Where two scenes have the same names, `iftty apply --by "
-     "landmarks` carries a procedure from one to the other. PLACE is kept as a voxel; `none` takes "
-     "the landmark away. Up to 64, and `info` lists them.",
+     "name a place that other subjects also have",
+     "For example the anterior commissure, AC. If two scenes have the same names, `iftty apply "
+     "--by landmarks` transfers a procedure from one to the other. PLACE is stored as a voxel; "
+     "`none` removes the landmark. Up to 64; `info` lists them.",
      "landmark AC 90,128,72"},
     {COMMAND("origin", act_origin, GROUP_SCENE, R | S),
      {NEED("PROCEDURE", VALUE_WORD, .is_kept = true), KEYED("digest", VALUE_WORD, .is_kept = true),
@@ -191,28 +193,27 @@ static const struct command command_table[] = {
       KEYED("depth", VALUE_DECIMAL, .most = 1000000, .form = "MM"),
       KEYED("volumes", VALUE_WORD, .is_kept = true, .form = "LABEL:MM3,.."),
       KEYED("dropped", VALUE_WORD, .is_kept = true, .form = "LABEL:N/OF,..")},
-     "which procedure this journal was made by",
+     "record the procedure that made this journal",
      "`iftty apply` records it; it changes no voxel. PROCEDURE is the last chain of the "
-     "procedure's journal, `none` for no more; `info` shows it.\n"
+     "procedure's journal, or `none`; `info` shows it.\n"
      "digest: of the procedure, as `iftty log --procedure` writes it.\n"
-     "by, as: how it was carried over, and what of it was planted.\n"
-     "pull: twelve numbers, in rows of four: x, y, z of this scene's world, in millimetres to the "
-     "right, front and head, times the first three and plus the fourth, are those of the "
-     "procedure's.\n"
+     "by, as: the kind of transfer, and the kind of seeds.\n"
+     "pull: twelve numbers, the rows of a 3x4 matrix that maps world coordinates of this scene, in "
+     "millimetres to the right, front and head, to those of the procedure's scene.\n"
      "scene, from: the digests of this scene and of the procedure's.\n"
-     "rms: what landmarks are off by in the mean, in mm.\n"
-     "gate: how far an intensity might be off, in percent of what the procedure's object has "
-     "between its percentiles 10 and 90.\n"
-     "depth: how far labels were eroded at most, in mm.\n"
-     "volumes: what each label had in the procedure, in mm3 of this scene; `hints` begins with the "
-     "label that is farthest from it.\n"
-     "dropped: seeds of each label that were not planted, of how many, since their intensities did "
-     "not fit.",
+     "rms: the mean error of landmarks, in mm.\n"
+     "gate: the allowed deviation of intensities, in percent of the range between percentiles 10 "
+     "and 90 of the procedure's object.\n"
+     "depth: the largest erosion of labels, in mm.\n"
+     "volumes: of each label in the procedure, in mm3 of this scene; `hints` begins with the label "
+     "whose volume differs most.\n"
+     "dropped: seeds of each label that were not planted because of their intensities, and the "
+     "total number.",
      "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = WEIGHT_KINDS),
       WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH), OF_MAP},
-     "arc weights: the cost of a step",
+     "set arc weights: the cost of a step",
      WEIGHT_DETAIL,
      "weight gauss 1.5"},
     {COMMAND("polarity", act_polarity, GROUP_WEIGHT, R | S | E | C),
@@ -220,41 +221,40 @@ static const struct command command_table[] = {
       NEED("PERCENT", VALUE_NUMBER, .least = -POLARITY_MOST, .most = POLARITY_MOST)},
      "prefer edges to darker or to brighter voxels",
      "Under `weight polarity`, paths from the seeds of the label pay PERCENT more for a step to a "
-     "darker voxel and PERCENT less for one to a brighter voxel. Above 0 suits an object that is "
-     "brighter than what is around it, below 0 one that is darker. All labels begin with 0.",
+     "darker voxel and PERCENT less for one to a brighter voxel. Use values above 0 for an object "
+     "brighter than its surroundings, below 0 for a darker one. All labels begin with 0.",
      "polarity 1 50"},
     {CALLED("mask", "roi", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "none"),
       KEYED("regions", VALUE_RANGE, .most = REGION_MOST), OF_MAP},
      "restrict trees to the voxels of a map",
-     "FILE is a volume on the scene's grid. No tree grows where its value is not in `regions`, 1 "
-     "and above unless given. With a `range`, both hold. Weights do not depend on "
-     "it." MAP_NOTE,
+     "FILE is a volume on the scene's grid. Trees grow only where its value is in `regions`, 1 and "
+     "above unless given. With a `range`, both apply. Weights do not depend on it." MAP_NOTE,
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
      {NEED("LOW", VALUE_REAL, .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
      "restrict trees to a range of intensities",
-     "No tree grows where the intensity, as `why` prints it, is below LOW or above HIGH: numbers "
-     "of up to 19 digits, as in 1.5e-3. They are compared with those of the file; where 16 bits do "
-     "not tell these apart, the answer says how many voxels are in doubt. With a `mask`, both "
-     "hold.",
+     "No tree grows where the intensity, as printed by `why`, is below LOW or above HIGH: numbers "
+     "of up to 19 digits, as in 1.5e-3. They are compared with those of the file; where 16 bits "
+     "cannot distinguish these, the answer has the number of voxels in doubt. With a `mask`, both "
+     "apply.",
      "range 40 1200.5"},
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD, .is_kept = true),
       MAY("COLOUR", VALUE_COLOUR), KEYED("number", VALUE_NUMBER, .least = 1, .most = REGION_MOST)},
      "name a label, and give it a colour",
-     "Label 0 is the background. A name of several words stands between quotes, as \"left hemi\".\n"
-     "number: what the label is in files, as `save labels` writes it; itself unless given.",
+     "Label 0 is the background. Quote a name of several words, as in \"left hemi\".\n"
+     "number: of the label in files written by `save labels`; the label itself unless given.",
      "label 2 cerebellum #40c060"},
     {COMMAND("label-file", act_label_file, GROUP_SEEDS, R),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .least = 1, .most = 255)},
-     "names and colours of labels out of a table",
+     "read names and colours of labels from a table",
      "A label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, or the .nii.txt "
-     "or .lut beside an atlas of mricron. The number of an entry is its label; label 0 stays as it "
-     "is. `save names` writes them.\n"
+     "or .lut next to an atlas of mricron. The number of an entry is its label; label 0 does not "
+     "change. `save names` writes them.\n"
      "regions: the entries, as the values of an atlas.\n"
-     "as: the labels that they are for, one for each of `regions`.",
+     "as: their labels, one for each of `regions`.",
      "label-file aal.nii.txt regions=1-90"},
     {CALLED("seed", "plant|paint|foreground", act_seed, GROUP_SEEDS, R | S | E | P | K | C),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
@@ -264,49 +264,48 @@ static const struct command command_table[] = {
       KEYED("within", VALUE_RADIUS, .least = 1, .most = REACH_MOST)},
      "plant a seed, a ball of seeds, or a stroke",
      "A voxel that has a seed gets the new label.\n"
-     "radius: in voxels, or in millimetres as in 2.5mm, which is a ball in the world whatever the "
+     "radius: in voxels, or in millimetres as in 2.5mm, for a ball in the world independent of the "
      "spacing." WITHIN_NOTE "\n"
-     "to: where the stroke goes on to, once for each corner, with a ball of the radius at each "
-     "step.\n"
-     "joined=yes: one marker, and one undo, with the command before, which has planted seeds of "
-     "the same label: for a stroke that is too long for a line of the journal.\n"
-     "shell=yes: of the ball, only the voxels that have a neighbour outside: says at once that the "
-     "object lies inside. What other objects than the one inside hold now is left out.\n"
-     "around: the object inside; unless given, that in the middle.\n"
-     "through: of a shell, a voxel that it goes through, instead of its radius.\n"
-     "within: of a ball, how far from PLACE its trees grow, as radius has it: a correction changes "
-     "nothing beyond. Some three times the depth of what is wrong is a good choice; a voxel that "
-     "every tree around it is kept from has label 0, and `info` counts those.",
+     "to: the next corner of the stroke, once for each, with a ball of the radius at each step.\n"
+     "joined=yes: one marker and one undo step together with the previous command, which planted "
+     "seeds of the same label: for a stroke too long for one line of the journal.\n"
+     "shell=yes: only the voxels of the ball that have a neighbour outside, to enclose an object. "
+     "Voxels of objects other than the enclosed one are left out.\n"
+     "around: the label of the enclosed object; by default that of its middle.\n"
+     "through: of a shell, a voxel on it, in place of its radius.\n"
+     "within: of a ball, the reach of its trees from PLACE, in the units of radius: a correction "
+     "changes nothing beyond. About three times the depth of the error is a good choice; a voxel "
+     "out of reach of all trees around it has label 0, and `info` counts these.",
      "seed 100,100,50 1 radius=2"},
     {COMMAND("box", act_box, GROUP_SEEDS, R | S | E | P),
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),
       NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN, HOLLOW},
      "plant a box, or a rectangle in a slice",
      "Between two corners, both included." WITHIN_NOTE "\n"
-     "shell=yes: its six faces alone, as `seed` has it.\n"
-     "around: the object inside; unless given, that in the middle.",
+     "shell=yes: only its six faces, as in `seed`.\n"
+     "around: the label of the enclosed object; by default that of its middle.",
      "box 80,90,50 120,110,50 2"},
     {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
       NEED("to", VALUE_LINE, .keyed = true)},
      "plant the inside of a polygon in a slice",
-     "The voxels that the outline from PLACE over the other corners and back winds around, with "
-     "those whose centre it goes through. All corners lie in one slice, of any plane." WITHIN_NOTE
-     "\nto: the other corners, two at least.",
+     "The voxels that the outline from PLACE over the other corners and back winds around, and the "
+     "voxels whose centre it passes through. All corners are in one slice of any plane." WITHIN_NOTE
+     "\nto: the other corners, at least two.",
      "fill 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("outline", act_outline, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
       NEED("to", VALUE_LINE, .keyed = true), KEYED("ring", VALUE_NUMBER, .most = RING_MOST),
       KEYED("instead", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N")},
-     "say what an object is in a slice",
-     "`fill`, and background in a ring around it, in the same slice: one marker, which says of "
-     "each side of the border what it is. What other objects hold now is left out of the "
-     "ring." WITHIN_NOTE " The ring is of all intensities.\n"
-     "to: the other corners, two at least. A line of the journal holds more than 3000.\n"
-     "ring: how many voxels it is wide, from centre to centre; 3 unless given, 0 for none, as a "
-     "polygon of the background has it.\n"
-     "instead: the number of a marker, as `marker=` of its record has it, that goes at the same "
-     "time, as one undo: an outline that was dragged.",
+     "outline an object in a slice, with background",
+     "`fill`, and a ring of background around it in the same slice: one marker for both sides of "
+     "the border. Voxels of other objects are left out of the ring." WITHIN_NOTE
+     " The ring is of all intensities.\n"
+     "to: the other corners, at least two. A line of the journal has room for 3000.\n"
+     "ring: its width in voxels, from centre to centre; 3 unless given, 0 for no ring, as for a "
+     "polygon of background.\n"
+     "instead: the number of a marker, `marker=` of its record, to remove in the same undo step: "
+     "an outline that was dragged.",
      "outline 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
@@ -319,10 +318,10 @@ static const struct command command_table[] = {
      "volume on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
      "that number, or all of `label`." WITHIN_NOTE "\n"
      "regions: the values, 1 and above unless given, as in 1-90,2001.\n"
-     "as: the labels that they become, one for each of `regions`, as in regions=2001,2002 as=1,2: "
-     "for atlases whose values are no labels.\n"
+     "as: their labels, one for each of `regions`, as in regions=2001,2002 as=1,2: for atlases "
+     "whose values are not labels.\n"
      "erode: rounds; each removes the voxels that have a face neighbour outside their region.\n"
-     "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
+     "each: the number of seeds drawn at random from each region after erosion; all unless given.\n"
      "generator: the number that the drawing starts from; 1 unless given." MAP_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
@@ -333,90 +332,89 @@ static const struct command command_table[] = {
       KEYED("numbers", VALUE_LIST, .least = 1, .most = REGION_MOST, .added = true),
       KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000),
       KEYED("rest", VALUE_CHOICE, .choices = "background|none")},
-     "begin with a segmentation, and correct it",
-     "FILE is a label map on the scene's grid, of whatever program, whose labels come out as they "
-     "are. Each piece of each label becomes a marker, the background's too, all of them one undo. "
-     "Seeds are the outer voxels of a piece; those inside belong to it. Seeds, strokes, boxes and "
-     "polygons of another label that are planted in a piece correct it: within three times their "
-     "radius, or `within` as they say, its seeds give way, the border is found anew, and the piece "
-     "stays as it is beyond.\n"
-     "regions: the values of the map; all unless given. What is not chosen is background.\n"
-     "as: the labels that they become, one for each of `regions`. Without it, up to 255 regions of "
-     "which some are no labels 1..255 become labels in rising order: they keep their numbers, by "
-     "which `label-file` names them and `save labels` writes them.\n"
-     "label: the label of all of them but the background.\n"
+     "start from a segmentation, and correct it",
+     "FILE is a label map on the scene's grid, of any program, whose labels are reproduced "
+     "exactly. Each piece of each label, and of the background, becomes a marker, all in one undo "
+     "step. Seeds are the outer voxels of a piece; the inner voxels belong to it. Seeds, strokes, "
+     "boxes and polygons of another label that are planted in a piece correct it: within three "
+     "times their radius, or their `within`, its seeds are removed and the border is recomputed; "
+     "beyond, the piece does not change.\n"
+     "regions: the values of the map; all unless given. Other voxels are background.\n"
+     "as: their labels, one for each of `regions`. Without it, if some of up to 255 regions are "
+     "not labels 1..255, all become labels in rising order; `label-file` and `save labels` use "
+     "their own numbers.\n"
+     "label: one label for all regions except the background.\n"
      "erode: rounds, 0 unless given; each removes the voxels that have a face neighbour of another "
-     "label, so that borders are found anew. A piece too small for it keeps its innermost voxels.\n"
-     "copy: the journal has its own copy of the labels, beside it, and adds the digest here: it "
-     "needs FILE no more.\n"
-     "numbers: added likewise: the regions that became labels in rising order.\n"
-     "least: pieces of fewer voxels are left out, and go to the trees around them.\n"
-     "rest: none plants nothing in what is not chosen, which goes to the trees around "
-     "it." MAP_NOTE,
+     "label, so that borders are recomputed. A piece too small for it keeps its innermost voxels.\n"
+     "copy: the digest of the journal's own copy of the labels, which makes FILE unnecessary; "
+     "added to the record.\n"
+     "numbers: the regions that became labels in rising order; added to the record.\n"
+     "least: pieces of fewer voxels are left out, and the surrounding trees grow into them.\n"
+     "rest: none plants nothing in other voxels, into which the surrounding trees grow." MAP_NOTE,
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
       NEED("RANGE", VALUE_INTERVAL), KEYED("from", VALUE_POSITION)},
-     "plant what is connected, within a range",
-     "One marker of all voxels whose intensity, as `why` prints it, is in the range, and that hang "
-     "together by faces with a seed of the label which lies in it. Voxels with seeds of other "
-     "labels are left out, and let nothing through: a stroke of the background cuts off what "
-     "leaks. Each object may have a range of its own. Its trees grow on beyond the range, until "
-     "they meet those of other labels.\n"
+     "plant the connected voxels within a range",
+     "One marker of all voxels whose intensity, as printed by `why`, is in the range, and that are "
+     "connected by faces to a seed of the label inside the range. Voxels with seeds of other "
+     "labels are left out and block connections: a stroke of background cuts off a leak. Each "
+     "object may have its own range. Its trees grow beyond the range, until they meet trees of "
+     "other labels.\n"
      "from: begin with this voxel instead of the label's seeds.",
      "object 2 threshold 226..3071"},
     {CALLED("remove", "delete|erase|eliminate|rm", act_remove, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
-     "eliminator: remove the marker of this voxel",
-     "A marker is all that one command has planted: a ball, a stroke, a region of a file. Its "
-     "seeds are removed, and its voxels go to the trees around it; where it lay over an older "
-     "marker, the seeds of that one are there again. Trees are those of the last run.\n"
-     "of=tree: the seed of the single tree that holds the voxel is removed, and no older one comes "
-     "back.\n"
+     "remove the marker of this voxel",
+     "A marker consists of the seeds planted by one command: a ball, a stroke, a region of a file. "
+     "Its seeds are removed, and the surrounding trees grow into its voxels; the seeds of an older "
+     "marker below it are restored. Trees are those of the last run.\n"
+     "of=tree: the seed of the single tree that contains the voxel is removed, and no older one is "
+     "restored.\n"
      "With a radius: all markers, or trees, that have a voxel in the ball.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E | P),
      {KEYED("for", VALUE_COMMAND, .form = "QUESTION")},
      "apply the waiting edits as one",
-     "Edits wait while `auto` is off, as it is in scripts. All that shows, writes or answers from "
-     "labels applies them first: `render`, `spin`, `slice`, `mosaic`, `golden`, `save`, `stats`, "
-     "`compare`, `hints`, `why` and `profile`. `pick`, `hint` and `zoom fit` go by what was last "
-     "shown, and say which edits are not in it.\n"
-     "for: the question that applied them; the journal has it so, since a question has no record.",
+     "Edits wait while `auto` is off, the default in scripts. Commands that show, write or answer "
+     "from labels apply them first: `render`, `spin`, `slice`, `mosaic`, `golden`, `save`, "
+     "`stats`, `compare`, `hints`, `why` and `profile`. `pick`, `hint` and `zoom fit` use the last "
+     "picture, and report the edits that are not in it.\n"
+     "for: the question that applied them; added by the journal, since a question has no record.",
      "run"},
     {COMMAND("undo", act_undo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
      "take back the last change of the segmentation",
-     "Seeds and eliminators, runs, weights, regions of interest, labels, `hide`, `show`, cuts and "
-     "the finish; the view stays. The last COUNT of them, 1 unless given, as far back as `open`, "
-     "in earlier sessions too. Exact, and recorded itself. `redo` is the way back, `history` lists "
-     "the commands.\n"
-     "A command that takes more than 500 voxels from a label, and by each seed more than a "
-     "hundredth of what the label had that gets them, says so, with the edge that they came "
-     "through; unless a seed took no more than those before, of voxels as bright.",
+     "It applies to seeds and their removal, runs, weights, regions of interest, labels, `hide`, "
+     "`show`, cuts and the finish; the view does not change. The last COUNT of them, 1 unless "
+     "given, back to `open`, also in earlier sessions. It is exact, and recorded. `redo` reverts "
+     "it, `history` lists the commands.\n"
+     "A command warns if it moves more than 500 voxels away from a label, and by each seed more "
+     "than 1 % of the voxels of the label that gains them, and prints the edge that they came "
+     "through; unless earlier seeds gained as many voxels of the same brightness.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
      "do again the change that was undone last",
-     "What was undone before another command followed is not lost: `goto` leads there.",
+     "A change that was undone before another command is not lost: `goto` returns to it.",
      "redo"},
     {COMMAND("goto", act_goto, GROUP_SEEDS, R | S | E),
      {NEED("PLACE", VALUE_POINT)},
      "go to the segmentation of a record or a branch",
-     "The number of a record, which `history` and `iftty log` print, or the name of a branch: its "
-     "last record. The first branch is main.",
+     "PLACE is the number of a record, which `history` and `iftty log` print, or the name of a "
+     "branch for its last record. The first branch is main.",
      "goto main"},
     {COMMAND("branch", act_branch, GROUP_SEEDS, R | S),
      {NEED("NAME", VALUE_WORD, .is_kept = true)},
      "begin an alternative here, under a name",
-     "Later commands belong to it; `goto` leads to the other branches.",
+     "Later commands belong to it; `goto` changes to another branch.",
      "branch with-brainstem"},
     {COMMAND("view", act_view, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .choices = VIEW_NAMES, .least = -TURNS, .most = TURNS),
       MAY("PITCH", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
       MAY("ROLL", VALUE_DECIMAL, .least = -TURNS, .most = TURNS)},
-     "look from a side, or from angles in degrees",
-     "0 0 0 is the front: the patient faces you, his left on your right. Yaw takes you around him "
+     "set the view: a side, or angles in degrees",
+     "0 0 0 is the front: the patient faces you, his left on your right. Yaw moves you around him "
      "towards his left side, pitch above him; roll turns the picture counter-clockwise. front, "
      "back, left and right have his head up; top and bottom his face. As radiologists have it, his "
      "left is on your right from the front, as in coronal slices, and from the bottom, as in axial "
@@ -435,28 +433,27 @@ static const struct command command_table[] = {
      {NEED("FACTOR", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
            .most = VIEW_ZOOM_MOST),
       KEYED("at", VALUE_POSITION)},
-     "pixels per voxel, or fit",
+     "set pixels per voxel, or fit",
      "A voxel of the smallest spacing; with larger spacing, more pixels.\n"
-     "fit: what is shown fills the picture at the present angles, with its middle in the centre; "
-     "the scene does where nothing is shown. The journal has the zoom and the place that it comes "
-     "to.\n"
-     "at: this voxel comes to the centre.",
+     "fit: the shown objects fill the picture at the current angles, with their middle in the "
+     "centre; without objects, the scene does. The record contains the resulting zoom and place.\n"
+     "at: the voxel in the centre.",
      "zoom 1.5"},
     {COMMAND("pan", act_pan, GROUP_VIEW, R | S),
      {NEED("RIGHT", VALUE_DECIMAL, .least = -PANS, .most = PANS),
       NEED("DOWN", VALUE_DECIMAL, .least = -PANS, .most = PANS)},
      "move the picture, in pixels",
-     "Fractions of a pixel count too. The place that comes to the centre stays there under `view`, "
-     "`turn`, `zoom FACTOR` and `size`; `focus scene` undoes it.",
+     "Fractions of a pixel are allowed. `view`, `turn`, `zoom FACTOR` and `size` keep the new "
+     "centre; `focus scene` resets it.",
      "pan 40 -12.5"},
     {COMMAND("focus", act_focus, GROUP_VIEW, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "scene")},
-     "the place in the centre of the picture",
-     "A voxel, or the centre of the scene. Views turn around it.",
+     "set the place in the centre of the picture",
+     "A voxel, or the centre of the scene. Views rotate around it.",
      "focus 100,100,50"},
     {COMMAND("hide", act_hide, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255)},
-     "do not show an object",
+     "hide an object",
 
      "In pictures and in `save border`; the labels themselves do not change.\n"
      "all: labels to come are hidden too, until `show` names them.",
@@ -469,11 +466,11 @@ static const struct command command_table[] = {
     {COMMAND("opacity", act_opacity, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255),
       NEED("PERCENT", VALUE_NUMBER, .most = 100)},
-     "how opaque an object is in the rendition",
-     "100, the default, shows its surface alone. With less, what is inside and behind it shines "
-     "through: at most 8 surfaces before the first opaque one. `pick`, and the label, voxel and "
-     "depth of a pixel, are of the surface that has the largest share in its colour. 0 leaves the "
-     "object out of renditions; slices still show it.",
+     "set the opacity of an object in renditions",
+     "100, the default, shows only its surface. With less, surfaces inside and behind it shine "
+     "through: at most 8 before the first opaque one. `pick`, and the label, voxel and depth of a "
+     "pixel, are of the surface that has the largest share in its colour. 0 leaves the object out "
+     "of renditions; slices still show it.",
      "opacity 1 30"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
@@ -487,17 +484,19 @@ static const struct command command_table[] = {
      {NEED("PLACE", VALUE_POSITION, .choices = "none"),
       KEYED("normal", VALUE_WORD, .is_kept = true, .choices = VIEW_NAMES, .form = "A,B,C"),
       KEYED("offset", VALUE_DECIMAL, .least = -PLANE_OFFSET_MOST, .most = PLANE_OFFSET_MOST)},
-     "cut away all that is in front of a voxel",
-     "A plane at right angles to the present view, through the voxel, which stays. The plane stays "
+     "cut away everything in front of a voxel",
+     "A plane at right angles to the present view, through the voxel, which stays. The plane moves "
      "with the patient when the view turns. Up to 8; `none` removes them.\n"
-     "normal: the way to what is cut away, whatever the view: a side of the patient, or steps to "
-     "the right, the front and the head (as A,B,C of the world, of any length): normal=left and "
-     "normal=-1,0,0 cut away what is left of the voxel. Axes that are oblique count as they are.\n"
-     "offset: so many millimetres that way, from the voxel: offset=-5 cuts 5 mm deeper.",
+     "normal: the direction of the part that is cut away, independent of the view: a side of the "
+     "patient, or steps to the right, the front and the head (as A,B,C of the world, of any "
+     "length): normal=left and normal=-1,0,0 cut away everything left of the voxel. Oblique axes "
+     "are respected.\n"
+     "offset: the distance from the voxel in that direction, in millimetres: offset=-5 cuts 5 mm "
+     "deeper.",
      "plane 100,100,50 normal=1,1,0.5"},
     {COMMAND("cut", act_cut, GROUP_CUTS, R | S),
      {NEED("CORNER", VALUE_POSITION, .choices = "none"), PAIRED("OPPOSITE", VALUE_POSITION)},
-     "cut a box out of what is shown",
+     "cut a box out of the shown objects",
      "Between two corners, both included. Up to 8 boxes; `none` removes them.",
      "cut 100,100,50 199,199,99"},
     {CALLED("render", "draw|picture|screenshot|snapshot", act_render, GROUP_RENDITION,
@@ -507,11 +506,12 @@ static const struct command command_table[] = {
       KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
      "make the rendition, in FILE or inline",
      ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png and "
-     "whatever else OpenImageIO writes hold the colours. At the prompt a file is written in the "
-     "background; a line says when it is there. `iftty info FILE` prints what a picture shows.\n"
-     "All modes give the same pixels: sp draws the surface in the order of the scene, bp from the "
-     "nearest on without what is hidden, ray what lies along each pixel's ray, ii those pixels of "
-     "the last rendition that are out of date." SHOWN_NOTE,
+     "other formats of OpenImageIO hold the colours. At the prompt a file is written in the "
+     "background; a line reports when it is finished. `iftty info FILE` prints the notes of a "
+     "picture.\n"
+     "All modes draw the same pixels: sp draws the surface in the order of the scene, bp from the "
+     "nearest voxel on without hidden ones, ray along the ray of each pixel, ii only the outdated "
+     "pixels of the last rendition." SHOWN_NOTE,
      "render brain.png"},
     {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E | A),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
@@ -519,30 +519,30 @@ static const struct command command_table[] = {
       KEYED("fit", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
-     "a turntable: N pictures of one full turn",
-     "The first picture is the present view, which does not change. %03d in FILE stands for the "
-     "number of the picture, here with three digits, from 000. Without it, a .gif is animated, in "
-     "256 colours, with `delay` milliseconds for each picture, 100 unless given; a .tif has one "
+     "write a turntable: N pictures of one full turn",
+     "The first picture is the present view, which does not change. %03d in FILE is replaced by "
+     "the number of the picture, here with three digits, from 000. Without it, a .gif is animated, "
+     "in 256 colours, with `delay` milliseconds for each picture, 100 unless given; a .tif has one "
      "page for each picture.\n"
      "axis: yaw unless given: around the patient; pitch goes over his head, roll turns the "
      "picture, all as `view` counts them. With several, N pictures of a turn about each, in their "
-     "order; each turn begins with the present view, and numbers go on.\n"
-     "fit=yes: what is shown fills the pictures, as large as it fits all of them." SHOWN_NOTE,
+     "order; each turn begins with the current view, and numbers continue.\n"
+     "fit=yes: the shown objects are as large as fits in all pictures." SHOWN_NOTE,
      "spin 36 turn%03d.png fit=yes"},
     {COMMAND("cross", act_cross, GROUP_SLICES, R | S | K),
      {NEED("PLACE", VALUE_POSITION)},
-     "the cross-hair: the voxel where the slices meet",
+     "move the cross-hair, where the slices meet",
      "After `open`, the centre of the scene.",
      "cross 90,108,90"},
     {COMES_TO("cross", "hint", act_hint, GROUP_SLICES, R | S),
      {NEED("N", VALUE_NUMBER, .least = 1, .most = HINTS_MOST)},
-     "the cross-hair goes to a place that `hints` lists",
-     "By its number there. The journal has the `cross` that it comes to.",
+     "move the cross-hair to a place of `hints`",
+     "By its number in that list. The record contains the resulting `cross`.",
      "hint 1"},
     {CALLED("window", "contrast|brightness|level", act_window, GROUP_SLICES, R | S),
      {NEED("LOW", VALUE_REAL, .choices = "auto"), PAIRED("HIGH", VALUE_REAL)},
-     "which intensities are black and white in slices",
-     "Intensities, as `why` prints them: a window of width W at level L is from L - W/2 to L + "
+     "set the intensities of black and white in slices",
+     "Intensities, as printed by `why`: a window of width W at level L is from L - W/2 to L + "
      "W/2.\n"
      "auto, the default: all but the darkest 1 % and the brightest 0.5 % of the scene.",
      "window 20 90.5"},
@@ -550,10 +550,10 @@ static const struct command command_table[] = {
      {NEED("TIMES", VALUE_DECIMAL, .choices = "fit", .least = SLICE_TIMES_ONE,
            .most = SLICE_TIMES_MOST),
       KEYED("at", VALUE_POSITION)},
-     "how large slices are in their pictures",
-     "So many times as large as where they fit, around the cross-hair; fit shows them whole. "
-     "Slices and mosaics alike, until the next `magnify` or `slice zoom=`.\n"
-     "at: this voxel stays in the middle, as long as the cross-hair is seen.\n"
+     "set the magnification of slices",
+     "TIMES as large as the fitting size, around the cross-hair; fit shows whole slices. For "
+     "slices and mosaics, until the next `magnify` or `slice zoom=`.\n"
+     "at: this voxel stays in the middle, as long as the cross-hair is visible.\n"
      "A voxel of four pixels or more is a square; smaller ones are smoothed.",
      "magnify 2.5 at=90,108,90"},
     {COMMAND("slice", act_slice, GROUP_SLICES, R | S | A),
@@ -562,18 +562,18 @@ static const struct command command_table[] = {
       KEYED("zoom", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
             .most = VIEW_ZOOM_MOST),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
-     "a slice through the cross-hair, in FILE or inline",
+     "draw a slice at the cross-hair, in FILE or inline",
      "As radiologists look at it, at the size of the view. N moves the cross-hair to that slice: "
-     "the index of its voxels along its axis, from 0, as in X,Y,Z (ITK-SNAP prints one more). "
-     "Where nobody knows the patient's sides, slices are called by that axis: z for axial, y for "
-     "coronal, x for sagittal.\n"
+     "the index of its voxels along its axis, from 0, as in X,Y,Z (ITK-SNAP prints one more). If "
+     "the orientation is unknown, slices are called by that axis: z for axial, y for coronal, x "
+     "for sagittal.\n"
      "A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n"
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
      "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." SHOWN_NOTE,
      "slice axial 90 axial.png"},
     {CALLED("mosaic", "planes|slices", act_mosaic, GROUP_SLICES, R | S | A),
      {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
-     "three slices and the rendition in one picture",
+     "draw three slices and the rendition",
      "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
      "view at half its size." SHOWN_NOTE,
      "mosaic brain.png"},
@@ -582,7 +582,7 @@ static const struct command command_table[] = {
       FINISHED},
      "store a picture as a golden image",
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
-     "pixel for pixel. It is stored in a folder beside the journal." SHOWN_NOTE,
+     "pixel for pixel. It is stored in a folder next to the journal." SHOWN_NOTE,
      "golden front-1"},
     {CALLED("finish", "smooth|relax|clean", act_finish, GROUP_KEPT, R | S | C),
      {MAY("STEP", VALUE_CHOICE, .choices = FINISH_KINDS "|none"),
@@ -591,13 +591,13 @@ static const struct command command_table[] = {
       KEYED("sweeps", VALUE_NUMBER, .least = 1, .most = FINISH_SWEEPS_MOST),
       KEYED("reach", VALUE_NUMBER, .least = 1, .most = FINISH_BAND_MOST),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
-     "smooth and clean the labels that are handed on",
-     "Adds a step to the list, which `finished=yes` carries out in its order; without STEP, prints "
-     "the list. The segmentation itself does not change, and more seeds can be planted at any "
-     "time. `save` and `stats` with finished=yes name the labels that the finish "
+     "smooth and clean labels in files and pictures",
+     "Adds a step to the list, which `finished=yes` applies in order; without STEP, prints the "
+     "list. The segmentation itself does not change, and seeds can be planted at any time. `save` "
+     "and `stats` with finished=yes name the labels that the finish "
      "deletes, reduces to less than half or breaks into more pieces.\n" FINISH_NOTES
      "none: removes all steps.\n"
-     "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which heed the spacing.\n"
+     "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which respect the spacing.\n"
      "sweeps: of `relax`, 60 unless given.\n"
      "reach: of `relax`, voxels from a border within which labels move, 2 unless given. Up to 16 "
      "corrects coarser errors, and can smooth away an object of low contrast.\n"
@@ -614,119 +614,117 @@ static const struct command command_table[] = {
      "A map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as .seg.nrrd are "
      "a segmentation of 3D Slicer, with the names and colours of labels.\n"
      "labels: uint8, or uint16 where labels have numbers of their own above 255 (`labels`). A "
-     "voxel that no seed reaches is 0; how many there are is said.\n"
+     "voxel that no seed reaches is 0; the answer has their number.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
      "root: uint32, the voxel index of the seed; 4294967295 where none reaches.\n"
      "border: uint8, 1 in border voxels of shown objects.\n"
      "distance: uint16, the plateau distance: steps along the path since its cost last rose; 65535 "
      "where no seed reaches.\n"
      "margin: uint16, how much more the best path from a seed of another label would cost: 0 where "
-     "another label reaches the voxel as cheaply, 65535 where none does. It takes as long as a "
-     "run.\n"
+     "another label reaches the voxel as cheaply, 65535 where none does. Computing it needs the "
+     "time of a run.\n"
      "seeds: all that are planted as FILE.csv, which `seed-file` reads.\n"
-     "names: of labels, with their colours, as `label-file` reads them: .txt or .label for "
+     "names: of labels, with their colours, in a format of `label-file`: .txt or .label for "
      "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron.\n"
-     "surface: what encloses each label, as .stl, .ply, .obj or .vtp, in millimetres of the world: "
-     "point by point the surface that pictures show. It is closed, and holds as much as the "
-     "voxels. A .stl knows no labels: it has all of them as one.\n"
+     "surface: of each label, as .stl, .ply, .obj or .vtp, in millimetres of the world: the same "
+     "surface as in pictures. It is closed, and has the volume of the voxels. A .stl has no "
+     "labels: it contains all of them as one.\n"
      "label: the surface of that one alone.\n"
      "smooth=0: the faces of voxels, as `shade cubes` shows them; with any other number nothing "
      "changes.\n"
-     "triangles: no more than so many, as far as surfaces stay closed. Those of labels that touch "
-     "then no longer have the same points.\n"
-     "empty=yes: labels are written though no voxel has one, which is refused else." FINISHED_NOTE,
+     "triangles: their largest number, as far as surfaces stay closed. Surfaces of touching labels "
+     "then have different points.\n"
+     "empty=yes: write labels even if no voxel has one." FINISHED_NOTE,
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},
-     "which file the journal is, or continue in another",
+     "print the journal's file, or continue in another",
      "The whole journal so far is written to FILE first, with its golden images and copies of "
-     "labels beside it, so that it replays alone; later commands are recorded there. The former "
-     "file stays as it was when it was last intact. For a disk that is full or failing, a journal "
-     "that was deleted or replaced, or one opened with --read-only. Not recorded.",
+     "labels next to it, so that it replays alone; later commands are recorded there. The former "
+     "file is left in its last intact state. For a disk that is full or failing, a journal that "
+     "was deleted or replaced, or one opened with --read-only. Not recorded.",
      "journal"},
     {COMMAND("sync", act_sync, GROUP_KEPT, 0),
      {MAY("WHEN", VALUE_CHOICE, .choices = FILE_SYNC_WORDS)},
-     "when records are synced; without WHEN, now",
+     "set when records are synced; sync them now",
      "always, the default: each record before its command is acknowledged.\n"
-     "everysec: at most a second later; a loss of power may take the commands of that second.\n"
-     "off: whenever the system does, with `sync`, and at the end; a loss of power may take all "
-     "commands since then, and leave damage after what was synced, which `iftty log --repair` cuts "
-     "off.\n"
+     "everysec: at most a second later; a loss of power may lose the commands of that second.\n"
+     "off: whenever the system does, with `sync`, and at the end; a loss of power may lose all "
+     "commands since then, and leave a damaged end, which `iftty log --repair` cuts off.\n"
      "A program that is killed loses nothing under any of them. Not recorded.",
      "sync always"},
     {COMMAND("history", act_history, GROUP_QUESTIONS, S),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
-     "the commands that can be undone, and the branches",
+     "list commands that can be undone, and branches",
      "The last COUNT, 20 unless given, with the numbers of their records. * marks the present one.",
      "history"},
     {COMMAND("pick", act_pick, GROUP_QUESTIONS, S),
      {NEED("COLUMN", VALUE_NUMBER, .most = VIEW_SIDE_MOST),
       NEED("ROW", VALUE_NUMBER, .most = VIEW_SIDE_MOST),
       KEYED("of", VALUE_CHOICE, .choices = "rendition|" SLICE_KINDS)},
-     "the voxel under a pixel of a picture",
-     "Of the rendition as `render` made it, or of a slice or mosaic as it would be shown now. "
-     "Columns from the left, rows from the top, both from 0.\n"
-     "Prints where the voxel is, in voxels and millimetres, its intensity, its label and seed, and "
-     "the distance to the border of its object: to the nearest voxel of its label with a face on "
-     "another label or on the edge of the scene, whatever is shown. It searches up to 100 mm and "
-     "up to 100 voxels.",
+     "print the voxel under a pixel of a picture",
+     "Of the last rendition, or of a slice or mosaic as it would be shown now. Columns from the "
+     "left, rows from the top, both from 0.\n"
+     "Prints the position of the voxel, in voxels and millimetres, its intensity, its label and "
+     "seed, and the distance to the border of its object: to the nearest voxel of its label with a "
+     "face on another label or on the edge of the scene, whatever is shown. It searches up to 100 "
+     "mm and up to 100 voxels.",
      "pick 256 256"},
     {CALLED("measure", "distance|ruler|length", act_measure, GROUP_QUESTIONS, S),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), MAY("THIRD", VALUE_POSITION)},
-     "the distance of two voxels, or the angle of three",
+     "measure a distance, or an angle, between voxels",
      "Between their centres, in millimetres and in voxels. With a THIRD, also the angle at OTHER.",
      "measure 10,20,30 40,20,30"},
     {COMMAND("profile", act_profile, GROUP_QUESTIONS, S | A),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION),
       KEYED("values", VALUE_CHOICE, .choices = "yes|no")},
-     "the intensities along a straight way",
-     "Of the voxels that a stroke of radius 0 would plant, as a chart, with their labels below it: "
-     "a digit, + for a label above 9, and . where no seed reaches. Where a column stands for "
-     "several voxels, it has their mean.\n"
+     "plot the intensities along a straight line",
+     "A chart of the voxels of a stroke of radius 0, with their labels below it: a digit, + for a "
+     "label above 9, and . where no seed reaches. A column of several voxels shows their mean.\n"
      "values=yes: each voxel in a line: its distance, its place, its intensity and its label.",
      "profile 10,20,30 40,20,30"},
     {COMMAND("why", act_why, GROUP_QUESTIONS, S | A),
      {NEED("PLACE", VALUE_POSITION)},
-     "how a voxel came to its label",
+     "explain the label of a voxel",
      "The seed that the path comes from, its cost, and where along it the cost rose, the strongest "
-     "edge first: a leak comes through there, and a seed or a shell there stops it. And the label "
-     "that would come next, with what its path would cost.",
+     "edge first: a leak comes through there, and a seed or a shell there stops it. And the second "
+     "label, with the cost of its path.",
      "why 100,100,50"},
     {COMMAND("hints", act_hints, GROUP_QUESTIONS, S | A),
      {MAY("COUNT", VALUE_NUMBER, .choices = "slice", .least = 1, .most = HINTS_MOST),
       KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
-     "where the border between labels is least certain",
-     "The first COUNT places, 10 unless given, the least certain first: how large each is, what "
-     "its least certain voxel has cost, the label beside it with what that would have cost there, "
-     "the edge between the two, and the strongest edge on the path to the voxel.\n"
-     "A voxel of the border is certain by what the other label would have to pay more, and by how "
-     "far the edge stands above what its own label had paid three steps before. The tenth of the "
-     "border that is least certain is weak; what hangs together of that in a block of 16 voxels a "
-     "side is a place, and the places with most such voxels, and the weakest, come first. It takes "
-     "about as long as a run, and no time where nothing has changed since.\n"
-     "slice: instead of places, the five slices of all three planes whose doubt is greatest: of "
-     "each voxel 4u(1 - u), where u is what `finish relax` makes of the label there, 1 inside and "
-     "0 outside. To `outline` what comes first is the shortest way to an object. Slices of an "
-     "outline, and those beside it, are left out.\n"
-     "In what `iftty apply` has made, places of the label whose volume is farthest from the "
-     "procedure's come before others.\n"
+     "list the least certain places of borders",
+     "The first COUNT places, 10 unless given, the least certain first: the size of each, the cost "
+     "of its least certain voxel, the neighbouring label with its cost there, the edge between the "
+     "two, and the strongest edge on the path to the voxel.\n"
+     "The certainty of a border voxel is the additional cost of the other label, plus the height "
+     "of the edge above the cost of its own path three steps before. The least certain tenth of "
+     "the border is weak; a connected weak part in a block of 16 voxels a side is a place, and "
+     "places with the most and the weakest voxels come first. The search needs about the time of a "
+     "run, and none if nothing has changed since.\n"
+     "slice: instead of places, the five slices of all three planes with the largest doubt: the "
+     "sum of 4u(1 - u) over their voxels, where u is the label after `finish relax`, 1 inside and "
+     "0 outside. To `outline` the first one is the shortest way to an object. Slices with an "
+     "outline, and their neighbours, are left out.\n"
+     "In a journal of `iftty apply`, places of the label whose volume differs most from the "
+     "procedure's come first.\n"
      "label: places at the border of that label alone, or slices with doubt of it.\n"
      "report: all of them as FILE.json.",
      "hints 5"},
     {CALLED("info", "status|header|histogram", act_info, GROUP_QUESTIONS, 0),
      {{0}},
-     "the scene, the view, the journal, the memory",
+     "describe scene, view, journal and memory",
      NULL,
      "info"},
     {CALLED("stats", "statistics|volume|volumes|components|count", act_stats, GROUP_QUESTIONS,
             S | A),
      {KEYED("report", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
-     "voxels, volume, surface and intensities of labels",
+     "measure size, surface and intensities of labels",
      "Of each label: seeds, voxels and volume; components, which hang together by faces, and "
      "holes, which it encloses; the surface, as it would be without the steps of voxels, to 2 % "
      "unless the object is small or thin; the centre and the box around it; and the intensities of "
-     "its voxels, as `why` prints them; and what the last edit gave the label and took. The "
+     "its voxels, as printed by `why`; and the voxels gained and lost by the last edit. The "
      "deviation is that of a sample.\n"
      "A label that has a name, or that the finish deletes, is listed with 0 voxels.\n"
      "report: the same as FILE.json or FILE.csv." FINISHED_NOTE,
@@ -737,7 +735,7 @@ static const struct command command_table[] = {
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
       KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, OF_MAP},
-     "how far the labels agree with a label map",
+     "compare the labels with a label map",
      "A is the labels here, B the map, on the scene's grid. For each label, and all together:\n"
      "Dice: twice the voxels of both, by those of A and those of B; 1 where they are the same.\n"
      "Jaccard: the voxels of both, by those of either.\n"
@@ -748,14 +746,14 @@ static const struct command command_table[] = {
      "Overlaps and Hausdorff are those of ITK's filters, as are the directed means in a report.\n"
      "regions: the values of the map that count, 1 and above unless given. They, and labels with a "
      "name, have a row though neither map has them.\n"
-     "as: the labels that they are, one for each of `regions`.\n"
+     "as: their labels, one for each of `regions`.\n"
      "label: compares this label alone; all `regions` are taken for it.\n"
      "report: FILE.json or FILE.csv.\n"
      "picture: slices through the voxel `at`, or where both are farthest apart, with lines around "
      "what differs: white for A and B, orange for A alone, blue for B alone, purple for another "
      "label.\n"
      "surface: a picture of A's surface, all objects as one, from where one looks now: red where "
-     "it lies outside B, blue where inside, by the distance to B's." FINISHED_NOTE MAP_NOTE,
+     "it is outside B, blue where inside, by the distance to B's." FINISHED_NOTE MAP_NOTE,
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},
@@ -766,7 +764,7 @@ static const struct command command_table[] = {
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
      {MAY("COMMAND", VALUE_COMMAND, .choices = "keys")},
-     "this list, all about one command, or the keys",
+     "print this list, help of a command, or the keys",
      "keys: those of the prompt.",
      "help seed"},
     {CALLED("quit", "exit|bye|q|logout", act_quit, GROUP_QUESTIONS, 0),

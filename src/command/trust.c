@@ -156,8 +156,8 @@ static enum err refuse_limit(enum state state, const char *end, struct fault *fa
         const char *does, *unit, *option;
         double most;
     } limit[] = {
-        [TOO_LONG] = {"takes longer", "s", "time", (double)now.limits.time_ms / 1e3},
-        [TOO_MUCH_MEMORY] = {"takes more", "MB", "memory", (double)now.limits.memory_bytes / 1e6},
+        [TOO_LONG] = {"runs longer", "s", "time", (double)now.limits.time_ms / 1e3},
+        [TOO_MUCH_MEMORY] = {"uses more", "MB", "memory", (double)now.limits.memory_bytes / 1e6},
         [TOO_MUCH_OUTPUT] = {"writes more", "MB", "output", (double)now.limits.output_bytes / 1e6},
     };
     return fault_set(fault, ERR_LIMIT, "the journal %s than the %g %s of --limit-%s; %s",
@@ -234,8 +234,8 @@ static enum beneath look_everywhere(struct buf *path, const char *home, const ch
 }
 
 /* OK for a file that may be read, or a folder if allowed; else the error. */
-static enum err refuse(enum beneath answer, const char *name, const struct trust_sought *sought,
-                       struct fault *fault)
+static enum err check_answer(enum beneath answer, const char *name,
+                             const struct trust_sought *sought, struct fault *fault)
 {
     const char *hint = sought->is_scene ? "; expected --scene FILE" : "";
     const char *where = sought->is_scene ? "" : " ($IFTTY_SCENES names their folders)";
@@ -257,7 +257,7 @@ static enum err refuse(enum beneath answer, const char *name, const struct trust
         break;
     }
     return fault_set(fault, ERR_IO,
-                     "there is no %s %s beside the journal or among the scenes%s%s; nothing %s",
+                     "there is no %s %s next to the journal or among the scenes%s%s; nothing %s",
                      sought->kind, name, where, hint, sought->undone);
 }
 
@@ -289,7 +289,7 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
         last = answer == BENEATH_FINE || sought->by_proof ? name : buf_text(&other) + length;
     }
     const enum err err = path->failed || other.failed ? fault_memory(fault, "a path")
-                                                      : refuse(answer, last, sought, fault);
+                                                      : check_answer(answer, last, sought, fault);
     buf_release(&other);
     return err;
 }

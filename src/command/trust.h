@@ -13,7 +13,7 @@
  *          (helper/volume_parts.hh), on every kernel. A library reads files only if the kernel has
  *          Landlock, or with --unconfined. The journal itself may be a link to a journal anywhere;
  *          a link to anything else is treated as missing.
- *              A regular file anywhere else, by its path or behind a link, is read as a scene for a
+ *              A regular file elsewhere, by its path or behind a link, is read as a scene for a
  *          record with the SHA-256 of its voxels (`sha256=`), which can only be written by an owner
  *          of the voxels. The content decides, not the name: the file is read silently, and if it
  *          is not that scene (a folder, a device, a file replaced meanwhile), the result is the
@@ -34,8 +34,8 @@
  *
  * The user's own journal, with which a session continues, is not restricted.
  */
-#ifndef SANDBOX_TRUST_H
-#define SANDBOX_TRUST_H
+#ifndef COMMAND_TRUST_H
+#define COMMAND_TRUST_H
 
 #include <stdbool.h>
 #include <stddef.h>

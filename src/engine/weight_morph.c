@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The morphological gradient: dilation minus erosion over the voxel and its neighbours (6 or 26),
- * where what lies outside the scene is ignored. Of radius R: over what R steps reach inside the
+ * where what is outside the scene is ignored. Of radius R: over what R steps reach inside the
  * scene, which is what R rounds of dilation and erosion give.
  *
  * Intensities lie 16 bytes apart in the cells, where no vector instruction can take several. So

@@ -50,7 +50,7 @@ enum err begin_by_options(struct interpreter *interp, const struct options *o, s
     else if (!err && o->journal && o->read_only)
         err = fault_set(fault, ERR_IO, "--read-only: there is no journal %s", journal);
     else if (!err && o->journal && !(err = interpreter_create_journal(interp, journal, fault)))
-        interpreter_tell_lock(interp, &lines);
+        interpreter_write_lock(interp, &lines);
     console_erase_progress();
     if (lines.length)
         fprintf(stderr, "iftty: %s", buf_text(&lines));

@@ -110,7 +110,7 @@ static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
     else if (geometry->orientation == ORIENTATION_UNKNOWN)
         buf_add_text(&fact[PILOT_MM], "orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
-        buf_add_text(&fact[PILOT_MM], "sides as told by the user");
+        buf_add_text(&fact[PILOT_MM], "sides set by the user");
     if (knows_sums && label && session_sum_shown(session, label, &sums, NULL) == OK && sums.voxels)
         label_report_write_sums(&fact[PILOT_SUMS], &sums, geometry);
 }

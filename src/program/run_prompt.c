@@ -554,7 +554,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
         prompt.interp.new_journal = buf_text(&journal);
     /* Without it, which is no reason to stop, pictures are waited for. */
     if (!err && is_terminal)
-        interpreter_write_beside(&prompt.interp, NULL);
+        interpreter_write_in_background(&prompt.interp, NULL);
     prompt.host = (struct pilot_host){.context = &prompt,
                                       .execute = prompt_execute,
                                       .sketch = prompt_sketch,

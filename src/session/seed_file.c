@@ -187,7 +187,7 @@ static enum err read_row(struct list *list, const char *at, const char *end, uin
         goto malformed;
     if (!grid_contains(list->grid, place[0], place[1], place[2]))
         return fault_set(fault, ERR_INPUT,
-                         "line %u: %lld,%lld,%lld lies outside the scene, whose voxels are 0,0,0 "
+                         "line %u: %lld,%lld,%lld is outside the scene, whose voxels are 0,0,0 "
                          "to %u,%u,%u; nothing was planted",
                          line, (long long)place[0], (long long)place[1], (long long)place[2],
                          size[0] - 1, size[1] - 1, size[2] - 1);
@@ -342,7 +342,7 @@ enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
 
 enum { VALUES = 65536 };
 
-/* Which voxels of plane z lose their region: what lies outside the scene is outside every
+/* Which voxels of plane z lose their region: what is outside the scene is outside every
  * region. */
 static void judge_plane(bool *goes, const uint16_t *region, const uint32_t size[3], uint32_t z)
 {
