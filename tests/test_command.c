@@ -874,7 +874,8 @@ STORY(completion_says_what_words_mean)
     means(&interp, "shade ", "cubes\tthe faces of their voxels, and normals as of the surface.\n");
     means(&interp, "shade ", "surface\tthe shown objects, smoothed.\n"); /* surface, the default: */
     means(&interp, "weight so", "sobel\tthe 3-D Sobel operator.\n");
-    means(&interp, "remove 1,1,1 of=t", "tree\tthe seed of the single tree that holds the voxel");
+    means(&interp, "remove 1,1,1 of=t",
+          "tree\tthe seed of the single tree that contains the voxel");
     means(&interp, "seed-file x.nii er", "erode=\trounds; each removes the voxels");
     means(&interp, "seed-file x.nii gen", "generator=\tthe number that the drawing starts");
     means(&interp, "spin 9 x.gif del", "delay=\t20..60000\n");

@@ -171,7 +171,8 @@ STORY(what_is_no_shell_is_refused)
     is_refused(&interp, "seed 15,5,5 0 radius=3 shell=yes", "15");
     is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes",
                "label 1 is also the label of the object inside");
-    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes around=1", "also the label of the object inside");
+    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes around=1",
+               "also the label of the object inside");
     is_refused(&interp, "seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "not for strokes");
     is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes joined=yes", "not for strokes");
     is_refused(&interp, "seed 5,5,5 0 through=6,6,6", "through: only with shell=yes");

@@ -92,10 +92,10 @@ see 'label|head'
 press q
 type_letters ":seed 1,1,1 3"
 press Enter
-see 'only questions and commands that change the view: only questions'
+see 'only questions and commands that change the view'
 type_letters ":undo"
 press Enter
-see 'only questions and commands that change the view: only questions'
+see 'only questions and commands that change the view'
 type_letters "c"
 see '^Where it is bright\.$'
 press x
