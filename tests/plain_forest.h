@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The equation of engine/forest.h solved plainly, by Dijkstra's algorithm without a queue. It shares
- * no code with the engine: seeds and reaches are those that the test itself remembers.
+ * A plain solution of the equation of engine/forest.h, by Dijkstra's algorithm without a queue. It
+ * shares no code with the engine: seeds and reaches are those that the test has recorded.
  */
 #ifndef TESTS_PLAIN_FOREST_H
 #define TESTS_PLAIN_FOREST_H
@@ -106,8 +106,8 @@ static inline void offer_around(const struct world *w, const struct planted *pla
             }
 }
 
-/* The least key that waits is right, for all offers that come are above it: searched for among
- * all. */
+/* The least waiting key is final, since all later offers are above it. It is searched for among all
+ * that wait. */
 static inline void solve(const struct world *w, const struct planted *planted, struct plain *key)
 {
     static struct plain_waiting waiting;
@@ -128,8 +128,8 @@ static inline void solve(const struct world *w, const struct planted *planted, s
     }
 }
 
-/* Whether keys and labels are those that the seeds give: costs are the textbook's f_max costs where
- * no seed has a reach. */
+/* True if keys and labels are the plain solution: its costs are the textbook's f_max costs if no
+ * seed has a reach. */
 static inline bool equals_plain(const struct world *w, const struct planted *planted,
                                 struct plain key[CELLS_MOST])
 {

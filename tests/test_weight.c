@@ -595,7 +595,7 @@ static void check_plain(const uint32_t size[3], const uint16_t *intensity, unsig
     scene_identify(&digest, proof, scene, team);
     CHECK(digest == scene_digest(expected) && digest == scene_digest(scene));
     CHECK_TEXT(proof, expected_proof);
-    CHECK(weight_foretell(scene, &adjacency, &morph1, team) == weights);
+    CHECK(weight_plain_digest(scene, &adjacency, &morph1, team) == weights);
     CHECK(weight_make_cells(scene, &adjacency, &morph1, team) == weights);
     CHECK(!scene->plain);
     CHECK(memcmp(scene->cell, expected->cell, scene->grid.cells * sizeof *scene->cell) == 0);
@@ -627,7 +627,7 @@ STORY(a_plain_scene_tells_what_its_cells_will_hold)
         }
         team_free(team);
     }
-    CHECK(weight_is_told(&morph1) && !weight_is_told(&morph2) && !weight_is_told(&sobel));
+    CHECK(weight_is_by_rows(&morph1) && !weight_is_by_rows(&morph2) && !weight_is_by_rows(&sobel));
 }
 
 /* ---- memory ---- */

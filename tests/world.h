@@ -38,8 +38,8 @@ static inline void world_free(struct world *w)
     scene_free(w->scene);
 }
 
-/* Whether the forest is the one that its seeds give, planted at once in a world without any. Reaches
- * are those that were added to the forest, in their order. */
+/* True if the forest equals one in which its seeds are planted at once. `reach` lists the reaches
+ * that were added to the forest, in their order. */
 static inline bool world_equals_scratch(const struct world *w, struct team *team,
                                         const struct reach *reach, unsigned reaches)
 {

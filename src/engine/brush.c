@@ -30,7 +30,7 @@ enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius,
     if (!brush->row)
         return fault_memory(fault, "a brush");
     for (int z = -reach[2]; z <= reach[2]; z++) {
-        int half = -1; /* of the row before: the next one differs little */
+        int half = -1; /* half-length of the previous row, from which the next differs little */
         for (int y = -reach[1]; y <= reach[1]; y++) {
             const int64_t left =
                 square(radius) - square((int64_t)y * unit[1]) - square((int64_t)z * unit[2]);
@@ -46,7 +46,7 @@ enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius,
     return OK;
 }
 
-/* half[...] of the row (y, z), which may lie one beyond the ball. */
+/* Index of the row (y, z) in half[], which has one more row on each side of the ball. */
 static size_t at_row(const struct brush *brush, int y, int z)
 {
     const int width = 2 * (brush->reach[1] + 1) + 1;
@@ -64,7 +64,8 @@ enum err brush_hollow(struct brush *brush, unsigned neighbours, struct fault *fa
     for (size_t i = 0; i < brush->rows; i++)
         half[at_row(brush, brush->row[i].y, brush->row[i].z)] = brush->row[i].half;
     for (size_t i = 0; i < brush->rows; i++) {
-        /* How far from the middle of the row all neighbours lie in the ball; -1 for nowhere. */
+        /* Half-length, from the middle of the row, of the part whose neighbours are all in the
+         * ball; -1 for none. */
         int hole = brush->row[i].half - 1;
         for (int z = -1; z <= 1; z++)
             for (int y = -1; y <= 1; y++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Balls of voxels: the brush that seeds are painted with and labels are opened and closed by, and
- * the reach of a seed.
+ * Balls of voxels: the brush that paints seeds and opens and closes labels, and the reach of a
+ * seed.
  */
 #ifndef ENGINE_BRUSH_H
 #define ENGINE_BRUSH_H
@@ -12,10 +12,10 @@
 
 #include "base/err.h"
 
-/* Voxels from its middle along each axis: of a full ball, and of one that will be hollow. */
+/* Largest number of voxels from the centre along each axis: of a full ball, and of a hollow one. */
 enum { BRUSH_REACH_MOST = 128, BRUSH_HOLLOW_REACH_MOST = 512 };
 
-/* A ball, as rows of voxels around its middle; a hollow one is its shell. */
+/* A ball, as rows of voxels around its centre; a hollow one is its shell. */
 struct brush {
     int reach[3];
     struct brush_row *row;
@@ -23,48 +23,49 @@ struct brush {
 };
 struct brush_row {
     int16_t y, z, half; /* from x - half to x + half, */
-    int16_t hole;       /* but for x - hole to x + hole; -1 for no hole */
+    int16_t hole;       /* except x - hole to x + hole; -1 for no hole */
 };
 
-/* The ball (dx unit[0])^2 + (dy unit[1])^2 + (dz unit[2])^2 <= radius^2: in voxels with units of 1,
- * in nanometres with the spacing as units. A radius of 0..10^9. ERR_LIMIT for one that reaches
- * more voxels than `most`. */
+/* Compute the ball (dx unit[0])^2 + (dy unit[1])^2 + (dz unit[2])^2 <= radius^2: in voxels with
+ * units of 1, in nanometres with the spacing as units. The radius is 0..10^9. ERR_LIMIT if the ball
+ * extends over more than `most` voxels along an axis. */
 enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius, int most,
                     struct fault *fault);
 
-/* Keeps the voxels that have one of so many neighbours, 6 or 26, outside the ball. No way between
- * such neighbours leads from the hole out of the ball but through what is kept. ERR_MEMORY leaves
- * the ball full. */
+/* Keep only voxels of the ball with one of their neighbours (6 or 26) outside it. Every path over
+ * such neighbours from the hole out of the ball crosses a kept voxel. On ERR_MEMORY the ball stays
+ * full. */
 enum err brush_hollow(struct brush *brush, unsigned neighbours, struct fault *fault);
 void brush_release(struct brush *brush);
 
 /*
  * The reach of a seed: a ball beyond which its tree does not grow.
  *
- * A user who corrects a place says with it how far the correction goes: a seed of reach B offers
- * nothing to a voxel outside B. The equation of the forest (engine/forest.h) becomes
+ * A user who corrects a place states how far the correction extends: a seed of reach B makes no
+ * offers to voxels outside B. The equation of the forest (engine/forest.h) becomes
  *
  *     key(t) = min(own seed's key, min over neighbours s of extend(key(s), w),
- *                  where t lies in the reach of the root of key(s), or that has none)
+ *                  if t is in the reach of the root of key(s), or that root has no reach)
  *
- * A refused offer is an infinite one, and an offer still depends on key(s) and the arc alone and is
- * greater than key(s): of two solutions the least key in which they differ would be offered by a
- * lesser one, in which they agree. So there is one solution, the forest stays a function of the
- * seeds with their labels and reaches, and Dijkstra finds it. What is no longer true:
+ * A rejected offer is an infinite one, and an offer still depends on key(s) and the arc alone and
+ * is greater than key(s): of two solutions, the least key in which they differ would be offered by
+ * a lesser one, in which they agree. So there is one solution, the forest stays a function of the
+ * seeds with their labels and reaches, and Dijkstra's algorithm finds it. Two properties are lost:
  *
- *   - the cost of a voxel may be above the textbook's f_max cost: a tree that takes a voxel, for it
- *     comes first there, does not pass on what it has kept out;
- *   - a voxel may have no key, though a way leads to it from a seed: every tree around it ends
- *     before it. It is background, as any that no seed reaches. forest_count_refused counts them.
+ *   - the cost of a voxel may be above the textbook's f_max cost: a tree that holds a voxel because
+ *     its offer was better does not pass on the offers that it has kept out;
+ *   - a voxel may have no key although a path leads to it from a seed, since every tree around it
+ *     ends before it. It is background, like any voxel that no seed reaches. forest_count_refused
+ *     counts them.
  *
- * The reach belongs to the seed as its label does: another label, or another reach, is a removal
- * and a planting. And a voxel hears of an offer that is refused where it was not before: it has
- * lost its support (engine/pass.c).
+ * The reach belongs to the seed as its label does: changing the label or the reach is a removal and
+ * a planting. A voxel that loses an offer because of a reach has lost its support (engine/pass.c).
  */
-enum { REACH_MOST = 512 }; /* voxels that a user may ask for */
+enum { REACH_MOST = 512 }; /* largest reach in voxels that a user can set */
 
-/* The voxels with (dx unit[0])^2 + (dy unit[1])^2 + (dz unit[2])^2 <= radius^2 around the centre:
- * in voxels with units of 1, in nanometres with the spacing as units. A radius of 0..10^9. */
+/* A ball of voxels with (dx unit[0])^2 + (dy unit[1])^2 + (dz unit[2])^2 <= radius^2 around the
+ * centre: in voxels with units of 1, in nanometres with the spacing as units. The radius is
+ * 0..10^9. */
 struct reach {
     uint32_t centre[3], unit[3];
     int64_t radius;

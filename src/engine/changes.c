@@ -42,7 +42,7 @@ void change_log_release(struct change_log *log)
     *log = (struct change_log){0};
 }
 
-/* ---- labels of before all grows anew ---- */
+/* ---- labels before a rebuild ---- */
 
 void former_labels_take(struct former_labels *former, const struct scene *scene)
 {

@@ -1,86 +1,86 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What edits of the forest change: the list that an edit leaves, and what is kept beyond the edit.
+ * Changes made by edits of the forest: the list of the last edit, and logs over several edits.
  *
- * The change log is of what edits have changed since somebody last looked. A reader of labels that
- * is asked now and then has the changes of each edit noted, which takes an edit about a nanosecond
- * a change, and follows them when asked. Where the labels of much of the scene have changed, to
- * count all again takes less time than to follow, and the log is given up: so it is bounded, at
- * half a byte a voxel.
+ * A change log collects the changes since its reader last refreshed. A reader of labels that is
+ * refreshed now and then appends the changes of each edit, about a nanosecond a change, and applies
+ * them on demand. If the labels of much of the scene have changed, a recount is faster, and the log
+ * is discarded: so its size is bounded, at half a byte a voxel.
  *
- * Where all grows anew there is no list. Former labels, as runs of equal ones along rows, then say
- * how many have changed. Labels lie together, so that takes little memory: 8 bytes a run, and some
- * hundred thousand runs where a head has four objects.
+ * A rebuild of the forest has no list. Its changes are counted with the former labels, stored as
+ * runs of equal labels along rows: 8 bytes a run, some hundred thousand runs for a head with four
+ * objects.
  */
 #ifndef ENGINE_CHANGES_H
 #define ENGINE_CHANGES_H
 
 #include "engine/scene.h"
 
-/* A voxel to which the last edit gave another label. */
+/* A voxel that the last edit relabelled. */
 struct change {
     uint32_t cell;
     uint8_t former_label, label;
 };
 
-/* The voxels to which the last edit gave another label, each once, in no order. Where the forest
- * grew from nothing, or that is more than a sixteenth of the scene, `everything` is set and `count`
- * is 0: readers scan the scene once instead. */
+/* The voxels that the last edit relabelled, each once, in no order. After a rebuild, or for more
+ * than a sixteenth of the scene, `everything` is set and `count` is 0: readers scan the scene
+ * instead. */
 struct changes {
     bool everything;
     size_t count;
     const struct change *item;
-    size_t listed;   /* items that are there: the first ones, where a list has become too long */
-    uint64_t voxels; /* how many got another label; CHANGES_UNKNOWN where all grew anew uncounted */
+    size_t listed; /* items in the list: the first ones of a list that became too long */
+    uint64_t
+        voxels; /* number of relabelled voxels; CHANGES_UNKNOWN for a rebuild that did not count */
 };
 #define CHANGES_UNKNOWN UINT64_MAX
 
-/* What the last edit took. */
+/* Work of the last edit. */
 struct forest_stats {
-    uint64_t served;  /* voxels whose final key was passed on to the neighbours */
+    uint64_t served;  /* voxels whose final key was offered to the neighbours */
     uint64_t cleared; /* voxels that lost their tree on the way */
-    uint64_t raised;  /* voxels that took another root at their level, for theirs had gone */
-    uint64_t touched; /* voxels whose key or label was computed again; all, from nothing */
+    uint64_t raised;  /* voxels that changed their root at the same level */
+    uint64_t touched; /* voxels whose key or label was recomputed; all, in a rebuild */
 };
 
 /* ---- the log of a reader ---- */
 
-/* {0} is of a reader that has looked at nothing yet. */
+/* {0} is a log that does not follow yet: its reader has not counted anything. */
 struct change_log {
-    bool follows; /* what the reader has, and these changes, in this order, lead to what is */
+    bool follows; /* the items, in order, lead from the reader's state to the current one */
     size_t count, capacity;
     struct change *item;
 };
 
-/* Those of one edit. The log is given up where they are everything, or too many for a scene of so
- * many voxels, or memory runs out. */
+/* Append the changes of one edit. The log is discarded if they are everything, too many for a scene
+ * of `voxels`, or if memory runs out. */
 void change_log_add(struct change_log *log, const struct changes *changes, size_t voxels);
 
 void change_log_give_up(struct change_log *log);
 
-/* The reader has looked at all there is, or, on an error, lost what it had. Returns the error. */
+/* Restart the log after the reader has refreshed; on an error, discard it. Return the error. */
 enum err change_log_settle(struct change_log *log, enum err err);
 void change_log_release(struct change_log *log);
 
-/* ---- labels of before all grows anew ---- */
+/* ---- labels before a rebuild ---- */
 
 struct label_run {
     uint32_t end; /* the cell after its last one */
     uint8_t label;
 };
 
-/* {0} is of nothing. */
+/* {0} is empty. */
 struct former_labels {
     struct label_run *run;
     size_t count, capacity;
     bool taken;
 };
 
-/* As labels are now, or, in the middle of an edit, were before it. Where memory runs out, or
- * the scene's watch stops it, nothing is `taken`. */
+/* Store the current labels; in the middle of an edit, those before it. If memory runs out or the
+ * scene's watch stops it, `taken` is false. */
 void former_labels_take(struct former_labels *former, const struct scene *scene);
 
-/* How many voxels have another label now. Of no use where the scene's watch has stopped it. */
+/* Number of voxels that have changed their label. Undefined if the scene's watch has stopped it. */
 uint64_t former_labels_differences(const struct former_labels *former, const struct scene *scene);
 void former_labels_release(struct former_labels *former);
 

@@ -5,13 +5,13 @@
 
 #include "base/mem.h"
 
-/* What is known while runs are joined: which is the first of each set of joined runs so far is
- * followed over `component`, which leads to a run that is not later. */
+/* State while runs are joined: following `component` leads to the first run of each set of joined
+ * runs, never to a later run. */
 struct finding {
     struct components *found;
     const struct grid *grid;
     const uint8_t *label;
-    size_t *row; /* the first run of each row of voxels, and the end of the last */
+    size_t *row; /* the first run of each row of voxels, and the end of the last row */
 };
 
 void components_release(struct components *components)
@@ -46,7 +46,7 @@ static uint32_t first_of(struct component_run *run, uint32_t at)
     return at;
 }
 
-/* The runs of a row with those of the row that is `back` rows, and `step` cells, before it. */
+/* Join the runs of a row with those of the row that is `back` rows, and `step` cells, before it. */
 static void join_rows(struct finding *f, size_t row, size_t back, uint32_t step)
 {
     struct component_run *run = f->found->run;
@@ -80,8 +80,8 @@ static enum err find_runs(struct finding *f, struct watch *watch, struct fault *
 
 /* ---- components ---- */
 
-/* Each run leads to a lower one until here, and to its component from here on, last to first where
- * runs are listed. */
+/* Number the components and count their voxels. Until here each run leads to a lower one, from here
+ * on to its component; runs are linked last to first. */
 static enum err count(struct finding *f, struct watch *watch, struct fault *fault)
 {
     struct components *found = f->found;

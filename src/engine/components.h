@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Components: the pieces that labels make.
+ * Connected components of labels.
  *
- * A component is a largest set of voxels of one label, label 0 too, that hang together by faces. A
- * voxel that no seed reaches has label 0, as the background's voxels have.
+ * A component is a maximal set of voxels of one label, label 0 too, connected by faces. A voxel
+ * that no seed reaches has label 0, like the background.
  *
- * Found by runs of equal labels along rows, which are joined where two of one label lie side by
- * side; memory is 16 bytes a run. The numbers of components do not depend on the order of work:
- * they are in the order of their first cells.
+ * Algorithm: runs of equal labels along rows are joined with touching runs of the rows before, in
+ * 16 bytes a run. The numbers of components do not depend on the order of work: they have the order
+ * of their first cells.
  */
 #ifndef ENGINE_COMPONENTS_H
 #define ENGINE_COMPONENTS_H
@@ -31,12 +31,12 @@ struct component_run {
 
 struct component {
     uint32_t voxels;
-    uint32_t run; /* its first; with it begins the lowest cell */
+    uint32_t run; /* its first run, which begins with its lowest cell */
     uint8_t label;
     bool at_edge; /* has a voxel at the edge of the scene */
 };
 
-/* {0} is of nothing. */
+/* {0} is empty. */
 struct components {
     struct component *item;
     size_t count, capacity;
@@ -44,7 +44,8 @@ struct components {
     size_t runs, run_capacity;
 };
 
-/* Those of label[grid->cells] (0 in the rim). ERR_MEMORY, ERR_CANCELLED; then there are none. */
+/* Find the components of label[grid->cells] (0 in the rim). ERR_MEMORY, ERR_CANCELLED; the result
+ * is then empty. */
 enum err components_find(struct components *components, const struct grid *grid,
                          const uint8_t *label, struct watch *watch, struct fault *fault);
 void components_release(struct components *components);

@@ -19,7 +19,7 @@ static uint32_t common_divisor(uint32_t a, uint32_t b)
     return a;
 }
 
-/* A spacing in units, which it may be smaller than. */
+/* A spacing in units, at least 1. */
 static uint64_t in_units(uint32_t spacing_nm, uint64_t unit_nm)
 {
     const uint64_t steps = (spacing_nm + unit_nm / 2) / unit_nm;
@@ -47,12 +47,12 @@ struct distance_scale distance_scale_of(const uint32_t spacing_nm[3], const uint
 
 /* ---- one line ---- */
 
-enum { COLUMNS = 8 }; /* lines that are worked on at a time: a cache line of each voxel's row */
+enum { COLUMNS = 8 }; /* lines processed together: a cache line of each voxel's row */
 
-/* Room for lines of `length` voxels. */
+/* Working memory for lines of `length` voxels. */
 struct room {
     uint64_t *from;        /* [COLUMNS][length] */
-    uint32_t *at, *lowest; /* parabolas that are lowest somewhere, and from which voxel on */
+    uint32_t *at, *lowest; /* parabolas of the lower envelope, and the first voxel of each */
     size_t length;
 };
 
@@ -62,8 +62,8 @@ static uint64_t parabola(const uint64_t *from, uint32_t at, uint32_t x, uint64_t
     return from[at] + away * away;
 }
 
-/* The first voxel at which the parabola of `next` is lower than that of `at`, before it, which is
- * not the higher one everywhere: Meijster's Sep, and one more. */
+/* The first voxel at which the parabola of `next` is lower than that of `at`, which precedes it and
+ * is not the higher one everywhere: Meijster's Sep, plus one. */
 static uint64_t first_lower(const uint64_t *from, uint32_t at, uint32_t next, uint64_t step)
 {
     const uint64_t weight = step * step;
@@ -71,11 +71,11 @@ static uint64_t first_lower(const uint64_t *from, uint32_t at, uint32_t next, ui
     return (squares + from[next] - from[at]) / (2 * weight * (next - at)) + 1;
 }
 
-/* The least of all parabolas, from a line of room->from to one in the box. */
+/* Minimum of all parabolas, from a line of room->from to one in the box. */
 static void spread_line(const struct room *room, const uint64_t *from, uint64_t *to, size_t stride,
                         uint64_t step)
 {
-    /* How many parabolas make the lower envelope. */
+    /* Number of parabolas in the lower envelope. */
     size_t count = 0;
     for (uint32_t x = 0; x < room->length; x++) {
         if (from[x] == DISTANCE_NONE)
@@ -107,7 +107,7 @@ struct spreading {
     struct room room[TEAM_MOST];
 };
 
-/* Along y and z, lines lie side by side along x. */
+/* Process lines along y or z; several are adjacent along x. */
 static void spread_share(void *context, unsigned worker)
 {
     const struct spreading *s = context;
@@ -141,7 +141,7 @@ static void spread_rows(void *context, unsigned worker)
     struct task task =
         task_begin_part(s->watch, "distances", (share.end - share.first) * length, worker);
     for (size_t row = share.first; row < share.end && task_advance(&task, length); row++) {
-        /* A row, from which distances begin: squares of steps to the nearest 0, on either side. */
+        /* Initialise a row with the squares of the steps to the nearest 0, on either side. */
         uint64_t *line = s->squared + row * length;
         uint64_t away = DISTANCE_NONE;
         for (uint32_t x = 0; x < length; x++) {
@@ -190,8 +190,8 @@ enum err distance_spread(uint64_t *squared, const uint32_t size[3],
 
 /* ---- contours ---- */
 
-/* Of lines that `stride` voxels side by side begin, those voxels that are in the set with both
- * neighbours along the line. */
+/* Erode `stride` adjacent lines: keep the voxels of the set whose neighbours along the line are
+ * both in it. */
 static void erode_lines(uint8_t *out, const uint8_t *in, size_t length, size_t stride,
                         const bool ends[2], struct task *task)
 {
@@ -220,7 +220,8 @@ static void erode_along(uint8_t *out, const uint8_t *in, const struct contour_bo
         erode_lines(out + i, in + i, box->size[axis], stride, box->ends[axis], &task);
 }
 
-/* A voxel whose 26 neighbours are all in the set is left by an erosion along each axis in turn. */
+/* An erosion along each axis in turn keeps exactly the voxels whose 26 neighbours are all in the
+ * set. */
 void contour_find(uint8_t *contour, const uint8_t *set, uint8_t *room,
                   const struct contour_box *box, struct watch *watch)
 {

@@ -6,12 +6,12 @@
 #include "base/mem.h"
 #include "engine/relax.h"
 
-/* Sums of each worker, one after another: of slices across x, across y and across z. */
+/* Sums of each worker, one after another: over slices across x, across y and across z. */
 struct summing {
-    const struct relax_field *field; /* at hand */
+    const struct relax_field *field; /* current field */
     struct team *team;
     uint64_t *sum;
-    size_t slices; /* across all axes */
+    size_t slices; /* number of slices across all axes */
 };
 
 static void sum_part(void *context, unsigned worker)

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Doubt: in which slice it is least certain where a label ends, by the fields of relaxation
+ * Doubt: the slices in which the end of a label is least certain, from the fields of relaxation
  * (engine/relax.h).
  *
- * A field says 1 in the label and 0 elsewhere, and between where the scene does not tell. The doubt
- * of a voxel is 4u(1 - u): 0 where u is 0 or 1, and DOUBT_VOXEL where it is half; so sums are
- * volumes, in voxels, of what is wholly in doubt. That of a slice is the sum over its voxels; of
- * all labels, over all of their fields, in which a border between two labels counts for both.
+ * A field is 1 in the label and 0 elsewhere, and in between where the scene is ambiguous. The doubt
+ * of a voxel is 4u(1 - u): 0 for u = 0 or 1, and DOUBT_VOXEL for 1/2; so sums are volumes, in
+ * voxels, of fully doubtful tissue. The doubt of a slice is the sum over its voxels; for all
+ * labels, the sum over all of their fields, so that a border between two labels counts for both.
  *
- * The fields are of the labels as the first `relax` of a list finds them, with its sweeps; or as
- * the whole list leaves them where it has none, with the usual sweeps.
+ * The fields start from the labels before the first `relax` of a list, with its sweeps; or from the
+ * result of a list without `relax`, with the default sweeps.
  *
- * All of it is a function of the forest's labels, seeds, the scene and the list, in integers.
+ * The result is a function of the forest's labels, seeds, the scene and the list, in integers.
  */
 #ifndef ENGINE_DOUBT_H
 #define ENGINE_DOUBT_H
@@ -20,21 +20,21 @@
 
 enum { DOUBT_VOXEL = 1 << 20 };
 
-/* {0} is of nothing. */
+/* {0} is empty. */
 struct doubt {
-    uint32_t size[3];   /* of the scene */
-    uint64_t *slice[3]; /* [size[axis]]: of slices across x, y, z */
-    uint64_t all;       /* of the scene: what the slices across each axis come to */
+    uint32_t size[3];   /* size of the scene */
+    uint64_t *slice[3]; /* [size[axis]]: doubt of slices across x, y, z */
+    uint64_t all;       /* doubt of the scene, the sum of the slices of each axis */
 };
 
-/* Of a label 1..255, or FINISH_ALL_LABELS. ERR_MEMORY, ERR_LIMIT (finish_check), ERR_CANCELLED by
- * the scene's watch; then of nothing. */
+/* Compute the doubt of a label 1..255, or FINISH_ALL_LABELS. ERR_MEMORY, ERR_LIMIT (finish_check),
+ * ERR_CANCELLED by the scene's watch; the result is then empty. */
 enum err doubt_find(struct doubt *doubt, const struct finish_list *list, const struct scene *scene,
                     struct team *team, unsigned label, struct fault *fault);
 void doubt_release(struct doubt *doubt);
 
-/* The slice with the most doubt: its axis, and where along that. Of equals that of the lower axis,
- * and the lower one. False where there is no doubt. */
+/* Find the slice with the most doubt: its axis, and its position along it. Ties: the lower axis,
+ * then the lower position. False without any doubt. */
 bool doubt_worst(const struct doubt *doubt, unsigned *axis, uint32_t *at);
 
 #endif

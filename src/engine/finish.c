@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of steps, the list and how it is written, and the steps that look at whole components:
- * largest, components and holes. */
+/* The table of steps, the list and its text form, and the steps on whole components: largest,
+ * components and holes. */
 #include "engine/finish.h"
 
 #include <stdlib.h>
@@ -9,8 +9,8 @@
 #include "base/mem.h"
 #include "engine/labels.h"
 
-#define ROW(kind, name, takes, usual, heeds, help)                                                 \
-    [FINISH_##kind] = {#name, FINISH_TAKES_##takes, usual, FINISH_HEEDS_##heeds, finish_##name},
+#define ROW(kind, name, takes, usual, uses, help)                                                  \
+    [FINISH_##kind] = {#name, FINISH_TAKES_##takes, usual, FINISH_USES_##uses, finish_##name},
 const struct finish_row finish_table[] = {FINISH_LIST(ROW, ROW)};
 
 enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
@@ -39,15 +39,15 @@ enum err finish_make(uint8_t **label, const struct finish_list *list, const stru
     return err;
 }
 
-bool finish_heeds_seeds(const struct finish_list *list)
+bool finish_uses_seeds(const struct finish_list *list)
 {
-    bool heeds = false;
+    bool uses = false;
     for (uint32_t i = 0; i < list->count; i++)
-        heeds |= finish_table[list->step[i].kind].heeds == FINISH_HEEDS_SEEDS;
-    return heeds;
+        uses |= finish_table[list->step[i].kind].uses == FINISH_USES_SEEDS;
+    return uses;
 }
 
-/* ---- what is refused ---- */
+/* ---- limits ---- */
 
 enum err finish_check(const struct finish_list *list, const struct scene *scene,
                       struct fault *fault)
@@ -66,7 +66,7 @@ enum err finish_check(const struct finish_list *list, const struct scene *scene,
     return OK;
 }
 
-/* ---- words ---- */
+/* ---- text form ---- */
 
 void finish_write(struct buf *out, const struct finish_list *list)
 {
@@ -90,9 +90,9 @@ void finish_write(struct buf *out, const struct finish_list *list)
         buf_add_text(out, "none");
 }
 
-/* ---- what steps have in common ---- */
+/* ---- common parts of steps ---- */
 
-void finish_take_next(struct finish_work *work)
+void finish_swap_labels(struct finish_work *work)
 {
     uint8_t *const made = work->next;
     work->next = work->label;
@@ -114,7 +114,7 @@ void finish_reach(uint32_t reach[3], const struct finish_step *step, const struc
         reach[a] = step->in_nm ? step->argument / scene->spacing_nm[a] : step->argument;
 }
 
-/* ---- where labels lie ---- */
+/* ---- bounding boxes of labels ---- */
 
 void finish_box_include(struct finish_box *box, const struct finish_box *other)
 {
@@ -127,7 +127,7 @@ void finish_box_include(struct finish_box *box, const struct finish_box *other)
 struct boxing {
     const struct finish_work *work;
     const char *what;
-    struct finish_box (*part)[256]; /* of each worker */
+    struct finish_box (*part)[256]; /* [workers] */
 };
 
 static void clear_boxes(struct finish_box box[256])
@@ -170,16 +170,16 @@ enum err finish_find_boxes(struct finish_box box[256], const struct finish_work 
     return OK;
 }
 
-/* ---- giving away ---- */
+/* ---- reassignment ---- */
 
-struct giving {
-    struct finish_work *work; /* work->next is 1 in voxels of pieces that wait, else 0 */
+struct reassigning {
+    struct finish_work *work; /* work->next is 1 in voxels of pending components, else 0 */
     const struct components *pieces;
     bool *waits;
-    uint16_t *taker; /* of each piece, in the round at hand */
+    uint16_t *taker; /* label assigned to each component in the current round */
 };
 
-enum { NOBODY = 256 };
+enum { NO_LABEL = 256 };
 
 static uint32_t count_faces(const struct finish_work *work, uint32_t first, uint32_t end,
                             uint32_t faces[256])
@@ -189,7 +189,7 @@ static uint32_t count_faces(const struct finish_work *work, uint32_t first, uint
     return end - first;
 }
 
-/* The faces of a run, but for those at the edge of the scene. */
+/* Count the faces of a run, except those at the edge of the scene. */
 static uint32_t count_run(const struct finish_work *work, const struct component_run *run,
                           uint32_t faces[256])
 {
@@ -211,14 +211,15 @@ static uint32_t count_run(const struct finish_work *work, const struct component
     return looked;
 }
 
-/* Who takes the piece as labels are: NOBODY where it has no face that counts. */
-static uint16_t find_taker(const struct giving *g, const struct component *piece, struct task *task)
+/* Find the label that is assigned to a component; NO_LABEL if it has no face that counts. */
+static uint16_t find_new_label(const struct reassigning *g, const struct component *piece,
+                               struct task *task)
 {
     uint32_t faces[256] = {0}, most = 0;
-    uint16_t taker = NOBODY;
+    uint16_t taker = NO_LABEL;
     for (uint32_t r = piece->run; r != RUN_NONE; r = g->pieces->run[r].next)
         if (!task_advance(task, count_run(g->work, &g->pieces->run[r], faces)))
-            return NOBODY;
+            return NO_LABEL;
     faces[piece->label] = 0;
     for (uint16_t label = 0; label < 256; label++)
         if (faces[label] > most) {
@@ -229,7 +230,7 @@ static uint16_t find_taker(const struct giving *g, const struct component *piece
     return taker;
 }
 
-/* Writes a value at each voxel of a piece. */
+/* Write a value at each voxel of a component. */
 static void mark_piece(const struct components *pieces, const struct component *piece, uint8_t *at,
                        uint8_t value)
 {
@@ -237,15 +238,15 @@ static void mark_piece(const struct components *pieces, const struct component *
         memset(at + pieces->run[r].first, value, pieces->run[r].end - pieces->run[r].first);
 }
 
-/* False where no piece has found a taker, or the watch has stopped it. */
-static bool give_round(const struct giving *g, unsigned taker, struct task *task)
+/* Perform a round. False if no component was assigned a label, or the watch has stopped it. */
+static bool reassign_round(const struct reassigning *g, unsigned taker, struct task *task)
 {
     const struct components *pieces = g->pieces;
     bool any = false;
     for (size_t i = 0; i < pieces->count; i++)
-        g->taker[i] = g->waits[i] ? find_taker(g, &pieces->item[i], task) : NOBODY;
+        g->taker[i] = g->waits[i] ? find_new_label(g, &pieces->item[i], task) : NO_LABEL;
     for (size_t i = 0; i < pieces->count && task_advance(task, 1); i++) {
-        if (g->taker[i] == NOBODY)
+        if (g->taker[i] == NO_LABEL)
             continue;
         if (taker == FINISH_ALL_LABELS || taker == g->taker[i])
             mark_piece(pieces, &pieces->item[i], g->work->label, (uint8_t)g->taker[i]);
@@ -256,7 +257,7 @@ static bool give_round(const struct giving *g, unsigned taker, struct task *task
     return any && task_advance(task, 1);
 }
 
-/* Which components a step gives away. */
+/* Choose the components that a step reassigns. */
 static void choose_pieces(bool *waits, const struct components *found,
                           const struct finish_step *step)
 {
@@ -283,32 +284,33 @@ static void choose_pieces(bool *waits, const struct components *found,
     }
 }
 
-enum err finish_give_away(struct finish_work *work, const uint8_t *of,
-                          const struct finish_step *step, struct fault *fault)
+enum err finish_reassign(struct finish_work *work, const uint8_t *of,
+                         const struct finish_step *step, struct fault *fault)
 {
     struct watch *watch = work->scene->watch;
     struct components found;
     enum err err = components_find(&found, &work->scene->grid, of, watch, fault);
     if (err)
         return err;
-    struct giving giving = {work, &found, mem_array(found.count, sizeof *giving.waits),
-                            mem_array(found.count, sizeof *giving.taker)};
-    if (giving.waits && giving.taker) {
+    struct reassigning reassigning = {work, &found,
+                                      mem_array(found.count, sizeof *reassigning.waits),
+                                      mem_array(found.count, sizeof *reassigning.taker)};
+    if (reassigning.waits && reassigning.taker) {
         struct task task = task_begin(watch, "pieces of labels", 0);
-        choose_pieces(giving.waits, &found, step);
+        choose_pieces(reassigning.waits, &found, step);
         finish_clear(work);
         for (size_t i = 0; i < found.count && task_advance(&task, 16); i++)
-            if (giving.waits[i])
+            if (reassigning.waits[i])
                 mark_piece(&found, &found.item[i], work->next, 1);
-        while (give_round(&giving, step->kind == FINISH_HOLES ? step->label : FINISH_ALL_LABELS,
-                          &task))
+        while (reassign_round(&reassigning,
+                              step->kind == FINISH_HOLES ? step->label : FINISH_ALL_LABELS, &task))
             ;
         err = watch_fault(watch, fault);
     } else {
         err = fault_memory(fault, "finished labels");
     }
-    free(giving.waits);
-    free(giving.taker);
+    free(reassigning.waits);
+    free(reassigning.taker);
     components_release(&found);
     return err;
 }
@@ -318,16 +320,16 @@ enum err finish_give_away(struct finish_work *work, const uint8_t *of,
 enum err finish_largest(struct finish_work *work, const struct finish_step *step,
                         struct fault *fault)
 {
-    return finish_give_away(work, work->label, step, fault);
+    return finish_reassign(work, work->label, step, fault);
 }
 
 enum err finish_components(struct finish_work *work, const struct finish_step *step,
                            struct fault *fault)
 {
-    return finish_give_away(work, work->label, step, fault);
+    return finish_reassign(work, work->label, step, fault);
 }
 
 enum err finish_holes(struct finish_work *work, const struct finish_step *step, struct fault *fault)
 {
-    return finish_give_away(work, work->label, step, fault);
+    return finish_reassign(work, work->label, step, fault);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The steps that look around each voxel: majority, open and close. */
+/* The steps on the neighbourhood of each voxel: majority, open and close. */
 #include "engine/finish.h"
 
 #include <stdlib.h>
@@ -9,20 +9,20 @@
 #include "engine/brush.h"
 
 /*
- * The majority filter. Most voxels lie in the middle of one label: where a cube holds one label
- * alone nothing is counted, and that is seen for eight voxels at once. Elsewhere a count of labels
- * slides along the row.
+ * The majority filter. Most voxels are far from any border: a cube with one label only needs no
+ * count, which is tested for eight voxels at once. Elsewhere a histogram of labels slides along the
+ * row.
  */
 
 struct filter {
     const struct finish_work *work;
     const struct finish_step *step;
     uint32_t reach[3];
-    uint8_t *varied; /* [workers][varied_bytes], of the row at hand */
+    uint8_t *varied; /* [workers][varied_bytes], for the current row */
     size_t varied_bytes;
 };
 
-/* The rows that the cubes of a row's voxels reach over. */
+/* The rows that intersect the cubes of a row's voxels. */
 struct rows {
     uint32_t y, z; /* the row */
     uint32_t first_y, last_y, first_z, last_z;
@@ -49,7 +49,7 @@ static struct rows rows_around(const struct filter *f, uint32_t y, uint32_t z)
                          .last_z = above(z, f->reach[2], size[2])};
 }
 
-/* ---- where labels vary ---- */
+/* ---- rows with several labels ---- */
 
 static uint64_t eight(const uint8_t *at)
 {
@@ -58,8 +58,8 @@ static uint64_t eight(const uint8_t *at)
     return bytes;
 }
 
-/* varied[x] is not 0 where a voxel at x of one of the rows has not the label of this row's, or the
- * next voxel of this row has not. */
+/* Set varied[x] to a non-zero value if a voxel at x of one of the rows differs from this row's, or
+ * this row's next voxel does. */
 static void find_varied(const struct filter *f, const struct rows *rows, uint8_t *varied)
 {
     const struct grid *grid = &f->work->scene->grid;
@@ -80,15 +80,15 @@ static void find_varied(const struct filter *f, const struct rows *rows, uint8_t
                 (uint8_t)(here[length - 1] ^ label[grid_cell(grid, length - 1, y, z)]);
 }
 
-/* ---- counting ---- */
+/* ---- histogram ---- */
 
-/* Of the labels in a cube, and those that were in it since it was counted from nothing. */
+/* Histogram of the labels in a cube, and the labels that it has contained since it was cleared. */
 struct votes {
     uint32_t count[256];
     uint8_t seen[256];
     unsigned seens;
     bool is_seen[256];
-    uint32_t first, end; /* the columns that are counted */
+    uint32_t first, end; /* the columns in the histogram */
 };
 
 static void votes_clear(struct votes *votes)
@@ -101,7 +101,7 @@ static void votes_clear(struct votes *votes)
     votes->first = votes->end = 0;
 }
 
-/* The columns first..end-1, from those that are counted. */
+/* Slide the histogram to the columns first..end-1. */
 static void slide_votes(struct votes *votes, const struct filter *f, const struct rows *rows,
                         uint32_t first, uint32_t end)
 {
@@ -130,7 +130,7 @@ static void slide_votes(struct votes *votes, const struct filter *f, const struc
 
 /* ---- rows ---- */
 
-/* Writes the labels of the voxels x..end-1, around each of which labels may vary. */
+/* Write the labels of the voxels x..end-1, whose cubes may contain several labels. */
 static void vote_on_run(const struct filter *f, const struct rows *rows, struct votes *votes,
                         uint32_t x, uint32_t end)
 {
@@ -159,12 +159,12 @@ static void filter_part(void *context, unsigned worker)
     uint8_t *varied = f->varied + worker * f->varied_bytes;
     struct votes votes = {.seens = 0};
     struct grid_walk w = scene_walk(f->work->scene, "majority of labels", f->work->team, worker);
-    w.task.total = 0; /* some rows take longer */
+    w.task.total = 0; /* some rows need more time */
     while (grid_walk_next(&w)) {
         const struct rows rows = rows_around(f, w.y, w.z);
         memcpy(f->work->next + w.row.first, f->work->label + w.row.first, length);
         votes_clear(&votes);
-        /* Vote only where labels vary: varied[] has the columns from x - reach to x + reach. */
+        /* Vote only where labels vary: varied[] is set for columns from x - reach to x + reach. */
         uint64_t voted = 0;
         uint32_t done = 0;
         find_varied(f, &rows, varied);
@@ -197,35 +197,35 @@ enum err finish_majority(struct finish_work *work, const struct finish_step *ste
         return fault_memory(fault, "finished labels");
     team_run(work->team, filter_part, &filter);
     free(filter.varied);
-    finish_take_next(work);
+    finish_swap_labels(work);
     return watch_fault(work->scene->watch, fault);
 }
 
 /*
- * Opening and closing by a ball. To close a label is to open what has not that label, so one piece
- * of work serves both: what of a set no ball in the set covers, which the step takes out of it.
+ * Opening and closing by a ball. Closing a label is opening its complement, so one function serves
+ * both: it finds the voxels of a set that no ball inside the set covers. The step removes them.
  *
  *     left out     the voxels of the scene that are not in the set
- *     centres      of the balls that lie in the set: no voxel left out is in the ball around them
+ *     centres      of the balls inside the set: no voxel left out is in the ball around them
  *     covered      the voxels in a ball around a centre
  *     lost         in the set, and not covered
  *
- * Sets are bits, and a ball is some rows of voxels, so that 64 voxels are looked at in one step.
- * Labels are done one after another, each in the rows that hold it, and those around.
+ * Sets are bits, and a ball is a list of rows of voxels, so that 64 voxels are processed at once.
+ * Labels are processed one after another, each in the rows that contain it, and those around.
  */
 
 struct shape {
     struct finish_work *work;
     struct brush brush;
     bool opens;                 /* else closes */
-    size_t words;               /* of a row; bits beyond the row are 0 */
-    uint64_t *left;             /* [rows of the scene][words]: what is left out */
-    uint64_t *ball;             /* likewise: the centres */
+    size_t words;               /* words in a row; bits beyond the row are 0 */
+    uint64_t *left;             /* [rows of the scene][words]: voxels left out */
+    uint64_t *ball;             /* likewise: centres */
     uint64_t *room;             /* [workers][2][words] */
-    struct finish_box box[256]; /* where labels lie */
-    unsigned label;             /* at hand */
+    struct finish_box box[256]; /* bounding boxes of labels */
+    unsigned label;             /* current label */
 
-    /* What is done with each of these rows along y and z, in turn. */
+    /* Applied to each of these rows along y and z. */
     void (*make)(const struct shape *s, uint32_t y, uint32_t z, uint64_t *room);
     uint32_t first[2], last[2];
 };
@@ -243,7 +243,7 @@ static uint64_t last_mask(const struct shape *s)
     return bits ? (UINT64_C(1) << bits) - 1 : UINT64_MAX;
 }
 
-/* out: the voxels of the row that are in a ball around one of `in`. */
+/* Set `out` to the voxels of the row that are in a ball around a voxel of `in`. */
 static void cover_row(const struct shape *s, uint64_t *in, uint32_t y, uint32_t z, uint64_t *out,
                       uint64_t *room)
 {
@@ -262,11 +262,11 @@ static void cover_row(const struct shape *s, uint64_t *in, uint32_t y, uint32_t 
         if (!any)
             continue;
         memcpy(room, from, words * sizeof *room);
-        /* Each bit spreads to all that are at most `half` away. */
+        /* Spread each bit to all within `half`. */
         const unsigned half = (unsigned)ball->half;
         for (unsigned reach = 0; reach < half;) {
             const unsigned left = half - reach, steps = left < 2 * reach + 1 ? left : 2 * reach + 1;
-            /* Each bit spreads to those `steps` before and after it, fewer than 64. */
+            /* Spread each bit to the `steps` before and after it, fewer than 64. */
             uint64_t before = 0;
             for (size_t w = 0; w < words; w++) {
                 const uint64_t here = room[w], after = w + 1 < words ? room[w + 1] : 0;
@@ -289,7 +289,7 @@ static void invert_row(const struct shape *s, uint64_t *row)
     row[s->words - 1] &= last_mask(s);
 }
 
-/* The voxels left out: of the others, or, where it closes, of the label. */
+/* Find the voxels left out: all other labels, or, when closing, the label. */
 static void leave_out(const struct shape *s, uint32_t y, uint32_t z, uint64_t *room)
 {
     const struct grid *grid = &s->work->scene->grid;
@@ -308,7 +308,7 @@ static void find_centres(const struct shape *s, uint32_t y, uint32_t z, uint64_t
     invert_row(s, ball);
 }
 
-/* Notes in work->next the label that the voxel loses, or gets. */
+/* Write the label that the voxel loses, or is assigned, into work->next. */
 static void note_lost(const struct shape *s, uint32_t y, uint32_t z, uint64_t *room)
 {
     const struct grid *grid = &s->work->scene->grid;
@@ -338,7 +338,7 @@ static void sweep_part(void *context, unsigned worker)
             s->make(s, y, s->first[1] + (uint32_t)i, s->room + worker * 2 * s->words);
 }
 
-/* In the rows that hold the label, and those around them up to `times` balls away. */
+/* Process the rows that contain the label, and those around them up to `times` balls away. */
 static void sweep_rows(struct shape *s, uint32_t times,
                        void (*make)(const struct shape *, uint32_t, uint32_t, uint64_t *))
 {
@@ -370,7 +370,7 @@ static enum err shape_init(struct shape *s, struct finish_work *work,
                                          : fault_memory(fault, "finished labels");
 }
 
-/* Has work->next hold, of each voxel that a label loses, or gets, that label, and else 0. */
+/* Set work->next to the label that each voxel loses, or is assigned, and else to 0. */
 static enum err find_lost(struct finish_work *work, const struct finish_step *step, bool opens,
                           struct fault *fault)
 {
@@ -395,7 +395,7 @@ static enum err find_lost(struct finish_work *work, const struct finish_step *st
 enum err finish_open(struct finish_work *work, const struct finish_step *step, struct fault *fault)
 {
     const enum err err = find_lost(work, step, true, fault);
-    return err ? err : finish_give_away(work, work->next, step, fault);
+    return err ? err : finish_reassign(work, work->next, step, fault);
 }
 
 enum err finish_close(struct finish_work *work, const struct finish_step *step, struct fault *fault)

@@ -9,11 +9,11 @@
 #include "engine/pass.h"
 
 enum {
-    CHANGES_SHARE = 16,     /* beyond this part of the scene the list becomes "everything" */
-    CLEARED_HELD = 1 << 20, /* entries of the list that are not freed after an edit */
-    CLEARED_SHARE = 3,      /* a scene that loses more than this part of itself grows anew ... */
-    CLEARED_FEW = 1 << 16,  /* ... if that is more than this */
-    OWNED_PARTS = 16,       /* of the scene, for each worker */
+    CHANGES_SHARE = 16,     /* above this part of the scene the list becomes "everything" */
+    CLEARED_HELD = 1 << 20, /* entries of the list that are kept after an edit */
+    CLEARED_SHARE = 3,      /* if a scene loses more than this part of itself, rebuild it ... */
+    CLEARED_FEW = 1 << 16,  /* ... provided that it is more voxels than this */
+    OWNED_PARTS = 16,       /* parts of the scene for each worker */
 };
 
 /* ---- changes ---- */
@@ -23,13 +23,13 @@ static void forget_cleared(struct forest *forest)
     forest->cleared.count = forest->offered = forest->reoffered = 0;
 }
 
-/* After a pass only voxels that no seed reaches are left unsettled; they were cleared. False where
- * that was stopped. */
+/* Settle the voxels that are still unsettled after a pass: cleared voxels that no seed reaches.
+ * Return false if the watch stopped it. */
 static bool finish_changes(struct forest *forest)
 {
     struct cells *cleared = &forest->cleared;
     for (size_t i = 0; forest->unsettled > 0 && i < cleared->count; i++) {
-        if (!goes_on(forest, 1))
+        if (!forest_advance(forest, 1))
             return false;
         if (forest->cell[cleared->item[i]].flags & CELL_TOUCHED)
             settle(forest, cleared->item[i]);
@@ -67,7 +67,8 @@ static enum err pass_fault(struct fault *fault, enum err err)
     return fault_set(fault, err, "cancelled; nothing has changed");
 }
 
-/* From here on they are those of the edits: no voxel belongs to a seed that gets another one. */
+/* Set the reaches of the edits' seeds. From here on no voxel belongs to a seed whose reach
+ * changes. */
 static void set_reaches(struct forest *forest, const struct edit *edit, size_t count)
 {
     struct reaches *reaches = &forest->reaches;
@@ -80,28 +81,28 @@ static void set_reaches(struct forest *forest, const struct edit *edit, size_t c
 }
 
 /*
- * Changes the seeds and queues what follows; the pass does the rest. First every tree that
- * goes is cleared, then the cleared voxels take their offers, then seeds are planted. A seed that
- * gets another label or reach is removed and planted. Where so much is lost that growing everything
- * anew is faster, `lost_too_much` says so, and the forest is of no use. It may be stopped anywhere:
- * keys of before are right again once the seeds of before are there.
+ * Change the seeds and queue all that follows from it; the pass does the rest. First every removed
+ * tree is cleared, then cleared voxels accept offers of their neighbours, then seeds are planted. A
+ * seed that changes its label or reach is removed and planted. If the edit clears so large a part
+ * that a rebuild is faster, `lost_too_much` is set and the forest is undefined. May be stopped
+ * anywhere: the former keys are valid again once the former seeds are planted.
  */
 static void change_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
     forest->lost_too_much = false;
     for (size_t i = 0; forest->seeds > 0 && i < count && !forest->lost_too_much; i++) {
         const struct cell *cell = forest->cell + edit[i].cell;
-        if (!goes_on(forest, 1))
+        if (!forest_advance(forest, 1))
             return;
         if (cell->flags & CELL_SEED && (cell->label != edit[i].label ||
                                         forest_reach_number(forest, edit[i].cell) != edit[i].reach))
-            uproot(forest, edit[i].cell);
+            remove_seed(forest, edit[i].cell);
     }
     if (forest->lost_too_much || is_stopped(forest))
         return;
     set_reaches(forest, edit, count);
     reoffer_cleared(forest);
-    for (size_t i = 0; !is_stopped(forest) && i < count && goes_on(forest, 1); i++) {
+    for (size_t i = 0; !is_stopped(forest) && i < count && forest_advance(forest, 1); i++) {
         const uint32_t at = edit[i].cell;
         if (edit[i].label == EDIT_ERASE || forest->cell[at].flags & CELL_SEED)
             continue;
@@ -111,12 +112,12 @@ static void change_seeds(struct forest *forest, const struct edit *edit, size_t 
     }
 }
 
-/* Fills batch with the last edit of each voxel, in the order of cells. */
+/* Fill batch with the last edit of each voxel, sorted by cell. */
 static enum err put_in_order(struct forest *forest, const struct edit *edit, size_t count,
                              struct fault *fault)
 {
     uint64_t *rank =
-        mem_array(count, sizeof *rank); /* cell and place in the batch, as one number */
+        mem_array(count, sizeof *rank); /* cell and index in the edits, as one number */
     if (!rank)
         return fault_memory(fault, "an edit");
     for (size_t i = 0; i < count; i++)
@@ -130,7 +131,7 @@ static enum err put_in_order(struct forest *forest, const struct edit *edit, siz
     return err;
 }
 
-/* Fills batch, and inverse with what is there now. */
+/* Fill batch, and fill inverse with the current seeds of its voxels. */
 static enum err prepare(struct forest *forest, const struct edit *edit, size_t count,
                         struct fault *fault)
 {
@@ -164,7 +165,7 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
     return OK;
 }
 
-/* A pass over nothing but seeds is the whole team's. */
+/* Start a pass. A pass from seeds only is shared by the whole team. */
 static void begin_pass(struct forest *forest, bool from_scratch)
 {
     forest->task =
@@ -178,19 +179,20 @@ static void begin_pass(struct forest *forest, bool from_scratch)
     forest->stats = (struct forest_stats){0};
 }
 
-/* Labels as they are before all grows anew, once: of a forest that was suspended, when that was. */
-static void take_former(struct forest *forest)
+/* Store the labels before a rebuild, once; for a suspended forest this happened when it was
+ * suspended. */
+static void store_former_labels(struct forest *forest)
 {
-    if (forest->counts_anew && !forest->former.taken && !forest->suspended)
+    if (forest->counts_rebuilds && !forest->former.taken && !forest->suspended)
         former_labels_take(&forest->former, forest->scene);
 }
 
-void forest_count_anew(struct forest *forest)
+void forest_count_rebuilds(struct forest *forest)
 {
-    forest->counts_anew = true;
+    forest->counts_rebuilds = true;
 }
 
-/* Puts the seeds of `edit` in the place of those that are there, and computes nothing. */
+/* Replace the seeds at the voxels of `edit`, without computing anything. */
 static void set_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
     set_reaches(forest, edit, count);
@@ -206,10 +208,10 @@ static void set_seeds(struct forest *forest, const struct edit *edit, size_t cou
     }
 }
 
-/* ---- growing anew ---- */
+/* ---- rebuilding ---- */
 
-/* Leaves a cell unreached; a seed stays, with its label, and waits where it is to be `planted`.
- * Whether it is one. */
+/* Clear a cell. A seed keeps its flag and label, and is queued if it is to be `planted`. Return
+ * whether the cell is a seed. */
 static bool clear_cell(struct forest *forest, uint32_t at, bool planted)
 {
     struct cell *cell = forest->cell + at;
@@ -226,7 +228,7 @@ static bool clear_cell(struct forest *forest, uint32_t at, bool planted)
 struct clearing {
     struct forest *forest;
     bool planted;
-    size_t seeds[TEAM_MOST]; /* each worker's */
+    size_t seeds[TEAM_MOST]; /* counted by each worker */
 };
 
 enum { CLEARED_AT_ONCE = 1 << 14 };
@@ -269,7 +271,7 @@ static void clear_all(struct forest *forest, bool planted)
         forest->seeds += clearing.seeds[i];
 }
 
-static enum err grow_anew(struct forest *forest, struct fault *fault)
+static enum err rebuild(struct forest *forest, struct fault *fault)
 {
     clear_all(forest, true);
     enum err err = is_stopped(forest) ? ERR_CANCELLED : forest_pass(forest);
@@ -282,15 +284,14 @@ static enum err grow_anew(struct forest *forest, struct fault *fault)
     return err;
 }
 
-/* ---- edits, and the way back ---- */
+/* ---- edits, and how they are undone ---- */
 
 /*
- * Back to before the edit at hand, in the middle of its pass (T5). What began with nothing goes
- * back to nothing. Where memory has run out and entries were lost, or everything was growing anew,
- * or the forest is torn, the former seeds are put back and everything is computed again; where not
- * even that succeeds, the forest is suspended.
+ * Undo the current edit in the middle of its pass (T5). A forest that had no seeds before is
+ * cleared. If entries were lost because memory ran out, or the forest was being rebuilt, or is
+ * torn, plant the former seeds and rebuild; if even that fails, suspend the forest.
  */
-static void take_back(struct forest *forest, bool from_nothing, enum err reason,
+static void undo_edit(struct forest *forest, bool from_nothing, enum err reason,
                       struct fault *fault)
 {
     forest->may_stop = false;
@@ -312,11 +313,11 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
     }
     set_seeds(forest, forest->inverse, forest->edits);
     struct fault again;
-    if (grow_anew(forest, &again) != OK) {
+    if (rebuild(forest, &again) != OK) {
         forest->suspended = true;
         fault_set(fault, ERR_MEMORY,
-                  "out of memory; the seeds are as before, and the forest grows anew with the next "
-                  "command");
+                  "out of memory; the seeds are as before, and the next command recomputes "
+                  "the forest");
     }
 }
 
@@ -335,7 +336,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
     forest->may_stop = true;
     change_seeds(forest, forest->batch, forest->edits);
     if (forest->lost_too_much) {
-        take_former(forest);
+        store_former_labels(forest);
         set_seeds(forest, forest->batch, forest->edits);
         clear_all(forest, true);
     }
@@ -344,7 +345,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
         err = ERR_CANCELLED;
     if (err) {
         pass_fault(fault, err);
-        take_back(forest, from_nothing, err, fault);
+        undo_edit(forest, from_nothing, err, fault);
     }
     return err;
 }
@@ -353,9 +354,9 @@ enum err forest_rebuild(struct forest *forest, struct fault *fault)
 {
     if (forest->suspended)
         return OK;
-    take_former(forest);
+    store_former_labels(forest);
     forest->may_stop = true;
-    return grow_anew(forest, fault);
+    return rebuild(forest, fault);
 }
 
 struct seed_changes forest_seed_changes(const struct forest *forest)
@@ -365,7 +366,7 @@ struct seed_changes forest_seed_changes(const struct forest *forest)
 
 void forest_suspend(struct forest *forest)
 {
-    take_former(forest);
+    store_former_labels(forest);
     forest->suspended = true;
 }
 
@@ -380,7 +381,7 @@ enum err forest_catch_up(struct forest *forest, struct fault *fault)
     return forest_rebuild(forest, fault);
 }
 
-/* ---- life ---- */
+/* ---- creation and release ---- */
 
 static void release_workers(struct worker *worker, unsigned workers)
 {
@@ -392,7 +393,7 @@ static void release_workers(struct worker *worker, unsigned workers)
     free(worker);
 }
 
-/* One worker for each thread. Each owns several parts of the scene in turn: all have work wherever
+/* One worker for each thread. Each owns several parts of the scene, so that all have work wherever
  * the trees grow. */
 enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault)
 {
@@ -480,7 +481,7 @@ void forest_free(struct forest *forest)
     free(forest);
 }
 
-/* ---- what others ask ---- */
+/* ---- queries ---- */
 
 uint32_t forest_predecessor(const struct forest *forest, uint32_t cell)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The invariants of a forest, checked at every voxel; and the reaches of its seeds, with the voxels
- * that every tree around them is kept from. */
+/* Checks of the forest's invariants at every voxel; and the reaches of its seeds, with the count of
+ * voxels that all trees around them cannot reach. */
 #include "engine/forest.h"
 
 #include <stdlib.h>
@@ -11,7 +11,8 @@
 
 /* ---- the invariants of engine/forest.h, at every voxel ---- */
 
-/* The least key that neighbours offer a voxel: of those whose trees may hold it, or of the others. */
+/* The least key that neighbours offer a voxel: neighbours whose trees may hold it, or the
+ * others. */
 static uint64_t least_offer(const struct forest *forest, uint32_t at, bool may_hold)
 {
     const struct cell *cell = forest->cell + at;
@@ -76,8 +77,7 @@ bool forest_check(const struct forest *forest, struct fault *fault)
             labels += label_share(c, cell->label);
         }
     if (keys != forest->key_digest || labels != forest->label_digest || seeds != forest->seeds) {
-        fault_set(fault, ERR_CHECK,
-                  "T4: a digest or the number of seeds is not what a recount gives");
+        fault_set(fault, ERR_CHECK, "T4: a digest or the number of seeds differs from a recount");
         return false;
     }
     return true;
@@ -131,13 +131,13 @@ uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell)
 
 struct flood {
     const struct forest *forest;
-    uint64_t *seen; /* bits */
-    uint32_t *cell; /* that wait to be looked around */
+    uint64_t *seen; /* bits: voxels that were visited */
+    uint32_t *cell; /* stack of voxels whose neighbours are not visited yet */
     size_t count, capacity;
     size_t voxels;
 };
 
-/* Adds the neighbours of a voxel that no tree holds, and that were not seen yet. */
+/* Push the neighbours of a voxel that belong to no tree and were not visited. */
 static bool look_around(struct flood *flood, uint32_t at)
 {
     const struct adjacency *adjacency = &flood->forest->adjacency;
@@ -156,7 +156,7 @@ static bool look_around(struct flood *flood, uint32_t at)
     return true;
 }
 
-/* From every voxel that has a tree, through those that have none. */
+/* Flood from every voxel of a tree through voxels of no tree. */
 static bool flood_scene(struct flood *flood)
 {
     struct grid_walk w = scene_walk(flood->forest->scene, "voxels out of reach", NULL, 0);

@@ -2,14 +2,14 @@
 /*
  * The grid: a box of voxels inside a rim of sentinel cells, one cell wide on every side.
  *
- * A voxel is named either by its position (x, y, z), each from 0, x fastest, or by its *cell*: its
- * index in the array that includes the rim. Cells grow in the same order as voxel indices, so the
- * smaller of two cells is also the smaller voxel index. No inner loop needs a bounds check: the
+ * A voxel is identified either by its position (x, y, z), each from 0, x fastest, or by its *cell*:
+ * its index in the array that includes the rim. Cells have the same order as voxel indices, so the
+ * smaller of two cells also has the smaller voxel index. No inner loop needs a bounds check: the
  * neighbours of a voxel are always cells, and cells of the rim decline every offer.
  *
  * Invariants
- *   G1 cells <= 2^32 - 1, so that a cell fits 32 bits and 0xFFFFFFFF is none;
- *   G2 cell 0 lies in the rim, so no voxel is cell 0.
+ *   G1 cells <= 2^32 - 1, so that a cell fits 32 bits and 0xFFFFFFFF means none;
+ *   G2 cell 0 belongs to the rim, so no voxel is cell 0.
  */
 #ifndef ENGINE_GRID_H
 #define ENGINE_GRID_H
@@ -56,7 +56,7 @@ static inline bool grid_contains(const struct grid *grid, int64_t x, int64_t y, 
            z < grid->size[2];
 }
 
-/* A position along an axis of `size` voxels, or the nearest that there is. */
+/* Clamp a position to an axis of `size` voxels. */
 static inline uint32_t grid_held(int64_t at, uint32_t size)
 {
     return at < 0 ? 0 : at < size ? (uint32_t)at : size - 1;
@@ -66,12 +66,12 @@ static inline uint32_t grid_held(int64_t at, uint32_t size)
 struct place grid_place(const struct grid *grid, uint32_t cell);
 void grid_find(const struct grid *grid, uint32_t cell, uint32_t place[3]);
 
-/* The voxel index x + size_x * (y + size_y * z) of a cell, as files name it. */
+/* Voxel index x + size_x * (y + size_y * z) of a cell, as used in files. */
 uint32_t grid_voxel(const struct grid *grid, uint32_t cell);
 
 /*
  * An adjacency: the directions from a voxel to its neighbours, ordered so that direction
- * count - 1 - i is the opposite of direction i. The faces of 6 come as -z -y -x +x +y +z.
+ * count - 1 - i is the opposite of direction i. The 6 faces are -z -y -x +x +y +z.
  */
 struct adjacency {
     unsigned count; /* 6 or 26 */
@@ -91,7 +91,7 @@ static inline struct span grid_row(const struct grid *grid, uint32_t y, uint32_t
     return (struct span){first, first + grid->size[0]};
 }
 
-/* The planes first..end-1 of part `part` of `parts`, which share all planes out evenly. */
+/* The planes first..end-1 of part `part` of `parts`, which divide all planes evenly. */
 struct slab {
     uint32_t first, end;
 };
@@ -114,7 +114,7 @@ static inline uint64_t slab_voxels(const struct grid *grid, struct slab slab)
  *     for (struct grid_walk w = grid_walk(grid, watch, "digest", slab, 0); grid_walk_next(&w);)
  *         for (uint32_t c = w.row.first; c < w.row.end; c++)
  *
- * Each row advances the task by its voxels. The walk ends early where the watch stops it.
+ * Each row advances the task by its voxels. The walk ends early if the watch stops it.
  */
 struct grid_walk {
     const struct grid *grid;

@@ -21,18 +21,18 @@ struct finding {
     const struct arc_rule *arcs;
     const uint16_t *margin;
     ptrdiff_t face[6], corner[26];
-    struct edge_voxel *voxel; /* all at the border; then the weak ones, in order of cells */
+    struct edge_voxel *voxel; /* all at the border; later the weak ones, sorted by cell */
     size_t count, capacity;
     int32_t limit[HINT_HEATS];
-    uint32_t *place; /* numbers of weak voxels: those of the place at hand */
+    uint32_t *place; /* numbers of weak voxels of the current place */
     size_t placed, place_capacity;
-    bool *taken; /* [count]: is of a place already */
+    bool *taken; /* [count]: belongs to a place already */
 };
 
 /* ---- the border ---- */
 
-/* The neighbour with another label whose offer to a voxel is the best; of several the first.
- * CELL_NONE where there is none. */
+/* The neighbour with another label that makes the best offer to a voxel; the first of several.
+ * CELL_NONE if there is no such neighbour. */
 static uint32_t find_other(const struct finding *f, uint32_t at)
 {
     const struct cell *cell = f->scene->cell + at;
@@ -84,7 +84,7 @@ static bool add_row(struct finding *f, struct span row)
     return true;
 }
 
-/* ---- what is weak ---- */
+/* ---- weak voxels ---- */
 
 enum { CERTAINTIES = 3 * MARGIN_NONE };
 
@@ -97,7 +97,7 @@ static enum err find_limits(struct finding *f, struct fault *fault)
     for (size_t i = 0; i < f->count; i++)
         voxels[f->voxel[i].certainty + MARGIN_NONE]++;
     for (int i = 0; f->count && i < HINT_HEATS; i++) {
-        /* The least certainty that one voxel in so many or more do not exceed. */
+        /* The least certainty that at least one voxel in share[i] does not exceed. */
         int32_t limit = -MARGIN_NONE;
         for (size_t below = voxels[0]; below * share[i] < f->count;
              below += voxels[limit + MARGIN_NONE])
@@ -123,7 +123,7 @@ static bool in_same_block(const struct grid *grid, uint32_t a, uint32_t b)
            p.z / HINT_BLOCK == q.z / HINT_BLOCK;
 }
 
-/* Puts a weak voxel among those of the place at hand. */
+/* Add a weak voxel to the current place. */
 static bool take_voxel(struct finding *f, size_t number)
 {
     if (!mem_grow(&f->place, &f->place_capacity, f->placed + 1, sizeof *f->place))
@@ -157,7 +157,7 @@ static bool grow_place(struct finding *f, size_t first)
     return true;
 }
 
-/* Of the place at hand. */
+/* Make the hint of the current place. */
 static struct hint make_hint(const struct finding *f)
 {
     struct hint hint = {.voxels = (uint32_t)f->placed, .cell = CELL_NONE};

@@ -2,25 +2,25 @@
 /*
  * Hints: the places where the border between labels is least certain.
  *
- * A voxel is at the border where a voxel beside it, by a face, has another label; both are reached,
- * and the edge between them is the greater weight of the two steps. The certainty of the voxel is
+ * A voxel is at the border if a face neighbour has another label; seeds reach both, and the edge
+ * between them is the greater weight of the two steps. The certainty of the voxel is
  *
- *     margin + edge - what its path has cost HINT_BACK steps before
+ *     margin + edge - the cost of its path HINT_BACK steps before
  *
- * The margin (engine/margin.h) is what the other label would have to pay more. On most of a border
- * it is 0, since both labels pay the same edge; then it counts how far that stands above what has
- * been paid before. Below 0 more has been paid than the edge: it does not hold the labels apart,
- * and the number of steps has decided where they meet.
+ * The margin (engine/margin.h) is the extra cost of the other label. On most of a border it is 0,
+ * since both labels pay for the same edge; then the certainty is the height of the edge above the
+ * cost paid before. It is negative if the path has cost more than the edge: then the edge does not
+ * separate the labels, and the number of steps has decided where they meet.
  *
- * Weak are the voxels whose certainty is at most `limit`, the least number that a HINT_SHARE-th of
- * all voxels at the border or more do not exceed. Weak voxels between the same two labels that
- * hang together, by corners too, and lie in the same block of HINT_BLOCK^3 voxels, are a place: one
- * that is longer is several, and each can be looked at.
+ * Weak voxels have a certainty of at most `limit`, the least number that at least a HINT_SHARE-th
+ * of all border voxels do not exceed. A place is a set of weak voxels between the same two labels,
+ * connected by faces, edges or corners, within one block of HINT_BLOCK^3 voxels: longer stretches
+ * are several places, which can be inspected separately.
  *
- * The doubt of a place is the sum over its voxels of limit + 1 - certainty. Places come in the
- * order of their doubts, the greatest first; of equals, that with the lower cell.
+ * The doubt of a place is the sum over its voxels of limit + 1 - certainty. Places are sorted by
+ * doubt, the greatest first; ties by the lower cell.
  *
- * All of it is a function of the forest, in integers.
+ * The result is a function of the forest, in integers.
  */
 #ifndef ENGINE_HINTS_H
 #define ENGINE_HINTS_H
@@ -30,28 +30,28 @@
 enum { HINT_SHARE = 10, HINT_BLOCK = 16, HINT_BACK = 3, HINTS_MOST = 999 };
 
 struct hint {
-    uint32_t cell;     /* its least certain voxel; of several the nearest to the middle of all, */
-    uint32_t voxels;   /* and the first. How many there are, on both sides */
-    int32_t certainty; /* of the cell, */
-    uint16_t margin;   /* the margin of it, */
-    uint16_t edge;     /* the edge at it, */
-    uint8_t label;     /* its label, */
-    uint8_t other;     /* and that of the neighbour which offers it least */
+    uint32_t cell;     /* the least certain voxel; of several, the nearest to the middle of all, */
+    uint32_t voxels;   /* then the first. Number of voxels on both sides */
+    int32_t certainty; /* certainty, */
+    uint16_t margin;   /* margin, */
+    uint16_t edge;     /* edge */
+    uint8_t label;     /* and label of the cell, */
+    uint8_t other;     /* and the label of the neighbour with the least offer */
     uint64_t doubt;
 };
 
-/* {0} is of nothing. */
+/* {0} is empty. */
 struct hint_list {
     struct hint *item; /* HINTS_MOST at most */
     size_t count, capacity;
-    size_t border, weak; /* voxels */
+    size_t border, weak; /* numbers of voxels */
     int32_t limit;
 };
 
-/* Those of a forest and its margins (margin_new), in place of the former ones. Where `heat` is not
- * NULL, [cells] and 0, it gets how uncertain the border is: 2 for the weak voxels of it, 1 for the
- * weakest quarter; and so the voxels of the same label beside each, by
- * corners too. ERR_MEMORY, ERR_CANCELLED by the scene's watch; then there are none. */
+/* Find the hints of a forest and its margins (margin_new), replacing the former ones. `heat` may be
+ * NULL, or [cells] and 0: it is set to the uncertainty of the border, 2 for weak voxels and 1 for
+ * the weakest quarter, and likewise for voxels of the same label within one step of each, by
+ * corners too. ERR_MEMORY, ERR_CANCELLED by the scene's watch; the list is then empty. */
 enum { HINT_HEATS = 2, HINT_WARM = 4 };
 enum err hints_find(struct hint_list *hints, const struct forest *forest, const uint16_t *margin,
                     uint8_t *heat, struct fault *fault);

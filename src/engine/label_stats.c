@@ -9,16 +9,16 @@
 
 /* ---- counts ---- */
 
-/* What one worker counts may take so much, if all labels are in use. */
+/* Limit of each worker's counters, if all labels are in use. */
 enum { BYTES_OF_WORKERS = 64 << 20 };
 
-/* Counters of each label: first those of intensities, then of planes across x, y, z. NULL where the
+/* Counters of each label: first those of intensities, then of planes across x, y, z. NULL if the
  * label has had no voxel so far. */
 typedef uint32_t *counters[256];
 
 struct label_counts {
     const struct scene *scene;
-    size_t plane[3], length; /* where counters of planes begin, and their number in all */
+    size_t plane[3], length; /* first counters of planes, and the number of all counters */
     struct change_log log;
     counters of;
 };
@@ -31,7 +31,7 @@ static void release_counters(counters of)
     }
 }
 
-/* Those of a label, or NULL where memory runs out. Label 0 has none. */
+/* Counters of a label, created on demand; NULL without memory. Label 0 has no counters. */
 static uint32_t *counters_of(const struct label_counts *counts, counters of, unsigned label)
 {
     if (!of[label])
@@ -39,7 +39,7 @@ static uint32_t *counters_of(const struct label_counts *counts, counters of, uns
     return of[label];
 }
 
-/* One voxel more, or, by -1, one less. */
+/* Add 1, or -1, voxel. */
 static void count_voxel(const struct label_counts *counts, unsigned label, uint32_t cell,
                         uint32_t by)
 {
@@ -66,12 +66,12 @@ static bool follow_log(struct label_counts *counts)
     return true;
 }
 
-/* Counting all, by some workers of a team. */
+/* A recount, by some workers of a team. */
 struct counting {
     struct label_counts *counts;
     const struct labels *labels;
     struct team *team;
-    unsigned workers; /* that count voxels: others rest, as memory does not allow more */
+    unsigned workers; /* workers that count voxels; the others are idle, as memory is limited */
     struct {
         uint16_t most; /* the highest intensity */
         bool lacks_memory;
@@ -93,7 +93,7 @@ static void find_highest(void *context, unsigned worker)
     counting->part[worker].most = most;
 }
 
-/* Counts a row by its runs of one label; false: no memory. */
+/* Count a row by its runs of one label; false without memory. */
 static bool count_row(struct counting *counting, counters of, const struct grid_walk *w)
 {
     const struct label_counts *counts = counting->counts;
@@ -130,7 +130,7 @@ static void count_part(void *context, unsigned worker)
         counting->part[worker].lacks_memory = !count_row(counting, counting->part[worker].of, &w);
 }
 
-/* What the first worker has counted becomes the counts, and what the others have is added. */
+/* The counters of the first worker become the counts, and those of the others are added. */
 static bool gather_counts(struct label_counts *counts, struct counting *counting)
 {
     bool fits = true;
@@ -151,7 +151,7 @@ static bool gather_counts(struct label_counts *counts, struct counting *counting
     return fits;
 }
 
-/* By as many workers as memory allows: a scene of 16 bits has 256 kB of counters a label. */
+/* Count by as many workers as memory allows: a scene of 16 bits has 256 kB of counters a label. */
 static enum err count_all(struct label_counts *counts, const struct labels *labels,
                           struct team *team, struct fault *fault)
 {
@@ -161,7 +161,7 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
     counting->counts = counts;
     counting->labels = labels;
     counting->team = team;
-    if (!counts->length) /* intensities are those of the scene, whatever its labels */
+    if (!counts->length) /* intensities do not change with labels: they are scanned once */
         team_run(team, find_highest, counting);
     enum err err = watch_fault(counts->scene->watch, fault);
     if (!err && !counts->length) {
@@ -190,8 +190,7 @@ static struct label_sums sum_counts(const struct label_counts *counts, unsigned 
     const uint32_t *counter = counts->of[label];
     struct label_sums sums = {.voxels = 0};
     for (int a = 0; counter && a < 3; a++) {
-        /* Counters of planes: how many voxels there are, the sum of their positions, the first and
-         * the last. */
+        /* Counters of planes: number of voxels, sum of their positions, first and last. */
         const uint32_t *count = counter + counts->plane[a];
         uint64_t voxels = 0;
         for (uint32_t i = 0; i < counts->scene->grid.size[a]; i++) {
@@ -244,9 +243,9 @@ static enum err refresh_counts(struct label_measures *measures, const struct lab
 
 enum { REACH = 2, AROUND = 124 };
 
-/* A voxel that makes a pair with the one in the middle. */
+/* A voxel that makes a pair with the central one. */
 struct neighbour {
-    int32_t step[3]; /* voxels */
+    int32_t step[3]; /* in voxels */
     ptrdiff_t offset;
 };
 
@@ -255,11 +254,11 @@ typedef uint64_t pair_counts[256][PAIR_KINDS];
 struct label_pairs {
     const struct scene *scene;
     uint32_t step[3];
-    ptrdiff_t cells[3];              /* of a step */
-    struct neighbour around[AROUND]; /* in the order of their kinds */
-    uint8_t first[PAIR_KINDS + 1];   /* those of a kind, from 1 on, begin here */
+    ptrdiff_t cells[3];              /* cells of a step */
+    struct neighbour around[AROUND]; /* sorted by kind */
+    uint8_t first[PAIR_KINDS + 1];   /* the first neighbour of each kind, from 1 on */
     struct change_log log;
-    uint8_t *label; /* [cells] as seen last */
+    uint8_t *label; /* [cells], at the last refresh */
     pair_counts count;
 };
 
@@ -312,7 +311,7 @@ static struct label_pairs *pairs_new(const struct scene *scene)
     return pairs;
 }
 
-/* Of the eight bytes from here: 1 for each that is `label`, else 0. */
+/* Compare the next eight bytes with `label`: 1 for an equal byte, 0 for others. */
 static uint64_t equal_bytes(const uint8_t *byte, uint8_t label)
 {
     const uint64_t ones = UINT64_C(0x0101010101010101), low = 127 * ones;
@@ -322,14 +321,14 @@ static uint64_t equal_bytes(const uint8_t *byte, uint8_t label)
     return ~(((word & low) + low) | word | low) >> 7;
 }
 
-/* The pairs that a voxel makes with its label come, or go. */
+/* Add or subtract the pairs that a voxel makes with its label. */
 static void add_pairs(struct label_pairs *pairs, uint32_t cell, const struct place *at, bool comes)
 {
     const struct grid *grid = &pairs->scene->grid;
     const uint8_t label = pairs->label[cell];
     const uint32_t place[3] = {at->x, at->y, at->z};
     uint32_t found[PAIR_KINDS] = {0};
-    bool is_inside = true; /* so are all voxels that it may make a pair with */
+    bool is_inside = true; /* all voxels that it may make a pair with are inside the scene */
     if (!label)
         return;
     for (int a = 0; a < 3; a++)
@@ -346,7 +345,7 @@ static void add_pairs(struct label_pairs *pairs, uint32_t cell, const struct pla
                     found[kind] += (pairs->label + cell)[n->offset] == label;
             }
     } else {
-        /* A step along x is one voxel, so the five that count in a row are among eight consecutive
+        /* A step along x is one voxel, so the five candidates of a row are among eight consecutive
          * bytes. */
         const uint8_t *const middle = pairs->label + cell - REACH;
         for (int z = 0; z <= REACH; z++)
@@ -374,10 +373,10 @@ static void add_pairs(struct label_pairs *pairs, uint32_t cell, const struct pla
 struct pair_counting {
     struct label_pairs *pairs;
     struct team *team;
-    pair_counts *part; /* of each worker */
+    pair_counts *part; /* [workers] */
 };
 
-/* How many of `count` bytes are `label`. */
+/* Number of bytes among `count` that equal `label`. */
 static uint32_t count_equal(const uint8_t *byte, uint32_t count, uint8_t label)
 {
     uint32_t equal = 0;
@@ -388,7 +387,7 @@ static uint32_t count_equal(const uint8_t *byte, uint32_t count, uint8_t label)
     return equal;
 }
 
-/* The pairs of the voxels x..end-1 of a row with those that lie so far from them. */
+/* Count the pairs of the voxels x..end-1 of a row with voxels at an offset. */
 static uint32_t pairs_of(const struct label_pairs *pairs, struct span run, const struct place *at,
                          const struct neighbour *n)
 {
@@ -402,7 +401,7 @@ static uint32_t pairs_of(const struct label_pairs *pairs, struct span run, const
     return count_equal(label + (from - x) + n->offset, (uint32_t)(to - from), *label);
 }
 
-/* Adds the pairs of a row; returns how many of its voxels have a label. */
+/* Add the pairs of a row; return the number of its voxels with a label. */
 static uint64_t add_row(const struct label_pairs *pairs, pair_counts count,
                         const struct grid_walk *w)
 {
@@ -413,7 +412,7 @@ static uint64_t add_row(const struct label_pairs *pairs, pair_counts count,
         while (run.end < row.end && pairs->label[run.end] == label)
             run.end++;
         if (label) {
-            /* Of both voxels of a pair, by the one that comes first. */
+            /* Count each pair once, at its first voxel. */
             const struct place *at = &(const struct place){run.first - row.first, w->y, w->z};
             count[label][0] += run.end - run.first;
             for (int kind = 1; kind < PAIR_KINDS; kind++)
@@ -431,7 +430,7 @@ static void count_pairs_part(void *context, unsigned worker)
     struct pair_counting *counting = context;
     struct label_pairs *pairs = counting->pairs;
     struct grid_walk w = scene_walk(pairs->scene, "surface", counting->team, worker);
-    w.task.total = 0; /* rows with labels take longer */
+    w.task.total = 0; /* rows with labels need more time */
     while (grid_walk_next(&w))
         task_advance(&w.task, 2 * add_row(pairs, counting->part[worker], &w));
 }
@@ -480,9 +479,9 @@ enum err label_measures_refresh_pairs(struct label_measures *measures, const str
 
 /* ---- components and holes ---- */
 
-/* The components of voxels of other labels, all as one, that have no voxel at the edge of the part
- * of the scene that a label takes, with one voxel around it: what is around is one with what lies
- * beyond. */
+/* Count the holes of a label: components of all other voxels together, without a voxel at the edge
+ * of the scene. The search is limited to the label's bounding box plus one voxel around it, which
+ * connects to everything outside. */
 static enum err count_holes(struct label_stats *stats, const struct scene *scene,
                             const uint8_t *label, unsigned of, struct fault *fault)
 {
@@ -517,7 +516,7 @@ static enum err count_holes(struct label_stats *stats, const struct scene *scene
     return err;
 }
 
-/* ---- what is kept ---- */
+/* ---- stored counts ---- */
 
 void label_measures_release(struct label_measures *measures)
 {

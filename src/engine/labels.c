@@ -24,7 +24,7 @@ struct work {
     uint64_t sum[TEAM_MOST];
 };
 
-/* Planes of cells, the rim's among them, so that all of `out` is written. */
+/* Copy planes of cells including the rim, so that all of `out` is written. */
 static void copy_part(void *context, unsigned worker)
 {
     const struct work *work = context;

@@ -6,26 +6,26 @@
 #include "base/mem.h"
 #include "engine/queue.h"
 
-/* One cost after another is served, from the lowest up, which gives itself and those above further
- * cells. */
+/* Costs are served one after another, from the lowest up; serving a cost adds cells to it and to
+ * higher ones. */
 struct search {
     const struct scene *scene;
     const struct adjacency *adjacency;
     const struct arc_rule *arcs;
     struct queue *queue;
-    uint32_t *level; /* cells of the cost being served */
+    uint32_t *level; /* stack of cells of the cost being served */
     size_t count, capacity;
     bool starved;
-    uint32_t enough; /* from this cost on nothing is served */
+    uint32_t enough; /* costs from here on are not served */
 
-    uint16_t *cost; /* margins: [grid.cells], of the best path from another label, MARGIN_NONE */
-    uint32_t
-        *after; /* a rival: [grid.cells], 1 more than the greatest weight from there on; or 0 */
+    uint16_t
+        *cost; /* for margins, [grid.cells]: of the best path from another label, or MARGIN_NONE */
+    uint32_t *after; /* for a rival, [grid.cells]: 1 plus the greatest weight from there on; or 0 */
     struct rival *rival;
-    uint8_t label; /* whose rival is looked for */
+    uint8_t label; /* the label whose rival is searched */
 };
 
-/* Where the queue cannot be had, the search is starved. */
+/* Start a search. Without memory for a queue it is starved. */
 static struct search search_begin(const struct forest *forest)
 {
     const struct scene *scene = forest_scene(forest);
@@ -46,7 +46,7 @@ static enum err search_end(struct search *s, const char *what, struct fault *fau
     return lacks_memory ? fault_memory(fault, what) : watch_fault(s->scene->watch, fault);
 }
 
-/* A cell waits, found at the cost `here`. */
+/* Queue a cell that was found at the cost `here`. */
 static inline void wait_at(struct search *s, uint32_t here, uint32_t cost, uint32_t cell)
 {
     if (cost > here)
@@ -57,7 +57,8 @@ static inline void wait_at(struct search *s, uint32_t here, uint32_t cost, uint3
         s->starved = true;
 }
 
-/* Looks around each cell that waits. An entry whose cell has a lower cost by now is passed over. */
+/* Examine the neighbours of each queued cell. An entry whose cell has a lower cost by now is
+ * skipped. */
 typedef void look_around(struct search *s, uint32_t cell, uint32_t cost);
 static inline __attribute__((always_inline)) void serve(struct search *s, look_around *look,
                                                         struct task *task)
@@ -86,7 +87,7 @@ static inline __attribute__((always_inline)) void serve(struct search *s, look_a
 
 /* ---- margins ---- */
 
-/* What neighbour s offers t, which holds another label or the same. */
+/* Offer of neighbour s to t, which has another label or the same. */
 static uint32_t offer(const struct search *search, uint32_t s, uint32_t t)
 {
     const struct cell *cell = search->scene->cell;
@@ -95,7 +96,7 @@ static uint32_t offer(const struct search *search, uint32_t s, uint32_t t)
     return w > has ? w : has;
 }
 
-/* The best offer of neighbours with another label. */
+/* Set the cost of t to the best offer of neighbours with another label, and queue t. */
 static void begin_at(struct search *search, uint32_t t)
 {
     const struct adjacency *adjacency = search->adjacency;
@@ -116,7 +117,7 @@ static void begin_at(struct search *search, uint32_t t)
     queue_push(search->queue, best << 16, t);
 }
 
-/* Neighbours of the same label that s, which has its final cost, offers less than they have. */
+/* Offer the final cost of s to neighbours of the same label. */
 static inline void pass_on(struct search *search, uint32_t s, uint32_t cost)
 {
     const struct adjacency *adjacency = search->adjacency;

@@ -3,15 +3,15 @@
 
 #include <stdlib.h>
 
-/* The search around a place for the nearest voxel of a label that counts. */
+/* The search around a place for the nearest voxel of a label that satisfies `counts`. */
 struct search {
     const struct scene *scene;
-    int64_t at[3], least[3], most[3]; /* the place; steps that lead to voxels within reach */
-    uint32_t unit[3];                 /* the length of a step */
+    int64_t at[3], least[3], most[3]; /* the place; steps that lead to voxels within the limits */
+    uint32_t unit[3];                 /* length of a step */
     unsigned label;
     bool (*counts)(const struct scene *scene, uint32_t cell);
     uint32_t cell;    /* the nearest one so far, */
-    uint64_t squared; /* and how far it is; UINT64_MAX for none */
+    uint64_t squared; /* and its squared distance; UINT64_MAX for none */
 };
 
 static void try_voxel(struct search *s, const int64_t step[3], uint64_t row_squared)
@@ -29,7 +29,7 @@ static void try_voxel(struct search *s, const int64_t step[3], uint64_t row_squa
     s->squared = squared;
 }
 
-/* False where the watch has stopped it. */
+/* False if the watch has stopped it. */
 static bool search_nearest(struct search *s, const char *what)
 {
     uint64_t finest = s->unit[0];
@@ -42,7 +42,7 @@ static bool search_nearest(struct search *s, const char *what)
     struct task task = task_begin(s->scene->watch, what, 0);
     s->squared = UINT64_MAX;
     for (int64_t r = 0; r <= shells; r++) {
-        const uint64_t far = (uint64_t)r * finest; /* a voxel in this shell, at the least */
+        const uint64_t far = (uint64_t)r * finest; /* least distance of a voxel in this shell */
         if (far * far > s->squared)
             break;
         if (!task_advance(&task, (uint64_t)(24 * r * r + 2)))

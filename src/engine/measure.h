@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Measures of what the labels make: how far a voxel is from the border of its object, and where the
- * centre of a label is.
+ * Measures of labels: the distance of a voxel to the border of its object, and the centre of a
+ * label.
  *
- * An object is all voxels of one label, label 0 too; the border here is that of the object,
- * whatever is shown or cut away: those of its voxels with a face neighbour of another label, or at
- * the edge of the scene, which counts as label 0. So a voxel on the border is 0 away. Distances are
- * between centres.
+ * An object is the set of all voxels of one label, label 0 too. Its border, independent of display
+ * and cuts, are the voxels with a face neighbour of another label, or at the edge of the scene,
+ * which counts as label 0. So a voxel on the border has distance 0. Distances are between centres.
  *
- * The centre of a label is the voxel of it that is nearest to the mean of all of them, in voxels,
- * so that it lies within even where the mean does not. The mean takes one look at the scene.
+ * The centre of a label is its voxel nearest to the mean of all its voxels, in voxel units, so that
+ * it is inside the label even if the mean is not. The mean needs one scan of the scene.
  *
- * Both searches go outward in shells, and end where no voxel further off can be nearer; of voxels
- * as near, the first in cell order is found. That takes time by the distance, and is watched.
+ * Both searches visit shells of growing size, and end when no voxel further out can be nearer; ties
+ * are decided by the order of cells. The time depends on the distance, and is watched.
  */
 #ifndef ENGINE_MEASURE_H
 #define ENGINE_MEASURE_H
@@ -20,22 +19,22 @@
 #include "engine/scene.h"
 
 enum {
-    MEASURE_STEPS = 100,         /* the search goes no more voxels than that along an axis, */
-    MEASURE_REACH_NM = 100000000 /* and no further; so that squares fit 64 bits */
+    MEASURE_STEPS = 100,         /* limit of the search along an axis in voxels, */
+    MEASURE_REACH_NM = 100000000 /* and in nm; so that squares fit 64 bits */
 };
 
 struct border_distance {
-    bool found;        /* else the border is further than reach_nm, or there is none */
-    uint32_t cell;     /* of the nearest border voxel */
+    bool found;        /* false if the border is further than reach_nm, or does not exist */
+    uint32_t cell;     /* the nearest border voxel */
     uint64_t squared;  /* nm^2 */
-    uint64_t reach_nm; /* how far everything was searched */
+    uint64_t reach_nm; /* distance up to which the search is complete */
 };
 
-/* From the cell of a voxel. Of no use where the scene's watch has stopped it. */
+/* Distance from the cell of a voxel. Undefined if the scene's watch has stopped it. */
 struct border_distance measure_border_distance(const struct scene *scene, uint32_t cell);
 
-/* Of the voxels that a seed reaches. False where the label has none, or the scene's watch has
- * stopped it. */
+/* Centre of a label among the voxels that a seed reaches. False if it has none, or the scene's
+ * watch has stopped it. */
 bool centre_of_label(const struct scene *scene, unsigned label, uint32_t place[3]);
 
 #endif

@@ -7,14 +7,14 @@
 #include "base/mem.h"
 #include "engine/net_graph.h"
 
-/* Four corners of each face, counter-clockwise seen from outside: cubes beside a voxel, and the
- * corner of the cube that the air there is. */
+/* Four corners of each face, counter-clockwise seen from outside: cubes next to a voxel, and the
+ * corner of the cube that is the air there. */
 struct corners {
     ptrdiff_t cube[6][4];
     int corner[6][4];
 };
 
-/* Bits of voxels whose neighbour through each face is not of the object. */
+/* Bits of voxels whose neighbour through each face is not in the object. */
 static void faces_of(const struct net_graph *g, int32_t word, int32_t y, int32_t z,
                      uint64_t face[6])
 {
@@ -29,10 +29,10 @@ static void faces_of(const struct net_graph *g, int32_t word, int32_t y, int32_t
 }
 
 struct quads {
-    struct net_sum *sum; /* or NULL: of cubes */
+    struct net_sum *sum; /* [cubes], or NULL */
     struct net_quad *quad;
     uint8_t *is_used;
-    const int32_t *origin; /* of the box */
+    const int32_t *origin; /* first voxel of the box */
     size_t count;
 };
 
@@ -63,8 +63,9 @@ static void add_quad(const struct net_graph *g, struct quads *q, const struct co
     quad->is_closed = is_closed;
 }
 
-/* Quads of voxels up to so many steps outside the box, of which one that looks inward is not
- * counted along each axis; those of the box itself are kept. Without a place for them: how many. */
+/* Visit the quads of voxels within `reach` steps of the box; a voxel facing inward is one step
+ * nearer along that axis. Quads of the box itself are stored. Without memory for them, count
+ * them. */
 static void walk_faces(const struct net_graph *g, struct quads *q, int32_t reach)
 {
     struct corners corners;
@@ -138,7 +139,7 @@ static bool make_net(struct net *out, const struct net_source *source, const int
         return false;
     }
     /* Number the vertices that quads use, and write them. */
-    int32_t *number = g.first; /* not needed any more */
+    int32_t *number = g.first; /* no longer needed */
     for (int32_t v = 0; v < g.upto[0]; v++) {
         const struct net_place *p = &g.place[v];
         const int32_t cube[3] = {p->x, p->y, p->z};
@@ -172,7 +173,7 @@ enum err net_make(struct net *net, const struct net_source *source, const int32_
 
 unsigned net_diagonal(int32_t corner[4][3], unsigned face)
 {
-    int64_t longer = 0; /* how much 0 to 2 is, squared */
+    int64_t longer = 0; /* squared length of diagonal 0 to 2 minus that of 1 to 3 */
     for (int a = 0; a < 3; a++) {
         const int64_t d = corner[2][a] - corner[0][a], e = corner[3][a] - corner[1][a];
         longer += d * d - e * e;

@@ -1,36 +1,37 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Surface nets that keep their volume: the one surface that renditions show, `save surface` writes
- * and statistics measure. Integers only; what is turned or mirrored has the turned or mirrored net,
+ * Surface nets that keep their volume: the surface that renditions show, `save surface` writes and
+ * statistics measure. Integers only; rotating or mirroring the labels rotates or mirrors the net,
  * bit for bit.
  *
  * 1. The centres of eight voxels make a cube. In each cube that has voxels of the object and
  *    others, there is one vertex for each *part of air*: the voxels of the cube outside the
- *    object that hang together by faces. So two sides of a thin wall never share a vertex. A quad
- *    lies between each voxel of the object and each of its six face neighbours outside it, and
+ *    object that are connected by faces. So two sides of a thin wall never share a vertex. A quad
+ *    separates each voxel of the object from each of its six face neighbours outside it, and
  *    joins vertices of the four cubes around that face. (Gibson, Constrained elastic surface
  *    nets, 1998, has one vertex a cube.) Its edges are the links; u is the umbrella operator, a
- *    vertex less the mean of what it is linked with. A vertex begins at the mean of the crossings
+ *    vertex minus the mean of its linked vertices. A vertex begins at the mean of the crossings
  *    halfway between voxels of its cube.
- * 2. Places: 1 - u (1092 - 960 u + 256 u^2) / 365, Chebyshev's polynomial of three passes, the
- *    least from 1/2 to 2; then none may lie further than a quarter of a voxel outside its cube.
- * 3. Volume: what that has cost next to each vertex is pushed outward again, along the normal
- *    that faces of voxels have there, so small and thin objects keep their size. LOST is the flux
- *    of the quads' area from the place to the middle of the cube, where the net is that of voxels
- *    as cubes, by Simpson's rule; a push by h gains BY_PUSH h + BY_SQUARE h^2 + BY_CUBE h^3. A
- *    quarter of each quad goes to each corner, and by links: so u keeps their sum (without that,
- *    1 to 8 % of volume are lost). All four are filtered by 1 - u (283360 - 516000 u + 352000 u^2
+ * 2. Positions: 1 - u (1092 - 960 u + 256 u^2) / 365, Chebyshev's polynomial of three passes, the
+ *    least from 1/2 to 2; then clamped to a quarter of a voxel outside the vertex's cube.
+ * 3. Volume: the volume lost next to each vertex is restored by pushing it outward, along the
+ *    normal of the faces of voxels, so small and thin objects keep their size. LOST is the flux of
+ *    the quads' area from the position to the middle of the cube, where the net is that of voxels
+ *    as cubes, by Simpson's rule; a push by h adds BY_PUSH h + BY_SQUARE h^2 + BY_CUBE h^3. A
+ *    quarter of each quad is added to each corner, divided by links: so u keeps their sum (without
+ *    that, 1 to 8 % of volume are lost). All four are filtered by 1 - u (283360 - 516000 u + 352000
+ *    u^2
  *    - 80000 u^3) / 45281, of four passes, the least from 1/5 to 2; then h is solved for, and
- *    places are clamped again.
- * 4. Borders between labels: vertices that one runs through slide along the surface to where
- *    net_settle.c finds it. Junctions of three labels are held.
- * 5. Normals are those of the quads as they lie after step 2, by area, filtered by Chebyshev's
- *    polynomial of four passes, the least from 3/4 to 2. Below 3/4 those of single voxels turn
- *    over. Where the surface is nearly flat, the last pass goes further, down to 1/4: there it is
- *    steps of voxels that ripple, and nothing turns over.
+ *    positions are clamped again.
+ * 4. Borders between labels: vertices on a border slide along the surface to the place that
+ *    net_settle.c finds. Junctions of three labels are fixed.
+ * 5. Normals are those of the quads after step 2, weighted by area, filtered by Chebyshev's
+ *    polynomial of four passes, the least from 3/4 to 2. Below 3/4 normals of single voxels turn
+ *    over. Where the surface is nearly flat, the last pass is stronger, down to 1/4: steps of
+ *    voxels ripple there, and nothing turns over.
  *
- * Where a voxel beside the object is closed (cut away, or outside the scene), vertices stay on the
- * face between the two along that axis: cuts are flat, their rim is a line, every net is closed.
+ * Next to a closed voxel (cut away, or outside the scene), vertices stay on the face between it and
+ * the object along that axis: cuts are flat, their rim is a line, every net is closed.
  *
  * Reach: 3 cubes of step 2, 1 for quads, 4 of steps 3 to 5, and the cube itself: 9 voxels.
  *
@@ -42,9 +43,9 @@
  * exactly was no better.
  *
  * Promises
- *   N1 a vertex is a function of the voxels up to NET_MARGIN steps along x, y and z from the voxels
- *      of its box, wherever that box begins and ends;
- *   N2 quads are closed: each edge of one has another that runs along it the other way.
+ *   N1 a vertex is a function of the voxels within NET_MARGIN steps along x, y and z of the voxels
+ *      of its box, independent of the box;
+ *   N2 quads are closed: each edge of a quad is also an edge of another, in the opposite direction.
  */
 #ifndef ENGINE_NET_H
 #define ENGINE_NET_H
@@ -57,41 +58,41 @@
 
 struct net_vertex {
     int32_t cube[3];   /* the first voxel of its cube */
-    int16_t at[3];     /* from the centre of that voxel, in 2^-NET_BITS voxels */
-    int16_t normal[3]; /* along voxel axes, outward; 0 where there is none (cuts) */
-    uint8_t air;       /* which corners of the cube are its part: bit x + 2 y + 4 z */
+    int16_t at[3];     /* relative to the centre of that voxel, in 2^-NET_BITS voxels */
+    int16_t normal[3]; /* along voxel axes, outward; 0 for no normal (cuts) */
+    uint8_t air;       /* corners of the cube in its part of air: bit x + 2 y + 4 z */
 };
 
 struct net_quad {
-    uint32_t corner[4]; /* numbers of vertices, counter-clockwise seen from outside */
+    uint32_t corner[4]; /* indices of vertices, counter-clockwise seen from outside */
     int32_t voxel[3];
-    uint8_t face;   /* 2 * axis + 1 where the neighbour is the next one along the axis */
-    uint8_t label;  /* of the voxel */
-    bool is_closed; /* the neighbour is */
+    uint8_t face;   /* 2 * axis + 1 if the neighbour is the next one along the axis */
+    uint8_t label;  /* label of the voxel */
+    bool is_closed; /* the neighbour is closed */
 };
 
 struct net {
-    struct net_vertex *vertex; /* by rising cubes, x fastest */
-    struct net_quad *quad;     /* by rising voxels, then faces */
+    struct net_vertex *vertex; /* sorted by cube, x fastest */
+    struct net_quad *quad;     /* sorted by voxel, then face */
     uint32_t vertices, quads;
 };
 
-/* The quads of the voxels of a box, and their vertices. ERR_MEMORY: as it was. The caller releases
- * the net. */
+/* Compute the quads of the voxels of a box, and their vertices. On ERR_MEMORY *net is unchanged.
+ * The caller releases the net. */
 enum err net_make(struct net *net, const struct net_source *source, const int32_t first[3],
                   const uint32_t size[3], struct fault *fault);
 void net_release(struct net *net);
 
-/* Where a quad is split into triangles, by the places of its corners in 2^-NET_BITS voxels from
- * anywhere: 0 from corner 0 to 2, 1 from corner 1 to 3. With d for that, they are (d, d + 1, d + 2)
- * and (d + 2, d + 3, d), mod 4. It is the shorter diagonal, in voxels along the axes; of two as
- * long, the one from the lowest cube to the highest, so that a face has the same triangles from
- * both of its sides. */
+/* Choose the diagonal that splits a quad into triangles, from the positions of its corners in
+ * 2^-NET_BITS voxels from any origin: 0 from corner 0 to 2, 1 from corner 1 to 3. With d for the
+ * result, the triangles are (d, d + 1, d + 2) and (d + 2, d + 3, d), mod 4. It is the shorter
+ * diagonal in voxel units; on a tie the one from the lowest cube to the highest, so that a face has
+ * the same triangles from both sides. */
 unsigned net_diagonal(int32_t corner[4][3], unsigned face);
 
-/* Memory that is kept from one net_make to the next; NULL: no memory. */
+/* Memory that is reused by calls of net_make; NULL without memory. */
 struct net_scratch *net_scratch_new(void);
 void net_scratch_free(struct net_scratch *scratch);
-size_t net_scratch_bytes(const struct net_scratch *scratch); /* of NULL, 0 */
+size_t net_scratch_bytes(const struct net_scratch *scratch); /* 0 for NULL */
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "base/mem.h"
 
-/* Which corners hang together with the lowest of `left` by faces, through `left`. */
+/* Corners that are connected by faces with the lowest corner of `left`, through `left`. */
 static uint8_t grown_from(uint8_t left)
 {
     uint32_t grown = (uint32_t)(left & -left), before;
@@ -20,8 +20,8 @@ static uint8_t grown_from(uint8_t left)
     return (uint8_t)grown;
 }
 
-/* Through air on the side that has a crossing there, and is not closed. Two parts of such a side
- * lie across its middle from each other: where the other two corners are of the object. */
+/* Find links through air on the side of the cube that has a crossing there and is not closed. Two
+ * parts of one side are diagonal: the other two corners are in the object. */
 static void find_links(struct net_part *part, int axis, uint8_t air, uint8_t closed)
 {
     const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3;
@@ -38,7 +38,7 @@ static void find_links(struct net_part *part, int axis, uint8_t air, uint8_t clo
     }
 }
 
-/* The cube whose corners outside the object are `air`; some of them are closed. */
+/* Compute the cube whose corners outside the object are `air`, some of them closed. */
 static void net_cube_init(struct net_cube *cube, uint8_t air, uint8_t closed)
 {
     uint8_t left = air == UINT8_MAX ? 0 : air;
@@ -89,7 +89,7 @@ const struct net_cube *net_cubes(void)
     return cube_of_air;
 }
 
-/* A cube that has vertices. */
+/* A cube with vertices. */
 struct net_cell {
     int16_t x, y, z;
     uint8_t air, level;
@@ -124,7 +124,7 @@ static int32_t level_of(int32_t x, int32_t y, int32_t z)
     return steps < NET_TERMS ? steps : most_of(NET_TERMS, most_of(most, steps - 2));
 }
 
-/* The cubes of a row that are needed; false: none. */
+/* The cubes of a row that are needed; false for none. */
 static bool row_of(const struct net_graph *g, int32_t y, int32_t z, int32_t *low, int32_t *high)
 {
     const int32_t dy = net_outside(g, 1, y, 1), dz = net_outside(g, 2, z, 1), last = NET_LEVELS - 1;
@@ -139,7 +139,7 @@ static bool row_of(const struct net_graph *g, int32_t y, int32_t z, int32_t *low
 
 /* ---- voxels ---- */
 
-/* Bits of four voxels, each in its 16 bits. */
+/* Bits of four voxels of 16 bits each. */
 static uint64_t four_bits(uint64_t lanes)
 {
     return (lanes >> 8 & UINT64_C(0x0001000100010001)) * UINT64_C(0x0001000200040008) >> 48 & 15;
@@ -208,7 +208,7 @@ static bool read_voxels(struct net_graph *g, const struct net_source *source,
 
 /* ---- cubes ---- */
 
-/* The words of the four rows of voxels that a row of cubes lies between. */
+/* The words of the four rows of voxels between which a row of cubes extends. */
 struct bundle {
     const uint64_t *row[4];
 };
@@ -240,7 +240,7 @@ static uint8_t corners_of(const struct bundle *b, int32_t word, int bit)
     return (uint8_t)corners;
 }
 
-/* What its vertices are; those of cubes with closed corners are made in `made`. */
+/* Vertices of a cube; cubes with closed corners are computed in `made`. */
 static const struct net_cube *cube_of(const struct net_graph *g, const struct net_cell *cell,
                                       const struct net_cube *cubes, struct net_cube *made)
 {
@@ -312,8 +312,8 @@ static void add_line(struct net_graph *g, int32_t v, int32_t to)
     g->lines[v] = (uint8_t)(g->lines[v] < 3 ? g->lines[v] + 1 : 3);
 }
 
-/* Whether the voxels of the object beside the air that a link goes through, on the low side of a
- * cube, have several labels. */
+/* True if the voxels of the object next to the air through which a link passes, on the low side of
+ * a cube, have several labels. */
 static bool is_border(const struct net_graph *g, size_t cube, int axis, uint8_t air, int corner)
 {
     const size_t step[3] = {1, (size_t)g->stride, (size_t)g->stride * (size_t)g->size[1]};
@@ -342,7 +342,7 @@ static void link_part(struct net_graph *g, int32_t v, const struct net_part *par
         int32_t last = -1;
         for (int i = 0; i < 2 && part->link[a][i] != NET_UNLINKED; i++) {
             int32_t low, high;
-            if (cell->level == NET_LEVELS - 1 && /* the cube beside may be none */
+            if (cell->level == NET_LEVELS - 1 && /* the adjacent cube may not exist */
                 (!row_of(g, cell->y - (a == 1), cell->z - (a == 2), &low, &high) ||
                  cell->x - (a == 0) < low || cell->x - (a == 0) > high))
                 continue;

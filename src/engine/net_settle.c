@@ -6,11 +6,12 @@
 
 enum {
     FAR = NET_LEVELS - 1, /* vertices on either side */
-    TURN_MOST = 4 * 128,  /* the square of a tangent, 128 for 1 */
+    TURN_MOST = 4 * 128,  /* squared tangent, 128 for 1 */
 };
 
-/* The places of vertices along the border less that of v, which is along[0]; how many on either
- * side. Beyond where it is held, it goes on as what it is, mirrored in that place. */
+/* Collect the positions of vertices along the border minus that of v, which is along[0]; return
+ * their number on either side. Beyond a fixed end, the border is continued by mirroring it in that
+ * place. */
 static int follow(const struct net_graph *g, int32_t v, net_lanes *along)
 {
     int last[2], far = FAR;
@@ -38,10 +39,10 @@ static int follow(const struct net_graph *g, int32_t v, net_lanes *along)
     return far;
 }
 
-/* How far the parabola through m vertices on either side is trusted, of 256: not where it runs on
- * by less than .35 voxels each, less and less where it turns by 55 to 63 degrees from its middle to
- * an end. Its slope is 3 slope / (m (m + 1) (2 m + 1)), and it bends by
- * 15 bend / (m (m + 1) (2 m - 1) (2 m + 1) (2 m + 3)). */
+/* Weight of the parabola through m vertices on either side, of 256: 0 if it is shorter than .35
+ * voxels a vertex; falling from 55 to 63 degrees of turn between its middle and an end. Its slope
+ * is 3 slope / (m (m + 1) (2 m + 1)), its bend 15 bend / (m (m + 1) (2 m - 1) (2 m + 1) (2 m +
+ * 3)). */
 static int32_t trust_of(net_lanes slope, net_lanes bend, int64_t m)
 {
     const int64_t least = m * (m + 1) * (2 * m + 1) / 3 * NET_ONE / 64;
@@ -54,12 +55,12 @@ static int32_t trust_of(net_lanes slope, net_lanes bend, int64_t m)
     if (8 * runs < least * least)
         return 0;
     const int64_t one = (2 * m - 1) * (2 * m - 1) * (2 * m + 3) * (2 * m + 3) * (runs / 128 + 1);
-    const int64_t square = 100 * m * m * turns / one; /* of the tangent; 128 is 1 */
+    const int64_t square = 100 * m * m * turns / one; /* squared tangent; 128 is 1 */
     const int64_t trust = TURN_MOST - square;
     return trust <= 0 ? 0 : trust >= 256 ? 256 : (int32_t)trust;
 }
 
-/* How far the parabola is from the vertex in the middle. */
+/* Offset of the parabola from the vertex in the middle. */
 static net_lanes parabola(const net_lanes *along, int far)
 {
     net_lanes sum = {0}, slope = {0}, square = {0}, off = {0};
@@ -78,7 +79,7 @@ static net_lanes parabola(const net_lanes *along, int far)
     return off;
 }
 
-/* Finds `border` of the graph, from the places where vertices begin. False: no memory. */
+/* Compute `border` of the graph, from the initial positions of vertices. False without memory. */
 static bool net_line_find(struct net_graph *g)
 {
     const int32_t count = g->upto[0];
@@ -93,16 +94,16 @@ static bool net_line_find(struct net_graph *g)
 }
 
 enum {
-    SLACK = NET_ONE / 4,           /* how far outside its cube a vertex may lie */
-    PUSH_MOST = 15 * NET_ONE / 16, /* and how far it is pushed at most */
+    SLACK = NET_ONE / 4,           /* distance that a vertex may be outside its cube */
+    PUSH_MOST = 15 * NET_ONE / 16, /* largest push */
     LINKS = NET_LINKS_MOST + 1,
-    AREA_BITS = 10, /* by which sums of areas are rounded, */
-    TERM_BITS = 24, /* and terms: to 2^-18 voxels */
+    AREA_BITS = 10, /* rounding of sums of areas, */
+    TERM_BITS = 24, /* and of terms: to 2^-18 voxels */
 };
 
 /* ---- rounding ---- */
 
-/* p / 2^bits; halves away from 0, so that what is mirrored comes out mirrored. */
+/* p / 2^bits; halves away from 0, so that mirroring commutes with rounding. */
 static inline int64_t rounded(int64_t p, int bits)
 {
     return (p + (INT64_C(1) << (bits - 1)) + (p >> 63)) >> bits;
@@ -110,8 +111,8 @@ static inline int64_t rounded(int64_t p, int bits)
 
 typedef uint32_t counts __attribute__((vector_size(16)));
 
-/* x share / 2^bits of each, halves away from 0; share is at most 2^16, and so is 2^bits. In two
- * halves of x, which no product of 32 bits is too small for. */
+/* x share / 2^bits of each, halves away from 0; share is at most 2^16, and so is 2^bits. Computed
+ * in two halves of x, whose products fit 32 bits. */
 static inline net_lanes part_of(net_lanes x, int32_t share, int bits)
 {
     const counts low = (counts)(x & 0xffff) * (uint32_t)share;
@@ -119,7 +120,7 @@ static inline net_lanes part_of(net_lanes x, int32_t share, int bits)
     return (x >> 16) * high + (net_lanes)((low + (1U << (bits - 1)) + (counts)(x >> 31)) >> bits);
 }
 
-/* The nearest number of 2^-bits to numerator / denominator. */
+/* numerator / denominator, rounded to 2^-bits. */
 #define FIXED(numerator, denominator, bits)                                                        \
     ((int32_t)((((int64_t)(numerator) << ((bits) + 1)) / (denominator) + 1) / 2))
 
@@ -133,7 +134,7 @@ static void shares(int32_t share[LINKS], int32_t numerator, int32_t denominator,
         share[n] = FIXED(numerator, denominator * n, bits);
 }
 
-/* 1 / sqrt(x), by Newton's rule: times 2^30 where x is a part of 2^32, from a quarter up. */
+/* 1 / sqrt(x), by Newton's rule: times 2^30 for x in units of 2^-32, from 1/4 up. */
 static inline uint64_t root_share(uint64_t x)
 {
     uint64_t y = UINT64_C(2244120412) - (x * 5025111 >> 24);
@@ -152,7 +153,7 @@ static inline uint64_t square_of(net_lanes n)
     return square;
 }
 
-/* Of a square over 0: 4^half of it, a part of 2^32 from a quarter up. */
+/* Scale a positive square by 4^half to units of 2^-32, from 1/4 up. */
 static inline uint64_t as_part(uint64_t square, int *half)
 {
     *half = (__builtin_clzll(square) >> 1) - 16;
@@ -169,7 +170,7 @@ static inline int32_t length_of(net_lanes n)
     return (int32_t)(part * root_share(part) >> (46 + half));
 }
 
-/* As long as 2^14. */
+/* Normalise to length 2^14. */
 static inline net_lanes long_as_one(net_lanes n)
 {
     const uint64_t square = square_of(n);
@@ -183,9 +184,9 @@ static inline net_lanes long_as_one(net_lanes n)
     return n;
 }
 
-/* ---- places ---- */
+/* ---- positions ---- */
 
-/* Keeps what is along axes that are not locked. */
+/* Masks of the axes that are not locked. */
 static const net_lanes free_of[8] = {
     {-1, -1, -1, -1}, {0, -1, -1, -1}, {-1, 0, -1, -1}, {0, 0, -1, -1},
     {-1, -1, 0, -1},  {0, -1, 0, -1},  {-1, 0, 0, -1},  {0, 0, 0, -1},
@@ -234,8 +235,8 @@ WIDE static void smooth(struct net_graph *g, net_lanes *off, net_lanes *next)
                                             part_of(off[v], FIXED(1092, 365, MANY), MANY)));
 }
 
-/* Which way faces of voxels look around each, smoothed twice; links weigh 1, a vertex what makes
- * six of it. */
+/* Direction of faces of voxels around each vertex, smoothed twice; links weigh 1, the vertex itself
+ * the rest of six. */
 WIDE static void find_push(struct net_graph *g, net_lanes *next)
 {
     for (int32_t v = 0; v < g->upto[6]; v++)
@@ -303,8 +304,8 @@ void net_add_quad(const struct net_graph *g, struct net_sum *sum, const int32_t 
     }
 }
 
-/* The push h at which BY_PUSH h + BY_SQUARE h^2 + BY_CUBE h^3 makes up for what is lost: Newton's
- * rule between bounds, which are halved where it leaves them. What has collapsed has no BY_PUSH. */
+/* The push h with BY_PUSH h + BY_SQUARE h^2 + BY_CUBE h^3 = LOST: Newton's rule between bounds,
+ * which are halved if it leaves them. A collapsed vertex has no BY_PUSH. */
 static int32_t push_of(net_lanes m)
 {
     int64_t low = -PUSH_MOST, high = PUSH_MOST, h = 0;
@@ -329,8 +330,7 @@ static int32_t push_of(net_lanes m)
 
 /* ---- borders between labels ---- */
 
-/* How far a vertex is off the border that runs through it, along the surface. What is outward or
- * inward is left to volumes. */
+/* Offset of a vertex from its border, along the surface. The normal part is left to the volume. */
 static inline net_lanes off_border(const struct net_graph *g, net_lanes at, int32_t v)
 {
     net_lanes off = unlocked(g, v, at - g->border[v]);
@@ -342,9 +342,9 @@ static inline net_lanes off_border(const struct net_graph *g, net_lanes at, int3
     return off;
 }
 
-/* ---- both ---- */
+/* ---- volume and normals ---- */
 
-/* What the passes filter: terms, and normals. */
+/* The quantities that the passes filter: terms, and normals. */
 struct both {
     net_lanes term, normal;
 };
@@ -364,7 +364,7 @@ static inline struct both apart_of(const struct net_graph *g, const struct both 
     return apart;
 }
 
-/* Lengths from voxels to the world, and then 1. */
+/* Convert a normal from voxels to the world, and normalise it. */
 static net_lanes in_world(net_lanes normal, const uint32_t scale[3])
 {
     const uint32_t one = 1 << 12;
@@ -376,9 +376,9 @@ static net_lanes in_world(net_lanes normal, const uint32_t scale[3])
 /* 1 / the roots of Chebyshev's polynomial of normals, of four passes, least from 3/4 to 2. */
 static const int32_t normal_step[4] = {512184, 619511, 880419, 1253800}; /* 10^-6 */
 
-/* What its last step is longer by where the surface is nearly flat, by links, 2^-MANY: 0 to 2.946.
- * There the sum of the normals around is nearly as long as the sum of their lengths; its square is
- * more than .95: .97 on a ball of 10, .94 at the second vertex from the edge of a box. */
+/* Increase of the last step where the surface is nearly flat, by links, 2^-MANY: 0 to 2.946. There
+ * the sum of the normals around is nearly as long as the sum of their lengths; its square is more
+ * than .95: .97 on a ball of 10, .94 at the second vertex from the edge of a box. */
 static inline int32_t longer_step(net_lanes normal, int links)
 {
     const uint64_t square = square_of(normal);
@@ -389,8 +389,8 @@ static inline int32_t longer_step(net_lanes normal, int links)
     return (int32_t)((least < 4096 ? least : 4096) * FIXED(2946, 1000, MANY) >> 12) / links;
 }
 
-/* That of terms, of four passes, least from 1/5 to 2:
- * 1 - u (283360 - 516000 u + 352000 u^2 - 80000 u^3) / 45281. */
+/* Chebyshev's polynomial of terms, of four passes, least from 1/5 to 2: 1 - u (283360 - 516000 u +
+ * 352000 u^2 - 80000 u^3) / 45281. */
 WIDE static void restore(struct net_graph *g, struct both *x, struct both *off, struct both *y,
                          struct both *t, const uint32_t scale[3], net_lanes *normal)
 {

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The pass: levels (cost, hops) are served from the lowest up. A voxel that is served passes its
- * key, final by then, on to its neighbours. Keys of one level never offer within it, so the voxels
- * of a level may be served in any order, and by several workers.
+ * The pass: levels (cost, hops) are served from the lowest up. A served voxel has its final key and
+ * offers it to its neighbours. Keys of one level make no offers within it, so the voxels of a level
+ * may be served in any order, and by several workers.
  *
- * Voxels are served in windows. First each makes its offers: the neighbours that may take one are
- * written down without a branch, since which will is hard to predict. Then the offers are compared
- * again, and taken where they still are the best. Cells are fetched two windows before they are
- * served, their neighbours one window before. On a scene of 7 million voxels this takes half the
+ * Voxels are served in windows. First each makes its offers: neighbours that may accept one are
+ * recorded without a branch, since the outcome is hard to predict. Then the offers are compared
+ * again, and accepted where they still are the best. Cells are fetched two windows before they are
+ * served, their neighbours one window before. On a scene of 7 million voxels this needs half the
  * time of serving voxel by voxel.
  *
- * Workers. Where a forest grows from nothing, a thread team shares the pass. Each cell has one
- * owner, which alone changes it and in whose queue it waits. An offer to a cell of another worker
- * goes to the outbox for that worker, which takes it when all have served the level. A worker reads
- * keys of cells that it does not own while their owners may lower them: an offer made in vain is
- * declined by the owner, and no key ever rises. So each level ends in the same keys as if one
- * worker had served it. Where the first worker has to wait for the others, because the machine has
- * other things to do, it goes on alone, in place of all of them.
+ * Workers. If a forest grows from seeds only, a thread team shares the pass. Each cell has one
+ * owner, the only worker that changes it and queues it. An offer to a cell of another worker goes
+ * to the outbox for that worker, which reads it when all have served the level. A worker reads keys
+ * of cells that it does not own while their owners may lower them: the owner declines a useless
+ * offer, and no key ever rises. So each level ends with the same keys as if one worker had served
+ * it. If the first worker has to wait for the others, because the machine is busy with other
+ * programs, it continues alone in place of all of them.
  *
- * Support. Every key but a seed's is what the predecessor offers. Voxels lose that where a seed is
- * removed, or where the key of their predecessor has changed; they are looked after first.
+ * Support. Every key except a seed's is an offer of the predecessor. A voxel loses this support
+ * when a seed is removed or the key of its predecessor changes; such voxels are processed first.
  */
 #include "engine/pass.h"
 
@@ -32,11 +32,11 @@ enum {
     WINDOW = 16,  /* voxels served together */
     BATCH = 1024, /* queue entries taken at once */
     OFFERS = WINDOW * 26 + 1,
-    AHEAD = 6,              /* cleared voxels between fetching one and using it */
-    PATIENCE_NS = 15000000, /* that the first worker waits before it goes on alone */
+    AHEAD = 6,              /* cleared voxels between prefetching one and using it */
+    PATIENCE_NS = 15000000, /* waiting time after which the first worker continues alone */
 };
 
-/* Code that is compiled once for each of these, as constants: loops unroll and tests vanish. */
+/* Parameters for which code is compiled separately, as constants: loops unroll and tests vanish. */
 struct kind {
     unsigned neighbours;
     enum arc_kind arcs;
@@ -46,15 +46,15 @@ struct kind {
 };
 #define PER_KIND static inline __attribute__((always_inline))
 
-/* Offers, in three arrays, so that the next one takes three stores and an addition. */
+/* Offers in three arrays, so that adding one needs three stores and an addition. */
 struct offers {
     uint64_t key[OFFERS];
     uint32_t cell[OFFERS];
-    uint32_t state[OFFERS]; /* that the cell will have, should it accept */
+    uint32_t state[OFFERS]; /* state of the cell if it accepts the offer */
     size_t count;
 };
 
-/* One addition, where an index would be multiplied first. */
+/* One addition; indexing would need a multiplication. */
 static inline const struct cell *neighbour_of(const struct forest *forest, const struct cell *cell,
                                               unsigned direction)
 {
@@ -68,9 +68,9 @@ struct offer {
     unsigned direction; /* from the neighbour to here */
 };
 
-/* The best offer to a voxel from neighbours with keys below `limit`, cleared ones left out; without
- * a branch. `neighbours` and `arcs` are those of the forest, and `limits` says whether any seed has
- * a reach: constants where possible. */
+/* The best offer to a voxel from neighbours with keys below `limit`, except cleared ones, computed
+ * without a branch. `neighbours` and `arcs` are those of the forest, and `limits` is true if any
+ * seed has a reach; they are constants where possible. */
 PER_KIND struct offer best_offer(const struct forest *forest, uint32_t at, uint64_t limit,
                                  const unsigned neighbours, const enum arc_kind arcs,
                                  const bool limits)
@@ -111,9 +111,9 @@ static void clear_voxel(struct forest *forest, uint32_t at)
     cell->flags = (uint8_t)((cell->flags & ~(CELL_QUEUED | CELL_RAISED)) | CELL_CLEARED);
 }
 
-/* Clears a voxel and all its descendants, appending them to `cleared`; stops where that is to grow
- * beyond `limit`, and where the watch says so. Descendants that are left then have the keys of
- * before, which the inverse edit will find to be right. */
+/* Clear a voxel and all its descendants, and append them to `cleared`. Stop if the list would
+ * exceed `limit`, or if the watch stops. The remaining descendants keep their former keys, which
+ * are valid again after the inverse edit. */
 static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
 {
     const struct adjacency *adjacency = &forest->adjacency;
@@ -131,11 +131,11 @@ static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
         }
         if (!mem_grow(&cleared->item, &cleared->capacity, cleared->count + adjacency->count,
                       sizeof *cleared->item)) {
-            cleared->count = next; /* the rest has its former keys; the pass is lost */
+            cleared->count = next; /* the rest keeps its former keys; the pass fails */
             forest->worker[0].starved = true;
             return;
         }
-        if (!goes_on(forest, 1)) {
+        if (!forest_advance(forest, 1)) {
             cleared->count = next;
             return;
         }
@@ -145,7 +145,7 @@ static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
         size_t count = cleared->count;
         for (unsigned i = 0; i < adjacency->count; i++) {
             const uint32_t child = at + (uint32_t)adjacency->offset[i];
-            cleared->item[count] = child; /* stays, if it is one */
+            cleared->item[count] = child; /* stays in the list if it is a child */
             count += forest->cell[child].direction == i;
         }
         cleared->count = count;
@@ -153,7 +153,7 @@ static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
     }
 }
 
-void uproot(struct forest *forest, uint32_t at)
+void remove_seed(struct forest *forest, uint32_t at)
 {
     forest->cell[at].flags &= (uint8_t)~CELL_SEED;
     forest->seeds--;
@@ -165,7 +165,7 @@ PER_KIND void offer_to_cleared(struct forest *forest, const bool limits)
 {
     const struct adjacency *adjacency = &forest->adjacency;
     const struct cells *cleared = &forest->cleared;
-    for (; forest->offered < cleared->count && goes_on(forest, 1); forest->offered++) {
+    for (; forest->offered < cleared->count && forest_advance(forest, 1); forest->offered++) {
         const size_t i = forest->offered;
         if (i + AHEAD < cleared->count)
             fetch_around(forest, cleared->item[i + AHEAD]);
@@ -189,22 +189,22 @@ void reoffer_cleared(struct forest *forest)
     if (forest->offered < cleared->count)
         return;
     const size_t before = forest->reoffered;
-    for (; forest->reoffered < cleared->count && goes_on(forest, 1); forest->reoffered++)
+    for (; forest->reoffered < cleared->count && forest_advance(forest, 1); forest->reoffered++)
         forest->cell[cleared->item[forest->reoffered]].flags &= (uint8_t)~CELL_CLEARED;
     forest->stats.cleared += forest->reoffered - before;
 }
 
 /*
- * A voxel whose predecessor, in `direction`, has just been served and no longer offers it the key
- * it has, but a greater one.
+ * Handle a voxel whose predecessor, in `direction`, has just been served and offers it a greater
+ * key than it has.
  *
- * extend preserves the order of levels, though not that of keys: where the level of a voxel falls,
- * those of its offers do not rise. So while weights do not depend on labels, a voxel whose
- * predecessor got another key is still offered its own level, only by another root. The voxel that
- * offers it that level has a lower one, and is no descendant, for all their levels are above. So it
- * waits at its level like any other, takes the best offer when it is served, and its children
- * follow: nothing is cleared. Where weights depend on labels its level may rise, and where the
- * other root has a reach it may be offered nothing any more; then its descendants cannot be
+ * extend preserves the order of levels, but not that of keys: if the level of a voxel falls, the
+ * levels of its offers do not rise. So while weights do not depend on labels, a voxel whose
+ * predecessor changed its key is still offered its own level, only by another root. The voxel that
+ * offers it has a lower level and is no descendant, since all descendants have higher ones. So the
+ * voxel waits at its level like any other, accepts the best offer when it is served, and its
+ * children follow: nothing is cleared. If weights depend on labels, its level may rise, and if the
+ * other root has a reach, it may receive no offer at all. Then its descendants cannot be
  * distinguished from voxels that might support it, and are cleared.
  */
 static void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned direction)
@@ -223,9 +223,9 @@ static void lose_support(struct forest *forest, uint32_t at, uint64_t offer, uns
 
 /* ---- offers ---- */
 
-/* A voxel that had to take the offer of another root takes the best it can have: the neighbours on
- * lower levels have their final keys by now. */
-PER_KIND void take_best_offer(struct forest *forest, uint32_t s, const struct kind kind)
+/* Accept the best offer for a voxel that had to accept another root: neighbours on lower levels
+ * have their final keys by now. */
+PER_KIND void accept_best_offer(struct forest *forest, uint32_t s, const struct kind kind)
 {
     struct cell *here = forest->cell + s;
     const uint64_t limit = key_level_begin(key_level(here->key));
@@ -238,14 +238,14 @@ PER_KIND void take_best_offer(struct forest *forest, uint32_t s, const struct ki
     }
 }
 
-/* Serves one voxel: writes down its offers. One goes to each neighbour with a higher key than it is
- * offered, and to each child with another key than it is offered, which may be none. */
+/* Serve one voxel: record its offers to neighbours whose key is higher than the offer, and to
+ * children whose key differs from it. An offer may be none. */
 PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t s,
                           struct offers *offers, const struct kind kind)
 {
     struct cell *here = forest->cell + s;
     if (kind.mends && here->flags & CELL_RAISED)
-        take_best_offer(forest, s, kind);
+        accept_best_offer(forest, s, kind);
     const uint64_t key = here->key, hop = key_hop(key);
     const uint32_t root = key_root(key), state = cell_state(here->label, 0, 0);
     const struct reach *reach = kind.limits ? reach_of(forest, root) : NULL;
@@ -292,12 +292,12 @@ static void post_offer(struct worker *worker, unsigned to, uint64_t key, uint32_
 }
 
 /*
- * Cells take the offers that are below their keys. Which do is hard to predict, as three voxels
- * often offer the same to one: so keys and states are written through masks in any case, and cells
- * are appended to what is to wait without a branch.
+ * Have cells accept the offers that are below their keys. The outcome is hard to predict, as three
+ * voxels often make one cell the same offer: so keys and states are always written through masks,
+ * and cells are appended to the queue without a branch.
  */
-PER_KIND void take_offers(struct forest *forest, struct worker *worker, uint32_t level,
-                          const struct offers *offers, const struct kind kind)
+PER_KIND void accept_offers(struct forest *forest, struct worker *worker, uint32_t level,
+                            const struct offers *offers, const struct kind kind)
 {
     uint32_t hop[OFFERS];
     struct waiting rise[OFFERS];
@@ -372,19 +372,20 @@ PER_KIND void serve_batch(struct forest *forest, struct worker *worker, uint32_t
             if (cell->flags & CELL_QUEUED && key_level(cell->key) == level)
                 make_offers(forest, worker, at[i], &offers, kind);
         }
-        take_offers(forest, worker, level, &offers, kind);
+        accept_offers(forest, worker, level, &offers, kind);
     }
 }
 
-/* The first worker's thread asks the watch within a level too: on a plateau it may be as large as
- * the scene. Voxels of the level that were not served yet stay in the queue (T5). */
+/* Serve a level. The first worker's thread polls the watch within the level too: on a plateau it
+ * may be as large as the scene. Unserved voxels stay in the queue (T5). */
 PER_KIND void serve_level(struct forest *forest, struct worker *worker, uint32_t level,
                           const struct kind kind)
 {
     uint32_t at[BATCH];
     for (size_t count; !forest->cut_short && (count = queue_take(worker->queue, at, BATCH)) > 0;) {
         serve_batch(forest, worker, level, at, count, kind);
-        if ((worker->number == 0 || forest->alone) && !goes_on(forest, count * kind.neighbours / 6))
+        if ((worker->number == 0 || forest->alone) &&
+            !forest_advance(forest, count * kind.neighbours / 6))
             forest->cut_short = true;
     }
 }
@@ -412,7 +413,7 @@ PER_KIND void serve_by(struct forest *forest, struct worker *worker, uint32_t le
         serve_around(forest, worker, level, (struct kind){.arcs = arcs, .shares = true});
 }
 
-/* Where seeds have reaches, what else there is is looked at on the way: such forests are few. */
+/* With reaches, the other properties are tested at run time: such forests are rare. */
 static void serve(struct forest *forest, struct worker *worker, uint32_t level)
 {
     const enum arc_kind arcs = forest->arcs.kind;
@@ -430,8 +431,8 @@ static void serve(struct forest *forest, struct worker *worker, uint32_t level)
         serve_by(forest, worker, level, ARC_POLARITY);
 }
 
-/* Takes the offers that the other workers have posted to this one. */
-static void take_posted_offers(struct forest *forest, struct worker *worker, uint32_t level)
+/* Accept the offers that other workers have posted to this one. */
+static void accept_posted_offers(struct forest *forest, struct worker *worker, uint32_t level)
 {
     struct offers offers;
     for (unsigned from = 0; from < forest->workers; from++) {
@@ -442,7 +443,7 @@ static void take_posted_offers(struct forest *forest, struct worker *worker, uin
                 offers.cell[offers.count] = outbox->item[i].cell;
                 offers.state[offers.count++] = outbox->item[i].state;
             }
-            take_offers(forest, worker, level, &offers, (struct kind){0});
+            accept_offers(forest, worker, level, &offers, (struct kind){0});
         }
     }
 }
@@ -451,7 +452,7 @@ static void take_posted_offers(struct forest *forest, struct worker *worker, uin
 
 struct pass {
     struct forest *forest;
-    uint64_t begin_ns, waited_ns; /* of the first worker */
+    uint64_t begin_ns, waited_ns; /* begin of the pass, and waiting time of the first worker */
 };
 
 static void post_status(struct worker *worker, enum err err)
@@ -465,7 +466,7 @@ static void post_status(struct worker *worker, enum err err)
     worker->status.err = err;
 }
 
-/* Of all workers together; each worker gathers the same. */
+/* Status of all workers together; each worker computes the same. */
 static struct status gather_status(const struct forest *forest)
 {
     struct status all = {QUEUE_EMPTY, 0, OK};
@@ -478,7 +479,7 @@ static struct status gather_status(const struct forest *forest)
     return all;
 }
 
-/* Waits for the other workers; the first one counts how long that takes. */
+/* Wait for the other workers; the first one measures its waiting time. */
 static void meet(struct pass *pass, struct team *team, unsigned number)
 {
     const uint64_t begin = team && number == 0 ? clock_ns() : 0;
@@ -498,7 +499,7 @@ static void serve_own(struct forest *forest, struct worker *worker, uint32_t lev
         worker->too_far = true;
 }
 
-/* What one worker does in a pass. */
+/* The work of one worker in a pass. */
 static void work(void *context, unsigned number)
 {
     struct pass *pass = context;
@@ -523,7 +524,7 @@ static void work(void *context, unsigned number)
         meet(pass, team, number);
         bool cancelled = false;
         if (number == 0) {
-            /* Whether it has waited for long, and for most of its time. */
+            /* Continue alone after a long wait, if that was most of the time. */
             forest->alone = forest->alone || (team && pass->waited_ns > PATIENCE_NS &&
                                               pass->waited_ns > (clock_ns() - pass->begin_ns) / 2);
             forest->task.done = all.served;
@@ -533,7 +534,7 @@ static void work(void *context, unsigned number)
         }
         for (unsigned i = number; i < end; i++) {
             if (forest->shared)
-                take_posted_offers(forest, forest->worker + i, level);
+                accept_posted_offers(forest, forest->worker + i, level);
             post_status(forest->worker + i, cancelled ? ERR_CANCELLED : OK);
         }
         meet(pass, team, number);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The inside of a forest, and the pass that solves it level by level: for forest.c, which edits
- * seeds, and forest_walk.c, which looks at all of it. The words are those of engine/forest.h.
+ * seeds, and forest_walk.c, which checks all voxels. engine/forest.h defines the words.
  */
 #ifndef ENGINE_PASS_H
 #define ENGINE_PASS_H
@@ -13,7 +13,7 @@
 #include "engine/queue.h"
 #include "engine/weight.h"
 
-/* A list of cells that grows. */
+/* A growing list of cells. */
 struct cells {
     uint32_t *item;
     size_t count, capacity;
@@ -35,23 +35,23 @@ struct worker {
     unsigned number;
     struct queue *queue;
     struct outbox outbox[TEAM_MOST];   /* to each other worker */
-    uint64_t key_digest, label_digest; /* what it added in this pass */
+    uint64_t key_digest, label_digest; /* sums that it added in this pass */
     uint64_t served;
     bool starved; /* memory ran out */
     bool too_far; /* a path has as many hops as a key can hold (T3) */
     struct status {
-        uint64_t lowest; /* level that waits, or QUEUE_EMPTY */
+        uint64_t lowest; /* the lowest level in its queue, or QUEUE_EMPTY */
         uint64_t served;
         enum err err;
     } status;
 };
 
-/* Reaches, and which seeds have one. */
+/* Reaches, and the seeds that have one. */
 struct reaches {
     struct reach *item; /* item[n - 1] has number n */
     size_t count, capacity;
-    uint16_t *of; /* [grid.cells], of the seed there: its number, or 0; NULL until there is one */
-    size_t seeds; /* that have one */
+    uint16_t *of; /* [grid.cells], number of the seed's reach, or 0; NULL before the first reach */
+    size_t seeds; /* seeds that have a reach */
 };
 
 struct forest {
@@ -60,9 +60,9 @@ struct forest {
     struct adjacency adjacency;
     struct arc_rule arcs;
     ptrdiff_t bytes_to[26]; /* the adjacency's offsets, in bytes */
-    uint32_t state[26];     /* of a voxel with label 0 that waits, reached along each direction */
-    uint32_t taken_mask;    /* what of a state stays when an offer is taken */
-    uint32_t settled_mask;  /* and when a voxel has been served */
+    uint32_t state[26];     /* state of a queued voxel with label 0, reached along each direction */
+    uint32_t taken_mask;    /* bits of a state that stay when an offer is accepted */
+    uint32_t settled_mask;  /* bits that stay when a voxel has been served */
     size_t seeds;
     struct reaches reaches;
 
@@ -70,48 +70,48 @@ struct forest {
     size_t changes, listed, change_limit;
     size_t unsettled; /* touched voxels without their final key */
     bool everything;
-    uint64_t relabelled;         /* voxels of the edit so far that have another label */
-    struct former_labels former; /* labels of before all grows anew, where they are counted */
-    bool counts_anew;            /* forest_count_anew */
+    uint64_t relabelled;         /* voxels that the current edit has relabelled so far */
+    struct former_labels former; /* labels before a rebuild, if they are counted */
+    bool counts_rebuilds;        /* forest_count_rebuilds was called */
 
-    struct edit *batch;   /* the edit at hand, in the order of cells, each voxel once */
-    struct edit *inverse; /* the edit that takes it back, likewise */
+    struct edit *batch;   /* the current edit, sorted by cell, each voxel once */
+    struct edit *inverse; /* the edit that undoes it, likewise */
     size_t edits, batch_capacity, inverse_capacity;
-    bool suspended; /* there are seeds only */
+    bool suspended; /* the forest has seeds only */
 
-    struct cells cleared; /* voxels that have lost their tree in this edit; the first of these */
-    size_t offered;       /* have taken an offer, */
-    size_t reoffered;     /* and wait for none any more */
-    size_t clear_limit;   /* beyond so many everything grows anew instead: */
+    struct cells cleared; /* voxels cleared in this edit; the first `offered` of them */
+    size_t offered;       /* have accepted an offer, */
+    size_t reoffered;     /* the first `reoffered` are not marked CELL_CLEARED any more */
+    size_t clear_limit;   /* above this number the forest is rebuilt instead: */
     bool lost_too_much;
 
-    /* The watch of the edit at hand, which may end it early; not while it is taken back. Where it
-     * ends a pass among voxels that lose their support, the forest is torn: no inverse edit leads
-     * back. */
+    /* The task of the current edit, which the watch may stop, except while the edit is undone. A
+     * pass that is stopped while voxels lose their support leaves the forest torn: no inverse edit
+     * leads back. */
     struct task task;
     bool may_stop, torn;
-    _Atomic bool cut_short; /* the pass: all workers leave their level */
+    _Atomic bool cut_short; /* ends the pass: all workers leave their level */
     bool alone;             /* the first worker acts for all; set before all meet */
-    bool pauses;            /* all workers leave the pass, to be shown; likewise */
-    uint32_t level;         /* up to which all is served; UINT32_MAX between passes */
+    bool pauses;            /* all workers leave the pass so that it can be shown; likewise */
+    uint32_t level;         /* all levels up to this are served; UINT32_MAX between passes */
 
     bool from_scratch; /* the pass began with seeds only: no key will rise */
     struct forest_stats stats;
     uint64_t key_digest, label_digest;
 
     struct team *team; /* not owned; NULL for one worker */
-    bool shared;       /* the pass is the whole team's; else worker 0's */
+    bool shared;       /* the whole team shares the pass; else worker 0 does it */
     unsigned owner_shift;
-    uint8_t owner[256]; /* owner[cell >> owner_shift]: whose cell it is, where shared */
+    uint8_t owner[256]; /* owner[cell >> owner_shift]: the worker that owns the cell, if shared */
     unsigned workers;
     struct worker *worker; /* [workers] */
 };
 
 /* ---- the watch ---- */
 
-/* `units` more are done. False, for the caller's own thread: end early, and leave what there is to
- * the inverse edit (T5). */
-static inline bool goes_on(struct forest *forest, uint64_t units)
+/* Advance the task by `units`. False, only on the caller's own thread: end early, and leave the
+ * rest to the inverse edit (T5). */
+static inline bool forest_advance(struct forest *forest, uint64_t units)
 {
     if (forest->may_stop)
         return task_advance(&forest->task, units);
@@ -134,9 +134,9 @@ static inline uint64_t key_share(uint32_t cell, uint64_t key)
 
 /* ---- changes ---- */
 
-/* To be called before an edit changes a voxel: the first time, its share leaves the digest of keys
- * and its former label is stored. When the voxel has its final key, settle is called once. Where
- * the forest grows from nothing there is nothing to store. */
+/* Call before an edit changes a voxel. The first call subtracts the voxel's share from the key
+ * digest and stores its former label. settle must be called once when the voxel has its final key.
+ * A pass from scratch has nothing to store. */
 static inline void touch(struct forest *forest, uint32_t at)
 {
     struct cell *cell = forest->cell + at;
@@ -149,7 +149,7 @@ static inline void touch(struct forest *forest, uint32_t at)
     forest->stats.touched++;
 }
 
-/* A touched voxel has its final key, or none, and will not be touched again in this edit. */
+/* The touched voxel has its final key, or none, and will not be touched again in this edit. */
 static inline void settle(struct forest *forest, uint32_t at)
 {
     struct cell *cell = forest->cell + at;
@@ -165,7 +165,7 @@ static inline void settle(struct forest *forest, uint32_t at)
     cell->state &= forest->settled_mask;
 }
 
-/* ---- reaches, where there are any ---- */
+/* ---- reaches, if there are any ---- */
 
 static inline const struct reach *reach_of(const struct forest *forest, uint32_t root)
 {
@@ -186,7 +186,7 @@ static inline unsigned owner_of(const struct forest *forest, uint32_t at)
     return forest->owner[at >> forest->owner_shift];
 }
 
-/* Gives a voxel a key and puts it in the queue, unless it waits at that level already. */
+/* Set the key of a voxel and queue it, unless it is queued at that level already. */
 static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint8_t label,
                           unsigned direction)
 {
@@ -204,16 +204,16 @@ static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint
 
 /* ---- the work ---- */
 
-/* Removes a seed: its tree is cleared, and waits for reoffer_cleared. */
-void uproot(struct forest *forest, uint32_t at);
+/* Remove a seed: clear its tree, which then waits for reoffer_cleared. */
+void remove_seed(struct forest *forest, uint32_t at);
 
-/* Every cleared voxel takes the best offer of the frontier around it, and waits in the queue. Where
- * it is stopped, the next call goes on. */
+/* Have every cleared voxel accept the best offer of the frontier around it, and queue it. After a
+ * stop, the next call continues. */
 void reoffer_cleared(struct forest *forest);
 
-/* Serves every level from the lowest up, until nothing waits or something is wrong: ERR_MEMORY,
- * ERR_LIMIT (T3), or ERR_CANCELLED, where the scene's watch stops it and the forest `may_stop`. The
- * caller finds the words. */
+/* Serve every level from the lowest up, until the queue is empty or an error occurs: ERR_MEMORY,
+ * ERR_LIMIT (T3), or ERR_CANCELLED, if the watch stops it and the forest `may_stop`. The caller
+ * writes the message. */
 enum err forest_pass(struct forest *forest);
 
 #endif

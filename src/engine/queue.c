@@ -10,7 +10,7 @@ enum {
     COSTS = 65536,
     HOPS = 65536,
     CHUNK_ENTRIES = 62, /* even; with the two words before them 256 bytes, four cache lines */
-    CELL_ENTRIES = 8,   /* entries of room for each cell; a tenth of that is used in practice */
+    CELL_ENTRIES = 8,   /* reserved entries for each cell; a tenth of that is used in practice */
     PAGE_CHUNKS = 16,   /* in 4096 bytes */
 };
 
@@ -20,7 +20,7 @@ struct chunk {
     uint32_t cell[CHUNK_ENTRIES];
 };
 
-/* A two-floor set of numbers 0..65535: finding the lowest looks at 16 + 1 words at most. */
+/* A set of numbers 0..65535 in two levels: finding the lowest reads at most 16 + 1 words. */
 struct marks {
     uint64_t upper[16];
     uint64_t lower[1024];
@@ -31,15 +31,15 @@ struct queue {
     uint32_t chunks, used;
     uint32_t kept;  /* chunks that queue_trim leaves */
     uint32_t free;  /* list of chunks that were used and are free again */
-    uint32_t level; /* being served, where `open` */
+    uint32_t level; /* being served, if `open` */
     bool open;
     bool failed;
-    /* Heads of lists, each the index of its first chunk. What waits at (cost, 0), nearly all
-     * in practice, moves to the hops wholesale when the cost comes up; the rest waits as pairs
-     * (hops, cell) and is distributed one by one. */
+    /* Heads of lists, each the index of its first chunk. Entries at (cost, 0), nearly all in
+     * practice, move to the hops as whole lists when their cost is served; the others wait as pairs
+     * (hops, cell) and are distributed one by one. */
     uint32_t at_rise[COSTS];
     uint32_t later[COSTS];
-    uint32_t by_hops[HOPS]; /* of the cost being served */
+    uint32_t by_hops[HOPS]; /* entries of the cost being served, by hops */
     struct marks costs, hops;
 };
 
@@ -72,7 +72,7 @@ struct queue *queue_new(size_t cells, size_t kept_bytes)
     struct queue *queue = mem_new(sizeof *queue);
     if (!queue)
         return NULL;
-    /* Full chunks, and besides one for each list that may be hardly filled. */
+    /* Full chunks, plus one partly filled chunk for each list. */
     size_t lists = cells < COSTS ? cells : COSTS;
     size_t chunks = cells / CHUNK_ENTRIES * CELL_ENTRIES + 4 * lists + 64;
     queue->chunks = (uint32_t)(chunks < UINT32_MAX ? chunks : UINT32_MAX);
@@ -94,7 +94,7 @@ void queue_free(struct queue *queue)
     free(queue);
 }
 
-/* Puts an empty chunk before *head. */
+/* Insert an empty chunk before *head. */
 static bool open_chunk(struct queue *queue, uint32_t *head)
 {
     uint32_t handle = queue->free;
@@ -180,7 +180,7 @@ void queue_push_hops(struct queue *queue, uint32_t level, const uint32_t *cell, 
     }
 }
 
-/* Takes the first chunk off a list; 0 where the list is empty. The caller releases it. */
+/* Remove the first chunk of a list; 0 if the list is empty. The caller releases it. */
 static uint32_t take_chunk(struct queue *queue, uint32_t *head)
 {
     uint32_t handle = *head;
@@ -200,7 +200,7 @@ uint64_t queue_lowest(const struct queue *queue)
 void queue_serve(struct queue *queue, uint32_t level)
 {
     if (!queue->open || queue->level >> 16 != level >> 16) {
-        /* Distributes what waits at `cost` over the hops. */
+        /* Distribute the entries of `cost` over the hops. */
         const uint32_t cost = level >> 16;
         marks_unset(&queue->costs, cost);
         queue->level = cost << 16;

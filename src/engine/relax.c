@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Relaxation: fields that are kept between edits, those that are made again, and the step. */
+/* Relaxation: fields that are stored between edits, fields that are recomputed, and the step. */
 #include "engine/relax.h"
 
 #include <stdlib.h>
@@ -32,24 +32,25 @@ void relax_kept_release(struct relax_kept *kept)
     *kept = (struct relax_kept){0};
 }
 
-/* ---- what has changed ---- */
+/* ---- comparison with the stored state ---- */
 
-/* By each worker of the team. */
+/* Result of each worker of the team. */
 struct compared {
-    bool differs[256];       /* labels whose fields may be others */
-    struct finish_box moved; /* voxels outside the region of interest that were not, or were */
+    bool differs[256];       /* labels whose fields may have changed */
+    struct finish_box moved; /* voxels that entered or left the region of interest */
 };
 
 struct comparing {
     struct relax_kept *kept;
     const struct finish_work *work;
-    const struct relax_field *field; /* [256]: those that are kept */
+    const struct relax_field *field; /* [256]: stored fields */
     struct compared *by;
 };
 
-/* Whether a voxel that is no seed any more rests in a field as one did: so do those beside it, all
- * on its side of the label's border. */
-static bool rests_free(const struct comparing *c, unsigned label, uint32_t at, const uint32_t p[3])
+/* True if a former seed is at rest in a field: its neighbours are at rest and on the same side of
+ * the label's border. */
+static bool is_initial_around(const struct comparing *c, unsigned label, uint32_t at,
+                              const uint32_t p[3])
 {
     const ptrdiff_t *step = c->work->scene->grid.step;
     const uint8_t *of = c->work->label + at;
@@ -59,19 +60,19 @@ static bool rests_free(const struct comparing *c, unsigned label, uint32_t at, c
         uint32_t q[3] = {p[0], p[1], p[2]};
         q[a] += (uint32_t)by;
         rests = (of[0] == label) == (of[by * step[a]] == label) &&
-                relax_field_rests(&c->field[label], q[0], q[1], q[2]);
+                relax_field_is_initial(&c->field[label], q[0], q[1], q[2]);
     }
     return rests;
 }
 
-/* A voxel that has become a seed, or is none any more: fields differ in which it moves. */
+/* A voxel became a seed, or is no seed any more: mark the fields that move it. */
 static void follow_seed(const struct comparing *c, bool differs[256], bool is_seed, uint32_t at,
                         const uint32_t p[3])
 {
     for (unsigned label = 1; label < 256; label++)
         if (c->kept->field[label] && !differs[label])
-            differs[label] = !relax_field_rests(&c->field[label], p[0], p[1], p[2]) ||
-                             (!is_seed && !rests_free(c, label, at, p));
+            differs[label] = !relax_field_is_initial(&c->field[label], p[0], p[1], p[2]) ||
+                             (!is_seed && !is_initial_around(c, label, at, p));
 }
 
 static void compare_part(void *context, unsigned worker)
@@ -97,7 +98,7 @@ static void compare_part(void *context, unsigned worker)
         }
 }
 
-/* Whether voxels in a box, or beside it, are in that of a field. */
+/* True if a voxel in a box, or next to it, is in the box of a field. */
 static bool reaches(const struct finish_box *field, const struct finish_box *box)
 {
     bool meets = !finish_box_is_empty(box);
@@ -106,7 +107,8 @@ static bool reaches(const struct finish_box *field, const struct finish_box *box
     return meets;
 }
 
-/* Without memory false. Where the scene's watch stops it, what was not looked at is as it was. */
+/* Forget the fields that may have changed. False without memory. If the scene's watch stops it, the
+ * rest is compared the next time. */
 static bool compare(struct relax_kept *kept, const struct finish_work *work)
 {
     const unsigned workers = team_size(work->team);
@@ -129,8 +131,8 @@ static bool compare(struct relax_kept *kept, const struct finish_work *work)
     return has_room;
 }
 
-/* Forgets the fields that others, of these labels and this scene, may differ from. Without memory
- * it forgets all, and keeps none; stopped by the scene's watch, it goes on the next time. */
+/* Forget the fields that may differ for these labels and this scene. Without memory all are
+ * forgotten and none is stored; if the scene's watch stops it, the next call continues. */
 static void follow_labels(struct relax_kept *kept, const struct finish_work *work, uint32_t sweeps,
                           uint32_t reach)
 {
@@ -148,7 +150,7 @@ static void follow_labels(struct relax_kept *kept, const struct finish_work *wor
         relax_kept_release(kept);
 }
 
-/* Keeps a field, if there is room. */
+/* Store a field, if there is room. */
 static void keep_field(struct relax_kept *kept, const struct relax_field *field)
 {
     if (!kept->cells || kept->field[field->which])
@@ -158,9 +160,9 @@ static void keep_field(struct relax_kept *kept, const struct relax_field *field)
     kept->bytes += stored ? stored->bytes : 0;
 }
 
-/* ---- one field after another, or some side by side ---- */
+/* ---- one field after another, or several in parallel ---- */
 
-/* A label, and the voxels of the box it lies in. */
+/* A label, and the number of voxels in its bounding box. */
 struct item {
     uint8_t label;
     uint64_t voxels;
@@ -170,10 +172,10 @@ struct relaxing {
     const struct finish_work *work;
     uint32_t sweeps, reach;
     struct finish_box box[256];
-    struct item item[255]; /* the largest first */
+    struct item item[255]; /* largest first */
     size_t count;
     struct relax_field field[TEAM_MOST];
-    unsigned fields; /* at hand */
+    unsigned fields; /* being computed */
 };
 
 static int compare_items(const void *a, const void *b)
@@ -235,7 +237,7 @@ static enum err make_fields(struct relaxing *r, size_t first, struct fault *faul
     return watch_fault(r->work->scene->watch, fault);
 }
 
-/* Sees the fields that are kept, which leave the list. */
+/* Pass stored fields to `see` and remove them from the list. */
 static void see_kept(struct relaxing *r, relax_see *see, void *context)
 {
     const struct finish_work *work = r->work;
@@ -265,7 +267,7 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
     r->sweeps = sweeps;
     r->reach = reach;
     enum err err = list_labels(r, label, fault);
-    /* A field that is alone has changed with each edit. */
+    /* A single field changes with each edit, so it is not stored. */
     struct relax_kept *kept = label == FINISH_ALL_LABELS && r->count > 1 ? work->kept : NULL;
     if (!err && kept)
         follow_labels(kept, work, sweeps, reach);
@@ -290,19 +292,19 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
 
 /* ---- the step ---- */
 
-/* What is known of voxels, [cells], where some field has moved. */
+/* State of voxels, [cells], where some field has moved. */
 struct ranks {
     struct finish_work *work;
     const struct finish_step *step;
-    uint32_t *best;    /* the greatest rank of fields */
-    int32_t *sum;      /* of all of them; HAS_OWN in it where that of the voxel's label is there */
-    struct span *part; /* [rows of the scene]: where in the row that is, as x */
-    const struct relax_field *field; /* at hand */
+    uint32_t *best; /* the greatest rank of fields */
+    int32_t *sum;   /* sum of the fields; includes HAS_OWN after the field of the voxel's label */
+    struct span *part; /* [rows of the scene]: range of x in which fields have moved */
+    const struct relax_field *field; /* current field */
 };
 
 enum { HAS_OWN = 1 << 30 };
 
-/* What is compared: the value; then whether it is the voxel's own label; then the smaller label. */
+/* Rank of a field: by value; then the voxel's own label first; then the smaller label. */
 static uint32_t rank_of(int32_t value, bool is_own, uint8_t label)
 {
     return (uint32_t)value << 9 | (uint32_t)is_own << 8 | (255u - label);
@@ -348,7 +350,8 @@ static void rank_field(void *context, const struct relax_field *field)
     team_run(r->work->team, rank_part, r);
 }
 
-/* The label that a voxel takes. Its own has all of a field that has not moved. */
+/* Label that is assigned to a voxel. The field of its own label is RELAX_ONE if it has not
+ * moved. */
 static uint8_t winner_at(const struct ranks *r, uint32_t cell)
 {
     const uint8_t own = r->work->label[cell];

@@ -7,20 +7,21 @@
 #include "base/mem.h"
 #include "base/least.h"
 
-/* Values side by side, which the compiler takes to pieces where the machine has no such. */
+/* Vectors of values, which the compiler splits if the machine has none of this size. */
 enum { LANES = RELAX_CHUNK / 2, WORD_CHUNKS = 64 / RELAX_CHUNK };
 typedef int32_t lanes __attribute__((vector_size(4 * LANES)));
-typedef uint32_t sums __attribute__((vector_size(4 * LANES))); /* which may leave 32 bits */
+typedef uint32_t sums __attribute__((vector_size(4 * LANES))); /* may overflow 32 bits */
 typedef uint64_t quads __attribute__((vector_size(4 * LANES)));
 
-/* Of a chunk, 0 for voxels that stay: -z and +z, -y and +y, -x and +x, low and high half. */
+/* Weights of a chunk, 0 for voxels that do not move: -z and +z, -y and +y, -x and +x, low and high
+ * half. */
 struct relax_weights {
     sums of[3];
 };
 
 /* ---- rows ---- */
 
-/* Of a voxel's row among those that are stored, of which the first and the last of each plane, and
+/* Index of a voxel's row among the stored rows; the first and last rows of each plane, and the
  * planes before and after all, are a rim. */
 static size_t row_of(const struct relax_field *f, uint32_t y, uint32_t z)
 {
@@ -32,13 +33,13 @@ static uint32_t first_cell(const struct relax_field *f, uint32_t y, uint32_t z)
     return grid_cell(&f->scene->grid, f->box.first[0], f->box.first[1] + y, f->box.first[2] + z);
 }
 
-/* Whether voxels of a parity of x + y + z have an odd x in the box. */
+/* True if voxels of a parity of x + y + z have an odd x in the box. */
 static bool is_odd(const struct relax_field *f, unsigned parity, uint32_t y, uint32_t z)
 {
     return ((f->box.first[0] + f->box.first[1] + f->box.first[2] + y + z) & 1) != parity;
 }
 
-/* The bits of a chunk: those of voxels with an even x, and with an odd one. */
+/* The bits of a chunk: voxels with an even x, and with an odd one. */
 enum { EVEN = 0x5555, ODD = 0xaaaa };
 
 static unsigned bits_of(const struct relax_field *f, const uint64_t *set, size_t row, size_t chunk)
@@ -49,7 +50,7 @@ static unsigned bits_of(const struct relax_field *f, const uint64_t *set, size_t
 
 /* ---- the band ---- */
 
-/* Which of eight labels are the one, as bits. */
+/* Compare eight labels with `which`; return bits. */
 static uint64_t which_of_eight(const uint8_t label[8], uint8_t which)
 {
     const uint64_t low = UINT64_C(0x7f7f7f7f7f7f7f7f);
@@ -60,7 +61,7 @@ static uint64_t which_of_eight(const uint8_t label[8], uint8_t which)
     return same * UINT64_C(0x0102040810204080) >> 56;
 }
 
-/* Of those bits of a word that are voxels of the row. */
+/* The bits of a word that are voxels of the row. */
 static uint64_t voxels_of(const struct relax_field *f, size_t word)
 {
     const size_t end = (size_t)f->size[0] + 2, first = 64 * word;
@@ -70,8 +71,9 @@ static uint64_t voxels_of(const struct relax_field *f, size_t word)
     return word ? before_end : before_end & ~UINT64_C(3);
 }
 
-/* A row of the label; a voxel beyond the box is as the nearest of it, so that there is no border:
- * what lies beyond the scene is no other side, and else no voxel there is of the label. */
+/* Fill a row of bits of the label. A voxel outside the box repeats the nearest one inside, so that
+ * there is no border: outside the scene there is no other side, and elsewhere no voxel outside the
+ * box has the label. */
 static void find_inside(const struct relax_field *f, size_t stored_y, size_t stored_z)
 {
     const uint32_t *size = f->size;
@@ -94,7 +96,7 @@ static void find_inside(const struct relax_field *f, size_t stored_y, size_t sto
     row[end / 64] |= (row[(end - 1) / 64] >> (end - 1) % 64 & 1) << end % 64;
 }
 
-/* Words a pair at a time, of which a row has some. */
+/* Words of a row are processed in pairs. */
 typedef uint64_t pair __attribute__((vector_size(16)));
 
 static pair pair_at(const uint64_t *at)
@@ -104,8 +106,8 @@ static pair pair_at(const uint64_t *at)
     return words;
 }
 
-/* What is beside a pair, along the six ways. What comes out of the rows before and after is no
- * voxel of the row, as voxels_of has them. */
+/* Neighbours of a pair along the six directions. Bits from the rows before and after are removed by
+ * voxels_of. */
 static void find_beside(pair beside[6], const struct relax_field *f, const uint64_t *at)
 {
     const size_t across = f->words, along = across * (f->size[1] + 2);
@@ -118,8 +120,8 @@ static void find_beside(pair beside[6], const struct relax_field *f, const uint6
     beside[5] = pair_at(at + along);
 }
 
-/* The voxels of a set in a plane, and those beside them; or, of an `edge`, the voxels with one
- * beside them that is on the other side: one of both is in the set. */
+/* Spread a set in a plane to the neighbours; or, with `edge`, find the voxels with a neighbour on
+ * the other side: exactly one of both is in the set. */
 static inline void spread(const struct relax_field *f, uint64_t *out, const uint64_t *set,
                           uint32_t z, bool edge)
 {
@@ -134,7 +136,7 @@ static inline void spread(const struct relax_field *f, uint64_t *out, const uint
     }
 }
 
-/* Clears the bits that have spread beyond the voxels of the rows. */
+/* Clear bits outside the voxels of the rows. */
 static void clear_ends(const struct relax_field *f, uint64_t *set, uint32_t z)
 {
     const size_t first = row_of(f, 0, z) * f->words, end = row_of(f, f->size[1], z) * f->words;
@@ -143,9 +145,9 @@ static void clear_ends(const struct relax_field *f, uint64_t *set, uint32_t z)
             set[row + w] &= voxels_of(f, w);
 }
 
-/* ---- chunks at first ---- */
+/* ---- initial chunks ---- */
 
-/* The chunks of a row that have bits, of a mask, as bits. */
+/* Find the chunks of a row with bits of a mask, as bits. */
 static void find_chunks(const struct relax_field *f, uint64_t *chunks, const uint64_t *set,
                         unsigned mask, size_t row)
 {
@@ -174,8 +176,8 @@ static void fill_row(const struct relax_field *f, uint32_t y, uint32_t z)
     }
 }
 
-/* Beyond the box nothing moves, and values matter only right beside it, where the scene goes on:
- * they are 0. */
+/* Clear a row outside the box. Nothing moves there, and values matter only next to the box, where
+ * the scene continues: they are 0. */
 static void clear_rim(const struct relax_field *f, size_t row)
 {
     const size_t count = f->words * WORD_CHUNKS * LANES;
@@ -184,14 +186,14 @@ static void clear_rim(const struct relax_field *f, size_t row)
     for (unsigned parity = 0; parity < 2; parity++) {
         memset(f->u[parity] + row * count, 0, count * sizeof *f->u[parity]);
         memset(f->moved[parity] + row * f->chunk_words, 0, f->chunk_words * sizeof(uint64_t));
-        memset(f->spills[parity] + row * f->chunk_words, 0, f->chunk_words * sizeof(uint64_t));
-        f->stirs[parity][row] = 0;
+        memset(f->end_moved[parity] + row * f->chunk_words, 0, f->chunk_words * sizeof(uint64_t));
+        f->row_moved[parity][row] = 0;
     }
 }
 
-/* ---- made ---- */
+/* ---- initial field ---- */
 
-/* The set that the edge is in after some spreads: `near` has the last one. */
+/* The buffer of the edge after some spreads: `near` has the last one. */
 static uint64_t *spread_set(const struct relax_field *f, uint32_t spreads)
 {
     return (f->reach + spreads) % 2 ? f->band : f->near;
@@ -206,13 +208,13 @@ static void begin_plane(const struct relax_field *f, uint32_t z)
     for (uint32_t y = 0; y < f->size[1]; y++)
         for (unsigned parity = 0; parity < 2; parity++) {
             const size_t row = row_of(f, y, z), at = row * f->chunk_words;
-            memset(f->spills[parity] + at, 0, f->chunk_words * sizeof(uint64_t));
+            memset(f->end_moved[parity] + at, 0, f->chunk_words * sizeof(uint64_t));
             find_chunks(f, f->moved[parity], edge, is_odd(f, parity, y, z) ? ODD : EVEN, row);
             memset(f->known[parity] + at, 0, f->chunk_words * sizeof(uint64_t));
-            f->stirs[parity][row] = 0;
+            f->row_moved[parity][row] = 0;
             for (size_t w = 0; w < f->chunk_words; w++)
-                f->stirs[parity][row] |= f->moved[parity][at + w] != 0;
-            f->busy[z] += f->stirs[parity][row];
+                f->row_moved[parity][row] |= f->moved[parity][at + w] != 0;
+            f->busy[z] += f->row_moved[parity][row];
         }
 }
 
@@ -221,38 +223,39 @@ static void make_part(void *context, unsigned worker)
     const struct relax_field *f = context;
     const struct share stored = team_share(f->team, worker, (size_t)f->size[2] + 2);
     const struct share planes = team_share(f->team, worker, f->size[2]);
-    const uint64_t cost = (uint64_t)f->size[1] * f->words * 4; /* of a pass through a plane */
+    const uint64_t cost = (uint64_t)f->size[1] * f->words * 4; /* cost of a pass through a plane */
     struct task task = task_begin_part(f->scene->watch, "relaxed labels", 0, f->worker + worker);
-    bool goes_on = true;
-    for (size_t z = stored.first; z < stored.end && goes_on; z++) {
+    bool may_continue = true;
+    for (size_t z = stored.first; z < stored.end && may_continue; z++) {
         for (size_t y = 0; y < (size_t)f->size[1] + 2; y++)
             find_inside(f, y, z);
         const size_t rows = (size_t)f->size[1] + 2, first = z * rows;
         const bool is_rim = z == 0 || z == (size_t)f->size[2] + 1;
         for (size_t y = 0; y < rows; y += is_rim ? 1 : rows - 1)
             clear_rim(f, first + y);
-        goes_on = task_advance(&task, 8 * cost);
+        may_continue = task_advance(&task, 8 * cost);
     }
     team_wait(f->team);
-    for (size_t z = planes.first; z < planes.end && goes_on; z++) {
+    for (size_t z = planes.first; z < planes.end && may_continue; z++) {
         begin_plane(f, (uint32_t)z);
-        goes_on = task_advance(&task, 2 * cost);
+        may_continue = task_advance(&task, 2 * cost);
     }
-    /* The border's own voxels are a step from the other side; the last step is beyond the band. */
+    /* The border's own voxels are one step from the other side; the last step is beyond the
+     * band. */
     for (uint32_t step = 1; step <= f->reach; step++) {
         uint64_t *const from = spread_set(f, step - 1), *const to = spread_set(f, step);
         team_wait(f->team);
-        for (size_t z = planes.first; z < planes.end && goes_on; z++) {
+        for (size_t z = planes.first; z < planes.end && may_continue; z++) {
             spread(f, to, from, (uint32_t)z, false);
             if (step < f->reach)
                 clear_ends(f, to, (uint32_t)z);
-            goes_on = task_advance(&task, cost);
+            may_continue = task_advance(&task, cost);
         }
     }
-    for (size_t z = planes.first; z < planes.end && goes_on; z++) {
+    for (size_t z = planes.first; z < planes.end && may_continue; z++) {
         for (uint32_t y = 0; y < f->size[1]; y++)
             fill_row(f, y, (uint32_t)z);
-        goes_on = task_advance(&task, 8 * cost);
+        may_continue = task_advance(&task, 8 * cost);
     }
 }
 
@@ -274,7 +277,7 @@ static uint32_t conductance(const struct relax_field *f, const struct cell *a, c
     return grey < CONDUCTANCES ? conductances[grey] : 1;
 }
 
-/* Those of a voxel, as relax_weights have them. False for one that stays. */
+/* Compute the weights of a voxel. False if it does not move. */
 static bool find_weights(uint32_t w[3], const struct relax_field *f, const struct cell *cell)
 {
     const ptrdiff_t *step = f->scene->grid.step;
@@ -294,8 +297,8 @@ static bool find_weights(uint32_t w[3], const struct relax_field *f, const struc
     return true;
 }
 
-/* The weights of a chunk, which is known from then on; or, where all its voxels stay, that it may
- * not move: false. */
+/* Compute the weights of a chunk and mark it as known; or, if none of its voxels moves, mark that
+ * it may not move, and return false. */
 static bool find_chunk(struct relax_field *f, unsigned parity, uint32_t y, uint32_t z, size_t chunk)
 {
     const size_t row = row_of(f, y, z), word = row * f->chunk_words + chunk / 64;
@@ -327,8 +330,8 @@ static bool find_chunk(struct relax_field *f, unsigned parity, uint32_t y, uint3
 
 /* ---- sweeps ---- */
 
-/* Adds what comes of two neighbours. Values and weights are such that no sum leaves 32 bits:
- * 1536 * RELAX_ONE < 2^31; where there is no voxel, and weights are 0, it does not matter. */
+/* Add the contribution of two neighbours. No sum overflows 32 bits: 1536 * RELAX_ONE < 2^31; an
+ * overflow without a voxel does not matter, since the weights are 0. */
 static inline void pull(sums *by, const sums *weights, const int32_t *low, const int32_t *high,
                         const sums *own)
 {
@@ -340,24 +343,24 @@ static inline void pull(sums *by, const sums *weights, const int32_t *low, const
 
 enum { ROWS_AT_ONCE = sizeof(uint64_t) };
 
-/* A chunk that is due, of a row of one parity. None has a value that another needs to know. */
+/* A chunk to be moved, of a row of one parity. Their values are independent of each other. */
 enum { DUE_MOST = 64 };
 struct due {
-    size_t at;     /* among all chunks */
-    size_t word;   /* of sets of chunks, in which it has */
-    uint64_t bit;  /* this bit */
-    uint32_t slot; /* of its weights */
+    size_t at;     /* index among all chunks */
+    size_t word;   /* word in sets of chunks, */
+    uint64_t bit;  /* and bit */
+    uint32_t slot; /* slot with its weights */
     bool odd;
 };
 
-/* Moves chunks, and notes which of them did, and whether so did the voxel that is beside one of
- * another chunk of the row: the last, if their x are odd, or else the first. */
+/* Move chunks, and mark chunks that moved, and chunks whose voxel next to another chunk of the row
+ * moved: the last voxel for odd x, else the first. */
 WIDE static void move_chunks(const struct relax_field *f, unsigned parity, struct due *due,
                              unsigned count)
 {
     const size_t across = f->words * WORD_CHUNKS * LANES, along = across * (f->size[1] + 2);
     const struct relax_weights *const weights = f->weights;
-    uint64_t *const moved = f->moved[parity], *const spills = f->spills[parity];
+    uint64_t *const moved = f->moved[parity], *const end_moved = f->end_moved[parity];
     int32_t *const values = f->u[parity];
     const int32_t *const others = f->u[!parity];
     for (const struct due *end = due + count; due < end; due++) {
@@ -380,27 +383,26 @@ WIDE static void move_chunks(const struct relax_field *f, unsigned parity, struc
         const lanes by_lane = (lanes)differs;
         const int32_t at_end = due->odd ? by_lane[LANES - 1] : by_lane[0];
         moved[due->word] |= any ? due->bit : 0;
-        spills[due->word] |= at_end ? due->bit : 0;
+        end_moved[due->word] |= at_end ? due->bit : 0;
     }
 }
 
-/* Rows first..end - 1 of a plane, of which `stirs` says where something has moved. Returns how many
- * are looked at. */
+/* Move rows first..end - 1 of a plane, and update row_moved. Return the number of visited rows. */
 static uint32_t move_rows(struct relax_field *f, unsigned parity, uint32_t first, uint32_t end,
                           uint32_t z)
 {
     const size_t across = f->chunk_words, along = across * (f->size[1] + 2);
     const size_t chunks = f->words * WORD_CHUNKS, first_row = row_of(f, first, z);
-    uint64_t *const moved = f->moved[parity], *const spills = f->spills[parity];
+    uint64_t *const moved = f->moved[parity], *const end_moved = f->end_moved[parity];
     uint64_t *const may = f->may[parity], *const known = f->known[parity];
-    const uint64_t *const others = f->moved[!parity], *const other_spills = f->spills[!parity];
+    const uint64_t *const others = f->moved[!parity], *const other_spills = f->end_moved[!parity];
     const uint32_t *const slot = f->slot[parity];
     struct due due[DUE_MOST];
     unsigned count = 0;
     bool odd = is_odd(f, parity, first, z);
     for (uint32_t i = 0; i < end - first; i++, odd = !odd)
         for (size_t c = 0; c < across; c++) {
-            /* Bits before and after those of the word may be of another row: that costs a look. */
+            /* Bits before and after the word may belong to another row: that costs only a visit. */
             const size_t row = first_row + i, at = row * across + c;
             const uint64_t *const other = others + at, *const spill = other_spills + at;
             const uint64_t beside =
@@ -408,13 +410,14 @@ static uint32_t move_rows(struct relax_field *f, unsigned parity, uint32_t first
             uint64_t some = (moved[at] | *other | beside | *(other - along) | *(other - across) |
                              other[across] | other[along]) &
                             may[at];
-            moved[at] = spills[at] = 0;
+            moved[at] = end_moved[at] = 0;
             for (; some; some &= some - 1) {
                 const uint64_t bit = some & -some;
                 const size_t chunk = 64 * c + (unsigned)__builtin_ctzll(some);
                 if (!(known[at] & bit) && !find_chunk(f, parity, first + i, z, chunk))
                     continue;
-                /* Weights lie in the order of first looks: so one large object takes 0.8. */
+                /* Weights are stored in the order of first visits: a large object then needs 0.8 of
+                 * the time. */
                 const uint32_t weights = slot[row * chunks + chunk];
                 __builtin_prefetch(&f->weights[weights]);
                 __builtin_prefetch(&f->weights[weights].of[2]);
@@ -430,17 +433,17 @@ static uint32_t move_rows(struct relax_field *f, unsigned parity, uint32_t first
         uint64_t any = 0;
         for (size_t c = 0; c < across; c++)
             any |= moved[row * across + c];
-        f->stirs[parity][row] = any != 0;
+        f->row_moved[parity][row] = any != 0;
     }
     return end - first;
 }
 
-/* The same, where something stirs in them or beside. */
+/* The same, if a chunk in the rows or next to them has moved. */
 static uint32_t move_some_rows(struct relax_field *f, unsigned parity, uint32_t first, uint32_t end,
                                uint32_t z)
 {
     const size_t row = row_of(f, first, z), along = (size_t)f->size[1] + 2;
-    const uint8_t *own = f->stirs[parity] + row, *other = f->stirs[!parity] + row;
+    const uint8_t *own = f->row_moved[parity] + row, *other = f->row_moved[!parity] + row;
     const uint8_t *near[6] = {own, other, other - 1, other + 1, other - along, other + along};
     uint64_t some = 0;
     if (end - first < ROWS_AT_ONCE)
@@ -454,23 +457,24 @@ static uint32_t move_some_rows(struct relax_field *f, unsigned parity, uint32_t 
 }
 
 /*
- * Half-sweeps are done several at a time, so that what moves is still in the cache: half-sweep h of
- * a row follows once h - 1 is done in those beside it, and h + 1 is in none of them. So rows are
- * taken in the order of y + h, a few at a time, then of z + h, then of h.
+ * Several half-sweeps are done at a time, while the data are in the cache: half-sweep h of a row
+ * follows once h - 1 is done in the adjacent rows, and h + 1 in none of them. So rows are processed
+ * in the order of y + h, a few at a time, then of z + h, then of h.
  *
- * Each worker has a slab of planes. First it does what needs its slab alone, which is a plane less
- * at both ends with each half-sweep; then, when all have done so, what is left around its last
+ * Each worker has a slab of planes. First it does the work that needs its slab alone, one plane
+ * less at both ends with each half-sweep; then, when all have done so, the rest around its last
  * plane.
  */
 enum { HALVES_AT_ONCE = 16 };
 
 struct sweeping {
     struct relax_field *field;
-    uint32_t first, end, halves; /* of so many half-sweeps */
+    uint32_t first, end, halves; /* half-sweeps; and their total number */
     uint32_t slabs, slab[TEAM_MOST + 1];
 };
 
-/* Slabs of about as much that moves, with room for `halves` at both ends of each. */
+/* Divide the planes into slabs with similar amounts of movement, with room for `halves` at both
+ * ends of each. */
 static void divide_rows(struct sweeping *s, uint32_t halves)
 {
     const struct relax_field *f = s->field;
@@ -491,8 +495,8 @@ static void divide_rows(struct sweeping *s, uint32_t halves)
     memset(f->busy, 0, planes * sizeof *f->busy);
 }
 
-/* Planes z of half-sweeps h, counted from s->first, with z + h from first + h * first_by to below
- * end + h * end_by. */
+/* Planes z of half-sweeps h, counted from s->first, with first + h * first_by <= z + h < end + h *
+ * end_by. */
 struct region {
     uint32_t first, first_by, end, end_by;
 };
@@ -529,11 +533,11 @@ static void sweep_part(void *context, unsigned worker)
     struct task task =
         task_begin_part(f->scene->watch, "relaxed labels", s->halves * each, f->worker + worker);
     task.done = s->first * each;
-    /* At the edges of the field there is no slab beside. */
+    /* At the edges of the field there is no adjacent slab. */
     const struct region slab = {first, first ? 2 : 1, end, end == f->size[2]};
-    const bool goes_on = has_slab && sweep_region(s, slab, &task);
+    const bool may_continue = has_slab && sweep_region(s, slab, &task);
     team_wait(f->team);
-    if (goes_on && worker + 1 < s->slabs)
+    if (may_continue && worker + 1 < s->slabs)
         sweep_region(s, (struct region){end, 0, end, 2}, &task);
 }
 
@@ -544,7 +548,7 @@ void relax_field_make(struct relax_field *f, uint32_t sweeps)
     const uint32_t fit = f->size[2] / (2 * team_size(f->team));
     const uint32_t most = fit < HALVES_AT_ONCE ? fit : HALVES_AT_ONCE, halves = most ? most : 1;
     team_run(f->team, make_part, f);
-    if (watch && watch->stopped) /* there may be no field */
+    if (watch && watch->stopped) /* the field may be incomplete */
         return;
     /* Scale the intensities of the band, without 2 % at each end, to 255 greys. */
     int32_t range[2];
@@ -569,9 +573,9 @@ void relax_field_make(struct relax_field *f, uint32_t sweeps)
     }
 }
 
-/* ---- begun and released ---- */
+/* ---- allocation ---- */
 
-/* So many bytes of the memory, from `*at` on, which is where the next ones are then. */
+/* Reserve bytes of the memory at `*at`, and advance it. */
 static void *take_bytes(const struct relax_field *f, size_t *at, size_t bytes)
 {
     enum { APART = 64 };
@@ -580,7 +584,7 @@ static void *take_bytes(const struct relax_field *f, size_t *at, size_t bytes)
     return *at <= f->bytes ? (uint8_t *)f->memory + first : NULL;
 }
 
-/* Gives all arrays their places, and returns how many bytes they take. */
+/* Assign memory to all arrays, and return the number of bytes. */
 static size_t lay_out(struct relax_field *f)
 {
     const size_t voxels = f->rows * f->words * sizeof(uint64_t);
@@ -594,9 +598,9 @@ static size_t lay_out(struct relax_field *f)
     f->busy = take_bytes(f, &at, f->size[2] * sizeof *f->busy);
     for (unsigned parity = 0; parity < 2; parity++) {
         f->moved[parity] = take_bytes(f, &at, chunks);
-        f->spills[parity] = take_bytes(f, &at, chunks);
+        f->end_moved[parity] = take_bytes(f, &at, chunks);
         f->may[parity] = take_bytes(f, &at, chunks);
-        f->stirs[parity] = take_bytes(f, &at, f->rows);
+        f->row_moved[parity] = take_bytes(f, &at, f->rows);
         f->known[parity] = take_bytes(f, &at, chunks);
         f->slot[parity] = take_bytes(f, &at, all * sizeof *f->slot[parity]);
         f->u[parity] = take_bytes(f, &at, all * LANES * sizeof *f->u[parity]);
@@ -605,7 +609,7 @@ static size_t lay_out(struct relax_field *f)
     return at;
 }
 
-/* What a field is of, and its shape; memory is as it was. */
+/* Set label, box and sizes of a field; its memory is unchanged. */
 static void shape(struct relax_field *f, const struct finish_work *work, uint8_t which,
                   struct finish_box box)
 {
@@ -619,7 +623,7 @@ static void shape(struct relax_field *f, const struct finish_work *work, uint8_t
     for (int a = 0; a < 3; a++)
         f->size[a] = f->box.last[a] - f->box.first[a] + 1;
     f->rows = ((size_t)f->size[1] + 2) * ((size_t)f->size[2] + 2);
-    f->words = ((size_t)f->size[0] + 3 + 127) / 128 * 2; /* of which a pair is taken at a time */
+    f->words = ((size_t)f->size[0] + 3 + 127) / 128 * 2; /* processed in pairs */
     f->chunk_words = (f->words * WORD_CHUNKS + 63) / 64;
 }
 
@@ -660,7 +664,7 @@ void relax_field_release(struct relax_field *f)
     f->bytes = 0;
 }
 
-/* ---- stored ---- */
+/* ---- storing ---- */
 
 /* Chunks of a word that may have moved. */
 static uint64_t known_at(const struct relax_field *f, size_t word)
@@ -668,7 +672,7 @@ static uint64_t known_at(const struct relax_field *f, size_t word)
     return f->stored ? f->stored->known[word] : f->known[0][word] | f->known[1][word];
 }
 
-bool relax_field_rests(const struct relax_field *f, uint32_t x, uint32_t y, uint32_t z)
+bool relax_field_is_initial(const struct relax_field *f, uint32_t x, uint32_t y, uint32_t z)
 {
     const uint32_t at[3] = {x, y, z};
     for (int a = 0; a < 3; a++)
@@ -713,9 +717,9 @@ struct relax_stored *relax_field_store(const struct relax_field *f, size_t most)
     return stored;
 }
 
-/* ---- read ---- */
+/* ---- reading ---- */
 
-/* The values of a chunk that may have moved, of one parity. */
+/* Values of a chunk that may have moved, of one parity. */
 static const int32_t *values_of(const struct relax_field *f, unsigned parity, size_t row,
                                 size_t chunk)
 {

@@ -2,12 +2,13 @@
 /*
  * The region of interest: the part of the scene in which the forest grows.
  *
- * A voxel is inside where the mask holds it and its intensity lies within the range. One outside is
- * to the forest as a cell of the rim (S2 of engine/scene.h): it takes no tree, lets none through,
- * and is background. Weights do not depend on it: they are a function of all intensities.
+ * A voxel is inside if the mask contains it and its intensity is within the range. The forest
+ * treats a voxel outside like a cell of the rim (S2 of engine/scene.h): it belongs to no tree, no
+ * tree passes it, and it is background. Weights do not depend on the region: they are a function of
+ * all intensities.
  *
- * Invariant: between calls of the session, a voxel has CELL_OUTSIDE exactly where it is outside the
- * region of interest that was applied last; no seed is.
+ * Invariant: between calls of the session, a voxel has CELL_OUTSIDE exactly if it is outside the
+ * region of interest that was applied last; no seed is outside.
  */
 #ifndef ENGINE_ROI_H
 #define ENGINE_ROI_H
@@ -15,11 +16,11 @@
 #include "engine/scene.h"
 
 struct roi {
-    const uint64_t *mask; /* bit c % 64 of word c / 64: it holds cell c; NULL: every voxel */
-    uint16_t low, high;   /* the range, both ends included; 0 and 65535 where there is none */
+    const uint64_t *mask; /* bit c % 64 of word c / 64 for cell c; NULL: every voxel */
+    uint16_t low, high;   /* the range, both ends included; 0 and 65535 for no range */
 };
 
-/* Nothing is outside. */
+/* The region that contains every voxel. */
 static inline struct roi roi_none(void)
 {
     return (struct roi){NULL, 0, UINT16_MAX};
@@ -37,21 +38,21 @@ static inline bool roi_holds(const struct roi *roi, const struct scene *scene, u
            (!roi->mask || roi->mask[cell >> 6] >> (cell & 63) & 1);
 }
 
-/* Of a mask; where they are 0, it holds nothing. */
+/* Size of a mask in bytes; zeros are an empty mask. */
 size_t mask_bytes(const struct grid *grid);
 
-/* What it would do to a scene, whatever region of interest the scene has now. Of no use where the
+/* Effect of a region on a scene, independent of the scene's current region. Undefined if the
  * scene's watch has stopped it. */
 struct roi_tally {
     size_t inside;        /* voxels */
-    size_t seeds_outside; /* of those planted */
-    uint64_t digest;      /* a sum mod 2^64 over the voxels outside; 0 where there are none */
+    size_t seeds_outside; /* planted seeds outside */
+    uint64_t digest;      /* sum mod 2^64 over the voxels outside; 0 for none */
 };
 struct roi_tally roi_tally(const struct roi *roi, const struct scene *scene);
 
-/* Applies it in place of the former one; every seed is inside. forest_rebuild must follow where
- * there are seeds. Where the scene's watch has stopped it, a part of the scene has the former
- * one. */
+/* Apply a region in place of the former one; every seed must be inside. forest_rebuild must follow
+ * if there are seeds. If the scene's watch stops it, a part of the scene keeps the former
+ * region. */
 void roi_apply(const struct roi *roi, struct scene *scene);
 
 #endif

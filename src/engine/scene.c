@@ -16,7 +16,7 @@ static void fill_rim(struct cell *cell, size_t count)
         cell[i] = (struct cell){.flags = CELL_RIM, .direction = DIRECTION_NONE};
 }
 
-/* A row of unreached voxels between two cells of the rim; NULL: 0 everywhere. */
+/* Fill a row of unreached voxels between two cells of the rim. NULL: 0 everywhere. */
 static void fill_row(struct cell *cell, size_t width, const uint16_t *intensity,
                      const uint16_t *weight)
 {
@@ -39,7 +39,7 @@ struct making {
     void *context;
 };
 
-/* The planes of a slab; those of the rim go with the first and the last. */
+/* Fill the planes of a slab; the rim's planes belong to the first and the last slab. */
 static void make_slab(void *context, unsigned worker)
 {
     const struct making *making = context;
@@ -84,9 +84,9 @@ void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *w
     scene->plain = NULL;
 }
 
-/* A scene that is made is the caller's; one that was cancelled or cannot be made goes. */
-static enum err hand_over(struct scene **out, struct scene *scene, enum err err,
-                          struct fault *fault)
+/* Return a finished scene to the caller; free one that was cancelled or failed. */
+static enum err finish_scene(struct scene **out, struct scene *scene, enum err err,
+                             struct fault *fault)
 {
     err = err ? err : watch_fault(scene->watch, fault);
     if (err)
@@ -101,9 +101,9 @@ enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fau
     return scene_new_filled(out, size, NULL, NULL, fault);
 }
 
-/* A scene whose cells hold nothing yet. */
-static enum err make_room(struct scene **out, const uint32_t size[3], struct watch *watch,
-                          struct fault *fault)
+/* Allocate a scene whose cells are not initialised. */
+static enum err allocate_scene(struct scene **out, const uint32_t size[3], struct watch *watch,
+                               struct fault *fault)
 {
     *out = NULL;
     struct scene *scene = mem_new(sizeof *scene);
@@ -132,7 +132,7 @@ static enum err make_room(struct scene **out, const uint32_t size[3], struct wat
 enum err scene_new_plain(struct scene **out, const uint32_t size[3], uint16_t *intensity,
                          struct watch *watch, struct fault *fault)
 {
-    enum err err = make_room(out, size, watch, fault);
+    enum err err = allocate_scene(out, size, watch, fault);
     if (err)
         return err;
     (*out)->plain = intensity;
@@ -145,11 +145,11 @@ enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint
 {
     struct scene *scene;
     *out = NULL;
-    enum err err = make_room(&scene, size, watch, fault);
+    enum err err = allocate_scene(&scene, size, watch, fault);
     if (err)
         return err;
     make_slab(&(struct making){.scene = scene, .intensity = intensity}, 0);
-    return hand_over(out, scene, OK, fault);
+    return finish_scene(out, scene, OK, fault);
 }
 
 void scene_free(struct scene *scene)
@@ -161,13 +161,13 @@ void scene_free(struct scene *scene)
     free(scene);
 }
 
-/* ---- how often each intensity occurs ---- */
+/* ---- histogram of the intensities ---- */
 
 enum { INTENSITIES = UINT16_MAX + 1 };
 
 static const size_t VOXELS_MOST = 1u << 22;
 
-/* Each worker counts for itself, in INTENSITIES counts of its own. */
+/* Each worker has its own INTENSITIES counters. */
 struct counting {
     const struct scene *scene;
     struct team *team;
@@ -227,8 +227,8 @@ void scene_interpolated_size(uint32_t out[3], const uint32_t size[3], unsigned d
         out[a] = doubled >> a & 1 ? 2 * size[a] - 1 : size[a];
 }
 
-/* The base voxels around a place of the interpolated scene: one, or on both sides of a half step
- * along each axis. */
+/* Mean of the base voxels around a place of the interpolated scene: one along an axis, or two on
+ * both sides of a half step. */
 static uint16_t mean_around(const struct scene *base, const uint32_t at[3], unsigned doubled)
 {
     uint32_t low[3], high[3], sum = 0, count = 0;
@@ -266,12 +266,12 @@ enum err scene_new_interpolated(struct scene **out, const struct scene *base, un
     }
     scene->sides_unknown = base->sides_unknown;
     scene->spacing_unknown = base->spacing_unknown;
-    return hand_over(out, scene, OK, fault);
+    return finish_scene(out, scene, OK, fault);
 }
 
 /* ---- the synthetic scene ---- */
 
-/* One object of the scene, in voxels of the base; later ones lie over earlier ones. */
+/* One object of the scene, in voxels of the base; later ones cover earlier ones. */
 struct solid {
     enum { BALL, BLOCK, TUBE, TORUS } kind;
     int centre[3];
@@ -288,7 +288,7 @@ static const struct solid geom_solid[] = {
 
 const uint32_t geom_size[3] = {200, 200, 100};
 
-/* Places are counted in eighths of a voxel of the base: below 2^11, so that what follows fits 64
+/* Places are counted in eighths of a voxel of the base: below 2^11, so that products fit 64
  * bits. */
 enum { EIGHTHS = 8 };
 
@@ -297,8 +297,8 @@ static int64_t square(int64_t v)
     return v * v;
 }
 
-/* Whether a place at (dx, dy, dz) from its centre lies in it. Along a line through the
- * others, dx = 0 is in it if any is, and what is in it is one piece; but for the torus. */
+/* True if a solid contains the place at (dx, dy, dz) from its centre. Along a line through the
+ * solid, it contains dx = 0 and is connected; except the torus. */
 static bool solid_holds(const struct solid *solid, int64_t dx, int64_t dy, int64_t dz)
 {
     const int64_t e[3] = {EIGHTHS * solid->extent[0], EIGHTHS * solid->extent[1],
@@ -322,11 +322,11 @@ static bool solid_holds(const struct solid *solid, int64_t dx, int64_t dy, int64
     return false;
 }
 
-/* How far along x a solid reaches from its centre; -1 where this line does not meet it. */
+/* Half-length of a solid along x from its centre; -1 if this line does not meet it. */
 static int64_t solid_reach(const struct solid *solid, int64_t dy, int64_t dz)
 {
     int64_t least = -1, most = EIGHTHS * (int64_t)geom_size[0];
-    while (least < most) { /* in it at `least`, not beyond `most` */
+    while (least < most) { /* the solid contains `least`, and nothing above `most` */
         const int64_t middle = (least + most + 1) / 2;
         if (solid_holds(solid, middle, dy, dz))
             least = middle;
@@ -336,20 +336,20 @@ static int64_t solid_reach(const struct solid *solid, int64_t dy, int64_t dz)
     return least;
 }
 
-/* Where the centre of voxel i of n lies along an axis of the base, in eighths. */
+/* Place of the centre of voxel i of n along an axis of the base, in eighths. */
 static int64_t geom_place(uint64_t i, uint32_t n, unsigned axis)
 {
     return (int64_t)((2 * i + 1) * geom_size[axis] * EIGHTHS / (2 * (uint64_t)n)) - EIGHTHS / 2;
 }
 
-/* Rows of the synthetic scene, of a grid of any size. */
+/* Rows of the synthetic scene, for a grid of any size. */
 struct geom_rows {
     uint32_t size[3];
-    int16_t *place; /* [size[0]], of voxels along x */
+    int16_t *place; /* [size[0]], places of voxels along x */
     uint8_t *value; /* [size[0]], without noise */
 };
 
-static void lay_solid(struct geom_rows *rows, const struct solid *solid, int64_t dy, int64_t dz)
+static void draw_solid(struct geom_rows *rows, const struct solid *solid, int64_t dy, int64_t dz)
 {
     const int centre = EIGHTHS * solid->centre[0];
     const uint8_t value = (uint8_t)solid->intensity;
@@ -366,7 +366,7 @@ static void lay_solid(struct geom_rows *rows, const struct solid *solid, int64_t
         rows->value[x] = abs(rows->place[x] - centre) <= reach ? value : rows->value[x];
 }
 
-/* The intensity of each voxel of the row (., y, z). */
+/* Compute the intensities of the row (., y, z). */
 static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, struct cell *cell)
 {
     const int64_t place_y = geom_place(y, rows->size[1], 1);
@@ -375,8 +375,8 @@ static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, struct cell
     for (uint32_t x = 0; x < rows->size[0]; x++) /* a graded background */
         rows->value[x] = (uint8_t)(12 + rows->place[x] / (25 * EIGHTHS) + place_z / (20 * EIGHTHS));
     for (size_t i = 0; i < sizeof geom_solid / sizeof geom_solid[0]; i++)
-        lay_solid(rows, &geom_solid[i], place_y - EIGHTHS * geom_solid[i].centre[1],
-                  place_z - EIGHTHS * geom_solid[i].centre[2]);
+        draw_solid(rows, &geom_solid[i], place_y - EIGHTHS * geom_solid[i].centre[1],
+                   place_z - EIGHTHS * geom_solid[i].centre[2]);
     for (uint32_t x = 0; x < rows->size[0]; x++) {
         const int value = rows->value[x] + (int)(hash_mix_at(voxel++, 0) % 9) - 4;
         cell[x].intensity = (uint16_t)(value < 0 ? 0 : value);
@@ -403,7 +403,7 @@ enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct wa
         geom_row(&rows, w.y, w.z, scene->cell + w.row.first);
     free(rows.place);
     free(rows.value);
-    return hand_over(out, scene, err, fault);
+    return finish_scene(out, scene, err, fault);
 }
 
 enum err scene_new_geom(struct scene **out, unsigned doubled, struct watch *watch,
@@ -437,7 +437,7 @@ static uint64_t digest_of_geometry(const struct scene *scene)
     return sum;
 }
 
-/* Worker 0 looks at the watch. */
+/* Worker 0 polls the watch. */
 static uint64_t digest_of_slab(const struct scene *scene, struct slab slab, unsigned worker)
 {
     const struct grid *grid = &scene->grid;
@@ -463,8 +463,8 @@ uint64_t scene_digest(const struct scene *scene)
     return digest_of_geometry(scene) + digest_of_slab(scene, grid_slab(&scene->grid, 0, 1), 0);
 }
 
-/* Intensities on their way to SHA-256. What follows the head makes it up to a whole block; from
- * then on pieces are whole blocks, which are taken fastest. */
+/* Buffer of intensities for SHA-256. The first piece completes the head to a whole block; all later
+ * pieces are whole blocks, which are hashed fastest. */
 enum { PROOF_HEAD = 28, PROOF_PIECE = 2048, PROOF_FIRST = (64 - PROOF_HEAD) / 2 };
 
 struct proof {
@@ -473,9 +473,9 @@ struct proof {
     uint32_t held, most;
 };
 
-/* Of plain intensities, or (NULL) of cells. */
-static void prove_row(struct proof *proof, const uint16_t *plain, const struct cell *cell,
-                      uint32_t count)
+/* Hash plain intensities, or those of cells (plain is NULL). */
+static void hash_row(struct proof *proof, const uint16_t *plain, const struct cell *cell,
+                     uint32_t count)
 {
     for (uint32_t done = 0, n; done < count; done += n) {
         const uint32_t room = proof->most - proof->held, left = count - done;
@@ -517,7 +517,7 @@ void scene_proof(char out[SHA256_HEX], const struct scene *scene)
     sha256_update(&proof.sha, sizeof head, (const uint8_t *)&head);
     for (struct grid_walk w = scene_walk(scene, "proof of the scene", NULL, 0);
          grid_walk_next(&w);) {
-        prove_row(&proof, plain, scene->cell + w.row.first, grid->size[0]);
+        hash_row(&proof, plain, scene->cell + w.row.first, grid->size[0]);
         plain = plain ? plain + grid->size[0] : NULL;
     }
     if (scene->watch && scene->watch->stopped)
@@ -533,8 +533,8 @@ struct identifying {
     uint64_t sum[TEAM_MOST];
 };
 
-/* A proof is one long chain: the first worker makes it, and looks at the watch meanwhile; the
- * others share the digest, which takes about as long in all. */
+/* A proof is one long chain: the first worker computes it and polls the watch; the others share the
+ * digest, which needs about the same time in total. */
 static void identify_part(void *context, unsigned worker)
 {
     struct identifying *i = context;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The scene: one array of 16-byte cells that holds everything known about each voxel.
+ * The scene: one array of 16-byte cells with all data of each voxel.
  *
- * What the forest reads and writes about a voxel lies in one quarter of a cache line: against
- * separate arrays this made a run from scratch two and a half times as fast.
+ * All data that the forest reads and writes for a voxel share one quarter of a cache line: this
+ * made a run from scratch two and a half times as fast as separate arrays.
  *
  * Invariants
  *   S1 a cell of the rim has key 0, label 0, weight 0, and the flag CELL_RIM, always: it declines
  *      every offer (none is below 0), makes none, and counts as background;
  *   S2 a voxel outside the region of interest (engine/roi.h) has key 0, label 0, no predecessor,
- *      and the flag CELL_OUTSIDE: to the forest it is as the rim;
+ *      and the flag CELL_OUTSIDE: the forest treats it like the rim;
  *   S3 intensity belongs to the scene, weight to engine/weight.h, the rest to engine/forest.h;
- *   S4 a scene is *plain* while `plain` holds its intensities: then its cells are not made, and
- *      nobody may touch them. Cells are eight times as large, and to open a scene does not need
- *      them yet.
+ *   S4 a scene is *plain* while `plain` holds its intensities: its cells are not initialised yet
+ *      and must not be accessed. Cells are eight times as large, and opening a scene does not need
+ *      them.
  */
 #ifndef ENGINE_SCENE_H
 #define ENGINE_SCENE_H
@@ -36,10 +36,10 @@
  * key(s): that alone makes the forest unique (engine/forest.h).
  */
 
-/* Above all others: no seed reaches the voxel. */
+/* Greater than all keys: no seed reaches the voxel. */
 #define KEY_NONE UINT64_MAX
 
-/* Hops that no key of a finished forest has: there are none left to add. */
+/* The largest hops, which no key of a finished forest has: no hop can be added. */
 enum { KEY_HOPS_LIMIT = 65535 };
 
 static inline uint64_t key_make(uint32_t cost, uint32_t hops, uint32_t root)
@@ -64,13 +64,13 @@ static inline uint32_t key_level(uint64_t key)
     return (uint32_t)(key >> 32);
 }
 
-/* The least key of a level; of a level and those above, counted on without end. */
+/* The least key of a level; KEY_NONE beyond the last level. */
 static inline uint64_t key_level_begin(uint64_t level)
 {
     return level > UINT32_MAX ? KEY_NONE : level << 32;
 }
 
-/* The parts of key_extend: one hop more at the same cost (none where there is none left, so that
+/* The parts of key_extend: one hop more at the same cost (KEY_NONE if hops are exhausted, so that
  * the order stays strict), a rise to weight w, and the greater of two keys. */
 static inline uint64_t key_hop(uint64_t key)
 {
@@ -85,8 +85,8 @@ static inline uint64_t key_greater(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* What a voxel with `key` offers a neighbour of weight w: (w, 0, root) where w is above the cost,
- * else one hop more. The former is the greater key exactly then: so it takes no branch. */
+/* Offer of a voxel with `key` to a neighbour of weight w: (w, 0, root) if w is above the cost, else
+ * one hop more. The former is the greater key exactly in that case, so no branch is needed. */
 static inline uint64_t key_extend(uint64_t key, uint32_t w)
 {
     return key_greater(key_rise(w, key_root(key)), key_hop(key));
@@ -94,32 +94,32 @@ static inline uint64_t key_extend(uint64_t key, uint32_t w)
 
 enum cell_flag {
     CELL_SEED = 1,     /* a seed is planted here; label is its own */
-    CELL_QUEUED = 2,   /* waits in the queue at the level of its key */
+    CELL_QUEUED = 2,   /* in the queue at the level of its key */
     CELL_CLEARED = 4,  /* has just lost its tree */
-    CELL_TOUCHED = 8,  /* has changed in this edit, and waits for its final key */
+    CELL_TOUCHED = 8,  /* has changed in this edit and has no final key yet */
     CELL_RIM = 16,     /* not a voxel */
     CELL_OUTSIDE = 32, /* a voxel outside the region of interest */
-    CELL_RAISED = 64,  /* lost what it was offered; others may offer better than what it has */
+    CELL_RAISED = 64,  /* lost its predecessor's offer; others may offer a better one */
 };
 
 enum { DIRECTION_NONE = 255 };
 
 struct cell {
     uint64_t key;
-    uint16_t weight; /* w of every arc into this voxel, where arcs weigh so (engine/weight.h) */
+    uint16_t weight; /* w of every arc into this voxel, under ARC_TARGET (engine/weight.h) */
     uint16_t intensity;
     union {
         struct {
-            uint8_t label;        /* of the root; 0: background, or no seed reaches the voxel */
-            uint8_t direction;    /* of the adjacency, from predecessor to here; DIRECTION_NONE */
+            uint8_t label;        /* label of the root; 0: background, or no seed reaches it */
+            uint8_t direction;    /* from predecessor to here, in the adjacency; or none */
             uint8_t flags;        /* enum cell_flag */
-            uint8_t former_label; /* of a touched voxel, before the edit; else 0 */
+            uint8_t former_label; /* former label of a touched voxel; else 0 */
         };
-        uint32_t state; /* these four as one word, to be copied whole; it has no value */
+        uint32_t state; /* these four as one word, to be copied as a whole; not to be interpreted */
     };
 };
 
-/* A state made of its parts. */
+/* Compose a state from its parts. */
 static inline uint32_t cell_state(uint8_t label, uint8_t direction, uint8_t flags)
 {
     const struct cell cell = {.label = label, .direction = direction, .flags = flags};
@@ -131,7 +131,7 @@ static inline uint8_t cell_state_direction(uint32_t state)
     return cell.direction;
 }
 
-/* Whether a tree holds the cell: its key is neither KEY_NONE nor the 0 of S1 and S2. */
+/* True if a tree holds the cell: its key is neither KEY_NONE nor the 0 of S1 and S2. */
 static inline bool cell_is_reached(const struct cell *cell)
 {
     return cell->key + 1 > 1;
@@ -142,34 +142,33 @@ struct scene {
     struct cell *cell;      /* [grid.cells] */
     uint16_t *plain;        /* S4: [z][y][x], owned; else NULL */
     uint32_t spacing_nm[3]; /* between voxel centres along x, y, z */
-    int8_t world_axis[3];   /* which world axis each voxel axis runs along, and which way: */
-    int8_t world_sign[3];   /* world 0 is to the patient's Right, 1 Anterior, 2 Superior */
-    bool sides_unknown;     /* the axes are anything, and no picture names a side of the patient */
-    bool spacing_unknown;   /* the spacing is 1 mm for want of any, and no picture says a length */
-    struct watch *watch;    /* of all work on the whole scene, which ends early where it says so:
-                               the caller checks watch_stops. Or NULL */
+    int8_t world_axis[3]; /* the world axis along which each voxel axis runs, and its direction: */
+    int8_t world_sign[3]; /* world 0 is to the patient's Right, 1 Anterior, 2 Superior */
+    bool sides_unknown;   /* no direction of the axes is known: pictures name no sides */
+    bool spacing_unknown; /* the spacing is 1 mm because it is unknown; pictures show no lengths */
+    struct watch *watch;  /* watches, and may stop, work on the whole scene; or NULL */
 };
 
-/* A scene of unreached voxels with intensity 0, spacing 1 mm, axes as the world's. */
+/* Create a scene of unreached voxels with intensity 0, spacing 1 mm, and the world's axes. */
 enum err scene_new(struct scene **scene, const uint32_t size[3], struct fault *fault);
 /* The same under a watch (ERR_CANCELLED), with these intensities [z][y][x] (NULL: 0). */
 enum err scene_new_filled(struct scene **scene, const uint32_t size[3], const uint16_t *intensity,
                           struct watch *watch, struct fault *fault);
-/* A plain one of these intensities, which were allocated by mem_array and are the scene's unless
- * there is an error. */
+/* Create a plain scene of these intensities, which were allocated by mem_array and belong to the
+ * scene unless an error is returned. */
 enum err scene_new_plain(struct scene **scene, const uint32_t size[3], uint16_t *intensity,
                          struct watch *watch, struct fault *fault);
 void scene_free(struct scene *scene);
 
-/* Makes the cells of a plain scene, by a team and under its watch; where that stops it, the scene
- * stays plain. `weigh` gives the weights of a row, so that each cell is written once; NULL: 0. */
+/* Initialise the cells of a plain scene, by a team and under its watch; if stopped, the scene stays
+ * plain. `weigh` computes the weights of a row, so that each cell is written once; NULL: 0. */
 typedef void scene_weigh_row(void *context, unsigned worker, uint32_t y, uint32_t z,
                              uint16_t *weight);
 void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *weigh,
                       void *context);
 
-/* A walk over the rows of a scene under its watch (engine/grid.h): over all rows (team NULL, worker
- * 0), or by each worker of a team over its slab. */
+/* Start a walk over the rows of a scene under its watch (engine/grid.h): over all rows (team NULL,
+ * worker 0), or by each worker of a team over its slab. */
 static inline struct grid_walk scene_walk(const struct scene *scene, const char *what,
                                           const struct team *team, unsigned worker)
 {
@@ -177,9 +176,8 @@ static inline struct grid_walk scene_walk(const struct scene *scene, const char 
     return grid_walk(&scene->grid, scene->watch, what, slab, worker);
 }
 
-/* For a walk through all cells that has come to `cell`: has the processor fetch what comes a little
- * later. On virtual machines it does not see that by itself far enough ahead: the digest of ch2
- * takes 9 ms instead of 22. */
+/* Prefetch cells for a walk that has reached `cell`. Virtual machines do not prefetch far enough
+ * ahead: the digest of ch2 needs 9 ms instead of 22. */
 static inline void scene_fetch_ahead(const struct scene *scene, size_t cell)
 {
     enum { AHEAD = 128 };
@@ -187,37 +185,36 @@ static inline void scene_fetch_ahead(const struct scene *scene, size_t cell)
         (const char *)((uintptr_t)scene->cell + (cell + AHEAD) * sizeof(struct cell)));
 }
 
-/* How often each intensity occurs: in all voxels, or in a large scene in those of every n-th row,
- * enough for percentiles, and few enough to take no time. `team` may be NULL for one thread, which
- * it is as well without memory. */
+/* Histogram of the intensities of all voxels, or, in a large scene, of every n-th row: enough for
+ * percentiles. `team` may be NULL; one thread is used if memory is short. */
 void intensities_count(uint32_t count[UINT16_MAX + 1], const struct scene *scene,
                        struct team *team);
 
-/* Two intensities, the highest of those that `low` thousandths of the voxels or fewer are below,
- * and of those that fewer than `high` thousandths are below; 0 where nothing is counted. */
+/* Two percentiles in thousandths: the highest intensity with at most `low` of the voxels below it,
+ * and the highest with fewer than `high` below it; 0 for an empty histogram. */
 void intensities_range(int32_t range[2], const uint32_t count[UINT16_MAX + 1], uint64_t low,
                        uint64_t high);
 
 /*
- * A scene like `base` of which some axes are interpolated to 2n - 1 voxels: `doubled` has bit a set
- * for axis a. Voxels at whole steps are those of the base; one at half steps is the mean, halves
- * rounded up, of the 2, 4 or 8 base voxels around it. Spacings halve, half a nanometre rounded up;
- * voxel 0,0,0 stays where it is. No seed, no weight.
+ * Interpolate some axes of `base` to 2n - 1 voxels: `doubled` has bit a set for axis a. Voxels at
+ * whole steps equal those of the base; a voxel at half steps is the mean, halves rounded up, of the
+ * 2, 4 or 8 base voxels around it. Spacings halve, half a nanometre rounded up; voxel 0,0,0 keeps
+ * its place. The result has no seeds and no weights.
  */
 enum err scene_new_interpolated(struct scene **scene, const struct scene *base, unsigned doubled,
                                 struct watch *watch, struct fault *fault);
 
-/* The size that has. */
+/* Size of the interpolated scene. */
 void scene_interpolated_size(uint32_t out[3], const uint32_t size[3], unsigned doubled);
 
 /*
  * The paper's synthetic scene "geom", 200x200x100 voxels of 8 bits: blocks, balls, a torus and a
  * tube of several intensities in a graded field with fixed noise; the same on every machine.
  *
- * scene_new_geom has one or more axes interpolated, as above. scene_new_geom_of fills a grid of
- * any size instead: each voxel's centre, to an eighth of a voxel of the base, decides which solid
- * it is in, and each voxel has noise of its own. Of 200x200x100 it is the base itself. It is made
- * row by row and takes no memory but a row.
+ * scene_new_geom interpolates one or more axes, as above. scene_new_geom_of fills a grid of any
+ * size instead: the centre of each voxel, to an eighth of a voxel of the base, decides which solid
+ * contains it, and each voxel has its own noise. At 200x200x100 it is the base itself. The scene is
+ * computed row by row, with memory for one row.
  */
 extern const uint32_t geom_size[3];
 enum err scene_new_geom(struct scene **scene, unsigned doubled, struct watch *watch,
@@ -225,19 +222,19 @@ enum err scene_new_geom(struct scene **scene, unsigned doubled, struct watch *wa
 enum err scene_new_geom_of(struct scene **scene, const uint32_t size[3], struct watch *watch,
                            struct fault *fault);
 
-/* A 64-bit sum over voxels, which covers sizes, spacing, axes and every intensity: it finds
- * mistakes. */
+/* Digest: a 64-bit sum over sizes, spacing, axes and every intensity. Detects errors, not
+ * forgery. */
 uint64_t scene_digest(const struct scene *scene);
 
 /*
- * SHA-256 over the same, for which no second scene can be found, as 64 digits and a NUL: three
- * sizes and three spacings in nanometres as 32 bits each, then a byte for each axis (2 * world axis
- * + 1 where it runs the other way) and one zero byte, then the intensities, x fastest, as 16 bits;
- * all little-endian. "" where the watch says so.
+ * Proof: SHA-256 over the same data, as 64 digits and a NUL: three sizes and three spacings in
+ * nanometres as 32 bits each, then a byte for each axis (2 * world axis + 1 if it runs the other
+ * way) and one zero byte, then the intensities, x fastest, as 16 bits; all little-endian. "" if the
+ * watch stopped it.
  */
 void scene_proof(char out[SHA256_HEX], const struct scene *scene);
 
-/* Both at a time, by a team. */
+/* Compute both at the same time, by a team. */
 void scene_identify(uint64_t *digest, char proof[SHA256_HEX], const struct scene *scene,
                     struct team *team);
 

@@ -9,7 +9,7 @@
 #include "engine/net_graph.h"
 
 enum {
-    BOX = 64, /* voxels along each axis whose nets are made at once, at most */
+    BOX = 64, /* largest side of a box whose nets are computed at once */
     CORNERS = 8,
 };
 static const size_t POINTS_MOST = INT32_MAX;
@@ -25,13 +25,13 @@ struct quad {
     uint8_t face;
 };
 
-/* A place that all labels which meet there share: in a cube, crossings between voxels that differ,
- * as far as they hang together through the vertices of nets. */
+/* A position shared by all labels that meet there: in a cube, the crossings between voxels that
+ * differ, as far as they are connected through the vertices of nets. */
 struct spot {
     uint64_t cube;
-    int32_t sum[3]; /* of places from the centre of the cube's first voxel, in SURFACE_ONE */
+    int32_t sum[3]; /* sum of positions from the centre of the cube's first voxel, in SURFACE_ONE */
     uint8_t count;
-    uint8_t air; /* the part of air whose place it is; 0: of none */
+    uint8_t air; /* the part of air that defines the position; 0 for none */
 };
 
 struct making {
@@ -39,18 +39,18 @@ struct making {
     uint8_t *label; /* [z][y][x] */
     struct extent extent[256];
     uint64_t voxels[256];
-    uint8_t of; /* the label whose net is made; 0: all together */
+    uint8_t of; /* the label whose net is computed; 0: all together */
     const struct surface_choice *choice;
-    bool has_spots, box_has_spots; /* there are surfaces that may meet, in all or in a box */
+    bool has_spots, box_has_spots; /* surfaces may meet, in the scene or in a box */
     struct surface *surface;
     size_t point_room;
-    uint32_t *spot_of; /* [points]; NO_SPOT: it stays where its label's net has it */
+    uint32_t *spot_of; /* [points]; NO_SPOT: it stays at the position of its label's net */
     size_t spot_of_room;
     struct quad *quad;
     size_t quads, quad_room;
     struct net_scratch *scratch;
     struct lookup sewn;    /* vertices at the sides of boxes: points */
-    struct lookup numbers; /* of spots */
+    struct lookup numbers; /* numbers of spots */
     struct spot *spot;
     size_t spots, spot_room;
     struct task task;
@@ -59,7 +59,7 @@ struct making {
 
 /* ---- labels ---- */
 
-static enum err take_labels(struct making *m, const struct surface_source *source,
+static enum err read_labels(struct making *m, const struct surface_source *source,
                             struct watch *watch)
 {
     const uint32_t *size = source->size;
@@ -107,7 +107,7 @@ static void net_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t cou
     }
 }
 
-/* Counted from one before the scene. */
+/* Number of a cube, counted from one before the scene. */
 static uint64_t cube_number(const struct making *m, const int32_t cube[3])
 {
     uint64_t number = 0;
@@ -118,8 +118,8 @@ static uint64_t cube_number(const struct making *m, const int32_t cube[3])
 
 /* ---- spots ---- */
 
-/* The crossings of a cube, one bit for each edge, 4 * axis and so on, between corners of `part` and
- * others of `object`. */
+/* Crossings of a cube between corners of `part` and others of `object`: one bit for each edge, 4 *
+ * axis and so on. */
 static unsigned crossings_of(unsigned part, unsigned object)
 {
     unsigned crossings = 0, bit = 0;
@@ -135,14 +135,14 @@ static unsigned crossings_of(unsigned part, unsigned object)
     return crossings;
 }
 
-/* All crossings that share a place with some of a cube of these labels. */
+/* Add all crossings that share a position with the given ones, in a cube of these labels. */
 static unsigned share_place(unsigned crossings, const uint8_t label[CORNERS])
 {
     for (unsigned before = 0; before != crossings;) {
         before = crossings;
         for (unsigned c = 0; c < CORNERS; c++) {
-            /* The nets that have vertices here: of each label; and of all, whose object is what is
-             * not air. */
+            /* The nets with vertices here: of each label; and of all, whose object is everything
+             * but air. */
             unsigned set = 0;
             for (unsigned k = 0; k < CORNERS; k++)
                 set |= (unsigned)(label[k] == label[c]) << k;
@@ -157,7 +157,7 @@ static unsigned share_place(unsigned crossings, const uint8_t label[CORNERS])
     return crossings;
 }
 
-/* The number of the spot where a vertex of the net at hand lies; NO_SPOT: no memory. */
+/* Number of the spot of a vertex of the current net; NO_SPOT without memory. */
 static uint32_t spot_of(struct making *m, const struct net_vertex *vertex)
 {
     const uint64_t cube = cube_number(m, vertex->cube);
@@ -190,7 +190,7 @@ static uint32_t spot_of(struct making *m, const struct net_vertex *vertex)
     return *number;
 }
 
-/* Air says where a spot is, and of several parts of air the first; else all labels do. */
+/* Air defines the position of a spot, the first part of several; without air all labels do. */
 static void add_to_spot(struct spot *spot, const struct net_vertex *vertex, bool is_air)
 {
     if (!is_air && spot->air)
@@ -209,7 +209,7 @@ static void add_to_spot(struct spot *spot, const struct net_vertex *vertex, bool
 
 /* ---- points and quads ---- */
 
-/* The point of a vertex; UINT32_MAX where memory runs out. */
+/* Add the point of a vertex; UINT32_MAX without memory. */
 static uint32_t add_point(struct making *m, const struct net_vertex *vertex,
                           const struct extent *box)
 {
@@ -264,7 +264,7 @@ static bool add_net(struct making *m, const struct net *net, const struct extent
     return fits;
 }
 
-/* Where air meets labels, all together, in pictures. */
+/* Add the positions of all labels together next to air, as in pictures. */
 static bool add_outside(struct making *m, const struct net *net)
 {
     for (uint32_t v = 0; v < net->vertices; v++) {
@@ -276,8 +276,8 @@ static bool add_outside(struct making *m, const struct net *net)
     return true;
 }
 
-/* Whether several labels are in a box or near enough to move vertices in it: else the net of one is
- * that of all together. */
+/* True if several labels are in a box or near enough to move vertices in it; if not, the net of one
+ * is that of all together. */
 static bool holds_several(const struct making *m, const struct extent *box)
 {
     struct extent near;
@@ -299,9 +299,9 @@ static bool holds_several(const struct making *m, const struct extent *box)
     return false;
 }
 
-/* The nets of the boxes of an extent: of the label m->of, or of all together; either for spots
- * where air meets labels, or points and quads. */
-static enum err take_nets(struct making *m, const struct extent *extent, bool adds_spots)
+/* Compute the nets of the boxes of an extent: of the label m->of, or of all together; either for
+ * spots next to air, or for points and quads. */
+static enum err add_nets(struct making *m, const struct extent *extent, bool adds_spots)
 {
     static const uint32_t any_scale = 1 << 12;
     const struct net_source source = {net_row,
@@ -353,7 +353,7 @@ static enum err take_nets(struct making *m, const struct extent *extent, bool ad
 
 /* ---- sheets that touch ---- */
 
-/* Which quads are around each point of a part: corner 4 * quad + k at its point. */
+/* The quads around each point of a part: corner 4 * quad + k at its point. */
 struct around {
     uint32_t *first; /* [points + 1] */
     uint32_t *corner;
@@ -379,8 +379,8 @@ static bool find_around(struct around *around, const struct making *m, size_t po
     return true;
 }
 
-/* Of the corners around a point, the one that comes after one: its quad is the other one at the
- * edge that leaves the point there, of four the one of the same voxel. */
+/* The next corner around a point: its quad is the other one at the edge that leaves the point
+ * there; of four, the one of the same voxel. */
 static unsigned next_around(const struct quad *quad, const uint32_t *corner, unsigned count,
                             unsigned at)
 {
@@ -395,7 +395,7 @@ static unsigned next_around(const struct quad *quad, const uint32_t *corner, uns
     return next;
 }
 
-/* A point of several fans becomes several. */
+/* Split a point of several fans into several. */
 static enum err split_fans(struct making *m, const struct surface_part *part, size_t first_quad)
 {
     struct surface *s = m->surface;
@@ -446,7 +446,7 @@ static enum err add_part(struct making *m, const struct extent *extent, uint64_t
     struct surface_part *part = &s->part[s->parts++];
     *part = (struct surface_part){
         .label = m->of ? m->of : 1, .point = s->points, .triangle = 2 * m->quads, .voxels = voxels};
-    enum err err = take_nets(m, extent, false);
+    enum err err = add_nets(m, extent, false);
     if (!err)
         err = split_fans(m, part, first_quad);
     part->points = s->points - part->point;
@@ -457,7 +457,7 @@ static enum err add_part(struct making *m, const struct extent *extent, uint64_t
 static enum err add_parts(struct making *m, struct watch *watch)
 {
     struct extent all = {.first = {INT32_MAX, INT32_MAX, INT32_MAX}};
-    uint64_t voxels = 0, boxes = 0; /* voxels to look at */
+    uint64_t voxels = 0, boxes = 0; /* voxels to process */
     unsigned labels = 0;
     for (unsigned l = 1; l < 256; l++) {
         const struct extent *e = &m->extent[l];
@@ -479,7 +479,7 @@ static enum err add_parts(struct making *m, struct watch *watch)
     if (m->choice->joins)
         return add_part(m, &all, voxels);
     m->has_spots = labels > 1;
-    enum err err = m->has_spots ? take_nets(m, &all, true) : OK;
+    enum err err = m->has_spots ? add_nets(m, &all, true) : OK;
     for (unsigned l = 1; !err && l < 256; l++) {
         m->of = (uint8_t)l;
         if (m->voxels[l])
@@ -488,7 +488,7 @@ static enum err add_parts(struct making *m, struct watch *watch)
     return err;
 }
 
-/* Where several labels are, points lie at their spots. */
+/* Move points to their spots if there are several labels. */
 static void place_points(struct making *m)
 {
     struct surface *s = m->surface;
@@ -505,7 +505,7 @@ static void place_points(struct making *m)
     }
 }
 
-/* All but points and quads. */
+/* Release all but points and quads. */
 static void release_making(struct making *m)
 {
     net_scratch_free(m->scratch);
@@ -531,7 +531,7 @@ enum err surface_new(struct surface **surface, const struct surface_source *sour
         m->choice = choice;
         m->scratch = net_scratch_new();
         m->fault = fault;
-        err = m->scratch ? take_labels(m, source, watch) : fault_memory(fault, "a surface");
+        err = m->scratch ? read_labels(m, source, watch) : fault_memory(fault, "a surface");
     }
     if (!err)
         err = add_parts(m, watch);

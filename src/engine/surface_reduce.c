@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fewer triangles: one point after another moves to a neighbour, and the two triangles between them
- * vanish.
+ * Reduction of triangles: one point after another moves to a neighbour, and the two triangles
+ * between them are removed.
  *
  * Corner 3 t + k is that of triangle t at its point k. `across` of a corner is the corner beyond
- * the edge that faces it: the whole of how triangles hang together. Points keep their places.
+ * the edge opposite to it: it defines all connections of triangles. Points keep their positions.
  *
  * The next move is the one of the least cost: the volume that it sweeps, which does not depend on
- * spacing, and something for its length, so that flat parts get even triangles. After Lindstrom and
- * Turk, "Fast and memory efficient polygonal simplification" (1998), who judge by volumes between
- * the surface at hand and the next, and not by what it once was.
+ * spacing, plus a term for its length, so that flat parts have even triangles. After Lindstrom and
+ * Turk, "Fast and memory efficient polygonal simplification" (1998), who use volumes between the
+ * current surface and the next, not the original one.
  *
- * A surface is larger than the nearest caches, and moves are all over it: what is asked of a point
- * lies in half a line of the cache, and likewise of a triangle; costs lie in the heap. What the
- * moves of a point have in common is worked out once for all of them.
+ * A surface is larger than the L1 and L2 caches, and moves are scattered over it: so the data of a
+ * point fit half a cache line, and likewise of a triangle; costs are stored in the heap. Values
+ * that all moves of a point share are computed once.
  */
 #include "engine/surface.h"
 
@@ -23,10 +23,10 @@
 #include "base/mem.h"
 
 enum {
-    SHIFT = NET_BITS - 8,  /* places count 1/256 voxel here: */
-    LENGTH_MOST = 64 << 8, /* no edge becomes longer along an axis, so that products fit */
-    LENGTH_PRICE = 16,     /* as much as one triangle that goes 1/16 voxel off */
-    SPOKES_MOST = 1024,    /* a point with more neighbours stays */
+    SHIFT = NET_BITS - 8,  /* positions count 1/256 voxel here: */
+    LENGTH_MOST = 64 << 8, /* limit of an edge along an axis, so that products fit */
+    LENGTH_PRICE = 16,     /* equals one triangle that moves by 1/16 voxel */
+    SPOKES_MOST = 1024,    /* a point with more neighbours is not moved */
 };
 
 static const uint32_t NONE = UINT32_MAX;
@@ -37,24 +37,24 @@ struct corner {
 };
 
 struct node {
-    uint32_t at[3];  /* its place, 1 / 2^SHIFT as fine */
-    uint32_t corner; /* one of the point's; NONE where it has gone */
+    uint32_t at[3];  /* its position, in units of 2^SHIFT */
+    uint32_t corner; /* a corner at the point; NONE if it was removed */
     uint32_t to;     /* the point that it moves to at the least cost */
-    uint32_t rank;   /* where it is in the heap; at last its new number */
+    uint32_t rank;   /* its rank in the heap; finally its new number */
 };
 
-/* What a point costs to move; NEVER where it cannot. */
+/* Cost of moving a point; NEVER if it cannot move. */
 struct price {
     uint64_t cost;
     uint32_t point;
 };
 
-/* A neighbour of the point at hand, and the triangle between it and the next one. */
+/* A neighbour of the current point, and the triangle between it and the next one. */
 struct spoke {
-    uint32_t corner;   /* of the point; the neighbour's is after it */
-    bool is_out;       /* it is not to be moved to */
+    uint32_t corner;   /* corner of the point; the next one is the neighbour's */
+    bool is_out;       /* excluded as a target */
     int64_t way[3];    /* to the neighbour */
-    int64_t normal[3]; /* of the triangle, as long as that is large, twice */
+    int64_t normal[3]; /* normal of the triangle, with twice its area as length */
     int64_t turn[3];   /* (from this neighbour to the next) x normal */
     int64_t squared;   /* normal . normal */
 };
@@ -63,11 +63,11 @@ struct reduction {
     struct surface *surface;
     struct corner *corner;
     struct node *node;  /* by point */
-    struct price *heap; /* the least cost first, and of those the first point */
+    struct price *heap; /* the least cost first, and the first point on a tie */
     uint32_t in_heap;
-    size_t triangles; /* that are left */
+    size_t triangles; /* triangles left */
 
-    /* Around the point at hand. */
+    /* Neighbours of the current point. */
     unsigned spokes;
     uint64_t seen; /* bit n % 64 of each neighbour n */
     uint32_t neighbour[SPOKES_MOST];
@@ -91,8 +91,8 @@ static uint32_t point_at(const struct reduction *r, uint32_t corner)
     return r->corner[corner].point;
 }
 
-/* The next corner around the same point: its triangle has the edge that leads from the point to
- * the last point of this one. */
+/* The next corner around the same point: its triangle has the edge from the point to the last point
+ * of this one. */
 static uint32_t swing(const struct reduction *r, uint32_t corner)
 {
     return next_in_triangle(r->corner[next_in_triangle(corner)].across);
@@ -104,7 +104,7 @@ static void glue(struct reduction *r, uint32_t corner, uint32_t other)
     r->corner[other].across = corner;
 }
 
-/* Finds what is across each edge: corners in a list for each point, by `next`. */
+/* Find the opposite of each edge, with a list of corners for each point in `next`. */
 static void find_across(struct reduction *r, uint32_t *next)
 {
     const uint32_t corners = (uint32_t)(3 * r->surface->triangles);
@@ -124,9 +124,9 @@ static void find_across(struct reduction *r, uint32_t *next)
     }
 }
 
-/* ---- may it move, and at what cost ---- */
+/* ---- the cost of moves ---- */
 
-/* Of the point of a corner. */
+/* True if the point of a corner has four neighbours or more. */
 static bool has_four_neighbours(const struct reduction *r, uint32_t corner)
 {
     return swing(r, swing(r, swing(r, corner))) != corner;
@@ -142,9 +142,9 @@ static bool is_neighbour(const struct reduction *r, uint32_t point)
     return false;
 }
 
-/* Whether the surface stays a manifold: the point at hand and the other one have no neighbours in
- * common but those of the triangles between them, and these have four or more. `corner` is the
- * point's, with the edge to the other one after it. */
+/* True if the surface stays a manifold: the current point and the other one have no neighbours in
+ * common except those of the triangles between them, and these have four or more neighbours.
+ * `corner` is the point's, followed by the edge to the other one. */
 static bool stays_manifold(const struct reduction *r, uint32_t corner)
 {
     const uint32_t left = last_in_triangle(corner), right = r->corner[left].across;
@@ -172,7 +172,7 @@ static int64_t product(const int64_t u[3], const int64_t v[3])
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* Who the neighbours of a point are; false where it has too many. */
+/* Find the neighbours of a point; false if it has too many. */
 static bool find_neighbours(struct reduction *r, uint32_t point)
 {
     const uint32_t first = r->node[point].corner;
@@ -189,8 +189,8 @@ static bool find_neighbours(struct reduction *r, uint32_t point)
     return c == first;
 }
 
-/* Of moving to a neighbour; NEVER where that is no less than `most`, or a triangle would turn over:
- * its normal would be normal - step x edge. Two of the triangles are those that vanish. */
+/* Cost of moving to a neighbour; NEVER if it is not below `most`, or if a triangle would turn over:
+ * its normal would be normal - step x edge. Two of the triangles are removed. */
 static uint64_t cost_of_move(const struct reduction *r, unsigned to, uint64_t most)
 {
     const int64_t *step = r->spoke[to].way;
@@ -207,7 +207,7 @@ static uint64_t cost_of_move(const struct reduction *r, unsigned to, uint64_t mo
     return cost < most ? cost : NEVER;
 }
 
-/* The least cost of the neighbours that are not ruled out, of those the first. */
+/* The least cost of the neighbours that are not excluded; the first on a tie. */
 static uint64_t least_cost(const struct reduction *r, unsigned *to)
 {
     uint64_t least = NEVER;
@@ -221,7 +221,7 @@ static uint64_t least_cost(const struct reduction *r, unsigned *to)
     return least;
 }
 
-/* What the moves of a point are judged by; false where none can be made. */
+/* Compute the data shared by all moves of a point; false if it cannot move. */
 static bool look_around(struct reduction *r, uint32_t point)
 {
     if (!find_neighbours(r, point))
@@ -233,7 +233,7 @@ static bool look_around(struct reduction *r, uint32_t point)
         for (int a = 0; a < 3; a++)
             r->spoke[i].way[a] = (int64_t)to[a] - (int64_t)from[a];
     }
-    /* No edge is too long now, and none may become too long: rule out neighbours that are too far
+    /* No edge is too long now, and none may become too long: exclude neighbours that are too far
      * from others. */
     int64_t low[3] = {0}, high[3] = {0};
     for (unsigned i = 0; i < r->spokes; i++)
@@ -264,8 +264,8 @@ static bool look_around(struct reduction *r, uint32_t point)
     return true;
 }
 
-/* The move of the least cost, of those the first one around the point; returns the cost. Whether
- * the surface stays a manifold is looked at when the move is the next to be made: few ever are. */
+/* Find the move of the least cost, the first around the point on a tie; return the cost. The
+ * manifold test is postponed until the move is the next one: few ever are. */
 static uint64_t find_move(struct reduction *r, uint32_t point)
 {
     unsigned to = 0;
@@ -276,7 +276,7 @@ static uint64_t find_move(struct reduction *r, uint32_t point)
     return cost;
 }
 
-/* The same of the moves that leave it a manifold, as it is now. */
+/* Find the move of the least cost that keeps the current surface a manifold. */
 static uint64_t find_sound_move(struct reduction *r, uint32_t point)
 {
     uint64_t cost;
@@ -305,7 +305,7 @@ static void put_at(struct reduction *r, uint32_t rank, struct price price)
     r->node[price.point].rank = rank;
 }
 
-/* Puts a price where it belongs, from the rank on where there is room. */
+/* Insert a price into the heap, starting at the free rank. */
 static void settle(struct reduction *r, uint32_t rank, struct price price)
 {
     for (; rank && comes_before(price, r->heap[(rank - 1) / 2]); rank = (rank - 1) / 2)
@@ -337,7 +337,8 @@ static uint32_t corner_towards(const struct reduction *r, uint32_t point, uint32
 static void move_point(struct reduction *r, uint32_t point)
 {
     const uint32_t to = r->node[point].to, corner = corner_towards(r, point, to);
-    const uint32_t other = r->corner[last_in_triangle(corner)].across; /* of the triangle beside */
+    const uint32_t other =
+        r->corner[last_in_triangle(corner)].across; /* corner of the adjacent triangle */
     const uint32_t left = point_at(r, last_in_triangle(corner)), right = point_at(r, other);
     uint32_t c = corner;
     do {
@@ -362,7 +363,7 @@ static void put_again(struct reduction *r, uint32_t point, uint64_t cost)
     settle(r, r->node[point].rank, (struct price){cost, point});
 }
 
-/* After a move to this point. */
+/* Update the moves around a point to which another has moved. */
 static void find_moves_around(struct reduction *r, uint32_t to)
 {
     const uint32_t first = r->node[to].corner;
@@ -394,9 +395,9 @@ static void reduce_triangles(struct reduction *r, size_t most, struct task *task
     }
 }
 
-/* ---- what is left ---- */
+/* ---- the result ---- */
 
-/* Puts what is left of each part together; `rank` becomes the new numbers of points. */
+/* Compact the rest of each part; `rank` becomes the new number of points. */
 static void gather_parts(struct reduction *r)
 {
     struct surface *s = r->surface;

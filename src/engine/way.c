@@ -28,7 +28,7 @@ void way_release(struct way *way)
 
 /* ---- the passage ---- */
 
-enum { EDGES_MOST = 64 }; /* of a path, from the strongest on */
+enum { EDGES_MOST = 64 }; /* edges of a path, from the strongest on */
 
 struct edge {
     uint32_t cell, cost;
@@ -96,7 +96,7 @@ bool passage_find(uint32_t *cell, const struct forest *forest, unsigned label)
 
 /* ---- a tree ---- */
 
-/* Each voxel is entered from its predecessor and left for it, when all its children are counted. */
+/* Each voxel is entered from its predecessor, and left for it when all its children are counted. */
 size_t tree_voxels(const struct forest *forest, uint32_t seed, size_t most)
 {
     const struct adjacency *adjacency = forest_adjacency(forest);

@@ -1,45 +1,44 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Ways: what follows from the predecessors of voxels.
+ * Paths along the predecessors of voxels, and trees.
  *
- * The way of a voxel is its path back to the seed. The cost rises for the last time at the
- * strongest edge of the path: where a label has leaked, it has leaked there.
+ * The path of a voxel leads back to its seed. The cost rises for the last time at the strongest
+ * edge of the path: if a label has leaked, it has leaked there.
  *
- * The passage is the edge through which most of the voxels came that an edit took from a label. Of
- * those voxels, PASSAGE_SAMPLES are looked at, evenly over the list of changes. On each one's way
- * the cost rises at edges. The passage is the strongest edge that at least half of the ways have in
- * common; where no edge is, that which most of them share. So it is where a leak comes through, not
- * an edge somewhere beyond it. That takes time by the length of so many ways, and none by how much
- * has changed; an edit that is not asked about pays nothing.
+ * The passage is the edge through which an edit reached most of the voxels that it removed from a
+ * label. PASSAGE_SAMPLES of these voxels are examined, spread evenly over the list of changes. On
+ * the path of each, the cost rises at edges. The passage is the strongest edge common to at least
+ * half of the paths; without one, the edge common to the most. So it is the place of the leak,
+ * not an edge somewhere beyond it. The cost is the length of the sampled paths, independent of the
+ * number of changes; edits that are not examined cost nothing.
  *
- * A tree goes from its root by the children, which the directions of voxels lead back from. So what
- * is asked of a tree takes time by the tree, and not by the scene; and no memory, since the way
- * down and up again is in the cells.
+ * A tree is traversed from its root through the children, to which the directions of voxels lead
+ * back. So a query of a tree needs time proportional to the tree, not to the scene, and no memory,
+ * since the cells contain the path down and up again.
  */
 #ifndef ENGINE_WAY_H
 #define ENGINE_WAY_H
 
 #include "engine/forest.h"
 
-/* {0} is of no voxel. */
+/* {0} is an empty path. */
 struct way {
     uint32_t *cell; /* [count]: from the voxel to its seed */
     size_t count, capacity;
-    uint32_t edge; /* into which voxel the strongest one leads; CELL_NONE where the cost is 0 */
+    uint32_t edge; /* the voxel after the strongest edge; CELL_NONE if the cost is 0 */
 };
 
-/* Of a voxel that a seed reaches, in place of the former one. ERR_MEMORY. */
+/* Find the path of a voxel that a seed reaches, replacing the former one. ERR_MEMORY. */
 enum err way_find(struct way *way, const struct forest *forest, uint32_t cell, struct fault *fault);
 void way_release(struct way *way);
 
 enum { PASSAGE_SAMPLES = 16 };
 
-/* The voxel in which the cost rises there. False where no list names the voxels that the label has
- * lost (changes.listed), or no path to them crosses an edge. */
+/* Find the voxel after the passage of a label. False if the voxels that the label lost are not
+ * listed (changes.listed), or no path to them crosses an edge. */
 bool passage_find(uint32_t *cell, const struct forest *forest, unsigned label);
 
-/* How many voxels the tree of a planted seed has. Where they are more than `most`, counting ends:
- * most + 1. */
+/* Number of voxels in the tree of a planted seed. Counting ends at most + 1. */
 size_t tree_voxels(const struct forest *forest, uint32_t seed, size_t most);
 
 #endif

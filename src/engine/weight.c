@@ -7,7 +7,8 @@
 #include "base/hash.h"
 #include "base/mem.h"
 
-/* These follow from both ends of an arc (struct arc_rule), and those of a file were read. */
+/* These depend on both ends of an arc (struct arc_rule); weights of a file are read, not
+ * computed. */
 const struct weight_method difference_weight = {.arcs = ARC_DIFFERENCE};
 const struct weight_method polarity_weight = {.arcs = ARC_POLARITY};
 static const struct weight_method file_weight = {.arcs = ARC_TARGET};
@@ -31,7 +32,7 @@ void weight_work_release(struct weight_work *work)
     *work = (struct weight_work){0};
 }
 
-/* Room for each part begins on a line of the cache of its own. */
+/* The memory of each part begins on its own cache line. */
 static uint64_t bytes_for_part(const struct grid *grid, const struct weight_choice *choice)
 {
     const struct weight_method *method = weight_table[choice->kind].method;
@@ -83,7 +84,7 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
 
 /* ---- digests ---- */
 
-/* A sum over voxels, of the weights that cells hold, or (`method`) that a plain scene's would. */
+/* Sum over voxels of the weights in cells, or (`method`) of the weights of a plain scene. */
 struct digesting {
     const struct scene *scene;
     const struct adjacency *adjacency;
@@ -149,14 +150,14 @@ uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, s
 
 /* ---- plain scenes ---- */
 
-bool weight_is_told(const struct weight_choice *choice)
+bool weight_is_by_rows(const struct weight_choice *choice)
 {
     const struct weight_method *method = weight_table[choice->kind].method;
     return method->weigh_row && choice->argument == method->row_argument;
 }
 
-uint64_t weight_foretell(const struct scene *scene, const struct adjacency *adjacency,
-                         const struct weight_choice *choice, struct team *team)
+uint64_t weight_plain_digest(const struct scene *scene, const struct adjacency *adjacency,
+                             const struct weight_choice *choice, struct team *team)
 {
     struct digesting d = {scene, adjacency, weight_table[choice->kind].method, team, {0}};
     team_run(team, digest_slab, &d);

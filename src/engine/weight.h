@@ -2,10 +2,10 @@
 /*
  * Arc weights: the cost of a step into a voxel.
  *
- * Under most kinds the weight of an arc (s, t) is a gradient at t, or what a file says of t, so it
- * is held once per voxel (ARC_TARGET). `difference` and `polarity` follow from both
- * ends and are worked out on the way; cell.weight then is of no meaning. All weights are integers
- * 0..65535 and a pure function of the intensities, the choice and (morph) the adjacency.
+ * Under most kinds the weight of an arc (s, t) is a gradient at t, or the value of a file at t, so
+ * it is stored once per voxel (ARC_TARGET). `difference` and `polarity` depend on both ends and are
+ * computed on demand; cell.weight is then unused. All weights are integers 0..65535 and a pure
+ * function of the intensities, the choice and (morph) the adjacency.
  */
 #ifndef ENGINE_WEIGHT_H
 #define ENGINE_WEIGHT_H
@@ -16,32 +16,32 @@
 /*
  * Arcs: the weight w of a step from a voxel s to its neighbour t.
  *
- *     ARC_TARGET      the weight held at t                      gradients, weights out of a file
+ *     ARC_TARGET      the weight stored at t                    gradients, weights from a file
  *     ARC_DIFFERENCE  |v(s) - v(t)|                             v: intensity
  *     ARC_POLARITY    |v(s) - v(t)| * (100 + a) / 100, rounded down, where v(s) > v(t)
  *                     |v(s) - v(t)| * (100 - a) / 100, likewise, where v(s) < v(t)
  *
  * Polarity is the oriented IFT (Miranda, Mansilla: Oriented image foresting transform segmentation
  * by seed competition, IEEE TIP 23(1), 2014): an object whose boundary is known to lead from bright
- * to dark has a > 0, so that such steps cost its paths more than those back, and its seeds stop
- * there. a, in percent, belongs to the label of the path's root. What exceeds 65535 is 65535.
+ * to dark has a > 0, so that such steps cost its paths more than steps back, and its trees stop
+ * there. a, in percent, belongs to the label of the path's root. Weights above 65535 are 65535.
  *
- * A weight may depend on the arc's direction and on the label of its root because the forest is
- * unique whatever w is, as long as an offer is above the key that makes it (engine/forest.h), and
- * the label of a root never changes: giving a seed another label is a removal and a planting.
+ * A weight may depend on the arc's direction and on the label of its root, because the forest is
+ * unique for any w, as long as an offer is above the key that makes it (engine/forest.h), and the
+ * label of a root never changes: relabelling a seed is a removal and a planting.
  */
 enum arc_kind { ARC_TARGET, ARC_DIFFERENCE, ARC_POLARITY };
 
 enum { POLARITY_MOST = 100, WEIGHT_MOST = 65535 };
 
-/* Begins as {0}: ARC_TARGET. */
+/* {0} is ARC_TARGET. */
 struct arc_rule {
     enum arc_kind kind;
     int8_t polarity[256]; /* a of each label, -POLARITY_MOST..POLARITY_MOST */
 };
 
-/* w of the arc (s, t) in a tree whose root has this label. `kind` is that of the rule: said apart,
- * so that a loop compiled for one kind looks at no other. */
+/* Weight of the arc (s, t) in a tree whose root has this label. `kind` is that of the rule, passed
+ * separately so that a loop can be compiled for one kind. */
 static inline __attribute__((always_inline)) uint32_t
 arc_weight(const struct arc_rule *rule, const enum arc_kind kind, const struct cell *s,
            const struct cell *t, uint8_t label)
@@ -58,19 +58,19 @@ arc_weight(const struct arc_rule *rule, const enum arc_kind kind, const struct c
     return weight < WEIGHT_MOST ? weight : WEIGHT_MOST;
 }
 
-/* Of the arc from a voxel as it stands, away from the loops. */
+/* Weight of the arc from a voxel with its current label, outside hot loops. */
 static inline uint32_t arc_weight_now(const struct arc_rule *rule, const struct cell *s,
                                       const struct cell *t)
 {
     return arc_weight(rule, rule->kind, s, t, s->label);
 }
 
-/* ---- where weights come from ---- */
+/* ---- sources of weights ---- */
 
 enum { SIGMA_LEAST = 500, SIGMA_MOST = 8000, RADIUS_MOST = 3 };
 
-/* What a weight may be given beside its name, as parameters of a command: NAME, TYPE (thousandths
- * where DECIMAL), least and most. */
+/* Arguments of a weight, as parameters of a command: NAME, TYPE (thousandths if DECIMAL), least and
+ * most. */
 #define WEIGHT_ARGUMENTS(PLAIN, KEYED)                                                             \
     PLAIN("SIGMA", DECIMAL, SIGMA_LEAST, SIGMA_MOST), KEYED("radius", NUMBER, 1, RADIUS_MOST)
 enum weight_argument {
@@ -81,8 +81,8 @@ enum weight_argument {
 };
 
 /*
- * The weights, one row each: KIND, name, what it takes, that where none is given (0: it must be),
- * and a line of help. A row names a `struct weight_method`, which one file defines: NAME_weight.
+ * The weights, one row each: KIND, name, argument, its default (0: required), and a line of help. A
+ * row names a `struct weight_method`, which one file defines: NAME_weight.
  */
 #define WEIGHT_LIST(FIRST, NEXT)                                                                   \
     FIRST(MORPH, morph, RADIUS, 1,                                                                 \
@@ -94,7 +94,7 @@ enum weight_argument {
     NEXT(DIFFERENCE, difference, NOTHING, 0,                                                       \
          "difference: the difference of intensity between both ends of the step.\n")               \
     NEXT(POLARITY, polarity, NOTHING, 0,                                                           \
-         "polarity: the same, with other weights for steps to brighter and to darker voxels "      \
+         "polarity: the same, with different weights for steps to brighter and to darker voxels "  \
          "(`help polarity`).\n")
 
 #define WEIGHT_FIRST_NAME(kind, name, argument, usual, help) #name
@@ -105,19 +105,19 @@ enum weight_kind {
     WEIGHT_LIST(WEIGHT_KIND, WEIGHT_KIND) WEIGHT_FILE,
 };
 
-/* The names, in their order; what comes out of a file has no name of its own. */
+/* The names, in their order; weights from a file have no name. */
 #define WEIGHT_KINDS WEIGHT_LIST(WEIGHT_FIRST_NAME, WEIGHT_NEXT_NAME)
 
 struct weight_method {
     enum arc_kind arcs;
-    /* Memory that `weigh` works in, in bytes; NULL for none. */
+    /* Working memory of `weigh` in bytes; NULL for none. */
     uint64_t (*bytes)(const struct grid *grid, uint32_t argument);
-    /* Writes cell.weight of a slab of planes and nothing else, under the scene's watch; slabs may
-     * be weighed side by side. NULL where weights are not held in cells, or came out of a file. */
+    /* Write only cell.weight of a slab of planes, under the scene's watch; slabs may be
+     * processed in parallel. NULL for weights from a file or not stored in cells. */
     void (*weigh)(struct scene *scene, const struct adjacency *adjacency, uint32_t argument,
                   struct slab slab, void *work);
-    /* The weights of a row of a plain scene, under one argument; NULL where rows are not weighed
-     * one by one. */
+    /* Compute the weights of a row of a plain scene, for one argument; NULL if rows cannot be
+     * computed separately. */
     void (*weigh_row)(uint16_t *weight, const struct scene *scene,
                       const struct adjacency *adjacency, uint32_t y, uint32_t z);
     uint32_t row_argument;
@@ -129,53 +129,53 @@ WEIGHT_LIST(WEIGHT_METHOD, WEIGHT_METHOD)
 struct weight_row {
     const char *name;
     enum weight_argument takes;
-    uint32_t usual; /* 0: one must be given */
+    uint32_t usual; /* 0: required */
     const struct weight_method *method;
 };
 extern const struct weight_row weight_table[]; /* by enum weight_kind */
 
 struct weight_choice {
     enum weight_kind kind;
-    uint32_t argument; /* within the range of what its row takes; 0 for nothing */
+    uint32_t argument; /* within the range of its row's argument; 0 for none */
 };
 
 enum arc_kind weight_arcs(enum weight_kind kind);
 
-/* Memory that computing weights takes; it only grows, so that what was computed once can be
- * computed again. Begins as {0}. The team is not owned, and is set before room is reserved: all
- * teams give the same weights. */
+/* Working memory for computing weights; it only grows, so that a computation that succeeded once
+ * can be repeated. Starts as {0}. The team is not owned and must be set before memory is reserved;
+ * all teams compute the same weights. */
 struct weight_work {
     void *bytes;
     size_t capacity;
-    struct team *team; /* weighs a slab of the scene each, in room of its own; NULL: the caller */
+    struct team
+        *team; /* computes a slab of the scene per thread, in its own memory; NULL: the caller */
 };
 void weight_work_release(struct weight_work *work);
 
-/* Room for weighing a scene of this grid by this choice: a few rows, for gauss some planes. On
- * ERR_MEMORY the room is what it was. */
+/* Reserve memory for a scene of this grid and this choice: a few rows, for gauss some planes. On
+ * ERR_MEMORY the memory is unchanged. */
 enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
                              const struct weight_choice *choice, struct fault *fault);
 
 /*
- * Writes cell.weight of every voxel, where the choice is a gradient, under the scene's watch; room
- * was reserved. Forest keys that were made under other weights no longer hold; the caller clears
- * them.
+ * Write cell.weight of every voxel, if the choice is a gradient, under the scene's watch; memory
+ * was reserved. Forest keys computed with other weights become invalid; the caller clears them.
  */
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work);
 
-/* Whether the weights of a plain scene (engine/scene.h) are known: what weight_digest will give, by
- * weight_foretell, and what the cells are made with, by weight_make_cells. Both are done by a
- * team, and under the scene's watch: where that stops them, the digest is of no use, and the scene
- * stays plain. */
-bool weight_is_told(const struct weight_choice *choice);
-uint64_t weight_foretell(const struct scene *scene, const struct adjacency *adjacency,
-                         const struct weight_choice *choice, struct team *team);
+/* True if the weights of a plain scene (engine/scene.h) can be computed by rows.
+ * weight_plain_digest then returns the digest that weight_digest would return; weight_make_cells
+ * initialises the cells with their weights. Both use a team under the scene's watch: if stopped,
+ * the digest is undefined and the scene stays plain. */
+bool weight_is_by_rows(const struct weight_choice *choice);
+uint64_t weight_plain_digest(const struct scene *scene, const struct adjacency *adjacency,
+                             const struct weight_choice *choice, struct team *team);
 uint64_t weight_make_cells(struct scene *scene, const struct adjacency *adjacency,
                            const struct weight_choice *choice, struct team *team);
 
-/* A digest of what arcs weigh, given the intensities: for ARC_TARGET a sum over voxels of their
- * weights, shared by a thread team; else of the kind, and under ARC_POLARITY of every label's. */
+/* Digest of the arc weights, for known intensities: under ARC_TARGET a sum over the weights of all
+ * voxels, by a thread team; else of the kind, and under ARC_POLARITY of every label's polarity. */
 uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct team *team);
 
 #endif

@@ -6,9 +6,9 @@
 #include "engine/weight.h"
 
 /*
- * Scaled to 63 bits or more, each line doubles the number of bits that are right; the last may be
- * one too many. (Mark Dickinson's, of CPython's math.isqrt; 200 ms less on a scene of 7 million
- * voxels than digit by digit.)
+ * Scaled to at least 63 bits, each line doubles the number of correct bits; the last result may be
+ * one too large. (Mark Dickinson's algorithm, from CPython's math.isqrt; 200 ms less on a scene of
+ * 7 million voxels than digit by digit.)
  */
 uint32_t square_root(uint64_t n)
 {
@@ -26,8 +26,8 @@ uint32_t square_root(uint64_t n)
 
 /* ---- sobel ---- */
 
-/* For one row, each with one more value at either end: its neighbourhood along y and z smoothed
- * along both, or smoothed along one and differentiated along the other. */
+/* For one row, with one extra value at each end: its neighbourhood along y and z smoothed along
+ * both, or smoothed along one and differentiated along the other. */
 struct slopes {
     int32_t *level, *along_y, *along_z;
 };
@@ -128,16 +128,16 @@ void gauss_init(struct gauss *gauss, uint32_t sigma_thousandths)
 /* ---- the scene smoothed, plane by plane ---- */
 
 /*
- * Planes of intensities come in once and stay as long as a smoothed plane needs them; of smoothed
- * planes there are three. Plane z lies at z modulo the number of places.
+ * Each plane of intensities is loaded once and stays while a smoothed plane needs it; there are
+ * three smoothed planes. Plane z is stored at z modulo the number of slots.
  */
 struct smoother {
     const struct scene *scene;
     struct gauss gauss;
     uint32_t width, height, depth;
     size_t plane;
-    uint32_t deep;       /* places for planes of intensities */
-    uint32_t loaded;     /* planes up to loaded - 1 have come in, from the first that is needed */
+    uint32_t deep;       /* slots for planes of intensities */
+    uint32_t loaded;     /* planes up to loaded - 1 are loaded, from the first that is needed */
     uint64_t *sum;       /* [width] */
     uint32_t *along_z;   /* [plane] */
     uint32_t *smoothed;  /* [3][plane] */
@@ -164,7 +164,7 @@ static uint64_t gauss_bytes(const struct grid *grid, uint32_t sigma_thousandths)
            (uint64_t)s.plane * s.deep * sizeof *s.intensity;
 }
 
-/* A row whose voxels take `each` units. */
+/* Advance the task by a row whose voxels need `each` units. */
 static bool row_is_done(struct smoother *s, uint32_t each)
 {
     return task_advance(&s->task, (uint64_t)each * s->width);
@@ -201,7 +201,7 @@ static uint32_t nearest(uint64_t sum)
     return (uint32_t)((sum + GAUSS_SUM / 2) / GAUSS_SUM);
 }
 
-/* Into `padded`, and its ends beyond the edge. */
+/* Smooth a row along y into `padded`, and replicate its ends. */
 static void smooth_along_y(struct smoother *s, uint32_t y)
 {
     const uint32_t *plane = s->along_z, radius = s->gauss.radius;
@@ -253,7 +253,7 @@ static void smooth_plane(struct smoother *s, uint32_t z)
 
 /* ---- gauss ---- */
 
-/* Half of a difference, squared: less than 2^62, so that three of them fit 64 bits. */
+/* Square of half a difference: less than 2^62, so that three of them fit 64 bits. */
 static uint64_t half_squared(uint32_t a, uint32_t b)
 {
     const uint64_t half = (a < b ? b - a : a - b) / 2;

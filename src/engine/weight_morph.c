@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The morphological gradient: dilation minus erosion over the voxel and its neighbours (6 or 26),
- * where what is outside the scene is ignored. Of radius R: over what R steps reach inside the
- * scene, which is what R rounds of dilation and erosion give.
+ * ignoring places outside the scene. With radius R: over all voxels within R steps inside the
+ * scene, which equals R rounds of dilation and erosion.
  *
- * Intensities lie 16 bytes apart in the cells, where no vector instruction can take several. So
- * each is copied once into a tile of rows of plain values, three planes deep, which wanders along z
- * and stays in the nearest cache; what is worked out there goes back to the cells row by row. Ch2
- * takes 21 ms instead of 75.
+ * Intensities are 16 bytes apart in the cells, so vector instructions cannot load several. So each
+ * is copied once into a tile of rows of plain values, three planes deep, which moves along z and
+ * stays in the L1 cache; results are written back to the cells row by row. Ch2 needs 21 ms instead
+ * of 75.
  *
- * A row or column beyond the scene is that of its edge once more: it adds nothing to an extremum.
+ * A row or column beyond the scene repeats the edge: it does not change an extremum.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -17,19 +17,19 @@
 #include "engine/weight.h"
 
 enum {
-    BLOCK = 32,  /* values worked out at a time: a count that the compiler knows */
-    WIDTH = 256, /* of a tile, in voxels; a multiple of BLOCK */
+    BLOCK = 32,  /* values computed at a time: a compile-time constant */
+    WIDTH = 256, /* width of a tile in voxels; a multiple of BLOCK */
     ROWS = 32,
-    STRIDE = WIDTH + 2, /* of a row, with a column more at either end */
+    STRIDE = WIDTH + 2, /* row length, with one more column at each end */
 };
 
 struct tile {
     const struct scene *scene;
-    uint32_t x, y, width, rows; /* the voxels that it covers */
+    uint32_t x, y, width, rows; /* the voxels of the tile */
     uint16_t value[3][ROWS + 2][STRIDE];
 };
 
-/* Plane z - 1 into its place in the ring. */
+/* Load plane z - 1 into its slot of the ring. */
 static void take_plane(struct tile *tile, uint32_t z)
 {
     const struct grid *grid = &tile->scene->grid;
@@ -51,9 +51,9 @@ static uint16_t larger(uint16_t a, uint16_t b)
     return a > b ? a : b;
 }
 
-/* The weights of a block of voxels; near[n] are their neighbours in one direction, the last ones
- * they themselves. The erosion is the dilation of 65535 - intensity: x86 without extensions finds
- * the larger of vectors of unsigned values in two instructions, the smaller in six. */
+/* Compute the weights of a block of voxels; near[n] are their neighbours in one direction, the last
+ * ones the voxels themselves. The erosion is the dilation of 65535 - intensity: x86 without
+ * extensions computes the maximum of unsigned vectors in two instructions, the minimum in six. */
 static void weigh_all_around(uint16_t *weight, const uint16_t *const near[], unsigned count,
                              size_t at)
 {
@@ -72,7 +72,7 @@ static void weigh_all_around(uint16_t *weight, const uint16_t *const near[], uns
         weight[at + i] = (uint16_t)(high[i] + low[i] - UINT16_MAX);
 }
 
-/* Of values less 32768, which have a sign: then both are one instruction. */
+/* Extrema of values minus 32768, which are signed: then both are one instruction. */
 struct extrema {
     int16_t high, low;
 };
@@ -83,7 +83,7 @@ static struct extrema extended(struct extrema e, uint16_t value)
     return (struct extrema){v > e.high ? v : e.high, v < e.low ? v : e.low};
 }
 
-/* The same of 6 neighbours: extrema stay in registers. */
+/* The same for 6 neighbours: extrema stay in registers. */
 static void weigh_faces(uint16_t *weight, const uint16_t *const near[], size_t at)
 {
     const uint16_t *const a = near[0] + at, *const b = near[1] + at, *const c = near[2] + at;
@@ -125,8 +125,8 @@ static void weigh_row(struct scene *scene, const struct tile *tile,
         cell[i].weight = weight[i];
 }
 
-/* Of radius 1. */
-static void weigh_near(struct scene *scene, const struct adjacency *adjacency, struct slab slab)
+/* Compute the weights of a slab for radius 1. */
+static void weigh_radius_1(struct scene *scene, const struct adjacency *adjacency, struct slab slab)
 {
     const uint32_t *size = scene->grid.size;
     struct tile tile = {.scene = scene};
@@ -150,7 +150,7 @@ static void weigh_near(struct scene *scene, const struct adjacency *adjacency, s
 
 /* ---- of a plain scene ---- */
 
-/* Row y + dy of plane z + dz, or the nearest that there is. */
+/* Row y of plane z, clamped to the scene. */
 static const uint16_t *plain_row(const struct scene *scene, int64_t y, int64_t z)
 {
     const uint32_t *size = scene->grid.size;
@@ -158,7 +158,8 @@ static const uint16_t *plain_row(const struct scene *scene, int64_t y, int64_t z
            ((size_t)grid_held(z, size[2]) * size[1] + grid_held(y, size[1])) * size[0];
 }
 
-/* Intensities lie side by side there, and neighbours along x are in the row but for its ends. */
+/* Intensities of a plain scene are contiguous, and neighbours along x are in the same row except at
+ * its ends. */
 static void weigh_plain_row(uint16_t *weight, const struct scene *scene,
                             const struct adjacency *adjacency, uint32_t y, uint32_t z)
 {
@@ -173,7 +174,7 @@ static void weigh_plain_row(uint16_t *weight, const struct scene *scene,
     for (uint32_t at = 1; at < inner; at += BLOCK)
         weigh_block(weight, near, adjacency->count, at + BLOCK < inner ? at : inner - BLOCK);
     for (uint32_t x = 0; x < width; x += inner && x == 0 ? inner : 1) {
-        /* One voxel, by the rows of its neighbours. */
+        /* One voxel, from the rows of its neighbours. */
         uint16_t high = row[adjacency->count][x], low = high;
         for (unsigned n = 0; n < adjacency->count; n++) {
             const uint32_t at = grid_held((int64_t)x + adjacency->step[n][0], width);
@@ -184,18 +185,18 @@ static void weigh_plain_row(uint16_t *weight, const struct scene *scene,
     }
 }
 
-/* ---- a wider one ---- */
+/* ---- larger radii ---- */
 
 /*
- * Row by row. What R steps reach is, in each row of voxels nearby, an interval about
- * this voxel: of half-length R - |dy| - |dz| by faces, of R by corners too. Rows of equal
- * half-length are merged voxel by voxel into lane[half-length]; then lane R is widened by one voxel
- * and merged with lane R - 1, and so on down to lane 0. (Inside a box, steps need no detour.) The
- * erosion is the dilation of 65535 - intensity.
+ * Row by row. The voxels within R steps are, in each row nearby, an interval around this voxel: of
+ * half-length R - |dy| - |dz| by faces, of R by corners too. Rows of equal half-length are merged
+ * voxel by voxel into lane[half-length]; then lane R is widened by one voxel and merged with lane R
+ * - 1, and so on down to lane 0. (Inside a box, steps need no detour.) The erosion is the dilation
+ * of 65535 - intensity.
  */
 struct lanes {
     size_t width;
-    uint16_t *high, *low; /* [radius + 1][width]; nothing merged yet is 0 */
+    uint16_t *high, *low; /* [radius + 1][width]; 0 before anything is merged */
 };
 
 static uint64_t bytes(const struct grid *grid, uint32_t radius)
@@ -237,7 +238,7 @@ static void weigh(struct scene *scene, const struct adjacency *adjacency, uint32
                   struct slab slab, void *work)
 {
     if (radius == 1) {
-        weigh_near(scene, adjacency, slab);
+        weigh_radius_1(scene, adjacency, slab);
         return;
     }
     const size_t width = scene->grid.size[0], lane_values = (radius + 1) * width;

@@ -67,14 +67,14 @@ static enum err weigh(struct session *session, struct fault *fault)
 bool session_may_wait(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
-    return !session->skims && weight_is_told(&kept->weight) && !kept->mask && !kept->has_range;
+    return !session->skims && weight_is_by_rows(&kept->weight) && !kept->mask && !kept->has_range;
 }
 
 /* Together with the weights, where these can be told. */
 static enum err make_cells(struct session *session, struct fault *fault)
 {
     const struct weight_choice *weight = &session->now.kept.weight;
-    if (session->skims || !weight_is_told(weight)) {
+    if (session->skims || !weight_is_by_rows(weight)) {
         scene_make_cells(session->scene, session->team, NULL, NULL);
         return watch_fault(session->watch, fault);
     }
@@ -89,8 +89,8 @@ static enum err make_cells(struct session *session, struct fault *fault)
 enum err session_foretell(struct session *session, struct fault *fault)
 {
     set_arcs(session);
-    session->weight_digest = weight_foretell(session->scene, forest_adjacency(session->forest),
-                                             &session->now.kept.weight, session->team);
+    session->weight_digest = weight_plain_digest(session->scene, forest_adjacency(session->forest),
+                                                 &session->now.kept.weight, session->team);
     return watch_fault(session->watch, fault);
 }
 

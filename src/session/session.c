@@ -29,7 +29,7 @@ enum err session_count_labels(struct session *session, struct fault *fault)
 
 enum err session_count_before(struct session *session, struct fault *fault)
 {
-    forest_count_anew(session->forest);
+    forest_count_rebuilds(session->forest);
     enum err err = session_count_labels(session, fault);
     session->former_tally = session->tally;
     return err;
@@ -77,8 +77,8 @@ uint64_t session_finish_source(const struct session *session)
 {
     const uint32_t *size = session->scene->grid.size;
     const struct finish_list *by = &session->now.kept.finish;
-    const uint64_t keys = finish_heeds_seeds(by) ? forest_digest(session->forest) : 0;
-    const uint64_t roi = finish_heeds_seeds(by) ? session->roi_tally.digest : 0;
+    const uint64_t keys = finish_uses_seeds(by) ? forest_digest(session->forest) : 0;
+    const uint64_t roi = finish_uses_seeds(by) ? session->roi_tally.digest : 0;
     uint64_t mix = hash_mix_at(forest_label_digest(session->forest), keys);
     mix = hash_mix_at(hash_mix_at(mix, roi), (uint64_t)size[0] << 32 | size[1]);
     mix = hash_mix_at(mix, size[2]);
