@@ -110,12 +110,12 @@ begin "pairs of which a file is missing, short, exchanged, misnamed or no file"
 head -c 344 good.nii >a.hdr # and the magic of a pair
 printf 'ni1\000' >>a.hdr
 put a.hdr 108 '\000\000\000\000'
-scene_refused "there is no a.img beside it, with its voxels; expected both files" a.hdr
+scene_refused "there is no a.img next to it, with its voxels; expected both files" a.hdr
 tail -c +353 good.nii >a.img
 expect 0 "$iftty" -c 'open a.hdr'
 expect 0 "$iftty" -c 'open a.img'
 cp a.img alone.img
-scene_refused "there is no alone.hdr beside it, with its header" alone.img
+scene_refused "there is no alone.hdr next to it, with its header" alone.img
 expect 0 "$iftty" -c 'open raw:alone.img size=24,20,16 type=uint8'
 head -c 999 a.img >short.img
 cp a.hdr short.hdr
@@ -260,7 +260,7 @@ for command in mask weight; do
     refused 3 "pipe.nii" timeout 60 "$iftty" -c "$start; $command pipe.nii"
     refused 3 "vast.nii.gz: cut short or false: its header claims" \
         bounded "$iftty" -c "$start; $command vast.nii.gz"
-    refused 3 "the map lies 48.4 mm away from the scene" \
+    refused 3 "the map is up to 48.4 mm away from the scene" \
         "$iftty" -c "open placed.nii; $command other-way.nii"
     expect 0 "$iftty" -c "$start; $command good.nii"
 done

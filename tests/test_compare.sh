@@ -224,7 +224,7 @@ begin "maps that lie elsewhere are refused with the distance"
 } >moved.nii
 expect 3 "$iftty" compare solid.nii moved.nii
 err_has " mm"
-err_has "; --resample takes its nearest voxels"
+err_has "; --resample uses its nearest voxels"
 expect 0 "$iftty" compare solid.nii moved.nii --resample --csv
 err_has "resampled"
 grep -q '^1,"",[0-9]*,[0-9]*,0,' out && fail "nothing overlaps: $(cat out)"

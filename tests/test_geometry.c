@@ -92,7 +92,7 @@ STORY(nothing_is_known_without_codes)
     CHECK_INT(geometry.orientation, ORIENTATION_UNKNOWN);
     CHECK(!geometry.spacing_unknown && !geometry_has_place(&geometry));
     CHECK_INT(geometry.spacing_nm[1], 1500000);
-    CHECK_HAS(notes, "it does not say how its voxels lie in the patient");
+    CHECK_HAS(notes, "its orientation in the patient is unknown");
     CHECK_HAS(notes, "`orient RAS`");
 }
 
@@ -142,7 +142,7 @@ STORY(the_sform_holds_where_the_qform_lies_elsewhere)
     read_it();
     CHECK_INT(geometry.orientation, ORIENTATION_SFORM);
     CHECK(geometry.to_mm[0][3] == 3);
-    CHECK_HAS(notes, "its sform and its qform lie up to 52 mm apart: the sform holds\n");
+    CHECK_HAS(notes, "its sform and its qform differ by up to 52 mm: the sform is used\n");
 }
 
 /* Around 45 degrees, single precision decides which axis is nearest. */
@@ -361,8 +361,8 @@ STORY(a_map_may_be_off_by_half_a_voxel_and_no_more)
             fault.text[0] = '\0';
             CHECK_INT(regrid_check(size, &moved, size, &scene, false, &fault),
                       fits ? OK : ERR_INPUT);
-            CHECK(fits || strstr(fault.text, "the map lies 0.594 mm away from the scene"));
-            CHECK(fits || strstr(fault.text, "resample=yes takes its nearest voxels; nothing has"));
+            CHECK(fits || strstr(fault.text, "the map is up to 0.594 mm away from the scene"));
+            CHECK(fits || strstr(fault.text, "resample=yes uses its nearest voxels; nothing has"));
         }
     struct geometry turned = scene_along("LAS");
     CHECK_INT(regrid_check(size, &turned, size, &scene, false, &fault), ERR_INPUT);
@@ -425,7 +425,7 @@ STORY(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place)
         CHECK(memcmp(map.geometry.to_mm, scene.to_mm, sizeof scene.to_mm) == 0);
         CHECK(map.geometry.intercept == -7);
         CHECK_HAS(map.notes, "resampled from 19x23x6 voxels by the nearest\n");
-        CHECK((beyond > 0) == (strstr(map.notes, "lie outside the map: 0 there\n") != NULL));
+        CHECK((beyond > 0) == (strstr(map.notes, "are outside the map: set to 0\n") != NULL));
         volume_release(&map);
     }
 }

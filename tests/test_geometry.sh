@@ -25,7 +25,7 @@ pick 256 256 of=axial
 stats
 EOF
 expect 0 "$iftty" run unplaced.txt
-grep -v 'if you know which sides\|^ok ' "$work/out" | sed 's/background//' >answers
+grep -v 'if you know towards which\|^ok ' "$work/out" | sed 's/background//' >answers
 grep -E "$sides|[0-9] mm| ml" answers >named && fail "$(cat named)"
 out_has "orientation unknown: no picture or answer names a side of the patient"
 out_has "voxels of unknown size, orientation unknown"
@@ -65,7 +65,7 @@ printf '1234567' >>tilted.nii
 expect 0 "$iftty" -c 'open tilted.nii'
 grep '^  ' "$work/out" | tail -n +2 | sed 's/^ *//' >said
 out_has "its axes are oblique: up to 37 degrees off the sides of the patient that name them"
-out_has "it does not say the unit of its lengths: taken as millimetres"
+out_has "it has no unit of length: millimetres are assumed"
 out_has "7 of its bytes come after the voxels; does its header say all of its volumes?"
 expect 0 "$iftty" info tilted.nii
 sed -n 's/^note *//p' "$work/out" >noted
@@ -137,14 +137,14 @@ placed beside.nii '\000\000\300\077' # 1.5 mm
 begin "a map that lies elsewhere is refused with the distance, unless it is to be resampled"
 for command in "mask far.nii" "seed-file far.nii label=1" "weight far.nii"; do
     expect 3 "$iftty" -c "open here.nii; $command"
-    err_has "far.nii: the map lies 30 mm away from the scene"
-    err_has "resample=yes takes its nearest voxels; nothing has changed"
+    err_has "far.nii: the map is up to 30 mm away from the scene"
+    err_has "resample=yes uses its nearest voxels; nothing has changed"
     expect 0 "$iftty" -c "open here.nii; ${command%%far.nii*}near.nii"
     ! grep -q resampled "$work/out" || fail "$(cat "$work/out")"
 done
 expect 0 "$iftty" -c "open here.nii; mask beside.nii resample=yes" --journal resampled.iftty
 out_has "resampled from 24x20x16 voxels by the nearest"
-out_has "320 voxels of the scene lie outside the map: 0 there"
+out_has "320 voxels of the scene are outside the map: set to 0"
 grep -q '^mask beside.nii resample=yes$' resampled.iftty || fail "$(cat resampled.iftty)"
 expect 0 "$iftty" verify resampled.iftty
 expect 2 "$iftty" -c "open here.nii; weight sobel resample=yes"

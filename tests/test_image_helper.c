@@ -338,11 +338,11 @@ STORY(answers_that_make_no_sense_are_told)
     for (size_t i = 0; i < sizeof answer / sizeof answer[0]; i++) {
         char script[128];
         snprintf(script, sizeof script, "printf '%s'; sleep 9", answer[i]);
-        CHECK_HAS(failure(script, false), "gave an answer that makes no sense");
+        CHECK_HAS(failure(script, false), "sent an invalid answer");
     }
-    CHECK_HAS(failure("printf %0100d 0; sleep 9", false), "gave an answer that makes no sense");
+    CHECK_HAS(failure("printf %0100d 0; sleep 9", false), "sent an invalid answer");
     const char *script = "exec 3<&0; cat <&3 >/dev/null & printf 'picture 1 1 0\\n'; sleep 9";
-    CHECK_HAS(failure(script, true), "gave an answer that makes no sense");
+    CHECK_HAS(failure(script, true), "sent an invalid answer");
 }
 
 STORY(facts_that_make_no_sense_are_told)
@@ -358,7 +358,7 @@ STORY(facts_that_make_no_sense_are_told)
         snprintf(script, sizeof script, "printf '%s'; sleep 9", answer[i]);
         struct image_helper *odd = scripted(script);
         CHECK_INT(image_helper_about(odd, file_in(folder, "x.png"), &facts, &fault), ERR_IO);
-        CHECK_HAS(fault.text, "gave an answer that makes no sense");
+        CHECK_HAS(fault.text, "sent an invalid answer");
         CHECK(facts.format == NULL && facts.channels == NULL);
         image_helper_free(odd);
     }

@@ -304,7 +304,7 @@ STORY(the_scale_is_the_one_that_sorted_numbers_have)
         const bool has = has_outliers(&s, core, &thinning);
         const double wide = core[1] - core[0], *ends = v.levels->ends;
         CHECK(v.levels->is_clamped == has);
-        CHECK(has == (strstr(v.notes, "values far from all others: the scale is ") != NULL));
+        CHECK(has == (strstr(v.notes, "outliers: the scale is ") != NULL));
         clamped += has;
         kept += !has;
         if (has && is_real(type)) {
@@ -379,8 +379,8 @@ STORY(one_voxel_far_off_takes_no_levels_from_the_others)
         CHECK(v.levels && v.levels->step < 1e-4);
         CHECK(fabs(value_of(&v, 1574) - 0.787) < 1e-4);
         CHECK_INT(v.intensity[77], far[i] < 0 ? 0 : 65535);
-        CHECK_HAS(v.notes, far[i] < 0 ? "1 voxel below and 0 above, counts as its end\n"
-                                      : "0 voxels below and 1 above, counts as its end\n");
+        CHECK_HAS(v.notes, far[i] < 0 ? "1 voxel below and 0 above are clamped to its ends\n"
+                                      : "0 voxels below and 1 above are clamped to its ends\n");
         volume_release(&v);
     }
     for (unsigned k = 0; k < 4000; k++) /* CT, and 2e9 */

@@ -49,8 +49,8 @@ close_story
 
 begin "values that are far from all others are counted and said, and take no levels"
 expect 0 "$iftty" -c 'open far4.nii; why 3,4,5; why 7,7,7; info; profile 7,7,7 9,7,7'
-out_has 'values far from all others: the scale is 0 to 1.9'
-out_has '0 voxels below and 1 above, counts as its end'
+out_has 'outliers: the scale is 0 to 1.9'
+out_has '0 voxels below and 1 above are clamped to its ends'
 out_has 'intensity 10000, '
 out_has '1 voxel is above 1.9'
 out_has 'a level is 3.0'
@@ -78,7 +78,7 @@ expect 0 "$iftty" -c 'open ct-far.nii; why 0,0,0; why 5,6,7'
 out_has 'the scale is -1000 to 6'
 out_has 'intensity -1000, '
 expect 0 "$iftty" -c 'open quotients.nii.gz; info'
-out_has 'values far from all others'
+out_has 'outliers: the scale'
 expect 0 "$iftty" -c 'open plain.nii; info'
 out_lacks 'far from all others'
 expect 0 "$iftty" info --histogram holes.nii

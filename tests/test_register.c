@@ -148,14 +148,14 @@ STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
     CHECK_HAS(fault_of(NULL), "; the package iftty-volume has it");
     CHECK_HAS(fault_of("exit 7"), "ended with status 7");
     CHECK_HAS(fault_of("kill -SEGV $$"), "died (Segmentation fault)");
-    CHECK_HAS(fault_of(HEARD "echo what; sleep 9"), "makes no sense");
-    CHECK_HAS(fault_of(HEARD "echo progress 3 9; echo progress 2 9; sleep 9"), "makes no sense");
-    CHECK_HAS(fault_of(HEARD "echo progress 10 9; sleep 9"), "makes no sense");
-    CHECK_HAS(fault_of(HEARD "echo error 9999; sleep 9"), "makes no sense");
+    CHECK_HAS(fault_of(HEARD "echo what; sleep 9"), "invalid answer");
+    CHECK_HAS(fault_of(HEARD "echo progress 3 9; echo progress 2 9; sleep 9"), "invalid answer");
+    CHECK_HAS(fault_of(HEARD "echo progress 10 9; sleep 9"), "invalid answer");
+    CHECK_HAS(fault_of(HEARD "echo error 9999; sleep 9"), "invalid answer");
     CHECK_HAS(fault_of(HEARD "echo found; head -c 64 /dev/zero; kill $!"), "ended with status 0");
     CHECK_HAS(fault_of(HEARD "echo found; i=0; while [ $((i += 1)) -le 19 ]; do "
                              "printf '\\377\\377\\377\\377\\377\\377\\377\\377'; done; sleep 9"),
-              "makes no sense");
+              "invalid answer");
 }
 
 /* What is said of an answer that is well formed. */
@@ -200,9 +200,9 @@ STORY(each_figure_of_an_answer_is_judged)
         {15, 0.45, ERR_CHECK, "only 45 % of one scene's content is inside the other"},
         {16, 0.12, ERR_CHECK, "only 12 % of one"},
         {17, 6.5, ERR_CHECK, "the maps there and back differ by 6.5 mm; expected 6.0 mm or less"},
-        {17, -1, ERR_IO, "makes no sense"},
-        {3, NAN, ERR_IO, "makes no sense"},
-        {12, INFINITY, ERR_IO, "makes no sense"},
+        {17, -1, ERR_IO, "invalid answer"},
+        {3, NAN, ERR_IO, "invalid answer"},
+        {12, INFINITY, ERR_IO, "invalid answer"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct fault fault;

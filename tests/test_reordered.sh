@@ -114,7 +114,7 @@ expect 0 "$iftty" -c "open cube-scene.nii; seed-file near.nii erode=0"
 out_has "its axes run towards"
 out_has "the map is 0.4 mm off the scene's grid, less than half a voxel"
 expect 3 "$iftty" -c "open cube-scene.nii; seed-file far.nii erode=0"
-err_has "away from the scene, where it is furthest from it; resample=yes takes its nearest voxels"
+err_has "away from the scene; resample=yes uses its nearest voxels"
 expect 0 "$iftty" -c "open cube-scene.nii; seed-file cube-map30.nii erode=0 resample=yes; run
     save labels asked.nii"
 expect 0 "$iftty" -c "open cube-scene.nii; seed-file cube-map30.nii erode=0; run

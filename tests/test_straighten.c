@@ -198,7 +198,7 @@ STORY(axes_at_right_angles_stay_as_they_are)
     CHECK_INT(straighten(&is, NULL, &fault), OK);
     CHECK(same_size(is.size, size));
     CHECK(memcmp(is.intensity, from.intensity, 240) == 0);
-    CHECK_HAS(is.notes, "its axes stand at right angles: nothing to straighten");
+    CHECK_HAS(is.notes, "its axes are at right angles: nothing to straighten");
     volume_release(&from);
     volume_release(&is);
 }

@@ -132,7 +132,7 @@ out_has "straightened: its axes were 15 degrees off a right angle; slices are sh
 out_has "voxels beyond them are -1000"
 ! grep -q "its axes are sheared" "$work/out" || fail "$(cat "$work/out")"
 expect 0 "$iftty" -c "open plain straighten=yes"
-out_has "its axes stand at right angles: nothing to straighten"
+out_has "its axes are at right angles: nothing to straighten"
 expect 0 "$iftty" -c "open leans straighten=no"
 out_has "its axes are sheared"
 expect 2 "$iftty" -c "open synth:geom straighten=yes"

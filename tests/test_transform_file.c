@@ -254,10 +254,10 @@ STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
 {
     CHECK_HAS(fault_of(NULL), "; the package iftty-volume has it");
     CHECK_HAS(fault_of("kill -SEGV $$"), "died (Segmentation fault)");
-    CHECK_HAS(fault_of(HEARD "echo what; sleep 9"), "makes no sense");
-    CHECK_HAS(fault_of(HEARD "echo transform 9999; sleep 9"), "makes no sense");
+    CHECK_HAS(fault_of(HEARD "echo what; sleep 9"), "invalid answer");
+    CHECK_HAS(fault_of(HEARD "echo transform 9999; sleep 9"), "invalid answer");
     CHECK_HAS(fault_of(HEARD "echo transform 2; printf '\\033['; head -c 96 /dev/zero; sleep 9"),
-              "makes no sense");
+              "invalid answer");
     CHECK_HAS(fault_of(HEARD "echo transform 1; printf a; head -c 96 /dev/zero; sleep 9"),
               "it has no inverse");
     CHECK_HAS(fault_of(HEARD "echo transform 1; printf a; yes | tr -d '\\n' | tr y '\\377' | "

@@ -48,7 +48,7 @@ opened_as series.mgz series.mgz.twin.nii volume=0
 expect 0 "$iftty" info series.mgz
 out_has "volumes   2"
 expect 0 "$iftty" info nowhere.mgh
-out_has "its goodRASFlag is 0: it says neither how far apart its voxels are nor how they lie"
+out_has "its goodRASFlag is 0: its spacing and its orientation in the patient are unknown"
 out_has "spacing   unknown"
 expect 0 "$iftty" -c "open nowhere.mgh spacing=1,1,2; orient RAS; seed 3,3,3 1; run"
 expect 3 "$iftty" -c "open rgb.mgh"
@@ -87,7 +87,7 @@ expect 0 env TMPDIR="$work/room" "$iftty" info tiny.mnc
 expect 0 env TMPDIR="$work/room" "$iftty" -c 'open tiny.mnc'
 same "$(ls -A "$work/room")" ""
 expect 3 env TMPDIR="$work/none" "$iftty" -c 'open tiny.mnc'
-err_has "it is MINC 1, which takes room in \$TMPDIR to read"
+err_has "it is MINC 1, which needs room in \$TMPDIR to read"
 opened_as minc2_4d.mnc minc2_4d.mnc.twin.nii volume=1
 opened_as two.h5 two.h5.twin.nii data=/grey
 opened_as raw:plain.raw plain.raw.twin.nii size=26,22,14 type=int16
@@ -243,7 +243,7 @@ out_has "1 region"
 expect 0 "$iftty" -c "open spm2.hdr; info"
 out_has "its orient byte, 0, is not to be relied on"
 out_has "its values are multiplied by 0.25, then 0 is added"
-out_has "the .mat of SPM beside it may say where its voxels lie; it is not read: \`nib-convert"
+out_has "the .mat of SPM next to it may have its position; it is not read: \`nib-convert"
 out_has "orientation unknown: no picture or answer names a side"
 expect 0 "$iftty" -c "open an-byte.hdr"
 ! grep -qE "multiplied|[.]mat" "$work/out" || fail "$(cat "$work/out")"
@@ -258,7 +258,7 @@ out_has "16016 of its bytes come after the voxels; is this .img the one of this 
 printf '!INTERFILE :=\n' >pair/a.hdr
 refused "\`medcon -f FILE -c nifti\` makes a NIfTI of it" "open pair/a.hdr"
 mv pair/a.hdr pair/b.img
-refused "there is no b.hdr beside it, with its header" "open pair/b.img"
+refused "there is no b.hdr next to it, with its header" "open pair/b.img"
 close_story
 
 begin "what is refused, open and info explain alike: CIFTI, PAR/REC, AFNI, ECAT, colours"
@@ -360,20 +360,20 @@ told "ended with status 7"
 odd_helper 'kill -SEGV $$'
 told "died (Segmentation fault)"
 odd_helper 'echo what'
-told "makes no sense"
+told "invalid answer"
 odd_helper 'yes progress'
-told "makes no sense"
+told "invalid answer"
 odd_helper 'echo "volume 70000 1 1 1 3 5 5 0"; printf "DICOMint16"'
-told "makes no sense"
+told "invalid answer"
 odd_helper 'echo "volume 65000 65000 65000 1 0 5 5 0"; printf DICOMint16; head -c 112 /dev/zero'
 told "expected finite ones"
 odd_helper 'echo "volume 65000 65000 65000 1 0 5 5 0"; printf DICOMint16
 for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done'
 told "voxels"
 odd_helper 'printf "volume 9 9 9 1 0 5 5 5\nDICOMint16\033[2J\n"; head -c 112 /dev/zero'
-told "makes no sense"
+told "invalid answer"
 odd_helper 'echo "error 99999"; yes'
-told "makes no sense"
+told "invalid answer"
 odd_helper 'echo "volume 9 9 9 1 0 5 4 0"; printf DICOMweird
 for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done'
 told "weir"

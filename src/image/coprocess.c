@@ -23,11 +23,11 @@
 
 enum {
     LOOK_MS = 50,        /* between two looks at the watch */
-    WORK_MS = 500,       /* and at what it has done */
+    WORK_MS = 500,       /* between two checks of its progress */
     BYTES_PER_MS = 1000, /* slower than any disk, decoder or encoder */
 };
 
-/* ---- its life ---- */
+/* ---- start and stop ---- */
 
 /* PREFIX/bin/iftty has its helpers in PREFIX/libexec/iftty, wherever the PREFIX was moved to. */
 enum err coprocess_find(struct buf *out, const char *name, struct fault *fault)
@@ -76,7 +76,7 @@ int coprocess_stop(struct coprocess *c)
     c->fd = -1;
     if (c->process <= 0)
         return status;
-    kill(-c->process, SIGKILL); /* and what it started; one that has ended keeps its status */
+    kill(-c->process, SIGKILL); /* with its children; one that has ended keeps its status */
     do
         ended = waitpid(c->process, &status, 0);
     while (ended < 0 && errno == EINTR);
@@ -84,8 +84,8 @@ int coprocess_stop(struct coprocess *c)
     return ended < 0 ? -1 : status;
 }
 
-/* Standard input and output are the socket, errors go nowhere, and there is no environment: what is
- * in ours is no business of a decoder, and might tell it where to find plug-ins. */
+/* Standard input and output are the socket, standard error is /dev/null, and the environment is
+ * empty: ours might make a decoder load plug-ins. */
 static int spawn(pid_t *process, const char *program, int fd)
 {
     char *const arguments[] = {(char *)(uintptr_t)program, NULL}, *const environment[] = {NULL};
@@ -94,7 +94,7 @@ static int spawn(pid_t *process, const char *program, int fd)
     sigset_t none, all;
     sigemptyset(&none);
     sigfillset(&all);
-    posix_spawn_file_actions_init(&actions); /* neither fails: they clear what they are given */
+    posix_spawn_file_actions_init(&actions); /* neither fails: they clear their argument */
     posix_spawnattr_init(&attributes);
     posix_spawn_file_actions_adddup2(&actions, fd, STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, fd, STDOUT_FILENO);
@@ -176,22 +176,22 @@ static bool fails(struct coprocess *c, enum trouble trouble)
     return false;
 }
 
-/* When so many bytes are to have come or gone at the latest, one by one or all at once. */
+/* The deadline for the transfer of `length` bytes. */
 static uint64_t latest_ns(const struct coprocess *c, size_t length)
 {
     return clock_ns() + ((uint64_t)c->patience_ms + length / BYTES_PER_MS) * 1000000;
 }
 
-/* ---- whether it gets on ---- */
+/* ---- progress ---- */
 
 enum {
-    STUCK_MS = 5000, /* of the processor, in which a decoder has not even taken more memory */
+    STUCK_MS = 5000, /* limit of processor time without even an allocation */
     PAGES_LEAST = 256,
     STAT_BYTES = 1024,
     PROCESSES_MOST = 8,
 };
 
-/* Adds what a process has taken so far, as its line in /proc has it: fields 14, 15 and 24. */
+/* Add the processor time and the memory of a process, by its line in /proc: fields 14, 15, 24. */
 static bool add_work(long process, uint64_t *busy_ms, uint64_t *pages)
 {
     char path[64], line[STAT_BYTES];
@@ -219,9 +219,9 @@ static uint64_t work_ms(const struct coprocess *c)
     return (uint64_t)(c->work_ms ? c->work_ms : STUCK_MS);
 }
 
-/* A decoder that gets on fills memory, or answers: then it is waited for on. One that has worked
- * for long without either is stuck. Where the system does not say, patience alone decides. */
-static bool gets_on(struct coprocess *c, uint64_t *until)
+/* Check progress: a working decoder fills memory, or answers, and extends the deadline. One that
+ * has used much processor time without either is stuck. Without /proc only the deadline counts. */
+static bool makes_progress(struct coprocess *c, uint64_t *until)
 {
     uint64_t busy_ms = 0, pages = 0;
     char path[64];
@@ -246,7 +246,7 @@ static bool gets_on(struct coprocess *c, uint64_t *until)
     return true;
 }
 
-/* Until bytes can go or come by a descriptor: false where it is too late, or the watch stops. */
+/* Wait until a descriptor is ready: false after the deadline, or if the watch stops. */
 static bool wait_for(struct coprocess *c, int fd, short events, uint64_t *until)
 {
     for (uint64_t looked = clock_ns();;) {
@@ -254,7 +254,7 @@ static bool wait_for(struct coprocess *c, int fd, short events, uint64_t *until)
         const uint64_t now = clock_ns();
         if (now - looked >= (uint64_t)WORK_MS * 1000000) {
             looked = now;
-            if (!gets_on(c, until))
+            if (!makes_progress(c, until))
                 return false;
         }
         if (now >= *until)
@@ -304,7 +304,7 @@ static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t *u
             if (!wait_for(c, c->fd, POLLIN, until))
                 return false;
         } else if (n < 0 && errno == ECONNRESET && !reset) {
-            reset = true; /* reported once; what it sent comes after that */
+            reset = true; /* reported once, before the bytes that it sent */
         } else if (n == 0 || errno != EINTR) {
             return fails(c, GONE);
         }
@@ -323,7 +323,7 @@ bool coprocess_odd(struct coprocess *c)
     return fails(c, ODD);
 }
 
-/* Byte by byte: lines are few and short, and nothing that follows may be taken along. */
+/* Byte by byte: lines are few and short, and later bytes must remain in the socket. */
 bool coprocess_receive_line(struct coprocess *c, char line[COPROCESS_LINE])
 {
     uint64_t until = latest_ns(c, COPROCESS_LINE);
@@ -346,13 +346,13 @@ bool coprocess_numbers(const char *line, unsigned count, const int64_t most[], i
     return *line == '\0';
 }
 
-/* ---- its end ---- */
+/* ---- errors ---- */
 
 enum err coprocess_fault(struct coprocess *c, const char *doing, const char *path,
                          struct fault *fault)
 {
-    /* One that has closed the socket is about to end, and its status says why; one that goes on is
-     * as silent as any other. */
+    /* A program that closed the socket is about to end, and its status has the reason; one that
+     * keeps running counts as silent. */
     const int end_of_it = c->trouble == GONE ? (int)syscall(SYS_pidfd_open, c->process, 0) : -1;
     if (end_of_it >= 0) {
         uint64_t until = latest_ns(c, 0);
@@ -367,10 +367,10 @@ enum err coprocess_fault(struct coprocess *c, const char *doing, const char *pat
         snprintf(end, sizeof end, "did not answer for %d s and was ended",
                  (c->patience_ms + 999) / 1000);
     else if (c->trouble == STUCK)
-        snprintf(end, sizeof end, "worked for %d s without getting on and was ended",
+        snprintf(end, sizeof end, "worked for %d s without progress and was ended",
                  (int)(work_ms(c) / 1000));
     else if (c->trouble == ODD)
-        snprintf(end, sizeof end, "gave an answer that makes no sense and was ended");
+        snprintf(end, sizeof end, "sent an invalid answer and was ended");
     else if (status != -1 && WIFSIGNALED(status))
         snprintf(end, sizeof end, "died (%s)", strsignal(WTERMSIG(status)));
     else if (status != -1 && WIFEXITED(status))

@@ -155,21 +155,21 @@ static enum err check_header(const struct buf *header, const struct picture *lik
 enum {
     LINES_MOST = 16,     /* that ZIP packs together */
     TILE_MOST = 4096,    /* the side of a tile that is read */
-    ZIP_MOST = 1032,     /* what deflate can make of a byte */
+    ZIP_MOST = 1032,     /* most bytes that deflate expands a byte to */
     NOTE_MOST = 1 << 20, /* bytes of one attribute that is read */
-    FILE_MORE = 4 << 20, /* bytes of a golden image beside its pixels, at most */
-    PIXEL_BYTES = 28,    /* of all planes of a picture, at most */
+    FILE_MORE = 4 << 20, /* most bytes of a golden image without its pixels */
+    PIXEL_BYTES = 28,    /* most bytes of a pixel in all planes */
 };
 
 static const char *const type_name[] = {"uint", "half", "float"};
 
-/* How the pixels are packed: tiles of step[0] x step[1], or blocks of step[1] lines. */
+/* The blocks of pixels: tiles of step[0] x step[1], or step[1] lines. */
 struct form {
     bool tiled;
     uint32_t step[2];
 };
 
-/* Whether the file says that its colours are multiplied by alpha. */
+/* Return true if the colours of the file are multiplied by alpha. */
 static bool is_associated(exr_context_t context)
 {
     static const char value[] = EXR_ALPHA_VALUE;
@@ -213,7 +213,7 @@ static enum err find_channels(unsigned *planes, exr_context_t context, bool asso
     return OK;
 }
 
-/* Finds whether it is tiled, and in what tiles. */
+/* Find the tiles of a tiled file; refuse other forms. */
 static enum err check_form(struct form *form, exr_context_t context, struct fault *fault)
 {
     int parts = 0;
@@ -240,7 +240,7 @@ static enum err check_form(struct form *form, exr_context_t context, struct faul
     return OK;
 }
 
-/* Width and height, that they are within limits, and that so small a file can hold them. */
+/* Check width and height against the limits and the size of the file. */
 static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, size_t pixel_bytes,
                             uint64_t file_bytes, struct fault *fault)
 {
@@ -259,8 +259,8 @@ static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, siz
     if (swelling_needs_yes((uint64_t)width * (uint64_t)height * pixel_bytes,
                            (uint64_t)width * (uint64_t)height, file_bytes))
         return fault_set(fault, ERR_LIMIT,
-                         "%" PRIu64 " bytes claim %" PRId64 "x%" PRId64 " pixels; so large a "
-                         "picture takes a byte for each %d of them",
+                         "%" PRIu64 " bytes claim %" PRId64 "x%" PRId64 " pixels; a picture of "
+                         "this size needs a byte for each %d of them",
                          file_bytes, width, height, SWELLING_MOST);
     return OK;
 }
@@ -353,7 +353,7 @@ static exr_result_t get_block(void *context, const struct exr_block *block)
     exr_chunk_info_t chunk;
     const uint32_t *step = r->form.step;
     if (watch_poll(r->watch, NULL, 0, 0))
-        return EXR_ERR_READ_IO; /* the caller asks the watch */
+        return EXR_ERR_READ_IO; /* the caller checks the watch */
     const int32_t top = r->window.min.y + (int32_t)block->y;
     exr_result_t result = r->form.tiled
                               ? exr_read_tile_chunk_info(r->context, 0, (int)(block->x / step[0]),
@@ -362,7 +362,7 @@ static exr_result_t get_block(void *context, const struct exr_block *block)
     if (!result &&
         (chunk.height != (int32_t)block->height || chunk.width != (int32_t)block->width ||
          (!r->form.tiled && chunk.start_y != top)))
-        result = EXR_ERR_BAD_CHUNK_LEADER; /* of another place or size than it has */
+        result = EXR_ERR_BAD_CHUNK_LEADER; /* another position or size than expected */
     if (!result)
         result = r->begun ? exr_decoding_update(r->context, 0, &chunk, pipeline)
                           : exr_decoding_initialize(r->context, 0, &chunk, pipeline);

@@ -158,7 +158,7 @@ static int64_t stream_size(exr_const_context_t context, void *user)
     return (int64_t)stream->bytes;
 }
 
-/* The library would print. Its result codes say enough. */
+/* The library would print errors. Its result codes are sufficient. */
 static void stay_silent(exr_const_context_t context, exr_result_t code, const char *words)
 {
     (void)context;
@@ -166,7 +166,7 @@ static void stay_silent(exr_const_context_t context, exr_result_t code, const ch
     (void)words;
 }
 
-/* No more than is free, of which a limit is a part (mem_available). */
+/* Allocate only free memory, within the limit (mem_available). */
 static void *allocate(size_t bytes)
 {
     return bytes >= LARGE_FROM && bytes > mem_available() ? NULL : malloc(bytes);
@@ -208,9 +208,9 @@ enum {
 
 /* ---- the header ---- */
 
-/* As Blender and Nuke place a camera: the third axis points backward, not ahead, so that the matrix
- * is a rotation and a place. False where the axes are no unit vectors at right angles in the world,
- * as those of a sheared scene are: no camera stands like that. */
+/* Compute the camera of Blender and Nuke: its third axis points backward, so that the matrix is a
+ * rotation with a position. False if the axes are not unit vectors at right angles in the world, as
+ * in a sheared scene: a camera cannot have them. */
 static bool set_camera(exr_attr_m44f_t *to_world, const float to_camera[4][4])
 {
     memset(to_world, 0, sizeof *to_world);
@@ -221,7 +221,7 @@ static bool set_camera(exr_attr_m44f_t *to_world, const float to_camera[4][4])
                 product += (double)to_camera[w][d] * (double)to_camera[w][e];
             if (!(product > (d == e) - 1e-4 && product < (d == e) + 1e-4))
                 return false;
-            const float along = to_camera[e][d]; /* of world axis e */
+            const float along = to_camera[e][d]; /* component along world axis e */
             to_world->m[4 * d + e] = d == 2 ? -along : along;
             to_world->m[12 + e] -= along * to_camera[3][d];
         }
@@ -308,12 +308,12 @@ static enum err check_names(const char *path, const struct picture *picture, str
 
 /* ---- strips ---- */
 
-/* The library packs pixels for a file alone: this one has our header without notes, and what goes
- * into it goes nowhere. */
+/* The library compresses pixels for a file only: this one has our header without notes, and its
+ * bytes are dropped. */
 struct exr_coder {
     exr_context_t context;
     struct exr_stream nowhere;
-    pthread_mutex_t lock; /* of the context */
+    pthread_mutex_t lock; /* protects the context */
     unsigned planes;
 };
 
@@ -357,14 +357,14 @@ static enum err begin(void **out, const char *path, const struct picture *like, 
 struct packing {
     struct exr_coder *coder;
     const struct picture *rows;
-    uint32_t top; /* of these rows, in the picture */
+    uint32_t top; /* first of these rows in the picture */
     struct exr_room room;
     struct buf *out;
     exr_result_t (*compress)(exr_encode_pipeline_t *);
 };
 
-/* The library's own step, then mended: a block that deflate leaves exactly as long as it was is
- * stored deflated, but every reader takes that length to mean "stored plain" (seen in 3.1.5). */
+/* Run the library's step and correct its result: it stores a block deflated even if it has the same
+ * length then, but every reader interprets this length as "stored plain" (seen in 3.1.5). */
 static exr_result_t compress_block(exr_encode_pipeline_t *pipeline)
 {
     const struct packing *packing = pipeline->encoding_user_data;
@@ -376,7 +376,7 @@ static exr_result_t compress_block(exr_encode_pipeline_t *pipeline)
     return result;
 }
 
-/* In place of the step that writes: how long the block is, and its bytes. */
+/* Replace the step that writes: append the length of the block, and its bytes. */
 static exr_result_t keep_block(exr_encode_pipeline_t *pipeline)
 {
     const struct packing *packing = pipeline->encoding_user_data;
@@ -413,7 +413,7 @@ static exr_result_t pack_block(void *context, const struct exr_block *block)
     packing->compress = pipeline.compress_fn;
     pipeline.encoding_user_data = packing;
     pipeline.compress_fn = compress_block;
-    pipeline.yield_until_ready_fn = NULL; /* it would see to the order */
+    pipeline.yield_until_ready_fn = NULL; /* it would wait for the order of blocks */
     pipeline.write_fn = keep_block;
     if (!result)
         result = exr_encoding_run(file, 0, &pipeline);
@@ -452,7 +452,7 @@ struct copying {
     exr_context_t context;
     bool tiled;
     uint32_t top;
-    const char *at, *end; /* of the piece */
+    const char *at, *end; /* bytes of the piece */
 };
 
 static exr_result_t copy_block(void *context, const struct exr_block *block)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Writing OpenEXR as image/exr.h describes it, from a picture that is there or while it is drawn.
- * A strip (image/strips.h) is what ZIP packs together of lines, or a row of tiles.
+ * Write OpenEXR as image/exr.h describes it, from a complete picture or while it is drawn. A strip
+ * (image/strips.h) is a block of lines that ZIP compresses together, or a row of tiles.
  */
 #ifndef IMAGE_EXR_WRITE_H
 #define IMAGE_EXR_WRITE_H
@@ -18,92 +18,93 @@
 
 extern const struct strips_format exr_strips;
 
-/* Writes `picture` as `path`, whole or not at all. ERR_INPUT for an attribute whose name OpenEXR
- * uses itself (such as "channels") or that is empty or longer than 255 bytes. */
+/* Write `picture` as `path`, atomically. ERR_INPUT for an attribute whose name OpenEXR uses itself
+ * (such as "channels") or that is empty or longer than 255 bytes. */
 enum err exr_write(const char *path, enum file_mode mode, const struct picture *picture,
                    struct fault *fault);
 
-/* out = the header of `like`, without its notes; other bytes may follow it. */
+/* out = the header of `like` without its notes; other bytes may follow it. */
 enum err exr_write_header_of(struct buf *out, const struct picture *like, struct fault *fault);
 
 /*
- * What reading (image/exr.h) and writing (image/exr_write.h) OpenEXR have in common: the channels
- * of our files, blocks of their pixels, and bytes in and out for OpenEXR's C library.
+ * Declarations for reading and writing: the channels of our files, blocks of their pixels, and
+ * input and output for OpenEXR's C library.
  */
 
 /* ---- the channels, one table for both ways ---- */
 
-/* Of PLANE_EYE the file alone has pixels: the depth, from the camera on. */
+/* PLANE_EYE, the depth from the camera, exists in files alone. */
 enum exr_plane { PLANE_RGBA, PLANE_DEPTH, PLANE_EYE, PLANE_LABEL, PLANE_VOXEL, PLANE_NORMAL };
 
 /* Files whose colours are as they are, and those in which they are multiplied by alpha. */
 enum { EXR_STRAIGHT = 1, EXR_ASSOCIATED = 2, EXR_BOTH = EXR_STRAIGHT | EXR_ASSOCIATED };
 
-#define EXR_ALPHA       "iftty:alpha" /* the attribute that says so */
+#define EXR_ALPHA       "iftty:alpha" /* the attribute for multiplied colours */
 #define EXR_ALPHA_VALUE "associated"
 
-#define EXR_CAMERA      "iftty:cameraToWorld" /* of Blender and Nuke (image/exr.h) */
+#define EXR_CAMERA      "iftty:cameraToWorld" /* for Blender and Nuke (image/exr.h) */
 
 enum { EXR_CHANNELS = 12 };
 extern const struct exr_channel {
     const char *name;
-    unsigned kinds; /* of files that have it, */
-    unsigned needs; /* with this plane (image/picture.h); 0: always */
+    unsigned kinds; /* kinds of files that have it, */
+    unsigned needs; /* if the picture has this plane (image/picture.h); 0: always */
     enum exr_plane plane;
-    unsigned index; /* within the plane's pixel */
+    unsigned index; /* index in the plane's pixel */
     exr_pixel_type_t type;
     int bytes;
 } exr_channels[EXR_CHANNELS];
 
-/* The channel of a file of that kind, or NULL. */
+/* Find the channel of a file of that kind, or NULL. */
 const struct exr_channel *exr_channel_named(const char *name, bool is_associated);
 
 /* ---- blocks ---- */
 
-/* The pixels that one block of the file packs: some lines, or a tile. */
+/* The pixels of one block of the file: some lines, or a tile. */
 struct exr_block {
     uint32_t x, y, width, height;
 };
 
-/* What goes by way of memory for a block: RGBA, 4 halves a pixel, and the depth from the camera. */
+/* Samples of a block that are converted in memory: RGBA, 4 halves a pixel, and the depth from the
+ * camera. */
 struct exr_room {
     uint16_t *halves;
     float *eye;
 };
 
-/* Points the library at a channel's pixels of a block. */
+/* Point the library at a channel's pixels of a block. */
 void exr_point_at(exr_coding_channel_info_t *info, const struct exr_channel *channel,
                   const struct picture *picture, const struct exr_block *block,
                   const struct exr_room *room);
 
-/* Calls `each` for the blocks of `step` pixels (lines are as wide as the picture), in the order of
+/* Call `each` for the blocks of `step` pixels (lines are as wide as the picture), in the order of
  * the file, until one fails. */
 exr_result_t exr_each_block(const struct picture *picture, const uint32_t step[2],
                             exr_result_t (*each)(void *context, const struct exr_block *block),
                             void *context);
 
-/* Fills the room with the pixels of a block of the picture, as a file has them. */
+/* Convert the pixels of a block of the picture to the samples of a file. */
 void exr_fill_room(const struct exr_room *room, const struct picture *picture,
                    const struct exr_block *block);
 
-/* Names that an OpenEXR header uses itself, where a string would be refused or misread. */
+/* Return true for names that an OpenEXR header uses itself; it would refuse or misread a string. */
 bool exr_is_reserved(const char *name);
 
 /* ---- bytes in and out ---- */
 
-/* The library's own file layer neither returns errno nor checks what it opens. */
+/* The library's own file layer neither returns errno nor checks the kind of the file. */
 struct exr_stream {
-    int fd;           /* -1: what is written goes to `sink`, or, without one, nowhere */
+    int fd;           /* -1: written bytes are appended to `sink`, or dropped without one */
     struct buf *sink; /* or NULL */
     uint64_t bytes;
-    int number; /* errno of the first failure, or 0 */
+    int number; /* errno of the first error, or 0 */
     const char *path;
 };
 
-/* Settings of a context on `stream`, for reading or writing. */
+/* Return the settings of a context on `stream`, for reading or writing. */
 exr_context_initializer_t exr_stream_setup(struct exr_stream *stream);
 
-/* What failed, in words. `what` is "read" or "write". */
+/* Report an error; `what` is "read" or "write". */
 enum err exr_fault(const char *what, const struct exr_stream *stream, exr_result_t result,
                    struct fault *fault);
 

@@ -18,7 +18,7 @@ enum {
     NAME_MOST = 4096,
     VALUE_MOST = 1 << 20,
     NOTES_MOST = 1024,
-    WORDS_MOST = 4096, /* bytes of a word on what a file is */
+    WORDS_MOST = 4096, /* bytes of a text about a file */
     SEND_PIECE = 1 << 20,
 };
 
@@ -80,7 +80,7 @@ static bool transmit_texts(struct coprocess *process, const char *line, const ch
            coprocess_transmit(process, second, strlen(second));
 }
 
-/* Counts that the protocol cannot carry are refused before anything is sent. */
+/* Refuse counts beyond the protocol before anything is sent. */
 static enum err check_request(const char *doing, const char *path, const struct picture *picture,
                               struct fault *fault)
 {
@@ -185,7 +185,7 @@ enum err image_movie_end(struct image_movie *movie, struct fault *fault)
     }
     if (!err) {
         err = file_publish(buf_text(&movie->draft), movie->path, movie->mode, fault);
-        buf_clear(&movie->draft); /* it has another name now, or is gone */
+        buf_clear(&movie->draft); /* it was renamed or removed */
     }
     forget(movie);
     return err;
@@ -275,7 +275,7 @@ static enum err settle(struct image_helper *helper, const char *path, enum err e
     if (err && helper->process.trouble != FINE)
         return coprocess_fault(&helper->process, "read", path, fault);
     if (err)
-        coprocess_stop(&helper->process); /* the rest of its answer is of no use */
+        coprocess_stop(&helper->process); /* the rest of its answer is not needed */
     return err;
 }
 
@@ -326,7 +326,7 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
         const size_t length = (size_t)number[4 + i];
         *word[i] = calloc(length + 1, 1);
         if (!*word[i])
-            err = fault_memory(fault, "what a picture is");
+            err = fault_memory(fault, "the facts of a picture");
         else if (!coprocess_receive(&helper->process, *word[i], length))
             err = ERR_IO;
     }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The image helper: every image format but OpenEXR, and PNG as it is written, by OpenImageIO in a
- * process of its own.
+ * The image helper: all image formats except OpenEXR and written PNG, by OpenImageIO in a separate
+ * process.
  *
- * OpenImageIO has no C interface and loads some 260 shared libraries, so it lives in the program
- * iftty-image, started on first use. A decoder that dies on a hostile file costs one error
+ * OpenImageIO has no C interface and loads some 260 shared libraries, so the program iftty-image
+ * contains it, which starts on first use. A decoder that crashes on a hostile file costs one error
  * message; the next request starts a new helper.
  *
  * The protocol, on the helper's standard input and output (a socket pair), one request and one
@@ -23,16 +23,16 @@
  *               error LENGTH\n                          words
  *
  * Rows run from the top. Sides are 1..16384, a path or name is at most 4096 bytes, a value at most
- * 1048576, notes at most 1024; frames are 1..1000, and DELAY is how long each is seen, 0..60000 ms.
- * CHANNELS are 3, RGB, or 4, RGBA. What breaks these rules ends the helper. A worked example, a red
- * pixel with one note:
+ * 1048576, notes at most 1024; frames are 1..1000, and DELAY is the time of each, 0..60000 ms.
+ * CHANNELS are 3, RGB, or 4, RGBA. A request that breaks these rules ends the helper. A worked
+ * example, a red pixel with one note:
  *
  *     write 5 1 1 1 1 0 3\na.png4 3\nviewtop\xff\x00\x00    ->  ok\n
  *     read 5\na.png      ->  picture 1 1 1\n4 3\nviewtop\xff\x00\x00\xff
  *
- * The helper carries each request out in a process of its own, which reaches no file but that one
- * (wire.hh). Nothing here ever raises SIGPIPE or waits without end: a helper that is silent for
- * image_helper_patience_ms is ended.
+ * The helper executes each request in a child process, which can access that file alone (wire.hh).
+ * Nothing here raises SIGPIPE or waits without a limit: a helper that is silent for
+ * image_helper_patience_ms is killed.
  */
 #ifndef IMAGE_IMAGE_HELPER_H
 #define IMAGE_IMAGE_HELPER_H
@@ -47,73 +47,74 @@
 
 struct image_helper;
 
-/* A client of the helper at the path `program`, or where that is NULL, of iftty-image beside the
- * running program; which is not started yet. */
+/* Create a client of the helper at the path `program`; NULL: of iftty-image (coprocess_find). It is
+ * not started yet. */
 enum err image_helper_new(struct image_helper **helper, const char *program, struct fault *fault);
 
-/* Starts it, unless it runs, for the caller who will need it soon: it takes some 160 ms to load its
- * libraries, beside whatever else is done. Every request does so by itself. */
+/* Start it, unless it runs, for a caller that will need it soon: it loads its libraries in some
+ * 160 ms. Every request starts it too. */
 enum err image_helper_start(struct image_helper *helper, struct fault *fault);
 
-/* Ends the helper, if it runs, and waits for it. */
+/* End the helper, if it runs, and wait for it. */
 void image_helper_free(struct image_helper *helper);
 
-/* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, .png by
- * png_write, any other extension by the helper: what is shown of it, and notes; a clear picture has
- * its alpha in PNG and TIFF, and is over black in other formats. Notes are lines "name: value" of
- * the image description, where a format has one. The same picture gives the same bytes. */
+/* Write `picture` as `path`, atomically: .exr by exr_write with all planes, .png by png_write,
+ * every other extension by the helper: the visible colours, and notes. A clear picture has its
+ * alpha in PNG and TIFF, and is over black in other formats. Notes are lines "name: value" of the
+ * image description, if a format has one. The same picture has the same bytes. */
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
                      const struct picture *picture, struct fault *fault);
 
-/* How a file of this name is written while its picture is drawn; NULL for formats of the helper. */
+/* The format that writes a file of this name while its picture is drawn; NULL for formats of the
+ * helper. */
 const struct strips_format *image_strips(const char *path);
 
-/* For programs whose long work ends in one picture: before it, whether `path` (NULL: no picture is
- * wanted) is the name of a .png that can be written and is not there yet; then the picture, by a
- * helper of its own. */
+/* For programs whose long work ends in one picture: check before the work that `path` (NULL: no
+ * picture) is the name of a .png that can be written and does not exist; after it, write the
+ * picture with a new helper. */
 enum err image_check_png(const char *path, struct fault *fault);
 enum err image_write_png(const char *path, const struct picture *picture, struct fault *fault);
 
 /*
- * A file by the image helper, step by step: of one picture, or an animated one, of several of one
- * size in turn.
+ * Write a file by the image helper, step by step: one picture, or an animation of several pictures
+ * of one size.
  *
- * Frames go to the helper as they are made, so no more than one is held. The file appears whole,
- * with all its frames, or not at all. The helper compresses what it has got while the caller does
- * something else; image_movie_end waits for it. Every viewer shows GIF, which has 256 colours for
- * each frame; TIFF has every colour, as pages.
+ * Frames are sent to the helper as they are drawn, so only one is in memory. The file is published
+ * atomically, with all its frames. The helper compresses while the caller continues;
+ * image_movie_end waits for it. Every viewer shows GIF, which has 256 colours for each frame; TIFF
+ * has every colour, as pages.
  */
 enum { IMAGE_FRAMES_MOST = 1000 };
 struct image_movie {
-    struct image_helper *helper; /* the caller says these three, */
-    const char *path;            /* and this stays its own; */
+    struct image_helper *helper; /* set by the caller, as the next two */
+    const char *path;            /* not owned */
     enum file_mode mode;
-    unsigned channels; /* the rest is zero before it begins */
+    unsigned channels; /* zero before image_movie_begin, as the draft */
     struct buf draft;
 };
 
-/* Whether the name is of a format that holds several pictures. */
+/* Return true for the name of a format that holds several pictures. */
 bool image_movie_is_named(const char *path);
 
-/* Begins a file of `frames` pictures, 1..IMAGE_FRAMES_MOST, each seen for `delay_ms`; `like` gives
- * their size, and the notes. After an error of this and the next two nothing is left of it. */
+/* Begin a file of `frames` pictures, 1..IMAGE_FRAMES_MOST, each shown for `delay_ms`, with the size
+ * and the notes of `like`. An error of this and the next two functions removes the file. */
 enum err image_movie_begin(struct image_movie *movie, const struct picture *like, unsigned frames,
                            unsigned delay_ms, struct fault *fault);
 enum err image_movie_add(struct image_movie *movie, const struct picture *picture,
                          struct fault *fault);
 enum err image_movie_end(struct image_movie *movie, struct fault *fault); /* after all frames */
 
-/* Ends a movie that will not be finished, and the helper, which the next request starts again. One
- * that is ended, or zeroed, is left alone. */
+/* Abandon an unfinished movie, and end the helper, which the next request starts again. No effect
+ * on a finished or zeroed movie. */
 void image_movie_abandon(struct image_movie *movie);
 
-/* Reads the first image of `path`, in any format, into 8 bits per channel. On failure *out is
- * empty. */
+/* Read the first image of `path`, in any format, as 8 bits per channel. On failure *out is empty.
+ */
 enum err image_helper_read(struct image_helper *helper, const char *path, struct picture *out,
                            struct fault *fault);
 
-/* What a file is, in any format. Its first image is decoded, so one that is cut short is an error.
- * The texts are those of the file: not safe to print. */
+/* Facts about a file, in any format. Its first image is decoded, so a file cut short is an error.
+ * The texts are copied from the file: not safe to print. */
 struct image_facts {
     struct picture picture; /* sides and notes, no pixels */
     unsigned frames;
@@ -123,12 +124,12 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
                             struct fault *fault);
 void image_facts_release(struct image_facts *facts);
 
-/* How long a helper may stay silent; tests wait less. */
+/* Time limit for a silent helper; tests reduce it. */
 extern int image_helper_patience_ms;
 
-/* Bytes that a helper started from now on may hold for itself, its program and libraries not
- * counted; 0: as many as are free. One with all its libraries holds 150 MB, and 350 MB over the
- * largest picture that is written. What it does not get is an error of the request, or its end. */
+/* Limit of a helper's own memory in bytes, from the next start, without its program and libraries;
+ * 0: the free memory. A helper with all libraries uses 150 MB, and 350 MB for the largest picture
+ * that is written. Beyond the limit the request fails, or the helper ends. */
 extern uint64_t image_helper_memory_most;
 
 #endif

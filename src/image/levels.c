@@ -7,7 +7,7 @@
 
 #include "base/hash.h"
 
-/* An end as numbers of the file are: one of single precision has no 0.7, but the nearest to it. */
+/* Round an end as the numbers of the file: single precision has no 0.7, but the nearest to it. */
 static double end_value(const struct levels *levels, const struct decimal *end)
 {
     const double value = decimal_value(end);
@@ -20,15 +20,15 @@ static bool has_voxels(const struct level *level)
     return level->least <= level->greatest;
 }
 
-/* Of the level where it is known, else NULL. */
+/* The level, or NULL if it is unknown. */
 static const struct level *known(const struct levels *levels, int32_t i)
 {
     return levels && !levels->is_blended && has_voxels(&levels->level[i]) ? &levels->level[i]
                                                                           : NULL;
 }
 
-/* Levels that no voxel of the file has are taken by their value, as those of exact intensities
- * are: interpolated voxels may have them. */
+/* Levels without a voxel of the file count by their nominal value, as exact intensities do:
+ * interpolated voxels may have them. */
 struct interval levels_within(const struct geometry *geometry, const struct levels *levels,
                               const struct decimal range[2])
 {
@@ -69,7 +69,7 @@ void levels_write(struct buf *out, const struct geometry *geometry, const struct
     const struct level *level = known(levels, intensity);
     const bool is_beyond = intensity == 0 || intensity == LEVELS - 1;
     if (level && level->least == level->greatest) {
-        const double value = level->least; /* a whole one with all digits that it has */
+        const double value = level->least; /* a whole one with all its digits */
         const bool is_whole = fabs(value) < 1e15 && value == floor(value);
         if (isinf(value))
             buf_add_text(out, "no number");
@@ -82,7 +82,7 @@ void levels_write(struct buf *out, const struct geometry *geometry, const struct
         if (levels)
             buf_printf(out, " +-%.2g%s", levels->step / 2,
                        levels->is_blended && levels->beyond[0] + levels->beyond[1]
-                           ? " within the scale" /* what was beyond may be in it */
+                           ? " within the scale" /* it may contain clamped values */
                            : "");
     }
 }

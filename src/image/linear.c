@@ -59,9 +59,9 @@ uint8_t linear_level(const uint8_t level[HALF_ONE + 1], uint16_t half)
 
 enum { MANTISSA_BITS = 10, MANTISSA_ONE = 1 << MANTISSA_BITS };
 
-/* Levels from 1 up are normal halves, m * 2^(exponent - 25). The product m * alpha / 255 is brought
- * to 11 bits, or to the exponent of subnormal ones, and rounded; no half lies between two, for 255
- * is odd. A mantissa that becomes 2^11 carries into the exponent, as it should. */
+/* Levels above 0 are normal halves, m * 2^(exponent - 25). The product m * alpha / 255 is scaled to
+ * 11 bits, or to the exponent of subnormal ones, and rounded; ties do not occur, since 255 is odd.
+ * A mantissa of 2^11 carries into the exponent, as it should. */
 uint16_t linear_associated(uint8_t level, uint8_t alpha)
 {
     const uint32_t half = linear_half[level];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * MetaImage: maps out as .mha, header and voxels in one file, for all that read with ITK.
+ * MetaImage: write maps as .mha, header and voxels in one file, for programs that use ITK.
  *
  *     ObjectType = Image
  *     NDims = 3
@@ -15,9 +15,9 @@
  *     ElementType = MET_UCHAR
  *     ElementDataFile = LOCAL
  *
- * TransformMatrix holds the direction of each voxel axis in turn, in the world that runs to left,
- * posterior and superior. Where it is not known how the voxels lie there, it is left out with
- * Offset, as ElementSpacing is where that is not known.
+ * TransformMatrix has the direction of each voxel axis in turn, in the world of left, posterior and
+ * superior. It is omitted with Offset if the orientation is unknown, and ElementSpacing is omitted
+ * if the spacing is unknown.
  *
  * From: https://itk.org/Wiki/ITK/MetaIO/Documentation
  */
@@ -33,8 +33,8 @@ static void write_reals(struct buf *out, const char *field, const double *value,
     buf_add_char(out, '\n');
 }
 
-static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
-                      struct watch *watch, struct fault *fault)
+static enum err write_map(const char *path, enum file_mode mode, const struct volume_map *map,
+                          struct watch *watch, struct fault *fault)
 {
     const struct geometry *geometry = map->geometry;
     const uint32_t *nm = geometry->spacing_nm;
@@ -71,5 +71,5 @@ extern const struct volume_format metaimage_format;
 const struct volume_format metaimage_format = {
     .name = "MetaImage",
     .endings = ".mha",
-    .write = write,
+    .write = write_map,
 };

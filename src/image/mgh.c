@@ -108,7 +108,7 @@ static void read_geometry(struct volume_header *out, const uint8_t *bytes)
     }
     header_place(out, (const double(*)[4])to_mm, has_place, has_place);
     for (int a = 0; a < 3 && !geometry->spacing_unknown; a++) {
-        /* The distances that are stored, unless the directions have not unit length. */
+        /* The stored distances, unless the directions are not of unit length. */
         const double step =
             sqrt(to_mm[0][a] * to_mm[0][a] + to_mm[1][a] * to_mm[1][a] + to_mm[2][a] * to_mm[2][a]);
         uint32_t nm;
@@ -117,12 +117,12 @@ static void read_geometry(struct volume_header *out, const uint8_t *bytes)
     }
     if (!has_place)
         volume_note(out->notes,
-                    "its goodRASFlag is 0: it says neither how far apart its voxels are "
-                    "nor how they lie in the patient; if you know it, open it with "
-                    "spacing=X,Y,Z and type `orient`");
+                    "its goodRASFlag is 0: its spacing and its orientation in the patient are "
+                    "unknown; if you know them, open it with spacing=X,Y,Z and type `orient`");
     else if (geometry->spacing_unknown || geometry->orientation == ORIENTATION_UNKNOWN) {
         geometry_place_spaced(geometry);
-        volume_note(out->notes, "where it says that its voxels lie is no place that they can have");
+        volume_note(out->notes,
+                    "its position in the patient is invalid: orientation and position are unknown");
     }
 }
 

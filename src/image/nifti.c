@@ -196,7 +196,7 @@ static void convert_analyze(struct nifti_header *header, const uint8_t *bytes, c
                        : header->datatype == 136 ? 768 /* and uint32 */
                                                  : header->datatype;
     if (mm == 0)
-        volume_note(notes, "its unit of length is none that is known (" LENGTH_UNITS ")");
+        volume_note(notes, "its unit of length is unknown (known: " LENGTH_UNITS ")");
     header->xyzt_units = 2; /* millimetres */
     header->pixdim[0] = 1;
     for (int a = 1; a <= 3; a++) /* in single precision, as in a map that is saved */
@@ -321,7 +321,7 @@ static bool forms_agree(const struct geometry *s, const struct geometry *q, cons
         return false;
     }
     if (apart_mm > geometry_half_voxel(s))
-        volume_note(notes, "its sform and its qform lie up to %.3g mm apart: the sform holds",
+        volume_note(notes, "its sform and its qform differ by up to %.3g mm: the sform is used",
                     apart_mm);
     return true;
 }
@@ -368,9 +368,9 @@ void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BY
     memcpy(fields->srow, header->srow, sizeof fields->srow);
     const unsigned unit_code = (unsigned)header->xyzt_units & 7;
     if (unit_code == 0)
-        volume_note(notes, "it does not say the unit of its lengths: taken as millimetres");
+        volume_note(notes, "it has no unit of length: millimetres are assumed");
     else if (unit_code > 3)
-        volume_note(notes, "the unit of its lengths is %u, which is none: taken as millimetres",
+        volume_note(notes, "its unit of length is %u, which is invalid: millimetres are assumed",
                     unit_code);
     read_spacing(geometry, spacing_mm, notes, header);
     struct geometry_form *sform = &geometry->sform, *qform = &geometry->qform;
@@ -389,8 +389,8 @@ void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BY
     if (has_s || has_q)
         geometry_take_form(geometry, has_s ? ORIENTATION_SFORM : ORIENTATION_QFORM);
     else
-        volume_note(notes, "it does not say how its voxels lie in the patient; if you know which "
-                           "sides their axes run towards, type it, as in `orient RAS`");
+        volume_note(notes, "its orientation in the patient is unknown; if you know towards which "
+                           "sides its axes run, type them, as in `orient RAS`");
     if (has_s)
         compare_lengths(geometry, notes);
 }
@@ -503,7 +503,7 @@ static const struct datatype {
     int16_t code;
     const char *name;
     int type;           /* enum voxel_type, or UNREAD: */
-    const char *remedy; /* how to convert it */
+    const char *remedy; /* advice for conversion */
 } datatypes[] = {
     {2, "uint8", VOXEL_UINT8, NULL},
     {4, "int16", VOXEL_INT16, NULL},
@@ -617,8 +617,8 @@ static enum err take_fields(struct volume_header *out, struct nifti_header *head
              header->kind == NIFTI_PAIR ? " pair" : "");
     snprintf(out->type_name, sizeof out->type_name, "%s", datatype->name);
     out->big_endian = header->big_endian;
-    /* CIFTI: values of grayordinates, points of surfaces and voxels in a list. Its grid is 1x1x1,
-     * and the XML in its extension says to what they belong. */
+    /* CIFTI has values of grayordinates, points of surfaces and voxels in a list. Its grid is
+     * 1x1x1, and the XML in its extension describes them. */
     if (header->kind == NIFTI_SINGLE && intent >= 3000 && intent < 3100 && dim[0] > 4 &&
         dim[1] == 1 && dim[2] == 1 && dim[3] == 1)
         snprintf(out->refusal, sizeof out->refusal,
@@ -675,7 +675,7 @@ static enum err go_to_other(struct volume_source *source, bool to_voxels, struct
         if (err)
             fault_prefix(fault, err, "%s", file_name(buf_text(&other)));
     } else
-        err = fault_set(fault, ERR_IO, "there is no %s beside it, with its %s" BOTH "%s",
+        err = fault_set(fault, ERR_IO, "there is no %s next to it, with its %s" BOTH "%s",
                         file_name(buf_text(&other)), to_voxels ? "voxels" : "header",
                         to_voxels ? ""
                                   : "; `open raw:FILE size=X,Y,Z type=T` reads voxels without one");
@@ -699,8 +699,8 @@ static enum err take_pair(struct volume_header *out, struct nifti_header *header
         buf_add_text(&matrix, ".mat");
         if (!matrix.failed && file_exists(buf_text(&matrix)))
             volume_note(out->notes,
-                        "the .mat of SPM beside it may say where its voxels lie; it is not read: "
-                        "`nib-convert FILE A.nii` (nibabel) makes a NIfTI of them");
+                        "the .mat of SPM next to it may have its position; it is not read: "
+                        "`nib-convert FILE A.nii` (nibabel) makes a NIfTI of both");
         buf_release(&matrix);
     }
     return take_fields(out, header, source, fault);

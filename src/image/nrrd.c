@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * NRRD: scenes in, and label and other maps out, for 3D Slicer and all that read with ITK or teem.
+ * NRRD: read scenes, write label and other maps, for 3D Slicer and programs that use ITK or teem.
  *
  *     NRRD0004
  *     content: iftty labels
@@ -14,13 +14,12 @@
  *     endian: little
  *     encoding: gzip
  *
- * An empty line ends the header, and one gzip stream of the voxels follows. Where it is not known
- * how the voxels lie in the world, the file has no space; it has `spacings` instead, where those
- * are known.
+ * An empty line ends the header, and one gzip stream of the voxels follows. If the orientation is
+ * unknown, the file has no space; it has `spacings` instead, if they are known.
  *
- * A .seg.nrrd is the same with fields by which 3D Slicer knows it as a segmentation: of each label
- * that has a voxel or a name but 0, its number, name, colour (each part 0 to 1) and extent (first
- * and last voxel along each axis; 0 -1 for none).
+ * A .seg.nrrd has additional fields by which 3D Slicer recognises a segmentation: for each label
+ * except 0 that has a voxel or a name, its number, name, colour (each part 0 to 1) and extent
+ * (first and last voxel along each axis; 0 -1 for none).
  *
  *     Segment0_ID:=Segment_2
  *     Segment0_Name:=cerebellum
@@ -29,11 +28,11 @@
  *     Segment0_Layer:=0
  *     Segment0_Extent:=50 131 22 89 9 60
  *
- * Read are files of three spatial axes with their voxels in them, plain or as gzip, so that the one
- * file that needs no helper has scenes and segmentations of 3D Slicer; image_inside.h says which.
- * All others go on to iftty-volume (ITK), which reads all kinds. What comes out is the same by
- * either way, to the last bit of the place and the last word of a refusal: so files that one build
- * has opened verify in every other.
+ * Files with three spatial axes that contain their voxels, plain or as gzip, are read here, so that
+ * the static program, which has no helper, opens scenes and segmentations of 3D Slicer;
+ * image_inside.h has the rules. All others are read by iftty-volume (ITK). Both ways have the same
+ * result, to the last bit of the place and the last word of a refusal, so that files opened by one
+ * build verify in every other.
  *
  * From: https://teem.sourceforge.net/nrrd/format.html, and "Segmentations" in the developer guide
  * of 3D Slicer.
@@ -54,17 +53,17 @@
 #include "image/volume_helper.h"
 
 /*
- * The voxels of a NRRD in the same file, as the bytes that its source has from then on, in the
- * order of this machine: what iftty-volume gives of the same file, and where it refuses one that
- * was cut or is damaged, the same words, with the same count of what can be had.
+ * A decoder of the voxels in the same file, with the bytes in the order of this machine: the same
+ * bytes that iftty-volume sends, and for a cut or damaged file the same message with the same count
+ * of available bytes.
  */
 
 struct voxels {
-    struct source_decoder decoder; /* first: what the source knows of it */
-    struct volume_source file;     /* of gzip from where that begins */
+    struct source_decoder decoder; /* first: the source points to it */
+    struct volume_source file;     /* gzip begins at its first byte */
     enum voxel_type type;
     bool big_endian, is_packed;
-    uint64_t offset, at, needed; /* bytes: before the voxels; of them, that were taken, and all */
+    uint64_t offset, at, needed; /* bytes before the voxels; read voxels; all voxels */
 };
 
 static uint64_t nrrd_voxels_bytes(const struct nrrd_header *header)
@@ -158,15 +157,14 @@ static enum err begin_voxels(const struct volume_header *header, struct volume_s
 }
 
 /*
- * Segments of a .seg.nrrd that has several layers, since some of them overlap: each has a layer,
+ * Segments of a .seg.nrrd with several layers, because some of them overlap: each has a layer,
  * which is a volume of the file, and the value of its voxels there.
  *
  *     Segment2_Name:=vessel
  *     Segment2_LabelValue:=1
  *     Segment2_Layer:=1
  *
- * A file without layers, as 3D Slicer wrote it before 4.11, has one segment in each volume, of
- * value 1.
+ * A file without layers, from 3D Slicer before 4.11, has one segment in each volume, with value 1.
  */
 
 enum { SEGMENTS_MOST = 64, VALUE_MOST = 65535 };
@@ -177,7 +175,7 @@ struct segment {
     int64_t layer, value;
 };
 
-/* The value of "SegmentN_KEY:=VALUE", to the end of its line; NULL where there is none. */
+/* The value of "SegmentN_KEY:=VALUE", up to the end of its line; NULL if it is missing. */
 static const char *find(const char *bytes, size_t length, unsigned number, const char *key)
 {
     char field[48];
@@ -253,10 +251,10 @@ static void list_segments(struct volume_header *out, const char *bytes, size_t l
     buf_release(&text);
 }
 
-/* ---- header in ---- */
+/* ---- reading ---- */
 
-/* The header, of *length bytes, to be freed; NULL where it is none, or too long, or there is no
- * memory. */
+/* Read the header, of *length bytes, to be freed; NULL without a header, if it is too long, or out
+ * of memory. */
 static char *first_bytes(struct volume_source *source, size_t *length)
 {
     for (size_t most = 8 << 10;; most *= 8) {
@@ -314,9 +312,9 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     return grid_init(&grid, header.size, fault);
 }
 
-/* ---- header out ---- */
+/* ---- writing ---- */
 
-/* "(-1,0,0)": a column of the way to the world. */
+/* "(-1,0,0)": a column of the matrix to the world. */
 static void write_column(struct buf *out, const double to_mm[3][4], int column)
 {
     for (int w = 0; w < 3; w++) {
@@ -372,7 +370,7 @@ static unsigned number_at(const void *row, bool is_wide, uint32_t x)
     return is_wide ? ((const uint16_t *)row)[x] : ((const uint8_t *)row)[x];
 }
 
-/* Where the voxels of each label lie; `row` has room for one, `label` is of each number. */
+/* Find the extent of each label; `row` has room for one, `label` maps numbers to labels. */
 static void find_extents(struct extent extent[LABELS], const struct volume_map *map, void *row,
                          const uint8_t *label, struct watch *watch)
 {
@@ -445,10 +443,8 @@ static enum err write_segments(struct buf *out, const struct volume_map *map, st
     return watch_fault(watch, fault);
 }
 
-/* ---- file out ---- */
-
-static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
-                      struct watch *watch, struct fault *fault)
+static enum err write_map(const char *path, enum file_mode mode, const struct volume_map *map,
+                          struct watch *watch, struct fault *fault)
 {
     const bool is_segmentation = file_is_named(path, ".seg.nrrd");
     struct buf header = {0};
@@ -474,5 +470,5 @@ const struct volume_format nrrd_format = {
     .recognises = recognises,
     .read_header = read_header,
     .begin_voxels = begin_voxels,
-    .write = write,
+    .write = write_map,
 };

@@ -218,7 +218,7 @@ static bool read_space(struct reading *r, const char *value)
 static bool read_value(struct reading *r, int field, char *value)
 {
     struct nrrd_header *out = r->out;
-    double frame[3][3]; /* of vectors in voxels, which are not read */
+    double frame[3][3]; /* for vectors in voxels, which are not read */
     int64_t bytes;
     int which;
     const char *at = value;

@@ -10,7 +10,7 @@
 #include "engine/grid.h"
 #include "image/volume_format.h"
 
-/* ---- which ---- */
+/* ---- the choice ---- */
 
 enum err part_choose(struct volume_header *header, struct fault *fault)
 {
@@ -102,10 +102,10 @@ static void put_number(uint8_t *at, double value, const struct volume_header *he
 struct blocks {
     const struct volume_header *header;
     struct volume_source *source;
-    uint64_t offset; /* of the volume in it */
+    uint64_t offset; /* position of the volume */
     unsigned width;  /* bytes of a number */
-    uint8_t *row;    /* of the file */
-    double *sum;     /* of the blocks of one plane of the part, */
+    uint8_t *row;    /* a row of the file */
+    double *sum;     /* sums of the blocks in one plane of the part, */
     uint32_t *count; /* and the finite numbers in each */
 };
 

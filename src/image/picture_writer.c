@@ -26,9 +26,9 @@ struct picture_writer {
     pthread_t thread;
     int descriptor;
 
-    pthread_mutex_t lock; /* of everything below */
+    pthread_mutex_t lock; /* protects all following members */
     pthread_cond_t given, done;
-    struct picture_job *first, **last; /* those that wait */
+    struct picture_job *first, **last; /* the queue */
     struct picture_job *current;
     unsigned waiting;
     bool leaves;
@@ -87,11 +87,11 @@ static void report(struct picture_writer *writer, enum err err, const char *path
         buf_add_char(&writer->news, '\n');
     }
     if (write(writer->descriptor, &one, sizeof one) < 0)
-        return; /* it counts to 2^64, and is readable already */
+        return; /* the counter is full, so it is readable already */
 }
 
-/* Takes the next job off the queue; NULL where none waits. Under the lock. */
-static struct picture_job *take(struct picture_writer *writer)
+/* Remove the next job from the queue; NULL if it is empty. Under the lock. */
+static struct picture_job *next_job(struct picture_writer *writer)
 {
     struct picture_job *job = writer->first;
     if (!job)
@@ -110,7 +110,7 @@ static void *work(void *argument)
     for (;;) {
         while (!writer->first && !writer->leaves)
             pthread_cond_wait(&writer->given, &writer->lock);
-        struct picture_job *job = take(writer);
+        struct picture_job *job = next_job(writer);
         if (!job)
             break;
         writer->current = job;
@@ -142,20 +142,22 @@ enum err picture_writer_new(struct picture_writer **out, const char *program, st
     struct picture_writer *writer = calloc(1, sizeof *writer);
     *out = NULL;
     if (!writer)
-        return fault_memory(fault, "writing beside the session");
+        return fault_memory(fault, "a writer of pictures");
     writer->last = &writer->first;
     writer->descriptor = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     enum err err = image_helper_new(&writer->helper, program, fault);
     if (err || writer->descriptor < 0) {
         discard(writer);
-        return err ? err : fault_set(fault, ERR_IO, "no descriptor is left for the news");
+        return err ? err
+                   : fault_set(fault, ERR_IO, "no descriptor is left for the writer of pictures");
     }
     pthread_mutex_init(&writer->lock, NULL);
     pthread_cond_init(&writer->given, NULL);
     thread_condition_init(&writer->done);
     if (!thread_start(&writer->thread, work, writer)) {
         discard(writer);
-        return fault_set(fault, ERR_IO, "no thread can be had to write beside the session");
+        return fault_set(fault, ERR_IO,
+                         "no thread is available to write pictures in the background");
     }
     *out = writer;
     return OK;
@@ -216,7 +218,7 @@ enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
         pthread_mutex_unlock(&writer->lock);
         stopped = stopped || watch_poll(watch, "writing pictures", 0, 0);
         pthread_mutex_lock(&writer->lock);
-        for (struct picture_job *job; stopped && (job = take(writer)); picture_job_free(job)) {
+        for (struct picture_job *job; stopped && (job = next_job(writer)); picture_job_free(job)) {
             struct fault cancelled;
             fault_set(&cancelled, ERR_CANCELLED, "cancelled: %s was not written", job->path);
             report(writer, ERR_CANCELLED, job->path, &cancelled);
@@ -234,7 +236,7 @@ void picture_writer_news(struct picture_writer *writer, struct buf *out)
         count = 0; /* nothing new */
     buf_add(out, buf_text(&writer->news), writer->news.length);
     if (writer->news.failed)
-        buf_add_text(out, "error: out of memory for what became of a picture\n");
+        buf_add_text(out, "error: out of memory for the outcome of a picture\n");
     buf_release(&writer->news);
     pthread_mutex_unlock(&writer->lock);
 }

@@ -97,7 +97,7 @@ static enum err begin(void **out, const char *path, const struct picture *like, 
     return OK;
 }
 
-/* Pixels as they are in the file; over black, where it has no alpha. */
+/* Convert pixels to those of the file; over black, if it has no alpha. */
 static void fill_row(uint8_t *out, const uint8_t *rgba, uint32_t width, unsigned channels)
 {
     if (channels == 4) {
@@ -109,7 +109,7 @@ static void fill_row(uint8_t *out, const uint8_t *rgba, uint32_t width, unsigned
             out[c] = (uint8_t)((rgba[c] * rgba[3] + 127) / 255);
 }
 
-/* The rows with their filters, from the last on, so that those above are still as they were. */
+/* Filter the rows, from the last to the first, so that the row above is still unfiltered. */
 static void filter(uint8_t *raw, size_t row_bytes, uint32_t rows, unsigned each)
 {
     const size_t stride = row_bytes + 1;
@@ -123,7 +123,7 @@ static void filter(uint8_t *raw, size_t row_bytes, uint32_t rows, unsigned each)
     }
 }
 
-/* Deflates `raw` as a part of a stream that other parts follow, unless it `ends`. */
+/* Deflate `raw` as a part of a stream, which it ends or not. */
 static enum err deflate_part(struct buf *out, uint8_t *raw, size_t bytes, bool ends)
 {
     z_stream stream = {.next_in = raw, .avail_in = (uInt)bytes};
@@ -165,7 +165,7 @@ static enum err pack(void *context, const struct picture *rows, uint32_t top, st
     return err || out->failed ? fault_memory(fault, "a picture") : OK;
 }
 
-/* ---- what stands before them ---- */
+/* ---- chunks before the pixels ---- */
 
 static bool is_keyword(const char *name)
 {
@@ -176,7 +176,7 @@ static bool is_keyword(const char *name)
     return fine;
 }
 
-/* Bytes that are not ASCII are UTF-8, which tEXt does not know. */
+/* tEXt has no UTF-8, which bytes beyond ASCII are. */
 static enum err add_note(struct buf *png, const struct attribute *note, const char *path,
                          struct fault *fault)
 {
@@ -289,7 +289,7 @@ void png_release(struct png_writer *writer)
     *writer = (struct png_writer){0};
 }
 
-/* Rows of a palette that is smaller: pixels side by side, the leftmost in the highest bits. */
+/* Pack a row of a small palette: several pixels in a byte, the leftmost in the highest bits. */
 static void pack_row(uint8_t *out, const uint8_t *row, uint32_t width, const uint8_t *place,
                      unsigned bits)
 {
@@ -302,7 +302,7 @@ static void pack_row(uint8_t *out, const uint8_t *row, uint32_t width, const uin
     }
 }
 
-/* Each row after the number of its filter, 0 for none. */
+/* Copy the rows, each after the number of its filter, 0 for none. */
 static void fill_rows(uint8_t *out, const struct raster *raster, const uint8_t *place,
                       unsigned bits, size_t row_bytes)
 {
@@ -320,8 +320,8 @@ static void fill_rows(uint8_t *out, const struct raster *raster, const uint8_t *
     }
 }
 
-/* Each byte less the mean of those left and above it (filter 3), from the end on, so that both are
- * still as they were. */
+/* Subtract from each byte the mean of those left and above it (filter 3), from the end to the
+ * start, so that both are still unfiltered. */
 static void filter_rows(uint8_t *raw, size_t row_bytes, uint32_t rows, size_t each)
 {
     const size_t stride = row_bytes + 1;
@@ -335,7 +335,7 @@ static void filter_rows(uint8_t *raw, size_t row_bytes, uint32_t rows, size_t ea
     }
 }
 
-/* Memory for `rows` rows of `row_bytes` and for them deflated; the bytes of all, 0 without. */
+/* Reserve memory for the rows, plain and deflated; returns their bytes, 0 without memory. */
 static size_t prepare(struct png_writer *w, enum png_effort effort, size_t row_bytes, size_t rows)
 {
     size_t raw_length;
@@ -450,7 +450,7 @@ enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint
 struct reading {
     struct picture *out;
     const uint8_t *at, *end;
-    const uint8_t *data; /* of the chunk at hand */
+    const uint8_t *data; /* data of the current chunk */
     size_t length;
     char type[5];
     size_t channels;   /* 0 before the header */
@@ -483,7 +483,7 @@ static enum err next_chunk(struct reading *r)
     return OK;
 }
 
-/* A width of 0 is that of any picture. */
+/* A width of 0 accepts every size. */
 static enum err take_header(struct reading *r, uint32_t width, uint32_t height)
 {
     const uint8_t *d = r->data;
@@ -573,7 +573,7 @@ static int predict(uint8_t filter, int left, int above, int before)
     }
 }
 
-/* Takes the filter of each row back; above the first are `zeros`. False for one that is none. */
+/* Undo the filter of each row; `zeros` is the row above the first. False for an unknown filter. */
 static bool take_rows(struct reading *r, uint8_t *raw, const uint8_t *zeros)
 {
     const size_t each = r->channels, bytes = r->out->width * each;

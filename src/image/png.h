@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * PNG (RFC 2083) in memory, without the image helper: for terminals, which want it small and at
- * once, and for pages that hold their own pictures. One IDAT; the same picture gives the same
- * bytes.
+ * PNG (RFC 2083) in memory, without the image helper: for terminals, which need it small and fast,
+ * and for HTML pages with embedded pictures. One IDAT; the same picture has the same bytes.
  *
- * A palette of up to 2, 4 or 16 colours packs 8, 4 or 2 pixels into a byte; only colours that occur
- * are in it, and one may be clear. There is no filter, but where bytes cost more than time the
- * average of what is left and above is tried too: of greys in order, as slices have them, it takes
- * a third away, of shaded objects nothing.
+ * A palette of up to 2, 4 or 16 colours packs 8, 4 or 2 pixels into a byte; it has only colours
+ * that occur, and one may be transparent. No filter is used, but if bytes cost more than time, the
+ * average filter is tried too: it saves a third for slices of ordered greys, and nothing for shaded
+ * objects.
  */
 #ifndef IMAGE_PNG_H
 #define IMAGE_PNG_H
@@ -18,13 +17,13 @@
 #include "image/picture.h"
 #include "image/strips.h"
 
-/* Whether time counts, or bytes do. On pictures rounded to a palette deflate's level 1 makes 45 kB
- * of a 512x512 rendition in 0.9 ms, 6 makes 42 kB in 1.7 ms; of 40x40 pixels 1 makes 821 bytes, 6
- * makes 844, and 10 makes 769 in 0.1 ms. So the levels are 1, 10, which is for small pictures, 6
- * for files and for whole pictures in blocks of pixels, and 6 with both filters for slow lines. */
+/* Optimise for time or for bytes. For pictures rounded to a palette deflate's level 1 needs 45 kB
+ * for a 512x512 rendition in 0.9 ms, level 6 needs 42 kB in 1.7 ms; for 40x40 pixels level 1 needs
+ * 821 bytes, 6 needs 844, and 10 needs 769 in 0.1 ms. So the levels are 1; 10 for small pictures; 6
+ * for files and for whole pictures in blocks of pixels; and 6 with both filters for slow lines. */
 enum png_effort { PNG_FAST, PNG_SMALL, PNG_FILE, PNG_SLOW_LINE, PNG_EFFORTS };
 
-/* Compressors and memory, used again for the next picture. `struct png_writer w = {0}` is ready. */
+/* Compressors and memory, reused for the next picture. Initialise with {0}. */
 struct png_writer {
     struct libdeflate_compressor *compressor[PNG_EFFORTS]; /* NULL until needed */
     uint8_t *raw, *packed;
@@ -33,59 +32,59 @@ struct png_writer {
 
 void png_release(struct png_writer *writer);
 
-/* Adds a file. Without memory png->failed is set. */
+/* Append a file. Sets png->failed if out of memory. */
 void png_add(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
              struct buf *png);
 
-/* Adds no file, but its pixels alone: 24 bits each, deflated (zlib). Smaller where they are few.
- * Not for pixels with alpha. */
+/* Append the pixels alone: 24 bits each, deflated (zlib). Smaller than a file for few pixels. Not
+ * for pixels with alpha. */
 void png_add_pixels(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
                     struct buf *out);
 
-/* Adds the file of one picture: rgba is [height][width][4], sides 1..16384, else ERR_LIMIT. */
+/* Append the file of one picture: rgba is [height][width][4]; ERR_LIMIT for sides beyond 1..16384.
+ */
 enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint8_t *rgba,
                     struct fault *fault);
 
 /*
- * A PNG as this program writes it beside a golden image, taken apart without the image helper:
- * 8 bits a channel, RGB or RGBA, not interlaced, with notes as text chunks before the pixels.
+ * Read a PNG that this program wrote next to a golden image, without the image helper: 8 bits a
+ * channel, RGB or RGBA, not interlaced, with notes as text chunks before the pixels.
  *
- * Everything else is refused, and with it whatever could make a viewer show something else than the
- * pixels that were compared: profiles, another gamma, a colour that is clear, frames of an
- * animation, text that nobody asked for, bytes after the end.
+ * Everything else is refused, in particular everything that could make a viewer show pixels other
+ * than the compared ones: profiles, another gamma, a transparent colour, frames of an
+ * animation, unexpected text, bytes after the end.
  *
- * `out` gets rgba, alpha 255 in files without, the notes, and the length of a pixel. The size is
- * that of the picture which it is compared with: ERR_CHECK for another. ERR_INPUT for another form,
- * with what it is;
- * ERR_MEMORY. On error *out is empty.
+ * `out` has rgba, with alpha 255 for files without it, the notes, and the length of a pixel.
+ * ERR_CHECK for another size than the expected one, ERR_INPUT for another form, with its
+ * description; ERR_MEMORY. On error *out is empty.
  */
 enum err png_read(struct picture *out, const void *bytes, size_t length, uint32_t width,
                   uint32_t height, struct fault *fault);
 
-/* Reads the notes alone of such a file of any size, of which the beginning is enough. `out` has no
- * pixels; it is to be released after OK. */
+/* Read the notes of such a file of any size; its beginning is enough. `out` has no pixels; release
+ * it after OK. */
 enum err png_read_notes(struct picture *out, const void *bytes, size_t length, struct fault *fault);
 
 /*
  * PNG files of pictures: 8 bits a channel, RGB, or RGBA where the picture is clear, with notes.
  *
- * What stands before the pixels, in this order:
+ * Chunks before the pixels, in this order:
  *
  *     gAMA cHRM sRGB   the colours are sRGB, to be shown by perceptual intent
- *     pHYs             pixels per metre of what is shown, where that is known: printed without
- *                      scaling, a picture of a hand is as large as the hand
- *     tEXt, iTXt       the notes, plain ASCII or UTF-8; the program's name says which has made it
+ *     pHYs             pixels per metre of the scene, if known: printed without scaling, a picture
+ *                      of a hand is as large as the hand
+ *     tEXt, iTXt       the notes, plain ASCII or UTF-8, with the name of the program
  *
- * Rows are packed strip by strip (image/strips.h), each strip without regard to the others: an IDAT
- * chunk each, which ends on a whole byte (Z_SYNC_FLUSH of zlib), and one with the checksum of all.
- * That costs 1 % of the bytes. Each row is less the one above it (filter 2), the first of a strip
- * less its own pixel on the left (filter 1). The same picture gives the same bytes.
+ * Strips of rows (image/strips.h) are compressed independently: an IDAT chunk each, which ends on a
+ * whole byte (Z_SYNC_FLUSH of zlib), and one with the checksum of all. That costs 1 % of the bytes.
+ * The row above is subtracted from each row (filter 2), in the first row of a strip the pixel on
+ * the left (filter 1). The same picture has the same bytes.
  */
 
 extern const struct strips_format png_strips;
 
-/* Writes what is shown of `picture`, and its notes, as `path`, whole or not at all. ERR_INPUT for a
- * note whose name PNG does not hold: 1..79 printable ASCII characters. */
+/* Write the visible colours of `picture`, and its notes, as `path`, atomically. ERR_INPUT for a
+ * note whose name is invalid in PNG, which has 1..79 printable ASCII characters. */
 enum err png_write(const char *path, enum file_mode mode, const struct picture *picture,
                    struct fault *fault);
 

@@ -8,17 +8,17 @@
 
 #include "base/mem.h"
 
-enum { PIECE = 1 << 16 /* values between two looks at the watch */ };
+enum { PIECE = 1 << 16 /* values between two polls of the watch */ };
 enum { DIGIT = 16 /* bits */, OUTLIERS_ROOM = 1 << DIGIT /* a count of each */ };
 static const double DOUBLE_EXACT = 9007199254740992; /* whole numbers up to here */
 
 /* ---- orders ----
  *
- * The numbers of a file as unsigned whole numbers that rise as they do, so that what is asked of
- * their order alone (the least, the thousandth) is answered without floating point. Numbers that
- * are equal have equal orders; what is no number, or infinite, has none. */
+ * The numbers of a file mapped to unsigned whole numbers of the same order, so that ranks (the
+ * least, the thousandth) are computed without floating point. Equal numbers have equal orders; NaN
+ * and infinite numbers have no order. */
 
-/* Above every finite real number; of whole ones, the greatest of uint64 has it. */
+/* Above every finite real number, but also the order of the greatest uint64. */
 #define ORDER_NONE UINT64_MAX
 
 static inline bool order_is_real(enum voxel_type type)
@@ -46,7 +46,7 @@ static inline double real_at(const uint8_t *at, bool is_double)
     return (double)narrow;
 }
 
-/* Of a number that a real type has. */
+/* The order of a number of a real type. */
 static inline uint64_t order_of_real(double value, enum voxel_type type)
 {
     uint64_t bits;
@@ -63,7 +63,7 @@ static inline uint64_t order_of_real(double value, enum voxel_type type)
     return bits >> 63 ? ~bits : bits | UINT64_C(1) << 63;
 }
 
-/* Of the number at `at`, of 4 or 8 bytes. */
+/* The order of the number at `at`, of 4 or 8 bytes. */
 static inline uint64_t order_at(const uint8_t *at, enum voxel_type type)
 {
     uint64_t wide;
@@ -78,7 +78,7 @@ static inline uint64_t order_at(const uint8_t *at, enum voxel_type type)
     return type == VOXEL_INT32 ? (uint64_t)(int64_t)(int32_t)narrow ^ order_zero(type) : narrow;
 }
 
-/* The number of an order, or what is nearest to it in double precision. */
+/* The number of an order, rounded to double precision. */
 static inline double order_number(uint64_t order, enum voxel_type type)
 {
     const uint64_t zero = order_zero(type);
@@ -92,34 +92,33 @@ struct numbers {
     const uint8_t *at;
     size_t count;
     enum voxel_type type;
-    size_t odd;               /* of them, so many have no order */
-    uint64_t least, greatest; /* orders of the ends of their range; `least` is that of 0, which odd
-                                 ones are taken for, where no number is below */
+    size_t odd;               /* count of numbers without an order */
+    uint64_t least, greatest; /* orders of the ends of their range; if some are odd, which count as
+                                 0, `least` is at most the order of 0 */
 };
 
 /* ---- outliers ----
  *
- * Whether a few numbers, far from all others, take the levels that the others need.
+ * Decide whether a few numbers, far from all others, use up the levels that the others need.
  *
- * A pure function of how often each number occurs: ranks of numbers and comparisons of their
- * differences, no sum, so that neither the order of voxels nor the machine matters.
+ * A pure function of the frequencies of the numbers: ranks and comparisons of differences, no sums,
+ * so that neither the order of voxels nor the machine matters.
  *
- * T(k) is the range that is left when the least and the greatest number, however often they occur
- * (fill values, say), and k more voxels at each end are put aside; n is the number of voxels that
- * are numbers.
+ * T(k) is the range that remains after removing the least and the greatest number, however frequent
+ * they are (fill values, say), and k more voxels at each end; n is the number of voxels that are
+ * numbers.
  *
  *     k = 8, or n / 2^20 if that is more, or n / 128 if that is less than 8
- *     the core is what T(k) is the range of; T(k) is to be above 0, and at most half of all
- *     k becomes 8 k, and the core with it, as long as that is at most n / 128, and T(8 k) is above
+ *     the core is the range of T(k), which must be above 0, and at most half of the whole range
+ *     k and the core become those of 8 k, as long as that is at most n / 128, and T(8 k) is above
  *     0, at most a half and at least a 32nd of T(k): a tail that thins out, as quotients have
- *     outliers take the levels of others where T(k) is less than a 16th of all in the end: 4096
- *     levels, as CT has, would be left
+ *     outliers use up the levels if T(k) is finally less than a 16th of the whole range: 4096
+ *     levels, as CT has, would remain
  *
- * So what is put aside is very few voxels, or a tail without an end of its own. An object that is
- * bright as nothing else is stays within the scale, whatever is around it: beyond its own values
- * T falls at once, which is no tail. */
+ * So very few voxels are removed, or a tail without a clear end. A bright object remains within the
+ * scale, whatever is around it: beyond its own values T drops at once, which is not a tail. */
 
-/* The first test; that of each further one, and of how many voxels it may be at most. */
+/* Parameters of the first test, and of each further one with its limit. */
 enum { ASIDE_LEAST = 8, ASIDE_SHARE = 20, MORE = 8, MOST_SHARE = 128 };
 enum { THINS_OUT = 2, FALLS_OFF = 32, TAKES_LEVELS = 16 };
 
@@ -138,7 +137,7 @@ static void count_digits(uint64_t *room, const struct numbers *n, unsigned shift
         }
 }
 
-/* The order that so many voxels precede, digit by digit. */
+/* The order at a rank, found digit by digit. */
 static uint64_t order_of_rank(const struct numbers *n, size_t rank, uint64_t *room,
                               struct watch *watch)
 {
@@ -157,7 +156,7 @@ static uint64_t order_of_rank(const struct numbers *n, size_t rank, uint64_t *ro
     }
 }
 
-/* Half of a difference, which no double is too wide for. */
+/* Half of a difference, which never overflows a double. */
 static double half_width(const struct numbers *n, const uint64_t order[2])
 {
     if (!order_is_real(n->type))
@@ -165,8 +164,8 @@ static double half_width(const struct numbers *n, const uint64_t order[2])
     return order_number(order[1], n->type) / 2 - order_number(order[0], n->type) / 2;
 }
 
-/* Enough for most scenes, and found before all of it was looked at: more voxels than are put aside
- * lie within the lowest 16th of the range, and as many within the highest two fifths. */
+/* A quick test that is sufficient for most scenes: more voxels than are removed are within the
+ * lowest 16th of the range, and within the highest two fifths. */
 static bool is_spread(const struct numbers *n, size_t aside, struct watch *watch)
 {
     const unsigned width = voxel_bytes(n->type);
@@ -191,8 +190,8 @@ static bool is_spread(const struct numbers *n, size_t aside, struct watch *watch
     return false;
 }
 
-/* Puts an order into a list that ascends, in place of the last one; of falling orders where
- * `flip` has all bits. */
+/* Insert an order into an ascending list and drop the last one; a descending list if `flip` has all
+ * bits. */
 static void insert(uint64_t *list, size_t last, uint64_t order, uint64_t flip)
 {
     size_t i = last;
@@ -201,7 +200,7 @@ static void insert(uint64_t *list, size_t last, uint64_t order, uint64_t flip)
     list[i] = order;
 }
 
-/* What T(k) is the range of, for the first, small k; false where nothing is left of it. */
+/* Compute the core for the first, small k; false if nothing remains. */
 static bool put_first_aside(uint64_t core[2], const struct numbers *n, size_t k, uint64_t *room,
                             struct watch *watch)
 {
@@ -229,8 +228,8 @@ static bool put_first_aside(uint64_t core[2], const struct numbers *n, size_t k,
     return between > 2 * k && core[0] < core[1];
 }
 
-/* Whether outliers take the levels of the others, whose orders are core[0] .. core[1] then. `room`
- * is [OUTLIERS_ROOM], for the work. Of no use where the watch (or NULL) stopped it. */
+/* Return true if outliers use up the levels of the others, whose orders are core[0] .. core[1]
+ * then. `room` is [OUTLIERS_ROOM] of scratch memory. Invalid if the watch (or NULL) stopped. */
 static bool find_outliers(uint64_t core[2], const struct numbers *n, uint64_t *room,
                           struct watch *watch)
 {
@@ -247,7 +246,7 @@ static bool find_outliers(uint64_t core[2], const struct numbers *n, uint64_t *r
     const double all = half_width(n, ends);
     if (width > all / THINS_OUT)
         return false;
-    const unsigned bytes = voxel_bytes(n->type); /* how often the ends of the range occur: */
+    const unsigned bytes = voxel_bytes(n->type); /* count the ends of the range: */
     struct task task = task_begin(watch, "outliers", n->count);
     for (size_t i = 0, end; i < n->count && task_advance(&task, PIECE); i = end)
         for (end = i + PIECE < n->count ? i + PIECE : n->count; i < end; i++) {
@@ -294,7 +293,7 @@ static void widen_bytes(uint16_t *value, size_t count, bool is_signed, struct ta
     }
 }
 
-/* Lane by lane, in which the compiler sees vectors. */
+/* Lane by lane, so that the compiler uses vectors. */
 static int least_signed(const uint16_t *value, size_t count)
 {
     enum { LANES = 32 };
@@ -313,8 +312,7 @@ static int least_signed(const uint16_t *value, size_t count)
     return least;
 }
 
-/* Signed to unsigned by the least value, where that is below 0; returns what was added to every
- * voxel's value. */
+/* Subtract the least value if it is below 0; returns the subtracted value. */
 static int shift_signed(uint16_t *value, size_t count, struct task *task)
 {
     int least = 0;
@@ -336,7 +334,7 @@ struct way_back {
     double factor, least;
 };
 
-/* What is turned into intensities in its place: a voxel's two bytes never lie after its four or
+/* A conversion to intensities in place: the two bytes of a voxel are never after its four or
  * eight. */
 struct fitting {
     struct volume *volume;
@@ -386,7 +384,7 @@ static struct numbers find_whole(const struct fitting *f)
     return out;
 }
 
-/* Level `first` and those after it are the numbers from `least` to `greatest`, so many each. */
+/* Levels from `first` hold the numbers from `least` to `greatest`, `step` numbers each. */
 struct steps {
     uint64_t least, greatest, step;
     uint16_t first;
@@ -455,7 +453,7 @@ static enum err fit_whole(struct way_back *back, struct fitting *f)
     f->volume->is_coarse = steps.step > 1 || is_clamped;
     if (steps.step > 1)
         volume_note(f->volume->notes,
-                    "its values are %.17g to %.17g, more than a scene tells apart: %" PRIu64
+                    "its values are %.17g to %.17g, more than a scene distinguishes: %" PRIu64
                     " of them are one intensity",
                     least, greatest, steps.step);
     if (!f->volume->choice.by_extremes && most > DOUBLE_EXACT)
@@ -493,7 +491,7 @@ static inline struct extent find_extent(const uint8_t *from, size_t count, bool 
     return extent;
 }
 
-/* Which most scenes show among the first voxels that they are not. */
+/* Return true if all numbers are whole; most scenes fail among the first voxels. */
 static inline bool are_whole(const struct fitting *f, bool is_double, bool is_small)
 {
     for (size_t i = 0, end; i < f->count; i = end) {
@@ -525,7 +523,7 @@ struct line {
     uint16_t first, range;
 };
 
-/* Of a piece that the cache holds. Halves keep the range of the widest doubles finite. */
+/* Convert a piece that fits the cache. Halves keep the range of the widest doubles finite. */
 static inline void find_levels(uint16_t *is, const uint8_t *from, size_t count,
                                const struct line *line, bool is_double)
 {
@@ -572,7 +570,7 @@ static inline void spread(const struct fitting *f, const struct line *line, bool
     }
 }
 
-/* Whole numbers that fit have a level each; else the line may be cut. */
+/* Find the scale: whole numbers that fit have a level each, others may be cut. */
 static enum err find_line(struct line *line, const struct extent *extent, struct fitting *f)
 {
     const struct numbers numbers = {f->from,
@@ -653,8 +651,7 @@ static void make_real(struct levels *levels, const struct geometry *of_file)
     levels->beyond[1] = falls ? below : levels->beyond[1];
 }
 
-/* Fewer levels than a scene of bytes has, of which each stands for several numbers, are worth a
- * word. */
+/* Note a clamped scale, and fewer levels than a scene of bytes has if some have several numbers. */
 static void note_levels(struct volume *volume)
 {
     enum { FEW = 256 };
@@ -667,15 +664,14 @@ static void note_levels(struct volume *volume)
     }
     if (levels->is_clamped)
         volume_note(volume->notes,
-                    "values far from all others: the scale is %g to %g, and what is beyond, %zu "
-                    "voxel%s below and %zu above, counts as its end",
+                    "outliers: the scale is %g to %g; %zu voxel%s below and %zu above are clamped "
+                    "to its ends",
                     levels->ends[0], levels->ends[1], levels->beyond[0],
                     levels->beyond[0] == 1 ? "" : "s", levels->beyond[1]);
     else if (of_several && taken < FEW)
         volume_note(volume->notes,
-                    "a few of its values lie far from the others, which differ by less than it "
-                    "tells apart: %zu levels are taken, and one is %g; without those few in the "
-                    "file the others have more",
+                    "a few outliers use up its levels: the other values have %zu levels, and one "
+                    "is %g; without the outliers in the file they have more",
                     taken, levels->step);
 }
 

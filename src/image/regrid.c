@@ -52,7 +52,7 @@ bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
         }
         if (!fits)
             continue;
-        for (int w = 0; w < 3; w++) { /* the way to the world in that order, and nothing else */
+        for (int w = 0; w < 3; w++) { /* the matrix in that order, and nothing else */
             placed.to_mm[w][3] = map->to_mm[w][3];
             for (int a = 0; a < 3; a++) {
                 const double step = map->to_mm[w][tried.axis[a]];
@@ -100,10 +100,10 @@ enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
     if (is_the_grid(map_size, map, size, scene) || (how == REGRID_RESAMPLE && have) ||
         regrid_find_order(&order, map_size, map, size, scene))
         return OK;
-    const char *remedy = have && how == REGRID_AS_IT_IS ? "resample=yes takes its nearest voxels"
-                         : have                         ? "--resample takes its nearest voxels"
-                                : "it cannot be resampled, since one of both does not say where it "
-                                  "lies in the world";
+    const char *remedy = have && how == REGRID_AS_IT_IS ? "resample=yes uses its nearest voxels"
+                         : have                         ? "--resample uses its nearest voxels"
+                                : "it cannot be resampled, since the place of one of both in the "
+                                  "world is unknown";
     if (!same_size(map_size, size))
         return fault_set(fault, ERR_INPUT,
                          "the map has %ux%ux%u voxels and the scene %ux%ux%u; %s; nothing has "
@@ -117,20 +117,19 @@ enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
                          map->spacing_nm[2] / 1e6, scene->spacing_nm[0] / 1e6,
                          scene->spacing_nm[1] / 1e6, scene->spacing_nm[2] / 1e6, remedy);
     return fault_set(fault, ERR_INPUT,
-                     "the map lies %.3g mm away from the scene, where it is furthest from it; %s; "
-                     "nothing has changed",
+                     "the map is up to %.3g mm away from the scene; %s; nothing has changed",
                      geometry_apart(map, scene, size), remedy);
 }
 
 /* ---- resampling ---- */
 
-/* From voxels of the scene to those of the map: place = (way * (i, j, k, 1)) / 2^30. */
+/* The transform from voxels of the scene to the map: place = (way * (i, j, k, 1)) / 2^30. */
 struct way {
     int64_t row[3][4];
-    uint16_t zero; /* the intensity that stands for 0, where the map ends */
+    uint16_t zero; /* the intensity of value 0, for voxels outside the map */
 };
 
-/* False where that leads further off than integers hold. */
+/* Compute the transform; false if it overflows integers. */
 static bool find_way(struct way *way, const struct geometry *map, const uint32_t size[3],
                      const struct geometry *scene)
 {
@@ -154,7 +153,7 @@ static bool find_way(struct way *way, const struct geometry *map, const uint32_t
     return true;
 }
 
-/* One row of the scene; returns how many of its voxels the map does not reach. */
+/* Resample a row of the scene; returns the number of its voxels outside the map. */
 static size_t resample_row(uint16_t *out, const struct volume *map, const struct way *way,
                            uint32_t count, uint32_t y, uint32_t z)
 {
@@ -178,9 +177,9 @@ static size_t resample_row(uint16_t *out, const struct volume *map, const struct
     return beyond;
 }
 
-/* The map's voxels are of another number now, in another place. */
-static void take(struct volume *map, uint16_t *intensity, const uint32_t size[3],
-                 const struct geometry *scene)
+/* Replace the voxels of the map, unless NULL, and its geometry by the scene's. */
+static void replace_grid(struct volume *map, uint16_t *intensity, const uint32_t size[3],
+                         const struct geometry *scene)
 {
     const double slope = map->geometry.slope, intercept = map->geometry.intercept;
     if (intensity) {
@@ -193,7 +192,7 @@ static void take(struct volume *map, uint16_t *intensity, const uint32_t size[3]
     map->geometry.intercept = intercept;
 }
 
-/* Headers round places to a few digits: less than a thousandth of a voxel is no shift. */
+/* Note a shift. Headers round places to a few digits: a thousandth of a voxel is not noted. */
 static void note_shift(struct volume *map, double apart_mm, const struct geometry *scene)
 {
     if (apart_mm > geometry_half_voxel(scene) / 500)
@@ -209,7 +208,7 @@ static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t s
     struct way way = {.zero = 0};
     if (!find_way(&way, &map->geometry, size, scene))
         return fault_set(fault, ERR_INPUT,
-                         "the map and the scene lie too far apart, or their voxels differ too much "
+                         "the map and the scene are too far apart, or their voxels differ too much "
                          "in size, to be resampled; nothing has changed");
     struct task task = task_begin(watch, "resampling", (uint64_t)size[0] * size[1] * size[2]);
     size_t beyond = 0;
@@ -223,11 +222,11 @@ static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t s
             beyond += resample_row(out, map, &way, size[0], y, z);
     if (beyond && !has_zero)
         return fault_set(fault, ERR_INPUT,
-                         "%zu voxels of the scene lie outside the map, which has no value 0 for "
+                         "%zu voxels of the scene are outside the map, which has no value 0 for "
                          "them; nothing has changed",
                          beyond);
     if (beyond)
-        volume_note(map->notes, "%zu voxels of the scene lie outside the map: 0 there", beyond);
+        volume_note(map->notes, "%zu voxels of the scene are outside the map: set to 0", beyond);
     volume_note(map->notes, "resampled from %ux%ux%u voxels by the nearest", map->size[0],
                 map->size[1], map->size[2]);
     return watch_fault(watch, fault);
@@ -243,7 +242,7 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
     if (is_the_grid(map->size, &map->geometry, size, scene)) {
         if (have_places(&map->geometry, scene))
             note_shift(map, geometry_apart(&map->geometry, scene, size), scene);
-        take(map, NULL, size, scene);
+        replace_grid(map, NULL, size, scene);
         return OK;
     }
     const bool is_ordered =
@@ -269,6 +268,6 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
         free(out);
         return err;
     }
-    take(map, out, size, scene);
+    replace_grid(map, out, size, scene);
     return OK;
 }

@@ -27,13 +27,13 @@ enum {
 
 #ifdef HAS_ISAL
 
-enum { ISAL_CHUNK = 64 << 10, PASSED = 16 << 10 }; /* bytes read at a time, and passed over */
+enum { ISAL_CHUNK = 64 << 10, PASSED = 16 << 10 }; /* bytes read at a time, and skipped at a time */
 enum { GZIP_MAGIC = 0x1f };
 
 struct inflater {
     int fd;
-    uint64_t at;    /* bytes that were read of the file */
-    bool has_ended; /* the last stream, with the right checksum */
+    uint64_t at;    /* position in the file */
+    bool has_ended; /* after the last stream, with a correct checksum */
     bool has_failed;
     struct inflate_state state;
     uint8_t chunk[ISAL_CHUNK], passed[PASSED];
@@ -50,8 +50,8 @@ static void begin_stream(struct inflater *inflater)
     state->avail_in = avail_in;
 }
 
-/* Of a file that is open, and stays open and the caller's, from that byte on; where in it others
- * read, is theirs. NULL without memory. */
+/* Inflate an open file of the caller from that byte, without moving its file position. NULL without
+ * memory. */
 static struct inflater *inflater_new(int fd, uint64_t from)
 {
     struct inflater *inflater = mem_array(1, sizeof *inflater);
@@ -66,7 +66,7 @@ static struct inflater *inflater_new(int fd, uint64_t from)
     return inflater;
 }
 
-/* Has something to inflate at hand; false at the end of the file. */
+/* Read input if none is left; false at the end of the file. */
 static bool refill(struct inflater *inflater)
 {
     struct inflate_state *state = &inflater->state;
@@ -81,8 +81,8 @@ static bool refill(struct inflater *inflater)
     return true;
 }
 
-/* At most `most` bytes to `to`; a call that gives none may be followed by one that does. What the
- * last bytes of a file lead to may still be to come when they have been taken. */
+/* Inflate at most `most` bytes to `to`. A call may return none before another that does. Output may
+ * follow after the last input was read. */
 static size_t inflate_some(struct inflater *inflater, uint8_t *to, uint32_t most)
 {
     struct inflate_state *state = &inflater->state;
@@ -95,14 +95,14 @@ static size_t inflate_some(struct inflater *inflater, uint8_t *to, uint32_t most
     if (result < 0 || (!was_refilled && !given && !has_ended))
         inflater->has_failed = true;
     else if (has_ended && refill(inflater) && *state->next_in == GZIP_MAGIC)
-        begin_stream(inflater); /* of a file of several streams, one after another */
-    else if (has_ended) /* what follows and does not begin as one is left alone, as zlib does */
+        begin_stream(inflater); /* the file has several streams, one after another */
+    else if (has_ended)         /* ignore other bytes after the last stream, as zlib does */
         inflater->has_ended = true;
     return given;
 }
 
-/* The next bytes into `to`, or nowhere (NULL). Returns how many: fewer than `most` where the last
- * stream has ended, or where anything is wrong. */
+/* Inflate into `to`, or skip (NULL). Returns the number of bytes: fewer than `most` after the last
+ * stream or after an error. */
 static size_t inflater_take(struct inflater *inflater, void *to, size_t most)
 {
     const size_t piece = to ? UINT32_MAX : PASSED;
@@ -139,8 +139,8 @@ static size_t inflater_take(struct inflater *inflater, void *to, size_t most)
 
 /* ---- a file ---- */
 
-/* From where in it the file is read next, which is source->from. */
-static enum err begin(struct volume_source *source, int fd, struct fault *fault)
+/* Begin reading at the file position, which is source->from. */
+static enum err begin_source(struct volume_source *source, int fd, struct fault *fault)
 {
     source->gz = gzdopen(fd, "rb");
     if (!source->gz) {
@@ -167,7 +167,7 @@ enum err source_open(struct volume_source *source, const char *path, struct watc
     if (source->is_folder)
         return OK;
     const enum err err = file_open(&fd, &source->bytes, path, O_RDONLY, fault);
-    return err ? err : begin(source, fd, fault);
+    return err ? err : begin_source(source, fd, fault);
 }
 
 enum err source_enter(struct volume_source *source, const struct volume_source *of, uint64_t from,
@@ -177,7 +177,7 @@ enum err source_enter(struct volume_source *source, const struct volume_source *
     *source = (struct volume_source){
         .path = of->path, .watch = of->watch, .from = from, .bytes = of->bytes};
     if (fd >= 0 && lseek(fd, (off_t)from, SEEK_SET) >= 0)
-        return begin(source, fd, fault);
+        return begin_source(source, fd, fault);
     const enum err err = fault_errno(fault, "read", of->path);
     if (fd >= 0)
         close(fd);
@@ -210,7 +210,7 @@ enum err source_switch(struct volume_source *source, const char *path, struct fa
     return OK;
 }
 
-/* Why `source` gave less than it was asked for. */
+/* Report why fewer bytes were read. */
 static enum err source_fault(struct volume_source *source, const char *part, struct fault *fault)
 {
     int number = errno, code;
@@ -237,26 +237,26 @@ size_t source_peek(struct volume_source *source, uint8_t *bytes, size_t most)
     return n > 0 ? (size_t)n : 0;
 }
 
-/* ---- in pieces ---- */
+/* ---- reading ---- */
 
-/* Has zlib go on from where the inflater is. */
-static void give_up(struct volume_source *source)
+/* Continue with zlib at the position of the inflater. */
+static void fall_back_to_zlib(struct volume_source *source)
 {
     free(source->inflater);
     source->inflater = NULL;
     gzseek(source->gz, (z_off_t)source->at, SEEK_SET);
 }
 
-/* At least one byte of the next `most`, which are few enough for an int; 0, or less, where there is
- * none. */
-static int take(struct volume_source *source, uint8_t *to, unsigned most)
+/* Read at least one of the next `most` bytes, which fit an int; 0 or less at the end or on error.
+ */
+static int read_some(struct volume_source *source, uint8_t *to, unsigned most)
 {
     size_t n = 0;
     if (source->inflater) {
         n = inflater_take(source->inflater, to, most);
         source->at += n;
         if (n < most && !source->inflater->has_ended)
-            give_up(source);
+            fall_back_to_zlib(source);
     }
     return n > 0 || source->inflater ? (int)n : gzread(source->gz, to, most);
 }
@@ -271,13 +271,13 @@ static enum err take_decoded(struct volume_source *source, uint8_t *to, size_t l
 enum err source_read(struct volume_source *source, void *to, size_t length, const char *part,
                      struct watch *watch, struct fault *fault)
 {
-    const size_t piece_most = 1 << 20; /* for the watch */
+    const size_t piece_most = 1 << 20; /* between polls of the watch */
     struct task task = task_begin(watch, "reading", length);
     uint8_t *at = to;
     while (length > 0) {
         unsigned piece = (unsigned)(length < piece_most ? length : piece_most);
         const enum err err = source->decoder ? take_decoded(source, at, piece, fault) : OK;
-        const int n = source->decoder ? (int)piece : take(source, at, piece);
+        const int n = source->decoder ? (int)piece : read_some(source, at, piece);
         if (err || n <= 0)
             return err ? err : source_fault(source, part, fault);
         at += n;
@@ -291,7 +291,7 @@ enum err source_read(struct volume_source *source, void *to, size_t length, cons
 enum err source_go_to(struct volume_source *source, uint64_t offset, const char *part,
                       struct fault *fault)
 {
-    _Alignas(uint64_t) uint8_t passed[4096]; /* for decoders, which may turn numbers round */
+    _Alignas(uint64_t) uint8_t passed[4096]; /* aligned for decoders, which swap numbers */
     enum err err = OK;
     while (source->decoder && source->at < offset && !err) {
         const uint64_t left = offset - source->at;
@@ -305,7 +305,7 @@ enum err source_go_to(struct volume_source *source, uint64_t offset, const char 
         source->inflater = inflater_new(source->fd, source->from);
         source->at = 0;
     }
-    if (source->inflater) { /* as far as it gets, and the watch lets it */
+    if (source->inflater) { /* skip until an error or a stop */
         const size_t piece_most = 1 << 20;
         struct task task = task_begin(source->watch, "reading", offset - source->at);
         for (size_t n = 1; source->at < offset && n > 0 && task_advance(&task, n);) {
@@ -320,7 +320,7 @@ enum err source_go_to(struct volume_source *source, uint64_t offset, const char 
     if (watch_stops(source->watch))
         return watch_fault(source->watch, fault);
     if (source->inflater)
-        give_up(source);
+        fall_back_to_zlib(source);
     return gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0 ? source_fault(source, part, fault)
                                                              : OK;
 }
@@ -333,8 +333,8 @@ enum err source_finish(struct volume_source *source, struct fault *fault)
         const size_t n = inflater_take(source->inflater, NULL, BEYOND_MOST);
         source->at += n;
         if (n == BEYOND_MOST || source->inflater->has_ended)
-            return OK; /* it has ended, or its end is far away */
-        give_up(source);
+            return OK; /* the stream has ended, or continues far beyond */
+        fall_back_to_zlib(source);
     }
     for (size_t left = source->packed ? BEYOND_MOST : 0; left > 0; left -= sizeof beyond)
         if (gzread(source->gz, beyond, sizeof beyond) < (int)sizeof beyond) {

@@ -12,12 +12,12 @@ enum { FRACTION_BITS = 30, WEIGHT_BITS = 15, SWELLS_MOST = 8 };
 #define WHOLE (INT64_C(1) << FRACTION_BITS)
 
 static const double SHEAR_LEAST = 0.1; /* degrees off a right angle */
-static const double SAME = 1e-6;       /* cosines of angles, of files in single precision */
+static const double SAME = 1e-6;       /* tolerance of cosines, for files in single precision */
 
-/* The axes in their order: `first` and `second` stay in their plane. A voxel i of the volume lies
- * at second + by_third * third along the second axis, and at first + first_by_second * second +
- * first_by_third * third along the first, in 2^-30 voxels, of what comes out; which begins there
- * at `begin`, in voxels. */
+/* The order of the axes: `first` and `second` keep their plane. A voxel of the volume has the new
+ * position second + second_by_third * third along the second axis, and first + first_by_second *
+ * second + first_by_third * third along the first, in 2^-30 voxels; the result begins at `begin`,
+ * in voxels. */
 struct shear {
     int first, second, third;
     int64_t first_by_second, first_by_third, second_by_third;
@@ -35,15 +35,14 @@ static double cosine(const double to_mm[3][4], int a, int b)
     return fabs(product(to_mm, a, b)) / sqrt(product(to_mm, a, a) * product(to_mm, b, b));
 }
 
-/* False where it is more than integers hold. */
-static bool take(int64_t *out, double voxels, double most)
+/* Convert to fixed point; false on overflow. */
+static bool to_fixed(int64_t *out, double voxels, double most)
 {
     *out = (int64_t)floor(ldexp(fabs(voxels) <= most ? voxels : 0, FRACTION_BITS) + 0.5);
     return fabs(voxels) <= most;
 }
 
-/* Columns of the way to the world, of the same places: those of the second and the third axis less
- * what they have of those before them. */
+/* Make the columns of the second and the third axis perpendicular to those before them. */
 static void unshear(double to_mm[3][4], const struct shear *s)
 {
     for (int w = 0; w < 3; w++) {
@@ -54,7 +53,8 @@ static void unshear(double to_mm[3][4], const struct shear *s)
     }
 }
 
-/* The size along an axis whose `count` voxels are shifted by `low`, 0 or less, to `high`. */
+/* Compute the size along an axis whose `count` voxels are shifted by `low`, 0 or less, to `high`.
+ */
 static void spread(struct shear *s, int axis, uint32_t count, int64_t low, int64_t high)
 {
     s->begin[axis] = -((WHOLE - 1 - low) / WHOLE);
@@ -80,12 +80,12 @@ static enum err plan(struct shear *s, const uint32_t size[3], const struct geome
     if (cosine(of, 1, 2) + SAME < cosine(of, s->first, s->second))
         s->first = 1, s->second = 2, s->third = 0;
     const int a = s->first, b = s->second, c = s->third;
-    bool fits = take(&s->first_by_second, product(of, a, b) / product(of, a, a), 4);
-    fits &= take(&s->first_by_third, product(of, a, c) / product(of, a, a), room / size[c]);
-    struct shear only = *s; /* what is known so far: the second axis made perpendicular */
+    bool fits = to_fixed(&s->first_by_second, product(of, a, b) / product(of, a, a), 4);
+    fits &= to_fixed(&s->first_by_third, product(of, a, c) / product(of, a, a), room / size[c]);
+    struct shear only = *s; /* only the second axis is perpendicular so far */
     only.first_by_third = 0;
     unshear(m, &only);
-    fits &= take(&s->second_by_third, product(of, b, c) / product(of, b, b), room / size[c]);
+    fits &= to_fixed(&s->second_by_third, product(of, b, c) / product(of, b, b), room / size[c]);
     const int64_t along_b = s->second_by_third * (size[c] - 1);
     const int64_t by_b = s->first_by_second * (size[b] - 1);
     const int64_t by_c = s->first_by_third * (size[c] - 1);
@@ -123,12 +123,12 @@ struct work {
     uint16_t *to;
     const uint32_t *size;
     size_t from_step[3], to_step[3]; /* voxels between neighbours */
-    uint16_t beyond;                 /* what stands where nothing is */
-    size_t count;                    /* of such */
+    uint16_t beyond;                 /* intensity of voxels outside the slices */
+    size_t count;                    /* number of such voxels */
 };
 
-/* The two voxels of `count` that a place lies between, and the weight of the second. False half a
- * voxel off them all, and more. */
+/* Find the two neighbours of a position among `count` voxels, and the weight of the second. False
+ * if the position is half a voxel or more outside. */
 static bool between(int64_t voxel[2], uint32_t *weight, int64_t at, uint32_t count)
 {
     const int64_t last = ((int64_t)count - 1) * WHOLE;
@@ -141,7 +141,7 @@ static bool between(int64_t voxel[2], uint32_t *weight, int64_t at, uint32_t cou
     return true;
 }
 
-/* All along the first axis, at those places along the others of what comes out. */
+/* Fill a row of the result along the first axis, at these positions along the others. */
 static void straighten_row(struct work *work, int64_t second, int64_t third)
 {
     const struct shear *s = work->shear;
@@ -175,8 +175,8 @@ static void straighten_row(struct work *work, int64_t second, int64_t third)
     }
 }
 
-/* The same places, by the voxels of what comes out. False, and nothing changes, where these would
- * be no distance apart. */
+/* Change to the geometry of the result. False, without a change, if its spacing is no valid
+ * distance. */
 static bool place(struct geometry *geometry, const struct shear *s)
 {
     const double begin[3] = {(double)s->begin[0], (double)s->begin[1], (double)s->begin[2]};
@@ -202,10 +202,9 @@ enum err straighten(struct volume *volume, struct watch *watch, struct fault *fa
     struct shear s;
     const double degrees = geometry_shear(&volume->geometry);
     if (degrees < SHEAR_LEAST) {
-        volume_note(volume->notes,
-                    volume->geometry.orientation == ORIENTATION_UNKNOWN
-                        ? "it does not say how its axes lie: they are not straightened"
-                        : "its axes stand at right angles: nothing to straighten");
+        volume_note(volume->notes, volume->geometry.orientation == ORIENTATION_UNKNOWN
+                                       ? "the orientation of its axes is unknown: not straightened"
+                                       : "its axes are at right angles: nothing to straighten");
         return OK;
     }
     const enum err err = plan(&s, volume->size, &volume->geometry, fault);
@@ -220,7 +219,7 @@ enum err straighten(struct volume *volume, struct watch *watch, struct fault *fa
                         .size = volume->size,
                         .beyond = volume->intensity[0]};
     const bool falls = volume->geometry.slope < 0;
-    for (size_t i = 0; i < voxels_in(volume->size); i++) { /* that of the least real value */
+    for (size_t i = 0; i < voxels_in(volume->size); i++) { /* the least real value */
         const uint16_t is = volume->intensity[i];
         work.beyond = (falls ? is > work.beyond : is < work.beyond) ? is : work.beyond;
     }

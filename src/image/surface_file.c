@@ -17,7 +17,7 @@
 
 enum { FLUSH = 1 << 20 };
 
-/* From places of points to the world: rows of 2^-shift millimetres. */
+/* The transform from points to the world: rows of 2^-shift millimetres. */
 struct world {
     int64_t row[3][4];
     int shift;
@@ -25,22 +25,22 @@ struct world {
 };
 
 struct output {
-    const char *says; /* what places are; notes */
+    const char *says; /* meaning of positions; notes */
     bool is_of_the_world;
     const char *draft;
     int fd;
-    struct buf bytes; /* those that are not in the file yet */
+    struct buf bytes; /* not yet written to the file */
     bool fine;
     struct task task;
     const struct surface *surface;
     const struct volume_label *label; /* [256] */
     struct world world;
-    float (*mm)[3]; /* [points]: where they are in the world */
+    float (*mm)[3]; /* [points]: positions in the world */
 };
 
 /* ---- the world ---- */
 
-/* Where a point is along one axis of the world, in 2^-shift millimetres. */
+/* The coordinate of a point along one axis of the world, in 2^-shift millimetres. */
 static int64_t along_world(const struct world *world, int axis, const struct surface_point *point)
 {
     const int64_t *row = world->row[axis];
@@ -105,7 +105,7 @@ static enum err find_places(struct output *out, const struct geometry *geometry,
         }
     if (far >= finest_mm / 32 * 16777216) /* singles hold 24 bits */
         return fault_set(fault, ERR_LIMIT,
-                         "the surface lies up to %.6g mm from the origin of the world, too far for "
+                         "the surface is up to %.6g mm from the origin of the world, too far for "
                          "voxels of %.6g mm in the single precision of such files",
                          far, finest_mm);
     for (unsigned p = 0; fits && p < s->parts; p++)
@@ -132,8 +132,8 @@ static void flush(struct output *out)
     buf_clear(&out->bytes);
 }
 
-/* One more thing is written; false where no more is wanted. */
-static bool go_on(struct output *out)
+/* Count an item and flush a full buffer; false after an error or a stop. */
+static bool next_item(struct output *out)
 {
     if (out->bytes.length >= FLUSH)
         flush(out);
@@ -213,7 +213,7 @@ static void write_stl(struct output *out)
     snprintf(head, sizeof head, "iftty surface: %s", out->says);
     buf_add(&out->bytes, head, sizeof head);
     put_number(out, out->surface->triangles, 4);
-    for (size_t i = 0; i < out->surface->triangles && go_on(out); i++) {
+    for (size_t i = 0; i < out->surface->triangles && next_item(out); i++) {
         uint32_t corner[3];
         corners_of(corner, out, i);
         put_normal(out, corner);
@@ -241,11 +241,11 @@ static void write_ply(struct output *out)
                "element face %zu\nproperty list uchar int vertex_indices\nend_header\n",
                s->points, s->triangles);
     for (unsigned p = 0; p < s->parts; p++)
-        for (size_t i = 0; i < s->part[p].points && go_on(out); i++) {
+        for (size_t i = 0; i < s->part[p].points && next_item(out); i++) {
             put_point(out, (uint32_t)(s->part[p].point + i));
             buf_add(&out->bytes, out->label[s->part[p].label].rgb, 3);
         }
-    for (size_t i = 0; i < s->triangles && go_on(out); i++) {
+    for (size_t i = 0; i < s->triangles && next_item(out); i++) {
         uint32_t corner[3];
         corners_of(corner, out, i);
         put_number(out, 3, 1);
@@ -265,7 +265,7 @@ static void write_obj(struct output *out)
         buf_add_text(&out->bytes, "o ");
         put_label(&out->bytes, out, part->label);
         buf_add_char(&out->bytes, '\n');
-        for (size_t i = part->point; i < part->point + part->points && go_on(out); i++) {
+        for (size_t i = part->point; i < part->point + part->points && next_item(out); i++) {
             buf_add_char(&out->bytes, 'v');
             for (int w = 0; w < 3; w++)
                 buf_printf(&out->bytes, " %.9g", (double)out->mm[i][w]);
@@ -273,7 +273,8 @@ static void write_obj(struct output *out)
                 buf_printf(&out->bytes, " %.4g", rgb[k] / 255.0);
             buf_add_char(&out->bytes, '\n');
         }
-        for (size_t i = part->triangle; i < part->triangle + part->triangles && go_on(out); i++) {
+        for (size_t i = part->triangle; i < part->triangle + part->triangles && next_item(out);
+             i++) {
             uint32_t corner[3];
             corners_of(corner, out, i);
             buf_printf(&out->bytes, "f %u %u %u\n", corner[0] + 1, corner[1] + 1, corner[2] + 1);
@@ -283,7 +284,7 @@ static void write_obj(struct output *out)
 
 /* ---- VTP ---- */
 
-/* "RAS", as text is in such a file. */
+/* "RAS", in the notation of such files. */
 #define VTP_SPACE                                                                                  \
     "<FieldData>\n<DataArray type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" "                 \
     "format=\"ascii\">82 65 83 0</DataArray>\n</FieldData>\n"
@@ -304,7 +305,7 @@ static void put_of_labels(struct output *out, unsigned bytes)
     const struct surface *s = out->surface;
     put_number(out, (bytes ? bytes : 3) * s->points, 8);
     for (unsigned p = 0; p < s->parts; p++)
-        for (size_t i = 0; i < s->part[p].points && go_on(out); i++)
+        for (size_t i = 0; i < s->part[p].points && next_item(out); i++)
             if (bytes)
                 put_number(out, number_of(out, s->part[p].label), bytes);
             else
@@ -337,19 +338,19 @@ static void write_vtp(struct output *out)
     buf_add_text(&out->bytes,
                  "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
     put_number(out, 12 * s->points, 8);
-    for (size_t i = 0; i < s->points && go_on(out); i++)
+    for (size_t i = 0; i < s->points && next_item(out); i++)
         put_point(out, (uint32_t)i);
     put_of_labels(out, 0);
     put_of_labels(out, label_bytes);
     put_number(out, 24 * s->triangles, 8);
-    for (size_t i = 0; i < s->triangles && go_on(out); i++) {
+    for (size_t i = 0; i < s->triangles && next_item(out); i++) {
         uint32_t corner[3];
         corners_of(corner, out, i);
         for (int k = 0; k < 3; k++)
             put_number(out, corner[k], 8);
     }
     put_number(out, 8 * s->triangles, 8);
-    for (size_t i = 0; i < s->triangles && go_on(out); i++)
+    for (size_t i = 0; i < s->triangles && next_item(out); i++)
         put_number(out, 3 * (i + 1), 8);
     buf_add_text(&out->bytes, "\n</AppendedData>\n</VTKFile>\n");
 }
@@ -423,7 +424,7 @@ enum err surface_write(const char *path, enum file_mode mode,
                              is_spaced && geometry->orientation != ORIENTATION_UNKNOWN};
     struct buf draft = {0}, says = {0};
     buf_printf(&says, "%s%s%s",
-               out.is_of_the_world ? "millimetres; SPACE=RAS" /* words that 3D Slicer looks for */
+               out.is_of_the_world ? "millimetres; SPACE=RAS" /* 3D Slicer reads SPACE */
                : is_spaced         ? "millimetres, along the axes of voxels; orientation unknown"
                                    : "voxels, along their axes",
                *document->notes ? "; " : "", document->notes);

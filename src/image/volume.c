@@ -14,7 +14,7 @@
 #include "image/image_inside.h"
 #include "image/reader_common.h"
 
-#define UNPACK "; unpack it, and open what is in it"
+#define UNPACK "; unpack it, and open the file inside"
 #define BY_BIO_FORMATS                                                                             \
     ", which is not read: `bfconvert FILE A.ome.tif` (Bio-Formats) makes a TIFF of it"
 #define BY_ITK                                                                                     \
@@ -79,7 +79,7 @@ VOLUME_FORMATS(DECLARE)
 static const struct volume_format *const formats[] = {VOLUME_FORMATS(POINT_AT)};
 enum { FORMATS = sizeof formats / sizeof formats[0], FIRST_BYTES = 1024 };
 
-/* ---- which format ---- */
+/* ---- the format ---- */
 
 /* Before its mark, a DICOM file may hold any bytes, even those of a TIFF, for other programs. */
 static bool is_dicom(const uint8_t *begin, size_t length)
@@ -105,7 +105,8 @@ const char *volume_ending(const char *path)
     return format ? file_ending(path, format->endings) : NULL;
 }
 
-/* With the formats that are read, or those that are written: "NIfTI (.nii or .nii.gz), ..". */
+/* Report an error with a list of the formats that are read, or written: "NIfTI (.nii or .nii.gz),
+ * ..". */
 static enum err refuse(const char *words, bool write, enum err err, struct fault *fault)
 {
     struct buf list = {0};
@@ -116,7 +117,7 @@ static enum err refuse(const char *words, bool write, enum err err, struct fault
             formats[i]->takes & TAKES_LAYOUTS)
             continue;
         buf_printf(&list, "%s%s", list.length ? ", " : "", formats[i]->name);
-        if (formats[i]->takes & TAKES_FOLDERS) /* many formats, of more endings */
+        if (formats[i]->takes & TAKES_FOLDERS) /* its name lists many formats */
             continue;
         for (; choice_next(&ending, &endings); between = " or ")
             buf_printf(&list, "%s%.*s", between, (int)ending.length, ending.word);
@@ -127,7 +128,7 @@ static enum err refuse(const char *words, bool write, enum err err, struct fault
     return err;
 }
 
-/* The first that takes such things, as it is made to; NULL for none. */
+/* Find the first format that reads folders or layouts; NULL for none. */
 static const struct volume_format *format_taking(unsigned what)
 {
     for (int i = 0; i < FORMATS; i++)
@@ -231,7 +232,7 @@ enum err volume_begin(struct volume_reader *reader, const char *path,
     err = find_format(&reader->format, &reader->source, &header->choice, fault);
     if (!err)
         err = reader->format->read_header(header, &reader->source, fault);
-    if (!err && !header->choice.straightens) /* else of what comes out */
+    if (!err && !header->choice.straightens) /* otherwise note those of the result */
         note_tilt(header->notes, &header->geometry);
     const double degrees = err ? 0 : geometry_shear(&header->geometry);
     if (degrees >= 0.1 && !header->choice.straightens)
@@ -243,8 +244,8 @@ enum err volume_begin(struct volume_reader *reader, const char *path,
     return err ? fault_prefix(fault, err, "%s", path) : OK;
 }
 
-/* The spacing that the user says, where the file says none. */
-static enum err take_spacing(struct volume_header *header, struct fault *fault)
+/* Apply the spacing of the user to a file without spacing. */
+static enum err apply_spacing(struct volume_header *header, struct fault *fault)
 {
     struct geometry *geometry = &header->geometry;
     const uint32_t *nm = header->choice.spacing_nm;
@@ -267,7 +268,7 @@ static enum err take_spacing(struct volume_header *header, struct fault *fault)
     return OK;
 }
 
-/* What is chosen from files of one format alone. */
+/* Check choices that exist for one format alone. */
 static enum err check_words(struct volume_header *header, struct fault *fault)
 {
     const struct volume_choice *choice = &header->choice;
@@ -295,7 +296,7 @@ static enum err check_words(struct volume_header *header, struct fault *fault)
     return OK;
 }
 
-/* Refuses voxels that cannot be read, and a volume that is not there. */
+/* Refuse unreadable voxels, and a volume that does not exist. */
 static enum err check_choice(const struct volume_header *header, struct fault *fault)
 {
     if (*header->refusal)
@@ -324,7 +325,7 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
         header->choice = *choice;
     enum err err = check_words(header, fault);
     if (!err)
-        err = take_spacing(header, fault);
+        err = apply_spacing(header, fault);
     if (!err)
         err = check_choice(header, fault);
     if (!err)
@@ -361,7 +362,7 @@ static enum err read_numbers(struct volume *out, struct volume_reader *reader, s
                          "first (`gunzip`)",
                          (double)header->bytes / 1e6, (double)bytes / 1e9);
     uint64_t offset = header->offset;
-    if (!source->decoder) /* which sends the chosen volume alone */
+    if (!source->decoder) /* which sends only the chosen volume */
         offset += header->choice.volume * voxels_in(header->whole) * width;
     enum err err =
         reader->format->begin_voxels ? reader->format->begin_voxels(header, source, fault) : OK;

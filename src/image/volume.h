@@ -2,17 +2,16 @@
 /*
  * Volumes: scenes and maps in files, whatever their format.
  *
- * A format is one file, which defines a `struct volume_format` (image/volume_format.h), and one row
- * of VOLUME_FORMATS. A file belongs to the format that recognises its first bytes (of a gzip file,
- * those inside it), or else to the format whose ending its name has, which then says what is wrong
- * with it.
+ * A format is a `struct volume_format` (image/volume_format.h), and one row of VOLUME_FORMATS. A
+ * file belongs to the format that recognises its first bytes (inflated, for a gzip file); otherwise
+ * to the format of the ending of its name, which then reports the error.
  *
- * Intensities are held as 16 bits whatever a file holds; geometry.slope and .intercept lead back
- * to real values (image/quantise.h).
+ * Intensities have 16 bits, whatever the type in the file; geometry.slope and .intercept convert
+ * them to real values (image/image_inside.h).
  *
- * Nothing a file claims is believed before it is checked: no more is allocated than the size of
- * the file can account for, and no more is inflated than the header and the voxels (and 64 kB
- * after them, to reach the checksum of a gzip).
+ * Every claim of a file is checked first: no more is allocated than the size of the file can
+ * account for, and no more is inflated than the header and the voxels (and 64 kB after them, to
+ * reach the checksum of a gzip).
  */
 #ifndef IMAGE_VOLUME_H
 #define IMAGE_VOLUME_H
@@ -26,8 +25,8 @@
 #define HELPED_NOTE                                                                                \
     "DICOM (a folder, with its subfolders; mosaics of Siemens), other NRRD, MetaImage, MINC, "     \
     "HDF5, MRC, TIFF stacks, folders of TIFF, PNG or BMP slices, VTK and GIPL are read by "        \
-    "iftty-volume, a program beside iftty. "                                                       \
-    "What a file does not say of orientation and spacing stays unknown. "
+    "the helper iftty-volume. "                                                                    \
+    "Orientation and spacing that a file does not state remain unknown. "
 
 /* The formats, and a sentence about each for the help. */
 #define VOLUME_FORMATS(ROW)                                                                        \
@@ -59,8 +58,8 @@ enum volume_guess volume_guess(const char *path);
 #define PAIR_VOXELS  ".img|.img.gz"
 
 /* `other` is the path of the other file of the pair of `path`; if there are two, the one that is
- * packed as `path` is. If there is none, false, and `other` is the path that it would have; "" for
- * a name that belongs to no pair. */
+ * packed as `path` is. Otherwise false, and `other` is the expected path; "" for a name that
+ * belongs to no pair. */
 bool pair_other(struct buf *other, const char *path);
 
 /* An open file whose header was read and accepted; no voxels are held yet. So a caller can look at
@@ -72,14 +71,13 @@ struct volume_reader {
     struct volume_source source;
 };
 
-/* Takes the choice (or NULL), and works under the watch (or NULL) until it is closed, which is to
- * be done in any case. Refuses what volume_take would refuse before it reads a voxel. */
+/* Open a volume; choice and watch may be NULL. Always call volume_close. Refuses every file that
+ * volume_take would refuse before it reads a voxel. */
 enum err volume_open(struct volume_reader *reader, const char *path,
                      const struct volume_choice *choice, struct watch *watch, struct fault *fault);
 
 /* The same in two steps, for callers whose choice depends on the header: its size and geometry are
- * those of the whole file until something is chosen, by another choice than at the beginning, or
- * by that (NULL). */
+ * those of the whole file until volume_choose, with another choice, or NULL for the first one. */
 enum err volume_begin(struct volume_reader *reader, const char *path,
                       const struct volume_choice *choice, struct watch *watch, struct fault *fault);
 enum err volume_choose(struct volume_reader *reader, const struct volume_choice *choice,
@@ -88,30 +86,26 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
 enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault);
 void volume_close(struct volume_reader *reader);
 
-/* All three: the scene in `path` by that choice (or NULL), under a watch (or NULL). It takes two
- * bytes a voxel, four or eight while such numbers are read, and as much as the file where a gzip is
- * inflated whole. On failure *out is empty and the words say what was wrong and what was expected:
- * ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
+/* Open, read and close a volume; choice and watch may be NULL. Needs two bytes a voxel, four or
+ * eight while wider numbers are read. On failure *out is empty, and the message has the error and
+ * the expected value: ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
                      struct watch *watch, struct fault *fault);
 
-/* Writes a map as `path`, in the format that the name says; whole or not at all, as where the watch
- * (or NULL) stops it. The same values give the same bytes: a gzip file has no time and no name. */
+/* Write a map as `path`, in the format of its name, atomically; the watch may be NULL. The same
+ * values yield the same bytes: a gzip file has no time and no name. */
 enum err volume_write(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault);
 
-/* Formats that nobody here reads, known by their first bytes or their names, and what converts
- * them. */
-
-/* By its bytes; a name alone where there are none. */
+/* Formats that are not read, by their first bytes or their names, with advice how to convert them.
+ * A row without bytes is recognised by its name. */
 struct foreign {
     const char *endings; /* or the whole name */
     unsigned at, length;
     const char *bytes, *advice;
 };
 
-/* Up to one without advice. What a format reads that there is now, has no place here
- * (tests/test_foreign.c). */
+/* The last row has no advice. A format that is read must not have a row (tests/test_foreign.c). */
 extern const struct foreign foreign_formats[];
 
 #endif

@@ -121,8 +121,8 @@ void header_place(struct volume_header *header, const double to_mm[3][4], bool k
             continue;
         geometry->spacing_unknown = true;
         if (knows_spacing)
-            volume_note(header->notes,
-                        "its voxels are said to be %g mm apart; expected 1 nm to 4 m", mm);
+            volume_note(header->notes, "the distance of its voxels is %g mm; expected 1 nm to 4 m",
+                        mm);
     }
     for (int a = 0; a < 3 && geometry->spacing_unknown; a++)
         geometry->spacing_nm[a] = 1000000;
@@ -181,7 +181,7 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
     return true;
 }
 
-/* Create the file `draft` with the header, which packed voxels follow as gzip. */
+/* Write the file `draft`: the header, and the voxels, which may be gzip. */
 static enum err write_draft(const char *draft, const char *path, const struct buf *header,
                             enum packing packing, const struct volume_map *map, struct watch *watch,
                             struct fault *fault)

@@ -151,7 +151,7 @@ struct volume_header {
     uint32_t series;                      /* number of the DICOM series, from 1; 0: no DICOM */
     char contents[VOLUME_CONTENTS_BYTES]; /* "the segments liver (1)" of the chosen volume, or a
                           list of all volumes if none is chosen; "" if the file has no names */
-    char refusal[160];                    /* why the voxels cannot be read; "" if they can: */
+    char refusal[160];                    /* reason why voxels are unreadable; "" if readable: */
     enum voxel_type type;
     uint64_t offset; /* bytes before the voxels of all volumes */
     uint64_t bytes;  /* size of the file on disk; 2^64 - 1 if its voxels are in other files */

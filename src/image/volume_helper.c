@@ -38,7 +38,7 @@ enum {
 /* Memory for libraries and headers, before the size of the volume is known. */
 static const uint64_t HELD_BEFORE = UINT64_C(1) << 30;
 
-/* A file that claims more than this is to account for it: by a byte for each so many. */
+/* A file that claims more bytes than this needs a byte for each PACKED_BEST of them. */
 static const uint64_t CLAIMED_FREELY = UINT64_C(64) << 20;
 static const uint64_t PACKED_BEST = 1032;
 
@@ -49,13 +49,13 @@ bool volume_helper_is_wary;
 bool volume_helper_needs_landlock;
 
 struct volume_helper {
-    struct source_decoder decoder; /* first: what the source knows of it */
+    struct source_decoder decoder; /* first: the source points to it */
     struct coprocess process;
-    uint64_t left;   /* bytes of the present piece */
+    uint64_t left;   /* bytes left of the current piece */
     struct buf room; /* the folder that it may write into; empty for none */
 };
 
-/* Ends it, whatever it does. */
+/* End the helper and remove its folder. */
 static void free_helper(struct source_decoder *decoder)
 {
     struct volume_helper *helper = (struct volume_helper *)decoder;
@@ -66,7 +66,7 @@ static void free_helper(struct source_decoder *decoder)
     free(helper);
 }
 
-/* The next bytes of the voxels. */
+/* Receive the next bytes of the voxels. */
 static enum err take_bytes(struct source_decoder *decoder, void *to, size_t length,
                            struct fault *fault)
 {
@@ -98,17 +98,17 @@ static enum err take_bytes(struct source_decoder *decoder, void *to, size_t leng
     return OK;
 }
 
-/* ---- which kind ---- */
+/* ---- the kind of a file ---- */
 
 struct kind {
-    const char *name, *endings; /* "" for those that a folder or first bytes tell */
-    unsigned at;                /* where the first bytes are */
+    const char *name, *endings; /* "" if only a folder or first bytes identify it */
+    unsigned at;                /* position of the first bytes */
     unsigned length;
     const char *bytes;
 };
 
 static const struct kind kinds[] = {
-    {"dicom", ".dcm|.dicom|.ima", 128, 4, "DICM"}, /* first: what stands before it is anything */
+    {"dicom", ".dcm|.dicom|.ima", 128, 4, "DICM"}, /* first: any bytes may precede it */
     {"nrrd", ".nrrd|.nhdr", 0, 7, "NRRD000"},
     {"meta", ".mha|.mhd", 0, 10, "ObjectType"},
     {"meta", ".mha|.mhd", 0, 5, "NDims"},
@@ -152,7 +152,7 @@ static const char *kind_of(struct volume_source *source)
     return name ? name : "any";
 }
 
-/* ---- asking ---- */
+/* ---- the request ---- */
 
 /* Start a helper for the source, which owns it then. MINC 1 is read by way of a MINC 2 that the
  * library writes into a folder; the folder is removed however the helper ends. */
@@ -184,8 +184,8 @@ static enum err start_helper(struct volume_source *source, struct fault *fault)
         return err;
     err = folder_passing(&helper->room, NULL, fault);
     return err ? fault_prefix(fault, err,
-                              "it is MINC 1, which takes room in $TMPDIR to read; `mincconvert "
-                              "-2` makes MINC 2 of it")
+                              "it is MINC 1, which needs room in $TMPDIR to read; `mincconvert "
+                              "-2` converts it to MINC 2")
                : OK;
 }
 
@@ -288,9 +288,9 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
     return coprocess_fault(process, NULL, NULL, fault);
 }
 
-/* ---- what it says ---- */
+/* ---- the header ---- */
 
-/* Receive the header: the line and the bytes after it; false if they make no sense. */
+/* Receive the header: the line and the bytes after it; false if they are invalid. */
 static bool receive_header(struct volume_header *out, struct coprocess *process, const char *line,
                            double number[NUMBERS], bool *is_close)
 {
@@ -320,9 +320,9 @@ static bool receive_header(struct volume_header *out, struct coprocess *process,
     return true;
 }
 
-/* Takes it, if a file of so many bytes may hold what it claims to. */
-static enum err take_header(struct volume_header *out, struct coprocess *process, const char *line,
-                            struct fault *fault)
+/* Receive the header and check it against the size of the file. */
+static enum err receive_checked(struct volume_header *out, struct coprocess *process,
+                                const char *line, struct fault *fault)
 {
     double number[NUMBERS];
     struct grid grid;
@@ -374,10 +374,10 @@ enum err volume_helper_read_header(struct volume_header *out, struct volume_sour
     if (!send_request(helper, kind, source->path, &out->choice))
         return coprocess_fault(&helper->process, NULL, NULL, fault);
     err = receive_answer(out, &helper->process, line, fault);
-    return err ? err : take_header(out, &helper->process, line, fault);
+    return err ? err : receive_checked(out, &helper->process, line, fault);
 }
 
-/* Lets it hold the volume, and a second one on its way, and gives it the time for it. */
+/* Raise its limits of memory, for the volume and a second one in transfer, and of time. */
 enum err volume_helper_begin_voxels(const struct volume_header *header,
                                     struct volume_source *source, struct fault *fault)
 {

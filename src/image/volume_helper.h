@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The volume helper: every volume that no reader of our own takes, by ITK, GDCM and HDF5 in a
- * process of its own.
+ * The volume helper: all volumes that no reader of this process accepts, by ITK, GDCM and HDF5 in a
+ * separate process.
  *
- * The program iftty-volume is started for one file or folder, takes from itself all but reading
- * that one and what its header names below its folder (Landlock, seccomp, limits), and ends with
- * it. What it says is believed no more than the file: sizes are checked before anything is
- * allocated, numbers before they are used, and its words are its own; nothing that a file says in
- * words (a patient's name, a date) comes out of it, but names of data sets, and of files that a
- * header names and that are not read, and, for the user who is to choose a series, their
- * descriptions. Files of a folder are named where something is wrong with them.
+ * The program iftty-volume is started for one file or folder, confines itself to reading that one
+ * and the files below its folder that the header names (Landlock, seccomp, limits), and then ends.
+ * Its answers are trusted no more than the file: sizes are checked before anything is allocated,
+ * and numbers before they are used. Its texts never quote the file (a patient's name, a date),
+ * except names of data sets, names of unreadable files in a header, and descriptions of series when
+ * the user has to choose one. Damaged files of a folder are named.
  *
  * The protocol, as in coprocess.h:
  *
@@ -32,19 +31,16 @@
  *                 piece LENGTH\n  bytes
  *               up to the last voxel, or an error
  *
- * KIND is a word of the table in volume_helper.c. FLAGS: 1 links in a folder are followed, 2 blank
- * slices take the place of those that are missing, 4 there may be a list of series or of volumes,
- * in which their files have words, 8 mosaics are one slice, and damaged files of a folder are left
- * out, 16 a file whose voxels lie in others, or may, is refused, and so is one of many data sets,
- * 32 of NRRD in left-anterior-superior x is turned, and y is not.
- * SERIES counts from 1, 0 is for the only one, or for the one of whose description the word is a
- * piece; an answer says its NUMBER. The skip are names of files that are left out, with commas
- * between them. VOLUME counts from 0; the data are the name of a
- * data set, the room a folder that the helper may write into, if any, which the client removes.
- * KNOWN: 1 the spacing, 2 the place, 4 its voxels may be packed more closely than gzip packs.
- * The numbers are doubles of this machine: the three rows of the matrix to the world (right,
- * anterior, superior; millimetres), slope and intercept. Voxels are of the type, in the order of
- * this machine, x fastest.
+ * KIND is a word of the table in volume_helper.c. FLAGS: 1 follow links in a folder, 2 replace
+ * missing slices by blank ones, 4 send a list of series or of volumes with words of their files, 8
+ * refuse voxels in other files and a choice of data sets, 16 VOLUME was chosen. SERIES counts from
+ * 1; 0 is the only one, or the one whose description contains the word; the answer has its NUMBER.
+ * Skip: names of files to leave out, separated by commas. VOLUME counts from 0. Data: the name of a
+ * data set. Room: a folder in which the helper may write, if any; the client removes it. KNOWN: 1
+ * the spacing, 2 the place, 4 its voxels may be compressed better than by gzip. The numbers are
+ * doubles of this machine: the three rows of the matrix to the world (right, anterior, superior;
+ * millimetres), slope and intercept. Voxels are of the type, in the order of this machine, x
+ * fastest.
  */
 #ifndef IMAGE_VOLUME_HELPER_H
 #define IMAGE_VOLUME_HELPER_H
@@ -56,23 +52,23 @@
 
 #define VOLUME_HELPER "iftty-volume" /* the program (coprocess_find) */
 
-/* For formats of our own, which hand on what they do not read: of volume_format, these two. */
+/* Two functions of volume_format, for formats that pass some files to the helper. */
 enum err volume_helper_read_header(struct volume_header *out, struct volume_source *source,
                                    struct fault *fault);
 enum err volume_helper_begin_voxels(const struct volume_header *header,
                                     struct volume_source *source, struct fault *fault);
 
-/* For tests: another program, NULL for iftty-volume beside the running one; and how long it may
- * stay silent, apart from a second for each 20 MB of voxels. */
+/* For tests: another program, NULL for iftty-volume (coprocess_find); and the time limit of a
+ * silent helper, without a second for each 20 MB of voxels. */
 extern const char *volume_helper_program;
 extern int volume_helper_patience_ms;
 
-/* For the journals of others: bytes that it may hold (0: what is free), and whether links inside a
- * folder are left alone. */
+/* For the journals of strangers: limit of its memory in bytes (0: the free memory), and whether to
+ * ignore links in a folder. */
 extern uint64_t volume_helper_memory_most;
 extern bool volume_helper_is_wary;
 
-/* Whether nothing is read where the kernel does not confine the helper. */
+/* Read nothing if the kernel does not confine the helper. */
 extern bool volume_helper_needs_landlock;
 
 #endif
