@@ -433,7 +433,7 @@ for path in $(sed -n '/^## Where to add/,/^## /s/`\([a-z_/]*\.[ch]\)`/\n\1\n/gp'
 done
 close_story
 
-# src/image/README.md says for each format what of a file is obeyed, refused or not applicable. Each
+# src/image/README.md says for each format which property is read, refused or not applicable. Each
 # cell names tests (N1) or, where nothing applies, a reason (a), which a list below the table has.
 unproven() { # README TOP: what is wrong with the table, a line each
     awk -v top="$2" '
@@ -448,7 +448,7 @@ unproven() { # README TOP: what is wrong with the table, a line each
         close(path)
         return found
     }
-    /^## / { on = /^## Obeyed or refused, property by property/ }
+    /^## / { on = /^## Read or refused, property by property/ }
     !on { next }
     /^    [A-Z][0-9]+ / {
         key = $1; file = $2; sub(/:$/, "", file)
@@ -467,8 +467,8 @@ unproven() { # README TOP: what is wrong with the table, a line each
         for (i = 3; i < columns; i++) {
             text = cell[i]; gsub(/^ +| +$/, "", text)
             where = cell[2] title[i] ": "
-            kind = text ~ /^(obeyed|refused)/ ? "test" : text ~ /^not applicable/ ? "reason" : ""
-            if (kind == "") print where "neither obeyed, refused nor not applicable: " text
+            kind = text ~ /^(read|refused)/ ? "test" : text ~ /^not applicable/ ? "reason" : ""
+            if (kind == "") print where "neither read, refused nor not applicable: " text
             named = 0
             rest = text
             while (match(rest, /\[[A-Za-z][0-9]*\]/)) {
@@ -498,14 +498,14 @@ found=$(unproven src/image/README.md "$top")
 } | sort -u >"$work/kinds"
 [ "$(wc -l <"$work/kinds")" -gt 15 ] || fail "formats: $(cat "$work/kinds")"
 while read -r kind; do
-    sed -n '/^## Obeyed or refused, property by property/,/^## [^O]/p' src/image/README.md |
+    sed -n '/^## Read or refused, property by property/,/^## Refused/p' src/image/README.md |
         grep -q "^| [^|]*\`$kind\`" || fail "no row has the format \`$kind\`"
 done <"$work/kinds"
 mkdir -p "$work/formats/tests"
 printf 'begin "a is \\`b\\`"\n' >"$work/formats/tests/test_a.sh"
 printf 'STORY(b_is_a)\n' >"$work/formats/tests/test_b.c"
 table() { # CELL CELL LIST
-    printf '## Obeyed or refused, property by property\n\n| format | type | unit |\n|---|---|---|\n'
+    printf '## Read or refused, property by property\n\n| format | type | unit |\n|---|---|---|\n'
     printf '| A `a` | %s | %s |\n\n    A1 test_a.sh: a is `b`\n    a: it has none\n' "$1" "$2"
     printf '%s\n' "$3"
 }
@@ -513,13 +513,13 @@ while IFS='@' read -r one two list wrong; do
     table "$one" "$two" "$list" >"$work/formats/README"
     same "$(unproven "$work/formats/README" "$work/formats" | head -n 1)" "$wrong"
 done <<'END'
-obeyed [A1]@not applicable [a]@@
-obeyed [A1]; big refused [B1]@not applicable [a]@    B1 test_b: b_is_a@
-obeyed [A1]@not applicable@@ A `a`  unit : no reason is named
-obeyed@not applicable [a] [A1]@@ A `a`  type : no test is named
-maybe [A1]@not applicable [a]@@ A `a`  type : neither obeyed, refused nor not applicable: maybe [A1]
-obeyed [A1] [B2]@not applicable [a]@@ A `a`  type : no [B2]
-obeyed [A1]@not applicable [a]@    B1 test_b: b_is_b@B1: there is no story "b_is_b" in tests/test_b
+read [A1]@not applicable [a]@@
+read [A1]; big refused [B1]@not applicable [a]@    B1 test_b: b_is_a@
+read [A1]@not applicable@@ A `a`  unit : no reason is named
+read@not applicable [a] [A1]@@ A `a`  type : no test is named
+maybe [A1]@not applicable [a]@@ A `a`  type : neither read, refused nor not applicable: maybe [A1]
+read [A1] [B2]@not applicable [a]@@ A `a`  type : no [B2]
+read [A1]@not applicable [a]@    B1 test_b: b_is_b@B1: there is no story "b_is_b" in tests/test_b
 END
 close_story
 

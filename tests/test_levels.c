@@ -403,7 +403,7 @@ STORY(one_voxel_far_off_takes_no_levels_from_the_others)
         number[k] = k % 10 ? k / 20000.0 : 1e6 + k / 1e4;
     v = make(VOXEL_FLOAT32, MOST, 1, false);
     CHECK(v.levels && !v.levels->is_clamped);
-    CHECK_HAS(v.notes, "without those few in the file the others have more");
+    CHECK_HAS(v.notes, "without the outliers in the file they have more");
     volume_release(&v);
 }
 

@@ -80,7 +80,7 @@ out_has 'intensity -1000, '
 expect 0 "$iftty" -c 'open quotients.nii.gz; info'
 out_has 'outliers: the scale'
 expect 0 "$iftty" -c 'open plain.nii; info'
-out_lacks 'far from all others'
+out_lacks 'outliers: the scale'
 expect 0 "$iftty" info --histogram holes.nii
 out_has "note      $((12 * 10 + 1)) voxels are no number or infinite: taken for "
 expect 0 "$iftty" info --histogram far4.nii
@@ -89,9 +89,9 @@ out_has '0 voxels below, 1 above'
 expect 0 "$iftty" -c 'open series.nii volume=1 crop=0-13,0-11,2-9'
 out_has '0 voxels below and 1 above'
 expect 0 "$iftty" -c 'open series.nii volume=0; info'
-out_lacks 'far from all others'
+out_lacks 'outliers: the scale'
 expect 0 "$iftty" -c 'open far4.nii reduce=2; info'
-out_has 'far from all others'
+out_has 'outliers: the scale'
 close_story
 
 begin "whole numbers are exact, whatever they are held as"

@@ -86,7 +86,7 @@ int coprocess_stop(struct coprocess *c)
 
 /* Standard input and output are the socket, standard error is /dev/null, and the environment is
  * empty: ours might make a decoder load plug-ins. */
-static int spawn(pid_t *process, const char *program, int fd)
+static int spawn_program(pid_t *process, const char *program, int fd)
 {
     char *const arguments[] = {(char *)(uintptr_t)program, NULL}, *const environment[] = {NULL};
     posix_spawn_file_actions_t actions;
@@ -152,7 +152,7 @@ enum err coprocess_start(struct coprocess *c, struct fault *fault)
         return OK;
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
         return fault_errno(fault, "reach", c->program);
-    int number = spawn(&c->process, c->program, pair[1]);
+    int number = spawn_program(&c->process, c->program, pair[1]);
     close(pair[1]);
     if (number) {
         c->process = 0;
@@ -170,7 +170,7 @@ enum err coprocess_start(struct coprocess *c, struct fault *fault)
 
 /* ---- bytes ---- */
 
-static bool fails(struct coprocess *c, enum trouble trouble)
+static bool set_trouble(struct coprocess *c, enum trouble trouble)
 {
     c->trouble = trouble;
     return false;
@@ -237,7 +237,7 @@ static bool makes_progress(struct coprocess *c, uint64_t *until)
     const bool is_first = !c->pages || busy_ms < c->busy_ms; /* one of them has ended */
     const bool has_grown = pages >= c->pages + PAGES_LEAST;
     if (!is_first && !has_grown)
-        return busy_ms - c->busy_ms < work_ms(c) || fails(c, STUCK);
+        return busy_ms - c->busy_ms < work_ms(c) || set_trouble(c, STUCK);
     const uint64_t later = clock_ns() + (uint64_t)c->patience_ms * 1000000;
     if (!is_first && later > *until)
         *until = later;
@@ -258,16 +258,16 @@ static bool wait_for(struct coprocess *c, int fd, short events, uint64_t *until)
                 return false;
         }
         if (now >= *until)
-            return fails(c, SILENT);
+            return set_trouble(c, SILENT);
         const uint64_t left_ms = (*until - now + 999999) / 1000000;
         const uint64_t most_ms = c->watch ? LOOK_MS : WORK_MS;
         const int ready = poll(&wanted, 1, (int)(left_ms < most_ms ? left_ms : most_ms));
         if (ready > 0)
             return true;
         if (ready < 0 && errno != EINTR)
-            return fails(c, GONE);
+            return set_trouble(c, GONE);
         if (watch_poll(c->watch, c->doing, 0, 0))
-            return fails(c, STOPPED);
+            return set_trouble(c, STOPPED);
     }
 }
 
@@ -284,13 +284,13 @@ bool coprocess_transmit(struct coprocess *c, const void *bytes, size_t length)
             if (!wait_for(c, c->fd, POLLOUT, &until))
                 return false;
         } else if (errno != EINTR) {
-            return fails(c, GONE);
+            return set_trouble(c, GONE);
         }
     }
     return true;
 }
 
-static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t *until)
+static bool receive_until(struct coprocess *c, void *bytes, size_t length, uint64_t *until)
 {
     char *at = bytes;
     bool reset = false;
@@ -306,7 +306,7 @@ static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t *u
         } else if (n < 0 && errno == ECONNRESET && !reset) {
             reset = true; /* reported once, before the bytes that it sent */
         } else if (n == 0 || errno != EINTR) {
-            return fails(c, GONE);
+            return set_trouble(c, GONE);
         }
     }
     return true;
@@ -315,12 +315,12 @@ static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t *u
 bool coprocess_receive(struct coprocess *c, void *bytes, size_t length)
 {
     uint64_t until = latest_ns(c, length);
-    return receive(c, bytes, length, &until);
+    return receive_until(c, bytes, length, &until);
 }
 
 bool coprocess_odd(struct coprocess *c)
 {
-    return fails(c, ODD);
+    return set_trouble(c, ODD);
 }
 
 /* Byte by byte: lines are few and short, and later bytes must remain in the socket. */
@@ -328,7 +328,7 @@ bool coprocess_receive_line(struct coprocess *c, char line[COPROCESS_LINE])
 {
     uint64_t until = latest_ns(c, COPROCESS_LINE);
     for (size_t i = 0; i < COPROCESS_LINE; i++) {
-        if (!receive(c, &line[i], 1, &until))
+        if (!receive_until(c, &line[i], 1, &until))
             return false;
         if (line[i] == '\n') {
             line[i] = '\0';

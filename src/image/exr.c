@@ -82,7 +82,8 @@ enum err exr_header_read(struct buf *bytes, int fd, struct fault *fault)
 
 /* ---- comparing ---- */
 
-static bool find(const struct buf *header, const char *name, struct exr_attribute_bytes *out)
+static bool find_attribute(const struct buf *header, const char *name,
+                           struct exr_attribute_bytes *out)
 {
     size_t at = 0;
     while (exr_header_next(header, &at, out))
@@ -108,7 +109,7 @@ static enum err compare_attributes(const struct buf *a, const struct buf *b, con
                              !memchr(one.value, 0, one.length);
         if (!is_twice &&
             (is_note ||
-             (find(b, one.name, &other) && strcmp(one.type, other.type) == 0 &&
+             (find_attribute(b, one.name, &other) && strcmp(one.type, other.type) == 0 &&
               one.length == other.length && memcmp(one.value, other.value, one.length) == 0)))
             continue;
         struct buf name = {0};
@@ -129,7 +130,7 @@ static enum err check_header(const struct buf *header, const struct picture *lik
     struct exr_attribute_bytes window;
     struct buf expected = {0};
     int64_t side[2] = {0, 0};
-    if (find(header, "dataWindow", &window) && window.length == WINDOW)
+    if (find_attribute(header, "dataWindow", &window) && window.length == WINDOW)
         for (size_t d = 0; d < 2; d++)
             side[d] = (int64_t)(int32_t)number_at(window.value + 8 + 4 * d) -
                       (int32_t)number_at(window.value + 4 * d) + 1;

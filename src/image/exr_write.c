@@ -126,8 +126,7 @@ static int64_t stream_read(exr_const_context_t context, void *user, void *to, ui
                            uint64_t offset, exr_stream_error_func_ptr_t report)
 {
     struct exr_stream *stream = user;
-    (void)context;
-    (void)report;
+    (void)context, (void)report;
     if (offset > stream->bytes)
         return 0;
     const ssize_t n = file_read_at(stream->fd, to, (size_t)length, offset);
@@ -138,8 +137,7 @@ static int64_t stream_write(exr_const_context_t context, void *user, const void 
                             uint64_t length, uint64_t offset, exr_stream_error_func_ptr_t report)
 {
     struct exr_stream *stream = user;
-    (void)context;
-    (void)report;
+    (void)context, (void)report;
     if (stream->sink) { /* in order: a header */
         if (offset == stream->sink->length)
             buf_add(stream->sink, from, (size_t)length);
@@ -154,16 +152,13 @@ static int64_t stream_write(exr_const_context_t context, void *user, const void 
 static int64_t stream_size(exr_const_context_t context, void *user)
 {
     (void)context;
-    const struct exr_stream *stream = user;
-    return (int64_t)stream->bytes;
+    return (int64_t)((const struct exr_stream *)user)->bytes;
 }
 
 /* The library would print errors. Its result codes are sufficient. */
 static void stay_silent(exr_const_context_t context, exr_result_t code, const char *words)
 {
-    (void)context;
-    (void)code;
-    (void)words;
+    (void)context, (void)code, (void)words;
 }
 
 /* Allocate only free memory, within the limit (mem_available). */
@@ -317,12 +312,12 @@ struct exr_coder {
     unsigned planes;
 };
 
-static uint32_t height_of(const struct picture *like)
+static uint32_t strip_height(const struct picture *like)
 {
     return like->tiled ? TILE_SIDE : BLOCK_LINES;
 }
 
-static void end(void *context)
+static void end_coder(void *context)
 {
     struct exr_coder *coder = context;
     exr_finish(&coder->context);
@@ -330,8 +325,8 @@ static void end(void *context)
     free(coder);
 }
 
-static enum err begin(void **out, const char *path, const struct picture *like, unsigned planes,
-                      struct fault *fault)
+static enum err begin_coder(void **out, const char *path, const struct picture *like,
+                            unsigned planes, struct fault *fault)
 {
     struct exr_coder *coder = mem_new(sizeof *coder);
     struct picture plain = *like;
@@ -347,7 +342,7 @@ static enum err begin(void **out, const char *path, const struct picture *like, 
     if (!result)
         result = put_header(coder->context, &plain, planes);
     if (result) {
-        end(coder);
+        end_coder(coder);
         return exr_fault("write", &(struct exr_stream){.path = path}, result, fault);
     }
     *out = coder;
@@ -424,11 +419,11 @@ static exr_result_t pack_block(void *context, const struct exr_block *block)
 static void step_of(uint32_t step[2], const struct picture *like)
 {
     step[0] = like->tiled ? TILE_SIDE : like->width;
-    step[1] = height_of(like);
+    step[1] = strip_height(like);
 }
 
-static enum err pack(void *context, const struct picture *rows, uint32_t top, struct buf *out,
-                     uint32_t *check, struct fault *fault)
+static enum err compress_strip(void *context, const struct picture *rows, uint32_t top,
+                               struct buf *out, uint32_t *check, struct fault *fault)
 {
     struct exr_coder *coder = context;
     uint32_t step[2];
@@ -521,7 +516,8 @@ static enum err write_file(void *coder, const char *draft, const struct picture 
     return err;
 }
 
-const struct strips_format exr_strips = {height_of, begin, pack, write_file, end};
+const struct strips_format exr_strips = {strip_height, begin_coder, compress_strip, write_file,
+                                         end_coder};
 
 enum err exr_write(const char *path, enum file_mode mode, const struct picture *picture,
                    struct fault *fault)

@@ -6,29 +6,31 @@
 
 #include "base/choice.h"
 
-/* Below this volume the axes, made unit vectors, span next to nothing: the world cannot be turned
- * back into voxels. A shear of 89.9 degrees still has 1.7e-3. */
+/* Below this volume the unit axes span almost no space: the matrix cannot be inverted. A shear of
+ * 89.9 degrees still has 1.7e-3. */
 static const double VOLUME_LEAST = 1e-5;
 
 /* Files hold single precision: matches closer than this are equal, so that a scene turned by 45
  * degrees has the same axes again after it was written and read. */
 static const double TIE = 1e-6;
 
-static double column_length(const double to_mm[3][4], int a)
+double geometry_step_mm(const struct geometry *geometry, int axis)
 {
-    return sqrt(to_mm[0][a] * to_mm[0][a] + to_mm[1][a] * to_mm[1][a] + to_mm[2][a] * to_mm[2][a]);
+    const double x = geometry->to_mm[0][axis], y = geometry->to_mm[1][axis];
+    const double z = geometry->to_mm[2][axis];
+    return sqrt(x * x + y * y + z * z);
 }
 
-/* The columns of `to_mm` as unit vectors; false where one has no direction. */
-static bool unit_axes(double axis[3][3], const double to_mm[3][4])
+/* Compute the axes as unit vectors; false if one has no direction. */
+static bool unit_axes(double axis[3][3], const struct geometry *geometry)
 {
     for (int a = 0; a < 3; a++) {
-        const double length = column_length(to_mm, a);
+        const double length = geometry_step_mm(geometry, a);
         if (!isfinite(length) || !(length > 0))
             return false;
         for (int w = 0; w < 3; w++) {
-            axis[a][w] = to_mm[w][a] / length;
-            if (!isfinite(to_mm[w][3]))
+            axis[a][w] = geometry->to_mm[w][a] / length;
+            if (!isfinite(geometry->to_mm[w][3]))
                 return false;
         }
     }
@@ -47,22 +49,24 @@ bool geometry_place(struct geometry *geometry, const double to_mm[3][4],
 {
     static const int8_t permutation[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                              {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    struct geometry placed = *geometry;
     double axis[3][3];
     double best = -1;
-    if (!unit_axes(axis, to_mm) || !(fabs(volume(axis)) >= VOLUME_LEAST))
+    memcpy(placed.to_mm, to_mm, sizeof placed.to_mm);
+    placed.orientation = orientation;
+    if (!unit_axes(axis, &placed) || !(fabs(volume(axis)) >= VOLUME_LEAST))
         return false;
     for (int i = 0; i < 6; i++) {
         const int8_t *to = permutation[i];
         double match = fabs(axis[0][to[0]]) + fabs(axis[1][to[1]]) + fabs(axis[2][to[2]]);
         if (match > best + TIE) {
             best = match;
-            memcpy(geometry->world_axis, to, sizeof geometry->world_axis);
+            memcpy(placed.world_axis, to, sizeof placed.world_axis);
         }
     }
     for (int a = 0; a < 3; a++)
-        geometry->world_sign[a] = axis[a][geometry->world_axis[a]] < 0 ? -1 : 1;
-    memmove(geometry->to_mm, to_mm, sizeof geometry->to_mm);
-    geometry->orientation = orientation;
+        placed.world_sign[a] = axis[a][placed.world_axis[a]] < 0 ? -1 : 1;
+    *geometry = placed;
     return true;
 }
 
@@ -77,7 +81,7 @@ int geometry_digits(const struct geometry *geometry)
     return digits;
 }
 
-/* Voxel axes along world axes, from the origin on. */
+/* Set voxel axes along world axes, starting at the origin. */
 static void place_along(struct geometry *geometry, const int8_t axis[3], const int8_t sign[3],
                         const double spacing_mm[3])
 {
@@ -102,8 +106,8 @@ void geometry_place_spaced(struct geometry *geometry)
     geometry_place_plain(geometry, (const double[3]){nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6});
 }
 
-/* In nanometres, rounded to whole ones. */
-static bool take_spacing(uint32_t *nm, double spacing_nm)
+/* Round a spacing to whole nanometres. */
+static bool round_spacing(uint32_t *nm, double spacing_nm)
 {
     const double whole = floor(spacing_nm + 0.5);
     const bool is_distance = whole >= 1 && whole <= 4e9;
@@ -113,7 +117,7 @@ static bool take_spacing(uint32_t *nm, double spacing_nm)
 
 bool geometry_spacing(uint32_t *nm, double mm)
 {
-    return take_spacing(nm, mm * 1e6);
+    return round_spacing(nm, mm * 1e6);
 }
 
 void geometry_take_form(struct geometry *geometry, enum orientation form)
@@ -123,7 +127,7 @@ void geometry_take_form(struct geometry *geometry, enum orientation form)
     geometry_place(geometry, (const double(*)[4])taken->to_mm, form);
 }
 
-/* By world axis; the side that it runs towards first. */
+/* For each world axis, the side in its positive direction first. */
 static const char side_letters[3][3] = {"RL", "AP", "SI"};
 
 void geometry_axes(char letters[4], const struct geometry *geometry)
@@ -162,7 +166,7 @@ bool geometry_orient(struct geometry *geometry, const char *how)
         if (seen != 7)
             return false;
         for (int a = 0; a < 3; a++)
-            spacing_mm[a] = column_length((const double(*)[4])geometry->to_mm, a);
+            spacing_mm[a] = geometry_step_mm(geometry, a);
         place_along(geometry, axis, sign, spacing_mm);
         geometry->orientation = ORIENTATION_TOLD;
         return true;
@@ -173,17 +177,16 @@ bool geometry_orient(struct geometry *geometry, const char *how)
     return true;
 }
 
-/* ---- two of them ---- */
+/* ---- comparison ---- */
 
-/* The cosine of the angle between two axes that differ least in direction is taken for the same
- * from a degree on. */
+/* The cosine of a degree: directions within it count as the same. */
 static const double SAME_DIRECTION = 0.99985;
 
 bool geometry_same_directions(const struct geometry *a, const struct geometry *b)
 {
     double p[3][3], q[3][3];
     bool same_axes = true, same_lines = true;
-    if (!unit_axes(p, a->to_mm) || !unit_axes(q, b->to_mm))
+    if (!unit_axes(p, a) || !unit_axes(q, b))
         return false;
     for (int i = 0; i < 3; i++) {
         same_axes &= a->world_axis[i] == b->world_axis[i] && a->world_sign[i] == b->world_sign[i];
@@ -195,7 +198,7 @@ bool geometry_same_directions(const struct geometry *a, const struct geometry *b
 bool geometry_is_mirrored(const struct geometry *geometry)
 {
     double axis[3][3];
-    return unit_axes(axis, geometry->to_mm) && volume(axis) < 0;
+    return unit_axes(axis, geometry) && volume(axis) < 0;
 }
 
 double geometry_apart(const struct geometry *a, const struct geometry *b, const uint32_t size[3])
@@ -215,23 +218,18 @@ double geometry_apart(const struct geometry *a, const struct geometry *b, const 
     return most;
 }
 
-double geometry_step_mm(const struct geometry *geometry, int axis)
-{
-    return column_length(geometry->to_mm, axis);
-}
-
 double geometry_half_voxel(const struct geometry *geometry)
 {
-    double least = column_length(geometry->to_mm, 0);
+    double least = geometry_step_mm(geometry, 0);
     for (int a = 1; a < 3; a++)
-        least = fmin(least, column_length((const double(*)[4])geometry->to_mm, a));
+        least = fmin(least, geometry_step_mm(geometry, a));
     return least / 2;
 }
 
 double geometry_shear(const struct geometry *geometry)
 {
     double axis[3][3], most = 0;
-    if (!unit_axes(axis, (const double(*)[4])geometry->to_mm))
+    if (!unit_axes(axis, geometry))
         return 0;
     for (int a = 0; a < 3; a++) {
         const double *p = axis[a], *q = axis[(a + 1) % 3];
@@ -244,7 +242,7 @@ double geometry_shear(const struct geometry *geometry)
 double geometry_fill(const struct geometry *geometry)
 {
     double axis[3][3];
-    if (!unit_axes(axis, (const double(*)[4])geometry->to_mm))
+    if (!unit_axes(axis, geometry))
         return 1;
     const double part = floor(fabs(volume(axis)) * 1e9 + 0.5) / 1e9;
     return part < 1 - 1e-6 ? part : 1;
@@ -254,7 +252,7 @@ void geometry_steps(const struct geometry *geometry, double step_mm[3][3])
 {
     double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     if (geometry_fill(geometry) < 1)
-        unit_axes(axis, (const double(*)[4])geometry->to_mm);
+        unit_axes(axis, geometry);
     for (int a = 0; a < 3; a++)
         for (int w = 0; w < 3; w++)
             step_mm[a][w] = axis[a][w] * (geometry->spacing_nm[a] / 1e6);
@@ -263,7 +261,7 @@ void geometry_steps(const struct geometry *geometry, double step_mm[3][3])
 void geometry_along(const struct geometry *geometry, const int64_t direction[3], int64_t along[3])
 {
     double axis[3][3];
-    unit_axes(axis, (const double(*)[4])geometry->to_mm);
+    unit_axes(axis, geometry);
     for (int a = 0; a < 3; a++) {
         along[a] = 0;
         for (int w = 0; w < 3; w++)
@@ -274,8 +272,7 @@ void geometry_along(const struct geometry *geometry, const int64_t direction[3],
 double geometry_tilt(const struct geometry *geometry)
 {
     double axis[3][3], least = 1;
-    if (geometry->orientation == ORIENTATION_UNKNOWN ||
-        !unit_axes(axis, (const double(*)[4])geometry->to_mm))
+    if (geometry->orientation == ORIENTATION_UNKNOWN || !unit_axes(axis, geometry))
         return 0;
     for (int a = 0; a < 3; a++)
         least = fmin(least, fabs(axis[a][geometry->world_axis[a]]));
@@ -295,7 +292,7 @@ bool geometry_derive(struct geometry *geometry, const double first[3], const dou
 {
     uint32_t spacing_nm[3];
     for (int a = 0; a < 3; a++)
-        if (!take_spacing(&spacing_nm[a], geometry->spacing_nm[a] * step[a]))
+        if (!round_spacing(&spacing_nm[a], geometry->spacing_nm[a] * step[a]))
             return false;
     memcpy(geometry->spacing_nm, spacing_nm, sizeof spacing_nm);
     geometry->fields.given = false;

@@ -104,7 +104,7 @@ bool image_movie_is_named(const char *path)
     return file_is_named(path, ".gif|.tif|.tiff");
 }
 
-static void forget(struct image_movie *movie)
+static void release_movie(struct image_movie *movie)
 {
     if (movie->draft.length)
         file_discard(buf_text(&movie->draft));
@@ -148,7 +148,7 @@ enum err image_movie_begin(struct image_movie *movie, const struct picture *like
     if (!goes)
         err = coprocess_fault(process, "write", path, fault);
     if (err)
-        forget(movie);
+        release_movie(movie);
     return err;
 }
 
@@ -187,7 +187,7 @@ enum err image_movie_end(struct image_movie *movie, struct fault *fault)
         err = file_publish(buf_text(&movie->draft), movie->path, movie->mode, fault);
         buf_clear(&movie->draft); /* it was renamed or removed */
     }
-    forget(movie);
+    release_movie(movie);
     return err;
 }
 
@@ -195,7 +195,7 @@ void image_movie_abandon(struct image_movie *movie)
 {
     if (movie->helper)
         coprocess_stop(&movie->helper->process); /* it may be waiting for the rest of a frame */
-    forget(movie);
+    release_movie(movie);
 }
 
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
@@ -254,8 +254,8 @@ static enum err receive_note(struct image_helper *helper, struct picture *out, s
 }
 
 /* Send `request` for a path, and receive the first line of the answer. */
-static enum err ask(struct image_helper *helper, const char *request, const char *path,
-                    char line[COPROCESS_LINE], struct fault *fault)
+static enum err send_request(struct image_helper *helper, const char *request, const char *path,
+                             char line[COPROCESS_LINE], struct fault *fault)
 {
     enum err err = check_request("read", path, NULL, fault);
     if (!err)
@@ -269,8 +269,8 @@ static enum err ask(struct image_helper *helper, const char *request, const char
 }
 
 /* After the rest of the answer: report trouble of the process, or end it after another error. */
-static enum err settle(struct image_helper *helper, const char *path, enum err err,
-                       struct fault *fault)
+static enum err finish_answer(struct image_helper *helper, const char *path, enum err err,
+                              struct fault *fault)
 {
     if (err && helper->process.trouble != FINE)
         return coprocess_fault(&helper->process, "read", path, fault);
@@ -287,7 +287,7 @@ enum err image_helper_read(struct image_helper *helper, const char *path, struct
     const char *at = line;
     int64_t number[3];
     *out = (struct picture){0};
-    enum err err = ask(helper, "read", path, line, fault);
+    enum err err = send_request(helper, "read", path, line, fault);
     if (err)
         return err;
     if (!scan_text(&at, "picture ") || !coprocess_numbers(at, 3, most, number) || number[0] < 1 ||
@@ -300,7 +300,7 @@ enum err image_helper_read(struct image_helper *helper, const char *path, struct
     if (!err &&
         !coprocess_receive(&helper->process, out->rgba, 4 * (size_t)out->width * out->height))
         err = ERR_IO;
-    err = settle(helper, path, err, fault);
+    err = finish_answer(helper, path, err, fault);
     if (err)
         picture_release(out);
     return err;
@@ -316,7 +316,7 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
     const char *at = line;
     int64_t number[7];
     *out = (struct image_facts){0};
-    enum err err = ask(helper, "about", path, line, fault);
+    enum err err = send_request(helper, "about", path, line, fault);
     if (err)
         return err;
     if (!scan_text(&at, "about ") || !coprocess_numbers(at, 7, most, number) || number[0] < 1 ||
@@ -332,7 +332,7 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
     }
     for (int64_t i = 0; !err && i < number[3]; i++)
         err = receive_note(helper, &out->picture, fault);
-    err = settle(helper, path, err, fault);
+    err = finish_answer(helper, path, err, fault);
     if (err) {
         image_facts_release(out);
         return err;

@@ -74,7 +74,7 @@ static uint64_t nrrd_voxels_bytes(const struct nrrd_header *header)
 
 /* Explain why packed voxels cannot be read, in place of an ERR_INPUT. OK if the voxels are whole
  * and only the bytes after them are damaged. */
-static enum err judge(const struct voxels *voxels, enum err err, struct fault *fault)
+static enum err explain_damage(const struct voxels *voxels, enum err err, struct fault *fault)
 {
     bool ends;
     if (err != ERR_INPUT || !voxels->is_packed)
@@ -93,14 +93,14 @@ static enum err take_voxels(struct source_decoder *decoder, void *to, size_t len
     struct voxels *voxels = (struct voxels *)decoder;
     enum err err = source_read(&voxels->file, to, length, "the voxels", NULL, fault);
     if (err) {
-        const enum err why = judge(voxels, err, fault);
+        const enum err why = explain_damage(voxels, err, fault);
         return why ? why : err;
     }
     voxels->at += length;
     voxels_reorder(to, length / voxel_bytes(voxels->type), voxels->type, voxels->big_endian);
     if (voxels->at == voxels->needed)
         err = source_finish(&voxels->file, fault);
-    return judge(voxels, err, fault);
+    return explain_damage(voxels, err, fault);
 }
 
 static void free_voxels(struct source_decoder *decoder)
@@ -141,7 +141,8 @@ static enum err begin_voxels(const struct volume_header *header, struct volume_s
     if (source->decoder->take != take_voxels)
         return volume_helper_begin_voxels(header, source, fault);
     if (voxels->is_packed && voxels->file.most < voxels->needed)
-        err = judge(voxels, ERR_INPUT, fault); /* before anything of their size is allocated */
+        err = explain_damage(voxels, ERR_INPUT,
+                             fault); /* before anything of their size is allocated */
     else if (voxels->is_packed && part_is_less(header)) {
         uint8_t last; /* inflate all of them first: a part is read from a sound file alone */
         err = source_go_to(&voxels->file, voxels->needed - 1, "the voxels", fault);
@@ -149,7 +150,7 @@ static enum err begin_voxels(const struct volume_header *header, struct volume_s
             err = source_read(&voxels->file, &last, 1, "the voxels", NULL, fault);
         if (!err)
             err = source_finish(&voxels->file, fault);
-        err = judge(voxels, err, fault);
+        err = explain_damage(voxels, err, fault);
     }
     return err ? err
                : source_go_to(&voxels->file, voxels->is_packed ? 0 : voxels->offset, "the voxels",
@@ -176,7 +177,7 @@ struct segment {
 };
 
 /* The value of "SegmentN_KEY:=VALUE", up to the end of its line; NULL if it is missing. */
-static const char *find(const char *bytes, size_t length, unsigned number, const char *key)
+static const char *find_field(const char *bytes, size_t length, unsigned number, const char *key)
 {
     char field[48];
     const int n = snprintf(field, sizeof field, "Segment%u_%s:=", number, key);
@@ -189,27 +190,27 @@ static const char *find(const char *bytes, size_t length, unsigned number, const
     return NULL;
 }
 
-static int64_t find_number(const char *bytes, size_t length, unsigned number, const char *key,
-                           int64_t usual)
+static int64_t find_field_number(const char *bytes, size_t length, unsigned number, const char *key,
+                                 int64_t usual)
 {
-    const char *at = find(bytes, length, number, key);
+    const char *at = find_field(bytes, length, number, key);
     int64_t value;
     return at && scan_integer(&at, 0, VALUE_MOST, &value) ? value : usual;
 }
 
 static bool read_segment(struct segment *segment, const char *bytes, size_t length, unsigned number)
 {
-    segment->name = find(bytes, length, number, "Name");
+    segment->name = find_field(bytes, length, number, "Name");
     if (!segment->name)
-        segment->name = find(bytes, length, number, "ID");
+        segment->name = find_field(bytes, length, number, "ID");
     if (!segment->name)
         return false;
     const size_t left = (size_t)(bytes + length - segment->name);
     const char *end = memchr(segment->name, '\n', left);
     segment->name_length = end ? (int)(end - segment->name) : (int)left;
     segment->name_length -= end && end > segment->name && end[-1] == '\r';
-    segment->layer = find_number(bytes, length, number, "Layer", number);
-    segment->value = find_number(bytes, length, number, "LabelValue", 1);
+    segment->layer = find_field_number(bytes, length, number, "Layer", number);
+    segment->value = find_field_number(bytes, length, number, "LabelValue", 1);
     return true;
 }
 

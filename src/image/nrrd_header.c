@@ -355,7 +355,7 @@ static bool place_directions(struct reading *r)
     return out->knows_place || (mm[0] == mm[1] && mm[1] == mm[2]);
 }
 
-static bool place(struct reading *r)
+static bool set_place(struct reading *r)
 {
     struct nrrd_header *out = r->out;
     if (has(r, DIRECTIONS)) {
@@ -402,5 +402,5 @@ bool nrrd_header_read(struct nrrd_header *out, char *bytes, size_t length)
     }
     const bool is_whole = has(&r, TYPE) && has(&r, SIZES) && has(&r, ENCODING) &&
                           (has(&r, ENDIAN) || voxel_bytes(out->type) == 1);
-    return is_whole && !(out->is_packed && has(&r, BYTE_SKIP)) && place(&r);
+    return is_whole && !(out->is_packed && has(&r, BYTE_SKIP)) && set_place(&r);
 }

@@ -83,7 +83,7 @@ void picture_release(struct picture *picture)
     *picture = (struct picture){0};
 }
 
-static struct attribute *find(const struct picture *picture, const char *name)
+static struct attribute *find_attribute(const struct picture *picture, const char *name)
 {
     for (size_t i = 0; i < picture->attributes; i++)
         if (strcmp(picture->attribute[i].name, name) == 0)
@@ -94,7 +94,7 @@ static struct attribute *find(const struct picture *picture, const char *name)
 enum err picture_note(struct picture *picture, const char *name, const char *value,
                       struct fault *fault)
 {
-    struct attribute *former = find(picture, name);
+    struct attribute *former = find_attribute(picture, name);
     struct attribute fresh = {former ? NULL : strdup(name), strdup(value)};
     struct attribute *grown = NULL;
     if (former && fresh.value) {
@@ -116,7 +116,7 @@ enum err picture_note(struct picture *picture, const char *name, const char *val
 
 const char *picture_find(const struct picture *picture, const char *name)
 {
-    const struct attribute *attribute = find(picture, name);
+    const struct attribute *attribute = find_attribute(picture, name);
     return attribute ? attribute->value : NULL;
 }
 

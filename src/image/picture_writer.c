@@ -75,8 +75,8 @@ void picture_job_free(struct picture_job *job)
 /* ---- the thread ---- */
 
 /* Under the lock. */
-static void report(struct picture_writer *writer, enum err err, const char *path,
-                   const struct fault *fault)
+static void report_outcome(struct picture_writer *writer, enum err err, const char *path,
+                           const struct fault *fault)
 {
     const uint64_t one = 1;
     if (err) {
@@ -103,7 +103,7 @@ static struct picture_job *next_job(struct picture_writer *writer)
     return job;
 }
 
-static void *work(void *argument)
+static void *run_jobs(void *argument)
 {
     struct picture_writer *writer = argument;
     pthread_mutex_lock(&writer->lock);
@@ -119,7 +119,7 @@ static void *work(void *argument)
         struct fault fault = {0};
         enum err err = image_write(writer->helper, job->path, job->mode, &job->picture, &fault);
         pthread_mutex_lock(&writer->lock);
-        report(writer, err, job->path, &fault);
+        report_outcome(writer, err, job->path, &fault);
         writer->current = NULL;
         picture_job_free(job);
         pthread_cond_broadcast(&writer->done);
@@ -128,7 +128,7 @@ static void *work(void *argument)
     return NULL;
 }
 
-static void discard(struct picture_writer *writer)
+static void free_writer(struct picture_writer *writer)
 {
     if (writer->descriptor >= 0)
         close(writer->descriptor);
@@ -147,15 +147,15 @@ enum err picture_writer_new(struct picture_writer **out, const char *program, st
     writer->descriptor = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     enum err err = image_helper_new(&writer->helper, program, fault);
     if (err || writer->descriptor < 0) {
-        discard(writer);
+        free_writer(writer);
         return err ? err
                    : fault_set(fault, ERR_IO, "no descriptor is left for the writer of pictures");
     }
     pthread_mutex_init(&writer->lock, NULL);
     pthread_cond_init(&writer->given, NULL);
     thread_condition_init(&writer->done);
-    if (!thread_start(&writer->thread, work, writer)) {
-        discard(writer);
+    if (!thread_start(&writer->thread, run_jobs, writer)) {
+        free_writer(writer);
         return fault_set(fault, ERR_IO,
                          "no thread is available to write pictures in the background");
     }
@@ -175,7 +175,7 @@ void picture_writer_free(struct picture_writer *writer)
     pthread_cond_destroy(&writer->given);
     pthread_cond_destroy(&writer->done);
     pthread_mutex_destroy(&writer->lock);
-    discard(writer);
+    free_writer(writer);
 }
 
 /* ---- from outside ---- */
@@ -221,7 +221,7 @@ enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
         for (struct picture_job *job; stopped && (job = next_job(writer)); picture_job_free(job)) {
             struct fault cancelled;
             fault_set(&cancelled, ERR_CANCELLED, "cancelled: %s was not written", job->path);
-            report(writer, ERR_CANCELLED, job->path, &cancelled);
+            report_outcome(writer, ERR_CANCELLED, job->path, &cancelled);
         }
     }
     pthread_mutex_unlock(&writer->lock);

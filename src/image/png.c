@@ -79,14 +79,14 @@ static const struct {
 
 /* ---- strips ---- */
 
-static uint32_t height_of(const struct picture *like)
+static uint32_t strip_height(const struct picture *like)
 {
     const uint32_t least_rows = STRIP_PIXELS / like->width;
     return (least_rows / STRIP_ROWS + 1) * STRIP_ROWS;
 }
 
-static enum err begin(void **out, const char *path, const struct picture *like, unsigned planes,
-                      struct fault *fault)
+static enum err begin_coder(void **out, const char *path, const struct picture *like,
+                            unsigned planes, struct fault *fault)
 {
     struct png_coder *coder = mem_new(sizeof *coder);
     *out = coder;
@@ -110,7 +110,7 @@ static void fill_row(uint8_t *out, const uint8_t *rgba, uint32_t width, unsigned
 }
 
 /* Filter the rows, from the last to the first, so that the row above is still unfiltered. */
-static void filter(uint8_t *raw, size_t row_bytes, uint32_t rows, unsigned each)
+static void filter_strip(uint8_t *raw, size_t row_bytes, uint32_t rows, unsigned each)
 {
     const size_t stride = row_bytes + 1;
     for (uint32_t y = rows; y-- > 0;) {
@@ -140,8 +140,8 @@ static enum err deflate_part(struct buf *out, uint8_t *raw, size_t bytes, bool e
     return fine ? OK : ERR_MEMORY;
 }
 
-static enum err pack(void *context, const struct picture *rows, uint32_t top, struct buf *out,
-                     uint32_t *check, struct fault *fault)
+static enum err compress_strip(void *context, const struct picture *rows, uint32_t top,
+                               struct buf *out, uint32_t *check, struct fault *fault)
 {
     const struct png_coder *coder = context;
     const size_t row_bytes = (size_t)coder->width * coder->channels, stride = row_bytes + 1;
@@ -152,7 +152,7 @@ static enum err pack(void *context, const struct picture *rows, uint32_t top, st
         fill_row(raw + y * stride + 1, rows->rgba + (size_t)4 * y * rows->width, rows->width,
                  coder->channels);
     if (!err) {
-        filter(raw, row_bytes, rows->height, coder->channels);
+        filter_strip(raw, row_bytes, rows->height, coder->channels);
         *check = (uint32_t)adler32(1, raw, (uInt)(stride * rows->height));
         if (top == 0)
             buf_add(&data, "\x78\x5e", 2); /* zlib: a window of 32 kB, made fast */
@@ -262,7 +262,8 @@ static enum err write_file(void *context, const char *draft, const struct pictur
     return err;
 }
 
-const struct strips_format png_strips = {height_of, begin, pack, write_file, free};
+const struct strips_format png_strips = {strip_height, begin_coder, compress_strip, write_file,
+                                         free};
 
 enum err png_write(const char *path, enum file_mode mode, const struct picture *picture,
                    struct fault *fault)

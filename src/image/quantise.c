@@ -192,7 +192,7 @@ static bool is_spread(const struct numbers *n, size_t aside, struct watch *watch
 
 /* Insert an order into an ascending list and drop the last one; a descending list if `flip` has all
  * bits. */
-static void insert(uint64_t *list, size_t last, uint64_t order, uint64_t flip)
+static void insert_order(uint64_t *list, size_t last, uint64_t order, uint64_t flip)
 {
     size_t i = last;
     for (; i > 0 && (list[i - 1] ^ flip) > (order ^ flip); i--)
@@ -219,9 +219,9 @@ static bool put_first_aside(uint64_t core[2], const struct numbers *n, size_t k,
                 continue;
             between++;
             if (order < lowest[k])
-                insert(lowest, k, order, 0);
+                insert_order(lowest, k, order, 0);
             if (order > highest[k])
-                insert(highest, k, order, UINT64_MAX);
+                insert_order(highest, k, order, UINT64_MAX);
         }
     core[0] = lowest[k];
     core[1] = highest[k];
@@ -403,7 +403,7 @@ static struct steps steps_around(const uint64_t core[2], const struct numbers *n
     return s;
 }
 
-static void divide(const struct fitting *f, const struct steps *s)
+static void convert_whole(const struct fitting *f, const struct steps *s)
 {
     const unsigned width = voxel_bytes(f->type);
     const uint64_t step = s->step;
@@ -449,7 +449,7 @@ static enum err fit_whole(struct way_back *back, struct fitting *f)
         f->levels->ends[0] = least;
         f->levels->ends[1] = greatest;
     }
-    divide(f, &steps);
+    convert_whole(f, &steps);
     f->volume->is_coarse = steps.step > 1 || is_clamped;
     if (steps.step > 1)
         volume_note(f->volume->notes,
@@ -556,7 +556,7 @@ static inline void note_piece(struct levels *levels, const uint16_t *is, const u
     }
 }
 
-static inline void spread(const struct fitting *f, const struct line *line, bool is_double)
+static inline void convert_reals(const struct fitting *f, const struct line *line, bool is_double)
 {
     enum { SMALL = 4096 };
     uint16_t is[SMALL];
@@ -612,9 +612,9 @@ static enum err fit_reals(struct way_back *back, struct fitting *f)
     if (err)
         return err;
     if (is_double)
-        spread(f, &line, true);
+        convert_reals(f, &line, true);
     else
-        spread(f, &line, false);
+        convert_reals(f, &line, false);
     if (extent.odd && line.first) /* below every number, and in no range */
         f->levels->level[0].least = -INFINITY;
     if (extent.odd)

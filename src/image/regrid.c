@@ -71,8 +71,8 @@ bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
     return found;
 }
 
-static void reorder(uint16_t *out, const struct volume *map, const uint32_t size[3],
-                    const struct regrid_order *order, struct watch *watch)
+static void reorder_voxels(uint16_t *out, const struct volume *map, const uint32_t size[3],
+                           const struct regrid_order *order, struct watch *watch)
 {
     const size_t stride[3] = {1, map->size[0], (size_t)map->size[0] * map->size[1]};
     struct task task = task_begin(watch, "reordering", (uint64_t)size[0] * size[1] * size[2]);
@@ -254,7 +254,7 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
         char is[4], becomes[4];
         geometry_axes(is, &map->geometry);
         geometry_axes(becomes, scene);
-        reorder(out, map, size, &order, watch);
+        reorder_voxels(out, map, size, &order, watch);
         volume_note(map->notes,
                     "its axes run towards %s and the scene's towards %s: taken voxel by voxel, in "
                     "the scene's order",

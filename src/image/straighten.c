@@ -55,7 +55,7 @@ static void unshear(double to_mm[3][4], const struct shear *s)
 
 /* Compute the size along an axis whose `count` voxels are shifted by `low`, 0 or less, to `high`.
  */
-static void spread(struct shear *s, int axis, uint32_t count, int64_t low, int64_t high)
+static void set_size(struct shear *s, int axis, uint32_t count, int64_t low, int64_t high)
 {
     s->begin[axis] = -((WHOLE - 1 - low) / WHOLE);
     s->size[axis] = (uint32_t)((int64_t)count + (high + WHOLE - 1) / WHOLE - s->begin[axis]);
@@ -66,8 +66,8 @@ static int64_t below_zero(int64_t n)
     return n < 0 ? n : 0;
 }
 
-static enum err plan(struct shear *s, const uint32_t size[3], const struct geometry *geometry,
-                     struct fault *fault)
+static enum err plan_shear(struct shear *s, const uint32_t size[3], const struct geometry *geometry,
+                           struct fault *fault)
 {
     struct grid grid;
     double m[3][4];
@@ -89,10 +89,10 @@ static enum err plan(struct shear *s, const uint32_t size[3], const struct geome
     const int64_t along_b = s->second_by_third * (size[c] - 1);
     const int64_t by_b = s->first_by_second * (size[b] - 1);
     const int64_t by_c = s->first_by_third * (size[c] - 1);
-    spread(s, a, size[a], below_zero(by_b) + below_zero(by_c),
-           by_b + by_c - below_zero(by_b) - below_zero(by_c));
-    spread(s, b, size[b], below_zero(along_b), along_b - below_zero(along_b));
-    spread(s, c, size[c], 0, 0);
+    set_size(s, a, size[a], below_zero(by_b) + below_zero(by_c),
+             by_b + by_c - below_zero(by_b) - below_zero(by_c));
+    set_size(s, b, size[b], below_zero(along_b), along_b - below_zero(along_b));
+    set_size(s, c, size[c], 0, 0);
     const double voxels = (double)size[0] * size[1] * size[2];
     if (!fits || (double)s->size[0] * s->size[1] * s->size[2] > SWELLS_MOST * voxels)
         return fault_set(fault, ERR_LIMIT,
@@ -109,7 +109,7 @@ enum err straighten_size(uint32_t out[3], const uint32_t size[3], const struct g
     memcpy(out, size, 3 * sizeof *out);
     if (geometry_shear(geometry) < SHEAR_LEAST)
         return OK;
-    const enum err err = plan(&s, size, geometry, fault);
+    const enum err err = plan_shear(&s, size, geometry, fault);
     if (!err)
         memcpy(out, s.size, sizeof s.size);
     return err;
@@ -129,7 +129,7 @@ struct work {
 
 /* Find the two neighbours of a position among `count` voxels, and the weight of the second. False
  * if the position is half a voxel or more outside. */
-static bool between(int64_t voxel[2], uint32_t *weight, int64_t at, uint32_t count)
+static bool find_neighbours(int64_t voxel[2], uint32_t *weight, int64_t at, uint32_t count)
 {
     const int64_t last = ((int64_t)count - 1) * WHOLE;
     if (at < -WHOLE / 2 || at >= last + WHOLE / 2)
@@ -153,14 +153,14 @@ static void straighten_row(struct work *work, int64_t second, int64_t third)
     int64_t at_a = s->begin[a] * WHOLE - lean - s->first_by_third * third;
     int64_t row[2] = {0, 0}, voxel[2];
     uint32_t by_b = 0, by_a;
-    const bool is_inside = between(row, &by_b, at_b, work->size[b]);
+    const bool is_inside = find_neighbours(row, &by_b, at_b, work->size[b]);
     const uint16_t *slice = work->from + (size_t)third * work->from_step[c];
     const uint16_t *near = slice + (size_t)row[0] * work->from_step[b];
     const uint16_t *far = slice + (size_t)row[1] * work->from_step[b];
     uint16_t *to = work->to + (size_t)(second - s->begin[b]) * work->to_step[b] +
                    (size_t)third * work->to_step[c];
     for (uint32_t i = 0; i < s->size[a]; i++, at_a += WHOLE, to += work->to_step[a]) {
-        if (!is_inside || !between(voxel, &by_a, at_a, work->size[a])) {
+        if (!is_inside || !find_neighbours(voxel, &by_a, at_a, work->size[a])) {
             *to = work->beyond;
             work->count++;
             continue;
@@ -177,7 +177,7 @@ static void straighten_row(struct work *work, int64_t second, int64_t third)
 
 /* Change to the geometry of the result. False, without a change, if its spacing is no valid
  * distance. */
-static bool place(struct geometry *geometry, const struct shear *s)
+static bool place_result(struct geometry *geometry, const struct shear *s)
 {
     const double begin[3] = {(double)s->begin[0], (double)s->begin[1], (double)s->begin[2]};
     const double as_it_is[3] = {1, 1, 1};
@@ -207,7 +207,7 @@ enum err straighten(struct volume *volume, struct watch *watch, struct fault *fa
                                        : "its axes are at right angles: nothing to straighten");
         return OK;
     }
-    const enum err err = plan(&s, volume->size, &volume->geometry, fault);
+    const enum err err = plan_shear(&s, volume->size, &volume->geometry, fault);
     if (err)
         return err;
     uint16_t *out = mem_array((size_t)s.size[0] * s.size[1] * s.size[2], sizeof *out);
@@ -232,7 +232,7 @@ enum err straighten(struct volume *volume, struct watch *watch, struct fault *fa
     for (uint32_t third = 0; third < s.size[s.third]; third++)
         for (uint32_t y = 0; y < rows && task_advance(&task, 1); y++)
             straighten_row(&work, s.begin[s.second] + y, third);
-    if (watch_stops(watch) || !place(&volume->geometry, &s)) {
+    if (watch_stops(watch) || !place_result(&volume->geometry, &s)) {
         free(out);
         return watch_stops(watch) ? watch_fault(watch, fault)
                                   : fault_set(fault, ERR_INPUT,

@@ -125,7 +125,7 @@ static void corners_of(uint32_t corner[3], const struct output *out, size_t tria
 
 /* ---- bytes ---- */
 
-static void flush(struct output *out)
+static void flush_bytes(struct output *out)
 {
     out->fine = out->fine && !out->bytes.failed &&
                 file_step_write(out->fd, out->draft, buf_text(&out->bytes), out->bytes.length);
@@ -136,7 +136,7 @@ static void flush(struct output *out)
 static bool next_item(struct output *out)
 {
     if (out->bytes.length >= FLUSH)
-        flush(out);
+        flush_bytes(out);
     return out->fine && task_advance(&out->task, 1);
 }
 
@@ -397,7 +397,7 @@ static enum err write_draft(struct output *out, const char *path, struct watch *
         return fault_errno(fault, "write", path);
     out->fine = true;
     format_of(path)->write(out);
-    flush(out);
+    flush_bytes(out);
     const int number = errno;
     const bool closed = close(out->fd) == 0;
     if (out->fine && closed && !watch_stops(watch))

@@ -107,7 +107,7 @@ const char *volume_ending(const char *path)
 
 /* Report an error with a list of the formats that are read, or written: "NIfTI (.nii or .nii.gz),
  * ..". */
-static enum err refuse(const char *words, bool write, enum err err, struct fault *fault)
+static enum err refuse_format(const char *words, bool write, enum err err, struct fault *fault)
 {
     struct buf list = {0};
     for (int i = 0; i < FORMATS; i++) {
@@ -203,7 +203,7 @@ static enum err find_format(const struct volume_format **format, struct volume_s
     const char *advice = advise(source->path, begin, length);
     if (advice)
         return fault_set(fault, ERR_INPUT, "%s", advice);
-    return *format ? OK : refuse("not a volume; expected ", false, ERR_INPUT, fault);
+    return *format ? OK : refuse_format("not a volume; expected ", false, ERR_INPUT, fault);
 }
 
 /* ---- reading ---- */
@@ -437,6 +437,6 @@ enum err volume_write(const char *path, enum file_mode mode, const struct volume
     const struct volume_format *format = format_named(path, true);
     if (format)
         return format->write(path, mode, map, watch, fault);
-    const enum err err = refuse("expected the name of a volume, ", true, ERR_USAGE, fault);
+    const enum err err = refuse_format("expected the name of a volume, ", true, ERR_USAGE, fault);
     return fault_prefix(fault, err, "cannot write %s", path);
 }

@@ -151,7 +151,7 @@ void volume_release(struct volume *volume)
 /* ---- writing ---- */
 
 /* Write a piece; tests make this step fail, as they do in the file layer. */
-static bool put(gzFile gz, const char *path, const void *bytes, size_t length)
+static bool write_bytes(gzFile gz, const char *path, const void *bytes, size_t length)
 {
     const uint8_t *at = bytes;
     const size_t piece_most = (size_t)1 << 30;
@@ -166,8 +166,8 @@ static bool put(gzFile gz, const char *path, const void *bytes, size_t length)
 }
 
 /* Write all rows; false too if the watch stops. */
-static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, void *values,
-                     struct watch *watch)
+static bool write_rows(gzFile gz, const char *path, const struct volume_map *map, void *values,
+                       struct watch *watch)
 {
     const size_t bytes = (size_t)map->size[0] * voxel_bytes(map->type);
     struct task task = task_begin(watch, "writing", voxels_in(map->size) * voxel_bytes(map->type));
@@ -175,7 +175,7 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
         for (uint32_t y = 0; y < map->size[1]; y++) {
             map->row(map->context, y, z, values);
             voxels_reorder(values, map->size[0], map->type, false);
-            if (!put(gz, path, values, bytes) || !task_advance(&task, bytes))
+            if (!write_bytes(gz, path, values, bytes) || !task_advance(&task, bytes))
                 return false;
         }
     return true;
@@ -204,8 +204,8 @@ static enum err write_draft(const char *draft, const char *path, const struct bu
         gzbuffer(gz, PACKED_CHUNK);
         errno = EIO;
         const bool fine =
-            (packing == PACKED_VOXELS || put(gz, path, header->data, header->length)) &&
-            put_rows(gz, path, map, values, watch);
+            (packing == PACKED_VOXELS || write_bytes(gz, path, header->data, header->length)) &&
+            write_rows(gz, path, map, values, watch);
         const int number = errno;
         const bool closed = gzclose_w(gz) == Z_OK;
         if (!fine)
