@@ -150,7 +150,7 @@ close_story
 begin "a script that fails says what its journal has, and how to go on"
 printf '# one\nlabel 1 a\nlabel 2 b\nlabell 3 c\nlabel 4 d\n' >"it's half.txt"
 expect 2 "$iftty" run "it's half.txt" --journal half.iftty
-same "$(sed 1d err)" "half.iftty holds 2 records, up to what stands before line 4; to go on there:
+same "$(sed 1d err)" "half.iftty holds 2 records, of the lines before line 4; to continue there:
     tail -n +4 'it'\\''s half.txt' | iftty run - --journal half.iftty"
 sed s/labell/label/ "it's half.txt" >mended && mv mended "it's half.txt"
 eval "$(sed -n '$p' err | sed "s|iftty run|'$iftty' run|")" >out 2>err ||

@@ -15,9 +15,9 @@ left_behind() {
 begin_terminal
 
 begin "it takes a terminal, a journal of its own, and the head that it is about"
-expect 2 "$iftty" tutorial </dev/null && err_has "takes a terminal"
+expect 2 "$iftty" tutorial </dev/null && err_has "needs a terminal"
 enter_anew "IFTTY_SCENES=/nowhere $iftty tutorial; echo ends \$?"
-see '^iftty: the lesson takes the head ch2.nii.gz and its brain ch2bet.nii.gz'
+see '^iftty: the lesson needs the head ch2.nii.gz and its brain ch2bet.nii.gz'
 see '^ends 3$'
 enter_anew "$iftty tutorial ch2.nii.gz; echo ends \$?"
 see '^iftty: ch2.nii.gz is no journal of a lesson; `iftty tutorial` begins one$'
@@ -38,22 +38,22 @@ see '^A first organ: the brain of this head, in 5 steps\.'
 see '^step 1 of 5, in the object: no seed of label 1 is there yet$'
 see '^or here:  seed 60,108,90 1 radius=6$'
 enter "seed 20,108,90 1 radius=3"
-see '^step 1 of 5, in the object: 112 of its 123 seeds lie outside the brain$'
+see '^step 1 of 5, in the object: 112 of its 123 seeds are outside the brain$'
 enter "undo"
 see '^step 1 of 5, in the object: no seed of label 1 is there yet$'
 enter "seed 90,120,100 1 radius=4"
-see '^step 2 of 5, what touches it: no seed of the background is there yet$'
+see '^step 2 of 5, its neighbour: no seed of the background is there yet$'
 enter "seed 60,108,90 0"
-see '^step 2 of 5, what touches it: 1 of its 1 seed lies in the brain$'
+see '^step 2 of 5, its neighbour: 1 of its 1 seed is in the brain$'
 enter "undo"
 enter "seed 160,108,90 0 radius=6"
 see '^step 3 of 5, the other side: Dice 0\.7[0-9]* of 0\.920, [0-9]* ml too much, most in z='
 enter "seed 20,108,90 0 radius=6"
-see '^step 4 of 5, what has leaked: Dice 0\.93[0-9] of 0\.950, [0-9]* ml too much, most in z='
+see '^step 4 of 5, the leak: Dice 0\.93[0-9] of 0\.950, [0-9]* ml too much, most in z='
 enter "seed 90,108,5 0 radius=6 to=60,108,8"
 see '^step 5 of 5, a name: label 1 has no name yet$'
 enter "label 1 brain"
-see '^all steps have come: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.95[0-9]$'
+see '^all steps are done: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.95[0-9]$'
 enter "quit"
 see '^journal: tutorial-1\.iftty '
 sane
@@ -70,11 +70,11 @@ press C-o
 see '^3L 30 voxels to the screen.s right, out of a ventricle into white matter; i a$'
 see '^axial.* at 90,108,90  brush 1 r6  '
 type_letters "3Li"
-see '^step 2 of 5, what touches it: no seed of the background'
+see '^step 2 of 5, its neighbour: no seed of the background'
 type_letters "4Ls0"
 see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "U"
-see '^step 2 of 5, what touches it: no seed of the background'
+see '^step 2 of 5, its neighbour: no seed of the background'
 press C-r
 see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "q"
@@ -87,13 +87,13 @@ see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 press C-o
 see '^axial.* at 20,108,90  brush 1 r6  '
 type_letters "14Hs0"
-see '^step 4 of 5, what has leaked: Dice 0\.93[0-9] of 0\.950, '
+see '^step 4 of 5, the leak: Dice 0\.93[0-9] of 0\.950, '
 type_letters "80JI14Li"
 see '^step 5 of 5, a name: label 1 has no name yet$'
 see '^:label 1 brain and Enter$'
 type_letters ":label 1 brain"
 press Enter
-see '^all steps have come: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.952$'
+see '^all steps are done: a brain, whose Dice coefficient with ch2bet.nii.gz is 0\.952$'
 type_letters "q"
 see '^`iftty verify tutorial-2.iftty` proves it'
 enter "quit"

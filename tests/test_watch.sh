@@ -113,7 +113,7 @@ see '^verified: '
 sane
 same "$(listing . | grep -v 'tmux\|modes')" "$before"
 expect 2 "$iftty" watch e.iftty
-err_has "takes a terminal; \`iftty replay JOURNAL\` takes none"
+err_has "needs a terminal; \`iftty replay JOURNAL\` needs none"
 close_story
 
 begin "--from and --until say where it begins and ends"

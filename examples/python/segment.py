@@ -24,7 +24,7 @@ s = session
 s.label(1, "brain", "#e06040")
 
 # %% Seeds, in voxels: a ball in the brain, one in the skull at either side, and a stroke through
-# what has leaked beside the neck.
+# the leak next to the neck.
 s.seed((90, 108, 90), "brain", radius=6)
 s.seed((20, 108, 90), 0, radius=6)
 s.seed((160, 108, 90), 0, radius=6)

@@ -41,7 +41,7 @@ enum err begin_by_options(struct interpreter *interp, const struct options *o, s
     if (o->whole && o->journal && !file_exists(o->journal))
         buf_add_text(&path, JOURNAL_PART);
     else
-        interp->is_read_only |= o->whole; /* it is whole */
+        interp->is_read_only |= o->whole; /* the journal is complete */
     const char *journal = buf_text(&path);
     if (!err && path.failed)
         err = fault_memory(fault, "a path");
@@ -61,7 +61,7 @@ enum err begin_by_options(struct interpreter *interp, const struct options *o, s
 
 void begin_to_wait(struct interpreter *interp)
 {
-    const uint64_t least = 1000000000; /* bytes: cells that take a tenth of a second */
+    const uint64_t least = 1000000000; /* bytes of cells that take a tenth of a second */
     session_let_wait(interp->session, least);
 }
 
@@ -83,7 +83,8 @@ enum err begin_check(const struct options *o, const char **first, bool *resumes,
                          "of a script, and `iftty SCENE --journal FILE` begins a journal",
                          name, name);
     if (is_journal && o->journal)
-        return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
+        return fault_set(fault, ERR_USAGE,
+                         "%s is a journal, and is continued in its own file; leave out --journal",
                          name);
     return OK;
 }
@@ -118,8 +119,8 @@ enum err end_journal(struct interpreter *interp, enum err err, struct fault *fau
     return err ? err : synced;
 }
 
-/* path = the file elsewhere that the journal's first `open` leads to, where that has a proof; empty
- * for none. A journal that cannot be read is left to the replay. */
+/* Find the file outside the journal's folder that its first `open` reads, if a proof is recorded;
+ * otherwise the path is empty. An unreadable journal is left to the replay. */
 static enum err find_outside(struct buf *path, const char *journal, struct fault *fault)
 {
     struct buf bytes = {0}, name = {0};
@@ -146,13 +147,14 @@ static enum err find_outside(struct buf *path, const char *journal, struct fault
 
 enum { LINKED_MOST = 1024 };
 
-/* What links in the journal's folder of golden images lead to, for the confinement. */
+/* Targets of links in the journal's folder of golden images, for the confinement. */
 struct linked {
     char *path[LINKED_MOST + 1]; /* ended by NULL */
     size_t count;
 };
 
-/* Only files that the journal's records name. One that cannot be read is left to the replay. */
+/* Look only at files that the journal's records name. An unreadable journal is left to the
+ * replay. */
 static void find_linked(struct linked *linked, const char *journal)
 {
     struct golden_files files;
@@ -248,7 +250,7 @@ struct image_view shown_picture(struct interpreter *interp, bool smooth)
     const struct canvas *shown = &interp->shown;
     const struct rendition *r = session_frame(interp->session);
     struct image_view view = {.width = r->width, .height = r->height, .rgba = r->rgba};
-    if (!shown->rgba && r->rgba) /* without memory for it, over black */
+    if (!shown->rgba && r->rgba) /* transparent pixels are black without memory for it */
         session_show_frame(&interp->shown, interp->session, NULL);
     if (shown->rgba)
         view = (struct image_view){

@@ -13,7 +13,7 @@
 enum {
     LABEL_MOST = 255,
     SEED_RADIUS_MOST = 32,
-    NOTED_MOST = 10, /* lines that are wrong */
+    NOTED_MOST = 10, /* wrong lines that are reported */
 };
 #define REAL_MOST INT64_C(1000000000) /* thousandths */
 
@@ -54,7 +54,7 @@ static enum err take_theme(struct config *config, const char *words, struct faul
     return OK;
 }
 
-/* Voxels, or halves of a millimetre. */
+/* Read voxels, or halves of a millimetre. */
 static bool take_radius(const char **at, struct pilot_brush *brush)
 {
     int64_t tenths;
@@ -82,15 +82,15 @@ static enum err take_brush(struct config *config, const char *words, struct faul
     if (!fine || !is_end(words))
         return fault_set(
             fault, ERR_USAGE,
-            "expected a label 0..%d, then a radius 0..%d or so many mm, in halves, and "
-            "range=LOW..HIGH, or less",
+            "expected a label 0..%d, then optionally a radius 0..%d in voxels, or in mm in steps "
+            "of 0.5, and range=LOW..HIGH",
             LABEL_MOST, SEED_RADIUS_MOST);
     brush.label = (unsigned)label;
     config->setup.brush = brush;
     return OK;
 }
 
-/* Takes the first word off. */
+/* Move the first word of a line to `word`. */
 static void take_word(const char **words, struct buf *word)
 {
     const size_t length = strcspn(*words, " ");
@@ -200,7 +200,7 @@ static enum err take_line(struct config *config, const char *line, struct fault 
     return err;
 }
 
-/* Text that is no more than it looks: printable, in UTF-8. */
+/* Accept printable UTF-8 alone. */
 static enum err check_bytes(const char *text, size_t length, struct fault *fault)
 {
     if (length > CONFIG_LINE_MOST)
@@ -221,7 +221,7 @@ static enum err take_bytes(struct config *config, const char *text, size_t lengt
 {
     struct buf line = {0};
     enum err err = check_bytes(text, length, fault);
-    /* Blanks alone part words, and none stands at an end. */
+    /* Words are separated by blanks, without blanks at the ends. */
     while (length > 0 && strchr(" \t\r", text[length - 1]))
         length--;
     while (length > 0 && strchr(" \t", *text))
@@ -236,7 +236,7 @@ static enum err take_bytes(struct config *config, const char *text, size_t lengt
     return err;
 }
 
-/* The line that is being read is left out. */
+/* Report the current line, which is ignored. */
 static void note_wrong(struct config *config, const struct fault *fault)
 {
     if (++config->wrong > NOTED_MOST)
@@ -281,7 +281,8 @@ void config_read(struct config *config)
         buf_printf(path, "%s/iftty/config", folder);
     else if (home && *home == '/')
         buf_printf(path, "%s/.config/iftty/config", home);
-    /* The usual one need not be there; one that is named, or cannot be looked for, is missed. */
+    /* The default file may be missing; a named file, or one that cannot be looked up, is an
+     * error. */
     const bool is_there =
         path->length && !path->failed && (own || !file_is_missing(buf_text(path)));
     if (is_there && file_read(&text, buf_text(path), CONFIG_BYTES_MOST, &fault))

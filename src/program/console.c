@@ -17,7 +17,7 @@ static const char *name = "iftty";
 void console_init(const char *program)
 {
     name = program;
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error that a write returns */
+    signal(SIGPIPE, SIG_IGN); /* writing to a closed pipe returns an error instead */
     progress_init(&progress, STDERR_FILENO);
 }
 
@@ -127,7 +127,7 @@ int console_finish(enum err err, const struct fault *fault)
     const bool is_written = fflush(stdout) == 0 && !ferror(stdout);
     struct pollfd out = {.fd = STDOUT_FILENO};
     if (!is_written && poll(&out, 1, 0) == 1 && (out.revents & POLLERR)) {
-        signal(SIGPIPE, SIG_DFL); /* a pipe without a reader ends it as it ends other programs */
+        signal(SIGPIPE, SIG_DFL); /* end as other programs do without a reader */
         raise(SIGPIPE);
     }
     if (err && fault->text[0])

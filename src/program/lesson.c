@@ -15,7 +15,7 @@
 
 enum { COLUMNS = 80, KEYS_MOST = 4 };
 
-/* ---- what there is ---- */
+/* ---- state of the segmentation ---- */
 
 enum { BACKGROUND, OBJECT };
 
@@ -24,7 +24,7 @@ static void add_dice(struct buf *out, unsigned dice)
     buf_printf(out, "%u.%03u", dice / DICE_ONE, dice % DICE_ONE / 10);
 }
 
-/* Seeds of a label, most of which lie where they are to. */
+/* True if there are seeds of a label, most of them on its side of the truth. */
 static bool are_planted(const struct lesson *lesson, int label, struct buf *missing)
 {
     const size_t in = lesson->seeds[label][1], out = lesson->seeds[label][0];
@@ -33,12 +33,13 @@ static bool are_planted(const struct lesson *lesson, int label, struct buf *miss
         buf_printf(missing, "no seed of %s is there yet",
                    label == OBJECT ? "label 1" : "the background");
     else if (2 * wrong > in + out)
-        buf_printf(missing, "%zu of its %zu seed%s lie%s %s the brain", wrong, in + out,
-                   plural(in + out), in + out == 1 ? "s" : "", label == OBJECT ? "outside" : "in");
+        buf_printf(missing, "%zu of its %zu seed%s %s %s the brain", wrong, in + out,
+                   plural(in + out), in + out == 1 ? "is" : "are",
+                   label == OBJECT ? "outside" : "in");
     return missing->length == 0;
 }
 
-/* Voxels of ch2 are of 1 mm3. */
+/* Voxels of ch2 are 1 mm3. */
 static bool agree(const struct lesson *lesson, unsigned least, struct buf *missing)
 {
     const struct overlap_counts count = overlap_counts_of(&lesson->overlap, OBJECT);
@@ -66,10 +67,10 @@ struct step {
         const char *keys, *what;
     } key[KEYS_MOST];
     const char *command; /* the same at the prompt */
-    /* The step is done when this holds: */
-    int planted;   /* seeds of this label are on the right side; -1: of none */
-    unsigned dice; /* labels agree with the truth as far as this, in ten thousandths */
-    bool is_named; /* label 1 has a name */
+    /* The step is complete if */
+    int planted;   /* seeds of this label are on the right side; -1: no condition */
+    unsigned dice; /* Dice's coefficient is at least this, in ten thousandths; 0: no condition */
+    bool is_named; /* label 1 needs a name */
 };
 
 static const struct step step[] = {
@@ -78,9 +79,9 @@ static const struct step step[] = {
       {"i", "a ball of label 1 in the object: all voxels are its own so far"}},
      "seed 60,108,90 1 radius=6",
      .planted = OBJECT},
-    {"what touches it",
+    {"its neighbour",
      {{"4L", "40 voxels on, into the skull"},
-      {"s0", "a ball of the background in what touches the object"}},
+      {"s0", "a ball of the background in the skull, which touches the object"}},
      "seed 20,108,90 0 radius=6",
      .planted = BACKGROUND,
      .dice = 7500},
@@ -90,10 +91,10 @@ static const struct step step[] = {
      "seed 160,108,90 0 radius=6",
      .planted = -1,
      .dice = 9200},
-    {"what has leaked",
-     {{"80J", "80 slices down, beside the neck"},
+    {"the leak",
+     {{"80J", "80 slices down, next to the neck"},
       {"I", "one end of a stroke"},
-      {"14L", "140 voxels through what has leaked"},
+      {"14L", "140 voxels through the leak"},
       {"i", "a stroke of the background: 1.69 litres of brain"}},
      "seed 160,108,10 0 radius=6 to=20,108,10",
      .planted = -1,
@@ -103,7 +104,7 @@ static const struct step step[] = {
 
 enum { STEPS = sizeof step / sizeof step[0] };
 
-/* Otherwise adds in a few words what is missing. */
+/* True if a step is complete; otherwise adds the reason. */
 static bool has_come(const struct step *s, const struct lesson *lesson, struct buf *missing)
 {
     if ((s->planted >= 0 && !are_planted(lesson, s->planted, missing)) ||
@@ -114,7 +115,7 @@ static bool has_come(const struct step *s, const struct lesson *lesson, struct b
     return missing->length == 0;
 }
 
-/* The first that has not come, and what is missing; STEPS where all have. */
+/* The first incomplete step, and its reason; STEPS if all are complete. */
 static unsigned present(const struct lesson *lesson, struct buf *missing)
 {
     unsigned n = 0;
@@ -123,7 +124,7 @@ static unsigned present(const struct lesson *lesson, struct buf *missing)
     return n;
 }
 
-/* ---- in words ---- */
+/* ---- text ---- */
 
 static void add_title(struct buf *out, const struct lesson *lesson, unsigned n,
                       const struct buf *missing)
@@ -133,7 +134,7 @@ static void add_title(struct buf *out, const struct lesson *lesson, unsigned n,
         return;
     }
     buf_add_text(out,
-                 "all steps have come: a brain, whose Dice coefficient with " LESSON_TRUTH " is ");
+                 "all steps are done: a brain, whose Dice coefficient with " LESSON_TRUTH " is ");
     add_dice(out, overlap_dice(&lesson->overlap, OBJECT));
     buf_add_char(out, '\n');
 }
@@ -142,7 +143,7 @@ static void add_end(struct buf *out, const char *journal)
 {
     buf_add_text(out, "`quit` ends the lesson. `iftty ");
     buf_add_safe_text(out, journal);
-    buf_add_text(out, "` goes on from here,\n`iftty verify ");
+    buf_add_text(out, "` continues it,\n`iftty verify ");
     buf_add_safe_text(out, journal);
     buf_add_text(out, "` proves it, and examples/ has more.\n");
 }
@@ -150,9 +151,9 @@ static void add_end(struct buf *out, const char *journal)
 void lesson_add_beginning(struct buf *out)
 {
     buf_printf(out,
-               "A first organ: the brain of this head, in %d steps. Each says what to do, and\n"
-               "has come when what it is about is there, however that was done. `undo` takes\n"
-               "back what did not help. The keys are the pilot's, where u does that: Ctrl-O.\n",
+               "A first organ: the brain of this head, in %d steps. Each step has instructions,\n"
+               "and is complete when its result is there, whatever you did. `undo` undoes a\n"
+               "command that did not help. The keys are those of the pilot (Ctrl-O); u undoes.\n",
                STEPS);
 }
 
@@ -195,7 +196,7 @@ void lesson_add_keys(struct buf *out)
             buf_printf(out, "    %-9s %s\n", step[n].key[k].keys, step[n].key[k].what);
 }
 
-/* ---- looked at ---- */
+/* ---- looking at the session ---- */
 
 enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, struct fault *fault)
 {
@@ -215,8 +216,8 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
     return err;
 }
 
-/* Slice by slice, so that what differs is known of each; nothing once `interpolate` has
- * made another grid. */
+/* Count slice by slice, to know the differences of each. After `interpolate` has made another grid,
+ * nothing is counted. */
 static void count(struct lesson *lesson, const struct labels *labels)
 {
     const struct scene *scene = labels->scene;
@@ -266,7 +267,7 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits)
 
 /* ---- the program ---- */
 
-/* ERR_IO where the scene or the truth is not here: before a terminal is taken. */
+/* ERR_IO if the scene or the truth is missing; called before the terminal changes. */
 static enum err find_files(const struct interpreter *interp, struct fault *fault)
 {
     struct buf path = {0};
@@ -274,10 +275,11 @@ static enum err find_files(const struct interpreter *interp, struct fault *fault
     if (!err)
         err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
     buf_release(&path);
-    return err ? fault_set(fault, err,
-                           "the lesson takes the head " LESSON_SCENE " and its brain " LESSON_TRUTH
-                           ", which are not here: they come with Debian's package mricron-data, or "
-                           "lie in a folder that IFTTY_SCENES names")
+    return err ? fault_set(
+                     fault, err,
+                     "the lesson needs the head " LESSON_SCENE " and its brain " LESSON_TRUTH
+                     ", which are missing: install Debian's package mricron-data, or name their "
+                     "folder in IFTTY_SCENES")
                : OK;
 }
 
@@ -286,7 +288,7 @@ enum err run_tutorial(const struct options *o, struct fault *fault)
     struct lesson lesson = {0};
     struct interpreter interp;
     if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO))
-        return fault_set(fault, ERR_USAGE, "the lesson takes a terminal");
+        return fault_set(fault, ERR_USAGE, "the lesson needs a terminal");
     enum err err = interpreter_init(&interp, fault);
     if (!err)
         err = find_files(&interp, fault);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * iftty-manual FOLDER: writes the pages of the manual and the completions of bash, zsh and fish
- * below a folder that has the folders of PREFIX/share. Both are generated from the tables of
- * programs, options and commands; only the sentences between are written here. It runs where iftty
- * is built and is not installed.
+ * iftty-manual FOLDER: writes the manual pages and the completions of bash, zsh and fish below a
+ * folder that has the folders of PREFIX/share. Both are generated from the tables of programs,
+ * options and commands; only the sentences between are written here. It runs where iftty is built
+ * and is not installed.
  *
- * Pages use the macros of man(7), as groff and mandoc both set them: characters with a meaning
- * there are escaped, and no line is longer than LINE_MOST.
+ * Pages use the macros of man(7), as groff and mandoc both set them: special characters are
+ * escaped, and no line is longer than LINE_MOST.
  */
 #include <ctype.h>
 #include <stdio.h>
@@ -29,7 +29,7 @@ static const char *name_of(unsigned row)
     return name ? name : "";
 }
 
-/* The same; NULL where a former row has the name too. */
+/* The same; NULL if an earlier row has the name. */
 static const char *new_name(unsigned row)
 {
     for (unsigned i = 0; i < row; i++)
@@ -38,7 +38,7 @@ static const char *new_name(unsigned row)
     return name_of(row);
 }
 
-/* Adds the names of all programs, but for the one without. */
+/* Add the names of all programs but the nameless one. */
 static void add_names(struct buf *out, const char *between)
 {
     const char *before = "";
@@ -53,7 +53,8 @@ static void add_names(struct buf *out, const char *between)
 
 /* ---- text in pages ---- */
 
-/* Adds characters that would be set as others, as '-' is as a hyphen; a line may end after '|'. */
+/* Add text with special characters escaped, such as '-', which would become a hyphen; a line may
+ * break after '|'. */
 static void add_escaped(struct buf *out, const char *text, size_t length)
 {
     static const char plain[] = "\\-`'~^\"|";
@@ -68,7 +69,7 @@ static void add_escaped(struct buf *out, const char *text, size_t length)
     }
 }
 
-/* Adds words in lines; each line feed of `text` ends a paragraph. */
+/* Add text in lines; each line feed of `text` ends a paragraph. */
 static void add_text(struct buf *out, const char *text, const char *between)
 {
     struct buf word = {0};
@@ -95,7 +96,7 @@ static void add_text(struct buf *out, const char *text, const char *between)
     buf_release(&word);
 }
 
-/* Adds a line in bold, and empties it. */
+/* Add a line in bold, and release its text. */
 static void add_typed(struct buf *out, struct buf *typed)
 {
     buf_add_text(out, "\\fB");
@@ -131,7 +132,7 @@ static void add_usage(struct buf *out, const struct program *program)
     add_typed(out, &usage);
 }
 
-/* Adds all forms of a program, each with its options. */
+/* Add all forms of a program with their options. */
 static void add_forms(struct buf *out, const char *name)
 {
     for (unsigned i = 0; i < program_table.rows; i++) {
@@ -163,7 +164,7 @@ static void add_forms(struct buf *out, const char *name)
     }
 }
 
-/* Adds the names of all pages but `own`: "iftty", "iftty-verify", "iftty-journal". */
+/* Add the names of all pages but `own`: "iftty", "iftty-verify", "iftty-journal". */
 static void add_see_also(struct buf *out, const char *own)
 {
     const char *between = ".SH SEE ALSO\n.BR ";
@@ -183,7 +184,7 @@ static void add_see_also(struct buf *out, const char *own)
     buf_add_text(out, strcmp(own, "iftty-journal") == 0 ? "\n" : ",\n.BR iftty\\-journal (5)\n");
 }
 
-/* iftty(1) of the program without a name, or iftty-NAME(1); `first` is its first row. */
+/* Write iftty(1) of the nameless program, or iftty-NAME(1); `first` is its first row. */
 static void add_program_page(struct buf *out, unsigned first)
 {
     char page[64];
@@ -271,8 +272,8 @@ static enum kind kind_of(const struct option *option)
                                              : KIND_FREE;
 }
 
-/* The options of a program in any of its forms, each once. An option that chooses a form has no
- * help of its own: the summary of that form is its help. */
+/* An option of any form of a program. An option that selects a form is described by the summary of
+ * that form. */
 struct offer {
     const struct option *option;
     const char *help;
@@ -295,7 +296,7 @@ static size_t find_offers(struct offer offer[OPTIONS_MOST], const char *name)
     return n;
 }
 
-/* Adds the words that the program of a row takes, besides files. */
+/* Add the words that a program accepts in addition to files. */
 static void add_operands(struct buf *out, unsigned row)
 {
     const bool has_commands = strstr(program_table.row[row].words, "COMMAND");
@@ -307,11 +308,11 @@ static void add_operands(struct buf *out, unsigned row)
 
 static void add_bash(struct buf *out)
 {
-    static const char *const takes[KINDS] = {NULL, "free", "words", "files", "folders"};
+    static const char *const kinds[KINDS] = {NULL, "free", "words", "files", "folders"};
     struct offer offer[OPTIONS_MOST];
     buf_add_text(out, "__iftty() {\n"
                       "    local word=${COMP_WORDS[COMP_CWORD]} program= any= at IFS=$' \\n'\n"
-                      "    local options= words= takes=operands\n"
+                      "    local options= words= kind=operands\n"
                       "    for ((at = 1; at < COMP_CWORD; at++)); do\n"
                       "        case ${COMP_WORDS[at]} in\n"
                       "        ");
@@ -350,22 +351,21 @@ static void add_bash(struct buf *out)
             const enum kind kind = kind_of(offer[k].option);
             if (kind == KIND_NONE)
                 continue;
-            buf_printf(out, "    %s,%s) takes=%s words='", name, offer[k].option->name,
-                       takes[kind]);
+            buf_printf(out, "    %s,%s) kind=%s words='", name, offer[k].option->name, kinds[kind]);
             if (kind == KIND_WORDS)
                 offer[k].option->add_choices(out, " ", " ");
             buf_add_text(out, "' ;;\n");
         }
     }
     buf_add_text(out, "    esac\n"
-                      "    case $takes,$word in\n"
-                      "    operands,-*) takes=options words=$options ;;\n"
+                      "    case $kind,$word in\n"
+                      "    operands,-*) kind=options words=$options ;;\n"
                       "    operands,* | files,*) at=-f ;;\n"
                       "    folders,*) at=-d ;;\n"
                       "    esac\n"
                       "    IFS=$'\\n'\n"
                       "    COMPREPLY=($(IFS=' '; compgen -W \"$words\" -- \"$word\"))\n"
-                      "    case $takes in\n"
+                      "    case $kind in\n"
                       "    operands | files | folders)\n"
                       "        COMPREPLY+=($(compgen $at -- \"$word\"))\n"
                       "        compopt -o filenames 2>/dev/null ;;\n"
@@ -374,7 +374,7 @@ static void add_bash(struct buf *out)
                       "complete -F __iftty iftty\n");
 }
 
-/* zsh completes by the function of bash. */
+/* zsh uses the function of bash. */
 static void add_zsh(struct buf *out)
 {
     buf_add_text(out, "#compdef iftty\nautoload -U +X bashcompinit && bashcompinit\n");
@@ -382,7 +382,7 @@ static void add_zsh(struct buf *out)
     buf_add_text(out, "_bash_complete -F __iftty\n");
 }
 
-/* Adds text between single quotes of fish. */
+/* Add a description between single quotes of fish. */
 static void add_fish_help(struct buf *out, const char *text)
 {
     buf_add_text(out, " -d '");
@@ -393,7 +393,7 @@ static void add_fish_help(struct buf *out, const char *text)
 
 static void add_fish(struct buf *out)
 {
-    static const char *const takes[KINDS] = {"", " -x", " -x -a '", " -r -F",
+    static const char *const kinds[KINDS] = {"", " -x", " -x -a '", " -r -F",
                                              " -x -a '(__fish_complete_directories)'"};
     struct offer offer[OPTIONS_MOST];
     for (unsigned i = 0; i < program_table.rows; i++) {
@@ -415,7 +415,7 @@ static void add_fish(struct buf *out)
             if (!*name)
                 add_names(out, " ");
             buf_printf(out, "' %s %s%s", is_long ? "-l" : "-s", option->name + (is_long ? 2 : 1),
-                       takes[kind_of(option)]);
+                       kinds[kind_of(option)]);
             if (kind_of(option) == KIND_WORDS) {
                 option->add_choices(out, " ", " ");
                 buf_add_char(out, '\'');

@@ -36,7 +36,7 @@ static void fill(const struct canvas *pane, const struct voxels *inside, const u
         for (uint32_t x = 0; x < pane->width; x++) {
             const size_t at = y * pane->stride + x;
             uint8_t *pixel = canvas_pixel(pane, x, y);
-            if (pane->cell[at] != last) { /* pixels of a voxel are neighbours */
+            if (pane->cell[at] != last) { /* neighbouring pixels show one voxel */
                 last = pane->cell[at];
                 is_filled = is_inside(inside, last);
             }
@@ -45,7 +45,7 @@ static void fill(const struct canvas *pane, const struct voxels *inside, const u
         }
 }
 
-/* From pixel to pixel; dotted ones are every third. */
+/* Draw a line from pixel to pixel; a dotted one has every third. */
 static void draw_line(const struct canvas *pane, const int64_t from[2], const int64_t to[2],
                       bool is_dotted)
 {
@@ -116,7 +116,7 @@ static struct slice_choice slice_of(const struct panes *p, const struct session 
 
 /* ---- marks ---- */
 
-/* A cross of short lines around a pixel. */
+/* Draw a cross of short lines around a pixel. */
 static void mark_point(const struct canvas *canvas, int64_t column, int64_t row, int gap)
 {
     enum { ARM = 6 };
@@ -188,7 +188,7 @@ static enum err draw_heat(const struct panes *p, struct session *session, struct
     return err;
 }
 
-/* In the middle of a box, where it has room for them. */
+/* Draw lines in the middle of a box, if they fit. */
 static void draw_lines(const struct canvas *canvas, const struct mosaic_box *box,
                        const struct buf line[PANES_LINES])
 {
@@ -231,15 +231,15 @@ static void add_letters(struct panes *p, const struct scene *scene, enum slice_p
     char letter[4];
     slice_letters(scene, plane, letter);
     if (pane->right < pane->left + 2 || pane->bottom < pane->top + 2)
-        return; /* no room for all of them, and one alone misleads */
+        return; /* one letter alone would mislead */
     add_note(p, pane->left, middle, letter[0]);
     add_note(p, pane->right, middle, letter[1]);
     add_note(p, centre, pane->top, letter[2]);
     add_note(p, centre, pane->bottom, letter[3]);
 }
 
-/* Bottom left: a bar in the lower part of a row of cells, and its length above it. None where that
- * would reach the middle, where a letter is. */
+/* Draw a scale bar bottom left, in the lower part of a row of cells, with its length above it;
+ * unless it reaches the letter in the middle. */
 static void add_bar(struct panes *p, const struct mosaic_box *box, const struct cells *pane,
                     uint64_t pixel_pm)
 {

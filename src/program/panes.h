@@ -8,14 +8,14 @@
  *              or behind it, with a cross around its strongest edge
  *     heat     colours slices where labels are uncertain: greys get it, and tints where the overlay
  *              is a tint; no words, contours or marks
- *     notes    written over slices where pixels are too few for letters: the patient's sides, where
- *              the scene's file gives its orientation, and a scale bar, as characters in cells of
+ *     notes    written over slices where pixels are too few for letters: the patient's sides, if
+ *              the scene's orientation is known, and a scale bar, as characters in cells of
  *              the screen
  *
  * Edits that wait for a run are marked, as in show/slicing.h, which draws the slices.
  *
  * An outline is drawn in the slice that has all its corners: a white line through them with black
- * next to it, so that it is seen on any grey, dotted where it is still open. Of the pixels of the
+ * next to it, visible on any grey, dotted where it is still open. Of the pixels of the
  * voxels that it would plant (paint_polygon), one of four has the colour of the label, unmixed, so
  * that the colour is in the palette of any screen. Pixels outside the pane are left out.
  */
@@ -44,8 +44,8 @@ struct panes {
 };
 void panes_release(struct panes *panes);
 
-/* Draws, of a session with a scene; `line` is shown in an empty rendition, where words can be read.
- * Errors are those of slicing_draw_panel and of hints. */
+/* Draw a session with a scene; `line` is shown in an empty rendition, if words can be read. Errors
+ * are those of slicing_draw_panel and of hints. */
 enum err panes_draw(struct panes *panes, struct session *session, const struct pilot_wish *wish,
                     const struct buf line[PANES_LINES], struct fault *fault);
 
@@ -59,7 +59,7 @@ struct raster_box panes_box(const struct panes *panes, enum pilot_pane pane);
 uint64_t panes_name_beyond(const struct panes *panes, struct session *session,
                            enum pilot_pane first, unsigned number);
 
-/* Draws its greys into `beyond`. False if there is no such slice, or no memory. */
+/* Draw its greys into `beyond`. False if there is no such slice, or no memory. */
 bool panes_draw_beyond(struct panes *panes, struct session *session, enum pilot_pane first,
                        unsigned number);
 

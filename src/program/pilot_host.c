@@ -25,7 +25,7 @@
 
 enum {
     CORNERS_LEAST = 3,
-    OUTLINE_NEAR = 8, /* voxels between a place and an outline that is found from there */
+    OUTLINE_NEAR = 8, /* largest distance of a place from its outline, in voxels */
 };
 
 static struct session *session_of(void *context)
@@ -55,8 +55,8 @@ static unsigned changed_most(const struct session *session)
     return found;
 }
 
-/* The label of a voxel as pictures show it, with its size. In the background: the label that the
- * last edit changed most. */
+/* Write the label of a voxel as pictures show it, with its size; in the background the label that
+ * the last edit changed most. */
 static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *session, uint32_t at)
 {
     const struct cell *cell = session->scene->cell + at;
@@ -115,7 +115,7 @@ static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
         label_report_write_sums(&fact[PILOT_SUMS], &sums, geometry);
 }
 
-/* True while all that is planted is of one label above 0. */
+/* True if all seeds have one label above 0. */
 static bool has_one_label(const struct session *session)
 {
     const struct markers *markers = &session->markers;
@@ -140,7 +140,8 @@ static bool facts(void *context, struct pilot_facts *out)
     const struct scene *scene = session->scene;
     const struct outlook *outlook = &session->now.outlook;
     const struct slice_settings *s = &outlook->slices;
-    const struct rendition *frame = session_frame(session); /* the panel's (session_draw_fitting) */
+    const struct rendition *frame = session_frame(session); /* shown in the panel
+                                                               (session_draw_fitting) */
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .intensity =
                                     levels_value(&session->geometry, session->levels,
@@ -207,7 +208,7 @@ static uint32_t middle_of(const struct markers *markers, uint32_t number)
     return CELL_NONE;
 }
 
-/* In the order in which they were planted. */
+/* Seeds are visited in the order in which they were planted. */
 static bool seed(void *context, unsigned number, int64_t by, uint32_t place[3])
 {
     const struct session *session = session_of(context);
@@ -408,7 +409,7 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
     const struct pilot_setup *setup = wish->setup ? wish->setup : &pilot_setup_default;
     struct buf line[PANES_LINES] = {{0}};
     struct pilot_wish now = *wish;
-    now.heat &= !pilot->onlooker; /* who would see margins of half a forest */
+    now.heat &= !pilot->onlooker; /* margins of an unfinished forest are wrong */
     buf_add_text(line, "nothing to show yet");
     if (!pilot->watches) {
         setup_say(line + 1, setup, "{plant} plants a seed of the label");
@@ -447,14 +448,14 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                                 .hues = shown_hues(pilot->hue, session_of(context))};
     if (wish->heat && view->hues < 256)
         pilot->hue[view->hues++] = PANES_HEAT_HUE;
-    if (wish->marks_outline && view->hues < 256) { /* no voxel may have the label yet */
+    if (wish->marks_outline && view->hues < 256) { /* the label may have no voxels yet */
         const uint8_t *rgb = session_of(context)->now.kept.palette.rgb[wish->label];
         pilot->hue[view->hues++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
     }
     return OK;
 }
 
-/* Those of the pane where one moves come first. */
+/* Slices of the focused pane come first. */
 static enum pilot_pane first_of(const struct pilot_wish *wish)
 {
     return wish->pane < PILOT_RENDITION ? wish->pane : PILOT_AXIAL;
@@ -616,7 +617,7 @@ static void peek(void *context, const uint32_t place[3])
     pilot->peeks = place != NULL;
 }
 
-/* ---- the whole ---- */
+/* ---- the host ---- */
 
 void pilot_host_fill(struct pilot_host *host)
 {

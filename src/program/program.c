@@ -55,22 +55,22 @@ uint8_t option_find(const struct option_table *table, const uint8_t *taken, cons
     return *taken;
 }
 
-/* Goes through a command line, word by word. Begins with `table`, `word` and `count`; a copy goes
- * through it once more. */
+/* Iterates over a command line, word by word. Initialise `table`, `word` and `count`; a copy
+ * iterates again. */
 struct option_words {
     const struct option_table *table;
     char **word;
     int count;
-    int at;    /* the next one */
-    bool over; /* "--" was met */
-    /* what option_next has found: an operand, or an option with its name */
+    int at;    /* index of the next word */
+    bool over; /* "--" was found */
+    /* found by option_next: an operand, or an option with its name */
     char *text;
     bool is_option;
     char name[64];
-    const char *value; /* and its value; NULL where it has none, or none is left */
+    const char *value; /* and its value; NULL without one, or if none is left */
 };
 
-/* Splits "--name=value". A name that is too long is cut, and that of no option. */
+/* Split "--name=value". A name that is too long is cut, and matches no option. */
 static void split_option(struct option_words *w)
 {
     const size_t length = strncmp(w->text, "--", 2) == 0 ? strcspn(w->text, "=") : strlen(w->text);
@@ -80,7 +80,7 @@ static void split_option(struct option_words *w)
     w->value = !is_short && w->text[length] == '=' ? w->text + length + 1 : NULL;
 }
 
-/* The next operand or option; false at the end. */
+/* Find the next operand or option; false at the end. */
 static bool option_next(struct option_words *w)
 {
     while (w->at < w->count) {
@@ -110,7 +110,7 @@ static bool is_named(const struct program *program, const char *name)
     return name && program->name ? strcmp(program->name, name) == 0 : name == program->name;
 }
 
-/* True where the command line holds the option that a form is called by. */
+/* True if the command line has the option that selects a form. */
 static bool gives_form(struct option_words w, const char *form)
 {
     while (option_next(&w))
@@ -127,8 +127,8 @@ static bool takes_all(const struct program *program, struct option_words w)
     return true;
 }
 
-/* The form that is given, of several that which takes all options; else the row without a form, or
- * NULL. */
+/* The selected form, of several the one that accepts all options; otherwise the row without a form,
+ * or NULL. */
 static const struct program *choose(const struct program_table *table, const char *name,
                                     const struct option_words *words)
 {
@@ -147,7 +147,7 @@ static const struct program *choose(const struct program_table *table, const cha
 
 /* ---- help ---- */
 
-/* Columns. Summaries are a line each: at most LINE_MOST - SUMMARY_COLUMN. */
+/* Columns. A summary is one line: at most LINE_MOST - SUMMARY_COLUMN. */
 enum { INDENT = 4, SUMMARY_COLUMN = 35, OPTION_COLUMN = 25, LINE_MOST = 80 };
 
 void program_add_name(struct buf *out, const struct program_table *table,
@@ -174,8 +174,8 @@ void program_add_usage(struct buf *out, const struct program_table *table,
         buf_printf(out, " %s", program->words);
 }
 
-/* Words in lines of at most LINE_MOST columns, each from `column` on. The cursor is at `at`, which
- * stays a line of its own where two blanks would not fit. */
+/* Wrap text to LINE_MOST columns, each line from `column` on. The cursor is at `at`; the text
+ * begins on a new line unless two blanks fit between. */
 static void add_wrapped(struct buf *out, const char *text, size_t at, size_t column)
 {
     if (at + 1 >= column) {
@@ -195,7 +195,7 @@ static void add_wrapped(struct buf *out, const char *text, size_t at, size_t col
     }
 }
 
-/* But the option that a form is called by: its usage has it. */
+/* All options but the one that selects the form, which is in its usage. */
 static void add_options(struct buf *out, const struct program_table *table,
                         const struct program *program)
 {
@@ -264,7 +264,7 @@ void program_add_overview(struct buf *out, const struct program_table *table)
     buf_printf(out, "\n%s", table->closing);
 }
 
-/* ---- what is refused ---- */
+/* ---- errors ---- */
 
 void program_try_names(const struct program_table *table, struct near *near)
 {
@@ -273,7 +273,7 @@ void program_try_names(const struct program_table *table, struct near *near)
             near_try(near, table->row[i].name, strlen(table->row[i].name));
 }
 
-/* Which programs take an option of that name: "`iftty verify` and `iftty diff`"; "" for none. */
+/* The programs that have an option of that name: "`iftty verify` and `iftty diff`"; "" for none. */
 static void add_takers(struct buf *out, const struct program_table *table, const char *option)
 {
     const struct program *taker = NULL;
@@ -300,7 +300,7 @@ static enum err refuse_option(const struct program_table *table, const struct pr
         fault_set(fault, ERR_USAGE, "`%s` has no option %s; it belongs to %s", buf_text(&name),
                   option, buf_text(&takers));
     } else {
-        /* it may be a misspelt one of this program, in any of its forms */
+        /* it may be a misspelt option of any form of this program */
         struct near near = near_to(option);
         for (unsigned i = 0; i < table->rows; i++) {
             const struct program *p = table->row + i;
@@ -329,14 +329,14 @@ static enum err check_operands(const struct program_table *table, const struct o
     buf_release(&usage);
     if (p->name || o->words == 0)
         return ERR_USAGE;
-    struct near near = near_to(o->word[0]); /* perhaps a program was meant */
+    struct near near = near_to(o->word[0]); /* it may be a misspelt program */
     program_try_names(table, &near);
     return near_append(&near, "", fault);
 }
 
 /* ---- reading ---- */
 
-/* Operands and options, without the first `skip` operands, which said which program is meant. */
+/* Read operands and options, without the first `skip` operands, which selected the program. */
 static enum err read_words(const struct program_table *table, struct option_words w, int skip,
                            struct options *o, struct fault *fault)
 {

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Programs: what can be done from a command line, one row of a table each.
+ * Programs: one row of a table for each thing that a command line can do.
  *
  *     iftty verify --bisect A B        name, form, operands
  *
- * A row says what the program is called, which operands and options it takes, what it does, and
- * which function that is. Usage, help, what is refused as bad usage, and the README's list come
- * from it. A program that does several things has a row for each, its forms: they share the name,
- * and an option says which is meant. What a form ignored would be an option
- * that it does not take, and that is refused.
+ * A row has the name of the program, its operands and options, its help, and its function. Usage,
+ * help, usage errors and the README's list are made from it. A program that does several things has
+ * several rows, its forms: they share the name, and an option selects one. A form has only options
+ * that it uses; others are an error.
  *
- * A new program is a row in program_table.c and its function in a file run_NAME.c.
+ * A new program is a row in program_table.c and a function in a file run_NAME.c.
  */
 #ifndef PROGRAM_PROGRAM_H
 #define PROGRAM_PROGRAM_H
@@ -29,45 +28,45 @@
 /* ---- options ---- */
 
 /*
- * A table says what each is called, what its value is and how that is read into a struct. Help,
- * messages and the programs' own lists of options come from its rows.
+ * Each row of the table has the name of an option, its value, and the function that reads the value
+ * into a struct. Help, messages and the programs' own lists of options are made from it.
  *
- * Options may stand anywhere among the operands; "--" ends them. Each is given once at most, and
- * `--name=value` is the same as `--name value`; -V is --version. Two rows may share a name where it
- * means two things to two programs. Both have a value then, or neither: a command line is taken
- * apart before it is known which program reads it.
+ * Options may be anywhere among the operands; "--" ends them. An option is given once at most, and
+ * `--name=value` is the same as `--name value`; -V is --version. Two rows may share a name if it
+ * has two meanings for two programs. Then both have a value, or neither: a command line is split
+ * before its program is known.
  */
 
 struct option {
     const char *name;  /* "--journal" */
-    const char *value; /* "FILE"; NULL: it has none */
-    const char *help; /* what it does, in a few words; "" where the program that takes it says it */
-    /* Reads the value, NULL where there is none, into a member of `out`. ERR_USAGE. */
+    const char *value; /* "FILE"; NULL: no value */
+    const char *help;  /* help; "" if it selects a form, which has its own */
+    /* Reads the value, or NULL, into a member of `out`. ERR_USAGE. */
     enum err (*read)(const struct option *option, const char *text, void *out, struct fault *fault);
-    size_t at;           /* of the member, in bytes from `out` */
-    int64_t least, most; /* of a number, or of those of a list */
-    /* Adds the words that the value can be, with these between them; NULL where it is free. */
+    size_t at;           /* offset of the member in `out` */
+    int64_t least, most; /* range of a number, or of the numbers of a list */
+    /* Adds the possible values, with these texts between them; NULL for any value. */
     void (*add_choices)(struct buf *out, const char *between, const char *before_last);
 };
 
-/* What `read` can be: into a bool, a const char *, a size_t, and a const char * that is a list. */
+/* Functions for `read`: into a bool, a const char *, a size_t, and a const char * with a list. */
 enum err option_read_flag(const struct option *, const char *, void *, struct fault *);
 enum err option_read_text(const struct option *, const char *, void *, struct fault *);
 enum err option_read_number(const struct option *, const char *, void *, struct fault *);
 enum err option_read_list(const struct option *, const char *, void *, struct fault *);
 
 struct option_table {
-    const struct option *row; /* the first is empty, so that 0 is no option */
+    const struct option *row; /* the first is empty: 0 is no option */
     unsigned rows;
 };
 
-/* The number of the row with that name among those `taken`, a list ended by 0; 0 for none. */
+/* Find the row with a name among those `taken`, a list ended by 0. Returns 0 if it is missing. */
 uint8_t option_find(const struct option_table *table, const uint8_t *taken, const char *name);
 
 /* ---- programs ---- */
 
-/* What a command line gave, for the program that it names. Another binary with programs of its own
- * has a struct that begins with this one. */
+/* Operands and options of a command line. Another binary with its own programs has a struct that
+ * begins with this one. */
 struct options {
     const struct program *program;
     char **word; /* operands, without the program's name and form */
@@ -78,12 +77,12 @@ struct options {
     const char *volume, *regions, *as, *by, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */
-    struct graphics_wish graphics; /* {0}: the terminal decides */
+    struct graphics_wish graphics; /* {0}: chosen by the terminal */
     bool help, read_only, whole, keep_going, smooth, json, histogram, csv, binary, resample,
         anonymise;
     bool strict, no_strict, fail_fast, timings, remove_orphans;
     bool unconfined;
-    bool is_form; /* one that only says which form is meant */
+    bool is_form; /* set by options that only select a form */
 };
 
 enum { PROGRAM_OPTIONS_MOST = 26 };
@@ -91,71 +90,70 @@ enum { PROGRAM_OPTIONS_MOST = 26 };
 typedef enum err program_run(const struct options *options, struct fault *fault);
 
 struct program {
-    const char *name;  /* NULL: of a command line that names none */
-    const char *form;  /* "--bisect", which its command line holds; NULL: none */
-    const char *words; /* operands, as in "JOURNAL...", and how many they are */
+    const char *name;  /* NULL: the nameless program */
+    const char *form;  /* "--bisect", the option that selects it; NULL: none */
+    const char *words; /* operands, such as "JOURNAL...", and their number */
     int least, most;
     uint8_t option[PROGRAM_OPTIONS_MOST]; /* rows of the options' table, ended by 0 */
     const char *summary;                  /* one line */
-    const char *detail;                   /* more, a paragraph a line; or NULL */
+    const char *detail;                   /* more help, a paragraph a line; or NULL */
     program_run *run;
 };
 
 struct program_table {
     const char *called;  /* "iftty" */
-    const char *about;   /* what it is: one line */
-    const char *closing; /* what else there is to know, lines */
+    const char *about;   /* one line of description */
+    const char *closing; /* the end of the overview, lines */
     const struct program *row;
     unsigned rows;
     struct option_table option;
 };
 
-/* What iftty can do. */
+/* The programs of iftty. */
 extern const struct program_table program_table;
 
-/* Finds the program and reads its operands and options into `options`, which begins as {0}, or with
- * what stands for options that are not given. With --help only the name is read. ERR_USAGE. */
+/* Find the program, and read operands and options into `options`, which begins as {0} or with
+ * default values. With --help only the program is found. ERR_USAGE. */
 enum err program_read(const struct program_table *table, int count, char **word,
                       struct options *options, struct fault *fault);
 
-/* The whole of main: reads, runs or prints help; returns the exit status. */
+/* All of main: read the command line, run the program or print help. Returns the exit status. */
 int program_main(const struct program_table *table, int count, char **word,
                  struct options *options);
 
-/* Adds "iftty verify --bisect". */
+/* Add "iftty verify --bisect". */
 void program_add_name(struct buf *out, const struct program_table *table,
                       const struct program *program);
 
-/* Adds the same with its operands: "iftty verify --bisect A B". */
+/* Add the same with its operands: "iftty verify --bisect A B". */
 void program_add_usage(struct buf *out, const struct program_table *table,
                        const struct program *program);
 
-/* Tries the programs' names as what a misspelt one was meant to be. */
+/* Try the names of programs as corrections of a misspelt word. */
 void program_try_names(const struct program_table *table, struct near *near);
 
-/* Adds the list of all programs, with the options of the nameless one; and all there is to know
- * about the program of that name, NULL for the nameless one. False for a name that is none. */
+/* Add the list of all programs, with the options of the nameless one; and the help of a program.
+ * False if there is no program of that name. */
 void program_add_overview(struct buf *out, const struct program_table *table);
 bool program_add_help(struct buf *out, const struct program_table *table, const char *name);
 
 /*
- * The console: what a program prints, how far its work is, and Ctrl-C.
+ * The console: output of a program, progress, and Ctrl-C. There is one for the process.
  *
- * One for the process. Ctrl-C while a command runs cancels the command. While the program waits for
- * a line it ends the program as it ends any other: what was acknowledged is on the disk. The line
- * of progress goes before anything else is written.
+ * Ctrl-C cancels a running command. While the program waits for a line, it ends the program:
+ * acknowledged commands are on the disk. The line of progress is erased before other output.
  */
 
-/* For main, before all else. Messages begin with the program's name. */
+/* Call first in main. Messages begin with the program's name. */
 void console_init(const char *program);
 
-/* From now on Ctrl-C is heard; not where the caller of the program wants it ignored. */
+/* Handle Ctrl-C from now on, unless the caller of the program ignores it. */
 void console_handle_interrupts(void);
-/* A Ctrl-C that came before was for something else. */
+/* Ignore an earlier Ctrl-C. */
 void console_forget_interrupt(void);
 
-/* Somebody who looks on: `wants` is asked each time the watch is, and `show` called then when the
- * work can be shown (base/watch.h). NULL for nobody; it stays the caller's. */
+/* An onlooker: `wants` is called each time the watch is polled, and `show` then when the work can
+ * be shown (base/watch.h). NULL: none. It is borrowed. */
 struct console_onlooker {
     void *context;
     bool (*wants)(void *context);
@@ -163,18 +161,19 @@ struct console_onlooker {
 };
 void console_look_on(const struct console_onlooker *onlooker);
 
-/* Shows progress on standard error, and stops for Ctrl-C and for the limits of a replay. */
+/* A watch that shows progress on standard error, and stops for Ctrl-C and for the limits of a
+ * replay. */
 struct watch *console_watch(void);
 void console_erase_progress(void);
 
-/* To standard output and standard error, as a printer does; and that printer. */
+/* Print to standard output and standard error; and the printer of both. */
 void console_print(void *context, const char *text);
 void console_warn(void *context, const char *text);
 extern const struct printer console_printer;
-/* For a printer whose lines may take their time: whether one is waited for. */
+/* For a printer that reads lines slowly: set while a line is awaited. */
 void console_wait(void *context, bool waits);
 
-/* Prints the words of an error; returns the exit status. */
+/* Print an error; returns the exit status. */
 int console_finish(enum err err, const struct fault *fault);
 
 #endif

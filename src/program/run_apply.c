@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `iftty apply`, and `iftty log --procedure`, which writes what it takes in a journal's place. */
+/* `iftty apply`, and `iftty log --procedure`, which writes its input without the journal. */
 #include <stdio.h>
 #include <string.h>
 
@@ -18,7 +18,7 @@ static struct procedure_source source_of(const struct options *o)
 
 enum err run_apply(const struct options *o, struct fault *fault)
 {
-    struct options walls = *o; /* those around the procedure: it writes nothing */
+    struct options walls = *o; /* confinement of the procedure, which writes nothing */
     walls.out = NULL;
     const struct apply_options how = {.procedure = source_of(&walls),
                                       .scene = o->word + 1,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * `iftty compare`: two label maps beside one another, without a session.
+ * `iftty compare`: compare two label maps without a session.
  *
- * Both lie on one grid, that of A. Only for a picture is a scene opened, from which the slices
- * come: the one that is named, or A itself.
+ * Both are on one grid, that of A. A scene is opened only for a picture of slices: the named one,
+ * or A itself.
  */
 #include <stdlib.h>
 
@@ -18,11 +18,11 @@
 
 enum { PICTURE_SIDE = 1024 };
 
-/* Both maps, and what is known of their grid. */
+/* Both maps, and their grid. */
 struct pair {
     const struct options *options;
-    uint16_t *as;            /* the labels that the values of both become (session/map.h) */
-    struct session *session; /* for a picture */
+    uint16_t *as;            /* label of each value of both maps (session/map.h) */
+    struct session *session; /* for pictures */
     struct grid grid;
     struct geometry geometry;
     struct compared compared;
@@ -57,7 +57,7 @@ static enum err read_map(struct pair *pair, int side, struct fault *fault)
     return err;
 }
 
-/* A, which says what the grid is. */
+/* Read A, which defines the grid. */
 static enum err read_first(struct pair *pair, struct fault *fault)
 {
     const struct volume_choice choice = begin_volume(pair->options, 0);
@@ -72,7 +72,7 @@ static enum err read_first(struct pair *pair, struct fault *fault)
     return err;
 }
 
-/* The scene of the picture, which says what the grid is. */
+/* Open the scene of the picture, which defines the grid. */
 static enum err open_scene(struct pair *pair, struct fault *fault)
 {
     const struct options *o = pair->options;
@@ -86,9 +86,9 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
         return err;
     struct state next = pair->session->now;
     next.outlook.view.width = next.outlook.view.height = PICTURE_SIDE;
-    next.outlook.view.angle[0] = 30000; /* from the left and above; the front is seen too */
+    next.outlook.view.angle[0] = 30000; /* from the left, above and in front */
     next.outlook.view.angle[1] = 20000;
-    next.outlook.decorations = DECORATE_LETTERS | DECORATE_SCALE; /* of a surface */
+    next.outlook.decorations = DECORATE_LETTERS | DECORATE_SCALE; /* over the surface */
     err = session_go(pair->session, &next, NULL, 0, fault);
     if (err)
         return err;
@@ -97,7 +97,7 @@ static enum err open_scene(struct pair *pair, struct fault *fault)
     return read_map(pair, 0, fault);
 }
 
-/* ---- answers ---- */
+/* ---- output ---- */
 
 static enum err write_picture(struct pair *pair, const struct comparison_report *report,
                               bool of_surface, struct fault *fault)
@@ -125,7 +125,7 @@ static enum err compare(struct pair *pair, struct team *team, struct fault *faul
     bool listed[256] = {false};
     const struct comparison_report report = {
         &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry, listed};
-    if (o->regions && !o->binary) /* those that are asked for have a row */
+    if (o->regions && !o->binary) /* requested labels have a row */
         regions_list(listed, pair->as);
     enum err err = o->picture || o->surface ? open_scene(pair, fault) : read_first(pair, fault);
     if (!err)
@@ -160,7 +160,7 @@ enum err run_compare(const struct options *o, struct fault *fault)
                          "--scene: the slices of a picture come from it; expected --picture too");
     if (o->as && o->binary)
         return fault_set(fault, ERR_USAGE,
-                         "--as and --binary are two answers to one question; expected one of them");
+                         "--as and --binary are mutually exclusive; give one of them");
     enum err err = image_check_png(o->picture, fault);
     if (err)
         return fault_prefix(fault, err, "--picture");

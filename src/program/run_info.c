@@ -3,12 +3,12 @@
  * `iftty info` describes a picture, a scene, a journal or this program. `iftty show` shows a
  * picture. `iftty help` and `iftty --version`.
  *
- * OpenEXR is read by our own reader, and by the image helper where another program wrote what ours
- * does not take; all other pictures by the helper. A TIFF is a scene where `open` reads it, and a
- * picture where it has colours. Pictures are decoded: one that is damaged or cut
- * short is an error. Of a scene the header alone is read, unless its histogram is wanted. A journal
- * that is torn, edited or damaged is described like any, and ERR_CHECK. Nothing a file says reaches
- * the terminal as it is.
+ * OpenEXR is read by our own reader, and by the image helper if another program wrote it in a way
+ * that our reader does not support; other pictures are read by the helper. A TIFF is a scene if
+ * `open` reads it, and a picture if it has colours. Pictures are decoded: a damaged or truncated
+ * one is an error. Of a scene the header alone is read, unless its histogram is wanted. A torn,
+ * edited or damaged journal is described too, with ERR_CHECK. Text of a file is escaped for the
+ * terminal.
  */
 #include <libdeflate.h>
 #include <nettle/version.h>
@@ -41,13 +41,13 @@
 
 /* "name      value" lines, or the members of a JSON object. */
 struct facts {
-    struct buf *out; /* for lines; JSON goes through json.out, the same */
+    struct buf *out; /* for lines; the same as json.out */
     struct json json;
     bool is_json;
     unsigned lines;
-    struct volume_choice volume; /* of several, the one that is read */
+    struct volume_choice volume; /* the one to read of several */
     bool wants_histogram, has_histogram;
-    struct histogram histogram; /* for lines; it comes after them */
+    struct histogram histogram; /* for lines: printed after them */
 };
 
 static void begin_line(struct facts *f, const char *name)
@@ -75,7 +75,7 @@ static void add_count(struct facts *f, const char *name, uint64_t value)
     buf_printf(f->out, "%llu", (unsigned long long)value);
 }
 
-/* "pixels", "voxels" or "size", along each axis. */
+/* Add "pixels", "voxels" or "size", along each axis. */
 static void add_sides(struct facts *f, const char *name, const uint32_t *side, unsigned axes)
 {
     if (f->is_json)
@@ -111,8 +111,7 @@ static void add_spacing(struct facts *f, const struct geometry *g)
 
 /* ---- pictures ---- */
 
-/* Formats with one text for everything have the notes as its lines "name: value": those lines are
- * the notes they were. */
+/* In formats with a single text, its lines "name: value" are the notes. */
 static enum err take_lines(struct picture *notes, const char *text)
 {
     struct buf line = {0};
@@ -131,7 +130,7 @@ static enum err take_lines(struct picture *notes, const char *text)
     return err;
 }
 
-/* The notes of a picture, ours before those that its format adds, each name once. */
+/* Collect the notes of a picture: ours, then those of its format, each name once. */
 static enum err collect(struct picture *notes, const struct picture *p)
 {
     enum err err = OK;
@@ -187,7 +186,7 @@ static void add_picture(struct facts *f, const char *format, const char *channel
     add_notes(f, p);
 }
 
-/* As our own reader has it, which knows every channel. */
+/* Describe an OpenEXR file by our own reader, which knows every channel. */
 static enum err add_own_exr(struct facts *f, const char *path, struct fault *fault)
 {
     struct picture p;
@@ -207,7 +206,7 @@ static enum err add_own_exr(struct facts *f, const char *path, struct fault *fau
     return OK;
 }
 
-/* needs_colours: fail without a word where its pixels have fewer than three values. */
+/* needs_colours: fail silently if pixels have fewer than three values. */
 static enum err add_image(struct facts *f, const char *path, bool needs_colours,
                           struct fault *fault)
 {
@@ -237,8 +236,8 @@ static enum err add_image(struct facts *f, const char *path, bool needs_colours,
 
 /* ---- scenes and journals ---- */
 
-/* Of all voxels, between the values that would be black and white; and their scale, where
- * intensities are not exact. */
+/* Add the histogram of all voxels, between black and white, and the scale of inexact
+ * intensities. */
 static void add_histogram(struct facts *f, const struct volume *volume)
 {
     static uint32_t count[UINT16_MAX + 1];
@@ -272,7 +271,7 @@ static void add_histogram(struct facts *f, const struct volume *volume)
     json_end(&f->json);
 }
 
-/* What `open` says of the file, a line each. */
+/* Add the notes of `open`, a line each. */
 static void add_open_notes(struct facts *f, const char *notes)
 {
     struct buf line = {0};
@@ -297,7 +296,7 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
 {
     struct volume_reader reader;
     struct volume volume = {0};
-    struct buf series = {0}; /* of a folder with several: which there are */
+    struct buf series = {0}; /* the series of a folder with several */
     struct volume_choice choice = f->volume;
     choice.list = f->is_json ? NULL : &series;
     char towards[4];
@@ -315,7 +314,7 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     const bool oriented = facts.geometry.orientation != ORIENTATION_UNKNOWN;
     geometry_axes(towards, &facts.geometry);
     add_text(f, "format", facts.format);
-    add_sides(f, f->is_json ? "size" : "voxels", facts.size, 3); /* as records have it */
+    add_sides(f, f->is_json ? "size" : "voxels", facts.size, 3); /* "size" as in records */
     add_text(f, "type", facts.type_name);
     if (facts.volumes > 1 || f->is_json)
         add_count(f, "volumes", facts.volumes);
@@ -364,8 +363,8 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
     if (interpreter_is_journal(path))
         return add_journal(f, path, fault);
     if (file_begins_with(path, "\x76\x2f\x31\x01")) {
-        /* What another program wrote may be beyond our reader and not the helper's; if it is beyond
-         * both, ours says why. */
+        /* A file of another program may be readable by the helper alone; our reader reports the
+         * error. */
         const enum err err = add_own_exr(f, path, fault);
         return err && add_image(f, path, false, NULL) == OK ? OK : err;
     }
@@ -379,7 +378,7 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
     return err && guess == GUESS_VOLUME ? add_scene(f, path, fault) : err;
 }
 
-/* With what keeps hostile files and journals in, and what is missing for it. */
+/* Describe the program, with the kernel's means of confinement. */
 static void add_program(struct facts *f)
 {
     const int landlock = confine_version();
@@ -426,7 +425,7 @@ enum err run_info(const struct options *o, struct fault *fault)
     if (!o->json && facts.has_histogram)
         histogram_write(&text, &facts.histogram, isatty(STDOUT_FILENO) && locale_is_utf8());
     if (text.failed)
-        err = fault_memory(fault, "what a file is");
+        err = fault_memory(fault, "the description of a file");
     if (!err || err == ERR_CHECK)
         fputs(buf_text(&text), stdout);
     buf_release(&text);
@@ -435,7 +434,7 @@ enum err run_info(const struct options *o, struct fault *fault)
 
 /* ---- iftty show ---- */
 
-/* Fine, and silent, where standard output is no terminal. */
+/* Succeeds silently if standard output is no terminal. */
 enum err run_show(const struct options *o, struct fault *fault)
 {
     struct image_helper *helper;

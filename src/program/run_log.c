@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `iftty log`: a journal as text, in several forms, and its repair. */
+/* `iftty log`: print a journal in several forms, and repair it. */
 #include <stdio.h>
 #include <string.h>
 
@@ -10,9 +10,10 @@
 #include "program/programs.h"
 #include "session/session.h"
 
-/* ---- commands without what names people ---- */
+/* ---- anonymous commands ---- */
 
-/* The commands of a journal or script, one a line: journal_script without comments and names. */
+/* List the commands of a journal or script, one a line: journal_script without comments and
+ * names. */
 static enum err anonymise_script(struct buf *out, const char *bytes, size_t length,
                                  struct fault *fault)
 {
@@ -35,8 +36,7 @@ static enum err anonymise_script(struct buf *out, const char *bytes, size_t leng
 
 /* ---- the forms ---- */
 
-/* What `write` makes of a journal, printed also where it ends with an error: line by line, without
- * what a terminal would obey. */
+/* Print the output of `write`, also after an error, line by line, escaped for the terminal. */
 static enum err print_written(enum err (*write)(struct buf *out, const char *bytes, size_t length,
                                                 struct fault *fault),
                               const struct options *o, struct fault *fault)
@@ -48,7 +48,7 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
     if (err && bytes.length)
         fault_prefix(fault, err, "%s", o->word[0]);
     if (!err && text.failed)
-        err = fault_memory(fault, "what a journal says");
+        err = fault_memory(fault, "a journal");
     for (const char *at = buf_text(&text), *end = at + text.length; at < end;) {
         const char *feed = memchr(at, '\n', (size_t)(end - at));
         const size_t n = feed ? (size_t)(feed - at) : (size_t)(end - at);
@@ -63,7 +63,7 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
     return err;
 }
 
-/* As it is, intact or not; a scene that was meant to be opened is no text. */
+/* Copy a journal unchanged, intact or not. Other files, such as scenes, are an error. */
 static enum err copy(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
     struct walk walk;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `iftty` at a terminal, or in a pipe: the prompt and, from there, the pilot. */
+/* `iftty` at a terminal or in a pipe: the prompt, and the pilot. */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,21 +19,19 @@
 #include "tui/prompt/repl.h"
 
 /*
- * What `Tab` finds by a piece of a word: commands and choices, each with the key
- * of the pilot that does it, and keys that are no command's.
- */
-
-/*
- * Commands by a piece of what one remembers of them: of a name, as `file` is of seed-file, of a
- * choice, as `cont` of `overlay contour`, of a key, or of the words that say what they do.
+ * Completion by a part of a word: commands and choices, each with the key of the pilot that does
+ * the same, and keys without a command.
+ *
+ * A command is found by a part of its name, as `file` finds seed-file, of a choice, as `cont` finds
+ * `overlay contour`, of a key, or of its summary.
  */
 
 enum { COMMANDS_FOUND_MOST = 8 };
 
-/* What the piece is of, the best first. */
+/* Places of the part, the best first. */
 enum { OF_NAME, OF_CHOICE, OF_KEY, OF_SUMMARY, WITHIN_NAME, RANKS };
 
-/* Whether a word of the text begins so, from the byte `from` on. */
+/* True if a word of the text, from the byte `from` on, begins with the part. */
 static bool has_word(const char *text, const char *piece, size_t from)
 {
     for (const char *at = text; (at = strcasestr(at, piece)); at++)
@@ -56,7 +54,7 @@ static void add(struct buf *out, const char *name, const struct choice *choice, 
     buf_add_char(out, '\n');
 }
 
-/* Its first parameter's; words such as on and none say nothing of what they are about. */
+/* Choices of the first parameter; short words such as on and none are not specific. */
 static void find_choices(struct buf *out, const struct command *command, const char *piece,
                          unsigned *count)
 {
@@ -96,9 +94,9 @@ static unsigned rank_of(const struct command *command, const char *piece, const 
                                                   : RANKS;
 }
 
-/* Adds them, the best first, as command_complete does: what is to be typed, a tab, what it means,
- * and a line feed. Not those whose names begin with the piece; where there `are_some`, only what is
- * a piece of a name or of a choice. */
+/* Add commands, the best first, in the form of command_complete: the text to type, a tab, its
+ * meaning, and a line feed. Not commands whose names begin with the part; with `are_some` only
+ * those found by name or choice. */
 static void command_find_by_piece(struct buf *out, const char *piece, bool are_some)
 {
     unsigned count = 0;
@@ -121,8 +119,7 @@ static void command_find_by_piece(struct buf *out, const char *piece, bool are_s
 
 enum { KEYS_MOST = 6 };
 
-/* The row that does the same as words of a command: by its line, or as it is called. NULL for none.
- */
+/* The row with the same action as a command: by its line, or by its name. NULL: none. */
 static const struct pilot_row *row_of(const char *words, size_t length)
 {
     const size_t name = strcspn(words, " \t\n");
@@ -141,7 +138,7 @@ static bool has_piece(const char *text, const char *piece)
     return text && strcasestr(text, piece);
 }
 
-/* As notes of the list, which are no words to be taken; but for those that stand there. */
+/* Add keys without a command as notes, which cannot be selected; keys in the list are left out. */
 static void add_keys(struct buf *out, const char *piece, const struct pilot_setup *setup,
                      const bool *is_there)
 {
@@ -157,8 +154,8 @@ static void add_keys(struct buf *out, const char *piece, const struct pilot_setu
     }
 }
 
-/* Adds to the words that begin with the piece, as candidates of the line editor, and adds keys to
- * what all of them mean. */
+/* Add candidates of the line editor to the words that begin with the part, and add keys to all of
+ * them. */
 static void finding_add(struct buf *words, const char *piece, const struct pilot_setup *setup)
 {
     const bool are_some = words->length > 0;
@@ -187,16 +184,16 @@ static void finding_add(struct buf *words, const char *piece, const struct pilot
 }
 
 struct prompt {
-    struct pilot_interpreter pilot; /* first: the pilot's host has this whole as its context */
+    struct pilot_interpreter pilot; /* first member: the context of the pilot's host */
     struct pilot_host host;
-    struct pilot_state state; /* of the pilot, from one time to the next */
+    struct pilot_state state; /* the pilot's, kept between its uses */
     struct config config;
-    bool has_started; /* its commands have been carried out, or are not to be */
-    bool is_empty;    /* nothing is open yet, and no command was given: `auto on` comes before it */
+    bool has_started; /* the commands of config.start are done, or not wanted */
+    bool is_empty;    /* no command so far: `auto on` comes before the first one */
     struct interpreter interp;
     struct reply reply;
     char name[24];     /* before the "> " */
-    const char *first; /* opened once the prompt is there, so that the prompt is there at once */
+    const char *first; /* opened after the prompt is shown */
     bool resumes;
     struct lesson *lesson; /* or NULL */
 };
@@ -220,8 +217,8 @@ static enum err execute(struct prompt *prompt, const char *line, struct buf *out
     return err;
 }
 
-/* The commands that a user begins with: as soon as there is a scene. One that fails is named. Those
- * that nobody has written down have no number, and the answer of the last one says all. */
+/* Carry out the start commands once there is a scene, and name one that fails. The default ones
+ * have no line number; only the answer of the last of them is shown. */
 static void start(struct prompt *prompt, struct buf *output)
 {
     const size_t before = output->length;
@@ -254,7 +251,7 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
 {
     struct prompt *prompt = context;
     enum err err = OK;
-    if (prompt->is_empty) { /* so that a session without a command leaves no journal */
+    if (prompt->is_empty) { /* a session without a command leaves no journal */
         const size_t before = output->length;
         err = execute(prompt, "auto on", output, fault);
         output->length = before;
@@ -273,7 +270,7 @@ static const char *journal_name(const struct prompt *prompt)
     return journal ? journal_path(journal) : prompt->interp.new_journal;
 }
 
-/* At the prompt, what is to be done next stands below each answer. */
+/* Add the current step of the lesson below an answer. */
 static void add_lesson(struct prompt *prompt, struct buf *output)
 {
     if (!prompt->lesson || !prompt->interp.session->has_scene)
@@ -289,7 +286,7 @@ static enum err repl_execute(void *context, const char *line, struct buf *output
 {
     struct prompt *prompt = context;
     const enum err err = prompt_execute(context, line, output, fault);
-    if (!err) { /* a command that is recorded does not fail by it */
+    if (!err) { /* a recorded command does not fail by it */
         interpreter_write_losses(&prompt->interp, console_watch(), output, NULL);
         console_erase_progress();
     }
@@ -306,7 +303,7 @@ static void after_screen(void *context, struct buf *output)
 static void pilot_caption(void *context, struct buf *lines)
 {
     struct prompt *prompt = context;
-    if (!prompt->pilot.onlooker) /* else what there is is about to change */
+    if (!prompt->pilot.onlooker) /* otherwise labels are about to change */
         lesson_look(prompt->lesson, prompt->interp.session, false);
     lesson_add_captions(lines, prompt->lesson, journal_name(prompt));
 }
@@ -326,7 +323,7 @@ static enum err prompt_drop(void *context, struct fault *fault)
     return interpreter_drop_sketch(&prompt->interp, fault);
 }
 
-/* The scene or journal named on the command line, and what a new session begins with. */
+/* Open the scene or journal of the command line, and begin a new session. */
 static enum err begin_session(void *context, struct buf *output, struct fault *fault)
 {
     struct prompt *prompt = context;
@@ -439,7 +436,7 @@ static enum err prompt_screen(void *context, struct terminal_facts *facts,
         pilot_fit_brush(&prompt->state, least < n[2] ? least : n[2]);
     }
     const enum err err = pilot_run(&prompt->host, &prompt->state, facts, editor, ended, fault);
-    prompt_wants_screen(prompt); /* `:pilot` in the pilot asks for what is there */
+    prompt_wants_screen(prompt); /* `:pilot` within the pilot has no effect */
     return err;
 }
 
@@ -483,7 +480,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
 
 /* ---- beginning and end ---- */
 
-/* What fails is noticed again by the next edit. */
+/* A failure is reported by the next edit. */
 static void before_suspending(void *context)
 {
     struct prompt *prompt = context;
@@ -491,7 +488,7 @@ static void before_suspending(void *context)
         journal_catch_up(prompt->interp.journal, NULL);
 }
 
-/* The session is over when what it wrote is on the disk; Ctrl-C gives up what is not begun. */
+/* Wait until pictures are written; Ctrl-C drops pictures that are not begun. */
 static void finish_pictures(struct prompt *prompt)
 {
     struct buf text = {0};
@@ -504,7 +501,7 @@ static void finish_pictures(struct prompt *prompt)
     buf_release(&text);
 }
 
-/* Where the session's record lies. */
+/* Print the path of the journal. */
 static void print_journal(const struct journal *journal)
 {
     struct buf text = {0};
@@ -515,7 +512,7 @@ static void print_journal(const struct journal *journal)
     buf_release(&text);
 }
 
-/* What it begins with, whatever a user has written down. */
+/* Set up the lesson, independent of the user's configuration. */
 static void take_lesson(struct prompt *prompt, struct lesson *lesson)
 {
     prompt->lesson = lesson;
@@ -528,7 +525,7 @@ static void take_lesson(struct prompt *prompt, struct lesson *lesson)
 
 enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault *fault)
 {
-    static struct prompt prompt; /* large */
+    static struct prompt prompt; /* too large for the stack */
     struct buf journal = {0};
     const bool is_terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     enum err err = begin_check(o, &prompt.first, &prompt.resumes, fault);
@@ -546,13 +543,13 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     if (n && n < 20)
         prompt.name[n] = '\0';
     begin_journal_name(&journal, lesson ? "tutorial" : prompt.first);
-    if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
+    if (isatty(STDIN_FILENO)) /* otherwise Ctrl-C ends the program */
         console_handle_interrupts();
     err = begin_by_options(&prompt.interp, o, fault);
     begin_to_wait(&prompt.interp);
     if (!o->journal && !prompt.resumes)
         prompt.interp.new_journal = buf_text(&journal);
-    /* Without it, which is no reason to stop, pictures are waited for. */
+    /* On error pictures are written before the next prompt. */
     if (!err && is_terminal)
         interpreter_write_in_background(&prompt.interp, NULL);
     prompt.host = (struct pilot_host){.context = &prompt,
@@ -567,7 +564,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     if (lesson)
         take_lesson(&prompt, lesson);
     if (!prompt.config.setup.theme->has_colours)
-        setenv("NO_COLOR", "1", 1); /* which says just that, here and in the helpers */
+        setenv("NO_COLOR", "1", 1); /* for this program and its helpers */
     prompt.has_started = prompt.resumes;
     pilot_state_init(&prompt.state, &prompt.config.setup);
     prompt.pilot.interp = &prompt.interp;

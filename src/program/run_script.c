@@ -20,7 +20,7 @@ static void show_picture(void *context, struct interpreter *interp)
         show_picture_once(o->graphics, &view);
 }
 
-/* A word as a shell takes it. */
+/* Quote a word for a shell. */
 static void add_argument(struct buf *out, const char *word)
 {
     const bool is_plain =
@@ -37,8 +37,8 @@ static void add_argument(struct buf *out, const char *word)
     buf_add_text(out, is_plain ? "" : "'");
 }
 
-/* After lines that were stopped: what the journal has, and what to type. A script that opens its
- * scene goes on by itself (command/script.h); of another one, the rest does. */
+/* After an interrupted script, print the number of records and the command that continues. A script
+ * that opens its scene is repeated whole (command/script.h); of others the rest is. */
 static void say_how_to_go_on(const struct options *o, const struct journal *journal, FILE *input,
                              size_t line)
 {
@@ -47,8 +47,7 @@ static void say_how_to_go_on(const struct options *o, const struct journal *jour
     if (!journal || !line || journal_only_looks(journal))
         return;
     buf_add_safe_text(&text, journal_path(journal));
-    buf_printf(&text,
-               " holds %zu record%s, up to what stands before line %zu; to go on there:\n    ",
+    buf_printf(&text, " holds %zu record%s, of the lines before line %zu; to continue there:\n    ",
                journal_count(journal), plural(journal_count(journal)), line);
     const bool is_file = !o->commands && strcmp(o->word[0], "-") != 0;
     const bool is_whole =
@@ -67,8 +66,8 @@ static void say_how_to_go_on(const struct options *o, const struct journal *jour
     buf_release(&text);
 }
 
-/* Of --whole: the journal gets its name, which is still free, while it is locked. One that had it
- * is whole, and `records` long: nothing was written to it. */
+/* With --whole, rename the journal to its final name, which is still free, under its lock. An
+ * existing complete journal must have `records` records: nothing was written to it. */
 static enum err publish(const struct options *o, const struct journal *journal, size_t records,
                         struct fault *fault)
 {
@@ -120,7 +119,7 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
         const size_t records = interp.journal ? journal_count(interp.journal) : 0;
         size_t stopped;
         err = script_run(&interp, input, name, o->keep_going, &printer, &stopped, fault);
-        fault->text[0] = '\0'; /* printed with its line */
+        fault->text[0] = '\0'; /* it was printed with its line */
         say_how_to_go_on(o, interp.journal, input, stopped);
         err = end_journal(&interp, err, fault);
         if (!err && o->whole)
@@ -144,12 +143,12 @@ enum err run_script(const struct options *o, struct fault *fault)
     return err;
 }
 
-/* A line for each command: semicolons part them, but not in quotes, nor in a comment, which goes on
- * to the end of its line. */
+/* Write each command on a line: semicolons separate them, except in quotes and in comments, which
+ * end with their line. */
 static void split_commands(struct buf *lines, const char *at)
 {
-    bool blank = true, comment = false, begins = true; /* a line; a word */
-    char quote = '\0';                                 /* the one that is open */
+    bool blank = true, comment = false, begins = true; /* at the beginning of a line; of a word */
+    char quote = '\0';                                 /* the open quote */
     for (; *at; at++) {
         comment = *at != '\n' && (comment || (blank && *at == '#'));
         if (!comment && *at == quote)

@@ -15,8 +15,8 @@
 #include "program/serve.h"
 #include "session/session.h"
 
-/* A command that takes longer says how far it is, and again after each of these; requests that
- * come meanwhile are looked for as often. */
+/* A command reports progress after this time, and again at this interval; requests are read as
+ * often as LOOK_EVERY_MS meanwhile. */
 enum { PROGRESS_AFTER_MS = 500, PROGRESS_EVERY_MS = 250, LOOK_EVERY_MS = 10 };
 
 struct server {
@@ -25,11 +25,11 @@ struct server {
     struct inbox inbox;
     struct exchange exchange;
     struct watch watch;
-    struct buf line; /* that goes out */
+    struct buf line; /* the line to write */
     bool has_greeted;
-    bool is_gone;         /* nobody reads what is written */
-    enum err broken;      /* why nothing can be read any more, */
-    struct fault reading; /* in words */
+    bool is_gone;         /* the reader of the answers is gone */
+    enum err broken;      /* error of the input, */
+    struct fault reading; /* and its message */
     uint64_t begun_ns, told_ns, looked_ns;
 };
 
@@ -44,12 +44,12 @@ static void terminate(int number)
     (void)number;
     terminated = 1;
     if (write(wake[1], "", 1) < 0)
-        errno = former; /* it is full: the wait ends all the same */
+        errno = former; /* the pipe is full, and ends the wait anyway */
     errno = former;
 }
 
-/* SIGTERM ends the session as the end of input does, once the command at hand is taken back; SIGINT
- * takes that back and no more, for it goes to all programs of a terminal. */
+/* SIGTERM ends the session as the end of input does, after the current command is rolled back.
+ * SIGINT, which all programs of a terminal get, only cancels the command. */
 static enum err handle_signals(struct fault *fault)
 {
     const struct sigaction action = {.sa_handler = terminate};
@@ -61,9 +61,9 @@ static enum err handle_signals(struct fault *fault)
     return OK;
 }
 
-/* ---- out ---- */
+/* ---- output ---- */
 
-/* The line that was made, and empties it. Whoever ends the session is not waited for. */
+/* Write the line and clear it. Do not wait for a client that has ended the session. */
 static void put(struct server *s)
 {
     const char *at = buf_text(&s->line);
@@ -75,7 +75,7 @@ static void put(struct server *s)
         at += n > 0 ? n : 0;
         left -= n > 0 ? (size_t)n : 0;
     }
-    s->is_gone |= s->line.failed; /* an answer that lacks would be waited for */
+    s->is_gone |= s->line.failed; /* the client would wait for the missing answer */
     buf_clear(&s->line);
 }
 
@@ -135,7 +135,7 @@ static enum err execute(struct server *s, const char *line, struct fault *fault)
 {
     enum err err = exchange_allows(&s->exchange, &s->interp, line, fault);
     reply_clear(&s->reply);
-    if (!err && *line == '#' && s->interp.journal) /* as a script has it */
+    if (!err && *line == '#' && s->interp.journal) /* as in a script */
         err = journal_comment(s->interp.journal, line, fault);
     return err ? err : interpreter_execute(&s->interp, line, &s->reply, fault);
 }
@@ -150,7 +150,7 @@ static void answer_do(struct server *s, const struct request *request)
     } else {
         const struct image_view view =
             s->interp.shows_picture ? shown_picture(&s->interp, true) : (struct image_view){0};
-        if (view.rgba && /* the command stands if it cannot be written */
+        if (view.rgba && /* an unwritten picture does not fail the command */
             picture_write(&picture, &s->exchange, view.width, view.height, view.rgba, &fault)) {
             buf_clear(&picture);
             put_notice(s, fault.text);
@@ -248,7 +248,7 @@ static enum err begin(struct server *s, const struct options *o, struct buf *nam
 
 enum err run_serve(const struct options *o, struct fault *fault)
 {
-    static struct server s; /* large */
+    static struct server s; /* too large for the stack */
     struct buf name = {0}, told = {0};
     s.watch = (struct watch){.context = &s, .poll = poll_watch, .announce = announce};
     enum err err = handle_signals(fault);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `iftty replay`; `iftty verify` and its forms; `iftty log --reseal`, which is like accepting;
- * `iftty diff`. */
+/* `iftty replay`, `iftty verify` and its forms, `iftty log --reseal`, `iftty diff`. */
 #include <errno.h>
 #include <fts.h>
 #include <stdint.h>
@@ -36,7 +35,7 @@ enum err run_replay(const struct options *o, struct fault *fault)
             err = replay_aloud(&interp, o->word[0], &console_printer, fault);
         interpreter_release(&interp);
     }
-    /* The folder that was made for the files goes where there are none. */
+    /* Remove the temporary folder if no file was written. */
     if (!o->out && folder_release(here.out)) {
         buf_add_safe_text(&text, here.out);
         console_erase_progress();
@@ -50,11 +49,10 @@ enum err run_replay(const struct options *o, struct fault *fault)
 /* ---- the journals to verify ---- */
 
 /*
- * The journals that are verified: those that a user names, and in place of a folder all journals in
- * it and below.
+ * The journals to verify: files that the user names, and all journals below named folders.
  *
  * A file is a journal by the ending ".iftty", in any letter case. Hidden folders are entered. Links
- * to folders are not, since they may lead out or in a circle: a line names each.
+ * to folders are not followed, since they may lead out or in a circle; each is reported.
  */
 /* Begins as {0}. */
 struct journal_list {
@@ -100,7 +98,7 @@ static enum err add_below(struct journal_list *journals, const char *folder,
     char *const top[] = {(char *)(uintptr_t)folder, NULL};
     const size_t before = journals->count;
     enum err err = OK;
-    /* A link in the place of a journal is judged as one, and never followed to a folder. */
+    /* A link with the name of a journal counts as a journal, and is not followed to a folder. */
     const int follow = file_is_named(folder, ".iftty") ? 0 : FTS_COMFOLLOW;
     FTS *tree = fts_open(top, FTS_PHYSICAL | FTS_NOCHDIR | follow, compare_names);
     FTSENT *entry = NULL;
@@ -124,8 +122,8 @@ static enum err add_below(struct journal_list *journals, const char *folder,
     return err;
 }
 
-/* Adds the paths in their order, those below a folder in the order of their names. ERR_CHECK for a
- * folder without journals, ERR_IO for one that cannot be read, ERR_LIMIT, ERR_MEMORY. */
+/* Add the paths in their order, those below a folder sorted by name. ERR_CHECK for a folder without
+ * journals, ERR_IO for an unreadable one, ERR_LIMIT, ERR_MEMORY. */
 static enum err journals_find(struct journal_list *journals, char *const *path, size_t count,
                               const struct printer *printer, struct fault *fault)
 {
@@ -143,19 +141,18 @@ static void journals_release(struct journal_list *journals)
     free(journals->path);
 }
 
-/* ---- a part of many journals ---- */
+/* ---- shards ---- */
 
 /*
- * For several machines that share the work: "2/5" is the second of five. Which part a journal
- * belongs to follows from the SHA-256 of its bytes, and from nothing else: not from its place in
- * the list, so that a journal which is added moves no other; and not from its path, so that
- * machines which keep it in different places agree. So every journal is in exactly one part. One
- * that cannot be read is in all of them, where it fails.
+ * Sharing journals between machines: "2/5" is the second of five parts. The SHA-256 of a journal's
+ * bytes selects its part: not its place in the list, so that a new journal moves no other, and not
+ * its path, so that machines may keep it in different places. So every journal is in exactly one
+ * part. An unreadable one is in all of them, where it fails.
  */
 
 enum { SHARDS_MOST = 10000 };
 
-/* Keeps the journals of the shard "K/N" alone, in their order. */
+/* Keep the journals of the shard "K/N" alone, in their order. */
 static enum err shard_keep(struct journal_list *journals, const char *text, struct fault *fault)
 {
     int64_t number, of;
@@ -187,11 +184,11 @@ static enum err shard_keep(struct journal_list *journals, const char *text, stru
 
 /* ---- verify ---- */
 
-/* What options say together. */
+/* Check combinations of options. */
 static enum err check_options(const struct options *o, struct fault *fault)
 {
     if (o->until && o->from > o->until)
-        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: nothing lies between", o->from,
+        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: no record is between", o->from,
                          o->until);
     if (o->strict && o->no_strict)
         return fault_set(fault, ERR_USAGE, "--strict and --no-strict: give one of them");
@@ -271,7 +268,7 @@ enum err run_diff(const struct options *o, struct fault *fault)
     return diff_journals(&how, &console_printer, fault);
 }
 
-/* ---- sealing anew ---- */
+/* ---- accepting and resealing ---- */
 
 static enum err reseal(const struct options *o, bool is_edited, struct fault *fault)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * `iftty watch`: the steps of a journal in the pilot, by lines that its keys stand for:
+ * `iftty watch`: show the steps of a journal in the pilot, by lines that its keys enter:
  *
  *     step on N    step back N    step to N    step to last    step comments
  *
- * A step that is gone on to is drawn first, and carried out by the next `step on`. Any other line
- * is carried out where it only looks or asks (interpreter_look).
+ * `step on` draws a step first, and carries it out the next time. Other lines are carried out if
+ * they only look or ask (interpreter_look).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +33,7 @@ static size_t points(const struct watched *w)
     return w->interp->session->has_scene ? w->interp->history.points : 0;
 }
 
-/* Comments are lines before the command of their record, and may be any bytes. */
+/* Collect the comments of a record: lines before its command, which may be any bytes. */
 static void gather_comments(struct buf *comments, const char *bytes, const struct record *record)
 {
     const char *at = bytes + record->offset, *end = bytes + record->command_offset;
@@ -50,12 +50,12 @@ static void gather_comments(struct buf *comments, const char *bytes, const struc
     }
 }
 
-/* Adds a step where the record has led to a new point; `comments` are those since the last step. */
+/* Add a step if the record has led to a new point; `comments` are those since the last step. */
 static enum err note_record(struct watched *w, const struct outlook *outlook, size_t before,
                             struct buf *comments, struct fault *fault)
 {
     const size_t now = points(w);
-    if (now < before || now < 2) /* another scene */
+    if (now < before || now < 2) /* the record has opened another scene */
         w->count = 0;
     if (now < 2 || w->count == now - 1)
         return OK;
@@ -81,7 +81,7 @@ static enum err carry_out_all(struct watched *w, struct replay *replay, const ch
         err = note_record(w, &outlook, before, &comments, &w->why);
         w->end = w->interp->history.present;
     }
-    if (points(w) <= w->count) /* the record that differs has opened another scene */
+    if (points(w) <= w->count) /* a record that differs has opened another scene */
         w->count = 0;
     if (!err && (comments.failed || w->comments.failed))
         err = fault_memory(&w->why, "the comments of a journal");
@@ -132,7 +132,8 @@ void watched_release(struct watched *w)
 
 /* ---- the gesture of a step ---- */
 
-/* The middle of the corners of a box or an outline; else the first place, as of a stroke. */
+/* Find the middle of the corners of a box or an outline; otherwise the first place, as of a
+ * stroke. */
 static bool find_place(const struct call *call, uint32_t place[3])
 {
     const struct parameter *p = call->command->parameter;
@@ -144,7 +145,8 @@ static bool find_place(const struct call *call, uint32_t place[3])
                 sum[a] += value->place[a];
             count++;
         } else if (p[i].type == VALUE_LINE && value->given && !p[i].optional) {
-            for (size_t c = 1; c < value->line->count; c++, count++) /* it begins with the place */
+            for (size_t c = 1; c < value->line->count; c++, count++) /* the line begins with the
+                                                                        place */
                 for (int a = 0; a < 3; a++)
                     sum[a] += value->line->corner[c][a];
         }
@@ -154,7 +156,7 @@ static bool find_place(const struct call *call, uint32_t place[3])
     return count > 0;
 }
 
-/* Reads the command of a step, by the names that labels had before. */
+/* Read the command of a step, by the names of labels before it. */
 static void read_gesture(struct watched *w, size_t step)
 {
     const struct point *point = w->interp->history.point + step;
@@ -174,7 +176,7 @@ static void read_gesture(struct watched *w, size_t step)
     call_release(&call);
 }
 
-/* List the seeds that a step has planted or added to those that wait. The caller releases. */
+/* List the seeds that a step has planted or queued. The caller releases. */
 static enum err gesture_seeds(struct edits *seeds, const struct watched *w, size_t step,
                               struct fault *fault)
 {
@@ -186,7 +188,7 @@ static enum err gesture_seeds(struct edits *seeds, const struct watched *w, size
     const size_t count = after->seeds ? after->seeds : now > waited ? now - waited : 0;
     enum err err = OK;
     *seeds = (struct edits){0};
-    if (count > SEEDS_DRAWN_MOST) /* more than can be seen */
+    if (count > SEEDS_DRAWN_MOST) /* too many to be seen */
         return OK;
     for (size_t i = 0; !err && i < count; i++)
         if (edit[i].label != EDIT_ERASE)
@@ -198,7 +200,7 @@ static enum err gesture_seeds(struct edits *seeds, const struct watched *w, size
 
 /* ---- showing ---- */
 
-/* Aims slices at a voxel; a magnified part stays only around the same voxel. */
+/* Aim slices at a voxel; a magnified part is kept only around the same voxel. */
 static void aim_at(struct slice_settings *slices, const uint32_t place[3])
 {
     const bool is_there = memcmp(slices->cross, place, sizeof slices->cross) == 0;
@@ -208,7 +210,7 @@ static void aim_at(struct slice_settings *slices, const uint32_t place[3])
         memset(slices->middle, 0, sizeof slices->middle);
 }
 
-/* Compute the view of a step: the viewer's own, or the journal's where that has changed. */
+/* Compute the view of a step: the viewer's, or the journal's if that has changed. */
 static struct outlook outlook_of(struct watched *w, size_t step, bool is_drawn)
 {
     static const uint32_t nowhere[3];
@@ -229,7 +231,7 @@ static struct outlook outlook_of(struct watched *w, size_t step, bool is_drawn)
     return out;
 }
 
-/* Goes to a point, with these lists in place of its own, or NULL. All or nothing. */
+/* Go to a point, with these lists instead of its own, or NULL. All or nothing. */
 static enum err go_to(struct watched *w, uint32_t point, const struct outlook *outlook,
                       const struct edit_lists *lists, struct fault *fault)
 {
@@ -256,7 +258,7 @@ static enum err go_to(struct watched *w, uint32_t point, const struct outlook *o
     return err;
 }
 
-/* Copies the labels before a step that is drawn. */
+/* Copy the labels before a drawn step. */
 static enum err keep_former(struct watched *w, struct fault *fault)
 {
     const struct scene *scene = w->interp->session->scene;
@@ -341,9 +343,9 @@ const uint8_t *watched_former(const struct watched *w)
     return w->at && !w->is_drawn && w->changed ? w->former : NULL;
 }
 
-/* ---- words ---- */
+/* ---- text ---- */
 
-/* Whether the last state comes from this point. */
+/* True if the last state comes from this point. */
 static bool leads_on(const struct history *history, uint32_t end, size_t point)
 {
     while (end > point)
@@ -431,11 +433,11 @@ void watched_verdict(struct buf *out, const struct watched *w)
 }
 
 struct watching {
-    struct pilot_interpreter pilot; /* first, as programs.h wants it */
+    struct pilot_interpreter pilot; /* first member (programs.h) */
     struct watched watched;
     struct reply reply;
     size_t last;  /* the last step that is shown */
-    bool is_over; /* the verdict is shown, below that step */
+    bool is_over; /* the verdict is shown, after the last step */
     struct pilot_host host;
     struct pilot_state state;
 };
@@ -472,7 +474,7 @@ static enum err step_line(struct watching *w, const char *at, struct buf *output
         return fault_set(fault, ERR_USAGE, "expected a step 0..%zu", w->last);
     const bool was_over = w->is_over;
     const size_t by = (size_t)n, from = was_over ? w->last + 1 : w->watched.at;
-    /* A step that is drawn is carried out as the first of those that `step on N` goes on by. */
+    /* A drawn step counts as the first of `step on N`. */
     const bool carries_out = is_on && w->watched.is_drawn;
     const size_t to = is_to ? by : is_on ? from + by - carries_out : from > by ? from - by : 0;
     const enum err err = is_back || (carries_out && by == 1)
@@ -565,7 +567,7 @@ static void complete(void *context, const char *line, size_t cursor, struct buf 
 static enum err watch_at_terminal(const struct options *o, struct interpreter *interp,
                                   const struct config *config, struct fault *fault)
 {
-    static struct watching w; /* large */
+    static struct watching w; /* too large for the stack */
     const struct repl_host host = {.context = &w, .screen = screen, .complete = complete};
     struct buf words = {0};
     w.pilot.interp = interp;
@@ -611,13 +613,13 @@ enum err run_watch(const struct options *o, struct fault *fault)
     struct config config;
     if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO))
         return fault_set(fault, ERR_USAGE,
-                         "watching takes a terminal; `iftty replay JOURNAL` takes none, and "
+                         "`watch` needs a terminal; `iftty replay JOURNAL` needs none, and "
                          "`iftty log JOURNAL` lists the records");
     if (o->until && o->from > o->until)
         return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: expected no later step first",
                          o->from, o->until);
     config_init(&config);
-    config_read(&config); /* before the walls are there */
+    config_read(&config); /* before the process is confined */
     if (!config.setup.theme->has_colours)
         setenv("NO_COLOR", "1", 1);
     console_handle_interrupts();

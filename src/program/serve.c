@@ -87,9 +87,9 @@ static enum err place_file(struct buf *path, const struct exchange *exchange, co
                                          buf_text(&exchange->path));
 }
 
-/* ---- what depends on it ---- */
+/* ---- commands that must not use the folder ---- */
 
-/* Judges where a path leads once all links are resolved: to the folder or to anything below it. */
+/* True if a path leads to the folder or below it, once all links are resolved. */
 static bool holds(const struct exchange *exchange, const char *name)
 {
     const size_t length = exchange->path.length;
@@ -105,7 +105,7 @@ static bool holds(const struct exchange *exchange, const char *name)
     return is_in;
 }
 
-/* A command whose journal keeps what it has read says so in a parameter that it adds. */
+/* True if the journal keeps a copy of the file: the command then adds a parameter `copy`. */
 static bool keeps_copy(const struct command *command)
 {
     for (const struct parameter *p = command->parameter; p->type; p++)
@@ -114,7 +114,7 @@ static bool keeps_copy(const struct command *command)
     return false;
 }
 
-/* Whether the file that a command names, or the one that is found by this name, is in it. */
+/* True if the file that a command names, or the one found by its name, is in the folder. */
 static bool holds_file(const struct exchange *exchange, const struct interpreter *interp,
                        const struct parameter *p, const char *name)
 {
@@ -130,7 +130,7 @@ static bool holds_file(const struct exchange *exchange, const struct interpreter
     return is_in;
 }
 
-/* Whether the golden images and copies of labels of a journal would go into it. */
+/* True if golden images and copies of labels of a journal would be in the folder. */
 static bool holds_goldens(const struct exchange *exchange, const char *journal)
 {
     struct buf folder = {0};
@@ -151,7 +151,8 @@ enum err exchange_allows(const struct exchange *exchange, const struct interpret
     const struct parameter *p = command->parameter;
     const char *journal = interp->home.length ? buf_text(&interp->home) : interp->new_journal;
     const bool stays = command->flags & COMMAND_RECORDED,
-               moves = !stays && command->group == GROUP_KEPT; /* the journal itself */
+               moves = !stays && command->group == GROUP_KEPT; /* the command moves the journal
+                                                                  itself */
     for (int i = 0; p[i].type && !err && (stays || moves); i++) {
         const char *name = call.value[i].given ? call.value[i].text : NULL;
         if (p[i].type == VALUE_FILE && name && call.value[i].number < 0 &&
@@ -255,7 +256,7 @@ enum err picture_write(struct buf *path, const struct exchange *exchange, uint32
     return err;
 }
 
-/* ---- what is open ---- */
+/* ---- state ---- */
 
 /* The grid of the scene and of every array: size, spacing, axes, and the affine map from voxel
  * indices to millimetres, four rows as in NIfTI; null if it is not known. */
@@ -291,7 +292,7 @@ static void add_grid(struct json *json, const struct session *session)
     json_end(json);
 }
 
-/* As it is found from any folder. */
+/* Add the absolute path, if there is one. */
 static void add_path(struct json *json, const char *key, const char *path)
 {
     char *whole = realpath(path, NULL);
@@ -354,7 +355,7 @@ void answer_greeting(struct buf *out, const struct interpreter *interp, const ch
     json_end(&json);
 }
 
-/* ---- of a command ---- */
+/* ---- answers to commands ---- */
 
 /* The words of a record: a count as a number, all else as a text. Digests are longer than any count
  * (record_word_is_digest), and a number with leading zeros is not a count. */
@@ -425,9 +426,9 @@ void answer_array(struct buf *out, const char *id, const struct interpreter *int
     json_end(&json);
 }
 
-/* ---- of what was not carried out ---- */
+/* ---- errors and progress ---- */
 
-/* Which character of the line a byte begins, both from 1. */
+/* Convert a byte of a line to a column in characters, both from 1. */
 static size_t column_of(const char *line, size_t byte)
 {
     size_t column = 1;
@@ -504,7 +505,7 @@ static enum err take_id(struct buf *id, const struct json_member *m, struct faul
         return fault_set(fault, ERR_USAGE,
                          "%s: expected a whole number, or a text of at most %d bytes",
                          buf_text(&m->key), ID_BYTES_MOST);
-    if (id->length && id->data[id->length - 1] == '\n') /* which ends a text by itself */
+    if (id->length && id->data[id->length - 1] == '\n') /* the JSON writer's */
         id->data[--id->length] = '\0';
     return OK;
 }
@@ -532,7 +533,7 @@ static enum err take_member(struct request *request, unsigned key, const struct 
     }
 }
 
-/* Which keys go together. */
+/* Check the combination of keys. */
 static enum err check(const bool given[KEYS], struct fault *fault)
 {
     const int asked = given[KEY_DO] + given[KEY_ARRAY] + given[KEY_CANCEL];
@@ -545,8 +546,8 @@ static enum err check(const bool given[KEYS], struct fault *fault)
     return OK;
 }
 
-/* Reads a line; the caller releases the request in any case. Its fault is ERR_USAGE or ERR_MEMORY
- * where it is none, and its id is then what was read of it. */
+/* Read a line; always release the request. An invalid line sets its fault, ERR_USAGE or ERR_MEMORY,
+ * and the id if one was read. */
 static void request_read(struct request *request, const char *line, size_t length)
 {
     struct json_reader reader = {.bytes = line, .length = length};
@@ -598,7 +599,7 @@ static void cancel(struct inbox *inbox, const struct request *cancel)
             is_of(&inbox->waiting[inbox->first + i], cancel);
 }
 
-/* The line at hand has come to its end. */
+/* Finish the current line. */
 static enum err end_line(struct inbox *inbox, struct fault *fault)
 {
     struct request request = {0};

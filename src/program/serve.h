@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The inbox: requests as they come in by a pipe, in order, also while a command is carried out.
+ * The inbox: requests that arrive through a pipe, in order, also while a command runs.
  *
  * Invariants
- *   I1 lines longer than REQUEST_BYTES_MOST are passed over to their end, and stand in the order of
- *      requests as one that is refused;
+ *   I1 a line longer than REQUEST_BYTES_MOST is skipped to its end, and answered in its turn with
+ *      an error;
  *   I2 no more is read while INBOX_WAITING_MOST requests wait, or more than INBOX_BYTES_MOST bytes
  *      of them: memory is bounded, and the sender waits;
- *   I3 a cancel is taken as soon as it is read: of the request at hand, `stops` is set; one that
- *      waits is answered as cancelled at its turn; of any other nothing comes;
- *   I4 blank lines are nothing, and a last line without its line feed is a line.
+ *   I3 a cancel acts when it is read: for the current request `stops` is set; a waiting one
+ *      is answered as cancelled in its turn; any other cancel has no effect;
+ *   I4 blank lines are ignored, and a last line without its line feed is a line.
  */
 #ifndef SERVE_INBOX_H
 #define SERVE_INBOX_H
@@ -22,133 +22,134 @@
 #include "image/volume_format.h"
 
 /*
- * Requests: what a program that drives a session writes, a line of JSON each (base/json.h).
+ * Requests of the program that drives a session, a line of JSON each (base/json.h).
  *
  *     {"id": 1, "do": "seed 90,108,90 1 radius=6"}         a command, as at the prompt
  *     {"id": 2, "array": "labels", "finished": true}       the voxels of a map, in a file
  *     {"cancel": 1}                                        stop that command
  *
- * `id` is a whole number or a text, and comes back with the answer; one that is left out is null.
- * Keys that are not known, come twice, or do not go with the others are refused.
+ * `id` is a whole number or a text, and is repeated in the answer; the default is null. Keys that
+ * are unknown, repeated, or do not belong together are errors.
  */
 
-enum { REQUEST_BYTES_MOST = 1 << 20 }; /* of a line, without its line feed */
+enum { REQUEST_BYTES_MOST = 1 << 20 }; /* a line, without its line feed */
 
 enum request_kind { REQUEST_COMMAND, REQUEST_ARRAY, REQUEST_CANCEL };
 
 struct request {
     enum request_kind kind;
-    struct buf id;    /* as JSON has it: "null", "12", "\"a\""; of a cancel that of what it stops */
-    struct buf words; /* the command, or which array */
-    bool finished;    /* of an array: labels as `finish` leaves them */
-    bool is_cancelled;  /* before it was begun */
-    struct fault fault; /* code OK, or why the line was no request: it is answered all the same */
+    struct buf id;      /* JSON text: "null", "12", "\"a\""; of a cancel the id of the request to
+                         stop */
+    struct buf words;   /* the command, or which array */
+    bool finished;      /* for an array: labels after `finish` */
+    bool is_cancelled;  /* before it began */
+    struct fault fault; /* OK, or the error of the line, which is answered too */
 };
 
 enum { INBOX_WAITING_MOST = 1024, INBOX_BYTES_MOST = 4 << 20 };
 
 struct inbox {
-    struct buf line; /* what came of the line at hand */
+    struct buf line; /* the current line, as far as it was read */
     bool is_too_long;
-    bool is_over;            /* nothing comes any more */
-    struct request *waiting; /* `count` from `first` on, which comes next */
+    bool is_over;            /* end of input */
+    struct request *waiting; /* `count` from `first` on, the next one first */
     size_t first, count, capacity, bytes;
-    struct request at_hand; /* id: of the one that is carried out */
+    struct request at_hand; /* the request that is carried out */
     bool stops;
 };
 
-/* Takes bytes that have come. ERR_MEMORY, where the stream is of no use any more. */
+/* Add bytes of input. ERR_MEMORY: the stream is lost. */
 enum err inbox_take(struct inbox *inbox, const char *bytes, size_t length, struct fault *fault);
 
-/* Reads once what there is in a descriptor, without waiting where that is not readable; the end is
- * `is_over`. ERR_IO, ERR_MEMORY. Does nothing while there is no room (I2). */
+/* Read once from a descriptor, without waiting; `is_over` is set at the end. ERR_IO, ERR_MEMORY.
+ * Does nothing while there is no room (I2). */
 enum err inbox_read(struct inbox *inbox, int fd, struct fault *fault);
 bool inbox_has_room(const struct inbox *inbox);
 
-/* The next request becomes the one at hand, which stays the inbox's; NULL where none waits. */
+/* Make the next request the current one, which the inbox owns; NULL if none waits. */
 const struct request *inbox_next(struct inbox *inbox);
 
 void inbox_release(struct inbox *inbox);
 
 /*
- * Answers: what a session writes to the program that drives it, a line of JSON each. The key that
- * stands first, or after `id`, says which kind it is (src/program/README.md):
+ * Answers to the program that drives a session, a line of JSON each. The first key, or the key
+ * after `id`, identifies the kind (src/program/README.md):
  *
- *     {"protocol": 1, "ok": true, "program": "iftty", ...}       once, before all else
+ *     {"protocol": 1, "ok": true, "program": "iftty", ...}       the greeting, once
  *     {"id": 1, "ok": true, "record": 2, "command": ..., ...}    a request was carried out
- *     {"id": 1, "ok": false, "kind": "bad usage", "why": ...}    it was not; nothing has changed
- *     {"id": 1, "progress": "forest", "done": 1, "total": 4}     it goes on
+ *     {"id": 1, "ok": false, "kind": "bad usage", "why": ...}    it failed; nothing has changed
+ *     {"id": 1, "progress": "forest", "done": 1, "total": 4}     progress
  *     {"id": 1, "notice": "..."}                                 a line for the user
  *
  * Words are those of records (journal/FORMAT.md) and of the programs' --json. Every function adds
- * one line to `out`, whose failure says that memory ran out.
+ * one line to `out`; out->failed is set if memory runs out.
  */
 
 /*
- * The folder by which voxels and pictures go to the program that drives a session, and come from
- * it: arrays are files, since they are large.
+ * The folder through which voxels and pictures are exchanged with the program that drives a
+ * session: arrays are files, since they are large.
  *
  * Invariants
- *   E1 it is below $TMPDIR (or /tmp), under a name that nobody can foresee, made anew, and for its
- *      owner alone; before each file is written it is looked at again: what has become a link,
- *      another folder, or open to others is refused;
- *   E2 a file in it is written as a draft that was not there before (O_EXCL), and renamed: what
- *      stands under its name, a link too, is replaced and never followed;
- *   E3 it goes when the session ends, and where that is killed, when the next one begins
- *      (folder_held of base/file.h);
- *   E4 no record depends on it: a command that is recorded and whose file, golden image or copy of
- *      labels would be in it, once all links are resolved, is refused, and so is `journal FILE`.
- *      Only a file of which the journal keeps a copy may be read from it (`labels FILE`), and a
- *      question may write its report there.
+ *   E1 it is a new folder below $TMPDIR (or /tmp), with an unpredictable name and for its owner
+ *      alone; it is checked before each file is written: a link, another folder, or one that is
+ *      open to others in its place is an error;
+ *   E2 a file in it is written as a new draft (O_EXCL) and renamed: a file or a link with its name
+ *      is replaced and never followed;
+ *   E3 it is removed when the session ends, or after a kill when the next one begins (folder_held
+ *      of base/file.h);
+ *   E4 no record depends on it: a recorded command whose file, golden image or copy of labels would
+ *      be in it, once all links are resolved, is an error, and so is `journal FILE`. Only a file
+ *      that the journal keeps a copy of may be read from it (`labels FILE`), and a question may
+ *      write its report there.
  */
 
 struct exchange {
-    struct buf path; /* of the folder, without links */
+    struct buf path; /* the folder, without links */
     dev_t device;
     ino_t number;
 };
 
-/* ERR_IO, ERR_MEMORY: then there is none. */
+/* ERR_IO, ERR_MEMORY: no folder is made. */
 enum err exchange_begin(struct exchange *exchange, struct fault *fault);
 void exchange_end(struct exchange *exchange);
 
-/* E4, before a line is carried out. ERR_INPUT, ERR_MEMORY; what does not parse is fine here. */
+/* Check E4 for a line. ERR_INPUT, ERR_MEMORY; lines that do not parse are accepted here. */
 enum err exchange_allows(const struct exchange *exchange, const struct interpreter *interp,
                          const char *line, struct fault *fault);
 
-/* An uncompressed NIfTI, whose voxels can be read as they stand: x fastest, little-endian. */
+/* An uncompressed NIfTI, whose voxels can be read directly: x fastest, little-endian. */
 struct array_file {
     struct buf path;
-    const char *name; /* which: "labels" */
+    const char *name; /* name of the array: "labels" */
     enum voxel_type type;
-    uint64_t offset; /* of the first voxel, in bytes */
+    uint64_t offset; /* byte of the first voxel */
 };
 
-/* Writes the map of that name, which replaces the one before it: labels|cost|root|border|distance|
- * margin as `save` has them (show/export_map.h), or intensity. Edits that wait are applied first,
- * as by `run`, which is recorded. ERR_USAGE for a name that is none, and what commands return. */
+/* Write a map, replacing the file before: labels|cost|root|border|distance|margin as `save` writes
+ * them (show/export_map.h), or intensity. Edits that wait are applied first, and recorded as `run`.
+ * ERR_USAGE for an unknown name, and errors of commands. */
 enum err array_write(struct array_file *out, const struct exchange *exchange,
                      struct interpreter *interp, const char *name, bool finished,
                      struct fault *fault);
 
-/* Writes a picture as PNG, which replaces the one before it; *path is the file. */
+/* Write a picture as PNG, replacing the one before; *path is the file. */
 enum err picture_write(struct buf *path, const struct exchange *exchange, uint32_t width,
                        uint32_t height, const uint8_t *rgba, struct fault *fault);
 
 enum { SERVE_PROTOCOL = 1 };
 
-/* What is open now; `told` are lines about how it was opened. `fault` is why nothing could be, or
+/* Write the greeting; `told` are lines about opening. `fault` is the error that prevented it, or
  * NULL. */
 void answer_greeting(struct buf *out, const struct interpreter *interp, const char *folder,
                      const char *told, const struct fault *fault);
 
-/* A command that stands, or was nothing; `picture` is the file of what it has shown, or NULL. */
+/* Answer a command that succeeded; `picture` is the file of its picture, or NULL. */
 void answer_command(struct buf *out, const char *id, const struct interpreter *interp,
                     const struct reply *reply, const char *picture);
 void answer_array(struct buf *out, const char *id, const struct interpreter *interp,
                   const struct array_file *array);
 
-/* `line` is what fault->at counts bytes of, NULL for nothing; `list` lines to choose from. */
+/* `line` is the line that fault->at refers to, or NULL; `list` are lines to choose from. */
 void answer_fault(struct buf *out, const char *id, const struct fault *fault, const char *line,
                   const char *list);
 
