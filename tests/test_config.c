@@ -130,7 +130,8 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
         {"\nthem dark",
          "c:2: expected theme, brush, window, key, pager, ahead or start, not them; did you mean "
          "theme?; left out\n"},
-        {"brush 256", "c:1: expected a label 0..255, then optionally a radius 0..32 in voxels, or in mm"},
+        {"brush 256",
+         "c:1: expected a label 0..255, then optionally a radius 0..32 in voxels, or in mm"},
         {"brush 1 33", "c:1: expected a label"},
         {"brush 1 2 3", "c:1: expected a label"},
         {"brush", "c:1: expected a label"},
