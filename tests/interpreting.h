@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What stories at an interpreter share: lines go in as at the prompt, and the image helper is the
- * one that was built with the test programs.
+ * Helpers for stories with an interpreter: lines are executed as at the prompt, with the image
+ * helper built for the tests.
  *
- * `reply` and `fault` are those of the last line; main releases `reply` at its end.
+ * `reply` and `fault` belong to the last line; main releases `reply` at the end.
  */
 #ifndef TESTS_INTERPRETING_H
 #define TESTS_INTERPRETING_H
@@ -22,7 +22,7 @@
 static struct reply reply;
 static struct fault fault;
 
-/* No bytes are between its members (session/state.h). */
+/* It has no padding (session/state.h). */
 static inline bool outlook_equals(const struct outlook *a, const struct outlook *b)
 {
     return memcmp(a, b, offsetof(struct outlook, shows_finished) + sizeof a->shows_finished) == 0;
@@ -40,7 +40,7 @@ static inline void must(struct interpreter *interp, const char *line)
         printf("#   %s: %s\n", line, fault.text);
 }
 
-/* Executes the line, whose answer is the text, or has it as a part. */
+/* Execute a line and check that the answer is the text, or contains it. */
 #define MUST_ANSWER(interp, line, expected)                                                        \
     do {                                                                                           \
         must(interp, line);                                                                        \
@@ -52,7 +52,7 @@ static inline void must(struct interpreter *interp, const char *line)
         CHECK_HAS(buf_text(&reply.text), part);                                                    \
     } while (0)
 
-/* The helper lies above the folder of the test programs. Static storage. */
+/* Return the path of the helper, above the folder of the test programs. Static storage. */
 static inline const char *helper_program(void)
 {
     static char program[PATH_MAX];
@@ -64,7 +64,7 @@ static inline const char *helper_program(void)
     return strcat(program, "/iftty-image");
 }
 
-/* An interpreter with that helper; the caller releases it. */
+/* Begin an interpreter with that helper; the caller releases it. */
 static inline void begin_interpreter(struct interpreter *interp)
 {
     CHECK(interpreter_init(interp, NULL) == OK);

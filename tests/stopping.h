@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Work that is stopped: a watch with `.context = &looks, .poll = stop_after_looks` goes on at the
- * next `looks` looks at it, and stops at the one after them. Stories try 0, 1, 2, ... until what
- * they are about comes to its end.
+ * A watch that stops: with `.context = &looks, .poll = stop_after_looks` it continues for `looks`
+ * looks and stops at the next one. Stories try 0, 1, 2, ... until the work is complete.
  */
 #ifndef TESTS_STOPPING_H
 #define TESTS_STOPPING_H

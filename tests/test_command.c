@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The language: every command of the table by its example, by random lines, by lines that are
- * wrong; and the one door, which takes back what it cannot record.
+ * The command language: every command of the table by its example, by random lines and by wrong
+ * lines; and interpreter_execute, which undoes a command that cannot be recorded.
  */
 #include <errno.h>
 #include <dirent.h>
@@ -25,7 +25,7 @@ STORY(the_table_is_in_order)
 {
     for (unsigned i = 0; i < command_count(); i++) {
         const struct command *c = command_at(i);
-        CHECK(command_find(c->name) == c); /* so names differ */
+        CHECK(command_find(c->name) == c); /* so names are unique */
         CHECK(*c->summary && *c->example && (c->act || c->parameter[0].sets.bytes));
         CHECK(strncmp(c->example, c->name, strlen(c->name)) == 0);
         if (c->flags & COMMAND_EDITS)
@@ -34,7 +34,7 @@ STORY(the_table_is_in_order)
         for (int p = 0; p < PARAMETERS_MOST && c->parameter[p].type; p++) {
             const struct parameter *q = &c->parameter[p];
             if (!q->keyed) {
-                CHECK(!may || q->optional); /* what may be left out stands last */
+                CHECK(!may || q->optional); /* optional ones come last */
                 may |= q->optional;
             }
             CHECK(!q->paired || (p > 0 && q[-1].choices && !q->keyed && q->optional));
@@ -97,7 +97,7 @@ STORY(every_example_parses_and_its_canonical_form_is_its_own)
     interpreter_release(&interp);
 }
 
-/* What stands for a parameter in help. */
+/* Return the form of a parameter in help. */
 static const char *form_of(const struct parameter *p)
 {
     static char form[80], radius[32];
@@ -190,7 +190,7 @@ static void add_decimal(struct buf *out, const struct parameter *p)
         buf_printf(out, ".%03lld%s", (long long)rest, below(2) ? "00" : "");
 }
 
-/* A word of odd characters, in quotes where it must be and at times where it need not. */
+/* Add a word of odd characters, quoted if necessary and sometimes if not. */
 static void add_word(struct buf *out)
 {
     static const char *const piece[] = {"a",  "Z",  "7",        ".", "/", "-", "_", " ",
@@ -307,7 +307,7 @@ static void random_line(struct buf *out, const struct command *command)
     for (uint32_t n = below(3); n > 0; n--)
         buf_add_text(out, below(2) ? " " : "\t");
     buf_add_text(out, command->name);
-    bool ended = false; /* what is left out ends those in order */
+    bool ended = false; /* no more positional ones */
     for (int i = 0; i < PARAMETERS_MOST && command->parameter[i].type; i++) {
         const struct parameter *p = &command->parameter[i];
         bool given = !p->optional || below(2);
@@ -443,7 +443,7 @@ STORY(millimetres_lead_to_the_nearest_voxel)
 
 /* ---- lines that are wrong ---- */
 
-STORY(what_others_call_a_command_leads_to_it_alone)
+STORY(each_synonym_suggests_one_command)
 {
     static char said[4096]; /* "|exit|bye|" */
     struct interpreter interp;
@@ -470,7 +470,7 @@ STORY(what_others_call_a_command_leads_to_it_alone)
     interpreter_release(&interp);
 }
 
-STORY(a_wrong_line_is_told_what_was_expected)
+STORY(an_error_names_the_expected_form)
 {
     static const struct {
         const char *line, *words;
@@ -639,7 +639,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
     interpreter_release(&interp);
 }
 
-/* The word under the caret of the error; "" for a place behind the end. */
+/* Check the word under the caret of an error; "" for a position behind the end. */
 static void is_wrong_at(struct interpreter *interp, const char *line, const char *word)
 {
     CHECK(execute(interp, line) != OK);
@@ -652,7 +652,7 @@ static void is_wrong_at(struct interpreter *interp, const char *line, const char
         printf("#   %s: at %s\n", line, line + fault.at - 1);
 }
 
-STORY(an_error_tells_where_in_the_line_it_is)
+STORY(an_error_has_the_position_of_the_wrong_word)
 {
     struct interpreter interp;
     begin_with_scene(&interp);
@@ -675,7 +675,7 @@ STORY(an_error_tells_where_in_the_line_it_is)
     is_wrong_at(&interp, "goto nowhere", "nowhere");
     is_wrong_at(&interp, "label 1 cerebellum", "cerebellum");
     is_wrong_at(&interp, "save labels nowhere/x.nii empty=yes", "nowhere/x.nii");
-    CHECK(execute(&interp, "open synth:geom") != OK); /* no word of it is wrong */
+    CHECK(execute(&interp, "open synth:geom") != OK); /* no single word is wrong */
     CHECK_INT(fault.at, 0);
     interpreter_release(&interp);
 }
@@ -717,7 +717,7 @@ STORY(comments_and_empty_lines_do_nothing)
     interpreter_release(&interp);
 }
 
-/* Words of the language and bytes of no language, mixed. */
+/* Mix words of the language and random bytes. */
 static void garbage(char *out, size_t capacity)
 {
     size_t n = 0;
@@ -775,7 +775,7 @@ STORY(garbage_is_parsed_or_refused_in_one_plain_line)
         command_complete(&once, &start, line, cursor, &interp);
         CHECK(start <= cursor);
     }
-    CHECK(parsed > 300); /* or the mixture tests nothing */
+    CHECK(parsed > 300); /* else the mixture tests nothing */
     buf_release(&once);
     buf_release(&twice);
     interpreter_release(&interp);
@@ -783,7 +783,7 @@ STORY(garbage_is_parsed_or_refused_in_one_plain_line)
 
 /* ---- completion ---- */
 
-/* The words alone, without what they mean. */
+/* Complete a line; keep the words without their explanations. */
 static void complete_words(struct buf *out, size_t *start, const char *line,
                            const struct interpreter *interp)
 {
@@ -811,7 +811,7 @@ static void completes(const struct interpreter *interp, const char *line, const 
     buf_release(&out);
 }
 
-STORY(completion_offers_what_may_stand_there)
+STORY(completion_offers_valid_words)
 {
     struct interpreter interp;
     struct buf out = {0}, names = {0};
@@ -863,7 +863,7 @@ static void means(const struct interpreter *interp, const char *line, const char
     buf_release(&out);
 }
 
-STORY(completion_says_what_words_mean)
+STORY(completion_explains_words)
 {
     struct interpreter interp;
     begin_with_scene(&interp);
@@ -898,7 +898,7 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
         {"open a.nii weight=morph", "open a.nii", false},
         {"open a.nii", "open b.nii", false},
         {"open a.nii", "mask a.nii", false},
-        {"render a.png", "render b/a.png", false}, /* which is written */
+        {"render a.png", "render b/a.png", false}, /* a file that is written */
         {"undo", "undo", true},
         {"undo", "undo 2", false},
         {"later x/a", "later a", false},
@@ -916,7 +916,7 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
     buf_release(&name);
 }
 
-/* Names of all kinds, below a folder of their own, where the story works. */
+/* Create files with names of all kinds in a folder, and change to it. */
 static void begin_with_files(struct interpreter *interp)
 {
     static const char *const name[] = {"a.nii",     "ab c.nii", "\"q\\.nii",
@@ -938,7 +938,7 @@ static void begin_with_files(struct interpreter *interp)
     CHECK(chdir(place("files")) == 0);
 }
 
-STORY(files_are_offered_where_a_file_may_stand)
+STORY(completion_offers_files)
 {
     struct interpreter interp;
     begin_with_files(&interp);
@@ -957,7 +957,7 @@ STORY(files_are_offered_where_a_file_may_stand)
     completes(&interp, "open #", "\"#hash.nii\"\n", 5);
     completes(&interp, "open ./#", "./#hash.nii\n", 5);
     completes(&interp, "open \"\\\"", "\"\\\"q\\\\.nii\"\n", 5);
-    completes(&interp, "open b", "b\xc3\xa4r.nii\n", 5); /* none that a command cannot hold */
+    completes(&interp, "open b", "b\xc3\xa4r.nii\n", 5); /* others cannot be in a command */
     completes(&interp, "open .", ".hidden\n", 5);
     completes(&interp, "open \"\"x", "", 8);
     completes(&interp, "save labels m", "masks/\n", 12);
@@ -983,7 +983,7 @@ STORY(a_key_that_is_given_is_not_offered_again)
     begin_with_scene(&interp);
     completes(&interp, "overlay cross=on ", "none\ntint\ncontour\nmarks=\nwords=\n", 17);
     completes(&interp, "overlay cross=on m", "marks=\n", 17);
-    completes(&interp, "fill 1,1,1 2 to=3,1,1 t", "to=\n", 22); /* but for those of a line */
+    completes(&interp, "fill 1,1,1 2 to=3,1,1 t", "to=\n", 22); /* except for a line */
     completes(&interp, "hide b", "", 5);                        /* label 0 cannot be hidden */
     completes(&interp, "# see", "", 5);
     interpreter_release(&interp);
@@ -1082,9 +1082,9 @@ static int fail_on_journal(enum file_step step, const char *path)
 }
 
 /*
- * Deeds are lines to carry out, with "; " between them. "~" comes before those that change how one
- * looks and nothing else, whose records may wait for their sync, and " > FILE" after those that
- * write it. "@" is the folder of the test.
+ * Deeds are lines to execute, with "; " between them. "~" comes before lines that change only the
+ * view, whose records may be synced later, and " > FILE" after lines that write it. "@" is the
+ * folder of the test.
  */
 struct deed {
     char line[PATH_MAX + 64], file[64];
@@ -1111,7 +1111,7 @@ static bool next_deed(struct deed *deed, const char **cursor)
     return true;
 }
 
-/* A recorded command fails to be recorded, nothing has happened; then it is recorded. */
+/* Check that a command whose record cannot be written changes nothing; then record it. */
 static void fails_then_works(struct interpreter *interp, const struct deed *deed)
 {
     static const enum file_step step[] = {FILE_STEP_WRITE, FILE_STEP_SYNC};
@@ -1153,8 +1153,8 @@ static void say_nothing(void *context, const char *text)
     buf_add_text(kept, text);
 }
 
-/* A replay of the journal in another interpreter is the same; or, if `words`
- * is not NULL, it reports a file that was changed since. */
+/* Replay the journal in another interpreter: the result is the same, or, with `words`, the error
+ * about a file that was changed since. */
 static void replay_tells(const char *words)
 {
     struct buf told = {0};
@@ -1178,7 +1178,7 @@ static void journal_verifies(void)
 
 /* ---- seeds out of files ---- */
 
-/* weights.nii with other values of scl_slope and scl_inter, as bytes of two floats. */
+/* Copy weights.nii with other scl_slope and scl_inter, given as the bytes of two floats. */
 static void make_scaled(const char *name, const char scale[8])
 {
     struct buf file = {0};
@@ -1210,10 +1210,11 @@ STORY(a_stroke_is_balls_along_a_line)
     begin_with_scene(&interp);
     must(&interp, "seed 1,1,1 1 to=9,5,1");
     must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session->forest), 9); /* a step of the longest axis each */
+    CHECK_INT(forest_seeds(interp.session->forest),
+              9); /* one for each step along the longest axis */
     CHECK(has_seed(&interp, 1, 1, 1) && has_seed(&interp, 5, 3, 1) && has_seed(&interp, 9, 5, 1));
     must(&interp, "undo 2");
-    must(&interp, "seed 9,5,1 1 to=1,1,1 radius=1"); /* each voxel once, wherever balls overlap */
+    must(&interp, "seed 9,5,1 1 to=1,1,1 radius=1"); /* each voxel once, though balls overlap */
     must(&interp, "run");
     CHECK_INT(forest_seeds(interp.session->forest), 47);
     CHECK(has_seed(&interp, 5, 3, 2) && has_seed(&interp, 10, 5, 1) && !has_seed(&interp, 5, 3, 3));
@@ -1237,7 +1238,7 @@ STORY(a_seed_that_is_erased_before_a_run_waits_no_more)
     interpreter_release(&interp);
 }
 
-STORY(seeds_come_out_of_files)
+STORY(seeds_are_read_from_files)
 {
     struct interpreter interp;
     begin_with_scene(&interp);
@@ -1300,7 +1301,7 @@ STORY(a_seed_file_that_is_wrong_plants_nothing)
     interpreter_release(&interp);
 }
 
-/* A new journal, the steps of whose file fail while fail_on_journal is the hook. */
+/* Begin a new journal. Steps on its file fail while fail_on_journal is the hook. */
 static void begin_recording(struct interpreter *interp, const char *name)
 {
     snprintf(journal_file, sizeof journal_file, "%s", place(name));
@@ -1308,7 +1309,7 @@ static void begin_recording(struct interpreter *interp, const char *name)
     CHECK(interpreter_create_journal(interp, journal_file, &fault) == OK);
 }
 
-STORY(a_journal_knows_its_seed_files_again)
+STORY(a_replay_detects_a_changed_seed_file)
 {
     struct interpreter interp;
     make_seed_files();
@@ -1388,7 +1389,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     all_fail_then_work(&interp, deeds);
     take_snapshot(&end, &interp);
     interpreter_release(&interp);
-    for (unsigned i = 0; i < command_count(); i++) { /* every kind is among them */
+    for (unsigned i = 0; i < command_count(); i++) { /* all recorded commands are among them */
         const char *name = command_at(i)->name;
         bool is_there = !(command_at(i)->flags & COMMAND_RECORDED) || strcmp(name, "open") == 0 ||
                         strcmp(name, "interpolate") == 0; /* in a story of its own */
@@ -1398,19 +1399,19 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         if (!CHECK(is_there))
             printf("#   %s\n", name);
     }
-    begin_interpreter(&interp); /* and resumed, it is the same session */
+    begin_interpreter(&interp); /* resuming gives the same session */
     if (!CHECK(interpreter_resume_journal(&interp, journal_file, &told, &fault) == OK))
         printf("#   %s\n", fault.text);
     take_snapshot(&again, &interp);
     again.rendered = end.rendered, again.picture = end.picture;
-    CHECK(is_same_kept(&again.kept, &end.kept)); /* maps lie elsewhere */
+    CHECK(is_same_kept(&again.kept, &end.kept)); /* maps have other addresses */
     again.kept = end.kept;
     CHECK(memcmp(&again, &end, sizeof end) == 0);
     interpreter_release(&interp);
     buf_release(&told);
 }
 
-/* The scene once more, with voxels so long. */
+/* Write the scene with voxels of this length. */
 static void make_long(const char *name, double z_mm)
 {
     const double spacing[3] = {1, 1, z_mm};
@@ -1423,7 +1424,7 @@ static void make_long(const char *name, double z_mm)
               NULL, NULL) == OK);
 }
 
-STORY(what_fits_can_be_shown_whatever_the_samples)
+STORY(zoom_fit_works_for_any_samples)
 {
     static const char *const open[] = {"synth:geom:1x1x1", "synth:geom:3x2x1", "long.nii"};
     make_long("long.nii", 90);
@@ -1437,13 +1438,13 @@ STORY(what_fits_can_be_shown_whatever_the_samples)
         must(&interp, "samples 4");
         must(&interp, "zoom fit");
         must(&interp, "samples 1");
-        must(&interp, "zoom fit"); /* larger again */
+        must(&interp, "zoom fit"); /* may be larger now */
         must(&interp, "render");
         interpreter_release(&interp);
     }
 }
 
-STORY(voxels_too_long_for_any_picture_are_refused_in_so_many_words)
+STORY(voxels_too_long_for_any_picture_are_rejected)
 {
     struct interpreter interp;
     char line[PATH_MAX];
@@ -1466,7 +1467,7 @@ STORY(voxels_too_long_for_any_picture_are_refused_in_so_many_words)
     interpreter_release(&interp);
 }
 
-STORY(a_file_that_was_replaced_comes_back)
+STORY(a_replaced_file_is_restored)
 {
     struct interpreter interp;
     char line[PATH_MAX + 64];
@@ -1496,7 +1497,7 @@ STORY(a_file_that_was_replaced_comes_back)
     interpreter_release(&interp);
 }
 
-STORY(what_the_door_recorded_is_the_same_when_replayed)
+STORY(a_replay_gives_the_recorded_results)
 {
     struct interpreter interp;
     begin_recording(&interp, "replay.iftty");
@@ -1530,7 +1531,7 @@ STORY(an_interpolated_scene_is_the_same_when_replayed)
     journal_verifies();
 }
 
-/* Random edits, each of which fails at random: the journal alone tells what the session is. */
+/* Random edits fail at random: the journal alone determines the session. */
 STORY(random_edits_fail_at_random)
 {
     struct interpreter interp;
@@ -1629,7 +1630,7 @@ static const struct cell *cell_at(const struct interpreter *interp, uint32_t x, 
     return scene->cell + grid_cell(&scene->grid, x, y, z);
 }
 
-STORY(weights_come_out_of_a_file)
+STORY(weights_are_read_from_a_file)
 {
     struct interpreter interp;
     begin_with_scene(&interp);
@@ -1644,7 +1645,7 @@ STORY(weights_come_out_of_a_file)
     CHECK(forest_digest(interp.session->forest) != morph);
     MUST_MENTION(&interp, "info", "weight of weights.nii\n");
     MUST_MENTION(&interp, "why 3,4,5", "weight 16, ");
-    must(&interp, "adjacency 26"); /* they stay */
+    must(&interp, "adjacency 26"); /* the weights do not change */
     CHECK_INT(cell_at(&interp, 3, 4, 5)->weight, 16);
     must(&interp, "weight difference");
     must(&interp, "adjacency 6");
@@ -1681,7 +1682,7 @@ STORY(weights_of_steps_go_by_both_ends)
     interpreter_release(&interp);
 }
 
-STORY(a_roi_keeps_the_forest_in)
+STORY(trees_stay_in_the_region_of_interest)
 {
     struct interpreter interp;
     begin_with_scene(&interp);
@@ -1787,15 +1788,14 @@ STORY(a_roi_or_weights_that_are_wrong_change_nothing)
     interpreter_release(&interp);
 }
 
-STORY(a_journal_knows_its_weights_and_masks_again)
+STORY(a_replay_detects_changed_weights_and_masks)
 {
     struct interpreter interp;
     make_seed_files();
     begin_recording(&interp, "maps.iftty");
     must(&interp, "open scene.nii");
     must(&interp, "weight weights.nii");
-    must(&interp,
-         "range 0 9"); /* hides from the region of interest what the mask does further off */
+    must(&interp, "range 0 9"); /* so that the range hides later effects of the mask */
     must(&interp, "mask regions.nii");
     interpreter_release(&interp);
     journal_verifies();
@@ -1812,7 +1812,7 @@ STORY(a_journal_knows_its_weights_and_masks_again)
     journal_verifies();
 }
 
-/* Stops at the look whose number this is, and says so from then on, as Ctrl-C does. */
+/* A watch that stops at the look of this number and at all later ones, like Ctrl-C. */
 struct looks {
     unsigned count, stop_at;
 };
@@ -1835,7 +1835,7 @@ static void begin_interesting_work(struct interpreter *interp)
     must(interp, "remove 1,1,1");
 }
 
-/* How often the watch is asked while a command runs: on what is new, and new again after it. */
+/* Count the looks at the watch during a command on a new session; then begin again. */
 static unsigned looks_of(struct interpreter *interp, const char *line)
 {
     struct looks looks = {0, UINT32_MAX};
@@ -1849,7 +1849,7 @@ static unsigned looks_of(struct interpreter *interp, const char *line)
     return looks.count;
 }
 
-/* Looks further and further apart, and then each of the last ones. */
+/* Return looks further and further apart, then each of the last ones. */
 static unsigned next_look(unsigned at, unsigned *step, unsigned total)
 {
     const unsigned last = total > 8 ? total - 8 : 0;
@@ -1860,7 +1860,7 @@ static unsigned next_look(unsigned at, unsigned *step, unsigned total)
     return at < last ? at : last;
 }
 
-/* Stops a command at looks below `total`; returns how often. */
+/* Stop a command at looks below `total`; return the number of stops. */
 static unsigned stop_everywhere(struct interpreter *interp, const char *line, unsigned total,
                                 const struct snapshot *before)
 {
@@ -1878,7 +1878,7 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, un
     return stopped;
 }
 
-/* Wherever a command is stopped, early and late, what it has done is taken back. */
+/* A command is undone wherever it is stopped. */
 STORY(a_command_that_is_cancelled_is_undone)
 {
     static const char *const line[] = {"adjacency 26",
@@ -1918,7 +1918,8 @@ STORY(a_command_that_is_cancelled_is_undone)
     interpreter_release(&interp);
 }
 
-/* Stop a command at looks further and further apart until it ends; how often it was stopped. */
+/* Stop a command at looks further and further apart until it succeeds; return the number of
+ * stops. */
 static unsigned stop_until_done(struct interpreter *interp, const char *line)
 {
     struct snapshot before;
@@ -1989,7 +1990,7 @@ STORY(weights_are_named_and_stay_without_memory)
 
 /* ---- without memory ---- */
 
-/* How many files the folder of a test holds, drafts and backups too. */
+/* Count the files in a folder, including drafts and backups. */
 static unsigned files_in(const char *path)
 {
     DIR *dir = opendir(path);
@@ -2000,7 +2001,7 @@ static unsigned files_in(const char *path)
     return count;
 }
 
-/* The first allocation fails, the second one, and so on, until none does. */
+/* Let the first allocation fail, then the second one, and so on, until the command succeeds. */
 static void fails_at_every_allocation(struct interpreter *interp, const char *line,
                                       const char *kept)
 {
@@ -2061,7 +2062,7 @@ STORY(pictures_without_memory_leave_everything_as_it_was)
     interpreter_release(&interp);
 }
 
-/* The words of the record of a rendition. */
+/* Execute a line and copy the words of its record. */
 static void record_of(char out[128], struct interpreter *interp, const char *line)
 {
     must(interp, line);
@@ -2107,8 +2108,8 @@ STORY(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode)
     interpreter_release(&interp);
 }
 
-/* The same of edits. Without any memory their forest cannot be had back at once: seeds and settings
- * are, and the next command finds all of it as it was. */
+/* The same for edits. Without memory the forest cannot be restored at once: seeds and settings are,
+ * and the next command restores the rest. */
 static void grows_anew_after_every_failure(struct interpreter *interp, const char *line)
 {
     enum err err = ERR_MEMORY;
@@ -2197,7 +2198,7 @@ STORY(a_journal_that_cannot_begin_undoes_the_command)
     interp.new_journal = missing;
     is_refused(&interp, "seed 1,1,1 1", "No such file or directory");
     is_refused(&interp, "seed 1,1,1 1", "No such file or directory");
-    must(&interp, "info"); /* what is not recorded needs no journal */
+    must(&interp, "info"); /* a question needs no journal */
     interp.new_journal = NULL;
     must(&interp, "seed 1,1,1 1");
     interpreter_release(&interp);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The configuration: each kind of line, and what is said of those that are none.
+ * The configuration: each kind of line, and messages about wrong lines.
  */
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -59,7 +59,7 @@ STORY(every_kind_of_line)
     CHECK_TEXT(buf_text(&config.start), "9 overlay tint\n10 label 1 \"left hemi\"\n");
 }
 
-STORY(nothing_is_fine_too)
+STORY(an_empty_file_gives_the_defaults)
 {
     take("");
     CHECK_TEXT(buf_text(&config.words), "");
@@ -87,7 +87,7 @@ STORY(slices_are_sent_ahead_unless_it_says_otherwise)
     CHECK_TEXT(buf_text(&config.words), "c:1: expected on or off, not never; left out\n");
 }
 
-STORY(a_brush_is_what_the_pilot_has)
+STORY(a_brush_is_passed_to_the_pilot)
 {
     const struct pilot_brush *brush = &config.setup.brush;
     take("brush 3 2.5mm range=-40.5..80");
@@ -101,7 +101,7 @@ STORY(a_brush_is_what_the_pilot_has)
     CHECK(brush->in_mm && brush->radius == 64 && !brush->has_range);
 }
 
-STORY(a_brush_that_nobody_chose_fits_the_scene)
+STORY(the_default_brush_fits_the_scene)
 {
     static const struct {
         const char *line;
@@ -117,7 +117,7 @@ STORY(a_brush_that_nobody_chose_fits_the_scene)
         pilot_state_init(&state, &config.setup);
         pilot_fit_brush(&state, row[i].side);
         CHECK_INT(state.brush.radius, row[i].radius);
-        state.brush.radius = 20; /* chosen since */
+        state.brush.radius = 20; /* chosen by the user */
         pilot_fit_brush(&state, row[i].side);
         CHECK_INT(state.brush.radius, 20);
     }
@@ -159,16 +159,17 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
         {"start", "c:1: expected a command, or none; left out\n"},
         {"start \x1b[2J", "c:1: byte 7, 1b, is no text; left out\n"},
         {"theme d\xff", "c:1: byte 8, ff, is no text; left out\n"},
-        {"start \xe2\x80\xae", "c:1: byte 7, e2, is no text"}, /* it turns text around */
+        {"start \xe2\x80\xae",
+         "c:1: byte 7, e2, is no text"}, /* it changes the direction of text */
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK_HAS(words_of(bad[i][0]), bad[i][1]);
     take("brush 300\nbrush 5\nkey undu U\nkey undo U");
-    CHECK(config.setup.brush.label == 5); /* the others count */
+    CHECK(config.setup.brush.label == 5); /* the other lines are used */
     CHECK_TEXT(keys_of("undo"), "U");
 }
 
-STORY(there_is_an_end_to_what_is_read)
+STORY(lines_and_their_number_are_limited)
 {
     struct buf text = {0};
     for (int i = 0; i < 20; i++)
@@ -192,7 +193,7 @@ STORY(there_is_an_end_to_what_is_read)
     buf_release(&text);
 }
 
-STORY(the_file_is_where_the_environment_says)
+STORY(the_environment_selects_the_file)
 {
     char folder[FOLDER_LENGTH];
     struct buf path = {0};
@@ -201,7 +202,7 @@ STORY(the_file_is_where_the_environment_says)
     setenv("XDG_CONFIG_HOME", folder, 1);
     unsetenv("IFTTY_CONFIG");
     CHECK(mkdir(buf_text(&path), 0700) == 0);
-    read_file(); /* none */
+    read_file(); /* no file */
     CHECK_TEXT(buf_text(&config.words), "");
     CHECK_TEXT(buf_text(&config.start), "finish relax\nfinished on\n");
     buf_add_text(&path, "/config");
@@ -215,16 +216,16 @@ STORY(the_file_is_where_the_environment_says)
     CHECK_TEXT(buf_text(&config.start), "finish relax\nfinished on\n");
     CHECK(file_write(buf_text(&path), "start none", 10, FILE_REPLACE, NULL) == OK);
     setenv("IFTTY_CONFIG", buf_text(&path), 1);
-    read_file(); /* a start of one's own, or none, takes the place of the usual one */
+    read_file(); /* replaces the default start commands */
     CHECK_TEXT(buf_text(&config.start), "");
-    setenv("IFTTY_CONFIG", folder, 1); /* a folder is none */
+    setenv("IFTTY_CONFIG", folder, 1); /* a folder is no file */
     read_file();
     CHECK_HAS(buf_text(&config.words), "left out\n");
-    buf_add_text(&path, "-of-mine"); /* what somebody names is to be there, */
+    buf_add_text(&path, "-of-mine"); /* a file that is named must exist, */
     setenv("IFTTY_CONFIG", buf_text(&path), 1);
     read_file();
     CHECK_HAS(buf_text(&config.words), "-of-mine: No such file or directory; left out\n");
-    unsetenv("IFTTY_CONFIG"); /* and where one cannot be looked for, none may be wanted */
+    unsetenv("IFTTY_CONFIG"); /* and one that cannot be looked for is reported */
     buf_clear(&path);
     buf_printf(&path, "%s/round", folder);
     CHECK(symlink("round", buf_text(&path)) == 0);
@@ -256,18 +257,18 @@ static const char *type(const char *letters)
     return buf_text(&line);
 }
 
-STORY(keys_of_ones_own_stand_before_those_of_the_table)
+STORY(user_keys_override_the_table)
 {
     struct buf page = {0};
     take("key undo s\nkey plant-label 7 ,0-9\nkey roll gg");
     CHECK_TEXT(buf_text(&config.words), "");
     pilot_state_init(&state, &config.setup);
-    CHECK_TEXT(type("s"), "undo\n"); /* what waited for a second key waits no more */
+    CHECK_TEXT(type("s"), "undo\n"); /* no longer a prefix of two keys */
     CHECK_TEXT(type("u"), "");
     CHECK_HAS(buf_text(&message), "this key does nothing here");
     CHECK_TEXT(type("gg"), "turn 0 0 15\n");
     CHECK_TEXT(type(",3"), "seed 1,2,3 3 radius=6\n");
-    CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=6\n"); /* no part of a count any more */
+    CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=6\n"); /* no longer a digit of a count */
     pilot_keys_page(&page, &(struct pilot_keys_wish){&config.setup, false, 60, false,
                                                      NULL}); /* one entry on a line */
     CHECK_HAS(buf_text(&page), "  s Ctrl-R .       undo, redo, again\n");
@@ -312,8 +313,8 @@ static bool is_printable(const struct buf *text)
     return true;
 }
 
-/* Any bytes, and lines of words that count for something, in any order. */
-STORY(any_text_leaves_a_setup_that_can_be_used)
+/* Any bytes, and words of the configuration in any order. */
+STORY(any_text_gives_a_valid_setup)
 {
     static const char *const word[] = {"theme", "brush", "window", "key",  "start", "dark", "undo",
                                        "plant", "left",  "Ctrl-",  "Alt-", "s0-9",  "gg",   "x",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Hints: by hand, against a plain slow search of all pairs, and as commands.
+ * Hints: worked by hand, compared with a plain search of all pairs, and as commands.
  */
 #include <stdlib.h>
 
@@ -47,7 +47,7 @@ static void find(void)
 
 STORY(a_border_without_an_edge_is_less_certain_than_one_on_an_edge)
 {
-    /* Three labels in a row: between 1 and 2 an edge of 9, between 2 and 3 nothing. */
+    /* Three labels in a row: an edge of 9 between 1 and 2, none between 2 and 3. */
     begin_world((const uint32_t[3]){16, 1, 1}, 6);
     const uint32_t first = grid_cell(&scene->grid, 0, 0, 0);
     for (uint32_t x = 0; x < 16; x++)
@@ -107,7 +107,7 @@ struct model_voxel {
     uint32_t cell;
     int64_t certainty;
     unsigned label, other;
-    uint32_t place; /* the lowest cell that it hangs together with */
+    uint32_t place; /* the lowest cell of its component */
 };
 
 static uint32_t cost_of(uint32_t cell)
@@ -154,7 +154,7 @@ static bool hangs_together(const struct model_voxel *a, const struct model_voxel
                (b->label < b->other ? b->label * 256 + b->other : b->other * 256 + b->label);
 }
 
-/* The least certainty that a tenth of the voxels or more do not exceed. */
+/* Return the least certainty not exceeded by at least a tenth of the voxels. */
 static int64_t limit_of(const struct model_voxel *v, size_t count)
 {
     for (int64_t limit = -65535;; limit++) {
@@ -297,7 +297,7 @@ STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to)
     CHECK_TEXT(buf_text(&reply.canonical), cross);
     is_refused(&interp, "hint 999", "expected one of the ");
     MUST_ANSWER(&interp, "hints label=3", "none at the border of that label\n");
-    must(&interp, "undo"); /* of the seeds: hints follow */
+    must(&interp, "undo"); /* undoes the seeds: hints follow */
     is_refused(&interp, "hint 1", "no labels meet");
     must(&interp, "redo");
     must(&interp, "hint 1");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The writer of JSON, against texts that were worked out by hand.
+ * The JSON writer, compared with texts written by hand.
  */
 #include <math.h>
 
@@ -120,7 +120,7 @@ STORY(reals_have_a_point_and_are_finite)
     json_end(&json);
     CHECK_TEXT(buf_text(&text), "[1.500, -0.0625, 2, 1.25, 1e+300, null, null]\n");
     json = begin(0);
-    json_fixed(&json, NULL, 1e308, 6); /* longer than any other */
+    json_fixed(&json, NULL, 1e308, 6); /* the longest number */
     CHECK_INT(text.length, 309 + 7 + 1);
 }
 

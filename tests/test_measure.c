@@ -49,7 +49,7 @@ STORY(distances_and_angles_are_those_of_the_world)
     interpreter_release(&interp);
 }
 
-/* Columns of an answer's chart: of its lines "... |", those of the label. */
+/* Count the columns of the line of labels in an answer's chart. */
 static size_t columns_of_labels(const char *text)
 {
     const char *at = strstr(text, "labels |");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Outlines that are shown and that are there: pixels of panes against the voxels of a plain list,
- * and what of a session is taken up to be corrected.
+ * Outlines drawn and outlines found: pixels of panes compared with a plain list of voxels, and the
+ * outline that is found for a correction.
  */
 #include "program/programs.h"
 #include "session/paint.h"
@@ -43,8 +43,7 @@ static bool is_rgb(const struct canvas *canvas, uint32_t x, uint32_t y, const ui
     return memcmp(canvas_pixel(canvas, x, y), rgb, 3) == 0;
 }
 
-/* Of the pixels: how many have the label's colour, and how many others differ from those without
- * the outline. */
+/* Count the pixels with the label's colour, and other pixels changed by the outline. */
 static void compare(const struct panes *with, const struct panes *without, enum pilot_pane pane,
                     const struct voxels *inside, const uint8_t rgb[3], unsigned *dots,
                     unsigned *others)
@@ -89,13 +88,13 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
         CHECK_INT(dots + others, 0);
     }
     panes_release(&with);
-    must(&interp, "cross 12,14,10"); /* in the next slice there is nothing of it */
+    must(&interp, "cross 12,14,10"); /* nothing of it in the next slice */
     draw(&without, NULL);
     draw(&with, &mark);
     compare(&with, &without, PILOT_AXIAL, &inside, colour, &dots, &others);
     CHECK_INT(dots + others, 0);
     must(&interp, "cross 12,14,9");
-    must(&interp, "magnify 300 at=12,14,9"); /* its corners are far beside the pane */
+    must(&interp, "magnify 300 at=12,14,9"); /* its corners are far outside of the pane */
     draw(&with, &mark);
     voxels_release(&inside);
     panes_release(&with);
@@ -103,7 +102,7 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     interpreter_release(&interp);
 }
 
-/* What is taken up at a place: its marker, or -1 for nothing; and its corners. */
+/* Find an outline at a place: return its marker, or -1, and the number of corners. */
 static int find(unsigned label, enum pilot_pane pane, const uint32_t place[3], size_t *corners)
 {
     struct polyline line = {0};
@@ -123,7 +122,7 @@ STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
                           far[3] = {31, 31, 9};
     size_t corners;
     begin();
-    CHECK_INT(find(1, PILOT_AXIAL, here, &corners), -1); /* nothing has the label */
+    CHECK_INT(find(1, PILOT_AXIAL, here, &corners), -1); /* no voxel has the label */
     must(&interp, "seed 12,14,9 1 radius=4");
     must(&interp, "seed 2,2,2 0");
     must(&interp, "run");
@@ -136,7 +135,7 @@ STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
     CHECK(find(1, PILOT_AXIAL, far, &corners) <= 0);
     CHECK(find(1, PILOT_AXIAL, below, &corners) <= 0); /* in another slice */
     CHECK(find(1, PILOT_CORONAL, here, &corners) <= 0);
-    CHECK(find(2, PILOT_AXIAL, here, &corners) <= 0); /* of another label */
+    CHECK(find(2, PILOT_AXIAL, here, &corners) <= 0); /* another label */
     must(&interp, "outline 7,8,9 1 to=18,8,9 to=18,20,9");
     CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 5); /* the latest */
     must(&interp, "undo");
@@ -161,7 +160,7 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     CHECK(host.doubt(&pilot, 1, 1, &pane, place, &words));
     CHECK_HAS(buf_text(&words), " in doubt");
     const enum pilot_pane first = pane;
-    const unsigned axis = PILOT_SAGITTAL - pane; /* that the slice lies across */
+    const unsigned axis = PILOT_SAGITTAL - pane; /* perpendicular to the slice */
     const uint32_t at = place[axis];
     struct buf line = {0}; /* an outline there */
     const unsigned across = (axis + 1) % 3, along = (axis + 2) % 3;

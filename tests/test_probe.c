@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Every terminal that is known, asked as the program asks: what each answers is a table of facts
- * measured with the terminals themselves. Pure: nothing is opened. */
+/* Probing all known terminals: their answers are a table of facts measured with the real programs.
+ * No terminal is opened. */
 #include "tests/check.h"
 #include "tui/picture/graphics.h"
 
@@ -16,7 +16,7 @@ struct known {
     const char *about;
     struct probe_environment environment;
     const char *answer[QUESTIONS]; /* NULL: none */
-    unsigned prints;               /* questions that come out as text: POINTS as MODE */
+    unsigned prints;               /* questions that appear as text; POINTS as MODE */
     const struct graphics *graphics;
     enum colours colours;
     enum block_shape shape;
@@ -165,7 +165,7 @@ enum { TERMINALS = sizeof terminals / sizeof terminals[0] };
 
 /* ---- a terminal that is asked ---- */
 
-/* Answers what was written, in order, less the answer to the question `lost` (-1: none). */
+/* Answer the questions in order, except for the question `lost` (-1: none). */
 static void answer(const struct known *t, const char *asked, int lost, struct buf *replies)
 {
     while (*asked) {
@@ -173,7 +173,7 @@ static void answer(const struct known *t, const char *asked, int lost, struct bu
         while (which < QUESTIONS && strncmp(asked, question[which], strlen(question[which])) != 0)
             which++;
         if (which == QUESTIONS) {
-            CHECK_TEXT(asked, "\r\033[K"); /* nothing else, and that last */
+            CHECK_TEXT(asked, "\r\033[K"); /* the only other output, at the end */
             return;
         }
         if (!check_report(!(t->prints >> (which == POINTS ? MODE : which) & 1), __FILE__, __LINE__,
@@ -189,12 +189,11 @@ struct probed {
     struct probe_replies replies;
     struct terminal_facts facts;
     struct buf typed;
-    unsigned rounds; /* in which anything was asked */
-    size_t bytes;    /* that came back */
+    unsigned rounds; /* with any question */
+    size_t bytes;    /* received */
 };
 
-/* Asks in both rounds. The bytes that come back are cut in two at `cut` (counted over both rounds).
- */
+/* Ask in all rounds. The received bytes are cut in two at `cut`, counted over all rounds. */
 static void ask(struct probed *p, const struct known *t, struct graphics_wish wish, int lost,
                 size_t cut)
 {
@@ -252,7 +251,7 @@ STORY(each_terminal_gets_what_it_has_and_prints_nothing)
     buf_release(&p.typed);
 }
 
-/* They are of use where the size of a cell is known: here the window says it. */
+/* They are used only if the size of a cell is known, here from the window. */
 STORY(the_mouse_counts_pixels_where_the_terminal_says_so)
 {
     static const struct {
@@ -297,7 +296,7 @@ STORY(it_does_not_matter_where_the_answers_are_cut)
     buf_release(&p.typed);
 }
 
-/* Any answer but one: never garbage, and no better graphics than there are. */
+/* Without one answer: no garbage, and no better graphics than the terminal has. */
 STORY(an_answer_that_is_missing_leaves_the_fallback)
 {
     struct probed p = {0};
@@ -346,7 +345,7 @@ STORY(what_is_typed_between_the_answers_is_kept)
     }
 }
 
-/* Else its beginning would swallow what somebody types next. */
+/* Otherwise its beginning would swallow the next keys. */
 STORY(what_was_cut_short_goes_with_the_answer_behind_it)
 {
     static const struct {

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The client in Python, and that all JSON is as its schema says. Debian's Python is the one that
-# sees Debian's modules.
+# The client in Python, and JSON compared with its schemas. Only Debian's Python has Debian's
+# modules.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 PYTHON=/usr/bin/python3
@@ -18,13 +18,13 @@ programs=$top/tests/schema/programs.schema.json
 has_module() { # NAME: of Debian's Python
     "$PYTHON" -c "import $1" 2>/dev/null || { skip "$PYTHON has no module $1"; return 1; }
 }
-# as_schema SCHEMA [DEFINITION]: what stands in $work/out
+# as_schema SCHEMA [DEFINITION]: checks $work/out
 as_schema() {
     "$PYTHON" -W ignore "$top/tests/check_schema.py" "$@" <"$work/out" >told 2>&1 ||
         fail "$(tail -n 3 told)"
 }
 
-begin "every line of a session is as the schema of the protocol says"
+begin "every line of a session fits the schema of the protocol"
 if has_module jsonschema; then
     cat >lines <<'END'
 {"id": 1, "do": "seed 5,10,8 1 radius=2"}
@@ -71,7 +71,7 @@ END
 fi
 close_story
 
-begin "what programs print with --json, and reports, are as their schema says"
+begin "the output of --json, and reports, fit their schemas"
 if has_module jsonschema; then
     mv j.iftty a.iftty
     mv j.golden a.golden

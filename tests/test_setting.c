@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Settings: what commands do no more than set. */
+/* Settings: commands that only set something. */
 #include <stdlib.h>
 
 #include "base/choice.h"
@@ -10,7 +10,7 @@
 
 static char folder[FOLDER_LENGTH];
 
-/* So one that is neither is seen. */
+/* A member that is neither is found. */
 STORY(each_member_that_is_kept_is_a_setting_or_has_a_row)
 {
     static struct kept plain, other;
@@ -43,7 +43,7 @@ static void add_value(struct buf *out, const struct parameter *p)
     }
 }
 
-/* Typed as it is told, a setting is what it was, all others as they were, and an undo is exact. */
+/* Typing a setting as it is written restores it and nothing else, and undo is exact. */
 STORY(a_setting_is_told_as_it_is_typed)
 {
     struct interpreter interp;
@@ -78,8 +78,8 @@ STORY(a_setting_is_told_as_it_is_typed)
     interpreter_release(&interp);
 }
 
-/* One after the other, in a journal: what changes the segmentation is taken back and done again,
- * and a replay of all comes to the same state. */
+/* Set each setting in a journal: changes of the segmentation are undone and redone, and a replay
+ * gives the same state. */
 STORY(every_setting_is_undone_done_again_and_replayed)
 {
     struct interpreter interp, again;
@@ -121,7 +121,7 @@ STORY(every_setting_is_undone_done_again_and_replayed)
     buf_release(&line);
 }
 
-/* What a session begins with is as usual: nothing that may be left out is told. */
+/* A session begins with the usual values, so that no optional part is written. */
 STORY(a_session_begins_with_what_is_usual)
 {
     struct interpreter interp;

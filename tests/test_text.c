@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Words in pictures: every letter is there, is itself, covers what its outline does, and stays
- * within the canvas; whatever the bytes. */
+/* Words in pictures: letters exist, differ, cover the area of their outlines, and stay within the
+ * canvas; for any bytes. */
 #include "check.h"
 
 #include <math.h>
@@ -32,7 +32,8 @@ static void draw_glyph(const struct canvas *canvas, unsigned outline, uint32_t t
     glyph_draw(canvas, &glyph, 0, on_black.rgb);
 }
 
-/* How much of a canvas is inked, white on black, in pixels: light is the square of a colour. */
+/* Compute the inked area of a canvas, white on black, in pixels: light is the square of a
+ * colour. */
 static double inked(const struct canvas *canvas)
 {
     double sum = 0;
@@ -46,7 +47,7 @@ static double cross(const struct face_point *a, const struct face_point *b)
     return (double)a->x * b->y - (double)b->x * a->y;
 }
 
-/* The area within an outline, to the right of where it goes, by Green's theorem. */
+/* Compute the area to the right of an outline by Green's theorem. */
 static double area_of(unsigned outline)
 {
     struct face_point p[FACE_POINTS_MOST + 2];
@@ -56,7 +57,7 @@ static double area_of(unsigned outline)
         begin = p[i].begins ? i : begin;
         const struct face_point next = i + 1 < count && !p[i + 1].begins ? p[i + 1] : p[begin];
         const struct face_point *before = &p[i > begin ? i - 1 : i];
-        /* A point beside the curve counts with the halves of the ways to its neighbours. */
+        /* A control point counts with half of the ways to its neighbours. */
         const struct face_point from = {(int16_t)((before->x + p[i].x) / 2),
                                         (int16_t)((before->y + p[i].y) / 2), true, false};
         const struct face_point to = {(int16_t)((next.x + p[i].x) / 2),
@@ -89,7 +90,7 @@ STORY(small_letters_are_crisp)
     canvas_release(&canvas);
 }
 
-/* Edges of strokes go to whole pixels, and nothing goes further than that. */
+/* Edges of strokes move to whole pixels, and no edge moves further. */
 STORY(small_letters_are_as_wide_as_they_are)
 {
     enum { FAR = GLYPH_ONE * 3 / 4 };
@@ -101,7 +102,7 @@ STORY(small_letters_are_as_wide_as_they_are)
                 struct glyph glyph;
                 int64_t least[2] = {INT32_MAX, INT32_MAX}, most[2] = {INT32_MIN, INT32_MIN};
                 glyph_make(&glyph, outline, tall, left, 0);
-                for (size_t i = 0; i < count; i++) /* beyond points beside it goes no curve */
+                for (size_t i = 0; i < count; i++) /* the curve stays within its control points */
                     for (int k = 0; k <= p[i].is_on; k++) {
                         const int64_t x = left + glyph_scaled(p[i].x, tall);
                         least[k] = x < least[k] ? x : least[k];
@@ -113,7 +114,7 @@ STORY(small_letters_are_as_wide_as_they_are)
     }
 }
 
-/* Where contours lie one over another, as the bar of a D does, both count in the area. */
+/* Overlapping contours, as the bar of a D, count twice in the area. */
 STORY(ink_is_what_the_outline_covers)
 {
     enum { TALL = 83 };
@@ -191,7 +192,8 @@ STORY(what_the_face_lacks_is_a_box)
     const size_t points = face_read(p[0], 0);
     for (unsigned outline = 1; outline < FACE_OUTLINES; outline++)
         CHECK(face_read(p[1], outline) != points || memcmp(p[0], p[1], points * sizeof **p) != 0);
-    CHECK_INT(text_width("\xe2\x80\x8b", 20), text_width("\xff\xff\xff", 20)); /* unseen: bytes */
+    CHECK_INT(text_width("\xe2\x80\x8b", 20),
+              text_width("\xff\xff\xff", 20)); /* invisible: drawn as bytes */
     canvas_release(&box);
     canvas_release(&other);
 }
@@ -232,7 +234,7 @@ STORY(long_names_end_in_dots_at_a_whole_letter)
     text_cut(name, sizeof name, 20, text_width("Übergrö…", 20) + 1);
     CHECK_TEXT(name, "Übergrö…");
     text_cut(tight, sizeof tight, 20, text_width(tight, 20) - 1);
-    CHECK_TEXT(tight, "abcd…"); /* there is no room for more bytes */
+    CHECK_TEXT(tight, "abcd…"); /* without room for more bytes */
     text_cut(none, sizeof none, 20, 20);
     CHECK_TEXT(none, "");
 }
@@ -314,8 +316,8 @@ STORY(a_line_feed_begins_a_line)
     canvas_release(&apart);
 }
 
-/* Drawn into a part, at and beyond all its edges: there it is what it is without them, and nothing
- * around it changes. */
+/* Drawn into a part, at and beyond all its edges, the text is the same as without edges, and
+ * nothing around it changes. */
 STORY(what_falls_beyond_the_edges_is_not_drawn)
 {
     struct canvas canvas = canvas_of(60, 60), whole = canvas_of(60, 60);
@@ -338,7 +340,7 @@ STORY(what_falls_beyond_the_edges_is_not_drawn)
     canvas_release(&whole);
 }
 
-/* On a ground of neither ink nor outline, so that all that a word changes shows. */
+/* The ground is neither ink nor outline, so that every changed pixel is visible. */
 STORY(a_canvas_remembers_where_its_words_are)
 {
     static const uint8_t ground[3] = {90, 255, 90};
@@ -368,7 +370,7 @@ STORY(light_adds_up)
         CHECK(pixel[1] == 77 && pixel[3] == 255);
         canvas_blend(clear, red.rgb, share);
         CHECK(memcmp(clear, red.rgb, 3) == 0 && clear[3] == share);
-        /* What is drawn first and laid over a picture later is what is drawn over it. */
+        /* Drawing first and compositing later is the same as drawing directly. */
         memcpy(again, pixel, 4);
         canvas_blend(pixel, red.rgb, share);
         canvas_lay_over(clear, again, 1);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What others' journals are measured by: SHA-256 and the proof of a scene, names that stay below a
- * folder, and what the kernel keeps out. */
+/* Checks on a stranger's journal: SHA-256 and the proof of a scene, names below a folder, and
+ * confinement by the kernel. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -49,7 +49,7 @@ static struct scene *small_scene(void)
     return scene;
 }
 
-/* The bytes as engine/scene.h tells them, one by one. */
+/* Compute the proof byte by byte, as described in engine/scene.h. */
 static void plain_proof(char hex[SHA256_HEX], const struct scene *scene)
 {
     struct sha256_ctx sha;
@@ -87,7 +87,7 @@ STORY(the_proof_is_what_its_header_says)
     scene_free(scene);
 }
 
-STORY(whatever_changes_in_a_scene_changes_its_proof)
+STORY(any_change_of_a_scene_changes_its_proof)
 {
     struct scene *scene = small_scene();
     char before[SHA256_HEX], after[SHA256_HEX];
@@ -109,7 +109,7 @@ STORY(whatever_changes_in_a_scene_changes_its_proof)
     scene_proof(after, scene);
     CHECK(strcmp(before, after) != 0);
     scene->world_sign[0] = 1;
-    scene->cell[grid_cell(&scene->grid, 1, 1, 1)].label = 7; /* not of the scene itself */
+    scene->cell[grid_cell(&scene->grid, 1, 1, 1)].label = 7; /* not part of the scene */
     scene_proof(after, scene);
     CHECK_TEXT(after, before);
     scene_free(scene);
@@ -161,7 +161,7 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
         {"deep/b", BENEATH_FINE, BENEATH_FINE},
         {"deep//b", BENEATH_FINE, BENEATH_FINE},
         {"..c", BENEATH_FINE, BENEATH_FINE},
-        {"inner", BENEATH_FINE, BENEATH_OUTSIDE}, /* where no link is followed, none is trusted */
+        {"inner", BENEATH_FINE, BENEATH_OUTSIDE}, /* without openat2 no link is followed */
         {"deep", BENEATH_FOLDER, BENEATH_FOLDER},
         {"pipe", BENEATH_NO_FILE, BENEATH_NO_FILE},
         {"none", BENEATH_MISSING, BENEATH_MISSING},
@@ -189,7 +189,7 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
         const enum beneath stepwise = beneath_look(folder, expected[i].name);
         if (answer != expected[i].answer || stepwise != expected[i].stepwise)
             printf("# %s: %d and %d\n", expected[i].name, answer, stepwise);
-        /* a kernel without openat2 answers as if step by step */
+        /* without openat2 the kernel answers like the stepwise search */
         CHECK(answer == expected[i].answer || answer == expected[i].stepwise);
         CHECK(stepwise == expected[i].stepwise);
     }
@@ -197,7 +197,7 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
     CHECK(remove_folder(top) == 0);
 }
 
-STORY(elsewhere_a_name_leads_to_a_regular_file_or_to_nothing)
+STORY(outside_only_regular_files_are_found)
 {
     static const struct {
         const char *name;
@@ -213,14 +213,14 @@ STORY(elsewhere_a_name_leads_to_a_regular_file_or_to_nothing)
         {"folder/secret", true},
         {"../out/secret", true},
         {"../far/a.hdr", true}, /* a pair */
-        {"p.hdr", false},       /* whose other file is a pipe */
-        {"q.hdr", false},       /* a header of the stranger's, and a link: he would choose bytes */
+        {"p.hdr", false},       /* its other file is a pipe */
+        {"q.hdr", false},       /* a stranger's header next to a link could choose bytes */
         {"q.img", false},
         {"r.img", false},
         {"s.hdr", true},
         {"../far/b.img", false},
         {"d", true},
-        {"../far/d.mhd", false}, /* whose voxels may lie in other files */
+        {"../far/d.mhd", false}, /* its voxels may be in other files */
         {"../out", false},
         {"../out/pipe", false},
         {"../out/none", false},
@@ -271,8 +271,7 @@ static bool may_connect(void)
     return !is_denied;
 }
 
-/* In a process of its own, since there is no way back: a bit for each thing that is not as it
- * should be. */
+/* Run in a child process, since confinement is final: a bit for each unexpected result. */
 static int wrongs_while_confined(void)
 {
     const char *written[] = {below_top("out"), NULL};
@@ -292,7 +291,7 @@ static int wrongs_while_confined(void)
     wrong |= !may_open(below_top("in/a"), O_RDONLY) << 1;
     wrong |= !may_open(below_top("far/a.hdr"), O_RDONLY) << 1; /* the scene, a pair */
     wrong |= !may_open(below_top("far/a.img"), O_RDONLY) << 1;
-    wrong |= !may_open(below_top("in/scene"), O_RDONLY) << 1; /* what a proof may have read */
+    wrong |= !may_open(below_top("in/scene"), O_RDONLY) << 1; /* a scene with a proof */
     wrong |= may_open(below_top("in/d"), O_RDONLY) << 5;
     wrong |= may_open(below_top("in/a"), O_WRONLY) << 2;
     wrong |= may_open(below_top("in/new"), O_WRONLY | O_CREAT) << 3;
@@ -304,7 +303,7 @@ static int wrongs_while_confined(void)
     return wrong;
 }
 
-STORY(confined_only_the_places_given_can_be_reached)
+STORY(a_confined_process_reaches_only_its_places)
 {
     int status = 0;
     if (!confine_version()) {
@@ -322,7 +321,7 @@ STORY(confined_only_the_places_given_can_be_reached)
     CHECK(remove_folder(top) == 0);
 }
 
-/* The last story: limits hold for the process, for good. */
+/* The last story: limits hold until the process ends. */
 STORY(limits_stop_commands_of_an_interpreter_that_was_there_before_them)
 {
     struct interpreter interp;

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The journals of others: what they may read, write and take, what is shown of them, and what can be
-# told of them without carrying them out.
+# A stranger's journal: the files it may read and write, its limits, how its bytes are shown, and
+# programs that do not execute it.
 . "$(dirname "$0")/lib.sh"
 mkdir "$work/there" "$work/secret" "$work/tmp"
 cd "$work/there" || exit 1
@@ -12,11 +12,11 @@ make_scene s.nii 24 20 16
 cp s.nii "$work/secret/hidden.nii"
 esc=$(printf '\033')
 
-journal() { # FILE COMMANDS: as somebody else may write one, a script without proof
+journal() { # FILE COMMANDS: a stranger's, a script without proof
     printf '%s\n' "$2" | tr ';' '\n' | sed 's/^ *//' >"$1"
 }
-# refused WORDS JOURNAL [OPTION...]: by replay and verify, in one line that is no surprise; nothing
-# is written anywhere
+# refused WORDS JOURNAL [OPTION...]: by replay and verify, with these words; nothing is written
+# anywhere
 refused() {
     words=$1
     shift
@@ -32,7 +32,7 @@ refused() {
 
 # ---- reading ----
 
-begin "a scene is read beside the journal, below its folder, or where --scene says"
+begin "a scene is read next to the journal, below its folder, or from --scene"
 mkdir below
 cp s.nii below/t.nii
 journal j 'open s.nii; seed 2,3,4 1; run'
@@ -78,7 +78,7 @@ for command in mask weight seed-file; do
 done
 close_story
 
-begin "of a pair, both files are read, and no more; neither may lead out"
+begin "both files of a pair are read, and neither may lead out"
 head -c 348 s.nii >p.hdr
 put p.hdr 344 'ni1'
 tail -c +353 s.nii >p.img
@@ -118,7 +118,7 @@ close_story
 by_link='open away.nii' # each names one file elsewhere, away
 by_path='open ../annex/key.nii'
 by_whole="open $work/annex/key.nii"
-# answered FILE: what replay and verify say and leave behind, without the figures that may differ
+# answered COMMAND...: the output of replay and verify, and the files they leave
 answered() {
     rm -rf "$work/pictures"
     for program in replay verify; do
@@ -131,7 +131,7 @@ loose() { # COMMAND...: as on a kernel without Landlock
     /usr/bin/python3 "$top/tests/volumes/without_landlock.py" "$@"
 }
 target=$work/annex/key.nii
-begin "a scene elsewhere, by its path or behind a link, is read by a record that has its proof"
+begin "a scene elsewhere, by its path or behind a link, is read for a record with its proof"
 mkdir "$work/annex" "$work/annex/p"
 mkdir home && HOME=$work/there/home && export HOME
 ln -s "$target" away.nii
@@ -153,22 +153,22 @@ for opens in "$by_link" "$by_path" "$by_whole"; do
     "$iftty" log p.iftty --script >script
     expect 3 "$iftty" verify script
 done
-cp s.nii "$work/annex/p/x.nii" # by a name in capitals of a folder further up
+cp s.nii "$work/annex/p/x.nii" # in a folder further up
 rm -f p.iftty
 expect 0 "$iftty" -c "open ../there/../annex/p/x.nii" --journal p.iftty
 expect 0 "$iftty" verify p.iftty
-cp pairs/p.hdr pairs/p.img "$work/annex/p" # of a pair, both
+cp pairs/p.hdr pairs/p.img "$work/annex/p" # both files of a pair
 ln -s "$work/annex/p/p.hdr" p.hdr
 ln -s "$work/annex/p/p.img" p.img
 rm -f p.iftty
 expect 0 "$iftty" -c "open p.hdr" --journal p.iftty
 expect 0 "$iftty" verify p.iftty
-cp s.nii "$work/secret/p.img" # whose name was that of a scene
+cp s.nii "$work/secret/p.img" # with the name of a scene
 ln -sf "$work/secret/p.img" p.img
 expect 3 "$iftty" verify p.iftty
 out_has "there is no scene p.hdr next to the journal or among the scenes; expected --scene FILE"
 rm p.hdr p.img
-cp pairs/p.hdr pairs/p.img . # a header of the stranger's, who would choose and guess the bytes
+cp pairs/p.hdr pairs/p.img . # a stranger's header could choose bytes to guess
 rm -f p.iftty
 expect 0 "$iftty" -c "open p.hdr" --journal p.iftty
 cp p.img "$work/secret/voxels"
@@ -182,7 +182,7 @@ done
 rm p.hdr p.img
 close_story
 
-begin "a file elsewhere that is not that scene is as if there were none, whatever it is"
+begin "any other file elsewhere is treated as missing"
 nifti_header 30000 30000 30000 >"$work/large.nii"
 for opens in "$by_link" "$by_path" "$by_whole"; do
     rm -f p.iftty "$target"
@@ -245,7 +245,7 @@ rm -f p.iftty away.nii "$target"
 import os, sys
 import h5py, numpy
 os.chdir(sys.argv[1])
-with h5py.File("sets", "w") as file: # one number, which a few journals would guess
+with h5py.File("sets", "w") as file: # one number, which is easily guessed
     file["large"] = numpy.zeros((6, 7, 8), "u1")
     file["small"] = numpy.full((1, 1, 1), 42, "u1")
 with open("meta", "w") as file:
@@ -272,7 +272,7 @@ ln -s "$target" away.nii
 cp s.nii "$target"
 close_story
 
-begin "what is put in the place of a scene meanwhile is not shown"
+begin "a file that replaces a scene meanwhile is not shown"
 expect 0 "$iftty" -c "$by_link; seed 2,3,4 1; run; slice axial 3 seen.png" --journal p.iftty
 rm -f seen.png
 cp s.nii "$work/annex/right.nii"
@@ -301,7 +301,7 @@ wait $swapping 2>/dev/null
 rm -f away.nii next.nii p.iftty
 close_story
 
-begin "what a link is put to in the place of a journal is not shown, unless it is one"
+begin "the target of a link in place of a journal is not shown, unless it is a journal"
 echo 'token 1f2e3d' >"$work/secret/token"
 expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 2,3,4 1; run' \
     --journal "$work/secret/far.iftty"
@@ -322,17 +322,17 @@ done
 rm t.iftty far.iftty
 close_story
 
-begin "the folder that a journal is called from is not looked at"
+begin "the current folder is not searched"
 mkdir elsewhere
 cp s.nii "$work/secret/near.nii"
 journal elsewhere/j 'open near.nii'
 expect_in "$work/secret" 3 "$iftty" replay "$work/there/elsewhere/j"
 expect_in "$work/secret" 0 env IFTTY_SCENES="$work/none:$work/secret" \
     "$iftty" replay "$work/there/elsewhere/j"
-expect_in "$work/secret" 0 "$iftty" -c 'open near.nii' # one's own commands are
+expect_in "$work/secret" 0 "$iftty" -c 'open near.nii' # for one's own commands it is
 close_story
 
-begin "another scene under the same name is found out by its proof"
+begin "the proof detects another scene of the same name"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run' --journal proof.iftty
 grep -qE '^= 1 .* sha256=[0-9a-f]{64} chain=' proof.iftty ||
     fail "no proof: $(sed -n 3p proof.iftty)"
@@ -349,7 +349,7 @@ expect 0 "$iftty" run "old.iftty" --journal anew.iftty
 same_files anew.iftty proof.iftty
 close_story
 
-begin "the proof is SHA-256 as anyone computes it"
+begin "the proof is the standard SHA-256"
 if needs python3; then
     same "$(last_word sha256 proof.iftty)" "$(python3 - <<'EOP'
 import hashlib, struct
@@ -379,7 +379,7 @@ close_story
 
 # ---- writing ----
 
-begin "what was in the folder of --out stays, what the replay wrote may be replaced"
+begin "in the folder of --out, a replay replaces only its own files"
 mkdir out
 echo precious >out/p.png
 echo precious >out/l.nii
@@ -420,7 +420,7 @@ expect 3 "$iftty" verify big --limit-time 0.05s
 out_has "longer than the 0.05 s of --limit-time"
 expect 3 "$iftty" replay big --limit-output 1M --out bounded
 err_has "more than the 1 MB of --limit-output; this file was removed"
-same "$(ls bounded | tr '\n' ' ')" "a.exr " # what fitted in is kept
+same "$(ls bounded | tr '\n' ' ')" "a.exr " # files within the limit are kept
 expect 0 "$iftty" replay big --limit-output 20M --limit-time 5m --limit-memory 2G --out bounded2
 rm -r bounded bounded2
 close_story
@@ -431,7 +431,7 @@ expect 3 "$iftty" replay many --limit-output 100k --out counted # of 31 kB each
 same "$(ls counted | wc -l | tr -d ' ')" 3
 close_story
 
-begin "limits that are none"
+begin "invalid limits"
 for wrong in "--limit-memory 0" "--limit-memory much" "--limit-memory 5X" "--limit-memory -1" \
     "--limit-time 3d" "--limit-time 1e5" "--limit-output 99999999999T" "--limit-output 1MB"; do
     # shellcheck disable=SC2086
@@ -440,10 +440,9 @@ for wrong in "--limit-memory 0" "--limit-memory much" "--limit-memory 5X" "--lim
 done
 close_story
 
-# ---- what is shown ----
+# ---- output ----
 
-# shown WHAT COMMAND...: carried out, whatever comes of it. What it prints is gathered below a line
-# that says what it was.
+# shown WHAT COMMAND...: executed, with any status. Its output is collected below a line with WHAT.
 shown() {
     echo "== $1" >>"$work/out"
     echo "== $1" >>"$work/err"
@@ -452,8 +451,8 @@ shown() {
     "$@" >>"$work/out" 2>>"$work/err" </dev/null
     [ $? -lt 126 ] || fail "$what died"
 }
-# Well-formed UTF-8 without a control character, a mark that turns the direction of text, or one
-# that nobody sees; line feeds apart.
+# Well-formed UTF-8 without control characters other than line feeds, marks that change the
+# direction of text, or invisible ones.
 is_plain() { # FILE
     iconv -f utf-8 -t utf-8 "$1" >"$work/well-formed" 2>/dev/null ||
         fail "$(grep -a '^== ' "$work/well-formed" | tail -n 1): no UTF-8"
@@ -464,7 +463,7 @@ is_plain() { # FILE
         "a terminal would obey $(printf '%s' "$obeyed" | od -c | sed 4q)"
 }
 
-begin "what a terminal would obey, or a reader be deceived by, is shown as text at every door"
+begin "bytes that control a terminal or deceive a reader are shown as text everywhere"
 cat >"$work/hostile" <<'EOH'
 clear\033[2Jscreen
 title\033]0;mine\007
@@ -521,7 +520,7 @@ while read -r escaped; do
     is_plain "$work/err"
     rm -rf -- ./*"$bad"*
 done <"$work/hostile"
-if needs oiiotool; then # of pictures all at once, since the library of the helper is slow to start
+if needs oiiotool; then # all pictures at once, since the helper starts slowly
     set --
     while read -r escaped; do
         # shellcheck disable=SC2059
@@ -541,9 +540,9 @@ fi
 cd ..
 close_story
 
-# ---- without carrying it out ----
+# ---- without execution ----
 
-begin "log --check says intact, torn, or edited since which record"
+begin "log --check reports intact, torn, or edited since a record"
 expect 0 "$iftty" log --check proof.iftty
 out_has "intact, 3 records"
 sed 's/^seed 2,3,4 1$/seed 3,3,4 1/' proof.iftty >edited.iftty
@@ -554,7 +553,7 @@ expect 1 "$iftty" log --check torn.iftty
 err_has "record 3"
 close_story
 
-begin "--anonymise leaves out comments and the names of files, and nothing else"
+begin "--anonymise removes comments and names of files, and nothing else"
 cat >named <<'EOS'
 # for Dr. Brown
 open /home/brown/miller-1950.nii.gz
@@ -597,9 +596,9 @@ expect 0 "$iftty" log named --anonymise --script
 diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
 close_story
 
-# ---- what the kernel keeps out ----
+# ---- confinement by the kernel ----
 
-begin "the program says whether the kernel has Landlock and seccomp"
+begin "info reports Landlock and seccomp of the kernel"
 expect 0 "$iftty" info
 grep -qE '^landlock  (version [0-9]+|none)' "$work/out" || fail "$(cat "$work/out")"
 grep -q '^seccomp  ' "$work/out" || fail "$(cat "$work/out")"
