@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Affine maps, and the one that fits pairs of places. */
+/* Affine maps, and fits of pairs of places. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,8 +14,7 @@ static double between(double low, double high)
     return low + (high - low) * (double)(state >> 11) / 0x1p53;
 }
 
-/* A turn about any axis by up to so many radians, by Rodrigues' formula: another way than that of
- * the fit. */
+/* A random rotation about a random axis by Rodrigues' formula, independent of the fit. */
 static struct affine turn_by(double most)
 {
     double axis[3], length;
@@ -58,7 +57,7 @@ static struct affine anything(void)
     return out;
 }
 
-/* No place up to 100 mm from the middle is farther apart, in any coordinate. */
+/* Upper bound of the distance, in each coordinate, for places up to 100 mm from the origin. */
 static double difference(const struct affine *a, const struct affine *b)
 {
     double most = 0;
@@ -73,7 +72,7 @@ static double difference(const struct affine *a, const struct affine *b)
 
 enum { PLACES = 12 };
 
-/* Of the first four, no one lies in the plane of the others. */
+/* None of the first four places is in the plane of the others. */
 static void scatter(size_t n, double place[][3])
 {
     for (size_t p = 0; p < n; p++)
@@ -102,7 +101,7 @@ static double squares_left(const struct affine *a, size_t n, const double from[]
 
 #define ROWS(a) (const double(*)[3])(a)
 
-STORY(to_go_there_and_back_is_to_stay)
+STORY(a_map_and_its_inverse_cancel)
 {
     for (int i = 0; i < 1000; i++) {
         const struct affine a = anything(), b = anything();
@@ -123,7 +122,7 @@ STORY(to_go_there_and_back_is_to_stay)
     }
 }
 
-STORY(what_has_no_way_back_is_said_to_have_none)
+STORY(singular_and_infinite_maps_have_no_inverse)
 {
     struct affine flat = {{{1, 0, 0, 5}, {0, 1, 0, 6}, {0, 0, 0, 7}}}, out = flat;
     CHECK(!affine_invert(&out, &flat));
@@ -136,7 +135,7 @@ STORY(what_has_no_way_back_is_said_to_have_none)
     CHECK(affine_invert(&out, &tiny) && fabs(out.m[0][0] - 1e6) < 1e-3);
 }
 
-STORY(stretches_are_those_that_were_put_in)
+STORY(stretches_are_the_singular_values)
 {
     for (int i = 0; i < 200; i++) {
         const double s[3] = {between(1.2, 2), between(0.8, 1.1), between(0.2, 0.7)};
@@ -153,8 +152,8 @@ STORY(stretches_are_those_that_were_put_in)
     }
 }
 
-/* Exact places give the map that made them, for every kind that holds it. */
-STORY(exact_pairs_give_the_map_that_made_them)
+/* Exact pairs reproduce their map, for every kind that includes it. */
+STORY(exact_pairs_reproduce_their_map)
 {
     for (int i = 0; i < 1000; i++) {
         const size_t n = 4 + (size_t)i % (PLACES - 4);
@@ -179,8 +178,9 @@ STORY(exact_pairs_give_the_map_that_made_them)
     }
 }
 
-/* Marks are off by 2 mm: no map of the kind nearby leaves less; a larger kind leaves no more. */
-STORY(no_map_nearby_leaves_less)
+/* With marks off by 2 mm, no nearby map of the kind has a smaller residual, and a larger kind has
+ * none larger. */
+STORY(no_nearby_map_has_a_smaller_residual)
 {
     for (int i = 0; i < 300; i++) {
         double from[PLACES][3], to[PLACES][3], rms[3];
@@ -213,8 +213,8 @@ STORY(no_map_nearby_leaves_less)
     }
 }
 
-/* Three pairs are in a plane, which a rotation does not mind, with errors or without. */
-STORY(three_pairs_turn_and_never_mirror)
+/* Three pairs are in a plane: enough for a rotation, with errors or without. */
+STORY(three_pairs_fit_a_rotation_and_no_mirror_image)
 {
     for (int i = 0; i < 500; i++) {
         double from[3][3], to[3][3], rms;
@@ -231,7 +231,7 @@ STORY(three_pairs_turn_and_never_mirror)
     }
 }
 
-STORY(places_that_do_not_say_it_are_refused_in_words)
+STORY(places_that_do_not_determine_a_map_are_refused)
 {
     const double line[4][3] = {{0, 0, 0}, {10, 10, 0}, {20, 20, 0}, {40, 40.1, 0}};
     const double plane[4][3] = {{0, 0, 0}, {50, 0, 0}, {0, 50, 0}, {40, 40, 0.2}};

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The benchmark's parts: seeds of the procedure, the comparison of experiments, reports. No time is
- * looked at.
- */
+/* Parts of the benchmarks: seeds of the procedure, the comparison of experiments, reports. No time
+ * is checked. */
 #include <limits.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -24,12 +22,12 @@ static int compare_cells(const void *a, const void *b)
     return x->cell < y->cell ? -1 : x->cell > y->cell;
 }
 
-/* What geom holds where a seed of this label may lie: its noise is 4 up or down. */
+/* Intensities of geom for seeds of each label: its noise is 4 up or down. */
 static const struct {
     uint16_t least, most;
 } band[7] = {{8, 25}, {66, 74}, {116, 124}, {161, 169}, {201, 209}, {28, 34}, {231, 239}};
 
-STORY(seeds_lie_in_what_they_are_labelled)
+STORY(seeds_are_inside_their_objects)
 {
     struct session *session;
     struct procedure procedure;
@@ -88,7 +86,7 @@ STORY(an_interpolated_scene_has_the_same_seeds)
     session_free(session);
 }
 
-/* Columns 20 by 17 wide through what is bright in geom: regions 1..116 of a made atlas. */
+/* Columns of 20 by 17 through the bright parts of geom: regions 1..116 of an artificial atlas. */
 static uint16_t *made_atlas(const struct scene *scene)
 {
     const uint32_t *sides = scene->grid.size;
@@ -164,8 +162,8 @@ static void scene_row(void *context, uint32_t y, uint32_t z, void *values)
         *at++ = (uint8_t)(x + y + z + (x > 9 ? 40 : 0) + (y > 12 && z < 20 ? 70 : 0));
 }
 
-/* Those of the first step all over one half of the scene, the others in a corner of the other half,
- * so that they change little. Of four labels. */
+/* Seeds of the first step are spread over one half of the scene, the others are in a corner of the
+ * other half, so that they change little. Four labels. */
 static void begin(struct session **begun, struct seeds *seeds)
 {
     CHECK(session_new(begun, NULL) == OK);
@@ -191,7 +189,7 @@ static void begin(struct session **begun, struct seeds *seeds)
     }
 }
 
-STORY(all_experiments_give_the_same_in_every_step)
+STORY(all_experiments_agree_in_every_step)
 {
     struct session *session;
     struct seeds seeds;
@@ -215,12 +213,12 @@ STORY(all_experiments_give_the_same_in_every_step)
     unsigned repaired = 0;
     for (unsigned s = 1; s < trial.steps; s++)
         repaired += !trial.step[s].cost[BDIFT_BP].is_whole;
-    CHECK(repaired >= 2); /* in other steps border and picture are made from nothing */
+    CHECK(repaired >= 2); /* in other steps border and picture are recomputed */
     seeds_release(&seeds);
     session_free(session);
 }
 
-/* Whoever stands at the watch can spoil what is compared. */
+/* A watcher that changes the compared data. */
 static bool spoil_colours(void *context, unsigned step, unsigned round)
 {
     struct session *session = context;
@@ -273,7 +271,7 @@ STORY(a_difference_ends_the_trial_and_is_named)
     }
 }
 
-STORY(whoever_watches_can_end_the_trial)
+STORY(a_watcher_can_end_the_trial)
 {
     struct session *session;
     struct seeds seeds;
@@ -317,7 +315,7 @@ STORY(the_first_pixel_that_differs_is_named)
 
 /* ---- figures ---- */
 
-/* A trial of round numbers: segmentation 10 e + s, border 2, rendition 4 ms. */
+/* An artificial trial: segmentation 10 e + s, border 2, rendition 4 ms. */
 static struct trial made_trial(const char *name)
 {
     struct trial trial = {.size = {10, 10, 10}, .voxels = 1000, .steps = 3, .rounds = 1};

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The centre of a label, against two looks at the whole scene.
- */
+/* The centre of a label, compared with two searches of the whole scene. */
 #include "engine/measure.h"
 #include "tests/interpreting.h"
 
-/* By the words of measure.h. */
+/* By the definition in measure.h. */
 static bool slow_centre(const struct scene *scene, unsigned label, uint32_t place[3])
 {
     int64_t sum[3] = {0}, count = 0, best = INT64_MAX;
@@ -31,7 +29,7 @@ static bool slow_centre(const struct scene *scene, unsigned label, uint32_t plac
     return count > 0;
 }
 
-STORY(a_centre_is_that_of_a_slow_search)
+STORY(a_centre_equals_a_slow_search)
 {
     static const uint32_t size[3] = {23, 17, 12};
     uint64_t random = 3;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How the helpers are confined, from outside: what the kernel says of those that work, and what
- * becomes of one that never ends, whose client is killed, or that holds all the memory that it gets
- * (probe/). */
+/* Confinement of the helpers, from outside: what the kernel reports of working helpers, and the end
+ * of helpers that hang, whose client is killed, or that allocate all memory (probe/). */
 #include "check.h"
 #include "folder.h"
 #include "orphans.h"
@@ -21,7 +20,7 @@
 static char folder[FOLDER_LENGTH];
 static const char *build;
 
-/* The path of a program of this build. */
+/* Path of a program of this build. */
 static const char *program(const char *name)
 {
     static char path[2][FILE_LENGTH];
@@ -40,7 +39,7 @@ static const char *file_with(const char *name, const char *text)
 
 /* ---- what the kernel says ---- */
 
-/* The first process that `process` has started, 0 for none. */
+/* First child of a process; 0 if it has none. */
 static int child_of(int process)
 {
     char path[64];
@@ -78,12 +77,12 @@ static void check_status(int process)
     CHECK(!confine_knows_calls() || has_status(process, "Seccomp:\t2"));
 }
 
-/* A minute at most. */
+/* At most a minute. */
 #define WAIT_UNTIL(condition)                                                                      \
     for (int i = 0; i < 6000 && !(condition); i++)                                                 \
     usleep(10000)
 
-STORY(the_image_helper_is_confined_before_the_first_pixel_comes)
+STORY(the_image_helper_is_confined_before_the_first_pixel)
 {
     struct image_helper *helper = NULL;
     struct picture picture;
@@ -103,7 +102,7 @@ STORY(the_image_helper_is_confined_before_the_first_pixel_comes)
     image_helper_free(helper);
 }
 
-STORY(the_volume_helper_is_confined_before_it_says_what_is_in_a_file)
+STORY(the_volume_helper_is_confined_before_it_answers)
 {
     static const char volume[] = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\n"
                                  "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n12345678";
@@ -115,7 +114,7 @@ STORY(the_volume_helper_is_confined_before_it_says_what_is_in_a_file)
     volume_helper_program = NULL;
 }
 
-/* It gets voxels or the bytes of a transform, and no file. */
+/* It receives voxels or the bytes of a transform, but no file. */
 STORY(the_register_helper_reaches_nothing)
 {
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
@@ -173,7 +172,7 @@ static const char *volume_fault(const char *name)
     return fault.text;
 }
 
-STORY(a_decoder_that_never_ends_is_ended_with_its_helper)
+STORY(a_decoder_that_hangs_is_killed_with_its_helper)
 {
     image_helper_patience_ms = volume_helper_patience_ms = 3000;
     CHECK_HAS(image_fault("spin.png"), "did not answer for 3 s and was ended");
@@ -182,17 +181,17 @@ STORY(a_decoder_that_never_ends_is_ended_with_its_helper)
     CHECK_INT(child_of(getpid()), 0);
 }
 
-STORY(a_decoder_that_gets_nowhere_is_ended_and_one_that_gets_on_is_waited_for)
+STORY(a_decoder_without_progress_is_killed_and_others_may_work_on)
 {
     volume_helper_patience_ms = 600000;
     CHECK_HAS(volume_fault("spin.nrrd"), "worked for 5 s without progress and was ended");
-    volume_helper_patience_ms = 1500; /* it takes 3.6 s */
+    volume_helper_patience_ms = 1500; /* it needs 3.6 s */
     CHECK_HAS(volume_fault("slow.nrrd"), "it has grown");
     volume_helper_patience_ms = 60000;
     CHECK_INT(child_of(getpid()), 0);
 }
 
-/* In a process of its own, which is killed after a while. */
+/* Start a request in a child process, and kill it after a delay. */
 static void ask_and_be_killed(const char *(*ask)(const char *), const char *name, unsigned ms)
 {
     fflush(stdout);
@@ -205,7 +204,7 @@ static void ask_and_be_killed(const char *(*ask)(const char *), const char *name
     CHECK(kill(client, SIGKILL) == 0);
 }
 
-STORY(a_decoder_ends_with_its_client_whatever_it_is_doing)
+STORY(a_decoder_ends_with_its_client_at_any_time)
 {
     static const unsigned after_ms[] = {0, 5, 60, 1000}; /* while it starts; while it decodes */
     adopt_orphans();
@@ -216,7 +215,7 @@ STORY(a_decoder_ends_with_its_client_whatever_it_is_doing)
     }
 }
 
-STORY(a_decoder_that_holds_more_and_more_is_refused_it)
+STORY(the_memory_of_a_decoder_is_limited)
 {
     if (!MEM_MAY_BE_LIMITED) {
         SKIP("a sanitiser takes more memory than a replay leaves");
@@ -228,7 +227,7 @@ STORY(a_decoder_that_holds_more_and_more_is_refused_it)
     image_helper_memory_most = volume_helper_memory_most = 0;
 }
 
-STORY(an_answer_that_drips_is_none)
+STORY(an_answer_that_drips_is_refused)
 {
     static const char drip[] =
         "i=0; while [ $((i += 1)) -le 90 ]; do printf x || exit 1; sleep 0.2; done";

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Stories of the robot that counts gestures (tests/bench): its gestures on tiny objects, and the
- * counts. Their figures are no test. */
+/* The robot that counts gestures (tests/bench): its gestures on tiny objects, and the counts.
+ * Figures are not checked. */
 #include "engine/labels.h"
 #include "tests/bench/effort_run.h"
 #include "tests/check.h"
@@ -25,7 +25,7 @@ static void fill(uint8_t *map, const uint32_t first[3], const uint32_t last[3], 
             memset(map + at(first[0], y, z), value, last[0] - first[0] + 1);
 }
 
-/* A bright box of 16 x 7 x 7 voxels; labels are right. */
+/* A bright box of 16 x 7 x 7 voxels, with correct labels. */
 static const uint32_t low[3] = {14, 12, 11}, high[3] = {29, 18, 17};
 static void begin(struct effort_robot *robot)
 {
@@ -54,15 +54,15 @@ STORY(the_first_ball_is_at_the_deepest_voxel)
     CHECK(effort_robot_object(&robot, &gesture, NULL) == OK);
     CHECK_INT(gesture.shape, SHAPE_BALL);
     CHECK_INT(gesture.label, 1);
-    is_at(gesture.at, 17, 15, 14); /* the first of those with a depth of 4 */
+    is_at(gesture.at, 17, 15, 14); /* the first one with a depth of 4 */
     CHECK_INT(gesture.radius, 3);
-    truth[at(17, 15, 13)] = 0; /* now that is 5 voxels from one that is not the object's */
+    truth[at(17, 15, 13)] = 0; /* now that is 5 voxels from the background */
     CHECK(effort_robot_object(&robot, &gesture, NULL) == OK);
     is_at(gesture.at, 21, 15, 14);
     effort_robot_release(&robot);
 }
 
-STORY(the_background_begins_outside_and_near)
+STORY(the_first_background_ball_is_outside_and_near)
 {
     struct effort_robot robot;
     struct effort_gesture gesture;
@@ -97,10 +97,10 @@ STORY(a_sphere_encloses_the_object)
         }
         farthest = squared > farthest ? squared : farthest;
     }
-    CHECK_INT(farthest, 8 * 8 + 3 * 3 + 3 * 3); /* from the middle: the least there is */
+    CHECK_INT(farthest, 8 * 8 + 3 * 3 + 3 * 3); /* from the middle: the least radius */
     CHECK(sphere.radius >= 10 + 2 && sphere.radius <= 10 + 5);
     effort_robot_release(&robot);
-    begin(&robot); /* the stream is the object's */
+    begin(&robot); /* random numbers depend on the object */
     CHECK(effort_robot_background(&robot, SHAPE_SPHERE, &again, NULL) == OK);
     CHECK(memcmp(&sphere, &again, sizeof again) == 0);
     effort_robot_release(&robot);
@@ -120,7 +120,7 @@ STORY(the_largest_error_is_corrected_at_its_deepest_voxel)
     fill(label, (uint32_t[]){24, 12, 11}, (uint32_t[]){29, 18, 17}, 0);
     CHECK(effort_robot_next(&robot, label, &gesture, &found, NULL) == OK);
     CHECK(found);
-    CHECK_INT(gesture.label, 1); /* 294 voxels that should be the object's, against 125 */
+    CHECK_INT(gesture.label, 1); /* 294 missing voxels, against 125 superfluous ones */
     is_at(gesture.at, 26, 14, 13);
     CHECK_INT(gesture.radius, 2);
     fill(label, (uint32_t[]){24, 12, 11}, (uint32_t[]){29, 18, 17}, 1);
@@ -138,7 +138,7 @@ STORY(the_largest_error_is_corrected_at_its_deepest_voxel)
 
 /* ---- counts ---- */
 
-STORY(what_is_counted_of_a_curve)
+STORY(counts_of_a_curve)
 {
     struct effort_run run = {.object = 0};
     struct effort_count count = {0};
@@ -149,7 +149,7 @@ STORY(what_is_counted_of_a_curve)
     CHECK_INT(count.after[0], 5500);
     run.dice[3] = 8000;
     run.dice[10] = 9500;
-    run.dice[15] = 6000; /* 0.04 less, which is none */
+    run.dice[15] = 6000; /* a drop of 0.04 is no collapse */
     effort_count(&count, &run);
     CHECK_INT(count.runs, 2);
     CHECK_INT(count.gestures[0], NOT_REACHED + 5);
@@ -197,11 +197,11 @@ STORY(a_plain_object_is_found_at_once_and_runs_agree)
         CHECK(effort_run(&again, &method[m], &object, folder, NULL) == OK);
         CHECK(memcmp(run.dice, again.dice, sizeof run.dice) == 0);
         CHECK(run.dice[0] > 8000);
-        CHECK(run.dice[CURVE - 1] > 9900 || method[m].limits); /* those correct near by alone */
+        CHECK(run.dice[CURVE - 1] > 9900 || method[m].limits); /* they correct only locally */
     }
 }
 
-STORY(phantoms_are_what_they_were)
+STORY(phantoms_are_unchanged)
 {
     enum { SIDE = PHANTOM_SIDE, ALL = SIDE * SIDE * SIDE };
     static uint16_t grey[ALL];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Normals and light, many at once: what comes out is what one by one would. */
+/* Normals and light of many surfaces at once equal those of each one. */
 #include "check.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include "render/light.h"
 #include "tests/stage.h"
 
-/* Of any length, with parts of any length; some of them 0. */
+/* Random numbers of random size, some of them 0. */
 static int32_t random_part(uint64_t *random)
 {
     const int32_t part = (int32_t)(check_below(random, UINT32_MAX) >> 1);
@@ -32,7 +32,7 @@ static struct gradients random_gradients(uint64_t *random)
     return g;
 }
 
-/* By the exact root too: the length is right to a few units. */
+/* Check the length against the exact root, to a few units. */
 static bool is_right(const struct directions *d, const struct gradients *g, int i)
 {
     int16_t one[3] = {0, 0, 0};
@@ -48,7 +48,7 @@ static bool is_right(const struct directions *d, const struct gradients *g, int 
     return has_one ? llabs(length - (1 << NORMAL_BITS)) < 4 : squares == 0;
 }
 
-STORY(many_gradients_at_once_become_what_each_of_them_does)
+STORY(many_gradients_at_once_equal_each_one)
 {
     uint64_t random = 1;
     for (unsigned round = 0; round < check_scaled(50000) && check_failures == 0; round++) {
@@ -83,7 +83,7 @@ STORY(the_longest_and_the_shortest_gradients_are_no_exception)
             }
 }
 
-/* One surface, in wide products: a fifth of the light is ambient, the rest diffuse. */
+/* Light one surface in wide integers: a fifth of the light is ambient, the rest diffuse. */
 static void light_surface(uint8_t rgb[3], const struct light *light, const struct lit *lit, int i,
                           const int16_t normal[3])
 {
@@ -104,8 +104,8 @@ static void light_surface(uint8_t rgb[3], const struct light *light, const struc
     }
 }
 
-/* Light from everywhere, on surfaces of any colour that face anywhere, at any depth. */
-STORY(many_surfaces_at_once_are_lit_as_each_of_them_is)
+/* Light from all directions, on surfaces of all colours and directions, at all depths. */
+STORY(many_surfaces_at_once_are_lit_like_each_one)
 {
     uint64_t random = 2;
     struct stage s;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Registration: what is found in scenes whose map is known, what is refused, the same
- * bytes again, and helpers that die, lie, or never end.
- */
+/* Registration: results in scenes with a known map, refusals, reproducibility, and helpers that
+ * crash, misbehave or hang. */
 #include "tests/check.h"
 
 #include <signal.h>
@@ -18,7 +16,7 @@
 
 static char folder[FOLDER_LENGTH];
 static struct volume ch2;
-static struct subject procedure; /* ch2, five times as coarse: what it takes is seconds */
+static struct subject procedure; /* ch2, five times as coarse, to need seconds only */
 static char helper[FILE_LENGTH];
 
 enum { COARSE = 5 };
@@ -48,7 +46,7 @@ static enum err find_of(struct registration *out, const struct deformation *d,
 
 /* ---- what is found ---- */
 
-STORY(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes)
+STORY(a_known_map_is_found_within_a_millimetre_and_reproduced_exactly)
 {
     struct registration first, second;
     struct subject subject;
@@ -64,8 +62,9 @@ STORY(a_known_map_is_found_within_a_millimetre_and_again_in_the_same_bytes)
     printf("# %.2f mm off\n", subject_error(&subject, &first.affine));
 }
 
-/* Voxels in another order, and a matrix that says so, in a session's cells: the same patient. */
-STORY(how_voxels_are_stored_does_not_matter)
+/* The same patient with reversed voxel order, a matching matrix, and cells instead of plain voxels.
+ */
+STORY(the_storage_order_of_voxels_does_not_matter)
 {
     struct registration found;
     struct subject subject;
@@ -103,7 +102,7 @@ static void check_refused(const struct deformation *d, const char *words)
     CHECK_HAS(fault.text, "landmarks in both scenes");
 }
 
-STORY(a_mirror_image_and_a_slab_are_refused_in_words)
+STORY(a_mirror_image_and_a_slab_are_refused)
 {
     struct deformation mirrored = known, slab = known;
     mirrored.mirrored = true;
@@ -113,7 +112,7 @@ STORY(a_mirror_image_and_a_slab_are_refused_in_words)
     check_refused(&slab, "of one scene's content is inside the other");
 }
 
-STORY(scenes_that_say_too_little_are_refused_before_anything_is_done)
+STORY(scenes_without_contrast_or_orientation_are_refused)
 {
     struct registration found;
     struct subject subject;
@@ -140,10 +139,10 @@ static const char *fault_of(const char *script)
     return fault.text;
 }
 
-/* Takes the request, and answers. */
+/* Receives the request, and answers. */
 #define HEARD "exec 3<&0; cat <&3 >/dev/null & "
 
-STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
+STORY(a_missing_or_faulty_helper_is_an_error_of_one_line)
 {
     CHECK_HAS(fault_of(NULL), "; the package iftty-volume has it");
     CHECK_HAS(fault_of("exit 7"), "ended with status 7");
@@ -158,7 +157,7 @@ STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
               "invalid answer");
 }
 
-/* What is said of an answer that is well formed. */
+/* Check a well-formed answer. */
 static enum err judged(const double number[19], struct fault *fault)
 {
     struct registration found;
@@ -175,7 +174,7 @@ static enum err judged(const double number[19], struct fault *fault)
     return err;
 }
 
-STORY(each_figure_of_an_answer_is_judged)
+STORY(each_figure_of_an_answer_is_checked)
 {
     /* The map by rows; metrics of the map, the identity and the mirror image; overlap of the one
      * and the other; agreement and length. */
@@ -214,7 +213,7 @@ STORY(each_figure_of_an_answer_is_judged)
     }
 }
 
-STORY(a_helper_that_never_ends_is_ended)
+STORY(a_helper_that_hangs_is_killed)
 {
     register_helper_patience_ms = 1000;
     const uint64_t begin = clock_ns();
@@ -235,7 +234,7 @@ static bool stop_after_some(void *context, const char *what, uint64_t done, uint
     return ++polls >= *most;
 }
 
-STORY(a_stop_is_heard_and_the_helper_is_gone)
+STORY(a_cancelled_registration_ends_its_helper)
 {
     struct registration found;
     struct fault fault;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Volumes on sheared axes, straightened: every voxel against where it lies in the world, and the
- * voxels of the file around that. */
+/* Straightened volumes of sheared axes: every voxel compared with the file's voxels around its
+ * place in the world. */
 #include "check.h"
 #include "stopping.h"
 
@@ -20,14 +20,13 @@ static double between(double low, double high)
 
 /* ---- volumes ---- */
 
-/* Grey values that rise along a line of the world: linear between voxels, wherever these are. */
+/* Grey values that are linear in the world's coordinates. */
 static double value_at(const double mm[3])
 {
     return 30000 + 211 * mm[0] - 157 * mm[1] + 93 * mm[2];
 }
 
-/* Axes a third of the way to a corner of the world, of three spacings; `second` and `third` lean
- * by those parts of those before them. */
+/* Oblique axes of three spacings; `second` and `third` lean by parts of the axes before them. */
 static void place(struct geometry *geometry, const int order[3], const double lean[3])
 {
     static const double axis[3][3] = {
@@ -81,8 +80,8 @@ static uint16_t least_of(const struct volume *volume)
 
 /* ---- stories ---- */
 
-/* What stands at a place of the world: linear inside the file's voxels, its nearest slice up to
- * half a voxel off, and the least value beyond. NAN so near to that line that either is right. */
+/* Expected value at a place of the world: linear inside the file's voxels, the nearest slice up to
+ * half a voxel outside, and the least value beyond. NAN near that limit, where either is right. */
 static double expected_at(const double mm[3], const struct volume *from, uint16_t least)
 {
     const struct geometry *geometry = &from->geometry;
@@ -161,7 +160,7 @@ STORY(a_gantry_that_leans_either_way)
         }
 }
 
-STORY(axes_that_lean_anyhow)
+STORY(randomly_sheared_axes)
 {
     for (int n = 0; n < 300; n++) {
         const double lean[3] = {between(-0.3, 0.3), between(-1, 1), between(-1, 1)};
@@ -169,10 +168,10 @@ STORY(axes_that_lean_anyhow)
     }
 }
 
-STORY(slices_of_whole_steps_are_as_they_were)
+STORY(slices_shifted_by_whole_voxels_are_unchanged)
 {
     const int order[3] = {0, 1, 2};
-    const double lean[3] = {0, 0, 1}; /* by a voxel a slice */
+    const double lean[3] = {0, 0, 1}; /* one voxel per slice */
     const uint32_t size[3] = {5, 6, 4};
     struct geometry geometry;
     struct fault fault = {0};
@@ -186,7 +185,7 @@ STORY(slices_of_whole_steps_are_as_they_were)
     volume_release(&is);
 }
 
-STORY(axes_at_right_angles_stay_as_they_are)
+STORY(axes_at_right_angles_are_unchanged)
 {
     const int order[3] = {0, 1, 2};
     const double lean[3] = {0, 0, 0};
@@ -203,7 +202,7 @@ STORY(axes_at_right_angles_stay_as_they_are)
     volume_release(&is);
 }
 
-STORY(what_leans_too_far_is_refused_and_what_is_stopped_stays)
+STORY(too_much_shear_is_refused_and_a_stop_changes_nothing)
 {
     const int order[3] = {0, 1, 2};
     const double far[3] = {0, 300, 0}, lean[3] = {0, 0, 0.7};

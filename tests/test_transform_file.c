@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Transform files: what ITK wrote (tests/transforms/, with where ITK itself takes some places),
- * what FLIRT means, which way they lead, and what is refused.
- */
+/* Transform files: files written by ITK (tests/transforms/, with places mapped by ITK itself), the
+ * meaning of FLIRT's matrices, the direction of maps, and refusals. */
 #include "tests/check.h"
 
 #include <math.h>
@@ -14,7 +12,7 @@
 
 static char folder[FOLDER_LENGTH];
 
-/* Two scenes: axes that run right to left, as NIfTI's often do, and a tilted one in other steps. */
+/* Two scenes: axes from right to left, as often in NIfTI, and a tilted scene with other steps. */
 static struct geometry procedure_geometry, subject_geometry;
 static const struct placed_grid procedure = {{181, 217, 181}, &procedure_geometry};
 static const struct placed_grid subject = {{160, 200, 100}, &subject_geometry};
@@ -58,8 +56,8 @@ static void check_refused(const char *text, const char *expected)
 
 /* ---- ITK ---- */
 
-/* Each line of the list: a file, and where ITK takes three places, in its own LPS. */
-STORY(what_itk_wrote_leads_where_itk_says)
+/* Each line of the list has a file and three places mapped by ITK, in LPS. */
+STORY(files_of_itk_map_places_as_itk_does)
 {
     FILE *list = fopen("tests/transforms/places.txt", "re");
     char name[64];
@@ -90,7 +88,7 @@ STORY(what_itk_wrote_leads_where_itk_says)
 #define TRANSFORM(kind, numbers, fixed)                                                            \
     HEAD "Transform: " kind "\nParameters: " numbers "\nFixedParameters:" fixed "\n"
 
-STORY(a_file_of_itk_that_is_not_affine_or_not_whole_is_refused_in_words)
+STORY(files_of_itk_that_are_not_affine_or_not_whole_are_refused)
 {
     static const struct {
         const char *text, *expected;
@@ -119,7 +117,7 @@ STORY(a_file_of_itk_that_is_not_affine_or_not_whole_is_refused_in_words)
         check_refused(cases[i].text, cases[i].expected);
 }
 
-/* Any piece of a MATLAB file, and any byte of it changed, is read or refused, no more. */
+/* Every truncation and every changed byte of a MATLAB file is read or refused, without a crash. */
 STORY(damaged_files_of_matlab_are_refused)
 {
     struct buf whole = {0};
@@ -141,8 +139,8 @@ STORY(damaged_files_of_matlab_are_refused)
 
 /* ---- FSL ---- */
 
-/* By FSL's own words: a voxel of the moving scene, in its millimetres, goes to the voxel of the
- * reference; x from the other end where the axes are right-handed. */
+/* FSL's definition: a voxel of the moving scene, in its millimetres, maps to a voxel of the
+ * reference; x from the other end if the axes are right-handed. */
 static void flirt_place(double out[3], const struct placed_grid *grid, const double voxel[3])
 {
     const bool is_right = !geometry_is_mirrored(grid->geometry);
@@ -160,7 +158,7 @@ static void world_place(double out[3], const struct placed_grid *grid, const dou
     }
 }
 
-STORY(a_matrix_of_flirt_leads_from_in_to_ref)
+STORY(a_matrix_of_flirt_maps_in_to_ref)
 {
     static const char text[] = "1.02  0.03  -0.01  4.5  \n-0.02  0.98  0.05  -7.25  \n"
                                "0.01  -0.04  1.01  3e+00  \n0  0  0  1  \n";
@@ -183,7 +181,7 @@ STORY(a_matrix_of_flirt_leads_from_in_to_ref)
             double mm[3], moved[3], from[3], world[3], back[3];
             flirt_place(mm, in, voxel);
             affine_apply(&matrix, mm, moved);
-            /* which voxel of ref that is, and where */
+            /* the voxel of ref, and its place */
             double there[3];
             for (int a = 0; a < 3; a++)
                 there[a] = moved[a] / geometry_step_mm(ref->geometry, a);
@@ -198,7 +196,7 @@ STORY(a_matrix_of_flirt_leads_from_in_to_ref)
     }
 }
 
-STORY(sixteen_numbers_are_refused_unless_they_are_named)
+STORY(sixteen_numbers_are_refused_without_their_program)
 {
     static const char text[] = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
     char name[FILE_LENGTH + 8];
@@ -218,7 +216,7 @@ STORY(sixteen_numbers_are_refused_unless_they_are_named)
     }
 }
 
-STORY(a_scene_without_a_place_or_a_file_that_is_not_there_is_refused)
+STORY(an_unplaced_scene_and_a_missing_file_are_refused)
 {
     struct geometry unplaced = subject_geometry;
     const struct placed_grid nowhere = {{160, 200, 100}, &unplaced};
@@ -250,7 +248,7 @@ static const char *fault_of(const char *script)
 
 #define HEARD "exec 3<&0; cat <&3 >/dev/null & "
 
-STORY(a_helper_that_is_missing_dies_or_lies_costs_one_line)
+STORY(a_missing_or_faulty_helper_is_an_error_of_one_line)
 {
     CHECK_HAS(fault_of(NULL), "; the package iftty-volume has it");
     CHECK_HAS(fault_of("kill -SEGV $$"), "died (Segmentation fault)");

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The benchmarks that are no part of iftty: a program of its own, build/tests/bench/bench, whose
- * table is in bench.c. Medians; no time is compared with a limit.
- */
+/* The benchmarks, a program outside of iftty: build/tests/bench/bench, with its table in bench.c.
+ * Figures are medians; no time is compared with a limit. */
 #ifndef TESTS_BENCH_BENCH_H
 #define TESTS_BENCH_BENCH_H
 
@@ -11,16 +9,16 @@
 #include "engine/forest.h"
 #include "render/rendition.h"
 
-/* What their command lines give. */
+/* Options of the command lines. */
 struct bench_options {
-    struct options common; /* first: a benchmark is run with a pointer to this, */
+    struct options common; /* first: a benchmark gets a pointer to this, */
     size_t rounds, brush;
     const char *method;
-    const char *program; /* another iftty than that of this tree, or NULL */
+    const char *program; /* another iftty than this tree's, or NULL */
     bool quick;
 };
 
-/* and finds the others by it. */
+/* and accesses the others through it. */
 static inline const struct bench_options *bench_options(const struct options *common)
 {
     return (const struct bench_options *)(const void *)common;
@@ -39,17 +37,17 @@ enum err run_register(const struct options *options, struct fault *fault);
 enum err run_surface(const struct options *options, struct fault *fault);
 enum err run_looks(const struct options *options, struct fault *fault);
 
-/* What the commands of a journal of examples/ segment; nothing is written. */
+/* Segment by the commands of a journal of examples/, without writing anything. */
 enum err bench_segment(struct interpreter *interp, const char *journal, struct fault *fault);
 
-/* What VTK takes for the same labels, one JSON object a line (tests/peers/vtk_render.py); nothing
- * where it is not here. */
+/* Time VTK on the same labels, one JSON object a line (tests/peers/vtk_render.py); empty without
+ * VTK. */
 enum err bench_vtk(const struct session *session, struct buf *lines, struct fault *fault);
 
-/* What a process of iftty took that carries out examples/brain.iftty, and then commands, each with
- * its line feed, in a folder of its own that is removed. */
+/* Cost of an iftty process that runs examples/brain.iftty and further commands, each with its line
+ * feed, in a temporary folder. */
 struct bench_process {
-    double seconds, of_processors, megabytes; /* elapsed; of processors; held at most */
+    double seconds, of_processors, megabytes; /* elapsed; of processors; peak */
 };
 enum err bench_turntable(struct bench_process *process, const char *commands, struct fault *fault);
 
@@ -61,11 +59,11 @@ struct bench_ball {
 };
 void bench_ball_make(struct bench_ball *ball, const struct scene *scene, uint32_t cell, int radius);
 
-/* The next of a fixed sequence of pixels that show an object. */
+/* Next pixel of a fixed sequence that shows an object. */
 size_t bench_next_pixel(const struct rendition *frame, size_t pixel);
 
-/* A session of many commands on 7 million voxels, and how long going on with its journal takes: the
- * least of three times. ERR_CHECK where what is resumed is not what was left. */
+/* A session of many commands on 7 million voxels, and the least of three times to resume its
+ * journal. ERR_CHECK if the resumed session differs. */
 struct bench_resume {
     unsigned commands;
     uint64_t voxels;

@@ -44,7 +44,7 @@ struct times {
     size_t count;
 };
 
-/* What is timed. The first three: the forest from nothing. */
+/* Timed work. The first three: the forest from nothing. */
 enum what { ALONE, TOGETHER, CORNERS, PLANT, ELIMINATE, BORDER, SCENE, TIMED };
 
 /* A row of the table, and what JSON calls it, which has every time once and in ms. */
@@ -83,8 +83,8 @@ static uint64_t draw(uint64_t *state)
     return hash_mix(++*state * UINT64_C(0x9e3779b97f4a7c15));
 }
 
-/* What a seed at this voxel would be labelled, or -1: by the atlas (1 brain, 2 cerebellum, which
- * has its regions from 91 on), else by the intensity alone. */
+/* Label of a seed at this voxel, or -1: by the atlas (1 brain, 2 cerebellum, which has regions from
+ * 91 on), otherwise by the intensity alone. */
 static int label_at(const struct session *session, const struct volume *atlas, size_t voxel,
                     uint32_t cell)
 {
@@ -136,7 +136,7 @@ static enum err time_growing(struct scene *scene, const struct edit seed[SEEDS],
     for (int i = 0; !err && i <= SCRATCH_RUNS; i++) {
         const uint64_t begin = clock_ns();
         err = forest_edit(forest, seed, SEEDS, fault);
-        if (i > 0) /* the first takes memory */
+        if (i > 0) /* the first run allocates memory */
             add_since(times, begin);
         err = err ? err : forest_edit(forest, none, SEEDS, fault);
     }

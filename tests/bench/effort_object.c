@@ -18,10 +18,10 @@ struct row {
     const char *name;
     enum effort_group group;
     const char *scene, *map; /* NULL: the phantom that `regions` is the number of */
-    const char *regions;     /* of the map, modulo `modulo` where that is not 0 */
+    const char *regions;     /* in the map, modulo `modulo` unless that is 0 */
     uint16_t modulo;
-    uint8_t closed, reduced; /* how often */
-    uint8_t margin;          /* of a crop */
+    uint8_t closed, reduced; /* number of times */
+    uint8_t margin;          /* around a crop */
 };
 
 #define AAL      "aal.nii.gz"
@@ -186,7 +186,7 @@ static enum err read_volume(struct volume *out, const char *name, const struct i
     enum err err = interpreter_find_file(interp, name, &path, fault);
     if (!err)
         err = volume_read(out, buf_text(&path), NULL, NULL, fault);
-    /* Where a file says two things, iftty takes neither; of these the sform is right. */
+    /* If a file has two different places, iftty uses neither; in these files the sform is right. */
     if (!err && !geometry_has_place(&out->geometry) && out->geometry.sform.code)
         geometry_take_form(&out->geometry, ORIENTATION_SFORM);
     buf_release(&path);

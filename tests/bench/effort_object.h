@@ -28,14 +28,14 @@ struct effort_object {
     uint32_t size[3];
     size_t voxels;
     uint8_t *image, *truth; /* [z][y][x]: grey; 1 in the object, and 0 */
-    uint16_t *hounsfield;   /* [z][y][x]: of CT: HU + HOUNSFIELD_ZERO, opened by iftty; or NULL */
+    uint16_t *hounsfield;   /* [z][y][x]: HU + HOUNSFIELD_ZERO, for a CT; or NULL */
 };
 
-/* The rows of the table, by their number; NULL after the last. */
+/* Rows of the table by number; NULL after the last. */
 const char *effort_object_name(size_t number);
 enum effort_group effort_object_group(size_t number);
 
-/* ERR_IO where a file of it is not installed. */
+/* ERR_IO if one of its files is not installed. */
 enum err effort_object_load(struct effort_object *object, size_t number,
                             const struct interpreter *interp, struct fault *fault);
 void effort_object_release(struct effort_object *object);
@@ -57,7 +57,7 @@ enum phantom {
     PHANTOMS
 };
 
-/* Both are [PHANTOM_SIDE]^3. `object` is one of those in PHANTOM_CT, else 0. */
+/* Both are [PHANTOM_SIDE]^3. `object` is an object of PHANTOM_CT, otherwise 0. */
 enum { HOUNSFIELD_ZERO = 1024 };
 void phantom_fill(enum phantom phantom, int object, uint16_t *image, uint8_t *truth);
 

@@ -10,7 +10,7 @@
 
 enum {
     RADIUS_USUAL = 3,
-    NEAR = 2, /* of the background's first ball */
+    NEAR = 2, /* for the background's first ball */
     FAR = 10,
     WITHIN_DEPTHS = 3,
 };
@@ -140,7 +140,7 @@ static enum err outside_ball(struct effort_robot *robot, struct effort_gesture *
     return err;
 }
 
-/* Of all voxels of the truth, the corners of the box around it. */
+/* Corners of the box around the truth. */
 static void bounds(const struct effort_robot *robot, uint32_t first[3], uint32_t last[3])
 {
     const struct box box = whole(robot);
@@ -177,8 +177,8 @@ static int64_t farthest(const struct effort_robot *robot, const int64_t from[3])
     return most;
 }
 
-/* The smallest ball: from the middle of the box, as long as a neighbour has the truth nearer. What
- * is least is a convex function, so that leads to the least, or to beside it. */
+/* The smallest ball around the truth: move from the middle of the box while a neighbour has a
+ * smaller radius. The radius is a convex function, so this ends at the least one or next to it. */
 static int64_t smallest_ball(const struct effort_robot *robot, int64_t at[3])
 {
     int64_t least = farthest(robot, at);

@@ -55,7 +55,7 @@ enum err effort_robot_object(struct effort_robot *robot, struct effort_gesture *
 enum err effort_robot_background(struct effort_robot *robot, enum effort_shape shape,
                                  struct effort_gesture *gesture, struct fault *fault);
 
-/* The next gesture, given label[voxels]; *found is false where nothing is wrong. */
+/* Choose the next gesture, given label[voxels]; *found is false if no label is wrong. */
 enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
                            struct effort_gesture *gesture, bool *found, struct fault *fault);
 

@@ -35,7 +35,7 @@ enum err effort_prepare(const struct effort_object *object, const char *folder,
 enum err effort_run(struct effort_run *run, const struct effort_method *method,
                     const struct effort_object *object, const char *folder, struct fault *fault);
 
-/* The command of a gesture; `limits`: with the distance of a refinement. */
+/* Command of a gesture; `limits`: with the distance of a refinement. */
 void effort_write_command(struct buf *line, const struct effort_gesture *gesture, bool limits);
 
 /* Sums over runs. */

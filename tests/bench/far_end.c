@@ -45,25 +45,25 @@ struct far_end {
     struct lane here, there;      /* to the terminal; to the program */
     char sequence[SEQUENCE];      /* since the last escape */
     size_t length;
-    const char *const *awaited; /* those that have not come yet; of the first */
-    size_t matched;             /* so many bytes have */
+    const char *const *awaited; /* texts that have not arrived yet; of the first */
+    size_t matched;             /* this number of bytes has */
     uint64_t *came_ns;          /* its moment */
     bool is_ahead;              /* the picture that came last is not shown yet */
     bool counts_ahead;          /* as something that comes */
-    bool has_rows;              /* of text, since the last barrier */
+    bool has_rows;              /* rows of text since the last barrier */
     uint64_t worked_ns;         /* the program, before the result at hand */
     struct far_result *result;
 };
 
 /* ---- the line ---- */
 
-/* Where the next packet goes; NULL where the line is full. */
+/* Place for the next packet; NULL if the line is full. */
 static struct packet *lane_end(struct lane *lane)
 {
     return lane->packets < PACKETS ? &lane->packet[(lane->first + lane->packets) % PACKETS] : NULL;
 }
 
-/* Takes the next packet that has arrived; NULL where none has. It stays until another is added. */
+/* Take the next packet that has arrived, or NULL. It is valid until another is added. */
 static const struct packet *lane_take(struct lane *lane, uint64_t now_ns)
 {
     const struct packet *packet = &lane->packet[lane->first];
@@ -91,7 +91,7 @@ static void send(struct far_end *e, uint64_t now_ns, const char *text)
     e->there.packets++;
 }
 
-/* Takes what the program has written, and puts it on the line. */
+/* Read the program's output, and put it on the line. */
 static bool load(struct far_end *e)
 {
     struct packet *packet = lane_end(&e->here);
@@ -136,9 +136,9 @@ static void answer(struct far_end *e, uint64_t now_ns)
             send(e, now_ns, known[i].answer[kind]);
 }
 
-/* Whether the last byte of what began with an escape changes what is seen: a question and a place
- * for the cursor do not. A command for pictures does when it ends, unless what it sends lies below
- * the others (tui/picture/kitty.c). */
+/* Test whether the last byte of an escape sequence changes the screen: questions and cursor moves
+ * do not. A command for pictures does when it ends, unless its picture is below the others
+ * (tui/picture/kitty.c). */
 static bool shows(const struct far_end *e)
 {
     const char *sequence = e->sequence;
@@ -190,7 +190,7 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
     }
 }
 
-/* What has arrived at either end. False where the program is gone. */
+/* Deliver packets that have arrived at either end. False if the program is gone. */
 static bool deliver(struct far_end *e, uint64_t now_ns)
 {
     const struct packet *packet;
@@ -220,7 +220,7 @@ static bool pass(struct far_end *e, uint64_t limit_ns)
     return deliver(e, clock_ns());
 }
 
-/* What the program has had of processors so far. */
+/* Processor time of the program so far. */
 static uint64_t worked_ns(const struct far_end *e)
 {
     clockid_t clock;

@@ -39,29 +39,29 @@ enum err far_end_new(struct far_end **out, const char *program, char *const *arg
                      const char *home, const struct graphics *graphics, const struct far_line *line,
                      struct fault *fault);
 
-/* Ends the program, as nothing can prevent. */
+/* Kill the program. */
 void far_end_free(struct far_end *e);
 
-/* What pressing keys has brought about. The first ones count from the start of the program. */
+/* Effects of pressed keys. The first ones count from the start of the program. */
 struct far_result {
     uint64_t pressed_ns, last_ns;       /* the keys; the last byte */
-    uint64_t came_ns[FAR_AWAITED_MOST]; /* the texts that were awaited */
-    uint64_t processor_ns;              /* of the program, until what follows came to rest */
+    uint64_t came_ns[FAR_AWAITED_MOST]; /* of the awaited texts */
+    uint64_t processor_ns;              /* of the program, until the terminal rests */
     size_t bytes;
     unsigned frames; /* while a key was held */
 };
 
-/* Presses keys, and waits until the texts of `awaited`, ended by NULL, have arrived one after the
- * other, and what follows them has come to rest. ERR_IO after ten seconds without a byte. */
+/* Press keys, and wait until the texts of `awaited`, ended by NULL, have arrived in turn and the
+ * terminal rests. ERR_IO after ten seconds without a byte. */
 enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
                        struct far_result *out, struct fault *fault);
 
-/* Holds a key: presses it `times` times at that distance. Counts the frames that come meanwhile,
- * and waits as above; pressed_ns is the last one. */
+/* Hold a key: press it `times` times at that interval. Count the frames meanwhile, and wait as
+ * above; pressed_ns is the last press. */
 enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double every_ms,
                       struct far_result *out, struct fault *fault);
 
-/* Presses nothing for so long: last_ns is the last byte, also of what is sent ahead. */
+/* Press nothing for `ms`: last_ns is the last byte, also of pictures sent ahead. */
 enum err far_end_wait(struct far_end *e, double ms, struct far_result *out, struct fault *fault);
 
 #endif

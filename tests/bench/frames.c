@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What a frame takes at the sizes at which people wait for it, by one thread and by all: elapsed,
- * and of processors, which other work on the machine changes less. Then a whole turntable, and VTK.
- */
+/* Time of frames at sizes that people wait for, by one thread and by all: elapsed, and of
+ * processors, which other work on the machine changes less. Then a whole turntable, and VTK. */
 #include "show/pictures.h"
 #include "tests/bench/bench.h"
 
@@ -35,14 +33,14 @@ struct row {
 struct table {
     struct row row[ROWS_MOST];
     int rows;
-    struct team *team;           /* all threads */
-    struct shader shader[TEAMS]; /* what one thread stores, and what all do; that of `which` is in
-                                    the session */
+    struct team *team; /* all threads */
+    struct shader
+        shader[TEAMS]; /* stored by one thread, and by all; the session has that of `which` */
     int which;
     const char *text; /* in the names of what is timed, or NULL for all */
     bool has_turntable;
     struct bench_process turntable[2]; /* the session without it, and with it */
-    struct buf vtk;                    /* what bench_vtk says */
+    struct buf vtk;                    /* output of bench_vtk */
 };
 
 /* ---- times ---- */
@@ -93,7 +91,7 @@ static void take_team(struct table *table, struct session *session, int which)
 struct frames {
     const char *what;
     uint32_t samples, side, zoom;
-    int count; /* of a turn, seen a little from above */
+    int count; /* in a turn, seen a little from above */
     enum render_mode mode;
 };
 

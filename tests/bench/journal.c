@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a journal costs: records alone, recording a session, verifying it. */
+/* Cost of a journal: records alone, recording a session, verifying it. */
 #include "tests/bench/bench.h"
 
 #include <stdio.h>
@@ -103,8 +103,8 @@ static bool gives(const struct record *record, const char *key)
     return record_word_find(record->result, key, strlen(key), &word);
 }
 
-/* Carries a record out and compares. What it shows is rendered before, so that its time is told
- * apart from that of reading and comparing golden images; but where it applies edits first. */
+/* Replay a record and compare. Its picture is rendered before, so that this time is separate from
+ * reading and comparing golden images, unless the record applies edits first. */
 static enum err verify_record(struct interpreter *interp, const struct record *record,
                               struct figures *f, struct fault *fault)
 {
@@ -165,7 +165,7 @@ static enum err verify_once(const char *path, const struct buf *bytes, struct fi
     return err;
 }
 
-/* Of several times the one that took least as a whole, part for part. */
+/* Keep the fastest of several runs, part for part. */
 static enum err time_verifying(const char *path, const struct buf *bytes, struct figures *f,
                                struct fault *fault)
 {

@@ -227,7 +227,7 @@ static enum err press_in_turn(struct far_end *e, const char *on, const char *bac
     return err;
 }
 
-/* Each seed at another place, and taken back, with a radius that every build is told alike. */
+/* Each seed is at another place and undone, with a fixed radius, the same in every build. */
 static enum err plant(struct far_end *e, unsigned keys, struct key_figures *out,
                       struct fault *fault)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How soon a stop is heard: the time between two looks at the watch, in each kind of command. */
+/* Response to a stop: the time between two looks at the watch, in each kind of command. */
 #include "tests/bench/bench.h"
 
 #include <stdio.h>
@@ -13,8 +13,7 @@
 #include "tests/bench/times.h"
 #include "session/session_inside.h"
 
-/* "@x,y,z" stands for a place in percent of the scene's sides, so that it lies in the same solid at
- * every size. */
+/* "@x,y,z" is a place in percent of the scene's sides, in the same solid at every size. */
 static const char *const steps[] = {
     "open synth:geom:SIZE",
     "seed @22,42,50 1 radius=3",
@@ -81,7 +80,7 @@ static const char *const map[] = {"labels.nii", "labels.nii.gz", "cost.nii",
 struct looks {
     uint64_t last_ns, longest_ns;
     size_t count;
-    const char *before, *after; /* of the longest time: what was being done */
+    const char *before, *after; /* work before and after the longest time */
     const char *what;
 };
 

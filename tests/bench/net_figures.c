@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How true surface nets are: balls, rods, planes and sheets at random places. */
+/* Accuracy of surface nets: balls, rods, planes and sheets at random places. */
 #include "tests/bench/bench.h"
 
 #include <math.h>
@@ -119,7 +119,7 @@ static void object_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t 
 /* ---- meshes ---- */
 
 struct figure_mesh {
-    double (*at)[3], (*normal)[3]; /* of points, in voxels; normals outward, of length 1 */
+    double (*at)[3], (*normal)[3]; /* points, in voxels; normals outward, of length 1 */
     uint32_t (*triangle)[3];       /* counter-clockwise seen from outside */
     uint32_t points, triangles;
 };

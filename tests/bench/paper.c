@@ -13,7 +13,7 @@
 
 enum { SCENES_MOST = 24, QUICK_STEPS = 2 };
 
-/* Where scenes come from. Seeds are made on the base, whose grid the atlas has. */
+/* Sources of scenes. Seeds are made on the base, which has the atlas's grid. */
 struct source {
     const char *name, *base, *atlas, *file;
     unsigned megavoxels;
@@ -105,7 +105,7 @@ static enum err choose_scenes(struct run *run, struct fault *fault)
 
 /* ---- one scene ---- */
 
-/* How far it is; false where nobody wants it any more. */
+/* Show the progress; false after Ctrl-C. */
 static bool goes_on(struct run *run, const char *doing, unsigned step)
 {
     char what[64];
@@ -169,7 +169,7 @@ static enum err run_scene(struct run *run, struct fault *fault)
 
 /* ---- all of them ---- */
 
-/* What a report writes, printed all at once. */
+/* Print a report in one write. */
 static enum err print(void (*report)(FILE *out, const struct trial *trial, size_t count),
                       const struct trial *trial, size_t count, struct fault *fault)
 {

@@ -29,7 +29,7 @@ enum {
 static const struct kind atlas_kind[] = {
     {1, 90, 1, 1000}, {91, 116, 2, 250}, {OUTSIDE, OUTSIDE, 0, 855}};
 
-/* Region i + 1 of geom is what lies in band i: noise is 4 up or down. */
+/* Region i + 1 of geom has the intensities of band i: noise is 4 up or down. */
 static const uint16_t geom_band[][2] = {{8, 25},    {66, 74}, {116, 124}, {161, 169},
                                         {201, 209}, {28, 34}, {231, 239}};
 static const struct kind geom_kind[] = {{1, 1, 0, 700}, {2, 2, 1, 500}, {3, 3, 2, 300},
@@ -204,7 +204,7 @@ static int compare_turns(const void *a, const void *b)
     return x->kind < y->kind ? -1 : x->kind > y->kind;
 }
 
-/* Where a place lies in the scene; CELL_NONE outside. */
+/* Cell of a place in the scene; CELL_NONE outside. */
 static uint32_t cell_of(const struct session *session, const struct procedure_place *place)
 {
     const struct grid *grid = &session->scene->grid;

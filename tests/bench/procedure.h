@@ -42,20 +42,20 @@ struct procedure {
 };
 void procedure_release(struct procedure *procedure);
 
-/* For the scene of `base`: by `atlas`, which lies on its grid, or as geom where that is NULL. */
+/* Make the procedure for the scene of `base`: by `atlas`, on the same grid, or as geom if it is
+ * NULL. */
 enum err procedure_make(struct procedure *procedure, const struct session *base,
                         const struct volume *atlas, struct fault *fault);
 
-/* Opens a scene by its name in the interpreter's session. */
+/* Open a scene by name in the interpreter's session. */
 enum err procedure_open(struct interpreter *interp, const char *name, struct fault *fault);
 
-/* Opens `base` so, and makes the procedure for it: by the atlas of that name, or as geom where it
- * is NULL. */
+/* Open `base` and make its procedure, by the atlas of that name, or as geom if it is NULL. */
 enum err procedure_load(struct procedure *procedure, struct interpreter *interp, const char *base,
                         const char *atlas, struct fault *fault);
 
-/* The first PROCEDURE_SEEDS seeds that lie in the scene of `session`, in the order of insertion.
- * ERR_INPUT where there are not so many of a kind. */
+/* The first PROCEDURE_SEEDS seeds inside the scene of `session`, in the order of insertion.
+ * ERR_INPUT if there are too few of a kind. */
 enum err procedure_seeds(struct seeds *seeds, const struct procedure *procedure,
                          const struct session *session, struct fault *fault);
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What registration finds and what it refuses: subjects made of ch2 whose map is known, and scenes
- * that have none. The bounds of src/apply/registration.h lie between the two.
- */
+/* Results of registration: subjects made of ch2 with a known map, and scenes without one. The
+ * bounds of src/apply/registration.h are between the two. */
 #include "tests/bench/bench.h"
 
 #include <stdio.h>
@@ -55,7 +53,7 @@ static const struct trial {
 
 static size_t held_most;
 
-/* How much the helper holds, which is the only process that this one has started. */
+/* Peak memory of the helper, the only child of this process. */
 static bool look(void *context, const char *what, uint64_t done, uint64_t total)
 {
     char path[64];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a picture takes: whole frames, parts of them, edits, and VTK beside it. */
+/* Time of pictures: whole frames, parts of them, edits, and VTK. */
 #include "show/pictures.h"
 #include "tests/bench/bench.h"
 
@@ -215,8 +215,8 @@ size_t bench_next_pixel(const struct rendition *frame, size_t pixel)
     return pixel;
 }
 
-/* One edit and its incremental image: what that took, and how many labels the edit changed; 0 where
- * the edit is not of the wanted size. */
+/* One edit and its incremental image: the time, and the number of changed labels; 0 if the edit is
+ * not of the wanted size. */
 struct followed {
     double ms;
     size_t labels;
@@ -328,7 +328,7 @@ static enum err time_finish(struct session *session, struct table *table, const 
 
 /* ---- what is known of labels ---- */
 
-/* All that `stats` says of each label, by all threads: counted anew, and while nothing changes. */
+/* All statistics of `stats` for each label, by all threads: recounted, and without a change. */
 static enum err time_stats(struct session *session, struct table *table, struct fault *fault)
 {
     enum { ROUNDS = 9 };
@@ -355,7 +355,7 @@ static enum err time_stats(struct session *session, struct table *table, struct 
     return err;
 }
 
-/* An edit of some 2000 labels; what it takes to note it, and to follow it. */
+/* An edit of some 2000 labels; the time to note it, and to update the statistics. */
 static enum err time_measures(struct session *session, struct label_measures *measures,
                               const struct edit *edit, size_t count, struct row *row[4],
                               struct fault *fault)
@@ -439,7 +439,7 @@ static void become_script(const char *script, const char *labels, int out)
     _exit(127);
 }
 
-/* What the script prints; false where it fails. */
+/* Output of the script; false if it fails. */
 static bool run_script(struct buf *out, const char *script, const char *labels)
 {
     int ends[2], status = -1;
@@ -463,7 +463,7 @@ static bool run_script(struct buf *out, const char *script, const char *labels)
     return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0 && !out->failed;
 }
 
-/* {"what": "rotation", "median_ms": 93.1, ...}; the first line tells versions. */
+/* {"what": "rotation", "median_ms": 93.1, ...}; the first line has versions. */
 static void read_line(struct table *table, const char *line)
 {
     char what[40], version[24];

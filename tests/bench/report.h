@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What the paper's experiments gave, beside the paper's own figures: as text for people, as JSON
- * for programs.
- */
+/* Results of the paper's experiments next to the paper's own figures: text for people, JSON for
+ * programs. */
 #ifndef TESTS_BENCH_REPORT_H
 #define TESTS_BENCH_REPORT_H
 
@@ -19,7 +17,7 @@ void report_summary(FILE *out, const struct trial *trial, size_t count);
 /* One object. */
 void report_json(FILE *out, const struct trial *trial, size_t count);
 
-/* The ratios that the paper gives. */
+/* Ratios in the paper. */
 enum ratio {
     RATIO_IFT,          /* segmentation of (1) to that of (2) */
     RATIO_BDIFT,        /* segmentation and border of (3) to segmentation of (2) */
@@ -32,8 +30,8 @@ enum ratio {
     RATIOS
 };
 struct ratio_told {
-    const char *name, *words[2]; /* for programs; for the head of a column */
-    double paper;                /* 0 where it gives none */
+    const char *name, *words[2]; /* for programs; of a column */
+    double paper;                /* 0 if the paper has none */
     const char *paper_words;
 };
 extern const struct ratio_told ratio_told[RATIOS];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What going on with a long journal takes. */
+/* Time to resume a long journal. */
 #include "journal/journal.h"
 #include "tests/bench/bench.h"
 
@@ -34,8 +34,7 @@ static void write_command(struct buf *line, uint64_t *state)
         buf_add_text(line, other[draw(state, sizeof other / sizeof other[0])]);
 }
 
-/* Records COMMANDS commands; those that cannot be done (nothing to undo, no tree there) do not
- * count. */
+/* Record COMMANDS commands; commands that fail (nothing to undo, no tree there) do not count. */
 static enum err make_session(struct interpreter *interp, const char *path, struct fault *fault)
 {
     struct buf line = {0};

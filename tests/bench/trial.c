@@ -19,7 +19,7 @@
 const char *const experiment_name[EXPERIMENTS] = {"IFT + SP", "DIFT + SP", "BDIFT + BP",
                                                   "DIFT + II", "DIFT + scan + BP"};
 
-/* Of which experiments session->border is kept up to date. */
+/* Test whether an experiment updates session->border. */
 static bool keeps_border(enum experiment e)
 {
     return e == BDIFT_BP || e == DIFT_II;
@@ -28,12 +28,12 @@ static bool keeps_border(enum experiment e)
 struct work {
     struct session *session; /* its border is the one that is kept up to date */
     struct border sought;    /* and this one is sought in the whole scene */
-    struct mesh mesh[2]; /* of `sought`, from nothing each time; of the session's border, kept */
+    struct mesh mesh[2]; /* of `sought`, recomputed each time; of the session's border, updated */
     struct rendition former; /* before the step, */
     struct rendition made;   /* by the experiment at hand, */
     struct rendition first;  /* and by the first experiment of this step */
     struct shader shader[2]; /* for `sought` and for the session's border */
-    struct edit *erase;      /* what takes the step back */
+    struct edit *erase;      /* undoes the step */
     double ms[EXPERIMENTS][PHASES][TRIAL_ROUNDS_MOST];
 };
 
@@ -109,7 +109,7 @@ static void keep_border(struct work *work, enum experiment e)
         border_recount(&work->sought);
 }
 
-/* What is kept from the step before of shading is kept for each experiment alike. */
+/* Shading keeps the same data of the previous step for each experiment. */
 static enum err colour(struct work *work, struct rendition *rendition, bool of_kept,
                        struct fault *fault)
 {
@@ -247,7 +247,7 @@ static enum err compare(struct trial *trial, const struct work *work, unsigned s
     return OK;
 }
 
-/* What the first experiment of a step gave, for the others to be compared with. */
+/* Store the results of a step's first experiment for comparison. */
 static void remember(struct trial_step *step, struct work *work)
 {
     step->labels = forest_label_digest(work->session->forest);

@@ -38,7 +38,7 @@ enum { TRIAL_ROUNDS_MOST = 99, TRIAL_SIDE = 512 };
 struct trial_cost {
     double ms[PHASES];
     uint64_t served; /* voxels whose key the pass settled */
-    bool is_whole;   /* changes are "everything": border and picture are made from nothing */
+    bool is_whole;   /* changes are "everything": border and picture are recomputed */
 };
 
 struct trial_step {
@@ -55,28 +55,28 @@ struct trial {
     size_t voxels;
     unsigned steps, rounds, threads;
     struct trial_step step[PROCEDURE_STEPS];
-    uint64_t compared; /* results found equal to another experiment's */
+    uint64_t compared; /* results that equal another experiment's */
 };
 
-/* Told after each round of each step; false ends the trial with ERR_CANCELLED. */
+/* Called after each round of each step; false ends the trial with ERR_CANCELLED. */
 struct trial_watch {
     bool (*advanced)(void *context, unsigned step, unsigned round);
     void *context;
 };
 
-/* Fills steps, costs and counts. The session has its scene and no seed; `seeds` are those of the
- * procedure, in order. */
+/* Fill in steps, costs and counts. The session has its scene and no seed; `seeds` are the
+ * procedure's, in order. */
 enum err trial_run(struct trial *trial, struct session *session, const struct seeds *seeds,
                    unsigned steps, unsigned rounds, const struct trial_watch *watch,
                    struct fault *fault);
 
-/* Mean of a phase over the steps after the first (over the first, where there is no other). */
+/* Mean of a phase over the steps after the first (over the first, if it is the only one). */
 double trial_mean(const struct trial *trial, enum experiment experiment, enum phase phase);
 double trial_mean_total(const struct trial *trial, enum experiment experiment);
 double trial_total(const struct trial_step *step, enum experiment experiment);
 double trial_ns_per_voxel(const struct trial_step *step, enum experiment experiment);
 
-/* Compares two renditions of one size. False, with words that name the first pixel that differs. */
+/* Compare two renditions of one size. False, with a fault that names the first differing pixel. */
 bool trial_same_picture(const struct rendition *a, const struct rendition *b,
                         const struct grid *grid, struct fault *fault);
 

@@ -34,7 +34,7 @@ struct labelling {
     size_t same, ties, worse_free, worse_own;
 };
 
-/* What a pool is known by: the voxel that union-find leads to. */
+/* A pool, by its representative voxel in union-find. */
 struct pool {
     uint64_t label[WORDS]; /* bit l: label l touches it */
     uint32_t first, last;  /* its voxels whose cost is not known yet, linked by `next` */
@@ -87,7 +87,7 @@ static bool holds_any(const struct pool *pool)
     return pool->label[0] | pool->label[1] | pool->label[2] | pool->label[3];
 }
 
-/* Fills `beside` with the face neighbours of a voxel; their number. */
+/* List the face neighbours of a voxel, and return their number. */
 static int neighbours(const struct worker *scene, uint32_t at, uint32_t beside[6])
 {
     int count = 0;
@@ -104,7 +104,7 @@ static int neighbours(const struct worker *scene, uint32_t at, uint32_t beside[6
     return count;
 }
 
-/* A voxel and one beside it have both entered. */
+/* Join a voxel and a neighbour that have both entered. */
 static void meet(struct flood *flood, uint32_t a, uint32_t b)
 {
     const uint8_t *marker = flood->scene->marker;
@@ -146,7 +146,8 @@ static void judge(struct flood *flood, uint32_t at, const struct pool *pool)
     }
 }
 
-/* At the end of a level: the pool of a voxel that entered, or of those beside a marker that did. */
+/* At the end of a level, settle the pool of a voxel that entered, or the pools next to a marker
+ * that did. */
 static void settle(struct flood *flood, uint32_t at, uint8_t level)
 {
     struct pool *pool = &flood->pool[find(flood, at)];

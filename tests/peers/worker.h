@@ -34,7 +34,7 @@ struct worker {
     unsigned size[3];
     size_t voxels;
     uint8_t *gradient, *marker, *label; /* [voxels] */
-    uint8_t *cost;                      /* [voxels], filled by run; NULL where there is none */
+    uint8_t *cost;                      /* [voxels], filled by run; may be NULL */
     bool afresh;                        /* the next run knows nothing of those before */
     double ms;                          /* of the last run */
     char note[160];                     /* of the last run: " NAME=VALUE..." or "" */
@@ -69,7 +69,7 @@ static inline bool worker_write(const char *path, const uint8_t *map, size_t vox
     return file && fclose(file) == 0 && fine;
 }
 
-/* Reads what every run shares; false, having said so, where `folder` does not hold it. */
+/* Read the data of all runs; false, with a message, if `folder` lacks them. */
 static inline bool worker_begin(struct worker *worker, const char *folder)
 {
     char path[4096];
