@@ -58,7 +58,7 @@ nothing_passing() { # FOLDER
 
 # ---- stories ----
 
-begin "subjects are the same by the same seed, and so is their truth"
+begin "the same seed makes the same subjects and truth"
 expect 0 "$iftty" run "$top/examples/brain.iftty" --out procedure
 cp "$top/examples/brain.iftty" procedure
 make_subjects() { # OPTIONS
@@ -93,7 +93,7 @@ snake() { # OPTIONS
             truth="$BIDS/derivatives/truth" iftty="$iftty" >>../snake.log 2>&1
 }
 
-begin "Snakemake: a task that gets SIGKILL fails, and the others go on"
+begin "Snakemake: a task that gets SIGKILL fails, and the others continue"
 (snake) &
 running=$!
 kill_one by-snakemake
@@ -101,7 +101,7 @@ wait $running && fail "a task was killed, and all is well"
 grep -q 'Error in rule subject' snake.log || fail "Snakemake does not name the task"
 close_story
 
-begin "Snakemake itself gets SIGKILL with all its tasks, and goes on after --unlock"
+begin "Snakemake itself gets SIGKILL with all its tasks, and continues after --unlock"
 (snake) &
 running=$!
 comes_true has_sidecars by-snakemake 4
@@ -218,7 +218,7 @@ has_sidecars by-slurm $((subjects - 1)) || fail "more than the one that was kill
 has_sidecars by-slurm $subjects && fail "the one that was killed is there"
 close_story
 
-begin "Slurm: the same words once more, and then all is there, the same as by Snakemake"
+begin "Slurm: the same command again completes all, with Snakemake's results"
 job=$(sbatch --parsable --array=1-$subjects --output=slurm/task-%a.log "$cohort/cohort.sbatch")
 sbatch --parsable --output=slurm/gather.log --dependency="afterany:$job" \
     --wrap "'$cohort/gather.py' $BIDS $OUT" >/dev/null
@@ -237,7 +237,7 @@ same "$(grep -l 'there already' slurm/task-*.log | wc -l)" $((subjects - 1))
 nothing_passing by-slurm
 close_story
 
-begin "a subject on a full disk fails in words, and is done when there is room"
+begin "a subject on a full disk fails with a message, and succeeds with more room"
 if can_mount; then
     mkdir full
     mount -t tmpfs -o size=4k none full
@@ -257,7 +257,7 @@ if can_mount; then
 fi
 close_story
 
-begin "all that was started has ended, and nothing lies elsewhere"
+begin "all started processes have ended, and no file is left elsewhere"
 end_all
 same "$(ours .)" ''
 same "$(ss -Hltn | awk '{ print $4 }' | sort | comm -13 listened -)" ''

@@ -33,7 +33,7 @@ there root "useradd -m somebody && apt-get -q update"
 files >"$work/before"
 packages=$(cd "$debs" && ls *.deb | sed 's/_.*//' | grep -v dbgsym | LC_ALL=C sort)
 
-begin "apt installs them, with what they ask for"
+begin "apt installs them with their dependencies"
 same "$(echo $packages)" "iftty iftty-doc iftty-image iftty-volume"
 there root "$apt install --no-install-recommends /debs/iftty_*.deb"
 there somebody "iftty --version"
@@ -42,7 +42,7 @@ there somebody "iftty info /debs/tests/control 2>&1 | grep 'the package iftty-'"
 there root "$apt install $(printf '/debs/%s_*.deb ' $packages) mricron-data"
 close_story
 
-begin "their own test passes, for root and for a user"
+begin "their own test passes, as root and as a user"
 for user in root somebody; do
     there $user "sh /debs/tests/demo"
     out_has "# 2 verified, 0 failed"
@@ -59,7 +59,7 @@ there somebody "cd /usr/share && ls bash-completion/completions/iftty zsh/vendor
     cd /usr/share/doc/iftty && ls README.md.gz FORMAT.md.gz PROMISES.md SECURITY.md changelog.gz"
 close_story
 
-begin "what is removed is gone"
+begin "removed packages leave nothing"
 there root "$apt purge $(echo $packages) mricron-data"
 there root "$apt autoremove --purge"
 files >"$work/after"
@@ -72,7 +72,7 @@ there root 'find / -xdev -name "*iftty*" ! -path "/debs/*" ! -path "/proc/*"'
 same "$(cat "$work/out")" ""
 close_story
 
-begin "autopkgtest installs them anew, and runs their test"
+begin "autopkgtest installs them again, and runs their test"
 mkdir "$work/tree" && cp -R .package/debian "$work/tree/debian"
 dpkg-deb --fsys-tarfile "$debs"/iftty_*.deb |
     tar -xO ./usr/share/doc/iftty/changelog.Debian.gz | gunzip >"$work/tree/debian/changelog"

@@ -19,7 +19,7 @@ apply() {
     expect 0 "$iftty" apply p.iftty "$@" --out o
 }
 
-begin "landmarks are recorded, listed, moved, taken away and undone"
+begin "landmarks are recorded, listed, moved, removed and undone"
 expect 2 "$iftty" -c "open synth:geom; landmark AC 9,8,7; landmark PC 1,2,3; landmark AC 9,9,9; info
 landmark AC none; info; undo; info; landmark XX none" --journal l.iftty --keep-going
 same "$(grep '^ *landmarks' out)" "    landmarks AC 9,9,9, PC 1,2,3
@@ -47,7 +47,7 @@ for words in xyz "$chain digest=12" "$chain pull=1,2,3" "$chain volumes=2:1,1:1"
 done
 close_story
 
-begin "a procedure's file holds what apply needs, no image, no name of a file and no comment"
+begin "a procedure's file has all that apply needs, and no image, file name or comment"
 printf '# John Doe, born 1950\nopen plain.nii\n# he said ouch\n' >q.txt
 sed -n '/^label/p; /^landmark/p; /^seed/p; /^box/p; /^run/p' p.iftty >>q.txt
 expect 0 "$iftty" run q.txt --journal q.iftty
@@ -61,7 +61,7 @@ expect 0 "$iftty" log --procedure - q.iftty
 same_files out q.proc
 close_story
 
-begin "labels come to lie right on grids that are moved, mirrored, coarse, oblique"
+begin "labels are placed correctly on grids that are moved, mirrored, coarse, oblique"
 for where in plain moved mirrored coarse oblique; do
     apply $where.nii --by world
     expect 0 $phantom check o/$where.seeds.nii.gz $where 7 2.2
@@ -69,7 +69,7 @@ for where in plain moved mirrored coarse oblique; do
 done
 close_story
 
-begin "what lies on the expert's scene alone is not carried over, and each of it is named"
+begin "parts that belong to the expert's scene are not carried over, and each is named"
 expect 0 "$iftty" -c "open plain.nii; weight plain.nii; mask plain.nii regions=1-255; range 0 300
     $seeds; box 0,0,0 63,55,1 0; outline 24,24,24 1 to=32,24,24 to=32,32,24 to=24,32,24; run" \
     --journal left.iftty
@@ -81,7 +81,7 @@ expect 0 "$iftty" apply left.proc moved.nii --by world --out left
 out_has "not carried over: its map of weights, its mask, its range"
 close_story
 
-begin "from the journal and from the file come the same bytes"
+begin "the journal and the procedure's file yield the same bytes"
 expect 0 "$iftty" log --procedure p.proc p.iftty
 for as in labels seeds; do
     rm -rf a b
@@ -99,7 +99,7 @@ grep -q '^seed 24,22,15 2 radius=2mm' o/mirrored.iftty || fail "$(grep ^seed o/*
 expect 0 "$iftty" verify o/mirrored.iftty
 close_story
 
-begin "what was removed, undone or painted over is no gesture; a stroke has its corners"
+begin "removed, undone and covered gestures are left out; a stroke has its corners"
 expect 0 "$iftty" -c "open plain.nii; seed 9,9,9 0 radius=1; seed 20,28,24 1; remove 20,28,24
 seed 22,28,24 1; undo; seed 30,28,24 1 radius=2; seed 30,28,24 2 radius=2
 seed 24,28,24 1 to=28,30,24 to=28,34,24 radius=1.5mm; seed 28,24,24 1 within=9mm; run" \
@@ -113,7 +113,7 @@ gesture 1 1.5 0 78 -4 0 0 0 2 0 0 6 0
 gesture 1 0 9 80 0 -4 0"
 close_story
 
-begin "landmarks: rigid, similarity or affine, with what they are off by"
+begin "landmarks: rigid, similarity or affine, with the residual"
 # the places in other.nii that the pull of phantom.py leads to those of p.iftty
 python3 - >marks.txt <<'END'
 import math
@@ -143,14 +143,14 @@ expect 2 "$iftty" apply p.iftty other.nii --by landmarks --out o2
 err_has "--landmarks FILE"
 close_story
 
-begin "the subject's landmarks may be those of a journal of it"
+begin "the subject's landmarks may come from a journal"
 marked="landmark A 33,26,27; landmark B 53,31,27; landmark C 33,40,33"
 expect 0 "$iftty" -c "open moved.nii; $marked" --journal s.iftty
 apply moved.nii --by landmarks --landmarks s.iftty
 expect 0 $phantom check o/moved.seeds.nii.gz moved 7 2.2
 close_story
 
-begin "a transform of ITK's"
+begin "a transform of ITK"
 cat >shift.txt <<'END'
 #Insight Transform File V1.0
 #Transform 0
@@ -168,7 +168,7 @@ expect 3 "$iftty" apply p.iftty moved.nii --by nothere.txt --out o
 err_has "nothere.txt"
 close_story
 
-begin "seeds whose intensity is none of the object are dropped, counted, and kept as what they are"
+begin "seeds with an intensity unlike the object's are dropped, counted, and kept as dropped"
 $phantom make lesion.nii moved lesion
 apply lesion.nii --by world
 grep -q ' dropped=.*1:2[0-9][0-9]/' o/lesion.iftty || fail "$(grep ^origin o/lesion.iftty)"
@@ -177,7 +177,7 @@ out_has "large"
 expect 0 "$iftty" verify o/lesion.iftty
 close_story
 
-begin "what is done is left alone, what differs is not overwritten, and a correction stays"
+begin "finished subjects and differing files are left alone, and corrections stay"
 apply moved.nii --by world
 before=$(cat o/moved.iftty)
 expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
@@ -194,7 +194,7 @@ grep -v '^= 11' o/moved.iftty | head -c 1500 >o/cut && mv o/cut o/moved.iftty
 expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
 close_story
 
-begin "done before is what its records say, and not its origin alone"
+begin "a subject is done if its records match, not its origin alone"
 for by in world affine; do
     $phantom make again.nii plain
     apply again.nii --by $by
@@ -217,7 +217,7 @@ for by in world affine; do
 done
 close_story
 
-begin "no file that apply did not write is replaced, and none is left that it did write for nothing"
+begin "no other file is replaced, and after a failure no new file is left"
 rm -rf o && mkdir o
 echo mine >o/moved.seeds.nii.gz
 expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
@@ -240,7 +240,7 @@ same "$(ls edited)" moved.iftty
 same_files edited/moved.iftty torn.iftty
 close_story
 
-begin "what is read is not written: a scene or the procedure, by whatever link, before all others"
+begin "no input is overwritten, a scene or the procedure, through any link"
 rm -rf o && mkdir o
 nothing() { # SCENE...: status 2, and o is as it was
     ls -l o >before
@@ -264,7 +264,7 @@ nothing p.iftty o
 err_has "which is in the folder o that is read"
 close_story
 
-begin "a task that is killed leaves no journal, and is done by the same words"
+begin "a killed task leaves no journal, and the same command completes it"
 rm -rf o
 for tenths in 0 1 2 4; do
     "$iftty" apply p.iftty moved.nii --by world --out o >/dev/null 2>&1 &
@@ -293,7 +293,7 @@ expect 2 "$iftty" apply p.iftty moved.nii other/moved.nii --by world --out o
 err_has "would both be written to o/moved.iftty"
 close_story
 
-begin "what a file does not say is not guessed"
+begin "unknown geometry is not guessed"
 $phantom make silent.nii moved silent
 expect 3 "$iftty" apply p.iftty silent.nii --by world --out o
 err_has "does not say to which sides of the patient its axes run, and iftty does not guess it; if"
@@ -307,12 +307,12 @@ expect 3 "$iftty" log --procedure - silent.iftty
 err_has "does not say to which sides"
 close_story
 
-begin "a registration without the expert's image is refused, in words that help"
+begin "a registration without the expert's image is refused with advice"
 expect 3 "$iftty" apply p.proc moved.nii --out o3
 err_has "needs both scenes, and a procedure's file has no scene; use the journal with its scene"
 close_story
 
-begin "a registration that is not believed is refused: status 1, and no journal"
+begin "an implausible registration is refused: status 1, and no journal"
 expect 1 "$iftty" apply p.iftty oblique.nii --out o3
 err_has "the scenes were registered, and the result is implausible"
 same "$(ls o3)" ""
@@ -338,7 +338,7 @@ END
 err_has "1 of 3 scenes failed or were refused"
 close_story
 
-begin "hints begin with the label that is farthest from the procedure's volume"
+begin "hints begin with the label whose volume differs most from the procedure's"
 expect 0 "$iftty" -c "hints 2" --journal o/moved.iftty --read-only
 out_has "first label 2 the small one, which has 1"
 grep -A1 'first label' out | tail -1 | grep -q 'label 2' || fail "$(cat out)"
@@ -350,7 +350,7 @@ forge() {
     printf 'digest %s\n' "$(sha256sum forged | cut -c 1-64)" >>forged
     mv forged "$2"
 }
-begin "a procedure's file of somebody else reads and writes nothing, and is refused where it is odd"
+begin "a stranger's procedure reads and writes no file, and a malformed one is refused"
 refused() { # SED WORDS
     forge p.proc bad.proc "$1"
     expect 3 "$iftty" apply bad.proc moved.nii --by world --out hostile
@@ -380,7 +380,7 @@ cp p.proc flipped.proc && flip_byte flipped.proc 300
 expect 3 "$iftty" apply flipped.proc moved.nii --by world --out hostile
 close_story
 
-begin "usage: one scene at least, ways and fits that are there; the walls around a journal hold"
+begin "usage: at least one scene, known ways and fits; a journal stays confined"
 expect 2 "$iftty" apply p.iftty
 expect 2 "$iftty" apply p.iftty moved.nii --as pictures
 err_has "--as: expected labels or seeds, not pictures"

@@ -16,7 +16,7 @@ printf '2001 Precentral_L 255 0 0 0\n2002 Precentral_R 0 255 0 0\n9170 Vermis 0 
     >atlas.nii.txt
 chosen='regions=2001,9170 as=4,9'
 
-begin "an atlas of more than 255 regions is refused with what to type, and chosen from"
+begin "an atlas of more than 255 regions is refused with the command to choose regions"
 expect 3 "$iftty" -c 'open s.nii; seed-file atlas.nii'
 err_has 'region 2001 of the map is no label 0..255; choose regions and their labels, as in'
 err_has 'regions=2001,2002 as=1,2, or give all one label with label=; nothing has changed'
@@ -49,7 +49,7 @@ expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,,2'
 err_has 'regions: expected A-B, or A, within 0-65533, not 1,,2; several have commas between them'
 close_story
 
-begin "regions above 255 become labels in rising order, and have their numbers again in files"
+begin "regions above 255 become labels in rising order, and keep their numbers in files"
 /usr/bin/python3 - <<'END' || fail "nibabel cannot write the atlas"
 import nibabel, numpy
 scene = nibabel.load('s.nii')
@@ -106,7 +106,7 @@ out_has 'numbers   6 labels are 2 to 2035 in files; `stats` lists them'
 grep -q '^    1 .*"one"' n.txt || fail "undo leaves numbers: $(cat n.txt)"
 close_story
 
-begin "whole numbers are those of the file, though it has them as real ones"
+begin "whole numbers stored as real ones are read exactly"
 /usr/bin/python3 - <<'END' || fail "cannot make the map"
 import nibabel, numpy
 scene = nibabel.load('s.nii')
@@ -128,7 +128,7 @@ expect 3 "$iftty" -c 'open s.nii; labels half.nii'
 err_has 'regions are whole numbers; nothing has changed'
 close_story
 
-begin "no two labels are one number in a file"
+begin "no two labels share a number in a file"
 expect 3 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; save labels two.nii'
 err_has 'label 41 would be 41 in a file, and that is the number of label 2'
 err_has '; `label 41 NAME number=N` gives it another'
@@ -145,7 +145,7 @@ expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 2; labels gone.nii.gz; run'
 out_has 'label 3 (41): 1 marker' # for 2 is taken
 close_story
 
-begin "more regions than labels, and numbers of no region, are refused with what to type"
+begin "too many regions and unknown numbers are refused with a command"
 expect 3 "$iftty" -c 'open s.nii; labels many.nii'
 err_has 'many.nii: it has 300 regions, and labels for 255 are free; choose some, as in'
 err_has 'regions=1000-1254, or make all one label with label=1; nothing was planted'
@@ -157,7 +157,7 @@ expect 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
 err_has 'numbers: only in journals'
 close_story
 
-begin "a replay reads the table again, and notices one that has changed"
+begin "a replay reads the table again, and detects a changed one"
 expect 0 "$iftty" verify j.iftty
 sed -i 's/Vermis/vermis/' atlas.nii.txt
 expect 1 "$iftty" verify j.iftty
@@ -168,7 +168,7 @@ expect 0 "$iftty" -c "$again" --journal j.iftty
 expect 0 "$iftty" verify j.iftty
 close_story
 
-begin "tables of names go out and come in again, in every format"
+begin "tables of names are written and read back in every format"
 { # 256 of red, of green, of blue
     awk 'BEGIN { for (i = 0; i < 256; i++) print i; for (i = 0; i < 512; i++) print 9 }' |
         python3 -c 'import sys
@@ -239,7 +239,7 @@ else
 fi
 close_story
 
-begin "seeds that are saved are planted again, as they were"
+begin "saved seeds are planted again unchanged"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 0; seed 6,10,8 1 radius=2; seed 20,10,8 7
 save seeds s.csv; run' --journal a.iftty
 same "$(head -n 1 s.csv)" x,y,z,label

@@ -4,7 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 bench=$build/tests/bench/bench
 
-begin "the paper's experiments agree on geom, and are told as text"
+begin "the paper's experiments agree on geom, and are printed as text"
 expect 0 "$bench" paper geom --quick --rounds 1 </dev/null
 out_has "geom: 200x200x100, 4000000 voxels; median of 1 round, "
 out_has "(5) DIFT + scan + BP"
@@ -33,7 +33,7 @@ same "$(grep -o '"touched": [^]]*' "$work/out" | sort -u | wc -l)" 1
 same "$(grep -o '"voxels"' "$work/out" | wc -l)" 2
 close_story
 
-begin "what a journal costs, part by part"
+begin "the cost of a journal, part by part"
 expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 5,5,5 1; seed 15,15,15 2
     size 64 64; render; golden one' \
     --journal "$work/small.iftty" </dev/null
@@ -69,7 +69,7 @@ same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
 close_story
 
 # Without ch2 on the small scene.
-begin "what goes to a terminal"
+begin "pictures for a terminal"
 expect 0 "$bench" terminal --json </dev/null
 for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": ' '"patch": {"kitty": '; do
     out_has "$words"
@@ -86,7 +86,7 @@ same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
 close_story
 
 # With `local` alone, for a slow line takes its time.
-begin "how soon a key shows"
+begin "from a key to its picture"
 expect 0 "$bench" keys --quick --json </dev/null
 for words in '"start_to_prompt_ms": {"median": ' '"start_to_loaded_ms": {"median": ' \
     '"kitty_local": {"enter": {"keys": ' '"move": {"keys": ' '"sixel_local": {"enter": '; do
@@ -115,7 +115,7 @@ EOS
 fi
 close_story
 
-begin "what is wrong is told at once"
+begin "wrong usage is refused at once"
 expect 2 "$bench" terminal --scene ch2.nii.gz
 err_has '`bench terminal` has no option --scene; it belongs to '
 expect 2 "$bench" journal --quick
@@ -142,7 +142,7 @@ for rounds in 0 100 x 3x -1 ""; do
 done
 close_story
 
-begin "brain is not there: the words say which file"
+begin "without the scene of brain the message names the file"
 mkdir -p "$work/none"
 IFTTY_SCENES=$work/none expect 3 "$bench" paper brain
 err_has "brain: there is no scene ch2.nii.gz here"

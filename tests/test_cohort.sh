@@ -45,7 +45,7 @@ out_has "sub-01: there already"
 same_files $sidecar first
 close_story
 
-begin "what was killed goes on: without sidecar or labels, or with a journal that was corrected"
+begin "a killed subject continues: without sidecar or labels, or with a corrected journal"
 rm $sidecar $here/*_dseg.nii.gz
 subject 0 "$iftty"
 out_has "sub-01: done"
@@ -65,7 +65,7 @@ instead() { # SCRIPT
     chmod +x instead
 }
 
-begin "one that is refused is done, with the reason; a failure leaves no sidecar, and says why"
+begin "a refused subject is done, with the reason; a failure leaves no sidecar and prints the cause"
 rm -rf made
 instead 'echo "[{\"state\": \"refused\", \"why\": \"no overlap\"}]"; exit 1'
 subject 0 ./instead
@@ -80,7 +80,7 @@ expect 2 "$cohort/subject.py" expert.iftty s.nii made
 err_has "no name of BIDS"
 close_story
 
-begin "a task that is ended takes its program and its work folder with it; two do not meet"
+begin "a terminated task ends its program and removes its folder; two do not interfere"
 instead 'echo $$ >pid; exec sleep 100'
 "$cohort/subject.py" --iftty ./instead expert.iftty study/sub-01/anat/sub-01_T1w.nii.gz made \
     >/dev/null 2>&1 &
@@ -107,7 +107,7 @@ make_told() { # NN ML DROPPED DOUBT
 JSON
 }
 
-begin "those to look at first come first, and the table has all"
+begin "subjects to check first are listed first, and the table has all"
 rm -rf study made
 for number in 01 02 03 04 05 06; do
     make_told $number 10$((${number#0} % 3)) 10 0.1

@@ -32,7 +32,7 @@ refused() {
 }
 listing=$(ls | tr '\n' ' ')
 
-begin "pictures are read and written by a process that reaches nothing else"
+begin "pictures are read and written by a confined process"
 if is_confined; then
     refused telling "$probed" info p.png
     refused reading "$probed" show --graphics kitty p.png
@@ -42,7 +42,7 @@ if is_confined; then
 fi
 close_story
 
-begin "so are volumes: scenes, folders, masks, weights and maps of labels"
+begin "volumes too: scenes, folders, masks, weights and maps of labels"
 if is_confined; then
     for scene in v.mha v.nrrd slices; do
         refused opening "$probed" -c "open $scene"
@@ -59,7 +59,7 @@ if is_confined; then
 fi
 close_story
 
-begin "so it is in replay and verify, within what confines them"
+begin "also in replay and verify, inside their own confinement"
 if is_confined; then
     printf 'open v.mha\n' >"$work/j"
     for program in replay verify; do

@@ -3,7 +3,7 @@
 # The outlines of letters are those of the font, and the table is what its script makes.
 . "$(dirname "$0")/lib.sh"
 
-begin "the table of outlines is what its script makes of the font"
+begin "the table of outlines equals its script's output for the font"
 if ! /usr/bin/python3 -c 'import fontTools' 2>/dev/null; then
     skip "python3-fonttools is not installed"
 elif "$top/tests/face_table.py" >"$work/face_table.h" 2>"$work/err"; then

@@ -24,7 +24,7 @@ changed() { # WHAT SED-SCRIPT
     red "$1"
 }
 
-begin "one sample of one golden pixel, by the least there is, is noticed"
+begin "the least change of one sample of one golden pixel is detected"
 for plane in colour depth label voxel; do
     fresh_examples
     expect 0 "$build/tests/mutation/nudge" "$work/e/geom.golden/body.exr" $plane
@@ -33,7 +33,7 @@ for plane in colour depth label voxel; do
 done
 close_story
 
-begin "one datum of a journal is noticed"
+begin "a change of one datum of a journal is detected"
 changed "a seed, by one voxel" 's/^seed 100,40,50 1/seed 101,40,50 1/'
 changed "a seed's label" 's/^seed 50,84,50 2/seed 50,84,50 3/'
 changed "a digest of the forest" '0,/ seeds=6/s/\(forest=.*\)\([0-8]\) labels=/\19 labels=/'
@@ -84,7 +84,7 @@ mutate() { # FILE SED-SCRIPT
     cp "$work/original" "$work/tree/$1" # with the time of now, so that it is built again
 }
 
-begin "the copy verifies as long as nothing is changed"
+begin "the unchanged copy verifies"
 [ "$build" = "$top/build" ] || { skip "only the release is copied"; close_story; finish; }
 copy_tree
 make -C "$work/tree" VARIANT=release build/iftty </dev/null >"$work/make" 2>&1 ||

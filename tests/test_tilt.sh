@@ -91,7 +91,7 @@ lies() { # straight|sheared [MM]: the ball of all.nii, in its place
 }
 ball_mm3=20580 ball_mm2=3632
 
-begin "volumes and surfaces on sheared slices are what they are in the world, in every answer"
+begin "volumes and surfaces of sheared slices are measured in the world, in every answer"
 for scene in leans steep plain leans.nii steep.nii; do
     level=0
     case $scene in *.nii) level=500 ;; esac
@@ -114,7 +114,7 @@ expect 0 "$iftty" compare --json all.nii all.nii
 grep -q '"shear_degrees": 15' "$work/out" || fail "$(cat "$work/out")"
 close_story
 
-begin "straightened, the ball lies where it did, with its volume; the journal verifies"
+begin "a straightened ball keeps its place and volume; the journal verifies"
 for scene in leans steep leans.nii steep.nii; do
     level=0
     case $scene in *.nii) level=500 ;; esac
@@ -150,7 +150,7 @@ out_has "straightened: its axes were 14 degrees off a right angle"
 ! grep -q "its axes are oblique" "$work/out" || fail "$(cat "$work/out")"
 close_story
 
-begin "so are a part, a scene that is interpolated, and a map of the slices as they were"
+begin "the same for a part, an interpolated scene, and a map of the original slices"
 measures "leans crop=4-47,4-55,5-28 reduce=2 straighten=yes"
 lies straight
 is_near "the volume of a part" "$mm3" $ball_mm3 2
