@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A job in a pseudo-terminal: a small shell starts it in the foreground, reports how it stops or
- * ends, takes the terminal back as shells do, and continues it when ordered.
+ * ends, takes the terminal back as shells do, and continues it on request.
  */
 #ifndef TESTS_JOB_H
 #define TESTS_JOB_H
@@ -27,7 +27,7 @@ struct job {
     struct termios found;
     struct buf seen;              /* everything that was written to the terminal */
     size_t mark;                  /* job_see searches from here */
-    void (*answer)(struct job *); /* what the terminal says of it, called often; or NULL, */
+    void (*answer)(struct job *); /* the terminal's answers, called often; or NULL, */
     bool is_late;                 /* and it still has something to say */
 };
 
@@ -99,7 +99,7 @@ static inline void job_start(struct job *j, void (*play)(const void *), const vo
     CHECK(read(j->report, &j->process, sizeof j->process) == sizeof j->process);
 }
 
-/* Read what the job writes for up to `ms`, or until `text` comes after the mark. */
+/* Read the output of the job for up to `ms`, or until `text` appears after the mark. */
 static inline bool job_see(struct job *j, const char *text, int ms)
 {
     const uint64_t end = clock_ns() + (uint64_t)ms * 1000000;

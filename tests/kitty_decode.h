@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a terminal of kitty's family makes of our graphics: pictures by number, placed at cells, as
- * they are or scaled, in layers, changed in place and deleted. Stricter than any terminal: what the
- * protocol or kitty 0.26.5 needs (q= and at most 4096 bytes a chunk, a=f,i=,r=1 on every chunk of a
- * patch) is insisted on, and so is that no number is used twice while its picture is there.
+ * How a terminal of kitty's family reads our graphics: numbered pictures, placed at cells, unscaled
+ * or scaled, in layers, changed in place and deleted. It is stricter than any terminal: it requires
+ * what the protocol or kitty 0.26.5 needs (q= and at most 4096 bytes a chunk, a=f,i=,r=1 on every
+ * chunk of a patch), and that no number is used twice while its picture exists.
  *
- * A terminal may have no frame edits (Ghostty, WezTerm, Konsole), and may hold only so much: what
- * is shown nowhere goes at once then, and silently, and after that the oldest.
+ * A terminal may have no frame edits (Ghostty, WezTerm, Konsole), and a limited memory: then it
+ * silently drops pictures that are not placed at once, and after that the oldest.
  */
 #ifndef TESTS_KITTY_DECODE_H
 #define TESTS_KITTY_DECODE_H
@@ -19,18 +19,18 @@ enum { KITTY_PICTURES = 1024, KITTY_PLACEMENTS = 2048 };
 
 struct kitty_picture {
     bool is_there;
-    uint32_t number; /* 0: none was told */
+    uint32_t number; /* 0: none given */
     uint64_t age;
     struct decoded_png png;
 };
 
 struct kitty_placement {
     bool is_there;
-    uint32_t number, name; /* of the picture, and its own (p=) */
+    uint32_t number, name; /* of the picture, and of the placement (p=) */
     unsigned column, row;
     uint32_t across, down;             /* X=, Y=: pixels within the cell */
     uint32_t left, top, width, height; /* the part of the picture */
-    uint32_t columns, rows;            /* scaled to so many cells; 0: as it is */
+    uint32_t columns, rows;            /* scaled to so many cells; 0: unscaled */
     int32_t z;
 };
 
@@ -44,7 +44,7 @@ struct kitty_screen {
     bool waits;        /* more chunks are to come, for: */
     char keys[200];    /* the keys of the first one */
     struct buf data;
-    struct buf replies; /* what it says under q=1: ESC _ G i=7,p=1;ENOENT ESC \ */
+    struct buf replies; /* replies under q=1: ESC _ G i=7,p=1;ENOENT ESC \ */
 };
 
 static inline void kitty_release(struct kitty_screen *k)
@@ -103,7 +103,7 @@ static inline bool kitty_is_placed(const struct kitty_screen *k, uint32_t number
     return false;
 }
 
-/* Takes a picture's placements away, or only the one of that name. */
+/* Remove the placements of a picture, or only the one of that name. */
 static inline void kitty_take_off(struct kitty_screen *k, uint32_t number, uint32_t name)
 {
     for (unsigned i = 0; i < KITTY_PLACEMENTS; i++)
@@ -260,7 +260,7 @@ static inline bool kitty_complete(struct kitty_screen *k, unsigned column, unsig
     return fine;
 }
 
-/* d=I frees a picture, d=i takes a placement off, d=A clears the screen. */
+/* d=I frees a picture, d=i removes a placement, d=A clears the screen. */
 static inline bool kitty_delete_one(struct kitty_screen *k, const char *keys)
 {
     const char what = *kitty_key(keys, "d");
@@ -274,8 +274,8 @@ static inline bool kitty_delete_one(struct kitty_screen *k, const char *keys)
     return strchr("AIi", what) != NULL;
 }
 
-/* Takes one escape sequence, which begins at `text` with ESC _ G; the cursor is at column, row.
- * Returns what follows it, or NULL where anything is amiss. */
+/* Read one escape sequence, which begins at `text` with ESC _ G; the cursor is at column, row.
+ * Return the text after it, or NULL if anything is wrong. */
 static inline const char *kitty_feed(struct kitty_screen *k, const char *text, unsigned column,
                                      unsigned row)
 {
@@ -307,7 +307,7 @@ static inline const char *kitty_feed(struct kitty_screen *k, const char *text, u
     return k->waits || kitty_complete(k, column, row) ? end + 2 : NULL;
 }
 
-/* ---- what is to be seen ---- */
+/* ---- the visible picture ---- */
 
 /* A picture of width x height pixels, row by row. */
 struct kitty_view {
@@ -339,7 +339,7 @@ static inline int kitty_order(const void *a, const void *b)
                         : (p->number > q->number) - (p->number < q->number);
 }
 
-/* Draws all placements over what is there: by z, and by number where that is the same. */
+/* Draw all placements over the background: by z, and by number if z is equal. */
 static inline void kitty_compose(struct kitty_screen *k, const struct kitty_view *view)
 {
     static struct kitty_placement shown[KITTY_PLACEMENTS];

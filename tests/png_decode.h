@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A decoder of base64 and of PNG as we write it: one IDAT, filter 0 or 3, a palette of 1 to 8 bits,
- * of which the first colour may be clear, or 24 bit colours. All else is refused, and so is what is
- * cut short. By zlib, which did not write it.
+ * A decoder of base64 and of the PNG files that we write: one IDAT, filter 0 or 3, a palette of 1
+ * to 8 bits, whose first colour may be clear, or 24-bit colours. Anything else is refused, and so
+ * is a truncated file. It uses zlib, which did not write the file.
  */
 #ifndef TESTS_PNG_DECODE_H
 #define TESTS_PNG_DECODE_H
@@ -55,7 +55,7 @@ static inline uint32_t png_number(const uint8_t *p)
     return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
 }
 
-/* Takes the filter of a row back: 3 adds the mean of what lies left and above. */
+/* Remove the filter of a row: 3 adds the mean of the pixels to the left and above. */
 static inline bool png_unfilter(uint8_t *line, size_t row, const uint8_t *above, size_t each)
 {
     if (line[0] != 0 && line[0] != 3)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A screen, as a plain terminal has it: what a program writes comes to stand in cells, so that a
- * story can look at what a person would see.
+ * A screen of a plain terminal: the output of a program is drawn in cells, so that a story can
+ * check what a user would see.
  *
- * It knows what the prompt may send: text with wide characters and marks, deferred wrap, CR, LF,
- * BEL, CSI A B C D G H J K m, the other screen (CSI ? 1049 h), modes, and strings (DCS, APC, OSC),
- * which show nothing. A terminal of another size keeps the cells that it has in common with the
- * former one, as xterm does.
+ * It supports what the prompt may send: text with wide characters and combining marks, deferred
+ * wrap, CR, LF, BEL, CSI A B C D G H J K m, the alternate screen (CSI ? 1049 h), modes, and strings
+ * (DCS, APC, OSC), which draw nothing. After a change of size the cells common to both sizes stay,
+ * as in xterm.
  */
 #ifndef TESTS_SCREEN_H
 #define TESTS_SCREEN_H
@@ -36,7 +36,7 @@ struct screen {
     struct screen_cell usual[SCREEN_ROWS][SCREEN_COLUMNS]; /* while the other screen shows, */
     unsigned usual_row, usual_column;                      /* and its cursor */
     bool is_other;
-    char pending[256]; /* of a sequence or a character that is not complete */
+    char pending[256]; /* bytes of an incomplete sequence or character */
     size_t pendings;
 };
 
@@ -151,7 +151,7 @@ static inline void screen_csi(struct screen *s, const char *body, char final)
     }
 }
 
-/* How much of what is pending is one thing, which is done; 0 where more has to come. */
+/* Draw what the pending bytes begin with, and return its length; 0 if it is incomplete. */
 static inline size_t screen_take(struct screen *s)
 {
     const char *at = s->pending;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A decoder of sixels as we write them. What is cut short, paints outside of the picture, or paints
- * with a colour that was not declared, is refused.
+ * A decoder for the sixels that we write. A truncated picture is refused, and so is painting
+ * outside the picture or with an undeclared colour.
  */
 #ifndef TESTS_SIXEL_DECODE_H
 #define TESTS_SIXEL_DECODE_H
@@ -32,13 +32,13 @@ static inline uint32_t sixel_next(const char **text) /* a semicolon and a number
     return sixel_number(text);
 }
 
-/* What a terminal makes of 0..100. */
+/* The channel that a terminal draws for 0..100. */
 static inline uint32_t sixel_of_percent(uint32_t percent)
 {
     return (percent * 255 + 50) / 100;
 }
 
-/* What comes back of a colour. */
+/* The colour after encoding and decoding. */
 static inline uint32_t sixel_round_trip(uint32_t colour)
 {
     uint32_t back = 0;

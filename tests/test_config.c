@@ -77,12 +77,12 @@ STORY(an_empty_file_gives_the_defaults)
 STORY(slices_are_sent_ahead_unless_it_says_otherwise)
 {
     take("");
-    CHECK(!config.setup.keeps_back);
+    CHECK(!config.setup.sends_none_ahead);
     take("ahead off");
-    CHECK(config.setup.keeps_back);
+    CHECK(config.setup.sends_none_ahead);
     CHECK_TEXT(buf_text(&config.words), "");
     take("ahead off\nahead on");
-    CHECK(!config.setup.keeps_back);
+    CHECK(!config.setup.sends_none_ahead);
     take("ahead never");
     CHECK_TEXT(buf_text(&config.words), "c:1: expected on or off, not never; left out\n");
 }

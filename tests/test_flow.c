@@ -30,17 +30,17 @@ struct line {
         uint64_t drawn_ns, answer_ns;
         unsigned state;
     } frame[QUEUE];
-    unsigned first, count; /* of those whose answer is on its way */
-    unsigned loses;        /* answers that get lost: so many to come */
+    unsigned first, count; /* frames whose answers are on their way */
+    unsigned loses;        /* number of answers to be lost */
 };
 
-/* What the person at the other end sees. */
+/* What the user at the other end sees. */
 struct view {
     unsigned state;    /* the newest that is drawn */
     unsigned frames;   /* sent */
     unsigned deepest;  /* frames on the line at once */
     uint64_t oldest;   /* ns: the greatest age of a state when it was drawn, of late */
-    size_t last_bytes; /* of the last frame */
+    size_t last_bytes; /* size of the last frame */
     size_t least_bytes;
 };
 
@@ -87,8 +87,8 @@ static void look(const struct line *line, struct view *view, uint64_t now)
     }
 }
 
-/* A picture of `full` bytes that changes every ms, from `from` to `to` ms: its state is the time.
- * Goes on until all that was sent has been drawn, with the last state. */
+/* Show a picture of `full` bytes that changes every ms, from `from` to `to` ms; its state is the
+ * time. Continue until everything sent has been drawn, with the last state. */
 static void steer(struct flow *flow, struct line *line, struct view *view, size_t full,
                   unsigned from, unsigned to)
 {
@@ -120,7 +120,7 @@ STORY(frames_follow_each_other_as_fast_as_the_line_carries_them)
     CHECK_INT(flow_wait_ms(&flow, 6 * MS), 1999);
     flow_answered(&flow, 145 * MS);
     CHECK(flow_may_send(&flow, 145 * MS));
-    flow_answered(&flow, 146 * MS); /* nobody asked */
+    flow_answered(&flow, 146 * MS); /* without a question */
     CHECK_INT(flow_carries_ns(&flow, 5000), 20 * MS);
     for (unsigned i = 0; i < 6; i++) {
         const uint64_t now = (200 + 20 * i) * MS;
@@ -191,8 +191,8 @@ STORY(small_changes_do_not_make_a_fast_line_look_slow)
     CHECK(divisor_of(&flow, 24000) == 1);
 }
 
-/* A terminal on the same machine takes 50 kB in 5 ms, and pauses for up to 150 ms at every fourth
- * frame: it never gets a coarse one. Some frames are hardly anything. */
+/* A terminal on the same machine draws 50 kB in 5 ms, and pauses for up to 150 ms at every fourth
+ * frame: it never gets a coarse one. Some frames are very small. */
 STORY(a_terminal_that_pauses_is_not_taken_for_a_slow_line)
 {
     for (uint64_t seed = 0; seed < 20; seed++) {
@@ -210,7 +210,7 @@ STORY(a_terminal_that_pauses_is_not_taken_for_a_slow_line)
     }
 }
 
-/* What was on its way when the key was released has come after the round trip and a frame. */
+/* Frames on their way when the key was released arrive within the round trip and a frame. */
 STORY(when_the_key_is_released_nothing_comes_after_it)
 {
     struct line line = {120 * MS, 250000, .count = 0};
@@ -238,8 +238,8 @@ STORY(an_answer_that_is_lost_costs_two_seconds_once)
     CHECK_INT(flow.late, 0);
 }
 
-/* A line of 30 kB/s gets 200 kB at first: the answer takes 7 s, three barriers fail meanwhile. Then
- * every answer is known to be that of its own frame again. */
+/* A line of 30 kB/s gets 200 kB at first: the answer takes 7 s, and three barriers fail meanwhile.
+ * Afterwards every answer is assigned to its own frame again. */
 STORY(answers_that_come_late_are_not_taken_for_those_of_newer_frames)
 {
     struct line line = {100 * MS, 30000, .count = 0};
@@ -272,7 +272,7 @@ STORY(a_failed_barrier_asks_for_recovery_once)
     CHECK(!flow.failed);
 }
 
-/* What kitty makes of strings: ESC \ alone ends one. */
+/* How kitty reads strings: ESC \ alone ends one. */
 struct strings {
     bool is_open, waits; /* for more chunks of a picture */
     char body[200];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What an eliminator would take, found without a look at the scene: the same as by looking at every
- * voxel, and the same as what `remove` takes then.
+ * What an eliminator would remove, found without visiting the whole scene: compared with a visit of
+ * every voxel, and with the effect of `remove`.
  */
 #include "engine/way.h"
 #include "session/session.h"

@@ -21,7 +21,7 @@ static struct mosaic_screen screen_of(uint32_t columns, uint32_t rows, uint32_t 
         columns * cell_width, rows * cell_height, cell_width, cell_height, true, MOSAIC_AXIAL};
 }
 
-/* How many panes show a pixel. */
+/* Count the panes that show a pixel. */
 static unsigned panes_at(const struct mosaic_layout *layout, uint32_t x, uint32_t y)
 {
     unsigned panes = 0;
@@ -91,7 +91,8 @@ STORY(panes_lie_beside_each_other_in_the_least_of_screens)
     scene_free(scene);
 }
 
-/* The voxels' squares of all slices, and the pane of the rendition, which what is shown fills. */
+/* Return the area of the squares of all slices, and of the rendition's pane, which its content
+ * fills. */
 static double used(const struct mosaic_layout *layout, const struct scene *scene,
                    const struct mosaic_screen *screen)
 {
@@ -172,7 +173,7 @@ STORY(a_pane_alone_has_the_whole_screen)
     scene_free(scene);
 }
 
-/* Each pane shows, pixel by pixel, what the slice alone would, and knows the same voxels. */
+/* Each pane shows, pixel by pixel, the same as the slice alone, and the same voxels. */
 STORY(panes_show_what_slices_alone_would_however_magnified)
 {
     struct slice_style style = {.least = "", .most = "", .crosses = true};

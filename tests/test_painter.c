@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The painter against a small model of each terminal: what the screen shows after every picture is
- * the picture, however it came there. */
+/* The painter against a small model of each terminal: after every picture the screen must show that
+ * picture, whatever was there before. */
 #include <stdlib.h>
 
 #include "tests/check.h"
@@ -81,11 +81,12 @@ struct screen {
     unsigned column, row;
     int64_t ink, paper;
     struct kitty_screen kitty;
-    uint32_t pixel[SIDE_MOST * SIDE_MOST]; /* of what is drawn over cells */
+    uint32_t pixel[SIDE_MOST * SIDE_MOST]; /* pixels drawn over cells */
     struct glyph cell[CELLS_MOST][CELLS_MOST];
 };
 
 static struct screen screen;
+static struct painter painter;
 
 static void screen_begin(uint32_t cell_width, uint32_t cell_height)
 {
@@ -238,7 +239,7 @@ static bool screen_feed(const struct buf *bytes)
     return text && !screen.kitty.waits;
 }
 
-/* ---- what is to be seen ---- */
+/* ---- the expected screen ---- */
 
 static struct terminal_facts facts_of(const struct graphics *graphics, uint32_t width,
                                       uint32_t height)
@@ -250,7 +251,7 @@ static struct terminal_facts facts_of(const struct graphics *graphics, uint32_t 
                                    .image_side_most = 1000};
 }
 
-/* All pixels of the screen: what is drawn over cells, and what kitty's pictures show. */
+/* Return all pixels of the screen: those drawn over cells, and those of kitty's pictures. */
 static const uint32_t *seen_pixels(void)
 {
     static uint32_t seen[SIDE_MOST * SIDE_MOST];
@@ -269,7 +270,7 @@ static int64_t blemishes(void)
     return count;
 }
 
-/* Whether the terminal has the grey of this pixel, which is nothing but that. */
+/* Return true if the terminal stores the grey of this pixel, which shows nothing else. */
 static bool is_kept(const struct image_view *view, size_t i)
 {
     const uint32_t x = (uint32_t)(i % view->width), y = (uint32_t)(i / view->width);
@@ -290,57 +291,61 @@ static uint32_t shades_shown(struct shades *s, uint32_t colour)
     return s->is_exact || !shades_fill(s, true, &view, &place, 1, 1) ? colour : s->colour[place];
 }
 
-static uint32_t expected_at(struct painter *p, const struct image_view *view, size_t i)
+static uint32_t expected_at(const struct image_view *view, size_t i)
 {
     uint32_t colour = image_view_colour(view, i);
-    if (p->has_palette && is_kept(view, i))
+    if (painter.has_palette && is_kept(view, i))
         return strips_colour(strips_level(view->below[i]));
-    if (p->has_palette)
-        colour = shades_shown(&p->shades, colour);
-    return p->facts.graphics == &graphics_sixel ? sixel_round_trip(colour) : colour;
+    if (painter.has_palette)
+        colour = shades_shown(&painter.shades, colour);
+    return painter.facts.graphics == &graphics_sixel ? sixel_round_trip(colour) : colour;
 }
 
-/* How many pixels of the place are not as they should be: the view's, black up to whole cells where
- * those are drawn over, and nothing beyond. */
-static int64_t wrong_pixels(struct painter *p, const struct image_view *view)
+/* Count the pixels of the place that differ from the view, which is extended with black to whole
+ * cells if cells are drawn over; no others may be drawn. */
+static int64_t wrong_pixels(const struct image_view *view)
 {
     const uint32_t *seen = seen_pixels();
-    const bool over_cells = p->facts.graphics->over_cells;
-    const uint32_t unit[2] = {over_cells ? p->facts.cell_width : 1,
-                              over_cells ? p->facts.cell_height : 1};
+    const bool over_cells = painter.facts.graphics->over_cells;
+    const uint32_t unit[2] = {over_cells ? painter.facts.cell_width : 1,
+                              over_cells ? painter.facts.cell_height : 1};
     uint32_t width, height;
     int64_t wrong = 0;
-    painter_size(p, &width, &height);
+    painter_size(&painter, &width, &height);
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++) {
-            const size_t at = (size_t)(p->row * p->facts.cell_height + y) * SIDE_MOST +
-                              p->column * p->facts.cell_width + x;
+            const size_t at = (size_t)(painter.row * painter.facts.cell_height + y) * SIDE_MOST +
+                              painter.column * painter.facts.cell_width + x;
             const bool beyond =
                 x / unit[0] * unit[0] >= view->width || y / unit[1] * unit[1] >= view->height;
             uint32_t wanted = beyond ? BLANK : 0;
             if (x < view->width && y < view->height)
-                wanted = expected_at(p, view, (size_t)y * view->width + x);
+                wanted = expected_at(view, (size_t)y * view->width + x);
             wrong += wanted != seen[at];
         }
     return wrong;
 }
 
-/* A painter on a blank screen of cells of this size, at a place of it. */
-static struct painter begin_painter(const struct graphics *graphics, uint32_t width,
-                                    uint32_t height, unsigned column, unsigned row,
-                                    unsigned columns, unsigned rows)
+/* Place the painter on a blank screen. */
+static void begin_at(const struct terminal_facts *facts, unsigned column, unsigned row,
+                     unsigned columns, unsigned rows)
 {
-    const struct terminal_facts facts = facts_of(graphics, width, height);
-    struct painter p = {0};
-    screen_begin(width, height);
-    painter_place(&p, &facts, column, row, columns, rows);
-    return p;
+    painter_release(&painter);
+    screen_begin(facts->cell_width, facts->cell_height);
+    painter_place(&painter, facts, column, row, columns, rows);
 }
 
-static size_t show(struct painter *p, const struct image_view *view)
+static void begin_painter(const struct graphics *graphics, uint32_t width, uint32_t height,
+                          unsigned column, unsigned row, unsigned columns, unsigned rows)
+{
+    const struct terminal_facts facts = facts_of(graphics, width, height);
+    begin_at(&facts, column, row, columns, rows);
+}
+
+static size_t show(const struct image_view *view)
 {
     struct buf out = {0};
-    CHECK(painter_show(p, view, &out));
+    CHECK(painter_show(&painter, view, &out));
     CHECK(screen_feed(&out));
     const size_t bytes = out.length;
     buf_release(&out);
@@ -348,10 +353,10 @@ static size_t show(struct painter *p, const struct image_view *view)
 }
 
 /* The same, and the screen shows the picture then, to the pixel. */
-static size_t show_right(struct painter *p, const struct image_view *view)
+static size_t show_right(const struct image_view *view)
 {
-    const size_t bytes = show(p, view);
-    CHECK_INT(wrong_pixels(p, view), 0);
+    const size_t bytes = show(view);
+    CHECK_INT(wrong_pixels(view), 0);
     return bytes;
 }
 
@@ -377,33 +382,32 @@ STORY(every_protocol_of_the_table_is_decoded)
 STORY(after_thousands_of_edits_the_screen_shows_the_picture)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct painter p = begin_painter(with_pixels[g], 9, 19, 2, 1, 20, 10);
+        begin_painter(with_pixels[g], 9, 19, 2, 1, 20, 10);
         uint64_t seed = g;
         unsigned wholes = 0;
         struct image_view view = filled(180, 190, &seed);
-        const size_t whole = show_right(&p, &view);
-        CHECK(p.has_palette && !p.shades.is_exact);
+        const size_t whole = show_right(&view);
+        CHECK(painter.has_palette && !painter.shades.is_exact);
         for (unsigned i = 0; i < 1500; i++) {
             for (uint32_t n = 1 + check_below(&seed, 4); n > 0; n--)
                 fill_box(&view, check_below(&seed, 180), check_below(&seed, 190),
                          1 + check_below(&seed, 30), 1 + check_below(&seed, 30), &seed);
             view.is_slow = i % 3 == 0;
             view.is_coarse = i % 5 == 0;
-            wholes += show(&p, &view) >= whole;
+            wholes += show(&view) >= whole;
             if (i % 10 == 0)
-                CHECK_INT(wrong_pixels(&p, &view), 0);
+                CHECK_INT(wrong_pixels(&view), 0);
         }
         CHECK(wholes < 5); /* greys or tints came in, and wanted a palette */
-        CHECK_INT(wrong_pixels(&p, &view), 0);
-        CHECK_INT(show(&p, &view), 0);
-        painter_release(&p);
+        CHECK_INT(wrong_pixels(&view), 0);
+        CHECK_INT(show(&view), 0);
     }
 }
 
 STORY(pictures_of_every_size_and_kind_follow_each_other)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct painter p = begin_painter(with_pixels[g], 7, 15, 0, 0, 12, 6);
+        begin_painter(with_pixels[g], 7, 15, 0, 0, 12, 6);
         uint64_t seed = 100 + g;
         for (unsigned i = 0; i < 400; i++) {
             uint32_t width = 1 + check_below(&seed, 84), height = 1 + check_below(&seed, 90);
@@ -417,45 +421,42 @@ STORY(pictures_of_every_size_and_kind_follow_each_other)
             else
                 fill_all(&view, &seed);
             for (unsigned edits = check_below(&seed, 4); edits < 4; edits++) {
-                show_right(&p, &view);
+                show_right(&view);
                 fill_box(&view, check_below(&seed, width), check_below(&seed, height),
                          1 + check_below(&seed, 20), 1 + check_below(&seed, 20), &seed);
             }
         }
-        painter_release(&p);
     }
 }
 
 STORY(few_colours_come_exactly_and_more_may_join_them)
 {
-    struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 16, 8);
+    begin_painter(&graphics_kitty, 8, 16, 0, 0, 16, 8);
     struct image_view view = picture(128, 128);
     for (uint32_t i = 0; i < 400; i++) {
         uint8_t *pixel = pixels + 4 * (i * 37);
         pixel[0] = (uint8_t)(i % 251);
         pixel[1] = (uint8_t)(i / 251 + 7);
         pixel[3] = 255;
-        show_right(&p, &view);
-        CHECK_INT(p.shades.is_exact, i < SHADES_MOST - 1);
+        show_right(&view);
+        CHECK_INT(painter.shades.is_exact, i < SHADES_MOST - 1);
     }
-    painter_release(&p);
 }
 
 STORY(a_cursor_move_costs_next_to_nothing)
 {
     static const size_t most[WITH_PIXELS] = {500, 700, 900, 700};
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct painter p = begin_painter(with_pixels[g], 8, 16, 0, 0, 40, 20);
+        begin_painter(with_pixels[g], 8, 16, 0, 0, 40, 20);
         uint64_t seed = 3;
         struct image_view view = filled(320, 320, &seed);
-        show(&p, &view);
+        show(&view);
         memset(pixels + 4 * (100 * 320 + 100), 255, 4);
-        CHECK(show_right(&p, &view) < most[g]);
-        painter_release(&p);
+        CHECK(show_right(&view) < most[g]);
     }
 }
 
-/* What a slow line begins with, before it is known to be slow. */
+/* The first picture on a line that may be slow. */
 STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
 {
     uint64_t seed = 12;
@@ -464,10 +465,9 @@ STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
         memcpy(pixels + 4 * i, pixels + 4 * (i / 320 / 8 * 8 * 320 + i % 320 / 8 * 8), 4);
     size_t bytes[2];
     for (unsigned is_coarse = 0; is_coarse < 2; is_coarse++) {
-        struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
+        begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
         view.is_coarse = is_coarse;
-        bytes[is_coarse] = show_right(&p, &view);
-        painter_release(&p);
+        bytes[is_coarse] = show_right(&view);
     }
     if (!CHECK(bytes[1] < bytes[0] * 3 / 4))
         printf("#   %zu bytes coarse, %zu otherwise\n", bytes[1], bytes[0]);
@@ -475,44 +475,40 @@ STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
 
 STORY(a_large_patch_for_kitty_goes_in_chunks)
 {
-    struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
+    begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
     uint64_t seed = 13;
     struct image_view view = filled(320, 320, &seed);
-    show(&p, &view);
+    show(&view);
     for (size_t y = 10; y < 130; y++)
         for (size_t x = 20; x < 150; x++)
             pixels[4 * (y * 320 + x)] = (uint8_t)check_random(&seed);
     screen.kitty.chunks = 0;
-    CHECK(show(&p, &view) > 8192);
+    CHECK(show(&view) > 8192);
     CHECK(screen.kitty.chunks > 2);
     CHECK_INT(screen.kitty.picture[0].png.width, 320); /* it is the same one, changed */
-    CHECK_INT(wrong_pixels(&p, &view), 0);
-    painter_release(&p);
+    CHECK_INT(wrong_pixels(&view), 0);
 }
 
 STORY(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
         struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
-        struct painter p = {0};
         struct buf out = {0};
         uint64_t seed = 4;
-        screen_begin(8, 16);
-        painter_place(&p, &facts, 3, 1, 10, 5);
+        begin_at(&facts, 3, 1, 10, 5);
         struct image_view view = filled(80, 80, &seed);
-        const size_t whole = show(&p, &view);
-        painter_place(&p, &facts, 3, 1, 10, 5);
-        CHECK_INT(show(&p, &view), 0);
-        painter_forget(&p);
-        CHECK(show_right(&p, &view) + 4 >= whole);
-        painter_remove(&p, &out);
+        const size_t whole = show(&view);
+        painter_place(&painter, &facts, 3, 1, 10, 5);
+        CHECK_INT(show(&view), 0);
+        painter_forget(&painter);
+        CHECK(show_right(&view) + 4 >= whole);
+        painter_remove(&painter, &out);
         CHECK(screen_feed(&out));
         CHECK_INT(blemishes(), 0);
         CHECK_INT(kitty_pictures(&screen.kitty), 0);
-        painter_place(&p, &facts, 12, 7, 10, 5);
-        show_right(&p, &view);
+        painter_place(&painter, &facts, 12, 7, 10, 5);
+        show_right(&view);
         buf_release(&out);
-        painter_release(&p);
     }
 }
 
@@ -520,62 +516,56 @@ STORY(one_means_after_another_leaves_nothing)
 {
     struct terminal_facts kitty = facts_of(&graphics_kitty, 8, 16);
     struct terminal_facts sixel = facts_of(&graphics_sixel, 8, 16);
-    struct painter p = {0};
     struct buf out = {0};
     uint64_t seed = 16;
-    screen_begin(8, 16);
     struct image_view view = filled(80, 80, &seed);
-    painter_place(&p, &kitty, 0, 0, 10, 5);
-    show(&p, &view);
-    painter_place(&p, &sixel, 0, 0, 10, 5);
-    show_right(&p, &view);
-    painter_remove(&p, &out);
+    begin_at(&kitty, 0, 0, 10, 5);
+    show(&view);
+    painter_place(&painter, &sixel, 0, 0, 10, 5);
+    show_right(&view);
+    painter_remove(&painter, &out);
     CHECK(screen_feed(&out));
     CHECK_INT(blemishes(), 0);
     CHECK_INT(kitty_pictures(&screen.kitty), 0);
     buf_release(&out);
-    painter_release(&p);
 }
 
 STORY(sixels_beyond_the_limit_of_the_terminal_come_in_pieces)
 {
     struct terminal_facts facts = facts_of(&graphics_sixel, 9, 19);
-    struct painter p = {0};
     uint64_t seed = 15;
-    screen_begin(9, 19);
-    facts.image_side_most = screen.side_most = 64;
-    painter_place(&p, &facts, 1, 1, 20, 10);
+    facts.image_side_most = 64;
+    begin_at(&facts, 1, 1, 20, 10);
+    screen.side_most = 64;
     struct image_view view = picture(173, 190);
     for (unsigned i = 0; i < 20; i++) {
         fill_all(&view, &seed);
-        show_right(&p, &view);
+        show_right(&view);
     }
-    painter_release(&p);
 }
 
 /* Ghostty, WezTerm and Konsole have no frame edits. Tiles that are covered go, and the terminal
  * holds no more than several times the picture. */
 STORY(without_frame_edits_tiles_are_laid_over_tiles)
 {
-    struct painter p = begin_painter(&graphics_tiles, 8, 16, 0, 0, 40, 20);
+    begin_painter(&graphics_tiles, 8, 16, 0, 0, 40, 20);
     uint64_t seed = 5, most = 0;
     unsigned wholes = 0;
     screen.kitty.lacks_edits = true;
     struct image_view view = filled(320, 320, &seed);
-    const size_t whole = show(&p, &view);
+    const size_t whole = show(&view);
     for (unsigned i = 0; i < 2000; i++) {
         const uint32_t large = check_below(&seed, 30) ? 20 : 200;
         fill_box(&view, check_below(&seed, 320), check_below(&seed, 320),
                  1 + check_below(&seed, large), 1 + check_below(&seed, large), &seed);
-        wholes += show(&p, &view) >= whole;
+        wholes += show(&view) >= whole;
         most = kitty_bytes(&screen.kitty) > most ? kitty_bytes(&screen.kitty) : most;
         CHECK(kitty_pictures(&screen.kitty) <= 512);
         if (i % 40 == 0)
-            CHECK_INT(wrong_pixels(&p, &view), 0);
+            CHECK_INT(wrong_pixels(&view), 0);
     }
     CHECK(most <= 8 * 4 * 320 * 320);
     CHECK(wholes < 40);
-    painter_release(&p);
 }
 
 /* ---- slices that live in the terminal ---- */
@@ -583,7 +573,7 @@ STORY(without_frame_edits_tiles_are_laid_over_tiles)
 enum { SLICES = 3, SLICE_KINDS = 5 };
 static uint8_t below[SIDE_MOST * SIDE_MOST];
 
-/* What lies below, of one of few slices a box, and over it what was drawn: `over` pixels of it. */
+/* Fill the slices below, few different ones for each box, and draw `over` pixels over them. */
 static void lay_slices(struct image_view *view, const struct raster_box box[SLICES],
                        const uint32_t kind[SLICES], uint32_t over, uint64_t *seed)
 {
@@ -603,24 +593,24 @@ static void lay_slices(struct image_view *view, const struct raster_box box[SLIC
     view->slices = SLICES;
 }
 
-static size_t show_kept(struct painter *p, struct image_view *view, size_t budget)
+static size_t show_kept(struct image_view *view, size_t budget)
 {
     struct buf out = {0};
-    painter_keep(p, view, budget, &out);
-    CHECK(painter_show(p, view, &out));
+    painter_keep(&painter, view, budget, &out);
+    CHECK(painter_show(&painter, view, &out));
     CHECK(screen_feed(&out));
     const size_t bytes = out.length;
     buf_release(&out);
     return bytes;
 }
 
-/* What the terminal says it has dropped. */
-static unsigned hear_replies(struct painter *p)
+/* Read the reports of dropped strips. */
+static unsigned hear_replies(void)
 {
     unsigned lost = 0;
     char *text = strdup(buf_text(&screen.kitty.replies));
     for (char *at = strstr(text, "\033_G"); at; at = strstr(at + 1, "\033_G"))
-        lost += painter_take_reply(p, at + 1);
+        lost += painter_take_reply(&painter, at + 1);
     buf_clear(&screen.kitty.replies);
     free(text);
     return lost;
@@ -630,41 +620,40 @@ STORY(slices_go_once_and_are_placed_again)
 {
     static const struct raster_box boxes[SLICES] = {
         {0, 0, 150, 160}, {152, 0, 148, 160}, {3, 165, 150, 150}};
-    struct painter p = begin_painter(&graphics_kitty, 8, 16, 1, 1, 40, 20);
+    begin_painter(&graphics_kitty, 8, 16, 1, 1, 40, 20);
     uint64_t seed = 21;
     uint32_t kind[SLICES] = {0, 1, 2};
     struct image_view view = filled(320, 320, &seed);
     lay_slices(&view, boxes, kind, 0, &seed);
-    const size_t first = show_kept(&p, &view, SIZE_MAX);
-    CHECK_INT(wrong_pixels(&p, &view), 0);
-    CHECK_INT(show_kept(&p, &view, SIZE_MAX), 0);
+    const size_t first = show_kept(&view, SIZE_MAX);
+    CHECK_INT(wrong_pixels(&view), 0);
+    CHECK_INT(show_kept(&view, SIZE_MAX), 0);
     kind[1] = 3;
     lay_slices(&view, boxes, kind, 0, &seed);
-    CHECK(show_kept(&p, &view, SIZE_MAX) > 1000);
-    CHECK_INT(wrong_pixels(&p, &view), 0);
+    CHECK(show_kept(&view, SIZE_MAX) > 1000);
+    CHECK_INT(wrong_pixels(&view), 0);
     kind[1] = 1;
     lay_slices(&view, boxes, kind, 0, &seed);
-    const size_t again = show_kept(&p, &view, SIZE_MAX); /* the greys are there */
+    const size_t again = show_kept(&view, SIZE_MAX); /* the greys are there */
     CHECK(again < 300 && again * 20 < first);
-    CHECK_INT(wrong_pixels(&p, &view), 0);
+    CHECK_INT(wrong_pixels(&view), 0);
     struct buf out = {0};
-    painter_remove(&p, &out);
+    painter_remove(&painter, &out);
     CHECK(screen_feed(&out));
-    CHECK_INT(blemishes(), 1); /* of the pixel that holds them */
+    CHECK_INT(blemishes(), 1); /* the pixel that keeps them placed */
     buf_clear(&out);
-    painter_drop(&p, &out);
+    painter_drop(&painter, &out);
     CHECK(screen_feed(&out));
     CHECK_INT(kitty_pictures(&screen.kitty), 0);
     buf_release(&out);
-    painter_release(&p);
 }
 
-/* Edits, moves, other sizes, budgets, views that are only sent ahead; and a terminal that drops
- * what it likes, clears the screen, or loses everything. */
+/* Edits, moves, other sizes, budgets and views that are only sent ahead, in a terminal that drops
+ * any strip, clears the screen, or loses everything. */
 STORY(whatever_the_terminal_drops_is_sent_again)
 {
     for (uint64_t seed = 0; seed < 6; seed++) {
-        struct painter p = begin_painter(&graphics_kitty, 8, 16, 1, 1, 40, 20);
+        begin_painter(&graphics_kitty, 8, 16, 1, 1, 40, 20);
         unsigned lost = 0;
         screen.kitty.quota = seed % 2 ? 4 * 5 * 320 * 320 : 0;
         struct image_view view = filled(320, 320, &seed);
@@ -681,58 +670,55 @@ STORY(whatever_the_terminal_drops_is_sent_again)
             view.focus = boxes[check_below(&seed, SLICES)];
             view.is_slow = check_below(&seed, 2);
             view.smooth = what == 1;
-            if (what == 2) { /* quite another picture of what is about to be seen */
-                painter_keep(&p, &view, 1, &out);
+            if (what == 2) { /* send another picture ahead of the next view */
+                painter_keep(&painter, &view, 1, &out);
                 lay_slices(&view, boxes, kind, 20, &seed);
             } else if (what == 3) {
-                painter_remove(&p, &out);
+                painter_remove(&painter, &out);
             } else if (what == 4) {
-                painter_drop(&p, &out);
+                painter_drop(&painter, &out);
             } else if (what == 5 || what == 6) {
                 for (unsigned k = 0; k < KITTY_PICTURES; k++)
                     if (screen.kitty.picture[k].number >= 270000 && check_below(&seed, 3) == 0)
                         kitty_drop(&screen.kitty, &screen.kitty.picture[k]);
             } else if (what == 7) {
                 kitty_clear(&screen.kitty); /* ESC[2J */
-                painter_forget(&p);
-                p.image = 0;
+                painter_forget(&painter);
+                painter.image = 0;
             }
             CHECK(screen_feed(&out));
             buf_release(&out);
-            show_kept(&p, &view, check_below(&seed, 2) ? check_below(&seed, 9000) : 0);
+            show_kept(&view, check_below(&seed, 2) ? check_below(&seed, 9000) : 0);
             for (unsigned more = 0; more < 3; more++)
-                if (hear_replies(&p)) {
+                if (hear_replies()) {
                     lost++;
-                    show_kept(&p, &view, 1);
+                    show_kept(&view, 1);
                 }
             if (what == 7 || (what < 7 && what > 4) || screen.kitty.quota) {
-                struct buf all = {
-                    0}; /* what is shown and was dropped is not asked for: begin anew */
-                painter_drop(&p, &all);
+                struct buf all = {0}; /* a shown strip that was dropped is not reported: restart */
+                painter_drop(&painter, &all);
                 CHECK(screen_feed(&all));
                 buf_release(&all);
-                show_kept(&p, &view, 1);
+                show_kept(&view, 1);
             }
-            CHECK_INT(wrong_pixels(&p, &view), 0);
+            CHECK_INT(wrong_pixels(&view), 0);
         }
         CHECK(lost > 0);
-        painter_release(&p);
     }
 }
 
 STORY(a_picture_larger_than_its_place_is_cut)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct painter p = begin_painter(with_pixels[g], 8, 16, 0, 0, 5, 3);
+        begin_painter(with_pixels[g], 8, 16, 0, 0, 5, 3);
         uint64_t seed = 6;
         struct image_view view = filled(83, 71, &seed);
-        show(&p, &view);
+        show(&view);
         for (uint32_t y = 0; y < 48; y++)
             memmove(pixels + 4 * y * 40, pixels + 4 * y * 83, 4 * 40);
         view.width = 40;
         view.height = 48;
-        CHECK_INT(wrong_pixels(&p, &view), 0);
-        painter_release(&p);
+        CHECK_INT(wrong_pixels(&view), 0);
     }
 }
 
@@ -760,20 +746,20 @@ static unsigned parts_of(uint32_t point, enum block_shape shape)
 }
 
 /* Every cell that the picture reaches shows what blocks_fill says, part by part. */
-static int64_t wrong_parts(const struct painter *p, const struct image_view *view)
+static int64_t wrong_parts(const struct image_view *view)
 {
     static struct block cell[CELLS_MOST * CELLS_MOST];
-    const enum block_shape shape = p->facts.shape;
+    const enum block_shape shape = painter.facts.shape;
     const unsigned parts = shape == BLOCK_HALF ? 2 : shape == BLOCK_QUADRANT ? 4 : 6;
     int64_t wrong = 0;
     for (size_t i = 0; i < CELLS_MOST * CELLS_MOST; i++)
         cell[i] = (struct block){-1, -1, 0, 0};
-    blocks_fill(cell, CELLS_MOST, view, &p->facts);
-    for (unsigned y = 0; y < p->rows; y++)
-        for (unsigned x = 0; x < p->columns; x++) {
+    blocks_fill(cell, CELLS_MOST, view, &painter.facts);
+    for (unsigned y = 0; y < painter.rows; y++)
+        for (unsigned x = 0; x < painter.columns; x++) {
             const struct block *wanted = &cell[y * CELLS_MOST + x];
-            const struct glyph *shown = &screen.cell[p->row + y][p->column + x];
-            if (p->facts.colours == COLOURS_NONE) {
+            const struct glyph *shown = &screen.cell[painter.row + y][painter.column + x];
+            if (painter.facts.colours == COLOURS_NONE) {
                 wrong += (wanted->parts ? wanted->parts : ' ') != shown->point;
                 continue;
             }
@@ -789,28 +775,25 @@ STORY(cells_show_what_they_should_after_every_edit)
 {
     for (unsigned i = 0; i < 12; i++) {
         struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);
-        struct painter p = {0};
         uint64_t seed = i;
         uint32_t width, height;
         facts.colours = (enum colours)(i % 4);
         facts.shape = (enum block_shape)(i / 4);
-        screen_begin(8, 16);
-        painter_place(&p, &facts, 5, 2, 20, 9);
-        painter_size(&p, &width, &height);
+        begin_at(&facts, 5, 2, 20, 9);
+        painter_size(&painter, &width, &height);
         struct image_view view = filled(width, height, &seed);
-        const size_t whole = show(&p, &view);
+        const size_t whole = show(&view);
         for (unsigned n = 0; n < 200; n++) {
             fill_box(&view, check_below(&seed, width), check_below(&seed, height),
                      1 + check_below(&seed, width / 5), 1 + check_below(&seed, height / 5), &seed);
-            CHECK(show(&p, &view) < whole);
-            CHECK_INT(wrong_parts(&p, &view), 0);
+            CHECK(show(&view) < whole);
+            CHECK_INT(wrong_parts(&view), 0);
         }
-        CHECK_INT(show(&p, &view), 0);
+        CHECK_INT(show(&view), 0);
         view.width -= width / 20 + 1; /* a smaller one leaves nothing of the larger */
         view.height -= height / 3;
-        show(&p, &view);
-        CHECK_INT(wrong_parts(&p, &view), 0);
-        painter_release(&p);
+        show(&view);
+        CHECK_INT(wrong_parts(&view), 0);
     }
 }
 
@@ -822,40 +805,36 @@ STORY(notes_stand_in_cells_of_text)
         {0, 0, 'R'}, {3, 1, 'L'}, {29, 14, 'A'}, {30, 2, 'x'}, {4, 15, 'x'}};
     for (int colours = 0; colours < 4; colours++) {
         struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);
-        struct painter p = {0};
         uint64_t seed = 8;
         facts.colours = (enum colours)colours;
-        screen_begin(8, 16);
-        painter_place(&p, &facts, 2, 1, 30, 15);
+        begin_at(&facts, 2, 1, 30, 15);
         struct image_view view = filled(30, 30, &seed);
         view.note = note;
         view.notes = 5;
-        show(&p, &view);
+        show(&view);
         CHECK_INT(screen.cell[1][2].point, 'R');
         CHECK_INT(screen.cell[2][5].point, 'L');
         CHECK_INT(screen.cell[15][31].point, 'A');
-        CHECK(wrong_parts(&p, &view) <= 6); /* no other cell */
-        CHECK_INT(show(&p, &view), 0);
+        CHECK(wrong_parts(&view) <= 6); /* no other cell */
+        CHECK_INT(show(&view), 0);
         view.notes = 0;
-        show(&p, &view);
-        CHECK_INT(wrong_parts(&p, &view), 0);
-        painter_release(&p);
+        show(&view);
+        CHECK_INT(wrong_parts(&view), 0);
     }
 }
 
 STORY(half_blocks_in_all_colours_show_every_pixel)
 {
-    struct painter p = begin_painter(&graphics_blocks, 8, 16, 0, 0, 30, 15);
+    begin_painter(&graphics_blocks, 8, 16, 0, 0, 30, 15);
     uint64_t seed = 8;
     struct image_view view = filled(30, 30, &seed);
-    show(&p, &view);
+    show(&view);
     for (uint32_t y = 0; y < 30; y++)
         for (uint32_t x = 0; x < 30; x++) {
             const struct glyph *g = &screen.cell[y / 2][x];
             const bool ink = parts_of(g->point, BLOCK_HALF) >> y % 2 & 1;
             CHECK_INT(ink ? g->ink : g->paper, image_view_colour(&view, y * 30 + x));
         }
-    painter_release(&p);
 }
 
 /* The squared error of six colours in two sets, each to its mean. */
@@ -919,11 +898,9 @@ STORY(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised)
                         : (uint8_t)((hues[y > 300] >> (16 - 8 * k) & 255) * (uint32_t)light / 270);
         }
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
-        struct painter p = {0};
         struct buf out = {0};
-        painter_place(&p, &facts, 0, 0, 64, 32);
-        CHECK(painter_show(&p, &view, &out));
+        begin_painter(with_pixels[g], 8, 16, 0, 0, 64, 32);
+        CHECK(painter_show(&painter, &view, &out));
         printf("# 512x512: %zu bytes", out.length);
         CHECK(out.length <= whole_most[g]);
         buf_clear(&out);
@@ -934,11 +911,10 @@ STORY(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised)
                     pixel[k] = (uint8_t)((uint32_t)pixel[0] *
                                          (hues[1 + g % 2] >> (16 - 8 * k) & 255) / 256);
             }
-        CHECK(painter_show(&p, &view, &out));
+        CHECK(painter_show(&painter, &view, &out));
         printf(", a change of 40x40: %zu bytes\n", out.length);
         CHECK(out.length <= change_most[g]);
         buf_release(&out);
-        painter_release(&p);
     }
 }
 
@@ -950,24 +926,21 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
         uint64_t seed = 9;
         bool shown = false;
         for (unsigned limit = 0; !shown && limit < 60; limit++) {
-            struct painter p = begin_painter(all[g], 8, 16, 0, 0, 10, 5);
+            begin_painter(all[g], 8, 16, 0, 0, 10, 5);
             struct buf out = {0};
             struct image_view view = picture(80, 80);
             if (all[g] == &graphics_blocks)
                 view.width = view.height = 10;
             fill_all(&view, &seed);
             allow_allocations(limit);
-            shown = painter_show(&p, &view, &out);
+            shown = painter_show(&painter, &view, &out);
             mem_allows = NULL;
             CHECK_INT(shown, !out.failed);
             if (!shown) {
-                show(&p, &view);
-                CHECK_INT(all[g] == &graphics_blocks ? wrong_parts(&p, &view)
-                                                     : wrong_pixels(&p, &view),
-                          0);
+                show(&view);
+                CHECK_INT(all[g] == &graphics_blocks ? wrong_parts(&view) : wrong_pixels(&view), 0);
             }
             buf_release(&out);
-            painter_release(&p);
         }
         CHECK(shown);
     }
@@ -976,17 +949,16 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
 STORY(a_stream_cut_short_is_not_taken_for_a_picture)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct painter p = begin_painter(with_pixels[g], 8, 16, 0, 0, 5, 3);
+        begin_painter(with_pixels[g], 8, 16, 0, 0, 5, 3);
         struct buf out = {0};
         uint64_t seed = 10;
         struct image_view view = filled(40, 48, &seed);
-        CHECK(painter_show(&p, &view, &out));
+        CHECK(painter_show(&painter, &view, &out));
         for (size_t length = out.length - 1; length > 6; length -= length > 60 ? 17 : 1) {
             out.data[length] = '\0';
             CHECK(!screen_feed(&out));
         }
         buf_release(&out);
-        painter_release(&p);
     }
 }
 
@@ -1046,33 +1018,29 @@ STORY(what_is_drawn_over_slices_keeps_its_colour)
 /* Greys, and a line over them that every look at every so manieth pixel meets. */
 STORY(a_cross_hair_over_a_slice_is_no_tint)
 {
-    struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
+    begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
     struct image_view view = picture(320, 320);
     for (size_t i = 0; i < 320 * 320; i++) {
         const uint8_t light = (uint8_t)(i * 7 % 251 | (i / 320 < 160 ? 1 : 0));
         memcpy(pixels + 4 * i, (uint8_t[4]){light, light, light, 255}, 4);
     }
-    show(&p, &view);
-    const uint32_t image = p.image;
+    show(&view);
+    const uint32_t image = painter.image;
     for (unsigned line = 0; line < 22; line++)
         for (size_t y = 0; y < 320; y++) {
             uint8_t *pixel = pixels + 4 * (y * 320 + 5 + line);
             for (unsigned k = 0; k < 3; k++)
                 pixel[k] = (uint8_t)((pixel[k] + 2u * (k == 0 ? 255 : k == 1 ? 220 : 0) + 1) / 3);
         }
-    show(&p, &view);
-    CHECK_INT(p.image, image); /* it did not go whole */
-    CHECK(!p.shades.has_tints);
-    painter_release(&p);
+    show(&view);
+    CHECK_INT(painter.image, image); /* it did not go whole */
+    CHECK(!painter.shades.has_tints);
 }
 
 STORY(tints_that_come_with_an_edit_get_their_colours)
 {
-    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
-    struct painter p = {0};
     struct image_view view = picture(320, 320);
-    screen_begin(8, 16);
-    painter_place(&p, &facts, 0, 0, 40, 20);
+    begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
     for (size_t i = 0; i < 320 * 320; i++) {
         const uint32_t light = (uint32_t)(i % 251);
         for (unsigned k = 0; k < 3; k++)
@@ -1080,28 +1048,24 @@ STORY(tints_that_come_with_an_edit_get_their_colours)
                 (uint8_t)(i < 160 * 320 ? light : (hues[0] >> (16 - 8 * k) & 255) * light / 255);
         pixels[4 * i + 3] = 255;
     }
-    show(&p, &view);
-    CHECK(!p.shades.is_exact && p.shades.has_greys && !p.shades.has_tints);
+    show(&view);
+    CHECK(!painter.shades.is_exact && painter.shades.has_greys && !painter.shades.has_tints);
     for (uint32_t y = 40; y < 140; y++)
         for (uint32_t x = 20; x < 140; x++) {
             uint8_t *pixel = pixels + 4 * (y * 320 + x);
             for (unsigned k = 0; k < 3; k++)
                 pixel[k] = (uint8_t)((2u * pixel[k] + (hues[1] >> (16 - 8 * k) & 255)) / 3);
         }
-    show(&p, &view);
-    CHECK(p.shades.has_tints);
-    CHECK_INT(wrong_pixels(&p, &view), 0);
-    painter_release(&p);
+    show(&view);
+    CHECK(painter.shades.has_tints);
+    CHECK_INT(wrong_pixels(&view), 0);
     static uint8_t part[4 * 320 * 320]; /* the first to come, of the same picture */
-    struct painter q = {0};
     memcpy(part, pixels, sizeof part / 20);
-    screen_begin(8, 16);
-    painter_place(&q, &facts, 0, 0, 40, 20);
+    begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
     view.fine = view.rgba;
     view.rgba = part;
-    show(&q, &view);
-    CHECK(!q.shades.is_exact && q.shades.has_tints);
-    painter_release(&q);
+    show(&view);
+    CHECK(!painter.shades.is_exact && painter.shades.has_tints);
 }
 
 STORY(hundreds_of_hues_share_the_palette)
@@ -1154,7 +1118,7 @@ static uint32_t tenths_off(struct shades *s)
 STORY(shades_of_an_atlas_have_no_bands)
 {
     static uint32_t many[116];
-    struct painter p = begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
+    begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);
     uint64_t seed = 12;
     struct image_view view = picture(320, 320);
     for (unsigned i = 0; i < 116; i++)
@@ -1163,21 +1127,23 @@ STORY(shades_of_an_atlas_have_no_bands)
     view.hues = 116;
     for (unsigned turn = 0; turn < 3; turn++) {
         fill_regions(many, 30 * turn);
-        show(&p, &view);
-        CHECK(p.has_palette && !p.shades.is_exact && shades_serve(&p.shades, &view));
-        CHECK(!shades_lack(&p.shades, &view));
-        if (!CHECK(tenths_off(&p.shades) < 60))
-            printf("# turn %u: %u tenths of a level off\n", turn, tenths_off(&p.shades));
-        CHECK_INT(shades_shown(&p.shades, 0xFFDC00), 0xFFDC00);
+        show(&view);
+        CHECK(painter.has_palette && !painter.shades.is_exact &&
+              shades_serve(&painter.shades, &view));
+        CHECK(!shades_lack(&painter.shades, &view));
+        if (!CHECK(tenths_off(&painter.shades) < 60))
+            printf("# turn %u: %u tenths of a level off\n", turn, tenths_off(&painter.shades));
+        CHECK_INT(shades_shown(&painter.shades, 0xFFDC00), 0xFFDC00);
     }
-    const uint32_t image = p.image;
+    const uint32_t image = painter.image;
     memset(pixels + 4 * (320 * 100 + 100), 200, 4 * 30);
-    show(&p, &view);
-    CHECK_INT(p.image, image); /* a small change does not have it go whole */
-    painter_release(&p);
+    show(&view);
+    CHECK_INT(painter.image, image); /* a small change does not have it go whole */
 }
 
 int main(void)
 {
-    return check_run();
+    const int status = check_run();
+    painter_release(&painter);
+    return status;
 }

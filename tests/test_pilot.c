@@ -44,7 +44,7 @@ static bool tell_facts(void *context, struct pilot_facts *out)
 }
 
 static unsigned peeks;
-static void peek(void *context, const uint32_t place[3])
+static void preview_cross(void *context, const uint32_t place[3])
 {
     (void)context;
     memcpy(facts.place, place, sizeof facts.place);
@@ -165,7 +165,7 @@ static const struct pilot_host host = {.move = move,
                                        .why = why,
                                        .hints = hints,
                                        .facts = tell_facts,
-                                       .peek = peek,
+                                       .preview_cross = preview_cross,
                                        .seed = seed_of,
                                        .centre = centre,
                                        .doubt = doubt,
@@ -178,7 +178,7 @@ static const struct pilot_host host = {.move = move,
 
 static struct pilot_state state;
 static struct buf line, message;
-static enum pilot_deed deed;
+static enum pilot_request request;
 
 static void begin(void)
 {
@@ -206,7 +206,7 @@ static void press(enum key key, unsigned modifiers, char c)
     buf_clear(&line);
     buf_clear(&message);
     struct press press = {&state, &event, &host, &facts, &line, &message, 0, PILOT_NOTHING};
-    deed = pilot_press(&press);
+    request = pilot_press(&press);
 }
 
 static void click_on(const struct key_event *event, uint32_t column, uint32_t row)
@@ -241,8 +241,8 @@ static void place_by(const char *words)
         at[*words - 'x'] = n[0] + (op == '+' ? at[*words - 'x'] : 0);
 }
 
-/* Press keys: characters, and in angle brackets other keys as the configuration names them, or a
- * place. With `walks` each key takes the cross-hair where its line says. */
+/* Press keys: characters; in angle brackets other keys as the configuration names them, or a place.
+ * With `walks` each key moves the cross-hair to the place in its line. */
 static void press_all(const char *keys, bool walks)
 {
     for (; *keys; keys++) {
@@ -329,7 +329,7 @@ STORY(counts_are_those_of_vim)
          "5u|undo 5");
     CHECK(state.says_all);
     KEYS("u|undo", "<Ctrl-r>|redo", "0||*a count begins with 1-9; s0 plants",
-         "12<Escape>" /* takes it back, and no more */);
+         "12<Escape>" /* cancels the count alone */);
     CHECK_INT(state.count, 0);
     CHECK_TEXT(type("l"), "cross 38,25,30\n");
 }
@@ -340,7 +340,7 @@ STORY(a_key_that_takes_no_count_does_nothing_with_one)
     KEYS("3i||*i accepts no count; nothing was done", "2s1||*accepts no count",
          "i|seed 20,25,30 1", /* and it is forgotten */
          "4q|");
-    CHECK(deed == PILOT_NOTHING);
+    CHECK(request == PILOT_NOTHING);
 }
 
 STORY(some_keys_wait_for_a_second)
@@ -369,7 +369,7 @@ STORY(slices_marks_and_seeds_to_go_to)
     facts.counts_down[0] = false;
     KEYS("ma'b||*there is no mark b; mb sets it", "<at 1,2,3>Da|measure 20,25,30 1,2,3",
          "Db||*there is no mark b; mb sets it", "'a|cross 20,25,30",
-         "<at 20,25,30>''|cross 1,2,3", /* where the jump came from */
+         "<at 20,25,30>''|cross 1,2,3", /* the place before the jump */
          "n|cross 1,11,5", "3N|cross 1,7,5", "bgc|cross 2,1,2");
     has_seed = false;
     KEYS("n||*label 2 has no seed", "gc||*label 2 has no voxel",
@@ -379,7 +379,7 @@ STORY(slices_marks_and_seeds_to_go_to)
 STORY(seeds_brushes_and_strokes)
 {
     begin();
-    KEYS("i|seed 20,25,30 1", /* of the label at hand */
+    KEYS("i|seed 20,25,30 1", /* of the current label */
          "s3|seed 20,25,30 3", "<Enter>|seed 20,25,30 3", "bi|seed 20,25,30 4",
          "++i|seed 20,25,30 4 radius=2", "-s0|seed 20,25,30 0 radius=1",
          "Bi|seed 20,25,30 255 radius=1", /* they go round */
@@ -406,10 +406,10 @@ STORY(a_radius_in_millimetres)
     KEYS("3+Mi|seed 20,25,30 1 radius=3mm|", "M|*|the brush: label 1, radius 3",
          "M-|*|the brush: label 1, radius 2.5mm", "i|seed 20,25,30 1 radius=2.5mm",
          "99+i|seed 20,25,30 1 radius=32mm", "99-i|seed 20,25,30 1",
-         "+Mi|seed 20,25,30 1" /* half a voxel is none */);
+         "+Mi|seed 20,25,30 1" /* rounded down to no voxel */);
 }
 
-/* What is typed for a range, and what one plants then. */
+/* Type a range; return it and what is planted then. */
 static const char *typed_range(const char *text)
 {
     type("T");
@@ -440,7 +440,7 @@ STORY(a_brush_within_intensities)
     CHECK_TEXT(typed_range("80..120.5"), "seed 20,25,30 1 range=80..120.5\n");
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         CHECK_TEXT(typed_range(wrong[i]), "seed 20,25,30 1 range=80..120.5\n");
-    KEYS("T5<Enter>|*|expected LOW..HIGH, as in 40..1200.5, not 5; the brush is as it was");
+    KEYS("T5<Enter>|*|expected LOW..HIGH, as in 40..1200.5, not 5; the brush is unchanged");
     for (int i = 0; i < 100; i++)
         type(i ? "1" : "T");
     CHECK_INT(strlen(state.typed), PILOT_RANGE_BYTES - 1);
@@ -504,7 +504,7 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
     CHECK_TEXT(hint_now(), "one end of a stroke  i plants it to here  Escape drops it");
 }
 
-/* Letters, each of which takes the cross-hair where its line says. */
+/* Press letters, each of which moves the cross-hair to the place in its line. */
 static const char *walk(const char *letters)
 {
     for (; *letters; letters++) {
@@ -544,7 +544,7 @@ STORY(an_outline_is_drawn_freehand_by_keys)
     CHECK(!state.pen.is_down);
 }
 
-/* What the left button does at a voxel of the slice that is shown, z = 7. */
+/* Use the left button at a voxel of the shown slice, z = 7. */
 static const char *mouse(enum mouse_action action, uint32_t x, uint32_t y)
 {
     const struct key_event event = {.key = KEY_MOUSE,
@@ -604,7 +604,7 @@ STORY(an_outline_that_is_there_is_dragged_and_planted)
     mouse(MOUSE_MOVED, 14, 1);
     mouse(MOUSE_RELEASED, 14, 1);
     CHECK(state.is_bent && !state.hold.is_set && state.mode == PILOT_SHAPING);
-    uint32_t top = 99; /* of the line: a bulge of 4 at x = 14, nothing at the corners */
+    uint32_t top = 99; /* top of the line: a bulge of 4 at x = 14, none at the corners */
     for (size_t i = 0; i < state.outline.count; i++)
         top = state.outline.corner[i][1] < top ? state.outline.corner[i][1] : top;
     CHECK_INT(top, 0);
@@ -640,7 +640,7 @@ STORY(the_slice_that_is_least_certain_comes_with_its_outline)
          "2}|cross 9,9,2", "{|cross 9,9,1", "<Enter>");
     CHECK_HAS(buf_text(&line), "outline 4,4,1 1 to=");
     CHECK_INT(state.doubt, 0);
-    outline_side = 0; /* nothing of it lies there yet */
+    outline_side = 0; /* it has no outline there yet */
     KEYS("2}|cross 9,9,2|*label 1 is not here; @ draws an outline|moving");
     doubts = 0;
     KEYS("}||nothing of label 1 is in doubt");
@@ -655,20 +655,20 @@ STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
     CHECK(!state.sketches && !state.pen.is_down && !state.is_silent);
     WALK("v|", /* down again, and nothing drawn */
          "v|", "vhr|cross 18,27,30 / seed 17,27,30 1 radius=2 to=18,27,30 / turn 15");
-    CHECK(state.pen.is_down); /* and goes on from there */
+    CHECK(state.pen.is_down); /* and continues from there */
     WALK("hhb|cross 20,27,30 / seed 18,27,30 1 radius=2 to=20,27,30",
          "l:|cross 19,27,30 / seed 20,27,30 2 radius=2 to=19,27,30");
-    CHECK(deed == PILOT_PROMPT);
+    CHECK(request == PILOT_PROMPT);
     WALK("Ju|cross 19,27,29 / seed 19,27,30 2 radius=2 to=19,27,29 / undo",
-         "l?|", /* what changes nothing ends nothing */
-         "12|", "<Escape>" /* of the count */);
+         "l?|", /* a key that changes nothing ends nothing */
+         "12|", "<Escape>" /* cancels the count */);
     CHECK(!state.drops && state.pen.is_down);
     press(KEY_ESCAPE, 0, 0);
     CHECK(state.drops && !state.pen.is_down);
     CHECK_TEXT(buf_text(&line), "");
     CHECK_TEXT(buf_text(&message), "the stroke is dropped, and the pen is up");
     WALK("vlq|cross 17,27,29 / seed 18,27,29 2 radius=2 to=17,27,29");
-    CHECK(deed == PILOT_LEAVE);
+    CHECK(request == PILOT_LEAVE);
 }
 
 STORY(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined)
@@ -705,7 +705,7 @@ STORY(an_eliminator_shows_first_what_it_takes)
          /* the marker, and then its tree instead */
          "x||*|confirming", /* and back */
          "XX|remove 20,25,30 of=tree|*|moving",
-         "xl|cross 19,25,30", /* another key does what it does, and nothing goes */
+         "xl|cross 19,25,30", /* another key has its usual effect, and nothing is removed */
          "x10l|cross 10,25,30", "xs2|seed 20,25,30 2", "x<Escape>||*|moving");
     has_tree = false;
     KEYS("x|*|*no tree holds this voxel|moving");
@@ -727,7 +727,7 @@ STORY(a_path_is_shown_and_its_strongest_edge_corrected)
     KEYS("Ps0|cross 9,10,11 / seed 9,10,11 0 radius=2",
          "PS|cross 9,10,11 / seed 5,6,7 3 shell=yes around=1 through=9,10,11", "PI|cross 9,10,11",
          "<at 9,10,11><y=14>i|seed 9,14,11 3 radius=2 to=9,10,11",
-         "Pl|cross 8,14,11", /* another key does what it does */
+         "Pl|cross 8,14,11", /* another key has its usual effect */
          "P4|",              /* no digit alone plants */
          "l|cross 5,14,11", "P<Escape>|*|*|moving");
     shown_way.has_edge = false;
@@ -735,7 +735,7 @@ STORY(a_path_is_shown_and_its_strongest_edge_corrected)
     has_tree = false;
     KEYS("P||*|moving");
     has_tree = true;
-    CHECK_TEXT(type("pP"), "cross 32,24,9\n"); /* of what the rendition shows */
+    CHECK_TEXT(type("pP"), "cross 32,24,9\n"); /* the voxel that the rendition shows */
     CHECK(state.mode == PILOT_EXPLAINING && state.base == PILOT_PICKING);
 }
 
@@ -772,7 +772,7 @@ STORY(a_box_or_a_polygon_is_repeated_beside_the_cross_hair)
     KEYS("a<at 25,28,30>d|box 20,25,30 25,28,30 1",
          "<at 35,8,31>3b.|box 30,5,31 35,8,31 3" /* by the brush that there is */);
     CHECK_INT(state.outline.count, 0);
-    KEYS("d||*there are 0", "<y=2>.||here it would leave the scene");
+    KEYS("d||*there are 0", "<y=2>.||here it would extend beyond the scene");
     CHECK_INT(state.outline.count, 0);
     KEYS("a<x+1>a<y+1>aA|outline 35,2,31 3 to=36,2,31 to=36,3,31",
          "<z+4>.|outline 35,2,35 3 to=36,2,35 to=36,3,35",
@@ -813,14 +813,14 @@ STORY(the_view_and_the_window)
          "Vi|view bottom", "F|zoom fit", "z|zoom 1.251", "Z|zoom 0.8");
     facts.zoom = 64000;
     CHECK_TEXT(type("z"), "zoom 64\n");
-    facts.fits_itself = true; /* around what is shown: from there it goes on */
+    facts.is_fitted = true; /* fitted automatically: continue from there */
     facts.middle[0] = 4, facts.middle[1] = 5, facts.middle[2] = 6;
     KEYS("Z|zoom 51.2 at=4,5,6", "<Alt-Down>|focus 4,5,6 / pan 0 16");
-    facts.fits_itself = false;
+    facts.is_fitted = false;
     KEYS("w<Right>|window -2 102", /* wider */
          "<Up>|window -2 98",      /* brighter */
          "<Ctrl-Left>|window 20 80", "<Enter>|*|*|moving", "wa|window auto",
-         "ws2|seed 20,25,30 2", /* another key does what it does */
+         "ws2|seed 20,25,30 2", /* another key has its usual effect */
          " |run");
 }
 
@@ -845,22 +845,22 @@ STORY(corrections_are_made_on_the_rendition)
         type("L"); /* as far as the picture goes */
     CHECK_INT(state.pixel[0], 63);
     shows = false;
-    KEYS("<Enter>||*no object is seen at that pixel", "x||*|picking", "<Escape>|*|*|moving");
+    KEYS("<Enter>||*that pixel shows no object", "x||*|picking", "<Escape>|*|*|moving");
 }
 
 STORY(what_is_no_command)
 {
     begin();
     CHECK_TEXT(type(":"), "");
-    CHECK(deed == PILOT_PROMPT);
+    CHECK(request == PILOT_PROMPT);
     type("q");
-    CHECK(deed == PILOT_LEAVE);
+    CHECK(request == PILOT_LEAVE);
     press(KEY_CHARACTER, KEY_CONTROL, 'l');
-    CHECK(deed == PILOT_REDRAW);
+    CHECK(request == PILOT_REDRAW);
     press(KEY_CHARACTER, KEY_CONTROL, 'z');
-    CHECK(deed == PILOT_SUSPEND);
+    CHECK(request == PILOT_SUSPEND);
     type("?");
-    CHECK(deed == PILOT_SHOW_KEYS);
+    CHECK(request == PILOT_SHOW_KEYS);
     KEYS("Y||*? shows the keys");
     press(KEY_OTHER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
@@ -918,7 +918,7 @@ STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
     CHECK_TEXT(click(MOUSE_PRESSED, 8, 9), "cross 8,9,7\n");
     shows = false;
     CHECK_TEXT(click(MOUSE_PRESSED, 8, 9), "");
-    CHECK_HAS(buf_text(&message), "nothing is seen there");
+    CHECK_HAS(buf_text(&message), "that pixel shows nothing");
 }
 
 STORY(the_right_button_pulls_a_shell_open)
@@ -943,7 +943,7 @@ STORY(the_right_button_pulls_a_shell_open)
     button = MOUSE_RIGHT;
     CHECK_TEXT(click(MOUSE_RELEASED, 9, 4), "");
     click(MOUSE_PRESSED, 3, 4);
-    shown_pane = PILOT_RENDITION; /* where no voxel of a slice is */
+    shown_pane = PILOT_RENDITION; /* no voxel of a slice */
     CHECK_TEXT(click(MOUSE_MOVED, 8, 4), "");
     CHECK_INT(state.outline.count, 1);
     CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "");
@@ -1021,7 +1021,7 @@ STORY(what_is_magnified_can_be_moved)
     goes_on = false;
     KEYS("<Alt-Down>||*the slice ends there");
     goes_on = true;
-    KEYS("p<Alt-Down>|pan 0 16" /* where one corrects, the rendition */);
+    KEYS("p<Alt-Down>|pan 0 16" /* the rendition, while correcting */);
 }
 
 STORY(one_pane_has_the_whole_screen_or_none)
@@ -1042,7 +1042,7 @@ STORY(the_wheel_takes_the_question_about_a_tree_away)
     begin();
     shown_pane = PILOT_AXIAL;
     KEYS("x|*|*|confirming");
-    CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 20,25,31\n"); /* where another tree may be */
+    CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 20,25,31\n"); /* another tree may be there */
     CHECK(state.mode == PILOT_MOVING);
     KEYS("x||*x removes it", "x|remove 20,25,30");
     facts.place[2] = size[2] - 1;
@@ -1058,7 +1058,7 @@ STORY(what_a_click_says_takes_the_place_of_what_was_said)
     buf_clear(&message);
     for (int i = 0; i < 2; i++)
         click_on(&event, 8, 9);
-    CHECK_TEXT(buf_text(&message), "nothing is seen there");
+    CHECK_TEXT(buf_text(&message), "that pixel shows nothing");
 }
 
 /* All keys of a row, one after the other, each read. */
@@ -1141,7 +1141,7 @@ STORY(the_page_of_keys_is_filtered)
                "  w                window                contour; finish; greys\n");
     CHECK_HAS(page_with(&page, "undo", false), "\n  u                undo  ");
     CHECK(!strstr(buf_text(&page), "contour"));
-    CHECK_TEXT(page_with(&page, "xyzzy", false), "no key has to do with xyzzy\n");
+    CHECK_TEXT(page_with(&page, "xyzzy", false), "no key matches xyzzy\n");
     buf_release(&page);
 }
 
@@ -1164,7 +1164,7 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
     buf_clear(&hint);
     pilot_keys_hint(&state, &facts, &hint);
     CHECK_HAS(buf_text(&hint), "i seed  b label");
-    facts.takes_all = true;
+    facts.has_one_object = true;
     buf_clear(&hint);
     pilot_keys_hint(&state, &facts, &hint);
     CHECK_HAS(buf_text(&hint), "fills all: a here, then beyond its edge S encloses it; s0 back");
@@ -1199,8 +1199,7 @@ STORY(while_a_key_is_held_a_rendition_may_take_less_time)
 
 /* ---- slices that are sent ahead ---- */
 
-/* Numbers are named from 1000 on, or what the cross-hair has moved by later; 4 and 7 are not
- * there. */
+/* Names begin at 1000, or later by the moves of the cross-hair; 4 and 7 have none. */
 static unsigned named_from, drawn_ahead;
 static uint64_t name_ahead(void *context, const struct pilot_wish *wish, unsigned number)
 {
@@ -1240,7 +1239,7 @@ STORY(slices_go_ahead_once_and_then_there_is_rest)
     CHECK_INT(send_all_ahead(&ahead), 0);
     ahead_begin(&ahead); /* a key that changes nothing of them */
     CHECK_INT(send_all_ahead(&ahead), 0);
-    named_from = 1001; /* 1004 and 1007 were not there before, and what comes after the last */
+    named_from = 1001; /* 1004 and 1007 are new, and the ones after the last */
     ahead_begin(&ahead);
     CHECK_INT(send_all_ahead(&ahead), 3);
     named_from = 1000;
@@ -1248,14 +1247,14 @@ STORY(slices_go_ahead_once_and_then_there_is_rest)
     CHECK_INT(send_all_ahead(&ahead), 0);
     ahead_forget(&ahead); /* the terminal may have dropped some */
     CHECK_INT(send_all_ahead(&ahead), AHEAD_NUMBERS - 2);
-    for (unsigned i = 0; i < 100; i++) { /* what went long ago may go again */
+    for (unsigned i = 0; i < 100; i++) { /* what was sent long ago may be sent again */
         named_from = 5000 + i * 100;
         ahead_begin(&ahead);
         CHECK_INT(send_all_ahead(&ahead), AHEAD_NUMBERS - 2);
     }
 }
 
-/* A slice of some 25 kB takes 100 ms at 2 Mbit/s, and 10 at 20. */
+/* A slice of some 25 kB takes 100 ms at 2 Mbit/s, and 10 ms at 20 Mbit/s. */
 STORY(nothing_goes_ahead_where_a_slice_is_there_in_no_time)
 {
     CHECK(ahead_pays(&(struct flow){.per_byte_ns = 8e9 / 2e6}));
@@ -1317,7 +1316,7 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
     CHECK_TEXT(status_in(80),
                "axial at 20,25,30  brush 2 r3  here 1 brain  intensity 93  0.5,18.0,-2.0 mm  >");
     state.sends_ahead = false;
-    facts.waiting = 3; /* what keys do next comes before names */
+    facts.waiting = 3; /* the effect of the next keys has a higher rank than names */
     CHECK_TEXT(status_in(64), "axial at 20,25,30  brush 2 r3  3 wait for space  here 1 brain");
     for (unsigned columns = 20; columns < 200; columns++) {
         const char *at = status_in(columns);
@@ -1329,7 +1328,7 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
                 found = strstr(at, part[i]);
             }
         }
-        CHECK_INT(strspn(at, "#"), strlen(at)); /* of whole parts alone */
+        CHECK_INT(strspn(at, "#"), strlen(at)); /* whole parts only */
     }
     facts.times = 1500;
     facts.waiting = 0;
@@ -1361,11 +1360,11 @@ STORY(where_one_watches_keys_lead_from_step_to_step)
         CHECK_HAS(buf_text(&message), "this key does nothing here; ? shows the keys");
     }
     pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, true, 80, false, NULL});
-    CHECK_HAS(buf_text(&page), "Space Backspace  a step on, back");
+    CHECK_HAS(buf_text(&page), "Space Backspace  next, previous step");
     CHECK(strstr(buf_text(&page), "undo, redo") == NULL);
     buf_clear(&page);
     pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, false, 80, false, NULL});
-    CHECK(strstr(buf_text(&page), "a step on, back") == NULL);
+    CHECK(strstr(buf_text(&page), "next, previous step") == NULL);
     buf_release(&page);
 }
 
@@ -1474,7 +1473,7 @@ STORY(what_tiles_cost_is_learnt)
     refine_release(&r);
 }
 
-/* The middle of each block is a word's pixel, which no other pixel of the block takes. */
+/* The middle of each block is a pixel of a word, whose colour no other pixel of the block gets. */
 STORY(words_stay_sharp)
 {
     static uint8_t words[WIDTH * HEIGHT];

@@ -1,26 +1,26 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The pilot as a person meets it: keys into a real terminal (tmux, 80x24), what stands on its screen
-# then, and what the journal says of it.
+# The pilot as a user sees it: keys in a real terminal (tmux, 80x24), the screen after them, and the
+# commands that the journal records.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 
-make_scene u.nii 24 20 16 # which says nothing of the patient,
+make_scene u.nii 24 20 16 # without an orientation,
 cp u.nii s.nii
-printf '\001' | dd of=s.nii bs=1 seek=252 conv=notrunc 2>dd || fail "$(cat dd)" # and as his axes
+printf '\001' | dd of=s.nii bs=1 seek=252 conv=notrunc 2>dd || fail "$(cat dd)" # and with its axes
 half_block=$(printf '\342\226\200')
 last_record() {
     grep -v '^[=#]' s-1.iftty | tail -n 1
 }
-# Waits until the last command of the journal is this one.
+# The last command of the journal is this one.
 is_last_record() {
     [ "$(last_record)" = "$1" ]
 }
 recorded() {
     comes_true is_last_record "$1" || fail "the last command is '$(last_record)', not '$1'"
 }
-# Keys, or a line of the colon, and the record that they make, by default the line itself.
+# Type keys or a line after `:`, and wait for the record that they make, by default the line itself.
 types() {
     type_letters "$1"
     recorded "$2"
@@ -38,11 +38,11 @@ commanding() {
     type_letters ":"
     entering "$1" "$2"
 }
-# Whether the magnified slices go on around another voxel than this.
+# The magnified slices are around another voxel than this.
 has_panned() {
     case $(last_record) in *"at=$1") return 1 ;; "magnify "*) return 0 ;; *) return 1 ;; esac
 }
-# Whether the letters stand in this column, first above and then below.
+# These letters are in this column, the first at the top and the second at the bottom.
 sides_are() {
     screen_text | sed -n 1p | grep -q "^.\{$3\}$1" &&
         screen_text | sed -n 22p | grep -q "^.\{$3\}$2"
@@ -138,13 +138,13 @@ presses M-l "pan 16 0"
 close_story
 
 begin "finished labels are shown as one works, and the forest's again, by one key"
-typing "y" '`:finish relax` has them settle on the edges'
+typing "y" '`:finish relax` settles them on the edges'
 commands "finish relax sweeps=9"
 see '^the finish (breaks|reduces|deletes) label' # a page, since labels are lost from
 see '^[(]any key[)]$'
 type_letters " "
 types "y" "finished on"
-tmux_here resize-window -t prompt -x 100 -y 24 # the place in mm comes before that word
+tmux_here resize-window -t prompt -x 100 -y 24 # the place in mm has a higher rank than that word
 see '^coronal at 11,13,9  brush 3 r1  finished  '
 types "s1" "seed 11,13,9 1 radius=1"
 pressing Escape '^i seed ' # with the u before that, it would be Alt
@@ -227,7 +227,7 @@ close_story
 
 begin "a colon takes a command; what says more than a line has a page"
 commands "label 3 node"
-tmux_here resize-window -t prompt -x 100 -y 24 # the brush's name is the first to fall out
+tmux_here resize-window -t prompt -x 100 -y 24 # the brush's name is left out first
 see '^coronal at 11,13,9  brush 3 node r1  here '
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal at 11,13,9  brush 3 r1  here '
@@ -288,7 +288,7 @@ close_story
 begin "slices are magnified and moved by commands; what has the screen is no command"
 types "]]" "magnify 1.5 at=11,13,9"
 see '^coronal x1.5 at 11,13,9 '
-press M-Up # to the sides all is seen
+press M-Up # no part of the width is hidden
 comes_true has_panned 11,13,9 || fail "$(last_record)"
 types "gz" "magnify 1.5 at=11,13,9"
 before=$(grep -c . s-1.iftty)
@@ -335,7 +335,7 @@ see '^moving, or the mouse, draws an outline  Enter plants it  Escape drops it$'
 typing "4l4k4h" '^OUTLINE  coronal at 12,13,12  brush 2 4 corners'
 presses Enter "outline 12,13,8 2 to=8,13,8 to=8,13,12 to=12,13,12"
 typing "U" '^the outline of marker [0-9]+$'
-typing "v" '^held: moving drags it  Enter plants it  v grabs, lets go  Escape drops it$'
+typing "v" '^grabbed: moving drags it  Enter plants it  v grabs, lets go  Escape drops it$'
 type_letters "2h"
 press Enter
 comes_true replaces_outline || fail "$(last_record)"
@@ -435,13 +435,13 @@ type_letters "s4"
 comes_true grep -q '^seed .* 4' s-1.iftty || fail "$(last_record)"
 last=$(last_record)
 typing "vlllkkk" '^PEN DOWN'
-shows_stroke() { # the cross-hair is where the keys have led
+shows_stroke() { # the cross-hair follows the keys
     screen_text | grep -q "^PEN DOWN .* at $1 "
 }
 end=$(echo "$last" | sed 's/^seed //; s/ .*//' | awk -F, '{ print $1 - 3 "," $2 + 3 "," $3 }')
 comes_true shows_stroke "$end" || fail "not at $end:" "$(screen_text)"
 kill -KILL "$(cat pid)"
-is_given_back() { # by the guardian, which has gone then
+is_given_back() { # by the guardian, which has ended then
     [ "$(tmux_here display-message -p -t prompt '#{alternate_on}#{mouse_any_flag}')" = 00 ] &&
         ! ps -t "$(tmux_here display-message -p -t prompt '#{pane_tty}')" -o comm= | grep -q iftty
 }

@@ -1,14 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The prompt as a person meets it: keys into a real terminal (tmux, 80x24), and what stands on its
-# screen then. Without tmux there is nothing to see.
+# The prompt as a user sees it: keys in a real terminal (tmux, 80x24), and the screen after them.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 
 half_block=$(printf '\342\226\200')
 make_scene s.nii 24 20 16
-# What stands below the last line that is $1.
+# Print the lines below the last line that is $1.
 below() {
     screen_text | grep . | awk -v line="$1" '{ text = text $0 "\n" } $0 == line { text = "" }
                                         END { printf "%s", text }'
@@ -19,7 +18,7 @@ begin "the prompt appears, and what was typed before it is not lost"
 enter_anew "$iftty --graphics blocks s.nii"
 entering "label 2 early" '^s> label 2 early$'
 see '^s>$'
-screen_text | grep -q '^24x20x16 voxels' || fail "the scene is not told:" "$(screen_text)"
+screen_text | grep -q '^24x20x16 voxels' || fail "the scene is not described:" "$(screen_text)"
 same "$(below 's> label 2 early')" "s>"
 close_story
 

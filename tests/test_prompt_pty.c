@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The program's prompt, and its pilot, in a pseudo-terminal of our own, and what stands on its
- * screen: keys go in, cells are looked at. The terminal answers, late, in pieces, or with nonsense.
- */
+/* The program's prompt and its pilot in a pseudo-terminal, and the screen that they draw: the test
+ * sends keys and compares cells. The terminal answers late, in pieces, or with nonsense. */
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -23,13 +22,13 @@
 static char folder[FOLDER_LENGTH];
 static char program[PATH_MAX];
 static char bare[PATH_MAX];
-static const char *config = bare; /* of the program that is started next */
+static const char *config = bare; /* configuration of the next program */
 
 struct terminal {
     int master, slave;
     pid_t job;
     unsigned answered;
-    bool is_mute;       /* it answers later: what it sends is not to be parted by an answer */
+    bool is_mute;       /* it answers later, so that no answer splits the bytes that it sends */
     struct buf written; /* by the program: all of it */
     struct screen screen;
 };
@@ -77,7 +76,7 @@ static void type(struct terminal *t, const char *text)
     type_bytes(t, text, strlen(text));
 }
 
-/* Takes in what comes within `ms`; false at the end of the program. */
+/* Read what arrives within `ms`; return false at the end of the program. */
 static bool take(struct terminal *t, int ms)
 {
     char piece[4096];
@@ -158,8 +157,13 @@ static void check_awaited(struct terminal *t, bool (*holds)(const struct termina
 #define SEE_BEGIN(t, text) check_awaited(t, begins, text, __LINE__)
 #define SEE_LINE(t, row)   check_awaited(t, is_cursor_row, row, __LINE__)
 
-/* What comes within a while. Nothing may depend on the program's having done anything by then: this
- * is for what must not come, and for what the program has to take as two things. */
+/* The same after these keys. */
+#define ROW_AFTER(t, keys, row)    (type(t, keys), SEE(t, row))
+#define BEGIN_AFTER(t, keys, text) (type(t, keys), SEE_BEGIN(t, text))
+#define LINE_AFTER(t, keys, row)   (type(t, keys), SEE_LINE(t, row))
+
+/* Read what arrives within `ms`. Nothing may depend on what the program does in that time: this is
+ * for output that must not come, and for keys that the program must read separately. */
 static void settle(struct terminal *t, unsigned ms)
 {
     const uint64_t end = clock_ns() + ms * UINT64_C(1000000);
@@ -241,7 +245,7 @@ static const char *quit(struct terminal *t)
 
 /* ---- stories ---- */
 
-/* A row tells that voxels changed, in an object of this name and size. */
+/* Return true if a row reports changed voxels, in an object of this name and size. */
 static bool names_object(const struct terminal *t, const char *text)
 {
     for (unsigned y = 0; y < t->screen.rows; y++) {
@@ -256,19 +260,16 @@ STORY(a_line_is_typed_mended_and_carried_out)
 {
     struct terminal t;
     start_at_prompt(&t);
-    type(&t, "sed 20,20,15 1");
-    SEE_LINE(&t, "synth> sed 20,20,15 1");
+    LINE_AFTER(&t, "sed 20,20,15 1", "synth> sed 20,20,15 1");
     type(&t, "\001\033[C\033[Ce"); /* start, two to the right, the letter */
     SEE_LINE(&t, "synth> seed 20,20,15 1");
     CHECK_INT(t.screen.column, 7 + 3);
-    type(&t, "\r");
-    SEE_BEGIN(&t, "48000 voxels changed, label 1: 48 ml, ");
+    BEGIN_AFTER(&t, "\r", "48000 voxels changed, label 1: 48 ml, ");
     SEE_LINE(&t, "synth>");
-    type(&t, "label 1 \346\234\254x");
-    SEE_LINE(&t, "synth> label 1 \346\234\254x [#rrggbb] [number=1..65533]");
+    LINE_AFTER(&t, "label 1 \346\234\254x",
+               "synth> label 1 \346\234\254x [#rrggbb] [number=1..65533]");
     CHECK_INT(t.screen.column, 7 + 8 + 3);
-    type(&t, "\177\177kidney\r");
-    SEE(&t, "synth> label 1 kidney");
+    ROW_AFTER(&t, "\177\177kidney\r", "synth> label 1 kidney");
     type(&t, "seed 2,2,2 2\r");
     check_awaited(&t, names_object, "label 1 kidney: ", __LINE__);
     SEE_LINE(&t, "synth>");
@@ -281,23 +282,18 @@ STORY(a_hint_is_grey_moves_on_and_never_gets_into_the_line)
 {
     struct terminal t;
     start_at_prompt(&t);
-    type(&t, "polarity ");
-    SEE_LINE(&t, "synth> polarity LABEL PERCENT");
+    LINE_AFTER(&t, "polarity ", "synth> polarity LABEL PERCENT");
     const struct screen_cell *cell = t.screen.cell[t.screen.row];
     CHECK(!cell[7].grey && cell[16].grey && strcmp(cell[16].text, "L") == 0);
     CHECK_INT(t.screen.column, 16);
-    type(&t, "1");
-    SEE_LINE(&t, "synth> polarity 1 PERCENT");
+    LINE_AFTER(&t, "1", "synth> polarity 1 PERCENT");
     type(&t, "\001"); /* the cursor is not at the end: no hint */
     SEE_LINE(&t, "synth> polarity 1");
-    type(&t, "\005 50");
-    SEE_LINE(&t, "synth> polarity 1 50");
-    type(&t, "\177\177\177\r");
-    SEE(&t, "synth> polarity 1"); /* gone with Enter */
+    LINE_AFTER(&t, "\005 50", "synth> polarity 1 50");
+    ROW_AFTER(&t, "\177\177\177\r", "synth> polarity 1"); /* gone with Enter */
     SEE(&t, "                  ^");
     SEE(&t, "error: missing: PERCENT; usage: polarity LABEL PERCENT");
-    type(&t, "weight ");
-    SEE_BEGIN(&t, "synth> weight morph|sobel");
+    BEGIN_AFTER(&t, "weight ", "synth> weight morph|sobel");
     set_size(&t, 30, 24);
     SEE_LINE(&t, "synth> weight morph|sobel|gau"); /* cut before the last column */
     quit(&t);
@@ -314,22 +310,20 @@ STORY(tab_completes_and_lists_and_tells_how_many_more)
     }
     CHECK(file_write("scans/my masks/one.nii", "", 0, FILE_REPLACE, NULL) == OK);
     start_at_prompt(&t);
-    type(&t, "mask sc\t");
-    SEE_LINE(&t, "synth> mask scans/ [regions=A-B] [resample=yes|no] [volume=0..65535] [data=NAME");
-    type(&t, "my\t");
-    SEE_LINE(&t, "synth> mask \"scans/my masks/");
+    LINE_AFTER(&t, "mask sc\t",
+               "synth> mask scans/ [regions=A-B] [resample=yes|no] [volume=0..65535] [data=NAME");
+    LINE_AFTER(&t, "my\t", "synth> mask \"scans/my masks/");
     type(&t, "\t");
     SEE_LINE(&t,
              "synth> mask \"scans/my masks/one.nii\" [regions=A-B] [resample=yes|no] [volume=0.");
     CHECK_INT(t.screen.column, 37);
     type(&t, "\027\027"); /* kills back to the name of the command */
     SEE_LINE(&t, "synth> mask none|FILE [regions=A-B] [resample=yes|no] [volume=0..65535] [data=N");
-    type(&t, "scans/v\t\t");
-    SEE_LINE(&t, "synth> mask scans/volume- [regions=A-B] [resample=yes|no] [volume=0..65535] [da");
+    LINE_AFTER(&t, "scans/v\t\t",
+               "synth> mask scans/volume- [regions=A-B] [resample=yes|no] [volume=0..65535] [da");
     SEE_BEGIN(&t, "volume-0.nii    volume-20.nii");
     SEE(&t, "and 50 more");
-    type(&t, "\025zzz\t");
-    SEE_LINE(&t, "synth> zzz");
+    LINE_AFTER(&t, "\025zzz\t", "synth> zzz");
     CHECK(t.screen.bells > 0);
     quit(&t);
 }
@@ -338,14 +332,11 @@ STORY(a_caret_stands_under_what_is_wrong)
 {
     struct terminal t;
     start_at_prompt(&t);
-    type(&t, "seed 20,20,15 livver\r");
-    SEE(&t, "                     ^");
+    ROW_AFTER(&t, "seed 20,20,15 livver\r", "                     ^");
     SEE_BEGIN(&t, "error: LABEL: expected a label 0..255 or the name of one, not livver");
-    type(&t, "label 1 \346\234\254 clour\r");
-    SEE(&t, "                  ^");
+    ROW_AFTER(&t, "label 1 \346\234\254 clour\r", "                  ^");
     set_size(&t, 30, 24);
-    type(&t, "seed 20,20,15 1 radius=999 to=1,1,1\r");
-    SEE(&t, "...eed 20,20,15 1 radius=9...");
+    ROW_AFTER(&t, "seed 20,20,15 1 radius=999 to=1,1,1\r", "...eed 20,20,15 1 radius=9...");
     SEE(&t, "                  ^");
     SEE_LINE(&t, "synth>");
     quit(&t);
@@ -367,8 +358,7 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
     }
     SEE(&t, "synth> label 99 part-99");
     SEE_LINE(&t, "synth> label 100 part-100 [#rrggbb] [number=1..65533]"); /* waits for Enter */
-    type(&t, "\r");
-    SEE_LINE(&t, "synth>");
+    LINE_AFTER(&t, "\r", "synth>");
     const char *text = quit(&t);
     for (int i = 1; i <= 100; i++) {
         snprintf(line, sizeof line, "\nlabel %d part-%d\n", i, i);
@@ -384,11 +374,9 @@ STORY(history_outlives_a_session_that_is_killed)
     start_at_prompt(&t);
     start(&other, &plain);
     SEE_LINE(&other, "synth>");
-    type(&t, "label 7 first\r");
-    SEE(&t, "synth> label 7 first");
+    ROW_AFTER(&t, "label 7 first\r", "synth> label 7 first");
     SEE_LINE(&t, "synth>");
-    type(&other, "label 7 second\r");
-    SEE(&other, "synth> label 7 second");
+    ROW_AFTER(&other, "label 7 second\r", "synth> label 7 second");
     SEE_LINE(&other, "synth>");
     kill(t.job, SIGKILL);
     CHECK_INT(end(&t), 128 + SIGKILL);
@@ -398,10 +386,8 @@ STORY(history_outlives_a_session_that_is_killed)
     start_at_prompt(&t);
     type(&t, "\020\020"); /* up, past `quit` */
     SEE_LINE(&t, "synth> label 7 second [#rrggbb] [number=1..65533]");
-    type(&t, "\022fir");
-    SEE_LINE(&t, "(search 'fir') label 7 first");
-    type(&t, "\007");
-    SEE_LINE(&t, "synth>");
+    LINE_AFTER(&t, "\022fir", "(search 'fir') label 7 first");
+    LINE_AFTER(&t, "\007", "synth>");
     quit(&t);
 }
 
@@ -412,10 +398,8 @@ STORY(hostile_lines_of_a_history_are_not_obeyed)
                                 "31m\n";
     CHECK(file_write("history", lines, sizeof lines - 1, FILE_REPLACE, NULL) == OK);
     start_at_prompt(&t);
-    type(&t, "\020");
-    SEE_LINE(&t, "synth> \\xff\\xfe\\x9b31m");
-    type(&t, "\020");
-    SEE_LINE(&t, "synth> info");
+    LINE_AFTER(&t, "\020", "synth> \\xff\\xfe\\x9b31m");
+    LINE_AFTER(&t, "\020", "synth> info");
     CHECK(strstr(buf_text(&t.written), "title") == NULL);
     quit(&t);
 }
@@ -433,33 +417,26 @@ STORY(what_was_entered_before_is_suggested_and_taken)
     type(&t,
          "se"); /* neither a voxel beyond the scene, nor a label without a name, nor a mistake */
     SEE_LINE(&t, "synth> se");
-    type(&t, "\025label 7 ");
-    SEE_LINE(&t, "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    LINE_AFTER(&t, "\025label 7 ", "synth> label 7 liver [#rrggbb] [number=1..65533]");
     const struct screen_cell *cell = t.screen.cell[t.screen.row];
     CHECK(cell[15].grey && cell[21].grey && !cell[8].grey && t.screen.column == 15);
-    type(&t, "\033[C");
-    SEE_LINE(&t, "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    LINE_AFTER(&t, "\033[C", "synth> label 7 liver [#rrggbb] [number=1..65533]");
     check_awaited(&t, is_at_column, "20", __LINE__);
-    type(&t, "\r");
-    SEE_LINE(&t, "synth>");
-    type(&t, "se");
-    SEE_BEGIN(&t, "synth> seed 1,1,1 liver [radius=");
+    LINE_AFTER(&t, "\r", "synth>");
+    BEGIN_AFTER(&t, "se", "synth> seed 1,1,1 liver [radius=");
     type(&t, "\033f\033f");
     check_awaited(&t, is_at_column, "13", __LINE__);
     type(&t, "\001"); /* not at the end: nothing */
     SEE_LINE(&t, "synth> seed 1");
     type(&t, "\005\005");
     check_awaited(&t, is_at_column, "23", __LINE__);
-    type(&t, "\037\037"); /* undone: what was taken, and a word of it */
+    type(&t, "\037\037"); /* undo the suggestion, and a word of it */
     check_awaited(&t, is_at_column, "11", __LINE__);
-    type(&t, "\025la\033[A");
-    SEE_LINE(&t, "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    LINE_AFTER(&t, "\025la\033[A", "synth> label 7 liver [#rrggbb] [number=1..65533]");
     type(&t, "\033[B");
     check_awaited(&t, is_at_column, "9", __LINE__);
-    type(&t, "\025goto \033.\033.");
-    SEE_LINE(&t, "synth> goto 1");
-    type(&t, "\025zoom\001\033u");
-    SEE_LINE(&t, "synth> ZOOM");
+    LINE_AFTER(&t, "\025goto \033.\033.", "synth> goto 1");
+    LINE_AFTER(&t, "\025zoom\001\033u", "synth> ZOOM");
     quit(&t);
 }
 
@@ -468,8 +445,7 @@ static const char editor_script[] = "ls -ld \"${1%/*}\" >seen; stty -a >modes; c
 
 static void edit_elsewhere(struct terminal *t)
 {
-    type(t, "seed 2");
-    SEE_BEGIN(t, "synth> seed 2");
+    BEGIN_AFTER(t, "seed 2", "synth> seed 2");
     type(t, "\030\005");
 }
 
@@ -484,8 +460,7 @@ STORY(a_line_is_edited_in_another_editor_and_waits_for_enter)
     edit_elsewhere(&t);
     SEE_BEGIN(&t, "synth> seed 20,20,15 1 [radius=");
     CHECK(reads_keys(&t, ""));
-    type(&t, "\037");
-    SEE_BEGIN(&t, "synth> seed 2 LABEL [radius=");
+    BEGIN_AFTER(&t, "\037", "synth> seed 2 LABEL [radius=");
     CHECK(file_read(&seen, "seen", 1 << 12, NULL) == OK);
     CHECK(strncmp(buf_text(&seen), "drwx------", 10) == 0);
     CHECK(!file_exists(strchr(buf_text(&seen), '/')));
@@ -503,7 +478,7 @@ STORY(without_an_editor_it_is_said_in_words)
     static const char *const cases[][2] = {
         {"", "error: neither VISUAL nor EDITOR names an editor; "},
         {"no-such-editor", "error: there is no editor no-such-editor; "},
-        {"false", "error: false ended with status 1; the line is as it was"}};
+        {"false", "error: false ended with status 1; the line is unchanged"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct terminal t;
         setenv("EDITOR", cases[i][0], 1);
@@ -522,29 +497,25 @@ static bool is_foot(const struct terminal *t, const char *text)
     return strcmp(screen_row(&t->screen, t->screen.row), text) == 0 &&
            t->screen.column == strlen(text);
 }
-#define SEE_FOOT(t, text) check_awaited(t, is_foot, text, __LINE__)
-#define MORE              "-- more --"
+#define SEE_FOOT(t, text)         check_awaited(t, is_foot, text, __LINE__)
+#define FOOT_AFTER(t, keys, text) (type(t, keys), SEE_FOOT(t, text))
+#define MORE                      "-- more --"
 
 STORY(a_long_answer_is_printed_by_pages)
 {
     struct terminal t;
     unsigned pages = 1;
     start_at_prompt(&t);
-    type(&t, "help\r");
-    SEE_FOOT(&t, MORE);
+    FOOT_AFTER(&t, "help\r", MORE);
     CHECK_TEXT(screen_row(&t.screen, 0), "The scene");
-    type(&t, "q");
-    SEE_LINE(&t, "synth>"); /* in its place */
+    LINE_AFTER(&t, "q", "synth>"); /* in its place */
     CHECK(!begins(&t, MORE));
-    type(&t, "help\r");
-    SEE_FOOT(&t, MORE);
+    FOOT_AFTER(&t, "help\r", MORE);
     type(&t, "  q"); /* keys that arrive together are a page each */
     SEE_LINE(&t, "synth>");
-    type(&t, "help\r");
-    SEE_FOOT(&t, MORE);
+    FOOT_AFTER(&t, "help\r", MORE);
     set_size(&t, 80, 12);
-    type(&t, " ");
-    SEE_FOOT(&t, MORE);
+    FOOT_AFTER(&t, " ", MORE);
     set_size(&t, 80, 24);
     for (; pages < 40 && !begins(&t, "quit "); pages++) {
         type(&t, "\r");
@@ -563,18 +534,15 @@ STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
 {
     struct terminal t;
     start_at_prompt(&t);
-    type(&t, "help\rlabel 3 one\r"); /* somebody who does not look: there are no pages */
+    type(&t, "help\rlabel 3 one\r"); /* a user who types on: there are no pages */
     SEE(&t, "synth> label 3 one");
     SEE_LINE(&t, "synth>");
-    type(&t, "help\r");
-    SEE_FOOT(&t, MORE);
+    FOOT_AFTER(&t, "help\r", MORE);
     type(&t, "\033[200~label 4 two\rquit it"); /* a paste leaves, and is the prompt's */
     SEE(&t, "synth> label 4 two");
-    type(&t, "\033[201~");
-    SEE_LINE(&t, "synth> quit it");
-    type(&t, "\025help\r");
-    SEE_FOOT(&t, MORE);
-    type(&t, "\033[?64;1;2;6;9c\003"); /* what a terminal says is no key */
+    LINE_AFTER(&t, "\033[201~", "synth> quit it");
+    FOOT_AFTER(&t, "\025help\r", MORE);
+    type(&t, "\033[?64;1;2;6;9c\003"); /* an answer of the terminal is no key */
     SEE_LINE(&t, "synth>");
     const char *text = quit(&t);
     CHECK_HAS(text, "\nlabel 3 one\n");
@@ -588,8 +556,7 @@ static void start_with_pager(struct terminal *t, const char *pager)
     start_at_prompt(t);
     unsetenv("PAGER");
     unlink("paged");
-    type(t, "help");
-    SEE_BEGIN(t, "synth> help");
+    BEGIN_AFTER(t, "help", "synth> help");
     type(t, "\r");
 }
 
@@ -597,8 +564,7 @@ static void end_with_pager(struct terminal *t)
 {
     SEE_LINE(t, "synth>");
     CHECK(reads_keys(t, ""));
-    type(t, "label 5 more\r");
-    SEE_LINE(t, "synth>");
+    LINE_AFTER(t, "label 5 more\r", "synth>");
     CHECK_HAS(quit(t), "\nlabel 5 more\n");
 }
 
@@ -653,7 +619,7 @@ static const char *const any_key[] = {
     "\346\234\254", "\033[6~",  "\177",   "\033\\", "\033[?64;1c", "\033[<0;1;1M",
     "e\314\201",    "n"};
 
-/* Where a command still runs, Ctrl-C ends that, and what was typed on is the line's: once more. */
+/* If a command runs, Ctrl-C ends it, and text typed meanwhile is in the line: press it again. */
 static void clear_line(struct terminal *t)
 {
     type(t, "\003\003");
@@ -683,14 +649,12 @@ STORY(whatever_is_pressed_the_prompt_is_sane_again)
         snprintf(mark, sizeof mark, "# round %d", round);
         snprintf(row, sizeof row, "synth> # round %d", round);
         clear_line(&t);
-        type(&t, mark);
-        SEE_LINE(&t, row);
+        LINE_AFTER(&t, mark, row);
         CHECK(!t.screen.is_other && reads_keys(&t, ""));
         type(&t, "\003");
     }
     set_size(&t, 80, 24);
-    type(&t, "label 9 sound\r");
-    SEE(&t, "synth> label 9 sound");
+    ROW_AFTER(&t, "label 9 sound\r", "synth> label 9 sound");
     const char *text = quit(&t);
     CHECK_HAS(text, "\nlabel 9 sound\n");
 }
@@ -711,7 +675,7 @@ STORY(pages_can_be_done_without)
     unlink("config");
 }
 
-/* The rows that a line of `text` after the prompt takes, with the cursor at its end. */
+/* Return true if a line of `text` after the prompt takes its rows, with the cursor at its end. */
 static bool has_rows(const struct terminal *t, const char *text)
 {
     char whole[256];
@@ -738,18 +702,16 @@ STORY(a_long_line_is_drawn_anew_at_every_width)
     static const unsigned width[] = {60, 40, 106, 26, 80, 53, 120, 20, 107, 80};
     struct terminal t;
     start_at_prompt(&t);
-    type(&t, "info\r");
-    SEE_BEGIN(&t, "memory ");
+    BEGIN_AFTER(&t, "info\r", "memory ");
     type(&t, text);
     check_awaited(&t, has_rows, text, __LINE__);
     for (size_t i = 0; i < sizeof width / sizeof *width; i++) {
         set_size(&t, width[i], 24);
         check_awaited(&t, has_rows, text, __LINE__);
-        if (!CHECK(begins(&t, "memory "))) /* what was said before is left alone */
+        if (!CHECK(begins(&t, "memory "))) /* older output is unchanged */
             print_screen(&t);
     }
-    type(&t, "\003");
-    SEE_LINE(&t, "synth>");
+    LINE_AFTER(&t, "\003", "synth>");
     quit(&t);
 }
 
@@ -790,7 +752,7 @@ STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
         buf_add_text(&text, letter);
     }
     buf_add_text(&lengthy, "\033P");
-    for (int i = 0; i < 20000; i++) /* more than anybody keeps */
+    for (int i = 0; i < 20000; i++) /* more than is stored */
         buf_add_char(&lengthy, (char)('0' + i % 70));
     buf_add_text(&lengthy, "\033\\.");
     for (size_t at = 0; at < lengthy.length; at += 1000) {
@@ -808,7 +770,7 @@ STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
     buf_release(&lengthy);
 }
 
-/* The first piece, and then so many bytes at a time. */
+/* Send the first piece, and then so many bytes at a time. */
 static void answer_slowly(struct terminal *t, const char *reply, size_t first, size_t more)
 {
     const size_t length = strlen(reply);
@@ -829,13 +791,11 @@ STORY(a_reply_may_take_two_seconds)
     answer_slowly(&t, "\033[?64;1;2;6;9c", 3, 4);
     answer_slowly(&t, "\033P>|XTerm(379)\033\\", 4, 6);
     answer_slowly(&t, "\033[?64;1;2;6;9c", 1, 7); /* ESC alone is a key, unless this follows */
-    type(&t, "fo");
-    SEE_LINE(&t, "synth> info");
+    LINE_AFTER(&t, "fo", "synth> info");
     CHECK(clock_ns() - begin > UINT64_C(2000000000));
     type(&t, "\033"); /* and so is one that nothing follows */
     settle(&t, 1000);
-    type(&t, "\177\177formation");
-    SEE_LINE(&t, "synth> information");
+    LINE_AFTER(&t, "\177\177formation", "synth> information");
     type(&t, "\025info");
     quit(&t);
 }
@@ -848,7 +808,7 @@ static void start_without_scene(struct terminal *t)
     check_awaited(t, reads_keys, "the program reads keys", __LINE__);
 }
 
-/* The bar of a scene that is being made, or what is said once it is open. */
+/* Return true if the bar is shown, or the scene is already open. */
 static bool opens(const struct terminal *t, const char *bar)
 {
     return begins(t, bar) || begins(t, "420x420x340 voxels");
@@ -858,7 +818,7 @@ static bool is_cancelled(const struct terminal *t, const char *words)
     return stands(t, words) || begins(t, "420x420x340 voxels");
 }
 
-/* The key may come when all is done, since nobody knows who is how fast: false then. */
+/* Return false if the key came after the end of the command, which depends on the machine. */
 static bool cancel_opening(struct terminal *t)
 {
     static const char bar[] = "synthetic scene       [",
@@ -879,18 +839,15 @@ STORY(ctrl_c_takes_back_a_line_or_a_command)
     struct terminal t;
     struct buf journal_text = {0};
     start_without_scene(&t);
-    type(&t, "seed 1,1,1");
-    SEE_BEGIN(&t, "session> seed 1,1,1");
-    type(&t, "\003");
-    SEE(&t, "session> seed 1,1,1^C");
+    BEGIN_AFTER(&t, "seed 1,1,1", "session> seed 1,1,1");
+    ROW_AFTER(&t, "\003", "session> seed 1,1,1^C");
     SEE_LINE(&t, "session>");
     for (unsigned tries = 0; tries < 20 && check_failures == 0 && !cancel_opening(&t); tries++) {
         kill(t.job, SIGKILL);
         CHECK_INT(end(&t), 128 + SIGKILL);
         start_without_scene(&t);
     }
-    type(&t, "info\r");
-    SEE(&t, "no scene is open");
+    ROW_AFTER(&t, "info\r", "no scene is open");
     quit(&t);
     CHECK(file_read(&journal_text, "session-1.iftty", 1 << 20, NULL) == OK);
     CHECK(!strstr(buf_text(&journal_text), "\nopen "));
@@ -905,12 +862,10 @@ STORY(without_colours_there_is_none_and_no_hint)
     setting.no_color = "1";
     start(&t, &setting);
     SEE_LINE(&t, "synth>");
-    type(&t, "seed ");
-    SEE_LINE(&t, "synth> seed");
+    LINE_AFTER(&t, "seed ", "synth> seed");
     settle(&t, 150);
     SEE_LINE(&t, "synth> seed");
-    type(&t, "1,1 1\r");
-    SEE(&t, "            ^");
+    ROW_AFTER(&t, "1,1 1\r", "            ^");
     SEE_BEGIN(&t, "error: PLACE: expected X,Y,Z");
     CHECK_INT(t.screen.colours, 0);
     quit(&t);
@@ -923,16 +878,12 @@ STORY(a_dumb_terminal_gets_no_escape_at_all)
     setting.term = "dumb";
     start(&t, &setting);
     SEE_LINE(&t, "synth>");
-    type(&t, "seed 20,20,15 1\r");
-    SEE_BEGIN(&t, "48000 voxels changed, label 1: 48 ml, ");
+    BEGIN_AFTER(&t, "seed 20,20,15 1\r", "48000 voxels changed, label 1: 48 ml, ");
     SEE_LINE(&t, "synth>"); /* the terminal echoes by itself: not before the prompt */
-    type(&t, "sede\r");
-    SEE(&t, "error: unknown command sede; did you mean seed?");
+    ROW_AFTER(&t, "sede\r", "error: unknown command sede; did you mean seed?");
     SEE_LINE(&t, "synth>");
-    type(&t, "render\r");
-    SEE_BEGIN(&t, "512x512 pixels, ");
-    type(&t, "quit\r");
-    SEE_BEGIN(&t, "journal: synth-1.iftty");
+    BEGIN_AFTER(&t, "render\r", "512x512 pixels, ");
+    BEGIN_AFTER(&t, "quit\r", "journal: synth-1.iftty");
     CHECK(strchr(buf_text(&t.written), '\033') == NULL);
     CHECK_INT(end(&t), 0);
     forget_journals();
@@ -979,12 +930,11 @@ STORY(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot)
     }
     type(&t, "\033");
     settle(&t, 200);
-    type(&t, "["); /* a key, after Escape too: what comes next is one as well */
+    type(&t, "["); /* a key, even after Escape: the next byte is another key */
     settle(&t, 200);
     type(&t, "j"); /* one voxel */
     settle(&t, 200);
-    type(&t, "q");
-    SEE_LINE(&t, "synth>");
+    LINE_AFTER(&t, "q", "synth>");
     const char *text = quit(&t);
     commands_of(&commands, text);
     CHECK_TEXT(buf_text(&commands),
@@ -1015,8 +965,7 @@ STORY(no_frame_of_the_pilot_begins_with_a_sequence)
     SEE_LINE(&t, "synth>");
     type(&t, "\017");
     check_awaited(&t, is_in_pilot, "the pilot", __LINE__);
-    type(&t, "3lq");
-    SEE_LINE(&t, "synth>");
+    LINE_AFTER(&t, "3lq", "synth>");
     const char *at = buf_text(&t.written);
     while ((at = strstr(at, begin))) {
         at += strlen(begin);
@@ -1051,11 +1000,10 @@ static bool has_recorded(const struct terminal *t, const char *command)
 
 static void leave_pilot(struct terminal *t)
 {
-    type(t, "q");
-    SEE_LINE(t, "synth>");
+    LINE_AFTER(t, "q", "synth>");
 }
 
-/* Compares what was recorded since the scene was opened. */
+/* Compare the commands recorded after the scene was opened. */
 static void check_recorded(struct terminal *t, const char *commands)
 {
     static const char opened[] = "open synth:geom:40x40x30 weight=morph\nauto on\n";
@@ -1118,18 +1066,14 @@ STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
         type(&t, paste + cut);
         t.is_mute = false;
         SEE_LINE(&t, ":i2s1vll q seed 1,1,1 2 u");
-        type(&t, "\033");
-        SEE_BEGIN(&t, "nothing to show yet: ");
-        type(&t, "?");
-        SEE_BEGIN(&t, "  h j k l arrows ");
+        BEGIN_AFTER(&t, "\033", "nothing to show yet: ");
+        BEGIN_AFTER(&t, "?", "  h j k l arrows ");
         type(&t, "\033[200~iii"); /* into a page; and it does not end */
         settle(&t, 100);
         type(&t, "\003");
         settle(&t, 100);
-        type(&t, " ");
-        SEE_BEGIN(&t, "nothing to show yet: ");
-        type(&t, "q");
-        SEE_LINE(&t, "synth>");
+        BEGIN_AFTER(&t, " ", "nothing to show yet: ");
+        LINE_AFTER(&t, "q", "synth>");
         const char *text = quit(&t);
         buf_clear(&commands);
         commands_of(&commands, text);
@@ -1138,46 +1082,19 @@ STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
     buf_release(&commands);
 }
 
+/* Whole keys, replies and lines; nothing that leaves the pilot or stops it. */
+static const char *const whole[] = {
+    "\033[A",   "\033[B",  "\033[1;5C", "\033[1;2D", "\033[1;3A",    "\033OA",
+    "\033[5~",  "\033[6~", "\033[Z",    "\033",      "\033h",        "\r",
+    "\t",       "\022",    "\014",      "\003",      "\033[?64;1c",  "\033[6;18;9t",
+    "\033P>|x", "\033\\",  "\033[200~", "\033[201~", "\033[?1;2$y",  "\033_Gi=31;OK",
+    "ma'a",     "s1",      "s0",        "xx",        "gg",           "99",
+    "V",        "p",       "v",         ":info\r",   ":label 3 n\r", ":seed 1\033"};
+
 /* Something that a keyboard, a mouse, a paste or a terminal sends, or any bytes; nothing that
  * leaves the pilot or stops it. */
 static void add_random(struct buf *out, uint64_t *seed)
 {
-    static const char *const whole[] = {"\033[A",
-                                        "\033[B",
-                                        "\033[1;5C",
-                                        "\033[1;2D",
-                                        "\033[1;3A",
-                                        "\033OA",
-                                        "\033[5~",
-                                        "\033[6~",
-                                        "\033[Z",
-                                        "\033",
-                                        "\033h",
-                                        "\r",
-                                        "\t",
-                                        "\022",
-                                        "\014",
-                                        "\003",
-                                        "\033[?64;1;2c",
-                                        "\033[6;18;9t",
-                                        "\033P>|x",
-                                        "\033\\",
-                                        "\033[200~",
-                                        "\033[201~",
-                                        "\033[?2026;2$y",
-                                        "\033_Gi=31;OK\033\\",
-                                        "ma'a",
-                                        "s1",
-                                        "s0",
-                                        "xx",
-                                        "gg",
-                                        "99",
-                                        "V",
-                                        "p",
-                                        "v",
-                                        ":info\r",
-                                        ":label 3 n\r",
-                                        ":seed 1,1,1 1\033"};
     const uint64_t kind = check_below(seed, 12);
     if (kind < 5)
         buf_add_text(out, whole[check_below(seed, sizeof whole / sizeof whole[0])]);
@@ -1195,8 +1112,8 @@ static void add_random(struct buf *out, uint64_t *seed)
     }
 }
 
-/* Back to where keys move the cross-hair, whatever had begun: a paste, a page, a line, a mode,
- * corners; and what the last of these said, which stands until the next key, is gone. */
+/* Return to moving the cross-hair from any state: a paste, a page, a line, a mode, corners; and
+ * remove the last message, which is shown until the next key. */
 static void come_back(struct terminal *t)
 {
     type(t, "\033\\\033[201~");
@@ -1232,7 +1149,7 @@ static void take_last_screen(struct terminal *t, struct buf *out)
     take_screen(t, out);
 }
 
-/* What stands there is what is drawn anew. */
+/* Check that a redraw changes nothing. */
 static void check_screen(struct terminal *t)
 {
     struct buf before = {0}, after = {0};
@@ -1262,13 +1179,10 @@ STORY(the_picture_stays_where_the_line_below_it_is_drawn_anew)
 {
     struct terminal t;
     enter_pilot(&t);
-    type(&t, ":info");
-    SEE_LINE(&t, ":info");
+    LINE_AFTER(&t, ":info", ":info");
     check_screen(&t);
-    type(&t, "\033");
-    SEE_BEGIN(&t, "nothing to show yet: ");
-    type(&t, "q");
-    SEE_LINE(&t, "synth>");
+    BEGIN_AFTER(&t, "\033", "nothing to show yet: ");
+    LINE_AFTER(&t, "q", "synth>");
     quit(&t);
 }
 
@@ -1298,8 +1212,7 @@ STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
         }
         come_back(&t);
         check_screen(&t);
-        type(&t, "q");
-        SEE_LINE(&t, "synth>");
+        LINE_AFTER(&t, "q", "synth>");
         type(&t, "\025quit\r");
         CHECK_INT(end(&t), 0);
         verify_journal();

@@ -23,22 +23,29 @@
 #include "tests/scarce_memory.h"
 
 static char folder[FOLDER_LENGTH];
+static struct interpreter interp;
 
-static void refused(struct interpreter *interp, const char *line, const char *words)
+static void begin_anew(void)
 {
-    CHECK(execute(interp, line) != OK);
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
+}
+
+static void refused(const char *line, const char *words)
+{
+    CHECK(execute(&interp, line) != OK);
     CHECK_HAS(fault.text, words);
-    CHECK(!interp->shows_picture);
+    CHECK(!interp.shows_picture);
 }
 
 /* Lines separated by semicolons. */
-static void must_all(struct interpreter *interp, const char *lines)
+static void must_all(const char *lines)
 {
     char line[128];
     for (size_t n; *lines; lines += n + strspn(lines + n, "; ")) {
         n = strcspn(lines, ";");
         snprintf(line, sizeof line, "%.*s", (int)n, lines);
-        must(interp, line);
+        must(&interp, line);
     }
 }
 
@@ -90,7 +97,7 @@ static void write_head(const char *name, struct head *head, double to_mm[3][4])
               NULL, NULL) == OK);
 }
 
-/* Takes the sform away and leaves a qform of the rotation b, c, d under pixdim[0] = qfac. */
+/* Remove the sform and write a qform of the rotation b, c, d, with pixdim[0] = qfac. */
 static void use_qform(const char *name, const float quaternion[3], float qfac)
 {
     struct buf file = {0};
@@ -105,8 +112,9 @@ static void use_qform(const char *name, const float quaternion[3], float qfac)
     buf_release(&file);
 }
 
-/* The letter in the middle of an edge of a picture of 100x100; 0 left, 1 right, 2 top, 3 bottom.
- * The ground is not always black: what counts is what is the same on black and on white. */
+/* Return the letter in the middle of an edge of a picture of 100x100; 0 left, 1 right, 2 top, 3
+ * bottom. The background is not always black: only pixels count that are equal on black and on
+ * white. */
 static char letter_at(const struct canvas *s, int edge)
 {
     static const uint32_t corner[4][2] = {{0, 40}, {85, 40}, {40, 0}, {40, 80}};
@@ -136,14 +144,14 @@ static char letter_at(const struct canvas *s, int edge)
 
 /* The scene is bright on one of the patient's sides, `letter`: in both planes that have that side
  * on an edge, the bright edge is the one with the letter. */
-static void bright_is(struct interpreter *interp, char letter)
+static void bright_is(char letter)
 {
     static const char *const plane[3] = {"slice axial", "slice coronal", "slice sagittal"};
     static const uint32_t inside[4][2] = {{5, 30}, {94, 30}, {30, 5}, {30, 94}};
     unsigned found = 0;
     for (int p = 0; p < 3; p++) {
-        must(interp, plane[p]);
-        const struct canvas *s = &interp->shown;
+        must(&interp, plane[p]);
+        const struct canvas *s = &interp.shown;
         for (int edge = 0; edge < 4; edge++) {
             const uint8_t *pixel = canvas_pixel(s, inside[edge][0], inside[edge][1]);
             if (letter_at(s, edge) == letter) {
@@ -166,16 +174,14 @@ static void heads_are_bright_where_they_are(unsigned number, double to_mm[3][4],
     struct head head;
     orient(head.to_patient, number);
     for (int side = 0; side < 6; side++) {
-        struct interpreter interp;
         head.bright_axis = side / 2;
         head.bright_at_end = side % 2;
         write_head("head.nii", &head, to_mm ? to_mm : head.to_patient);
         if (quaternion)
             use_qform("head.nii", quaternion, qfac);
-        begin_interpreter(&interp);
-        must_all(&interp, "open head.nii; size 100 100; window 2 150; overlay cross=off");
-        bright_is(&interp, "LRPAIS"[side]);
-        interpreter_release(&interp);
+        begin_anew();
+        must_all("open head.nii; size 100 100; window 2 150; overlay cross=off");
+        bright_is("LRPAIS"[side]);
     }
 }
 
@@ -185,17 +191,16 @@ STORY(letters_are_right_in_all_48_orientations_of_a_file)
         heads_are_bright_where_they_are(number, NULL, NULL, 1);
 }
 
-/* The number of a slice is that of its voxels, however they lie in the patient. */
+/* A slice has the number of its voxels, in any orientation of the scene. */
 STORY(slices_have_the_numbers_of_their_voxels)
 {
     for (unsigned number = 0; number < 48 && check_failures < 10; number++) {
         static const char *const plane[] = {"axial", "coronal", "sagittal"};
         struct head head = {.bright_axis = 0};
-        struct interpreter interp;
         char line[64], words[96];
         orient(head.to_patient, number);
         write_head("head.nii", &head, head.to_patient);
-        begin_interpreter(&interp);
+        begin_anew();
         must(&interp, "open head.nii");
         for (int p = 0; p < 3; p++) {
             const int axis = slice_axis(interp.session->scene, (enum slice_plane)p);
@@ -206,7 +211,6 @@ STORY(slices_have_the_numbers_of_their_voxels)
             snprintf(words, sizeof words, "%s %d", plane[p], 2 + p);
             CHECK_HAS(buf_text(&reply.text), words);
         }
-        interpreter_release(&interp);
     }
 }
 
@@ -252,7 +256,8 @@ STORY(letters_are_right_under_qforms_and_negative_pixdim)
 
 /* ---- a scene with real values ---- */
 
-/* Values 0, 1, ... 999 along x, y, z, stored as they are and told as slope * i + intercept. */
+/* Values 0, 1, ... 999 along x, y, z, stored without scaling; real values are slope * i +
+ * intercept. */
 static void value_row(void *context, uint32_t y, uint32_t z, void *values)
 {
     uint16_t *at = values;
@@ -280,85 +285,78 @@ static void write_values(const char *name, float slope, float intercept)
     buf_release(&file);
 }
 
-static void begin_values(struct interpreter *interp, float slope, float intercept)
+static void begin_values(float slope, float intercept)
 {
     write_values("values.nii", slope, intercept);
-    begin_interpreter(interp);
-    must_all(interp, "open values.nii; size 10 10; overlay none cross=off marks=off words=off");
+    begin_anew();
+    must_all("open values.nii; size 10 10; overlay none cross=off marks=off words=off");
 }
 
 /* The grey of voxel x, y of axial slice z: columns run from the patient's right, rows from A. */
-static int grey_of(struct interpreter *interp, uint32_t x, uint32_t y)
+static int grey_of(uint32_t x, uint32_t y)
 {
-    return canvas_pixel(&interp->shown, 9 - x, 9 - y)[0];
+    return canvas_pixel(&interp.shown, 9 - x, 9 - y)[0];
 }
 
 STORY(windows_are_in_real_values)
 {
-    struct interpreter interp;
-    begin_values(&interp, 0.5f, -100);
+    begin_values(0.5f, -100);
     must(&interp, "window -75 -50"); /* intensities 50 and 100 */
     CHECK_HAS(buf_text(&reply.text), "window -75 -50,");
     must(&interp, "slice axial 0");
-    CHECK_INT(grey_of(&interp, 0, 5), 0);
-    CHECK_INT(grey_of(&interp, 1, 5), 5);
-    CHECK_INT(grey_of(&interp, 5, 7), 128); /* 75: 127.5 */
-    CHECK_INT(grey_of(&interp, 9, 9), 250);
+    CHECK_INT(grey_of(0, 5), 0);
+    CHECK_INT(grey_of(1, 5), 5);
+    CHECK_INT(grey_of(5, 7), 128); /* 75: 127.5 */
+    CHECK_INT(grey_of(9, 9), 250);
     must(&interp, "slice axial 1");
-    CHECK_INT(grey_of(&interp, 0, 0), 255);
+    CHECK_INT(grey_of(0, 0), 255);
     must(&interp, "window -75 -74.9"); /* less than an intensity: a step */
     must(&interp, "slice axial 0");
-    CHECK_INT(grey_of(&interp, 0, 5), 0);
-    CHECK_INT(grey_of(&interp, 1, 5), 255);
-    must(&interp, "window -1000000000 1000000000");
-    must(&interp, "slice axial 0");
-    CHECK(grey_of(&interp, 0, 0) == 128 && grey_of(&interp, 9, 9) == 128);
-    interpreter_release(&interp);
+    CHECK_INT(grey_of(0, 5), 0);
+    CHECK_INT(grey_of(1, 5), 255);
+    must_all("window -1000000000 1000000000; slice axial 0");
+    CHECK(grey_of(0, 0) == 128 && grey_of(9, 9) == 128);
 
-    begin_values(&interp, -2, 10);    /* bright voxels have low intensities */
+    begin_values(-2, 10);             /* bright voxels have low intensities */
     must(&interp, "window -190 -90"); /* intensities 100 and 50 */
     must(&interp, "slice axial 0");
-    CHECK_INT(grey_of(&interp, 0, 5), 255);
-    CHECK_INT(grey_of(&interp, 9, 9), 5);
+    CHECK_INT(grey_of(0, 5), 255);
+    CHECK_INT(grey_of(9, 9), 5);
     must(&interp, "slice axial 1");
-    CHECK_INT(grey_of(&interp, 0, 0), 0);
+    CHECK_INT(grey_of(0, 0), 0);
     MUST_MENTION(&interp, "window auto", "window auto: -1978 -10,");
-    interpreter_release(&interp);
 }
 
 STORY(an_automatic_window_leaves_the_extremes_out)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
+    begin_values(1, 0);
     MUST_MENTION(&interp, "window auto", "window auto: 10 994,");
     must(&interp, "slice axial 0");
-    CHECK_INT(grey_of(&interp, 0, 1), 0);
-    CHECK_INT(grey_of(&interp, 1, 2), 3); /* 11 of 984, times 255: 2.85 */
+    CHECK_INT(grey_of(0, 1), 0);
+    CHECK_INT(grey_of(1, 2), 3); /* 11 of 984, times 255: 2.85 */
     MUST_MENTION(&interp, "info", "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
     must(&interp, "interpolate 2 1 1"); /* another scene, another window */
     CHECK(!interp.session->inside->knows_window);
     MUST_MENTION(&interp, "window auto", "through 10,5,0: axial 0, coronal 5, sagittal 10;");
-    interpreter_release(&interp);
-    begin_values(&interp, 1e-6f, 0);
+    begin_values(1e-6f, 0);
     MUST_MENTION(&interp, "window auto", "window auto: 1e-05 0.000994,");
-    interpreter_release(&interp);
 }
 
-/* ---- what is shown ---- */
+/* ---- views ---- */
 
-/* Puts the first voxel of values.nii at that place along each axis, in mm. */
+/* Move the first voxel of values.nii to this place along each axis, in mm. */
 static void move_values(float mm)
 {
     struct buf file = {0};
     CHECK(file_read(&file, "values.nii", 1 << 20, NULL) == OK && file.length > 352);
-    for (size_t row = 280; row < 328; row += 16) /* of the sform */
+    for (size_t row = 280; row < 328; row += 16) /* rows of the sform */
         memcpy(file.data + row + 12, &mm, 4);
     CHECK(file_write("values.nii", file.data, file.length, FILE_REPLACE, NULL) == OK);
     buf_release(&file);
 }
 
-/* Whether the top left corner of the picture at hand says these words and no more. */
-static bool is_titled(const struct interpreter *interp, const char *words)
+/* Return true if the top left corner of the present picture contains exactly these words. */
+static bool is_titled(const char *words)
 {
     const uint32_t tall = notes_tall(200);
     struct canvas expected;
@@ -368,7 +366,7 @@ static bool is_titled(const struct interpreter *interp, const char *words)
     for (uint32_t y = 4; y < 4 + 2 * text_line(tall); y++)
         for (uint32_t x = 0; x < 90; x++)
             same &= (canvas_pixel(&expected, x, y)[0] == 232) ==
-                    (canvas_pixel(&interp->shown, x, y)[0] == 232);
+                    (canvas_pixel(&interp.shown, x, y)[0] == 232);
     canvas_release(&expected);
     return same;
 }
@@ -385,80 +383,72 @@ STORY(titles_say_where_a_scene_is_however_far_that_is)
         {3e38f, "axial 5\nS 3e+38 mm", "sagittal 5\nR 3e+38 mm"},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        struct interpreter interp;
         write_values("values.nii", 1, 0);
         move_values(row[i].mm);
-        begin_interpreter(&interp);
-        must_all(&interp, "open values.nii; size 200 200; window 60000 60001; overlay none "
-                          "cross=off marks=off; slice axial 5");
-        CHECK(is_titled(&interp, row[i].axial));
+        begin_anew();
+        must_all("open values.nii; size 200 200; window 60000 60001; overlay none "
+                 "cross=off marks=off; slice axial 5");
+        CHECK(is_titled(row[i].axial));
         must(&interp, "slice sagittal 5");
-        CHECK(is_titled(&interp, row[i].sagittal));
-        interpreter_release(&interp);
+        CHECK(is_titled(row[i].sagittal));
     }
 }
 
 STORY(slices_move_the_cross_hair)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
+    begin_values(1, 0);
     CHECK_INT(interp.session->now.outlook.slices.cross[2], 5); /* the middle */
-    must(&interp, "cross 1,2,3");
-    must(&interp, "slice axial");
+    must_all("cross 1,2,3; slice axial");
     CHECK(interp.shows_picture && interp.shown.width == 10 && interp.shown.height == 10);
     must(&interp, "window 0 1000");
     CHECK(!interp.shows_picture && !interp.shown.rgba);
     must(&interp, "slice axial");
-    CHECK_INT(grey_of(&interp, 4, 0), 78); /* 304 */
+    CHECK_INT(grey_of(4, 0), 78); /* 304 */
     must(&interp, "slice coronal 7");
     MUST_MENTION(&interp, "slice sagittal 8", "through 8,7,3: axial 3, coronal 7, sagittal 8;");
     CHECK_HAS(buf_text(&reply.words), "picture=");
     must(&interp, "cross 2.2,4,5mm");
     CHECK_TEXT(buf_text(&reply.canonical), "cross 2,4,5");
-    refused(&interp, "slice axial 10", "N: expected one of the axial slices 0..9, not 10");
+    refused("slice axial 10", "N: expected one of the axial slices 0..9, not 10");
     CHECK_INT(interp.session->now.outlook.slices.cross[2], 5);
     must(&interp, "render");
     CHECK(interp.shows_picture && !interp.shown.rgba); /* the session's rendition */
-    interpreter_release(&interp);
 }
 
 STORY(a_zoom_stays_until_it_fits_again)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
-    must_all(&interp, "window 0 1000; cross 2,2,0; slice axial zoom=5");
+    begin_values(1, 0);
+    must_all("window 0 1000; cross 2,2,0; slice axial zoom=5");
     CHECK_TEXT(buf_text(&reply.canonical), "slice axial zoom=5");
-    CHECK_INT(grey_of(&interp, 7, 5), 6); /* the voxel 2,2: 22 */
-    CHECK_INT(grey_of(&interp, 3, 3), 6);
-    CHECK_INT(grey_of(&interp, 2, 3), 5); /* its neighbour: 21 */
+    CHECK_INT(grey_of(7, 5), 6); /* the voxel 2,2: 22 */
+    CHECK_INT(grey_of(3, 3), 6);
+    CHECK_INT(grey_of(2, 3), 5); /* its neighbour: 21 */
     must(&interp, "slice axial");
-    CHECK_INT(grey_of(&interp, 7, 5), 6);
+    CHECK_INT(grey_of(7, 5), 6);
     must(&interp, "slice axial zoom=fit");
-    CHECK_INT(grey_of(&interp, 7, 5), 15); /* 57 */
-    interpreter_release(&interp);
+    CHECK_INT(grey_of(7, 5), 15); /* 57 */
 }
 
 /* Slices and mosaics are magnified alike, until they are whole again. */
 STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
-    must_all(&interp, "window 0 1000; cross 2,2,0; magnify 5");
+    begin_values(1, 0);
+    must_all("window 0 1000; cross 2,2,0; magnify 5");
     CHECK_TEXT(buf_text(&reply.canonical), "magnify 5");
     CHECK_HAS(buf_text(&reply.text), ", magnified 5, overlay ");
     CHECK(!interp.shows_picture);
     must(&interp, "slice axial");
-    CHECK_INT(grey_of(&interp, 7, 5), 6); /* as under zoom=5, for this scene fits at 1 */
-    CHECK_INT(grey_of(&interp, 2, 3), 5);
+    CHECK_INT(grey_of(7, 5), 6); /* as under zoom=5, for this scene fits at 1 */
+    CHECK_INT(grey_of(2, 3), 5);
     must(&interp, "magnify 5 at=3,4,9"); /* as far as 2,2 stays off the edge */
     CHECK_TEXT(buf_text(&reply.canonical), "magnify 5 at=3,4,9");
     CHECK_HAS(buf_text(&reply.text), "magnified 5, around 3,4,9, ");
     must(&interp, "slice axial");
-    CHECK_INT(grey_of(&interp, 0, 0), 6); /* 2,2,0: 22 */
-    CHECK_INT(grey_of(&interp, 3, 3), 6);
-    CHECK_INT(grey_of(&interp, 4, 4), 8); /* 3,3,0 */
-    CHECK_INT(grey_of(&interp, 8, 8), 8);
-    CHECK_INT(grey_of(&interp, 9, 9), 11); /* 4,4,0 */
+    CHECK_INT(grey_of(0, 0), 6); /* 2,2,0: 22 */
+    CHECK_INT(grey_of(3, 3), 6);
+    CHECK_INT(grey_of(4, 4), 8); /* 3,3,0 */
+    CHECK_INT(grey_of(8, 8), 8);
+    CHECK_INT(grey_of(9, 9), 11); /* 4,4,0 */
     must(&interp, "slice axial zoom=5");
     CHECK_INT(interp.session->now.outlook.slices.times, 1000);
     CHECK(!interp.session->now.outlook.slices.has_middle);
@@ -467,13 +457,12 @@ STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
     must(&interp, "magnify fit");
     CHECK(!interp.session->now.outlook.slices.has_middle);
     must(&interp, "slice axial");
-    CHECK_INT(grey_of(&interp, 7, 5), 15);
-    refused(&interp, "magnify 0.5", "TIMES: expected");
-    refused(&interp, "magnify 4096.001", "TIMES: expected");
-    refused(&interp, "magnify 2 at=10,0,0", "10,0,0 is outside the scene");
-    refused(&interp, "magnify fit at=1,1,1", "only for magnified slices");
-    refused(&interp, "magnify 1 at=1,1,1", "only for magnified slices");
-    interpreter_release(&interp);
+    CHECK_INT(grey_of(7, 5), 15);
+    refused("magnify 0.5", "TIMES: expected");
+    refused("magnify 4096.001", "TIMES: expected");
+    refused("magnify 2 at=10,0,0", "10,0,0 is outside the scene");
+    refused("magnify fit at=1,1,1", "only for magnified slices");
+    refused("magnify 1 at=1,1,1", "only for magnified slices");
 }
 
 static bool shows_colour(const struct canvas *s, int r, int g, int b)
@@ -486,12 +475,12 @@ static bool shows_colour(const struct canvas *s, int r, int g, int b)
 
 static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 255, 255};
 
-/* What the axial slice at hand marks, as the pilot draws it, which applies nothing: a seed's dot,
- * an x, the white rim of what waits. */
-static void marks_are(struct interpreter *interp, bool seed, bool eliminator, bool waiting)
+/* Compare the marks in the present axial slice, as drawn in the pilot, which runs no edits: a
+ * seed's dot, an x, the white rim of pending edits. */
+static void marks_are(bool seed, bool eliminator, bool waiting)
 {
     struct canvas canvas;
-    CHECK(slicing_draw(&canvas, interp->session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
+    CHECK(slicing_draw(&canvas, interp.session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
     CHECK(shows_colour(&canvas, dot[0], dot[1], dot[2]) == seed);
     CHECK(shows_colour(&canvas, x_red[0], x_red[1], x_red[2]) == eliminator);
     CHECK(shows_colour(&canvas, rim[0], rim[1], rim[2]) == waiting);
@@ -500,59 +489,50 @@ static void marks_are(struct interpreter *interp, bool seed, bool eliminator, bo
 
 STORY(what_waits_and_what_was_eliminated_is_marked)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
-    must_all(&interp,
-             "size 60 60; window 0 100000; label 3 thing #0102fd; overlay marks=on; cross 0,0,4");
-    marks_are(&interp, false, false, false);
+    begin_values(1, 0);
+    must_all("size 60 60; window 0 100000; label 3 thing #0102fd; overlay marks=on; cross 0,0,4");
+    marks_are(false, false, false);
     must(&interp, "seed 3,3,4 3");
-    marks_are(&interp, true, false, true);
+    marks_are(true, false, true);
     must(&interp, "run");
-    marks_are(&interp, true, false, false);
+    marks_are(true, false, false);
     must(&interp, "remove 7,7,4");
-    marks_are(&interp, true, true, true);
+    marks_are(true, true, true);
     must(&interp, "run");
-    marks_are(&interp, false, true, false);
+    marks_are(false, true, false);
     must(&interp, "run"); /* nothing waits: the last run is still that one */
-    marks_are(&interp, false, true, false);
-    must(&interp, "cross 0,0,5"); /* marks lie in their slice */
-    marks_are(&interp, false, false, false);
-    must_all(&interp, "cross 0,0,4; auto on; seed 2,2,4 3");
-    marks_are(&interp, true, false, false);
+    marks_are(false, true, false);
+    must(&interp, "cross 0,0,5"); /* marks are in their own slice */
+    marks_are(false, false, false);
+    must_all("cross 0,0,4; auto on; seed 2,2,4 3");
+    marks_are(true, false, false);
     must(&interp, "remove 5,5,4 radius=2");
-    marks_are(&interp, false, true, false);
+    marks_are(false, true, false);
     must(&interp, "overlay marks=off");
-    marks_are(&interp, false, false, false);
+    marks_are(false, false, false);
     must(&interp, "overlay marks=on");
-    must(&interp, "interpolate 2 2 1"); /* of the scene before */
+    must(&interp, "interpolate 2 2 1"); /* those of the former scene are removed */
     CHECK_INT(edits_count(&interp.session->now.lists.eliminators), 0);
     must(&interp, "cross 0,0,4");
-    marks_are(&interp, false, false, false);
-    interpreter_release(&interp);
+    marks_are(false, false, false);
 }
 
 STORY(hidden_labels_are_not_overlaid)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
-    must_all(&interp, "label 3 thing #ff0000; seed 3,3,4 3; run; slice axial 4");
+    begin_values(1, 0);
+    must_all("label 3 thing #ff0000; seed 3,3,4 3; run; slice axial 4");
     const uint64_t plain = canvas_digest(&interp.shown);
-    must(&interp, "overlay tint");
-    must(&interp, "slice axial");
+    must_all("overlay tint; slice axial");
     CHECK(canvas_digest(&interp.shown) != plain);
-    must(&interp, "hide 3");
-    must(&interp, "slice axial");
+    must_all("hide 3; slice axial");
     CHECK(canvas_digest(&interp.shown) == plain);
-    interpreter_release(&interp);
 }
 
 STORY(mosaics_have_the_size_of_the_view)
 {
     static const char *const sizes[] = {"size 16 16", "size 17 300", "size 129 128", "size 333 57"};
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
-    must(&interp, "overlay tint cross=on marks=on words=on");
-    must(&interp, "seed 3,3,4 3");
+    begin_values(1, 0);
+    must_all("overlay tint cross=on marks=on words=on; seed 3,3,4 3");
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         must(&interp, sizes[i]);
         must(&interp, "mosaic");
@@ -560,55 +540,52 @@ STORY(mosaics_have_the_size_of_the_view)
         CHECK(interp.shown.height == interp.session->now.outlook.view.height);
     }
     must(&interp, "size 1 1");
-    refused(&interp, "mosaic",
+    refused("mosaic",
             "a mosaic needs 16x16 pixels or more, and the view has 1x1; enlarge it with `size`");
     must(&interp, "slice axial");
     CHECK(interp.shown.width == 1);
     must(&interp, "size 15 400");
-    refused(&interp, "mosaic", "the view has 15x400");
-    refused(&interp, "golden small of=mosaic", "the view has 15x400");
-    interpreter_release(&interp);
+    refused("mosaic", "the view has 15x400");
+    refused("golden small of=mosaic", "the view has 15x400");
 }
 
 /* In pixels of the view, which a large pane has more of for the same. */
-static uint32_t zoom_of_panel(struct interpreter *interp)
+static uint32_t zoom_of_panel(void)
 {
     struct slicing_panel panel = {.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}};
     struct canvas canvas = {0};
-    CHECK(slicing_draw_panel(&canvas, interp->session, &panel, &fault) == OK);
+    CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
     canvas_release(&canvas);
-    const struct view *shown = &interp->session->pictures->camera.view;
-    const uint32_t width = interp->session->now.outlook.view.width;
+    const struct view *shown = &interp.session->pictures->camera.view;
+    const uint32_t width = interp.session->now.outlook.view.width;
     return (shown->zoom * width + shown->width - 1) / shown->width;
 }
 
-/* What it shows at a zoom of its own changes nothing that is recorded. */
+/* A zoom of its own changes nothing that is recorded. */
 STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
+    begin_values(1, 0);
     const uint32_t fitting = view_fitting_zoom(interp.session->scene, 100, 100, 1);
     CHECK(fitting > VIEW_ZOOM_ONE);
-    must_all(&interp, "size 100 100; seed 3,3,4 3; render");
+    must_all("size 100 100; seed 3,3,4 3; render");
     const uint64_t rendered = rendition_digest(session_frame(interp.session));
-    CHECK_INT(zoom_of_panel(&interp), fitting);
+    CHECK_INT(zoom_of_panel(), fitting);
     CHECK(rendition_digest(session_frame(interp.session)) != rendered);
     CHECK_INT(interp.session->now.outlook.view.zoom, VIEW_ZOOM_ONE);
-    must(&interp, "pick 50 50"); /* of the view, not of the panel */
+    must(&interp, "pick 50 50"); /* a pixel of the view, not of the panel */
     CHECK(rendition_digest(session_frame(interp.session)) == rendered);
-    CHECK_INT(zoom_of_panel(&interp), fitting);
+    CHECK_INT(zoom_of_panel(), fitting);
     must(&interp, "turn 20"); /* looks from elsewhere, and as near */
-    CHECK_INT(zoom_of_panel(&interp), fitting);
-    must_all(&interp, "turn -20; mosaic; render");
+    CHECK_INT(zoom_of_panel(), fitting);
+    must_all("turn -20; mosaic; render");
     CHECK(rendition_digest(session_frame(interp.session)) == rendered);
     must(&interp, "zoom 2");
-    CHECK_INT(zoom_of_panel(&interp), 2 * VIEW_ZOOM_ONE);
+    CHECK_INT(zoom_of_panel(), 2 * VIEW_ZOOM_ONE);
     must(&interp, "zoom 1");
-    CHECK_INT(zoom_of_panel(&interp), fitting);
-    interpreter_release(&interp);
+    CHECK_INT(zoom_of_panel(), fitting);
 }
 
-/* Where the pane has more pixels than the view, both ways, the rendition has them too. */
+/* If the pane has more pixels than the view in both directions, the rendition has as many. */
 STORY(a_large_pane_has_a_rendition_of_as_many_pixels)
 {
     static const struct row {
@@ -616,8 +593,7 @@ STORY(a_large_pane_has_a_rendition_of_as_many_pixels)
     } table[] = {{320, 320, 320, 320}, {100, 100, 320, 320}, {300, 150, 320, 160},
                  {150, 300, 160, 320}, {512, 100, 512, 100}, {100, 400, 100, 400}};
     struct slicing_panel panel = {.screen = {320, 320, 8, 16, false, MOSAIC_RENDITION}};
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
+    begin_values(1, 0);
     must(&interp, "seed 3,3,4 3");
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const struct row *row = &table[i];
@@ -630,7 +606,6 @@ STORY(a_large_pane_has_a_rendition_of_as_many_pixels)
         CHECK_INT(session_frame(interp.session)->width, row->shown_width);
         CHECK_INT(session_frame(interp.session)->height, row->shown_height);
     }
-    interpreter_release(&interp);
 }
 
 static bool same_canvas(const struct canvas *a, const struct canvas *b)
@@ -642,14 +617,13 @@ static bool same_canvas(const struct canvas *a, const struct canvas *b)
            memcmp(a->words, b->words, pixels) == 0 && memcmp(a->below, b->below, pixels) == 0;
 }
 
-/* Panels of another arrangement, the second of which has the memory of the first. */
+/* Panels of two layouts; the second one reuses the memory of the first. */
 STORY(a_panel_has_nothing_of_the_one_before)
 {
     struct slicing_panel before = {.screen = {320, 320, 8, 16, true, MOSAIC_AXIAL}, .words = true};
     struct slicing_panel after = {.screen = {320, 320, 8, 16, false, MOSAIC_AXIAL}};
     struct canvas again = {0}, anew = {0};
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
+    begin_values(1, 0);
     must(&interp, "seed 3,3,4 3");
     CHECK(slicing_draw_panel(&again, interp.session, &before, &fault) == OK);
     const uint8_t *memory = again.rgba;
@@ -668,68 +642,64 @@ STORY(a_panel_has_nothing_of_the_one_before)
     CHECK(slicing_draw_panel(&again, interp.session, &after, &fault) == ERR_LIMIT);
     CHECK(!again.rgba);
     canvas_release(&anew);
-    interpreter_release(&interp);
 }
 
 /* The label in the middle of the panel's rendition. */
-static int shown_in_middle(const struct interpreter *interp)
+static int shown_in_middle(void)
 {
-    const struct rendition *frame = session_frame(interp->session);
+    const struct rendition *frame = session_frame(interp.session);
     const uint32_t cell = frame->cell[frame->height / 2 * frame->width + frame->width / 2];
-    return cell == CELL_NONE ? 0 : interp->session->scene->cell[cell].label;
+    return cell == CELL_NONE ? 0 : interp.session->scene->cell[cell].label;
 }
 
-/* A panel that nobody has chosen a zoom for shows what is shown as large as it fits. */
+/* Without a chosen zoom a panel shows the visible labels as large as they fit. */
 STORY(a_panel_follows_what_is_shown)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
+    begin_values(1, 0);
     const struct scene *scene = interp.session->scene;
     const uint32_t fitting = view_fitting_zoom(scene, 100, 100, 1);
     const uint32_t *n = scene->grid.size, middle[3] = {n[0] / 2, n[1] / 2, n[2] / 2};
     char line[96];
-    must_all(&interp, "size 100 100; auto on; seed 0,0,0 0");
-    CHECK_INT(zoom_of_panel(&interp), fitting); /* nothing is shown */
+    must_all("size 100 100; auto on; seed 0,0,0 0");
+    CHECK_INT(zoom_of_panel(), fitting); /* nothing is shown */
     snprintf(line, sizeof line, "seed %u,%u,%u 3 within=1", middle[0], middle[1], middle[2]);
     must(&interp, line);
-    const uint32_t near = zoom_of_panel(&interp);
+    const uint32_t near = zoom_of_panel();
     CHECK(near > fitting + fitting / 4);
     must(&interp, "turn 30");
-    CHECK_INT(zoom_of_panel(&interp), near);
+    CHECK_INT(zoom_of_panel(), near);
     must(&interp, "seed 1,1,1 2 within=1");
-    const uint32_t far = zoom_of_panel(&interp);
+    const uint32_t far = zoom_of_panel();
     CHECK(far < near);
     must(&interp, "hide 2");
-    CHECK_INT(zoom_of_panel(&interp), near);
+    CHECK_INT(zoom_of_panel(), near);
     must(&interp, "show 2");
-    CHECK_INT(zoom_of_panel(&interp), far);
-    must(&interp, "hide 3"); /* what lies in a corner comes to the middle, as large as elsewhere */
-    const uint32_t alone = zoom_of_panel(&interp);
+    CHECK_INT(zoom_of_panel(), far);
+    must(&interp, "hide 3"); /* a label in a corner moves to the middle, as large as elsewhere */
+    const uint32_t alone = zoom_of_panel();
     CHECK(alone > far + far / 4);
-    CHECK_INT(shown_in_middle(&interp), 2);
+    CHECK_INT(shown_in_middle(), 2);
     const struct view *view = &interp.session->now.outlook.view;
     CHECK_INT(view->zoom, VIEW_ZOOM_ONE);
     CHECK_INT(view->focus[0] | view->focus[1] | view->focus[2], 0);
     must(&interp, "focus 1,1,1"); /* chosen: it stays there, as large as it was */
     must(&interp, "show 3");
-    zoom_of_panel(&interp);
-    CHECK_INT(shown_in_middle(&interp), 2);
-    interpreter_release(&interp);
+    zoom_of_panel();
+    CHECK_INT(shown_in_middle(), 2);
 }
 
 enum { AT_ONCE_NS = 50000000 };
 
 /* Draws a panel, and says whether it did so in a hurry. */
-static bool is_hasty(struct interpreter *interp, uint64_t within_ns, struct slicing_panel *panel,
-                     struct canvas *canvas)
+static bool is_hasty(uint64_t within_ns, struct slicing_panel *panel, struct canvas *canvas)
 {
     *panel = (struct slicing_panel){.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL},
                                     .within_ns = within_ns};
-    CHECK(slicing_draw_panel(canvas, interp->session, panel, &fault) == OK);
+    CHECK(slicing_draw_panel(canvas, interp.session, panel, &fault) == OK);
     return panel->is_hasty;
 }
 
-/* How many pixels of the rendition's pane differ, or of the others. */
+/* Count the pixels that differ in the rendition's pane, or in the other panes. */
 static size_t differing(const struct canvas *a, const struct canvas *b,
                         const struct slicing_panel *panel, bool of_rendition)
 {
@@ -744,29 +714,27 @@ static size_t differing(const struct canvas *a, const struct canvas *b,
     return count;
 }
 
-/* In a hurry slices do not wait for a surface that is to be made, and one that is there comes in
- * coarse pixels where drawing it takes long; what follows is what it would have been. */
+/* In a hurry slices do not wait for a surface that has to be made, and an existing one is drawn in
+ * coarse pixels if drawing it takes long; the next picture is the same as without hurry. */
 STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
 {
-    struct interpreter interp;
     struct slicing_panel panel;
     struct canvas hasty = {0}, fine = {0}, turned = {0};
-    begin_values(&interp, 1, 0);
-    must(&interp, "seed 3,3,4 3");
-    must(&interp, "run");
-    CHECK(is_hasty(&interp, AT_ONCE_NS, &panel, &hasty));
-    CHECK(!is_hasty(&interp, 0, &panel, &fine));
+    begin_values(1, 0);
+    must_all("seed 3,3,4 3; run");
+    CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
+    CHECK(!is_hasty(0, &panel, &fine));
     CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
     CHECK(differing(&hasty, &fine, &panel, true) > 1000);
     canvas_release(&hasty);
-    CHECK(!is_hasty(&interp, AT_ONCE_NS, &panel, &hasty)); /* it is there */
+    CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* it is there */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
     canvas_release(&hasty);
     must(&interp, "turn 20");
     interp.session->pictures->coarse.took_ns = UINT64_MAX;
-    CHECK(is_hasty(&interp, AT_ONCE_NS, &panel, &hasty));
+    CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
     CHECK(!session_rendered(interp.session)); /* nothing but a screen shows it */
-    CHECK(!is_hasty(&interp, 0, &panel, &turned));
+    CHECK(!is_hasty(0, &panel, &turned));
     const size_t off = differing(&hasty, &turned, &panel, true);
     /* Edges alone are off: half of the pixels of so small a thing. At another zoom, or in another
      * place, three fifths of them and more. */
@@ -774,18 +742,17 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     canvas_release(&hasty);
     must(&interp, "turn -20");
     interp.session->pictures->coarse.took_ns = AT_ONCE_NS / 2;
-    CHECK(is_hasty(&interp, AT_ONCE_NS / 2, &panel, &turned));
+    CHECK(is_hasty(AT_ONCE_NS / 2, &panel, &turned));
     canvas_release(&turned);
-    CHECK(!is_hasty(&interp, AT_ONCE_NS, &panel, &hasty)); /* drawn as soon as anything coarser */
+    CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* drawn as soon as anything coarser */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
     canvas_release(&hasty);
     canvas_release(&fine);
     canvas_release(&turned);
-    interpreter_release(&interp);
 }
 
-/* Slices beside the cross-hair that go to a terminal before they are wanted: one name, one picture,
- * whatever was chosen meanwhile; and the same one again is known. */
+/* Slices near the cross-hair that are sent ahead to a terminal: one name stands for one picture,
+ * whatever was chosen meanwhile, and a slice seen again has the same name. */
 STORY(a_name_of_a_slice_stands_for_its_pixels)
 {
     static const char *const lines[] = {"cross 4,4,4",        "cross 5,4,4", "window 10 60",
@@ -795,9 +762,8 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
     enum { LINES = sizeof lines / sizeof lines[0], NUMBERS = 12 };
     uint64_t name[LINES * NUMBERS], pixels[LINES * NUMBERS];
     size_t count = 0, again = 0;
-    struct interpreter interp;
     struct panes panes = {.notes = 0};
-    begin_values(&interp, 1, 0);
+    begin_values(1, 0);
     for (size_t l = 0; l < LINES; l++) {
         static const struct buf no_words[PANES_LINES];
         const struct pilot_wish wish = {
@@ -822,14 +788,12 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
     }
     CHECK(count > 100 && again > 20);
     panes_release(&panes);
-    interpreter_release(&interp);
 }
 
-/* Of a scene of 10 voxels a side: the whole is as large as there is room. */
+/* A scene of 10 voxels a side is shown as large as possible. */
 STORY(slices_of_a_small_scene_fill_their_panes)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
+    begin_values(1, 0);
     struct slicing_panel panel = {.screen = {1600, 1000, 8, 16, true, MOSAIC_AXIAL}};
     struct canvas canvas = {0};
     CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
@@ -843,14 +807,12 @@ STORY(slices_of_a_small_scene_fill_their_panes)
         CHECK(side > 300 && shown * 10 > side * side * 9);
     }
     canvas_release(&canvas);
-    interpreter_release(&interp);
 }
 
 STORY(without_memory_nothing_is_shown)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
-    must_all(&interp, "seed 3,3,4 3; size 50 50; overlay marks=on");
+    begin_values(1, 0);
+    must_all("seed 3,3,4 3; size 50 50; overlay marks=on");
     for (unsigned left = 0; left < 200; left++) {
         allow_allocations(left);
         const enum err err = execute(&interp, "mosaic");
@@ -861,64 +823,56 @@ STORY(without_memory_nothing_is_shown)
         CHECK(!interp.shown.rgba && !interp.shows_picture);
     }
     CHECK(interp.shown.rgba);
-    interpreter_release(&interp);
 }
 
-/* ---- what is under a pixel ---- */
+/* ---- voxels under pixels ---- */
 
-static void picks(struct interpreter *interp, const char *line, const char *words)
+static void picks(const char *line, const char *words)
 {
-    MUST_MENTION(interp, line, words);
+    MUST_MENTION(&interp, line, words);
 }
 
 STORY(a_pixel_of_a_slice_tells_its_voxel)
 {
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
-    must(&interp, "seed 3,3,4 3");
-    must(&interp, "cross 1,2,3");
-    picks(&interp, "pick 0 0 of=axial", "voxel 9,9,3 at 9.0,9.0,3.0 mm: intensity 399,");
-    picks(&interp, "pick 9 9 of=axial", "voxel 0,0,3 ");
+    begin_values(1, 0);
+    must_all("seed 3,3,4 3; cross 1,2,3");
+    picks("pick 0 0 of=axial", "voxel 9,9,3 at 9.0,9.0,3.0 mm: intensity 399,");
+    picks("pick 9 9 of=axial", "voxel 0,0,3 ");
     CHECK_HAS(buf_text(&reply.text), "no seed reaches it\n");
-    picks(&interp, "pick 9 0 of=coronal", "voxel 0,2,9 ");
-    picks(&interp, "pick 0 9 of=sagittal", "voxel 1,9,0 ");
+    picks("pick 9 0 of=coronal", "voxel 0,2,9 ");
+    picks("pick 0 9 of=sagittal", "voxel 1,9,0 ");
     CHECK_INT(session_pendings(interp.session), 1); /* asking runs nothing */
     must(&interp, "run");
-    picks(&interp, "pick 9 9 of=axial", "on the border of label 3\n");
+    picks("pick 9 9 of=axial", "on the border of label 3\n");
     must(&interp, "slice axial zoom=5");
-    picks(&interp, "pick 9 9 of=axial", "voxel 0,1,3 "); /* two by two voxels around 1,2 */
-    must(&interp, "slice axial zoom=fit");
-    must(&interp, "size 22 20");
-    picks(&interp, "pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
-    picks(&interp, "pick 1 0 of=axial", "voxel 9,9,3 ");
-    refused(&interp, "pick 22 0 of=axial", "pixel 22,0 is outside the picture of 22x20");
-    refused(&interp, "pick 0 20 of=mosaic", "pixel 0,20 is outside the picture of 22x20");
-    refused(&interp, "pick 0 0 of=oblique", "of: expected rendition|axial|coronal|sagittal|mosaic");
+    picks("pick 9 9 of=axial", "voxel 0,1,3 "); /* two by two voxels around 1,2 */
+    must_all("slice axial zoom=fit; size 22 20");
+    picks("pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
+    picks("pick 1 0 of=axial", "voxel 9,9,3 ");
+    refused("pick 22 0 of=axial", "pixel 22,0 is outside the picture of 22x20");
+    refused("pick 0 20 of=mosaic", "pixel 0,20 is outside the picture of 22x20");
+    refused("pick 0 0 of=oblique", "of: expected rendition|axial|coronal|sagittal|mosaic");
     /* Panes of 10x9, 11x9 and 10x10 pixels and a seam of one; nine pixels for ten voxels. */
-    picks(&interp, "pick 8 8 of=mosaic", "voxel 1,2,0 ");
-    picks(&interp, "pick 9 8 of=mosaic", "shows no voxel");
-    picks(&interp, "pick 10 8 of=mosaic", "shows no voxel");
-    picks(&interp, "pick 12 8 of=mosaic", "voxel 1,9,0 ");
-    picks(&interp, "pick 1 18 of=mosaic", "voxel 8,1,3 ");
-    must(&interp, "view front");
-    must(&interp, "zoom 1");
-    picks(&interp, "pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the front of the one object */
+    picks("pick 8 8 of=mosaic", "voxel 1,2,0 ");
+    picks("pick 9 8 of=mosaic", "shows no voxel");
+    picks("pick 10 8 of=mosaic", "shows no voxel");
+    picks("pick 12 8 of=mosaic", "voxel 1,9,0 ");
+    picks("pick 1 18 of=mosaic", "voxel 8,1,3 ");
+    must_all("view front; zoom 1");
+    picks("pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the front of the one object */
     must(&interp, "size 8 8");
-    refused(&interp, "pick 0 0 of=mosaic", "a mosaic needs 16x16 pixels or more");
+    refused("pick 0 0 of=mosaic", "a mosaic needs 16x16 pixels or more");
     must(&interp, "render");
-    picks(&interp, "pick 4 4 of=rendition", "voxel ");
-    interpreter_release(&interp);
+    picks("pick 4 4 of=rendition", "voxel ");
 }
 
-/* Whatever is shown, however magnified, by every pixel. */
+/* For every pixel of slices and mosaics, at any magnification. */
 STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
 {
     static const char *const how[] = {"magnify fit", "magnify 1.7 at=0,9,4", "magnify 3",
                                       "magnify 12.5 at=8,1,1", "slice axial zoom=7"};
-    struct interpreter interp;
-    begin_values(&interp, 1, 0);
-    must(&interp, "cross 7,3,2");
-    must(&interp, "size 60 45");
+    begin_values(1, 0);
+    must_all("cross 7,3,2; size 60 45");
     for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
         must(&interp, how[i]);
         for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
@@ -935,21 +889,19 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
         }
     }
     must(&interp, "magnify 12.5");
-    picks(&interp, "pick 30 22 of=axial", "voxel 7,3,2 "); /* the cross-hair in the middle */
-    picks(&interp, "pick 14 10 of=mosaic", "voxel 7,");
-    interpreter_release(&interp);
+    picks("pick 30 22 of=axial", "voxel 7,3,2 "); /* the cross-hair in the middle */
+    picks("pick 14 10 of=mosaic", "voxel 7,");
 }
 
 /* ---- files and journals ---- */
 
 STORY(an_exr_of_a_slice_holds_labels_and_voxels)
 {
-    struct interpreter interp;
     struct picture picture;
-    begin_values(&interp, 1, 0);
-    must_all(&interp, "seed 3,3,4 3; run; size 12 10");
+    begin_values(1, 0);
+    must_all("seed 3,3,4 3; run; size 12 10");
     MUST_MENTION(&interp, "slice axial 4 slice.exr", "wrote slice.exr");
-    refused(&interp, "slice axial 4 slice.exr", "exists");
+    refused("slice axial 4 slice.exr", "exists");
     must(&interp, "slice axial 4 slice.exr replace=yes");
     if (CHECK(exr_read(&picture, "slice.exr", &fault) == OK)) {
         CHECK(picture.width == 12 && picture.height == 10 && !picture.depth_mm);
@@ -961,10 +913,8 @@ STORY(an_exr_of_a_slice_holds_labels_and_voxels)
         CHECK(picture_find(&picture, "iftty:scene") != NULL);
         picture_release(&picture);
     }
-    must(&interp, "size 40 40");
-    must(&interp, "mosaic mosaic.png");
+    must_all("size 40 40; mosaic mosaic.png");
     CHECK(file_exists("mosaic.png"));
-    interpreter_release(&interp);
 }
 
 static void say_nothing(void *context, const char *text)
@@ -973,14 +923,14 @@ static void say_nothing(void *context, const char *text)
     buf_add_text(kept, text);
 }
 
-/* Carried out again from the file, every picture is the same; or what is told has these words. */
+/* Carry the journal out again: every picture must be the same, or the message must contain these
+ * words. */
 static void replay(const char *path, const char *words)
 {
     static const struct golden_judge strict_judge = {.differs = NULL};
     struct buf told = {0};
-    struct interpreter interp;
     const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
-    begin_interpreter(&interp);
+    begin_anew();
     interp.judge = &strict_judge;
     fault = (struct fault){.text = ""};
     const enum err err = replay_aloud(&interp, path, &printer, &fault);
@@ -991,38 +941,20 @@ static void replay(const char *path, const char *words)
         CHECK(err != OK);
         CHECK_HAS(buf_text(&told), words);
     }
-    interpreter_release(&interp);
     buf_release(&told);
 }
 
 STORY(golden_slices_are_compared_when_replayed)
 {
-    static const char *const line[] = {"open values.nii",
-                                       "size 40 40",
-                                       "label 3 thing #ff8000",
-                                       "seed 3,3,4 3",
-                                       "seed 9,9,9 0",
-                                       "run",
-                                       "seed 1,1,4 3",
-                                       "remove 3,3,3",
-                                       "window 100 600",
-                                       "golden axial of=axial",
-                                       "golden coronal of=coronal",
-                                       "golden sagittal of=sagittal",
-                                       "golden mosaic of=mosaic",
-                                       "slice axial 4",
-                                       "golden rendition of=rendition",
-                                       "slice coronal 3 zoom=7",
-                                       "overlay tint cross=off",
-                                       "golden near of=coronal",
-                                       "mosaic"};
-    struct interpreter interp;
     struct picture picture;
     write_values("values.nii", 1, 0);
-    begin_interpreter(&interp);
+    begin_anew();
     CHECK(interpreter_create_journal(&interp, "slices.iftty", &fault) == OK);
-    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
-        must(&interp, line[i]);
+    must_all("open values.nii; size 40 40; label 3 thing #ff8000; seed 3,3,4 3; seed 9,9,9 0; run; "
+             "seed 1,1,4 3; remove 3,3,3; window 100 600; golden axial of=axial; golden coronal "
+             "of=coronal; golden sagittal of=sagittal; golden mosaic of=mosaic; slice axial 4; "
+             "golden rendition of=rendition; slice coronal 3 zoom=7; overlay tint cross=off; "
+             "golden near of=coronal; mosaic");
     interpreter_release(&interp);
     replay("slices.iftty", NULL);
     CHECK(file_exists("slices.golden/near.png"));
@@ -1043,6 +975,7 @@ int main(void)
     if (!make_folder(folder, "slicing") || chdir(folder) != 0)
         return 1;
     int status = check_run();
+    interpreter_release(&interp);
     reply_release(&reply);
     return status | remove_folder(folder);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The terminal after every end of the program: a small shell starts it as a job in a real
- * pseudo-terminal, and looks at what it leaves. */
+/* The terminal after every way in which the program can end: a small shell starts it as a job in a
+ * real pseudo-terminal, and checks the state of the terminal afterwards. */
 #include <dirent.h>
 #include <sys/file.h>
 #include <sys/mman.h>
@@ -12,7 +12,7 @@
 #define BEGIN   "\033[?1049h\033[?25l\033[?2004h\033[?1000h\033[?1006h"
 #define END     "\033[?2026l\033[?1006l\033[?1000l\033[?2004l\033[?25h\033[?1049l"
 #define RECOVER "\033_Gm=0,q=2;\033\\"
-/* What brings back any terminal in any of our states. */
+/* Restores any terminal from any of our states. */
 #define ENDING RECOVER END "\033[m\033[?25h\r\n"
 
 /* ---- the job: parts to play ---- */
@@ -188,7 +188,7 @@ static bool comes_true(struct stage *s, bool (*what)(struct stage *))
 
 static bool guardian_is_gone(struct stage *s)
 {
-    while (waitpid(-1, NULL, WNOHANG) > 0) /* orphans come to us */
+    while (waitpid(-1, NULL, WNOHANG) > 0) /* orphans become our children */
         ;
     return process_of(s->job.shell, "iftty-guardian") == 0;
 }
@@ -246,7 +246,7 @@ static void check_restored(struct stage *s)
 {
     CHECK(comes_true(s, guardian_is_gone));
     CHECK(job_has_modes_as_found(&s->job));
-    CHECK(comes_true(s, has_ending)); /* what was written may still be on its way */
+    CHECK(comes_true(s, has_ending)); /* the output may still be on its way */
     see(s, NULL, 20);
     CHECK(has_ending(s)); /* and nothing after it */
 }
@@ -313,7 +313,7 @@ STORY(after_an_end_of_its_own_nothing_is_left)
     }
 }
 
-/* The job stops without a word, somebody else has the terminal, and then it is killed. */
+/* The job is stopped, another process has the terminal, and then the job is killed. */
 static void stop_and_kill(struct stage *s, void (*then)(struct stage *))
 {
     kill(s->job.process, SIGSTOP);
@@ -398,8 +398,8 @@ STORY(stopped_and_continued_it_is_guarded_again)
     end(&s);
 }
 
-/* Waits until the job is in the middle of its frame: some of it is there, and more than the line
- * holds, since nobody reads. */
+/* Wait until the job is in the middle of its frame: a part was read, and the rest exceeds the
+ * buffer of the terminal, since nobody reads. */
 static void start_frame(struct stage *s)
 {
     start_ready(s, writes_a_frame);

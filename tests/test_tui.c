@@ -106,7 +106,7 @@ static double mean_error(const struct image_view *view)
 
 struct seen {
     uint32_t width, height;
-    unsigned colours, chunks; /* of a palette; 0: none */
+    unsigned colours, chunks; /* size of the palette; 0: none */
     uint32_t worst;           /* pixel, against the view */
 };
 
@@ -378,7 +378,7 @@ static void write_event(struct buf *out, const struct keys *k, const struct key_
         buf_add_text(out, name[event->key]);
 }
 
-static enum mouse_unit unit; /* of the reports that are fed */
+static enum mouse_unit unit; /* unit of the reports */
 static void feed_keys(struct buf *out, const char *bytes, size_t length)
 {
     struct keys k = {.unit = unit};
@@ -412,7 +412,7 @@ static void check_keys(const struct key_case *cases, size_t count)
 STORY(characters_come_out_whole_and_broken_ones_do_not)
 {
     CHECK_KEYS({"a\u00e4\u20ac\U0001F9E0", "a \u00e4 \u20ac \U0001F9E0"},
-               {"\xC3(", "("}, /* cut short: what follows still counts */
+               {"\xC3(", "("}, /* truncated: the next byte still counts */
                {"\xE2\x82\xE2\x82\xAC", "\u20ac"}, {"\x80\xBFx\xFF\xC0\xAFy", "x y"},
                {"\xED\xA0\x80z", "z"}, /* a surrogate */
                {"\xC2\x9Bz", "z"});    /* a C1 control in disguise */
@@ -489,7 +489,7 @@ STORY(the_mouse_may_be_reported_by_pixels_which_begin_at_0_or_1)
     unit = MOUSE_PIXELS;
     CHECK_KEYS({"\033[<0;101;51M\033[<0;101;51m", "left:pressed@100,50 left:released@100,50"},
                {"\033[<0;1;1M\033[<32;0;-17M\033[<0;-3;5m",
-                "left:pressed@0,0 left:moved@0,0 left:released@0,4"}, /* beside the window */
+                "left:pressed@0,0 left:moved@0,0 left:released@0,4"}, /* outside the window */
                {"\033[<288;0;0Mx", "other x"},                        /* kitty: it has left it */
                {"\033[<0;;6M\033[<0;5;-M\033[<0;5M\033[<0;5-;6M\033[<0;5;6;7Mx",
                 "other other other other other x"});
@@ -759,7 +759,7 @@ static const char *shown(void)
     return text;
 }
 
-/* Acts so many times; the line is then as expected. */
+/* Repeat an action; then compare the line. */
 #define ACT(action, times, expected)                                                               \
     do {                                                                                           \
         act(action, times);                                                                        \
@@ -832,7 +832,7 @@ STORY(browsing_older_lines_keeps_the_one_begun)
     begin_line(entries, 5);
     CHECK_INT(old_lines.count, 3); /* no repetition, nothing after a blank */
     type("see");
-    act(LINE_HOME, 1); /* all lines begin with what is before the cursor */
+    act(LINE_HOME, 1); /* every line begins with the empty prefix */
     ACT(LINE_OLDER, 1, "render|");
     ACT(LINE_OLDER, 7, "open ch2|");
     ACT(LINE_NEWER, 1, "run|");
@@ -846,7 +846,7 @@ static const char *list_of_search(void)
 {
     static struct buf list;
     buf_clear(&list);
-    for (size_t i = 0; i < line.founds; i++)
+    for (size_t i = 0; i < line.found_count; i++)
         buf_printf(&list, "%s%s%s", i ? "|" : "", i == line.chosen ? "> " : "",
                    line.history->line[line.found[i]]);
     return buf_text(&list);
@@ -858,14 +858,14 @@ STORY(a_search_is_a_list_that_narrows)
                                           "run",          "seed 1,1,1 a", "save run"};
     begin_line(entries, 6);
     type("dra");
-    line_search_begin(&line); /* all of them, each once; what was typed stays until one is chosen */
+    line_search_begin(&line); /* all lines, each once; the typed text stays until one is chosen */
     CHECK_TEXT(list_of_search(), "save run|seed 1,1,1 a|run|seed 2,2,2 b");
     CHECK_TEXT(shown(), "dra|");
     line_search_older(&line);
     CHECK_TEXT(list_of_search(), "> save run|seed 1,1,1 a|run|seed 2,2,2 b");
     line_search_add(&line, "seed", 4);
     CHECK_TEXT(list_of_search(), "> seed 1,1,1 a|seed 2,2,2 b");
-    line_search_newer(&line); /* there is none */
+    line_search_newer(&line); /* there is no newer one */
     CHECK_TEXT(shown(), "|seed 1,1,1 a");
     line_search_older(&line);
     CHECK_TEXT(list_of_search(), "seed 1,1,1 a|> seed 2,2,2 b");
@@ -876,7 +876,7 @@ STORY(a_search_is_a_list_that_narrows)
     line_search_add(&line, "x", 1);
     CHECK_TEXT(list_of_search(), "");
     CHECK(line.search_failed);
-    CHECK_TEXT(shown(), "|seed 2,2,2 b"); /* what was found last */
+    CHECK_TEXT(shown(), "|seed 2,2,2 b"); /* the line found last */
     line_search_end(&line, true);
     CHECK_TEXT(shown(), "|seed 2,2,2 b");
 }
@@ -924,7 +924,7 @@ STORY(older_lines_begin_with_what_stands_before_the_cursor)
     ACT(LINE_NEWER, 1, "seed|");
     ACT(LINE_OLDEST, 1, "seed 1,1,1 a|");
     act(LINE_NEWEST, 1);
-    act(LINE_LEFT, 3); /* only what is before the cursor counts */
+    act(LINE_LEFT, 3); /* only the text before the cursor counts */
     ACT(LINE_OLDER, 1, "seed 3,3,3 a radius=2|");
     act(LINE_HOME, 1);
     ACT(LINE_OLDER, 1, "run|"); /* on from there, whatever they begin with */
@@ -940,13 +940,13 @@ STORY(last_words_of_older_lines_are_cited)
 {
     begin_line(sessions, 6);
     type("x ");
-    ACT(LINE_CITE, 1, "x \"left hemi\"|");
-    ACT(LINE_CITE, 1, "x radius=2|");
-    ACT(LINE_CITE, 2, "x b|");
-    ACT(LINE_CITE, 9, "x a|");
+    ACT(LINE_LAST_WORD, 1, "x \"left hemi\"|");
+    ACT(LINE_LAST_WORD, 1, "x radius=2|");
+    ACT(LINE_LAST_WORD, 2, "x b|");
+    ACT(LINE_LAST_WORD, 9, "x a|");
     ACT(LINE_UNDO, 1, "x |"); /* all as one */
     act(LINE_LEFT, 1);
-    ACT(LINE_CITE, 1, "x\"left hemi\"| ");
+    ACT(LINE_LAST_WORD, 1, "x\"left hemi\"| ");
 }
 
 STORY(what_was_done_to_a_line_is_undone_step_by_step)
@@ -984,7 +984,7 @@ STORY(letters_of_a_word_change_with_their_bytes)
     act(LINE_HOME, 1);
     ACT(LINE_UPPER, 1, "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
     ACT(LINE_CAPITAL, 2, "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe");
-    /* two bytes become one, and what is no character stays */
+    /* two bytes become one; characters without case stay */
     ACT(LINE_UPPER, 3, "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|");
     act(LINE_UPPER, 1);
     act(LINE_WORD_LEFT, 1);
@@ -1011,7 +1011,7 @@ STORY(the_newest_line_that_begins_so_and_is_known_is_suggested)
     begin_line(entries, 3);
     CHECK_TEXT(suggested(), ""); /* nothing is typed */
     type("se");
-    CHECK_TEXT(suggested(), "ed 1,1,1 a radius=2"); /* no mark upon what is typed, and no b */
+    CHECK_TEXT(suggested(), "ed 1,1,1 a radius=2"); /* neither a combining mark nor the line of b */
     act(LINE_LEFT, 1);
     CHECK_TEXT(suggested(), "");
     CHECK(!line_take_suggestion(&line, "", LINE_RIGHT));
@@ -1107,7 +1107,7 @@ STORY(the_table_of_keys_names_them_all)
     } cases[] = {{"\x01", LINE_HOME},
                  {"\033[H", LINE_HOME},
                  {"\x1f", LINE_UNDO},
-                 {"\033.", LINE_CITE},
+                 {"\033.", LINE_LAST_WORD},
                  {"\033u", LINE_UPPER},
                  {"\033U", LINE_UPPER},
                  {"\033[1;2D", LINE_LEFT}, /* with Shift */
@@ -1218,7 +1218,7 @@ STORY(what_stands_below_a_line_has_the_rows_that_are_left)
     begin_screen();
     CHECK_TEXT(draw_on(&screen, &drawn, "abc", 1, "one\ntwo\n"), "> a|bc/one/two");
     CHECK_TEXT(draw_on(&screen, &drawn, "abcdefghij", 10, "one\ntwo\n"),
-               "> abcdefgh/ij|/one/two"); /* of two rows */
+               "> abcdefgh/ij|/one/two"); /* two rows */
     CHECK_TEXT(draw_on(&screen, &drawn, "abcdefghij", 1, "1\n2\n3\n4\n5\n6\n7\n"),
                "> a|bcdefgh/ij/1/2/3/4"); /* nothing has scrolled */
     CHECK_TEXT(draw("abc", 3), "> abc|");

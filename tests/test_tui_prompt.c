@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the prompt draws besides the line itself, without a terminal: bytes in, bytes out. */
+/* What the prompt draws in addition to the line, without a terminal: bytes in, bytes out. */
 #include "tests/check.h"
 #include "tui/prompt/line_edit.h"
 
@@ -24,8 +24,9 @@ STORY(the_caret_stands_under_the_first_column_of_the_word)
     CHECK_TEXT(caret("s> ", "seed 1,1,1", 11, true, 80), "              ^\n"); /* behind the end */
     CHECK_TEXT(caret("s> ", "seed 1,1,1", 99, true, 80), "              ^\n");
     CHECK_TEXT(caret("s> ", "\xe6\x9c\xac\xe6\x9c\xac x", 7, true, 80), "        ^\n"); /* wide */
-    CHECK_TEXT(caret("s> ", "e\xcc\x81 x", 4, true, 80), "     ^\n"); /* a mark takes no column */
-    CHECK_TEXT(caret("s> ", "\x01 x", 2, true, 80), "        ^\n");   /* drawn as \x01 */
+    CHECK_TEXT(caret("s> ", "e\xcc\x81 x", 4, true, 80),
+               "     ^\n"); /* a combining mark takes no column */
+    CHECK_TEXT(caret("s> ", "\x01 x", 2, true, 80), "        ^\n"); /* drawn as \x01 */
 }
 
 STORY(a_line_that_did_not_fit_is_shown_around_the_word)

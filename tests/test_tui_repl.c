@@ -94,7 +94,7 @@ struct terminal {
     struct job job;
     const char *da1, *name; /* answers; NULL for none */
     bool kitty;
-    unsigned delay_ms; /* of the line: answers wait in `late` until `late_ns` */
+    unsigned delay_ms; /* delay of the line: answers wait in `late` until `late_ns` */
     struct buf late;
     uint64_t late_ns;
     size_t answered; /* bytes of `seen` looked at for questions */
@@ -310,7 +310,7 @@ STORY(a_silent_terminal_costs_two_seconds_and_no_key)
     type(&t, "rly\r");
     SEE(&t, "[early]");
     uint64_t took = (clock_ns() - begin) / 1000000;
-    CHECK(took > 1500 && took < 20000); /* twice two seconds, if nobody else is busy */
+    CHECK(took > 1500 && took < 20000); /* twice two seconds, more on a busy machine */
     type(&t, "\004");
     CHECK_INT(job_report(&t.job), 0);
     end(&t);
@@ -380,8 +380,8 @@ STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
     end(&t);
 }
 
-/* Whether the b that follows an escape alone is a b; not where the program had no time to look
- * between the two. */
+/* Return true if b after a lone Escape is read as b; not if the program had no time to read between
+ * the two. */
 static bool is_lone_escape(struct terminal *t)
 {
     type(t, "echo one two\033b");

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-# A real terminal for stories: tmux, 80x24, with a shell in it. To be sourced after lib.sh, in the
-# folder $work; ends the script where there is no tmux.
+# A real terminal for stories: tmux, 80x24, with a shell in it. Source it after lib.sh, in the
+# folder $work; it ends the script if tmux is missing.
 begin "at a terminal"
 needs tmux || { close_story; finish; }
 
-# A server of our own, whatever the user has; -u since LC_ALL=C says nothing of UTF-8.
+# A server of our own, independent of the user's; -u because LC_ALL=C does not select UTF-8.
 unset TMUX NO_COLOR PAGER
 tmux_here() {
     (cd "$work" && exec tmux -u -S ./tmux "$@") # the whole path may be too long for a socket
@@ -15,7 +15,7 @@ checks=0
 screen_text() {
     tmux_here capture-pane -p -t prompt | sed 's/ *$//'
 }
-press() { # keys by the names that tmux gives them
+press() { # keys by their names in tmux
     tmux_here send-keys -t prompt "$@"
 }
 type_letters() {
@@ -25,14 +25,14 @@ enter() { # a line
     type_letters "$1"
     press Enter
 }
-# Waits until a line of the screen matches.
+# Return true if a line of the screen matches.
 shows() {
     screen_text | grep -qE -e "$1"
 }
 see() {
     comes_true shows "$1" || fail "the screen is:" "$(screen_text | grep .)"
 }
-# Keys or a line, and a line of the screen that matches then.
+# Type keys or a line, and wait until a line of the screen matches.
 typing() {
     type_letters "$1"
     see "$2"
@@ -45,15 +45,14 @@ entering() {
     enter "$1"
     see "$2"
 }
-# A line to the shell, once the screen shows nothing of what was before: that would be taken for
-# what the line gives.
+# Enter a line in the shell on a cleared screen: older output could be mistaken for the line's.
 enter_anew() {
     checks=$((checks + 1))
     enter "clear; echo cl\"\"ear $checks"
     see "^clear $checks\$"
     enter "$1"
 }
-# A program has left the terminal as a shell wants it.
+# Check that a program has left the terminal in the modes of a shell.
 sane() {
     checks=$((checks + 1))
     enter "clear; stty -a >modes; echo mo\"\"des $checks"
@@ -65,5 +64,5 @@ sane() {
 begin_terminal() {
     tmux_here -f /dev/null new-session -d -s prompt -x 80 -y 24 "PS1='$ ' ENV= exec sh -i" ||
         { echo "Bail out! tmux does not start"; exit 1; }
-    see '^\$$' || true # what its prompt looks like does not matter
+    see '^\$$' || true # the prompt's text does not matter
 }

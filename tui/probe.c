@@ -350,7 +350,7 @@ void probe_leave(const struct terminal_facts *facts, unsigned due)
         const bool expects = due > 0 || facts->reports;
         if (expects && facts->answers && term_write(BARRIER, sizeof BARRIER - 1, NULL) == OK)
             probe_await(due + 1, LIMIT_MS, &typed);
-        else if (facts->owes)
+        else if (facts->answer_due)
             probe_await(1, OWED_MS, &typed);
     }
     buf_release(&typed);
@@ -362,7 +362,7 @@ enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
     const struct probe_environment e = probe_environment_now();
     struct buf questions = {0};
     uint64_t round_trip_ns = 0;
-    bool owes = false;
+    bool answer_due = false;
     enum err err = OK;
     for (unsigned round = 0; !err && round < 2; round++) {
         buf_clear(&questions);
@@ -374,14 +374,14 @@ enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
         if (err || questions.length == 0)
             break;
         const uint64_t begin = clock_ns();
-        owes = await_replies(replies, 1, LIMIT_MS, typed) == 0;
-        if (!owes)
+        answer_due = await_replies(replies, 1, LIMIT_MS, typed) == 0;
+        if (!answer_due)
             round_trip_ns = clock_ns() - begin;
     }
     const struct term_size size = term_size();
     probe_decide(replies, &e, &size, facts);
     facts->round_trip_ns = round_trip_ns;
-    facts->owes = owes;
+    facts->answer_due = answer_due;
     buf_release(&questions);
     return err;
 }

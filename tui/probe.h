@@ -56,7 +56,7 @@ struct terminal_facts {
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
     enum block_shape shape;           /* the finest that its font is known to have */
     bool answers;                     /* it answered DA1, so barriers work */
-    bool owes;                        /* it was asked and has not answered yet */
+    bool answer_due;                  /* it was asked and has not answered yet */
     bool synchronizes;                /* ESC[?2026h .. l: output between them appears at once */
     uint64_t round_trip_ns;           /* from a question to its answer; 0 without an answer */
     bool reports; /* more may arrive or be drawn: mouse reports were requested, or a picture sent */

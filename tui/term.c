@@ -191,7 +191,7 @@ static size_t put_text(char *place, const struct text *text)
 }
 
 enum { ENDING = 3 * TERM_WORDS + 32 };
-_Static_assert((int)ENDING <= (int)GUARDIAN_WORDS, "the guardian may have to say all of it");
+_Static_assert((int)ENDING <= (int)GUARDIAN_WORDS, "the guardian may have to write all of it");
 
 /* `for_good` also shows the cursor and begins a new line, for the program that follows; `ask` adds
  * a question before the sequences that restore. */
@@ -228,7 +228,7 @@ static bool is_ours(void)
 
 /* Read until the end of an answer and a short silence, for at most 0.2 s. Reading from the
  * background would stop the process. */
-static void eat_answers(void)
+static void discard_answers(void)
 {
     char bytes[256];
     bool answered = false;
@@ -249,7 +249,7 @@ static void eat_answers(void)
 }
 
 /* For signal handlers: restore the terminal with one write. */
-static void give_back(bool for_good, bool ask)
+static void restore_modes(bool for_good, bool ask)
 {
     char words[ENDING];
     if (!is_ours())
@@ -258,7 +258,7 @@ static void give_back(bool for_good, bool ask)
     ssize_t ignored = write(term.out, words, put_ending(words, for_good, ask));
     (void)ignored; /* nothing can be done about it */
     if (ask)
-        eat_answers();
+        discard_answers();
     tcsetattr(term.in, TCSANOW, &term.found);
     term.guardian.guarded->on = 0;
 }
@@ -345,7 +345,7 @@ static void on_end(int number)
     size_t place = 0;
     while (taken_signal[place] != number)
         place++;
-    give_back(true, number == SIGTERM || number == SIGINT || number == SIGQUIT);
+    restore_modes(true, number == SIGTERM || number == SIGINT || number == SIGQUIT);
     term.mode = TERM_AS_FOUND;
     sigaction(number, &former[place], NULL);
     raise(number);
@@ -357,7 +357,7 @@ static void on_stop(int number)
     int kept = errno;
     struct sigaction usual = {.sa_handler = SIG_DFL}, ours;
     sigset_t this_one;
-    give_back(false, false);
+    restore_modes(false, false);
     sigaction(number, &usual, &ours);
     sigemptyset(&this_one);
     sigaddset(&this_one, number);
@@ -397,7 +397,7 @@ static void at_exit(void)
 {
     if (!term.open || getpid() != term.owner)
         return;
-    give_back(true, false);
+    restore_modes(true, false);
     term.open = 0;
     guardian_end(&term.guardian);
 }

@@ -154,7 +154,7 @@ static enum err take_pager(struct config *config, const char *words, struct faul
 
 static enum err take_ahead(struct config *config, const char *words, struct fault *fault)
 {
-    return take_state(&config->setup.keeps_back, words, fault);
+    return take_state(&config->setup.sends_none_ahead, words, fault);
 }
 
 static enum err take_start(struct config *config, const char *words, struct fault *fault)

@@ -151,15 +151,15 @@ static bool facts(void *context, struct pilot_facts *out)
                                 .frame_height = frame->depth ? frame->height : outlook->view.height,
                                 .overlay = s->overlay,
                                 .has_object = panes_have_object(session),
-                                .takes_all = has_one_label(session),
+                                .has_one_object = has_one_label(session),
                                 .shows = !session_shows_finished(session) ? PILOT_FOREST
                                          : session_is_rough(session)      ? PILOT_ROUGH
                                                                           : PILOT_FINISHED,
                                 .has_finish = session->now.kept.finish.count > 0};
     const struct view fitting = session_fitting_view(session);
     out->zoom = fitting.zoom;
-    out->fits_itself = memcmp(fitting.focus, outlook->view.focus, sizeof fitting.focus) != 0;
-    if (out->fits_itself)
+    out->is_fitted = memcmp(fitting.focus, outlook->view.focus, sizeof fitting.focus) != 0;
+    if (out->is_fitted)
         memcpy(out->middle, session->pictures->own.place, sizeof out->middle);
     window_values(out->window, session);
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
@@ -606,7 +606,7 @@ static enum err finish(void *context, const struct pilot_onlooker *onlooker, str
     return err ? err : interpreter_write_losses(pilot->interp, NULL, news, fault);
 }
 
-static void peek(void *context, const uint32_t place[3])
+static void preview_cross(void *context, const uint32_t place[3])
 {
     struct pilot_interpreter *pilot = context;
     struct session *session = session_of(context);
@@ -636,7 +636,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->hints = hints;
     host->look_on = look_on;
     host->finish = finish;
-    host->peek = peek;
+    host->preview_cross = preview_cross;
     host->outline = outline;
     host->doubt = doubt;
     host->seed = seed;

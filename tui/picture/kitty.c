@@ -297,7 +297,8 @@ static void patch_tiles(struct painter *p, const struct raster *raster,
                 release_tile(b, &b->tile[*seen], out);
             *seen = i;
         }
-    p->is_worn = b->tiles > TILES - ROOM || b->area > (uint64_t)LAYERS_MOST * b->columns * b->rows;
+    p->is_whole_next =
+        b->tiles > TILES - ROOM || b->area > (uint64_t)LAYERS_MOST * b->columns * b->rows;
 }
 
 static void remove_tiles(struct painter *p, struct buf *out)

@@ -419,7 +419,7 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
 {
     /* The palette that is there, or none, must suit the picture too. */
     const enum palette_need need = need_of(p, view);
-    if (!p->is_shown || p->is_worn || (need == PALETTE_NEVER && p->has_palette) ||
+    if (!p->is_shown || p->is_whole_next || (need == PALETTE_NEVER && p->has_palette) ||
         (need == PALETTE_ALWAYS && !p->has_palette) ||
         (need == PALETTE_EXACT && p->has_palette && !p->shades.is_exact) ||
         (p->has_palette && !shades_serve(&p->shades, view)) || !fill_raster(p, view))
@@ -483,7 +483,7 @@ static bool show_whole(struct painter *p, const struct image_view *view, struct 
     const struct raster_box all = {0, 0, p->width, p->height};
     const struct graphics *g = p->facts.graphics;
     p->effort = view->is_slow ? PNG_SLOW_LINE : view->is_coarse ? PNG_FILE : PNG_FAST;
-    p->is_worn = false;
+    p->is_whole_next = false;
     if (g->whole)
         g->whole(p, &raster, out);
     else

@@ -117,7 +117,7 @@ struct painter {
     /* for the protocol's own use */
     struct png_writer png;
     enum png_effort effort;  /* for the present patch */
-    bool is_worn;            /* the next picture must be sent whole */
+    bool is_whole_next;      /* the next picture must be sent whole */
     void *scratch;           /* memory reused from picture to picture, */
     size_t scratch_capacity; /* in bytes */
     void *held;              /* the protocol's data about parts that the terminal stores, */

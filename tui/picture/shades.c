@@ -252,7 +252,7 @@ static uint32_t channel(uint32_t colour, unsigned k)
 }
 
 /* Return entry `i` of `n` between one colour and another; entry n is the latter. */
-static uint32_t on_the_way(uint32_t from, uint32_t to, unsigned i, unsigned n)
+static uint32_t between(uint32_t from, uint32_t to, unsigned i, unsigned n)
 {
     uint32_t colour = 0;
     for (unsigned k = 0; k < 3; k++)
@@ -272,7 +272,7 @@ static void add_colour(struct shades *s, uint32_t colour)
 static void add_ladder(struct shades *s, uint32_t from, uint32_t to, unsigned rungs)
 {
     for (unsigned i = 1; i <= rungs; i++)
-        add_colour(s, on_the_way(from, to, i, rungs));
+        add_colour(s, between(from, to, i, rungs));
 }
 
 static uint32_t brightened(uint32_t colour, uint32_t by)
@@ -290,16 +290,16 @@ enum { GLOSS = 70 };
 
 static uint32_t third(uint32_t colour)
 {
-    return on_the_way(0, colour, 1, 3);
+    return between(0, colour, 1, 3);
 }
 
 /* Return the distance of a colour from the line between two colours: to the nearest of 16 points on
  * it. */
-static uint32_t off_the_way(uint32_t colour, uint32_t from, uint32_t to)
+static uint32_t distance_to_line(uint32_t colour, uint32_t from, uint32_t to)
 {
     uint32_t least = UINT32_MAX;
     for (unsigned i = 0; i <= 16; i++) {
-        const uint32_t d = distance(colour, on_the_way(from, to, i, 16));
+        const uint32_t d = distance(colour, between(from, to, i, 16));
         least = d < least ? d : least;
     }
     return least;
@@ -343,8 +343,8 @@ static bool is_crossed(uint32_t colour)
 static bool is_shaded(uint32_t colour, const uint32_t *hue, unsigned hues)
 {
     for (unsigned i = 0; i < hues; i++)
-        if (off_the_way(colour, 0, hue[i]) < NEAR ||
-            off_the_way(colour, hue[i], brightened(hue[i], GLOSS)) < NEAR)
+        if (distance_to_line(colour, 0, hue[i]) < NEAR ||
+            distance_to_line(colour, hue[i], brightened(hue[i], GLOSS)) < NEAR)
             return true;
     return false;
 }
@@ -364,7 +364,7 @@ static bool take_hues(struct shades *s, const struct image_view *view)
             const uint32_t hue = s->given[i] & 0xFFFFFF;
             bool is_new = brightest(hue) == level && !is_grey(hue);
             for (unsigned k = 0; is_new && k < s->hues; k++)
-                is_new = off_the_way(hue, 0, s->hue[k]) >= HUE_OF_ANOTHER;
+                is_new = distance_to_line(hue, 0, s->hue[k]) >= HUE_OF_ANOTHER;
             if (is_new)
                 s->hue[s->hues++] = hue;
         }
@@ -373,9 +373,9 @@ static bool take_hues(struct shades *s, const struct image_view *view)
 
 /* Get the colours of about 32 x 32 pixels, evenly distributed over the picture; return their
  * number. */
-enum { LOOKS_MOST = 32 * 32 };
+enum { SAMPLED_MOST = 32 * 32 };
 static unsigned take_looks(const struct image_view *view, const uint8_t *rgba,
-                           uint32_t look[LOOKS_MOST])
+                           uint32_t look[SAMPLED_MOST])
 {
     const uint32_t across = view->width / 32 + 1, down = view->height / 32 + 1;
     const struct image_view looks = {.rgba = rgba};
@@ -387,10 +387,10 @@ static unsigned take_looks(const struct image_view *view, const uint8_t *rgba,
 }
 
 /* Look at the picture as it will be when it is fine. */
-static void look_around(const struct image_view *view, const uint32_t *hue, unsigned hues,
-                        bool *has_greys, bool *has_tints)
+static void sample_colours(const struct image_view *view, const uint32_t *hue, unsigned hues,
+                           bool *has_greys, bool *has_tints)
 {
-    uint32_t look[LOOKS_MOST];
+    uint32_t look[SAMPLED_MOST];
     const unsigned looks = take_looks(view, view->fine ? view->fine : view->rgba, look);
     unsigned seen = 0, greys = 0, tints = 0;
     for (unsigned i = 0; i < looks; i++) {
@@ -418,9 +418,9 @@ static bool are_crowded(const struct shades *s)
 /* ---- no hues are known, or too many ---- */
 
 /* Return the mean error of about 32 x 32 pixels, in their worst channels, times 16. */
-static uint32_t look_how_far(struct shades *s, const struct image_view *view)
+static uint32_t mean_error(struct shades *s, const struct image_view *view)
 {
-    uint32_t look[LOOKS_MOST], sum = 0;
+    uint32_t look[SAMPLED_MOST], sum = 0;
     const unsigned looks = take_looks(view, view->rgba, look);
     for (unsigned i = 0; i < looks; i++) {
         const uint32_t shown = s->colour[place_of(s, look[i])];
@@ -452,7 +452,7 @@ static bool take_colours(struct shades *s, const struct image_view *view)
         add_colour(s,
                    (uint32_t)box[i].mean[0] << 16 | (uint32_t)box[i].mean[1] << 8 | box[i].mean[2]);
     forget_places(s);
-    s->off = look_how_far(s, view);
+    s->off = mean_error(s, view);
     return true;
 }
 
@@ -462,7 +462,7 @@ static bool take_colours(struct shades *s, const struct image_view *view)
 static bool are_near(struct shades *s, const struct image_view *view)
 {
     enum { FURTHER = 2 * 16 };
-    return look_how_far(s, view) <= s->off + s->off / 2 + FURTHER;
+    return mean_error(s, view) <= s->off + s->off / 2 + FURTHER;
 }
 
 static bool choose_colours(struct shades *s, const struct image_view *view)
@@ -471,7 +471,7 @@ static bool choose_colours(struct shades *s, const struct image_view *view)
     const bool is_new = take_hues(s, view);
     if (are_crowded(s))
         return (!is_new && s->is_suited && are_near(s, view)) || take_colours(s, view);
-    look_around(view, s->hue, s->hues, &has_greys, &has_tints);
+    sample_colours(view, s->hue, s->hues, &has_greys, &has_tints);
     if (!is_new && s->is_laddered && s->has_greys == has_greys && s->has_tints == has_tints)
         return true;
     s->has_greys = has_greys;
@@ -545,7 +545,7 @@ bool shades_lack(struct shades *s, const struct image_view *view)
         return false;
     if (s->is_suited)
         return view->hue && !are_near(s, view);
-    look_around(view, s->hue, s->hues, &has_greys, &has_tints);
+    sample_colours(view, s->hue, s->hues, &has_greys, &has_tints);
     return (has_greys && !s->has_greys) || (has_tints && !s->has_tints);
 }
 

@@ -51,14 +51,14 @@ struct pilot_facts {
     double intensity;                           /* of the voxel, in real values */
     double window[2];                           /* black and white, in real values */
     uint32_t zoom;                              /* zoom of the rendition, in thousandths */
-    bool fits_itself; /* the view was fitted automatically, around this voxel: */
+    bool is_fitted; /* the view was fitted automatically, around this voxel: */
     uint32_t middle[3];
     uint32_t frame_width; /* size of the rendition, in pixels */
     uint32_t frame_height;
-    unsigned overlay; /* labels in slices: 0 none, 1 tint, 2 contour */
-    bool has_object;  /* a voxel has a label above 0, or a seed waits to give it one */
-    bool takes_all;   /* only the seeds of one object exist so far */
-    uint32_t times;   /* magnification of slices, in thousandths */
+    unsigned overlay;    /* labels in slices: 0 none, 1 tint, 2 contour */
+    bool has_object;     /* a voxel has a label above 0, or a seed waits to give it one */
+    bool has_one_object; /* only the seeds of one object exist so far */
+    uint32_t times;      /* magnification of slices, in thousandths */
     enum pilot_labels shows;
     bool has_finish; /* labels can be finished */
 };
@@ -180,7 +180,7 @@ struct pilot_host {
     enum err (*finish)(void *context, const struct pilot_onlooker *onlooker, struct buf *news,
                        struct fault *fault);
     /* During `draw`: show the cross-hair at a place, or with NULL at its own place. */
-    void (*peek)(void *context, const uint32_t place[3]);
+    void (*preview_cross)(void *context, const uint32_t place[3]);
 };
 
 #endif

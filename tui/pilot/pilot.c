@@ -59,18 +59,18 @@ struct pilot {
     struct refine refine;
     struct flow flow;
     bool is_resized;
-    bool is_paging;    /* a page is shown: nothing is drawn until a key is pressed */
-    bool is_blank;     /* the screen is blank */
-    bool keeps;        /* the line is so slow that slices are stored in the terminal */
-    struct ahead sent; /* slices that were sent ahead */
-    struct mouse held; /* where the mouse button was pressed, */
-    bool is_still;     /* and whether the mouse has not moved since */
+    bool is_paging;     /* a page is shown: nothing is drawn until a key is pressed */
+    bool is_blank;      /* the screen is blank */
+    bool stores_slices; /* the line is so slow that slices are stored in the terminal */
+    struct ahead sent;  /* slices that were sent ahead */
+    struct mouse held;  /* where the mouse button was pressed, */
+    bool is_still;      /* and whether the mouse has not moved since */
     bool is_pasting;
     struct buf pasted; /* text of the present or last paste */
     bool is_over, has_ended;
 
     enum pilot_labels shows; /* labels in the last frame */
-    bool gives_up;           /* finishing labels failed, and nothing has changed since */
+    bool finish_failed;      /* finishing labels failed, and nothing has changed since */
 
     /* Keys typed during a command, or while labels are finished. */
     struct typed_ahead ahead;
@@ -231,8 +231,8 @@ static struct pilot_wish wish_of(const struct pilot *p)
 static bool is_slow(struct pilot *p)
 {
     const uint64_t takes_ns = flow_carries_ns(&p->flow, SLOW_BYTES);
-    p->keeps = takes_ns > (p->keeps ? STILL_SLOW_NS : SLOW_NS);
-    return p->keeps;
+    p->stores_slices = takes_ns > (p->stores_slices ? STILL_SLOW_NS : SLOW_NS);
+    return p->stores_slices;
 }
 
 /* Return true if keys rest and a hasty picture is to be replaced by the full one. */
@@ -263,7 +263,7 @@ static void add_picture(struct pilot *p, struct buf *out)
     struct image_view view = p->view;
     const size_t budget = flow_budget(&p->flow), before = out->length;
     view.is_slow = is_slow(p);
-    if (p->keeps)
+    if (p->stores_slices)
         painter_keep(&p->painter, &view, p->is_stale ? 0 : budget, out);
     const size_t kept = out->length - before; /* bytes */
     if (!refine_begin(&p->refine, &view, p->is_stale, kept < budget ? budget - kept : 1, &shown)) {
@@ -277,9 +277,9 @@ static void add_picture(struct pilot *p, struct buf *out)
 }
 
 /* Return true if slices are to be sent ahead, now or later. */
-static bool goes_ahead(const struct pilot *p)
+static bool may_send_ahead(const struct pilot *p)
 {
-    return p->keeps && !p->state->setup->keeps_back && p->facts->graphics->keeping &&
+    return p->stores_slices && !p->state->setup->sends_none_ahead && p->facts->graphics->keeping &&
            p->host->name_ahead && !p->flow.silent && p->sent.number < AHEAD_NUMBERS &&
            ahead_pays(&p->flow);
 }
@@ -317,7 +317,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         refine_forget(&p->refine);
     }
     add_picture(p, &out);
-    p->state->sends_ahead = p->state->sends_ahead && goes_ahead(p);
+    p->state->sends_ahead = p->state->sends_ahead && may_send_ahead(p);
     add_rows(&out, p, &facts, &size);
     if (p->facts->synchronizes)
         buf_add_text(&out, FRAME_ENDS);
@@ -439,7 +439,7 @@ static void show_so_far(void *context)
     p->is_stale = true;
     draw(p, NULL);
     p->state = state;
-    p->host->peek(p->host->context, NULL);
+    p->host->preview_cross(p->host->context, NULL);
     go_to_foot("", NULL);
     p->ahead_shown = p->ahead.count;
     const uint64_t now_ns = clock_ns(), took_ns = now_ns - p->wanted_ns;
@@ -468,7 +468,7 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
     if (*of_command)
         say_error(p, &why);
     p->is_stale = true;
-    p->gives_up = false;
+    p->finish_failed = false;
     p->is_over = host->finished(host->context);
     return err;
 }
@@ -654,10 +654,10 @@ static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 
 /* ---- keys ---- */
 
-static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fault)
+static enum err do_request(struct pilot *p, enum pilot_request request, struct fault *fault)
 {
     enum err err = OK;
-    switch (deed) {
+    switch (request) {
     case PILOT_PROMPT:
         return ask_for_command(p, fault);
     case PILOT_SHOW_KEYS:
@@ -736,7 +736,7 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
                            : carry_out_all(p, buf_text(&lines), fault);
     buf_release(&lines);
     p->state->sketches = false;
-    return err ? err : do_deed(p, press.deed, fault);
+    return err ? err : do_request(p, press.request, fault);
 }
 
 /* Add keys of a paste to its text (P3). Ctrl-C ends an unfinished paste, unless it is part of it,
@@ -786,7 +786,7 @@ static bool read_key(struct pilot *p, struct key_event *event)
     while (e->taken < e->input.length) {
         const uint8_t byte = (uint8_t)e->input.data[e->taken++];
         if (e->taken < e->input.length) /* a bracket alone is a key */
-            line_editor_mend(e, byte);
+            line_editor_rejoin_reply(e, byte);
         e->lone_escape = false;
         if (keys_feed(&e->keys, byte, event) && is_for_pilot(p, event))
             return true;
@@ -799,7 +799,7 @@ static bool read_key(struct pilot *p, struct key_event *event)
 /* Split an Alt-KEY without effect into Escape and KEY: a terminal sends the same bytes for both,
  * and tmux or a slow line joins them. Otherwise `Esc :` as in vim would lose its colon, and the
  * letters after it would be keys. */
-static bool part_alt(struct pilot *p, struct key_event *event)
+static bool split_alt(struct pilot *p, struct key_event *event)
 {
     struct key_event rest = *event;
     if (!(event->modifiers & KEY_ALT) || event->key == KEY_MOUSE || event->key == KEY_OTHER ||
@@ -814,7 +814,7 @@ static bool part_alt(struct pilot *p, struct key_event *event)
 /* Get the next available key; false without one. */
 static bool next_key(struct pilot *p, struct key_event *event)
 {
-    return (typed_ahead_take(&p->ahead, event) || read_key(p, event)) && part_alt(p, event);
+    return (typed_ahead_take(&p->ahead, event) || read_key(p, event)) && split_alt(p, event);
 }
 
 static bool has_more(const struct pilot *p)
@@ -824,16 +824,16 @@ static bool has_more(const struct pilot *p)
 
 /* Return true if the bytes so far are a key of their own unless more follows. A paste has no keys,
  * however slowly its end arrives. */
-static bool awaits_rest(const struct pilot *p)
+static bool has_partial_key(const struct pilot *p)
 {
     return !p->is_pasting && keys_waiting(&p->editor->keys);
 }
 
 /* Return true if a slice is to be sent ahead now: the nearest at the rate of the line, others a few
  * at a time, so that a key hardly waits for them. */
-static bool is_ahead(const struct pilot *p)
+static bool is_send_ahead_due(const struct pilot *p)
 {
-    return goes_ahead(p) && !p->is_hasty &&
+    return may_send_ahead(p) && !p->is_hasty &&
            p->flow.due <= (p->sent.number < AHEAD_NEAR ? FLOW_FRAMES : AHEAD_DUE);
 }
 
@@ -842,12 +842,12 @@ static bool is_ahead(const struct pilot *p)
 static bool wait_once(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;
-    const bool has_frame = !p->is_paging && (has_more(p) || is_ahead(p));
+    const bool has_frame = !p->is_paging && (has_more(p) || is_send_ahead_due(p));
     const uint64_t now_ns = clock_ns(), rests_ns = p->pace.key_ns + PACE_REST_NS;
-    int patience_ms = awaits_rest(p) ? KEYS_TIMEOUT_MS
-                      : has_frame    ? flow_wait_ms(&p->flow, now_ns)
-                                     : -1;
-    if (!awaits_rest(p) && !p->is_paging && p->is_hasty && rests_ns > now_ns) {
+    int patience_ms = has_partial_key(p) ? KEYS_TIMEOUT_MS
+                      : has_frame        ? flow_wait_ms(&p->flow, now_ns)
+                                         : -1;
+    if (!has_partial_key(p) && !p->is_paging && p->is_hasty && rests_ns > now_ns) {
         const int due_ms = (int)((rests_ns - now_ns) / 1000000);
         patience_ms = patience_ms < 0 || patience_ms > due_ms ? due_ms + 1 : patience_ms;
     }
@@ -862,10 +862,10 @@ static bool wait_once(struct pilot *p, struct key_event *event)
         buf_release(&news);
         p->is_stale = true;
     } else if (input == TERM_TIMEOUT) {
-        if (!awaits_rest(p) || !keys_time_out(&e->keys, event))
+        if (!has_partial_key(p) || !keys_time_out(&e->keys, event))
             return false;
         e->lone_escape = event->key == KEY_ESCAPE;
-        return is_for_pilot(p, event) && part_alt(p, event);
+        return is_for_pilot(p, event) && split_alt(p, event);
     }
     if (term_was_resized() || term_was_continued()) {
         p->is_resized = true;
@@ -888,7 +888,7 @@ static bool wants_moves(void *context)
 static bool stops_for_keys(void *context)
 {
     const struct pilot *p = context;
-    bool stops = awaits_rest(p) || p->is_pasting;
+    bool stops = has_partial_key(p) || p->is_pasting;
     for (size_t i = p->ahead.taken; i < p->ahead.count; i++)
         stops = stops || !pilot_only_moves(p->state, p->ahead.event + i);
     return stops;
@@ -908,8 +908,8 @@ static void finish_labels(struct pilot *p)
         keep_last_line(&p->message, buf_text(&news));
     buf_release(&news);
     p->is_stale = err != ERR_CANCELLED || p->ahead_shown > 0;
-    p->gives_up = err != OK && err != ERR_CANCELLED;
-    if (p->gives_up)
+    p->finish_failed = err != OK && err != ERR_CANCELLED;
+    if (p->finish_failed)
         say_error(p, &why);
 }
 
@@ -934,11 +934,11 @@ static enum err run(struct pilot *p, struct fault *fault)
     while (!err && !p->is_over) {
         while (!err && !p->is_over && next_key(p, &event))
             err = take_key(p, &event, fault);
-        if (!err && !p->is_over && (has_more(p) || is_ahead(p)) &&
+        if (!err && !p->is_over && (has_more(p) || is_send_ahead_due(p)) &&
             flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
-        const bool is_rough = !p->is_stale && !p->gives_up && !awaits_rest(p) && !p->is_pasting &&
-                              p->host->finish && p->shows == PILOT_ROUGH;
+        const bool is_rough = !p->is_stale && !p->finish_failed && !has_partial_key(p) &&
+                              !p->is_pasting && p->host->finish && p->shows == PILOT_ROUGH;
         if (!err && !p->is_over && is_rough)
             finish_labels(p);
         else if (!err && !p->is_over && wait_once(p, &event))

@@ -165,7 +165,7 @@ void pilot_go_back(struct press *p)
     if (former.is_set)
         pilot_jump(p, former.place);
     else
-        buf_add_text(p->message, "there was no jump to go back from");
+        buf_add_text(p->message, "there was no jump yet");
 }
 
 /* By 0: go to the label's centre. */
@@ -292,7 +292,7 @@ void pilot_change_zoom(struct press *p)
     next = next < ZOOM_LEAST ? ZOOM_LEAST : next > ZOOM_MOST ? ZOOM_MOST : next;
     buf_add_text(p->line, "zoom ");
     pilot_add_decimal(p->line, next / 1000.0);
-    if (p->facts->fits_itself)
+    if (p->facts->is_fitted)
         buf_printf(p->line, " at=" PLACE, XYZ(middle));
     buf_add_char(p->line, '\n');
 }
@@ -308,7 +308,7 @@ void pilot_change_labels(struct press *p)
     if (p->facts->has_finish)
         buf_printf(p->line, "finished %s\n", p->facts->shows == PILOT_FOREST ? "on" : "off");
     else
-        buf_add_text(p->message, "labels are not finished yet: `:finish relax` has them settle on "
+        buf_add_text(p->message, "labels are not finished yet: `:finish relax` settles them on "
                                  "the edges of the scene");
 }
 
@@ -391,7 +391,7 @@ void pilot_pan(struct press *p)
     const int right = right_of(p->by) * by, down = -up_of(p->by) * by;
     uint32_t middle[3], place[3];
     if (p->facts->times <= PILOT_TIMES_ONE || p->state->mode == PILOT_PICKING) {
-        if (p->facts->fits_itself)
+        if (p->facts->is_fitted)
             buf_printf(p->line, "focus " PLACE "\n", XYZ(p->facts->middle));
         buf_printf(p->line, "pan %d %d\n", right * PIXEL_JUMP, down * PIXEL_JUMP);
     } else if (p->host->pan(p->host->context, p->state->pane, right, down, middle, place)) {

@@ -44,7 +44,7 @@ enum {
 const struct pilot_row pilot_table[] = {
     PART("Position"),
     {KEY("step-on", "Space", "", WATCHING, COUNTS), DO(pilot_step, 1),
-     PAGE("Space Backspace", "a step on, back"), .hint = "on"},
+     PAGE("Space Backspace", "next, previous step"), .hint = "on"},
     {KEY("step-back", "Backspace", "", WATCHING, COUNTS), DO(pilot_step, -1), JOINS,
      .hint = "back"},
     {KEY("first-step", "gg", "", WATCHING, COUNTS), DO(pilot_to_step, -1),
@@ -168,13 +168,14 @@ const struct pilot_row pilot_table[] = {
     {KEY("finished", "y", "", LOOKS, 0), DO(pilot_change_labels, 0), JOINS},
     {KEY("window", "w", "", LOOKS, 0), .then = PILOT_WINDOWING, JOINS},
     {KEY("alone", "f", "", LOOKS, 0), DO(pilot_show_alone, 0), .help = "one pane, all four"},
-    {KEY("command", ":", "", LOOKS, 0), .deed = PILOT_PROMPT, .help = "a command",
+    {KEY("command", ":", "", LOOKS, 0), .request = PILOT_PROMPT, .help = "a command",
      .hint = "command"},
-    {KEY("keys", "?", "", LOOKS, 0), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
-    {KEY("redraw", "Ctrl-L", "", LOOKS, 0), .deed = PILOT_REDRAW,
+    {KEY("keys", "?", "", LOOKS, 0), .request = PILOT_SHOW_KEYS, .help = "these keys",
+     .hint = "keys"},
+    {KEY("redraw", "Ctrl-L", "", LOOKS, 0), .request = PILOT_REDRAW,
      PAGE("Ctrl-L Ctrl-Z", "redraw; stop")},
-    {KEY("suspend", "Ctrl-Z", "", LOOKS, 0), .deed = PILOT_SUSPEND, JOINS},
-    {KEY("leave", "q", "Ctrl-D", LOOKS, 0), .deed = PILOT_LEAVE, .help = "back to the prompt",
+    {KEY("suspend", "Ctrl-Z", "", LOOKS, 0), .request = PILOT_SUSPEND, JOINS},
+    {KEY("leave", "q", "Ctrl-D", LOOKS, 0), .request = PILOT_LEAVE, .help = "back to the prompt",
      .hint = "back"},
 
     {KEY("eliminate-it", "x Enter", "", CONFIRMING, CHANGES), .command = "remove @\n",
@@ -237,7 +238,7 @@ static void add_hints(struct buf *out, const struct pilot_state *state, const ch
 {
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
         const unsigned in = !(row->in & MOVING) ? row->in
-                            : row->deed         ? row->in & (MOVING | WATCHING)
+                            : row->request      ? row->in & (MOVING | WATCHING)
                                                 : MOVING;
         if (!row->hint || !(in & PILOT_IN(state->mode)))
             continue;
@@ -270,7 +271,7 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
         setup_say(out, setup,
                   "nothing to show yet: {plant} plants a seed here, {plant-label:0} background; "
                   "{keys} keys  {leave} back");
-    } else if (moves && facts->takes_all) {
+    } else if (moves && facts->has_one_object) {
         setup_say(out, setup,
                   "one label fills all: {corner} here, then beyond its edge {enclose} encloses it; "
                   "{plant-label:0} background");
@@ -288,7 +289,7 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
         add_hints(out, state, "  ");
     } else if (pilot_outlines(state->mode)) {
         buf_add_text(out, state->mode == PILOT_OUTLINING ? "moving, or the mouse, draws an outline"
-                          : state->hold.is_set           ? "held: moving drags it"
+                          : state->hold.is_set           ? "grabbed: moving drags it"
                                                          : "the mouse drags it");
         add_hints(out, state, "  ");
     } else if (state->mode == PILOT_PICKING) {
@@ -423,7 +424,7 @@ static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
         buf_release(&keys);
     }
     if (out->length == before)
-        buf_printf(out, "no key has to do with %s\n", wish->wanted);
+        buf_printf(out, "no key matches %s\n", wish->wanted);
 }
 
 void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish)

@@ -119,7 +119,7 @@ static void carry_out(struct press *p, const struct pilot_row *row)
 {
     const size_t before = p->line->length;
     p->by = row->by;
-    p->deed = row->deed;
+    p->request = row->request;
     p->state->is_silent = row->flags & PILOT_IS_SILENT;
     p->state->says_all = row->flags & PILOT_SAYS_ALL;
     p->state->has_pages = row->flags & PILOT_HAS_PAGES;
@@ -143,7 +143,7 @@ void pilot_repeat(struct press *p)
     const struct pilot_change change = p->state->change;
     struct press again = *p;
     if (!change.row) {
-        buf_add_text(p->message, "nothing has been changed yet that could be done again");
+        buf_add_text(p->message, "there is no change to repeat yet");
         return;
     }
     again.event = &change.key;
@@ -226,7 +226,7 @@ static bool may_lead(const struct pilot_state *state, const struct key_event *ev
     return may;
 }
 
-enum pilot_deed pilot_press(struct press *p)
+enum pilot_request pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
     state->is_silent = state->says_all = state->sketches = state->drops = false;
@@ -248,10 +248,10 @@ enum pilot_deed pilot_press(struct press *p)
         pilot_say(p, "this key does nothing here; {keys} shows the keys");
     }
     state->count = state->leader = 0;
-    if (p->deed == PILOT_PROMPT || p->deed == PILOT_LEAVE || p->line->length ||
+    if (p->request == PILOT_PROMPT || p->request == PILOT_LEAVE || p->line->length ||
         !has_same_brush(state))
         end_stroke(state, p->facts, p->line);
-    return p->deed;
+    return p->request;
 }
 
 /* ---- the mouse ---- */
@@ -343,7 +343,7 @@ static void click(struct press *p, uint32_t column, uint32_t row)
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {
         if (!shows) {
             buf_clear(p->message);
-            buf_add_text(p->message, "nothing is seen there");
+            buf_add_text(p->message, "that pixel shows nothing");
             return;
         }
         state->mode = state->base = outlines ? state->base : pilot_home(state);
@@ -429,7 +429,7 @@ void typed_ahead_show(const struct typed_ahead *ahead, struct pilot_state *state
             break;
         *state = next;
         if (moves)
-            host->peek(host->context, place);
+            host->preview_cross(host->context, place);
     }
     buf_release(&line);
     buf_release(&message);

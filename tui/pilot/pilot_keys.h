@@ -64,7 +64,7 @@ struct pilot_setup {
     struct pilot_brush brush; /* at the start */
     struct setup_window window[SETUP_WINDOWS_MOST];
     size_t windows;
-    bool keeps_back;                              /* send no slice ahead (tui/pilot/flow.h) */
+    bool sends_none_ahead;                        /* send no slice ahead (tui/pilot/flow.h) */
     char keys[SETUP_ROWS_MOST][SETUP_KEYS_BYTES]; /* by row; "" if the user has set none */
 };
 
@@ -102,7 +102,7 @@ static inline bool pilot_confirms(enum pilot_mode mode)
 }
 
 /* Action of the loop in addition to the command. */
-enum pilot_deed {
+enum pilot_request {
     PILOT_NOTHING,
     PILOT_PROMPT,
     PILOT_SHOW_KEYS,
@@ -218,13 +218,13 @@ struct press {
     const struct pilot_host *host;
     const struct pilot_facts *facts;
     struct buf *line, *message;
-    int by;               /* `by` of the row, once it is found; 0 and PILOT_NOTHING before, */
-    enum pilot_deed deed; /* and the action of the loop */
+    int by;                     /* `by` of the row, once it is found; 0 and PILOT_NOTHING before, */
+    enum pilot_request request; /* and the action of the loop */
 };
 
 /* Add the command of the key to `line`, if any; several commands, separated by line feeds, run one
  * after the other until one fails. A message for the user is added to `message`. */
-enum pilot_deed pilot_press(struct press *press);
+enum pilot_request pilot_press(struct press *press);
 
 /* The same for a mouse report at this pixel of the picture. */
 void pilot_click(struct press *press, uint32_t column, uint32_t row);
@@ -334,7 +334,7 @@ struct pilot_row {
     const char *command; /* its effect: this command, with '@' for the cross-hair's place, */
     pilot_act *act;
     int by; /* an argument of the function: which of several variants */
-    enum pilot_deed deed;
+    enum pilot_request request;
     enum pilot_mode then; /* the mode afterwards; PILOT_MOVING means the state's `base` */
     unsigned flags;
     const char *help; /* on the page; "" joins the row before; NULL: none */
@@ -415,7 +415,7 @@ bool pilot_magnify_by(struct press *p, int64_t steps);
  * a message, if they would leave the scene. */
 bool pilot_move_shape(struct press *p);
 /* Remember the corners for pilot_move_shape and clear them. */
-void pilot_keep_shape(struct press *p);
+void pilot_remember_shape(struct press *p);
 /* Add a corner. Return false, with a message, if it is in another slice or there are too many. */
 bool pilot_add_corner(struct press *p, const uint32_t place[3]);
 /* Extend or drag an outline as the cross-hair goes to a place. Return false without an outline. */

@@ -78,7 +78,7 @@ void pilot_drop_outline(struct press *p)
         state->outline = state->hold.line;
         state->hold.line = bent;
         state->hold.is_set = false;
-        buf_add_text(p->message, "the outline is as it was");
+        buf_add_text(p->message, "the outline is unchanged");
         return;
     }
     end_outline(state);
@@ -87,7 +87,7 @@ void pilot_drop_outline(struct press *p)
 
 /* ---- closing ---- */
 
-void pilot_keep_shape(struct press *p)
+void pilot_remember_shape(struct press *p)
 {
     struct pilot_shape *shape = &p->state->shape;
     const struct polyline former = shape->outline;
@@ -126,7 +126,7 @@ void pilot_close_outline(struct press *p)
     if (state->instead)
         buf_printf(p->line, " instead=%u", state->instead);
     buf_add_char(p->line, '\n');
-    pilot_keep_shape(p);
+    pilot_remember_shape(p);
     state->change = (struct pilot_change){setup_row(state->setup, "polygon"), *p->event, 0};
     end_outline(state);
     state->doubt = 0; /* the ranking has changed */
@@ -286,7 +286,7 @@ bool pilot_outline_to(struct press *p, const uint32_t place[3])
 /* ---- existing outlines ---- */
 
 /* Load the outline in the slice of the pane at a place, for editing. */
-static void take_up(struct press *p, const uint32_t place[3])
+static void load_outline(struct press *p, const uint32_t place[3])
 {
     struct pilot_state *state = p->state;
     end_outline(state);
@@ -311,7 +311,7 @@ static bool is_unfinished(struct press *p)
 void pilot_take_up(struct press *p)
 {
     if (!is_unfinished(p))
-        take_up(p, p->facts->place);
+        load_outline(p, p->facts->place);
 }
 
 /* Ranks are visited cyclically. */
@@ -341,7 +341,7 @@ void pilot_go_to_doubt(struct press *p)
     state->doubt = rank;
     buf_add_text(p->message, "; ");
     pilot_jump(p, place);
-    take_up(p, place);
+    load_outline(p, place);
 }
 
 /* ---- the mouse ---- */

@@ -127,8 +127,7 @@ void pilot_end_range(struct press *p)
     struct decimal range[2];
     if (*at && !(pilot_scan_range(&at, range) && *at == '\0')) {
         buf_printf(p->message,
-                   "expected LOW..HIGH, as in 40..1200.5, not %s; the brush is as it "
-                   "was",
+                   "expected LOW..HIGH, as in 40..1200.5, not %s; the brush is unchanged",
                    p->state->typed);
         return;
     }
@@ -246,7 +245,7 @@ static void begin_stroke_at(struct press *p, const uint32_t place[3])
 {
     memcpy(p->state->stroke.place, place, sizeof p->state->stroke.place);
     p->state->stroke.is_set = true;
-    buf_add_text(p->message, "one end of a stroke; a seed where the other is draws it");
+    buf_add_text(p->message, "one end of a stroke; a seed at the other end draws it");
 }
 
 void pilot_begin_stroke(struct press *p)
@@ -310,7 +309,7 @@ void pilot_plant_box(struct press *p)
     buf_printf(p->line, "box " PLACE " " PLACE, XYZ(outline->corner[0]), XYZ(p->facts->place));
     pilot_add_label(p->line, &p->state->brush);
     buf_add_char(p->line, '\n');
-    pilot_keep_shape(p);
+    pilot_remember_shape(p);
 }
 
 /* Plant background around the label of the brush: with `by` 1 on the box from the corner to the
@@ -330,7 +329,7 @@ void pilot_plant_shell(struct press *p)
     if (!p->by)
         buf_printf(p->line, " through=" PLACE, XYZ(p->facts->place));
     buf_add_char(p->line, '\n');
-    pilot_keep_shape(p);
+    pilot_remember_shape(p);
 }
 
 bool pilot_move_shape(struct press *p)
@@ -351,6 +350,6 @@ bool pilot_move_shape(struct press *p)
     if (fits)
         return true;
     outline->count = 0;
-    buf_add_text(p->message, "here it would leave the scene");
+    buf_add_text(p->message, "here it would extend beyond the scene");
     return false;
 }

@@ -229,7 +229,7 @@ bool pilot_take_voxel(struct press *p, uint32_t place[3])
     if (p->state->mode != PILOT_PICKING)
         return true;
     if (!p->host->voxel_of_frame(p->host->context, pixel[0], pixel[1], place)) {
-        buf_add_text(p->message, "no object is seen at that pixel");
+        buf_add_text(p->message, "that pixel shows no object");
         return false;
     }
     pilot_cross(p, place);

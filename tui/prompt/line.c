@@ -391,13 +391,13 @@ static const char *last_word(const char *line, size_t *length)
 
 static void cite(struct line *l, bool again)
 {
-    size_t place = again ? l->cited : l->history->count, length;
+    size_t place = again ? l->word_entry : l->history->count, length;
     if (place == 0)
         return;
     const char *word = last_word(l->history->line[--place], &length);
-    l->cited = place;
-    l->cited_at = again ? l->cited_at : l->cursor;
-    change_text(l, l->cited_at, l->cursor, word, length, again ? STEP_OVER : STEP_NEW);
+    l->word_entry = place;
+    l->word_at = again ? l->word_at : l->cursor;
+    change_text(l, l->word_at, l->cursor, word, length, again ? STEP_OVER : STEP_NEW);
 }
 
 /* Do LINE_OLDER or an action after it in the enum; `before` is the previous action. */
@@ -405,14 +405,14 @@ static void recall(struct line *l, enum line_action action, enum line_last befor
 {
     const bool again = before == LAST_RECALLED;
     const enum line_step step = step_after(l, before);
-    l->last = action == LINE_CITE ? LAST_CITED : LAST_RECALLED;
-    if (action != LINE_CITE && !again) { /* set the prefix of the lines to browse */
+    l->last = action == LINE_LAST_WORD ? LAST_CITED : LAST_RECALLED;
+    if (action != LINE_LAST_WORD && !again) { /* set the prefix of the lines to browse */
         leave_edited_entry(l);
         buf_clear(&l->prefix);
         buf_add(&l->prefix, buf_text(&l->text), l->cursor);
     }
     size_t place = l->place;
-    if (action == LINE_CITE) {
+    if (action == LINE_LAST_WORD) {
         cite(l, before == LAST_CITED);
     } else if (action == LINE_OLDER) {
         while (place > 0 && !is_wanted(l, place - 1))
@@ -486,21 +486,21 @@ void line_act(struct line *l, enum line_action action)
 
 static void find_all(struct line *l)
 {
-    l->founds = 0;
-    for (size_t i = l->history->count; i-- > 0 && l->founds < LINE_FOUND_MOST;) {
+    l->found_count = 0;
+    for (size_t i = l->history->count; i-- > 0 && l->found_count < LINE_FOUND_MOST;) {
         const char *entry = l->history->line[i];
         bool is_found = strstr(entry, buf_text(&l->wanted)) != NULL;
-        for (size_t k = 0; is_found && k < l->founds; k++)
+        for (size_t k = 0; is_found && k < l->found_count; k++)
             is_found = strcmp(l->history->line[l->found[k]], entry) != 0;
         if (is_found)
-            l->found[l->founds++] = i;
+            l->found[l->found_count++] = i;
     }
-    l->chosen = l->founds;
+    l->chosen = l->found_count;
 }
 
 static void choose(struct line *l, size_t number)
 {
-    l->search_failed = number >= l->founds;
+    l->search_failed = number >= l->found_count;
     if (l->search_failed)
         return;
     const char *entry = l->history->line[l->found[number]];
@@ -526,9 +526,9 @@ void line_search_add(struct line *l, const char *bytes, size_t length)
     size_t number = 0;
     buf_add(&l->wanted, bytes, length);
     find_all(l);
-    while (number < l->founds && l->found[number] > l->place)
+    while (number < l->found_count && l->found[number] > l->place)
         number++;
-    choose(l, number < l->founds ? number : 0);
+    choose(l, number < l->found_count ? number : 0);
 }
 
 /* A shorter text matches more lines: start again at the newest. */
@@ -545,12 +545,12 @@ void line_search_erase(struct line *l)
 
 void line_search_older(struct line *l)
 {
-    choose(l, l->chosen < l->founds ? l->chosen + 1 : 0);
+    choose(l, l->chosen < l->found_count ? l->chosen + 1 : 0);
 }
 
 void line_search_newer(struct line *l)
 {
-    if (l->chosen > 0 && l->chosen < l->founds)
+    if (l->chosen > 0 && l->chosen < l->found_count)
         choose(l, l->chosen - 1);
 }
 

@@ -101,14 +101,14 @@ struct line {
     size_t place;      /* the history entry shown; history->count for the current line */
     struct buf draft;  /* the current line, while an older one is shown */
     struct buf prefix; /* prefix of the lines that are browsed */
-    size_t cited;      /* the history entry whose last word was inserted last, */
-    size_t cited_at;   /* and its position in the text */
+    size_t word_entry; /* the history entry whose last word was inserted last, */
+    size_t word_at;    /* and its position in the text */
     bool searching;
     bool search_failed;
     struct buf wanted; /* the text to search for */
     size_t found
         [LINE_FOUND_MOST]; /* the history entries that contain it, each text once, newest first, */
-    size_t founds, chosen; /* how many, and the index of the one shown */
+    size_t found_count, chosen; /* how many, and the index of the one shown */
 };
 
 /* In this order: moves, removals, kills, letters of a word, the rest. */
@@ -136,7 +136,7 @@ enum line_action {
     LINE_NEWER,
     LINE_OLDEST,
     LINE_NEWEST,
-    LINE_CITE, /* insert the last word of the line before; again, of the one before that */
+    LINE_LAST_WORD, /* insert the last word of the line before; again, of the one before that */
     LINE_ACTIONS
 };
 

@@ -28,7 +28,7 @@ void line_editor_release(struct line_editor *e)
 }
 
 /* Result of a key. */
-enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, EDIT, NEWS };
+enum outcome { CONTINUE, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, EDIT, NEWS };
 
 /* ---- drawing ---- */
 
@@ -63,9 +63,9 @@ static void add_found(const struct line *l, const struct term_size *size, struct
     const size_t room = size->rows > ROWS_LEFT + FOUND_ROWS_MOST ? FOUND_ROWS_MOST
                         : size->rows > ROWS_LEFT                 ? size->rows - ROWS_LEFT
                                                                  : 0;
-    const bool has_chosen = l->chosen < l->founds;
+    const bool has_chosen = l->chosen < l->found_count;
     const size_t first = has_chosen && l->chosen >= room ? l->chosen + 1 - room : 0;
-    for (size_t i = first; i < l->founds && i < first + room; i++) {
+    for (size_t i = first; i < l->found_count && i < first + room; i++) {
         struct buf safe = {0};
         buf_add_safe_text(&safe, l->history->line[l->found[i]]);
         buf_add_text(out, has_chosen && i == l->chosen ? "> " : "  ");
@@ -220,7 +220,7 @@ static enum outcome act(struct line_editor *e, enum line_action action)
 {
     if (!line_take_suggestion(&e->line, e->hint ? suggestion(e) : "", action))
         line_act(&e->line, action);
-    return GO_ON;
+    return CONTINUE;
 }
 
 static enum outcome key_by_table(struct line_editor *e, const struct key_event *event)
@@ -230,10 +230,10 @@ static enum outcome key_by_table(struct line_editor *e, const struct key_event *
     case DUTY_SUBMIT:
         return SUBMIT;
     case DUTY_COMPLETE:
-        return event->modifiers == 0 ? COMPLETE : GO_ON;
+        return event->modifiers == 0 ? COMPLETE : CONTINUE;
     case DUTY_SEARCH:
         line_search_begin(&e->line);
-        return GO_ON;
+        return CONTINUE;
     case DUTY_DELETE_OR_END:
         return e->line.text.length == 0 ? END : act(e, LINE_DELETE);
     case DUTY_ABANDON:
@@ -243,16 +243,16 @@ static enum outcome key_by_table(struct line_editor *e, const struct key_event *
     case DUTY_STOP:
         return SUSPEND;
     case DUTY_OTHER_EDITOR: /* not for a single line on a full screen */
-        return e->is_one_line ? GO_ON : EDIT;
+        return e->is_one_line ? CONTINUE : EDIT;
     case DUTY_HOST_LINE:
         if (!e->line_of_ctrl_o)
-            return GO_ON;
+            return CONTINUE;
         line_clear(&e->line);
         line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
         return SUBMIT;
     case DUTY_MORE:
     case DUTY_NONE:
-        return GO_ON;
+        return CONTINUE;
     default:
         return act(e, (enum line_action)found);
     }
@@ -268,7 +268,7 @@ static enum outcome plain_key(struct line_editor *e, const struct key_event *eve
     if (event->key != KEY_CHARACTER || held || *e->keys_before)
         return key_by_table(e, event);
     line_insert(&e->line, event->text, event->length);
-    return GO_ON;
+    return CONTINUE;
 }
 
 static enum outcome search_key(struct line_editor *e, const struct key_event *event)
@@ -288,9 +288,9 @@ static enum outcome search_key(struct line_editor *e, const struct key_event *ev
         line_search_end(l, false);
     } else {
         line_search_end(l, true);
-        return event->key == KEY_ESCAPE || event->key == KEY_TAB ? GO_ON : plain_key(e, event);
+        return event->key == KEY_ESCAPE || event->key == KEY_TAB ? CONTINUE : plain_key(e, event);
     }
-    return GO_ON;
+    return CONTINUE;
 }
 
 /* Pasted text is inserted: only line feeds have an effect, and Ctrl-C, which ends a paste whose end
@@ -310,7 +310,7 @@ static enum outcome paste_key(struct line_editor *e, const struct key_event *eve
         line_paste(&e->line, " ", 1);
     else if (event->key == KEY_CHARACTER && !control)
         line_paste(&e->line, event->text, event->length);
-    return GO_ON;
+    return CONTINUE;
 }
 
 void line_editor_reply(struct line_editor *e)
@@ -326,13 +326,13 @@ static enum outcome take_key(struct line_editor *e, const struct key_event *even
 {
     if (event->key == KEY_REPLY) {
         line_editor_reply(e);
-        return GO_ON;
+        return CONTINUE;
     }
     if (event->key == KEY_PASTE_BEGIN || event->key == KEY_PASTE_END) {
         e->pasting = event->key == KEY_PASTE_BEGIN;
         e->line.last = LAST_OTHER;
         e->keys_before[0] = '\0';
-        return GO_ON;
+        return CONTINUE;
     }
     if (e->pasting)
         return paste_key(e, event);
@@ -341,7 +341,7 @@ static enum outcome take_key(struct line_editor *e, const struct key_event *even
 
 /* A `[` after the Escape key, which has no meaning here, is not typed by a user; the letters that
  * begin a string sequence may be. */
-void line_editor_mend(struct line_editor *e, uint8_t byte)
+void line_editor_rejoin_reply(struct line_editor *e, uint8_t byte)
 {
     struct key_event event;
     const bool strings = e->unanswered || e->answers_due > 0;
@@ -358,7 +358,7 @@ bool line_editor_next(struct line_editor *e, struct key_event *event)
     bool complete = false;
     while (!complete && e->taken < e->input.length) {
         const uint8_t byte = (uint8_t)e->input.data[e->taken++];
-        line_editor_mend(e, byte);
+        line_editor_rejoin_reply(e, byte);
         const bool second = byte == '\n' && e->after_return;
         e->after_return = e->pasting && byte == '\r';
         complete = !second && keys_feed(&e->keys, byte, event);
@@ -382,8 +382,8 @@ bool line_editor_time_out(struct line_editor *e, struct key_event *event)
 static enum outcome take_input(struct line_editor *e)
 {
     struct key_event event;
-    enum outcome outcome = GO_ON;
-    while (outcome == GO_ON && line_editor_next(e, &event))
+    enum outcome outcome = CONTINUE;
+    while (outcome == CONTINUE && line_editor_next(e, &event))
         outcome = take_key(e, &event);
     return outcome;
 }
@@ -408,13 +408,13 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
         return outcome;
     case TERM_TIMEOUT:
         *screen = STALE;
-        return line_editor_time_out(e, &event) ? take_key(e, &event) : GO_ON;
+        return line_editor_time_out(e, &event) ? take_key(e, &event) : CONTINUE;
     case TERM_SIGNAL:
         if (term_was_continued())
             e->drawing = (struct line_drawing){0};
         term_was_resized(); /* clear the flag: every drawing reads the size anyway */
         *screen = STALE;
-        return GO_ON;
+        return CONTINUE;
     case TERM_CLOSED:
         break;
     }
@@ -482,7 +482,7 @@ static enum err edit_file(struct buf *text, const char *editor, const char *path
         err = fault_set(fault, ERR_INPUT,
                         "there is no editor %s; set VISUAL or EDITOR to one before iftty", editor);
     else if (!err && status != 0)
-        err = fault_set(fault, ERR_INPUT, "%s ended with %s %d; the line is as it was", editor,
+        err = fault_set(fault, ERR_INPUT, "%s ended with %s %d; the line is unchanged", editor,
                         WIFEXITED(status) ? "status" : "signal",
                         WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
     const enum err ours = term_set_mode(TERM_RAW, err ? NULL : fault);
@@ -589,7 +589,7 @@ enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struc
     e->drawing = (struct line_drawing){0};
     enum outcome outcome = take_input(e);
     while (!err && outcome != SUBMIT && outcome != END && outcome != GONE) {
-        if (outcome != GO_ON) {
+        if (outcome != CONTINUE) {
             err = follow(e, prompt, outcome, fault);
             screen = e->taken < e->input.length ? STALE : DRAWN;
             outcome = take_input(e);

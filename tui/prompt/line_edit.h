@@ -30,7 +30,7 @@
  * and other modifiers that no row names with a key, are ignored: Shift-Left is Left.
  */
 /* Action of a key: a change of the line by an enum line_action, or one of the editor. */
-enum line_duty {
+enum line_editor_act {
     DUTY_NONE = LINE_ACTIONS,
     DUTY_SUBMIT,
     DUTY_COMPLETE,
@@ -46,7 +46,7 @@ enum line_duty {
 
 enum { LINE_KEYS_MOST = 40 }; /* bytes of the longest name, "Ctrl-X Ctrl-E" for example */
 
-/* Return the enum line_action or enum line_duty of a key. `before` holds the first key of a
+/* Return the enum line_action or enum line_editor_act of a key. `before` holds the first key of a
  * sequence, "" at first, and is updated. */
 unsigned line_key_find(const struct key_event *event, char before[LINE_KEYS_MOST]);
 
@@ -191,7 +191,7 @@ void line_editor_release(struct line_editor *e);
 
 /* Call for each byte before keys_feed. On a slow line an answer of the terminal may be cut right
  * after its ESC, which was then mistaken for the Escape key. */
-void line_editor_mend(struct line_editor *e, uint8_t byte);
+void line_editor_rejoin_reply(struct line_editor *e, uint8_t byte);
 
 /* For other readers of the editor's input, such as the pager: get the next key of the bytes read,
  * or the key of bytes that nothing followed in time; return false without a key. */

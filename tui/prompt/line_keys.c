@@ -6,7 +6,7 @@
 
 static const struct {
     const char *keys;
-    unsigned action; /* enum line_action or enum line_duty */
+    unsigned action; /* enum line_action or enum line_editor_act */
     const char *words;
 } table[] = {
     {"Ctrl-B, Left", LINE_LEFT, "move a character to the left"},
@@ -22,7 +22,7 @@ static const struct {
     {"Alt-<, PageUp", LINE_OLDEST, "show the oldest line"},
     {"Alt->, PageDown", LINE_NEWEST, "show the line begun"},
     {"Ctrl-R", DUTY_SEARCH, "list older lines that contain the typed text"},
-    {"Alt-.", LINE_CITE, "insert the last word of an older line"},
+    {"Alt-.", LINE_LAST_WORD, "insert the last word of an older line"},
     {NULL, DUTY_NONE, NULL},
     {"Backspace", LINE_ERASE, "delete the character before the cursor"},
     {"Delete", LINE_DELETE, "delete the character at the cursor"},

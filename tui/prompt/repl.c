@@ -213,7 +213,7 @@ static enum err begin(struct prompt *p, struct fault *fault)
 }
 
 /* Print an error of the full screen, or the output after it; the prompt continues. */
-static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
+static enum err run_screen(struct prompt *p, bool *ended, struct fault *fault)
 {
     struct buf words = {0}, out = {0};
     struct fault why;
@@ -262,7 +262,7 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
         if (!is_blank(buf_text(&p->editor.line.text)))
             err = execute(p, buf_text(&prompt), buf_text(&p->editor.line.text), fault);
         if (!err && p->host->screen && p->host->wants_screen(p->host->context))
-            err = give_screen(p, &ended, fault);
+            err = run_screen(p, &ended, fault);
         if (ended)
             break;
     }
@@ -328,13 +328,13 @@ enum err repl_run(const struct repl_host *host, const struct repl_options *optio
     return run_plain(host, terminal, fault);
 }
 
-enum err give_screen_once(const struct repl_host *host, struct graphics_wish wish,
-                          struct fault *fault)
+enum err run_screen_once(const struct repl_host *host, struct graphics_wish wish,
+                         struct fault *fault)
 {
     const struct repl_options options = {.graphics = wish};
     if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO) ||
         probe_is_plain(probe_environment_now().term))
-        return fault_set(fault, ERR_USAGE, "this is for a terminal with a screen");
+        return fault_set(fault, ERR_USAGE, "this needs a terminal with a screen");
     return run_interactive(host, &options, true, fault);
 }
 

@@ -74,8 +74,8 @@ enum err repl_run(const struct repl_host *host, const struct repl_options *optio
 
 /* Outside repl_run: run `screen` of struct repl_host on the whole screen, and restore the terminal.
  * ERR_USAGE without a terminal that can show it. */
-enum err give_screen_once(const struct repl_host *host, struct graphics_wish wish,
-                          struct fault *fault);
+enum err run_screen_once(const struct repl_host *host, struct graphics_wish wish,
+                         struct fault *fault);
 
 /* Outside repl_run: detect the terminal, show the picture at the cursor, which must be at the start
  * of a line, and restore the terminal. Return false, with nothing written, if standard output is no
