@@ -758,7 +758,7 @@ STORY(hints_are_walked_round_and_round)
 STORY(a_change_is_repeated)
 {
     begin();
-    KEYS(".||*nothing has been changed yet",
+    KEYS(".||*there is no change to repeat yet",
          "++s45l<x=15>.|seed 15,25,30 4 radius=2", /* here, whatever was moved meanwhile */
          "xx.|remove 15,25,30", "c|plane 15,25,30", "C|plane none", ".|plane 15,25,30",
          "12e|hide 12");
@@ -795,7 +795,7 @@ STORY(what_is_shown)
     facts.overlay = 1;
     CHECK_TEXT(type("o"), "overlay contour\n");
     facts.overlay = 2;
-    KEYS("o|overlay none", "y||*`:finish relax` has them settle");
+    KEYS("o|overlay none", "y||*`:finish relax` settles them");
     facts.has_finish = true;
     CHECK_TEXT(type("y"), "finished on\n");
     facts.shows = PILOT_ROUGH;
