@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What acts (src/command) ask for by name is what their commands have in the table: asking for
-# another name would end the program, on a path that few tests may take.
+# Acts (src/command) read only parameters that their commands have in the table: another name would
+# abort the program, on a path that few tests may take.
 . "$(dirname "$0")/lib.sh"
 
 # One line for each name that an act, or what it calls, asks for and its command has not; then how

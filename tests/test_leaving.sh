@@ -1,8 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# How the program leaves a real terminal that it has not the time to say farewell to: killed
-# outright, the line gone. And what it draws inside of multiplexers: blocks, and no garbage; and how
-# far long work is.
+# A real terminal after the program was killed or the line was closed; blocks instead of garbage
+# inside multiplexers; and progress of long work.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/tmux.sh"
 cd "$work" || exit 1

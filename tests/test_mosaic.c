@@ -19,7 +19,7 @@ static struct slice_style plain_style(void)
     return style;
 }
 
-/* 14x10x6 voxels of 1x1.5x2 mm, each of another grey. */
+/* 14x10x6 voxels of 1x1.5x2 mm, all with different greys. */
 static struct scene *graded_scene(void)
 {
     static const uint32_t size[3] = {14, 10, 6};
@@ -85,7 +85,7 @@ STORY(panes_share_the_picture_out)
         }
 }
 
-/* Each pane is what the slice alone would be at the scale that all three fit. */
+/* Each pane equals a slice alone at the largest scale at which all three fit. */
 STORY(panes_are_slices_at_one_scale)
 {
     static const enum mosaic_pane pane_of[3] = {MOSAIC_AXIAL, MOSAIC_CORONAL, MOSAIC_SAGITTAL};
@@ -122,8 +122,7 @@ STORY(panes_are_slices_at_one_scale)
     scene_free(scene);
 }
 
-/* In a dark scene, the lines of the cross-hair alone: one column and one row go on over the seam.
- */
+/* In a dark scene only the cross-hair is bright: its column and row continue across the seam. */
 STORY(the_lines_of_the_cross_hair_run_on)
 {
     static const uint32_t size[3] = {14, 10, 6};
@@ -148,7 +147,7 @@ STORY(the_lines_of_the_cross_hair_run_on)
     scene_free(scene);
 }
 
-/* The pane of a mosaic that has a rendition at half its size, and 2x2 samples of the same. */
+/* A pane with a rendition at half its size equals 2x2 samples of it. */
 STORY(a_pixel_of_the_pane_is_what_samples_come_to)
 {
     static const uint8_t white[3] = {255, 255, 255};
@@ -187,7 +186,7 @@ STORY(a_pixel_of_the_pane_is_what_samples_come_to)
     scene_free(scene);
 }
 
-/* Where the seam takes a pixel of the pane away, the rendition loses one on either side. */
+/* If the seam removes a pixel of the pane, the rendition loses one on either side. */
 STORY(the_rendition_lies_in_the_middle_of_its_pane)
 {
     struct scene *scene = graded_scene();
@@ -210,7 +209,7 @@ STORY(the_rendition_lies_in_the_middle_of_its_pane)
     scene_free(scene);
 }
 
-/* Of the rendition's own size, and of others that it is fitted into. */
+/* In mosaics of the rendition's size, and in others that it is fitted into. */
 STORY(a_pixel_of_a_mosaic_knows_its_voxel)
 {
     struct scene *scene = graded_scene();
@@ -241,7 +240,7 @@ STORY(a_pixel_of_a_mosaic_knows_its_voxel)
     scene_free(scene);
 }
 
-/* One colour stays that colour, whatever the sizes; what is far larger or smaller still fits. */
+/* One colour is not mixed at any size; renditions far larger or smaller still fit. */
 STORY(a_rendition_of_another_size_is_fitted_in)
 {
     static const uint32_t side[][2] = {{16, 16}, {17, 300}, {300, 20}, {512, 512}, {64, 48}};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Work in processes of its own: what comes back, in which order, and what becomes of processes that
- * die, say too much, or do not end.
+ * Work in child processes: its output, its order, and processes that die, write too much, or do not
+ * end.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include "verify/process.h"
 #include "tests/check.h"
 
-/* ---- what the processes do ---- */
+/* ---- work ---- */
 
 static void say_much(void *context, size_t number, struct buf *out)
 {
@@ -40,7 +40,7 @@ static void wait_without_end(void *context, size_t number, struct buf *out)
         pause();
 }
 
-/* Nothing is left open, though the process goes on. */
+/* Close everything, and do not end. */
 static void close_all_and_wait(void *context, size_t number, struct buf *out)
 {
     for (int i = 3; i < 256; i++)
@@ -48,7 +48,7 @@ static void close_all_and_wait(void *context, size_t number, struct buf *out)
     wait_without_end(context, number, out);
 }
 
-/* A child holds the pipe, and outlives this process for a while. */
+/* Leave a child that holds the pipe for a while. */
 static void leave_child(void *context, size_t number, struct buf *out)
 {
     (void)context;
@@ -62,7 +62,7 @@ static void leave_child(void *context, size_t number, struct buf *out)
     }
 }
 
-/* Later pieces end earlier. */
+/* Later pieces of work end earlier. */
 static void say_number(void *context, size_t number, struct buf *out)
 {
     (void)context;
@@ -209,7 +209,7 @@ STORY(a_watch_is_shown_what_is_done_and_how_far_it_is)
     how.context = &bytes;
     how.work = say_much;
     CHECK(process_run(&out, &how, NULL) == OK);
-    CHECK_TEXT(buf_text(&seen), "counting 0 of 0\n"); /* nothing says how far one is */
+    CHECK_TEXT(buf_text(&seen), "counting 0 of 0\n"); /* one process has no progress of its own */
     buf_release(&log.text);
     buf_release(&seen);
     buf_release(&out);
@@ -217,6 +217,6 @@ STORY(a_watch_is_shown_what_is_done_and_how_far_it_is)
 
 int main(void)
 {
-    alarm(60); /* a pool that waits without end fails */
+    alarm(60); /* a pool that hangs fails */
     return check_run();
 }

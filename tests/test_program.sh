@@ -1,7 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The program as scripts and people call it: run, -c, replay, verify, log, their exit statuses, and
-# journals that were changed behind its back.
+# The command line: run, -c, replay, verify, log, their exit statuses, and edited journals.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -200,7 +199,7 @@ out_has "iftty-register: missing; the package iftty-volume has it"
 same "$(wc -l <"$work/out" | tr -d ' ')" 6
 close_story
 
-# Every option that some program has, given to every program that does not.
+# Try each option with every program that does not have it.
 begin "an option that a program does not take is bad usage"
 while read -r name; do "$iftty" "$name" --help; done <programs >help
 "$iftty" --help >>help
@@ -273,9 +272,9 @@ wait "$writer" || fail "the first writer: $(cat writer.out)"
 expect 0 "$iftty" run - --journal j.iftty </dev/null
 close_story
 
-# ---- journals changed behind its back ----
+# ---- edited journals ----
 
-# changed "what" "sed script" "what the failure is to name"
+# changed NAME SED-SCRIPT TEXT: edit the journal; the failure contains the text
 changed() {
     sed "$2" j.iftty >t.iftty
     ! cmp -s t.iftty j.iftty || fail "$1: nothing was changed"

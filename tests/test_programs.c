@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of programs: its rows are whole, and a command line is read as it says. */
+/* The table of programs is complete, and command lines are read by it. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "program/program.h"
 #include "tests/check.h"
 
-enum { SUMMARY_MOST = 45 }; /* a line of the overview */
+enum { SUMMARY_MOST = 45 }; /* width in the overview */
 
 static const struct option *row(unsigned number)
 {
@@ -25,7 +25,7 @@ STORY(every_program_has_what_its_help_needs)
         CHECK(strlen(p->summary) <= SUMMARY_MOST && !strchr(p->summary, '\n'));
         CHECK(p->least >= 0 && p->least <= p->most);
         CHECK((p->most > 0) == (*p->words != '\0'));
-        CHECK(p->name || p->form || !i); /* the first is what no name stands for */
+        CHECK(p->name || p->form || !i); /* the first is the nameless program */
     }
 }
 
@@ -47,7 +47,7 @@ STORY(every_option_that_a_program_takes_is_there)
     }
 }
 
-/* An option without help of its own is one by which a form is called. */
+/* An option without help selects a form. */
 static bool is_form(const char *name)
 {
     for (unsigned i = 0; i < program_table.rows; i++)
@@ -81,7 +81,7 @@ STORY(every_option_is_taken_and_explained)
 static struct options o;
 static struct fault fault;
 
-/* Reads a line of words, split at blanks; "_" stands for an empty word. */
+/* Read a line of words, split at blanks; "_" is an empty word. */
 static enum err take(const char *line)
 {
     static char text[256], *word[32];
@@ -94,7 +94,7 @@ static enum err take(const char *line)
     return program_read(&program_table, count, word, &o, &fault);
 }
 
-/* The program that a line names, as its usage has it. */
+/* The usage name of the program that a line selects. */
 static const char *name_of(const char *line)
 {
     static char text[128];

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The words that 1.0 has promised (.package/PROMISES.md), against tests/promises.txt: names of
- * commands, of their parameters and choices, lines in canonical form, exit statuses. What is there
- * now has a line in it, and no line has lost what it names. What is new is added by a line; a line
- * that is taken away or changed is a promise broken, which tests/test_promises.sh sees.
+ * The names that 1.0 promises (.package/PROMISES.md) equal tests/promises.txt: commands, their
+ * parameters and choices, lines in canonical form, exit statuses. A new name needs a new line
+ * there. A line that is removed or changed breaks a promise, which tests/test_promises.sh detects.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +24,7 @@ static bool has_line(const struct buf *text, const char *line)
     return false;
 }
 
-/* Lines of `now` whose first word is `kind` are those of the file. */
+/* Lines whose first word is `kind` are the same in `now` and in the file. */
 static void check_kind(const struct buf *now, const char *kind)
 {
     const struct buf *const side[2] = {now, &frozen};
@@ -49,7 +48,7 @@ static void check_kind(const struct buf *now, const char *kind)
     buf_release(&line);
 }
 
-/* A line of `before` with each of "a|b|c" after it. */
+/* Add a line of `before` with each of "a|b|c" after it. */
 static void add_choices(struct buf *out, const char *before, const char *choices)
 {
     for (const char *at = choices; at && *at; at += *at == '|') {
@@ -93,7 +92,7 @@ STORY(commands_and_their_parameters_have_the_names_that_they_had)
     buf_release(&now);
 }
 
-/* "canonical LINE": as it was written once, it is written today. */
+/* Each "canonical LINE" is still written like that. */
 STORY(lines_of_journals_are_the_canonical_ones_still)
 {
     static const char kind[] = "canonical ";
@@ -132,7 +131,7 @@ STORY(lines_of_journals_are_the_canonical_ones_still)
     interpreter_release(&interp);
 }
 
-/* With what a program is called, its forms, and the options that each takes. */
+/* With their forms and options. */
 STORY(programs_and_their_options_have_the_names_that_they_had)
 {
     struct buf now = {0}, name = {0};

@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The words of JSON that 1.0 has promised (.package/PROMISES.md), against tests/promises.txt: what
-# each program prints with --json, what reports hold, and the protocol of `iftty serve`. The other
-# promised words are those of test_promises. Lines are added to that file; none is taken away.
+# The keys of JSON that 1.0 promises (.package/PROMISES.md) equal tests/promises.txt: output of each
+# program with --json, reports, and the protocol of `iftty serve`. test_promises has the other
+# promised names. Lines are added to that file, and never removed.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 promises=$top/tests/promises.txt
 
 # words_of NAME FILE: a line for each key of a document, or of each document that is a line: "json
-# verify journals[].chain". What has names of its own for keys is a "*".
+# verify journals[].chain".
 words_of() {
     python3 - "$@" <<'END'
 import json, sys
@@ -34,7 +34,7 @@ for document in documents:
 print("\n".join(sorted(found)))
 END
 }
-# prints NAME STATUS ARGUMENT...: the words of what the program prints
+# prints NAME STATUS ARGUMENT...: collect the keys that the program prints
 prints() {
     name=$1
     shift
@@ -107,7 +107,7 @@ END
 fi
 close_story
 
-# The commit before: HEAD, where the file was changed since, else what HEAD was made of.
+# The former commit: HEAD if the file has changed since, otherwise its parent.
 begin "no promise was taken away"
 cd "$top" || exit 1
 before=HEAD

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What is built depends on the source and the tools, not on where they lie or when: a sample of it;
+# A build depends on the source and the tools, not on its folder or its time: a sample of it.
 # `make test-reproducible` compares whole programs and packages.
 . "$(dirname "$0")/lib.sh"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Requests of a program that drives a session: what is read of them, in which order, and what of a
- * line is refused. What a session answers is in test_serve.sh. */
+/* Requests of `iftty serve`: JSON, keys, order, cancels, limits; and answers. Whole sessions are in
+ * test_serve.sh. */
 #include "base/json.h"
 #include "program/serve.h"
 #include "tests/check.h"
@@ -8,7 +8,7 @@
 static struct buf text;
 static struct fault fault;
 
-/* ---- JSON that is read ---- */
+/* ---- JSON input ---- */
 
 static enum err read_whole(const char *bytes, size_t length)
 {

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# `iftty serve`: a session that another program drives. Its journal is that of the same commands at
-# the prompt; what is cancelled, refused or cut off leaves nothing behind.
+# `iftty serve`: a session that another program drives. Its journal equals that of the same commands
+# at the prompt; cancelled, refused and truncated requests leave nothing behind.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -9,7 +9,7 @@ mkdir passing
 TMPDIR=$work/passing # where the folders of sessions are
 export TMPDIR
 
-# Lines of commands as requests, numbered from 1; none of them has quotes.
+# Convert lines of commands, without quotes, to requests numbered from 1.
 requests() {
     awk '{ printf "{\"id\": %d, \"do\": \"%s\"}\n", NR, $0 }' "$@"
 }
@@ -25,7 +25,7 @@ field() { # LINE NAME: the value of a text or number
 folders() { # those of sessions that are there
     find passing -mindepth 1 -maxdepth 1 | wc -l | tr -d ' '
 }
-# A session that goes on: `ask LINE` writes to it, its answers are in the file `out`. SCENE...
+# Start a session: `ask LINE` writes to it, its answers are in the file `out`. SCENE...
 start() {
     rm -f in
     : >out
@@ -150,7 +150,7 @@ has "$(answer 6)" '"records": 6'
 same "$(grep -A1 '^seed' w.iftty | sed -n 2p | grep -c pending)$(grep -c '^run$' w.iftty)" 11
 close_story
 
-# The labels of so large a scene take seconds to relax; each way to stop comes once that has begun.
+# Relaxing the labels of this large scene takes seconds; each way to stop is tried after it began.
 begin "a cancel takes a long command back, as Ctrl-C does: nothing of it is left"
 start synth:geom --journal long.iftty
 ask '{"id": 1, "do": "finish relax sweeps=1000 reach=16"}'

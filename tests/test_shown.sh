@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What is shown, as users meet it: hide, show, opacity and context are recorded and gone on with,
-# and all but context undone; so are occlusion and creases of `shade`, which edits that are undone
-# leave alone. Pictures follow, and a journal that was made with them verifies.
+# Visibility and shading through the program: hide, show, opacity and context are recorded and
+# resumed, and all but context are undone; occlusion and creases of `shade` are kept when edits are
+# undone. Pictures change with them, and their journals verify.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
@@ -29,7 +29,7 @@ picture() {
 differ() { # two texts
     [ "$1" != "$2" ] || fail "'$1' twice"
 }
-# says JOURNAL RECORD PATTERN: what info prints after that record of \(..\) in a line of its own
+# says JOURNAL RECORD PATTERN: print the \(..\) of a line of `info` after that record
 says() {
     cp "$1" asked.iftty
     "$iftty" -c "goto $2; info" --journal asked.iftty 2>err | sed -n "s/^    $3/\1/p"
@@ -88,7 +88,7 @@ for threads in 1 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict t.iftty
 done
 expect 0 "$iftty" replay t.iftty --out replayed
-# One percent more is another picture, which its record tells.
+# One percent more gives another picture, and fails by its record.
 sed 's/^opacity 1 30$/opacity 1 31/' t.iftty >changed
 chain_anew changed t.iftty
 expect 1 "$iftty" verify t.iftty
@@ -118,7 +118,7 @@ out_has "context mip"
 expect 0 "$iftty" verify c.iftty
 expect 0 "$iftty" info c.golden/around.png
 out_has "iftty:context: mip, intensities "
-# A slice has nothing behind objects, whatever was drawn before it.
+# A slice has no context, also after a rendition with one.
 rm -rf c.iftty c.golden
 { cat scene; printf '%s\n' 'context mip' 'render' 'window 20 90.5'; } >script
 expect 0 "$iftty" run script --journal c.iftty
@@ -187,7 +187,7 @@ same "$(golden_of plain)" "$(golden_of off)"
 same "$(golden_of dark)" "$(golden_of undone)"
 same "$(golden_of through)" "$(golden_of clear)"
 [ "$(golden_of plain)" != "$(golden_of dark)" ] || fail "nothing is darker"
-# The objects do not touch, so each has the surface that it has by itself in any case.
+# The objects do not touch, so their surfaces are the same with and without creases.
 same "$(golden_of plain)" "$(golden_of creases)"
 same "$(golden_of dark)" "$(golden_of both)"
 close_story

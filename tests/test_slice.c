@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Slices: the right way round under every orientation of the scene, worked by hand. */
+/* Slices in every orientation of the scene, with pixels worked out by hand. */
 #include "check.h"
 #include "scarce_memory.h"
 
@@ -8,8 +8,8 @@
 #include "render/slice.h"
 #include "render/notes.h"
 
-/* The anatomy: sizes and spacings along the patient's right, anterior, superior, and what is at
- * each place of it. */
+/* The body: sizes and spacings along the patient's right, anterior, superior; intensity and label
+ * of each place. */
 static const uint32_t body_size[3] = {4, 3, 2};
 static const uint32_t body_spacing[3] = {1000000, 1500000, 3000000};
 
@@ -22,8 +22,8 @@ static uint8_t body_label(const uint32_t at[3])
     return at[0] >= 2 ? (uint8_t)(1 + (at[1] == 2)) : 0;
 }
 
-/* The anatomy as voxels whose axis a runs along patient axis order[a], backwards where bit a of
- * `flips` is set; `cross` becomes the cell of the patient's place 1, 2, 1. */
+/* The body as a scene whose axis a is patient axis order[a], reversed if bit a of `flips` is set;
+ * *cross is the cell of the patient's place 1, 2, 1. */
 static struct scene *body_scene(const int8_t order[3], unsigned flips, uint32_t *cross)
 {
     struct scene *scene = NULL;
@@ -79,7 +79,7 @@ static struct slice_choice through(const struct scene *scene, uint32_t cell, enu
     return (struct slice_choice){.plane = plane, .place = {p.x, p.y, p.z}, .pixel_pm = pixel_pm};
 }
 
-/* The same at the slice of that number. */
+/* The slice with a number. */
 static struct slice_choice slice_number(const struct scene *scene, enum slice_plane plane,
                                         uint32_t index, uint64_t pixel_pm)
 {
@@ -125,7 +125,7 @@ static void shows(const struct canvas *canvas, const int (*pixel)[5], size_t cou
     } while (0)
 #define GREYS(canvas, ...)   PIXELS(canvas, true, __VA_ARGS__)
 #define COLOURS(canvas, ...) PIXELS(canvas, false, __VA_ARGS__)
-/* Of a canvas that shows nothing more. */
+/* The same for a canvas that is used once. */
 #define DRAWN_GREYS(scene, choice, style, width, height, ...)                                      \
     do {                                                                                           \
         struct canvas drawn = take(scene, choice, style, width, height);                           \
@@ -139,7 +139,7 @@ static bool same_pixels(const struct canvas *a, const struct canvas *b)
            memcmp(a->rgba, b->rgba, (size_t)4 * a->width * a->height) == 0;
 }
 
-/* ---- which voxel where ---- */
+/* ---- placement ---- */
 
 STORY(slices_lie_as_radiologists_look_at_them)
 {
@@ -176,7 +176,7 @@ STORY(a_slice_lies_in_the_middle_or_around_its_place)
     CHECK_INT(s.cell[7 * 8 + 5], grid_cell(&scene->grid, 0, 0, 0));
     canvas_release(&s);
 
-    /* Sixteen columns of a quarter: only twelve are seen, as far to the patient's right as goes. */
+    /* Twelve of sixteen columns of a quarter are shown, at the patient's right end. */
     choice = slice_number(scene, SLICE_CORONAL, 0, MM / 4);
     choice.place[0] = 3;
     DRAWN_GREYS(scene, &choice, &style, 12, 24, {0, 0, 150}, {11, 0, 130});
@@ -201,7 +201,7 @@ STORY(what_fits_is_as_large_as_can_be)
     scene_free(scene);
 }
 
-/* However thin or large: every pixel's cell is one of the slice, and there is one. */
+/* In each size every pixel has a cell of the slice, or none; at least one has a cell. */
 STORY(slices_of_any_size_and_spacing_fit)
 {
     static const uint32_t sizes[5][3] = {
@@ -252,8 +252,8 @@ static struct scene *random_scene(uint64_t *seed, const uint32_t size[3], uint32
     return scene;
 }
 
-/* At random: the voxel under a pixel is the one that was drawn there, and a voxel of a pixel or
- * more is shown by the pixel that its centre lies in. */
+/* In random slices a query returns the voxel drawn at the pixel, and a voxel of a pixel or more is
+ * shown at the pixel of its centre. */
 STORY(a_pixel_knows_its_voxel)
 {
     uint64_t seed = 7;
@@ -290,14 +290,14 @@ STORY(a_pixel_knows_its_voxel)
 
 /* ---- magnified ---- */
 
-/* One side of a picture, worked out the other way round: from each voxel to its pixels. */
+/* One side of a picture, computed in reverse: from each voxel to its pixels. */
 struct inverse {
     int64_t voxels, spacing_pm, pixels, pixel_pm;
-    int64_t place, middle; /* counted from where the picture's side begins */
-    int64_t voxel[64];     /* of each pixel, -1 for none */
+    int64_t place, middle; /* counted from the begin of the picture's side */
+    int64_t voxel[64];     /* by pixel, -1: none */
 };
 
-/* The first pixel whose centre does not lie before a point, which is doubled as `begin2` is. */
+/* The first pixel whose centre is not before a point, which is doubled like `begin2`. */
 static int64_t first_pixel(const struct inverse *side, int64_t begin2, int64_t point2)
 {
     int64_t pixel = 0;
@@ -306,8 +306,8 @@ static int64_t first_pixel(const struct inverse *side, int64_t begin2, int64_t p
     return pixel;
 }
 
-/* Where the picture begins: what fits, in the middle; else as near to what is wanted as what may
- * not be left empty, and then the place, allow. */
+/* The begin of the picture: a slice that fits is centred; otherwise it is as near to the wanted
+ * middle as a full picture, and then the place, allow. */
 static int64_t begin2_of(const struct inverse *side)
 {
     const int64_t scene2 = 2 * side->voxels * side->spacing_pm;
@@ -336,8 +336,8 @@ static void invert(struct inverse *side)
     }
 }
 
-/* The patient's axes of columns, rows, and across; and from where the picture begins, his right,
- * front and top, to an index of the scene. */
+/* The patient's axes of columns and rows, and across; and the conversion of a count from the
+ * patient's right, front or top to an index of the scene. */
 static const int8_t patient_axis[3][3] = {{0, 1, 2}, {0, 2, 1}, {1, 2, 0}};
 
 static uint32_t index_of(const struct scene *scene, int axis, int64_t counted)
@@ -361,7 +361,7 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
             choice.middle[a] = check_below(&seed, size[a]);
         }
         CHECK(scene_new(&scene, size, NULL) == OK);
-        int axis_of[3]; /* of the scene, along the patient's */
+        int axis_of[3]; /* axis of the scene along each of the patient's */
         for (int a = 0; a < 3; a++) {
             scene->world_axis[a] = (int8_t)(((unsigned)a + order) % 3);
             axis_of[scene->world_axis[a]] = a;
@@ -383,7 +383,7 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
             side[k].middle =
                 choice.has_middle ? index_of(scene, a, choice.middle[a]) : side[k].place;
             if (side[k].spacing_pm * side[k].voxels < side[k].pixel_pm)
-                wrong = UINT32_MAX; /* thinner than a pixel: another story */
+                wrong = UINT32_MAX; /* thinner than a pixel: tested elsewhere */
             else
                 invert(&side[k]);
         }
@@ -406,7 +406,7 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
     }
 }
 
-/* Where pixels are finer than voxels, it shows that voxel. */
+/* If pixels are finer than voxels, that pixel shows the voxel. */
 STORY(the_pixel_of_a_voxel_is_where_its_centre_lies)
 {
     uint64_t seed = 37;
@@ -440,7 +440,7 @@ STORY(the_pixel_of_a_voxel_is_where_its_centre_lies)
     CHECK(shown > 30000);
 }
 
-/* Whatever it shows: on by a voxel at the least or to the end, with the place in the picture. */
+/* Any slice moves by at least a voxel, or to the end, and the place stays in the picture. */
 STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
 {
     uint64_t seed = 31;
@@ -491,7 +491,7 @@ STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
     CHECK(moved > 1000 && ended > 100);
 }
 
-/* A voxel has four pixels along the smallest spacing, or it is smoothed. */
+/* Voxels with fewer than four pixels along the smallest spacing are smoothed. */
 STORY(what_is_magnified_enough_shows_voxels_as_they_are)
 {
     uint32_t cross;
@@ -503,7 +503,7 @@ STORY(what_is_magnified_enough_shows_voxels_as_they_are)
     CHECK(choice.smooth);
     slice_magnify(&choice, scene, MM, 4000);
     CHECK(choice.pixel_pm == MM / 4 && !choice.smooth);
-    slice_magnify(&choice, scene, MM / 8, 1000); /* whole: never squares */
+    slice_magnify(&choice, scene, MM / 8, 1000); /* a whole slice is always smoothed */
     CHECK(choice.smooth);
     slice_magnify(&choice, scene, 1, SLICE_TIMES_MOST);
     CHECK_INT(choice.pixel_pm, 1);
@@ -586,14 +586,14 @@ STORY(labels_tint_or_are_outlined)
     /* Label 2 fills columns 0-3 of rows 0-2, label 1 those of rows 3-8. */
     style.overlay = SLICE_CONTOUR;
     s = take(scene, &choice, &style, 8, 9);
-    CHECK_INT(grey_at(&s, 0, 0), 110); /* the picture's edge is no contour */
+    CHECK_INT(grey_at(&s, 0, 0), 110); /* no contour at the picture's edge */
     COLOURS(&s, {0, 1, 110, 110, 110}, {0, 2, 255, 0, 1}, {0, 3, 0x50, 0x60, 0x70},
             {2, 8, 20, 20, 20}, {3, 8, 0x50, 0x60, 0x70});
     CHECK_INT(grey_at(&s, 4, 8), 2);  /* a hairline in the background: a quarter of 10, */
     CHECK_INT(grey_at(&s, 5, 8), 10); /* and nothing beyond */
     canvas_release(&s);
 
-    /* Where the picture goes on beyond the scene, there is background. */
+    /* Outside the scene there is background. */
     s = take(scene, &choice, &style, 10, 11);
     COLOURS(&s, {1, 1, 255, 0, 1}, {1, 9, 0x50, 0x60, 0x70}, {0, 1, 0, 0, 0});
     canvas_release(&s);
@@ -626,7 +626,7 @@ STORY(contours_are_thicker_in_larger_pictures)
     const struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 0, 0);
     struct canvas s = take(scene, &choice, &style, 400, 450); /* 100 columns, 150 rows a voxel */
     CHECK(is_rgb(&s, 0, 149, 255, 0, 1) && is_rgb(&s, 0, 148, 255, 0, 1));
-    CHECK_INT(grey_at(&s, 0, 147), 27); /* a hairline inside: there is room for it */
+    CHECK_INT(grey_at(&s, 0, 147), 27); /* a hairline inside, if there is room */
     COLOURS(&s, {0, 146, 110, 110, 110}, {199, 449, 0x50, 0x60, 0x70}, {198, 449, 0x50, 0x60, 0x70},
             {197, 449, 5, 5, 5}, {196, 449, 20, 20, 20});
     canvas_release(&s);
@@ -638,7 +638,7 @@ static uint8_t label_under(const struct scene *scene, const struct canvas *s, si
     return s->cell[pixel] == CELL_NONE ? 0 : scene->cell[s->cell[pixel]].label;
 }
 
-/* How far along rows and columns the nearest other label lies; 0 where none is within `reach`. */
+/* Distance along rows and columns to the nearest other label; 0 if none is within `reach`. */
 static int64_t edge_by_search(const struct scene *scene, const struct canvas *s, int64_t x,
                               int64_t y, int64_t reach)
 {
@@ -654,8 +654,8 @@ static int64_t edge_by_search(const struct scene *scene, const struct canvas *s,
     return 0;
 }
 
-/* Labels at random in blocks, and background, in pictures that they fill, or do not: lines of one
- * pixel have a hairline outside, those of two inside as well. */
+/* Random blocks of labels and background, in pictures with and without margins: lines of one pixel
+ * have a hairline outside, those of two pixels inside as well. */
 STORY(contours_and_hairlines_are_those_of_a_plain_search)
 {
     static const uint32_t size[3] = {40, 30, 20};
@@ -702,7 +702,7 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
     scene_free(scene);
 }
 
-/* ---- what lies over them ---- */
+/* ---- marks ---- */
 
 STORY(a_cross_leaves_its_voxel_free)
 {
@@ -805,7 +805,7 @@ STORY(of_a_run_of_seeds_the_rim_is_marked)
     scene_free(scene);
 }
 
-/* Which of those blocks: 0 for none, 3 waits. */
+/* The block at a pixel: 0 for none, 3 waits. */
 static int block_at(int64_t x, int64_t y)
 {
     const bool waits = x >= 120 && x < 170 && y >= 120 && y < 170;
@@ -831,8 +831,8 @@ static bool fills(const void *of, uint32_t cell)
     return scene->cell[cell].label == 2;
 }
 
-/* On a screen: a line within the rim, a hairline outside, a tint in what is under the cross-hair;
- * a seed alone is a dot too. */
+/* On a screen: a line inside the rim, a hairline outside, a tint in the object under the
+ * cross-hair; a single seed is a dot. */
 STORY(thin_marks_leave_what_they_mark_to_be_seen)
 {
     struct scene *scene = dark_scene();
@@ -865,8 +865,8 @@ STORY(thin_marks_leave_what_they_mark_to_be_seen)
     scene_free(scene);
 }
 
-/* The letter in the middle of an edge, 0 left, 1 right, 2 top, 3 bottom, of a picture of 100x100
- * that is black there: '?' for none of them. */
+/* The letter in the middle of an edge (0 left, 1 right, 2 top, 3 bottom) of a picture of 100x100
+ * that is black there; '?' for none. */
 static char letter_at(const struct canvas *s, int edge)
 {
     static const uint32_t corner[4][2] = {{0, 40}, {85, 40}, {40, 0}, {40, 80}};
@@ -912,7 +912,7 @@ STORY(letters_say_where_the_patients_sides_are)
     }
 }
 
-/* The letters that are drawn, for those who write them themselves. */
+/* slice_letters returns the letters that are drawn. */
 STORY(letters_are_told_as_they_are_drawn)
 {
     static const char *const expected[3] = {"RLAP", "RLSI", "APSI"};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is counted of labels: against a plain recount that walks over voxels and sorts, and surfaces
- * against balls and boxes whose area is known.
+ * Statistics of labels equal a plain recount that walks over voxels and sorts; surface areas equal
+ * those of balls and boxes.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -46,8 +46,8 @@ static uint8_t at(const struct scene *scene, const uint32_t p[3])
     return scene->cell[grid_cell(&scene->grid, p[0], p[1], p[2])].label;
 }
 
-/* Marks what hangs together with a voxel by faces and is (or is not) of the label; whether it gets
- * to the edge. */
+/* Mark the voxels connected to a voxel by faces that are (or are not) of the label. Returns true if
+ * they reach the edge. */
 static bool flood(const struct scene *scene, bool *seen, const uint32_t p[3], uint8_t label,
                   bool is)
 {
@@ -81,7 +81,7 @@ static void recount_values(struct label_sums *sums, uint16_t *value)
     sums->middle[1] = value[sums->voxels / 2];
 }
 
-/* Of a voxel with those that come later in the scene. */
+/* Count the pairs of a voxel with later voxels of the scene. */
 static void recount_pairs(struct label_stats *stats, const struct scene *scene, const uint32_t p[3],
                           const uint32_t step[3])
 {
@@ -166,9 +166,9 @@ STORY(all_that_is_counted_is_what_a_plain_recount_gives)
 struct solid {
     bool is_ball;
     double mm[3];      /* the radius, or the sides */
-    double turn[3][3]; /* of a box: its axes */
+    double turn[3][3]; /* axes of a box */
     double spacing_mm[3];
-    double shift[3]; /* of the middle, 0..1 voxel */
+    double shift[3]; /* shift of the middle, 0..1 voxel */
     double shear;    /* the sine by which z leans to y */
 };
 
@@ -177,7 +177,7 @@ static double between(double low, double high)
     return low + (high - low) * below(1000000) / 1e6;
 }
 
-/* All turns are as likely: that of a random unit quaternion. */
+/* A uniform random rotation: that of a random unit quaternion. */
 static void turn_anyhow(double turn[3][3])
 {
     double q[4], squares;
@@ -229,7 +229,7 @@ static struct geometry geometry_of(const struct solid *solid)
     return geometry;
 }
 
-/* In the middle of a scene with some room around it. */
+/* A scene with the solid in its middle. */
 static struct scene *scene_of(const struct solid *solid)
 {
     const struct geometry geometry = geometry_of(solid);
@@ -270,7 +270,7 @@ static double area_of(const struct scene *scene, const struct geometry *geometry
     return label_area_mm2(&weights, stats[7].pairs);
 }
 
-/* How many percent more than the true area. */
+/* Error of the area in percent. */
 static double error_of(const struct solid *solid)
 {
     struct scene *scene = scene_of(solid);
@@ -284,7 +284,7 @@ static const double spacing[][3] = {{1, 1, 1},     {0.5, 0.5, 1}, {0.8, 1, 1.2},
                                     {1, 1.5, 1.5}, {2, 1, 0.7},   {0.6, 0.6, 2}, {0.7, 0.7, 5}};
 enum { SPACINGS = sizeof spacing / sizeof *spacing };
 
-/* A solid whose measures are in terms of the longest spacing. */
+/* A solid without a size; sizes are in units of the longest spacing. */
 static struct solid solid_of(size_t at)
 {
     struct solid solid = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -300,7 +300,7 @@ static double longest(size_t at)
     return fmax(fmax(spacing[at][0], spacing[at][1]), spacing[at][2]);
 }
 
-/* Where between voxels a side lies shows in areas, and not in their mean. */
+/* The place of a side between voxels changes single areas, but not their mean. */
 struct errors {
     double sum, most;
     int count;
@@ -313,7 +313,7 @@ static void add_error(struct errors *errors, double error)
     errors->count++;
 }
 
-/* In percent. */
+/* `most` and `mean` are in percent. */
 static void is_right(const struct errors *errors, double most, double mean, const char *what,
                      double size, size_t at)
 {
@@ -340,7 +340,7 @@ STORY(the_surface_of_balls_is_right_to_two_percent)
 
 STORY(the_surface_of_boxes_that_are_turned_anyhow_is_right_to_two_percent)
 {
-    static const double side[][2] = {{12, 3}, {20, 2.7}, {30, 2}}; /* and percents */
+    static const double side[][2] = {{12, 3}, {20, 2.7}, {30, 2}}; /* side, and percent */
     for (size_t s = 0; s < SPACINGS; s++)
         for (size_t i = 0; i < sizeof side / sizeof *side; i++) {
             struct errors errors = {0};
@@ -355,7 +355,7 @@ STORY(the_surface_of_boxes_that_are_turned_anyhow_is_right_to_two_percent)
         }
 }
 
-/* Sides that are whole voxels, since others have no area that voxels could tell. */
+/* Sides are whole voxels: voxels do not determine other sides. */
 STORY(the_surface_of_boxes_along_the_axes_is_right_to_two_percent)
 {
     static const int side[] = {10, 20, 40};
@@ -373,7 +373,7 @@ STORY(the_surface_of_boxes_along_the_axes_is_right_to_two_percent)
         }
 }
 
-/* As a scanner's gantry leans. */
+/* Sheared like a tilted gantry. */
 STORY(surfaces_on_sheared_grids_are_right_too)
 {
     static const double sine[] = {0.1, 0.26, 0.5}; /* 6, 15 and 30 degrees */

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# `stats` as users meet it: what it prints, reports for programs, finished labels, and what the last
-# edit changed beside the counts before and after it. tests/test_stats.c has the counting itself.
+# `stats` through the program: its text, its reports, finished labels, and the change by the last
+# edit compared with counts before and after it. tests/test_stats.c tests the counting itself.
 . tests/lib.sh
 cd "$work" || exit 1
 make_scene scene.nii 30 24 20

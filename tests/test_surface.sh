@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Surfaces in files, read back by a program that is not ours: closed, in the millimetres of the
-# world however the scene lies there, as large as the voxels, the same from a replay.
+# Surfaces in files, read by another program: closed, in world millimetres for any affine map of the
+# scene, with the volume of the voxels, and the same after a replay.
 . "$(dirname "$0")/lib.sh"
 
 # oblique FILE ROW ROW ROW: gives a scene of make_scene these rows of an sform

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # The lesson of `iftty tutorial` in a real terminal (tmux, 80x24), at the prompt and in the pilot:
-# a step comes by what is there, what is missing is told, it can be left midway, and nothing but its
-# journal stays behind.
+# a step is complete by its result, the reason is shown before, the lesson can be resumed, and
+# nothing but its journal is left behind.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 . "$top/tests/tmux.sh"
@@ -61,7 +61,7 @@ same "$(left_behind)" "tutorial-1.iftty "
 expect 0 "$iftty" verify tutorial-1.iftty
 close_story
 
-# With the keys of the user's own file, and not its brush and beginning.
+# The user's configuration sets keys, but not the brush and the start of the lesson.
 begin "in the pilot: by the ten keys, left midway and gone on with; a step can be lost again"
 printf '%s\n' "key undo U" "brush 3 2" "start none" >config
 enter_anew "IFTTY_CONFIG=config $iftty tutorial"

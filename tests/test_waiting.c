@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* A scene whose cells are made later: nobody can tell but by the time that it takes. */
+/* A scene whose cells are computed later differs only in time. */
 #include "tests/small_scene.h"
 #include "tests/stopping.h"
 
-/* What a session may be asked after `open`, on a scene out of a file. */
+/* Commands after `open` of a scene from a file. */
 static const char *const lines[] = {
     "info",
     "stats",
@@ -40,7 +40,7 @@ static void begin_waiting(struct interpreter *interp, uint64_t least)
     open_scene(interp, "scene.nii");
 }
 
-/* The same answer and the same words; what was saved is the same file. */
+/* Answers, words and saved files are equal. */
 static void answers_are_equal(struct interpreter *a, struct interpreter *b, const char *line)
 {
     struct buf text = {0}, words = {0};
@@ -69,7 +69,7 @@ STORY(a_scene_that_waits_answers_as_any_other)
         CHECK(!ready.session->inside->waits && !ready.session->scene->plain);
         answers_are_equal(&waiting, &ready, lines[i]);
         answers_are_equal(&waiting, &ready, "seed 8,8,8 3 radius=2");
-        must(&waiting, "run"); /* its answer has a time */
+        must(&waiting, "run"); /* not compared: its answer has a time */
         must(&ready, "run");
         struct snapshot now;
         take_snapshot(&now, &ready);
@@ -82,8 +82,8 @@ STORY(a_scene_that_waits_answers_as_any_other)
     }
 }
 
-/* Ctrl-C while cells are made leaves the scene as it was opened, and the command can be given
- * again. */
+/* Ctrl-C while cells are computed leaves the scene as after `open`, and the command can be
+ * repeated. */
 STORY(a_stop_leaves_it_waiting)
 {
     int looks;
@@ -114,7 +114,7 @@ STORY(a_stop_leaves_it_waiting)
     interpreter_release(&ready);
 }
 
-/* A stop while it is opened leaves no scene. */
+/* A cancelled `open` leaves no scene. */
 STORY(a_stop_while_it_is_opened_leaves_nothing)
 {
     int looks;

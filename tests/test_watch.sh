@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A journal that is watched: keys into a real terminal (tmux, 80x24), and journals of strangers,
-# which write nothing, read nothing else, and take no more than they may.
+# Watching a journal: keys in a real terminal (tmux, 80x24), and journals of strangers, which write
+# nothing, read no other files, and stay within their limits.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 . "$top/tests/tmux.sh"
@@ -47,7 +47,7 @@ see '^drawn, and not carried out yet'
 see '^<b>Now</b> the "other" one\.$'
 close_story
 
-# The picture in characters, whose colours are escape sequences.
+# Print the picture in characters, with escape sequences for colours.
 picture() {
     tmux_here capture-pane -e -p -t prompt | head -n 19
 }
@@ -132,7 +132,7 @@ for wrong in '--from 7' '--from 4 --until 3'; do
 done
 close_story
 
-# The program at a terminal of its own: its exit code, and what it writes.
+# at_terminal WORDS STATUS TEXT: run the program at a terminal; check its status and its output.
 at_terminal() {
     enter_anew "$iftty watch $1; echo ends \$?"
     see "^ends $2\$"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A journal to watch: its steps, shown to and fro, end where they began, bit for bit; a step is
- * drawn before it is carried out; and what the replay says of the journal.
+ * Watching a journal: steps that are shown in any order have the same digests, bit for bit; a step
+ * is drawn before it is carried out; and the verdict of the replay.
  */
 #include "base/file.h"
 #include "engine/forest.h"
@@ -17,7 +17,7 @@ static struct buf words;
 
 /* ---- journals ---- */
 
-/* The journal of these commands, a line each; comments too. Static storage. */
+/* Write a journal of these commands and comments, one a line. Returns static storage. */
 static const char *journal_of(const char *name, const char *lines)
 {
     static char path[FOLDER_LENGTH + 40];
@@ -81,11 +81,11 @@ static bool are_same(struct digests a, struct digests b)
     return a.keys == b.keys && a.labels == b.labels && a.seeds == b.seeds && a.waits == b.waits;
 }
 
-/* ---- which steps there are ---- */
+/* ---- steps ---- */
 
 #define OPEN "open synth:geom:60x60x30\nauto on\n"
 
-/* The steps in their order: the title of each ends with these words. */
+/* Check the steps in their order: the title of each ends with these words. */
 static void check_titles(const char *path, const char *const *title)
 {
     size_t count = 0;
@@ -121,7 +121,7 @@ STORY(steps_are_states_and_say_whether_the_last_one_comes_from_them)
                  title);
 }
 
-/* One goes back past the beginning of a branch and stays on it: on=NAME says so. */
+/* Undo past the beginning of a branch stays on it, recorded by on=NAME. */
 STORY(what_was_undone_on_ones_own_branch_is_on_no_other)
 {
     static const char *const title[] = {"seed 30,30,15 1 radius=2  (on another branch)",
@@ -197,16 +197,16 @@ STORY(what_a_viewer_looks_at_changes_no_step)
     CHECK_HAS(fault.text, "nothing has changed");
     CHECK(interpreter_look(&interp, "undo", &reply, &fault) == ERR_USAGE);
     CHECK(interpreter_look(&interp, "open synth:geom", &reply, &fault) == ERR_USAGE);
-    show(watched_carry_out, 2); /* whose overlay stays */
+    show(watched_carry_out, 2); /* the overlay is kept */
     CHECK_INT(interp.session->now.outlook.slices.overlay, 1);
     CHECK_INT(interp.session->now.outlook.slices.cross[0], 2);
-    show(watched_carry_out, 3); /* before it the journal looks from elsewhere */
+    show(watched_carry_out, 3); /* before it the journal changes its view */
     CHECK_INT(interp.session->now.outlook.slices.overlay, 2);
     CHECK_HAS(said(watched_verdict), "verified: ");
     end_watching();
 }
 
-/* Stopped sooner and later, until it comes to its end; how often that was. */
+/* Cancel sooner and later until the step succeeds. Returns the number of cancels. */
 static unsigned show_in_spite(int *looks, size_t step, struct digests shown)
 {
     unsigned stopped = 0;
@@ -255,7 +255,7 @@ STORY(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with)
     end_watching();
 }
 
-/* To its end and back to its beginning; of a long one eight steps or so. */
+/* Show the steps to the end and back, about eight of a long journal. */
 static void walk_both_ways(const char *path)
 {
     struct digests after[600];
@@ -273,7 +273,7 @@ static void walk_both_ways(const char *path)
         after[step - 1] = digests_now();
     }
     show(watched_carry_out, watched.end);
-    CHECK(are_same(digests_now(), end)); /* as the replay has left it */
+    CHECK(are_same(digests_now(), end)); /* as after the replay */
     for (size_t step = count; step > 0; step -= step < by ? step : by) {
         show(watched_carry_out, step);
         if (!CHECK(are_same(digests_now(), after[step - 1])))
@@ -281,7 +281,7 @@ static void walk_both_ways(const char *path)
     }
     show(watched_draw, 0);
     CHECK(are_same(digests_now(), first));
-    for (size_t i = 0; i < 2 && count > 5; i++) { /* here and there */
+    for (size_t i = 0; i < 2 && count > 5; i++) { /* in another order */
         const size_t step = count - i * 7919 % (count / by) * by;
         show(watched_carry_out, step);
         CHECK(are_same(digests_now(), after[step - 1]));
@@ -323,9 +323,9 @@ STORY(so_is_one_with_undo_alternatives_weights_and_masks)
                                                  "run\n"));
 }
 
-/* ---- what the replay comes to ---- */
+/* ---- verdict of the replay ---- */
 
-/* The journal with one piece of its bytes in place of another. */
+/* Replace one part of a journal by another. */
 static const char *changed(const char *path, const char *what, const char *to)
 {
     struct buf bytes = {0}, out = {0};
@@ -357,7 +357,7 @@ STORY(a_step_that_gives_something_else_is_not_shown_and_that_is_said)
     end_watching();
 }
 
-/* The steps before are those of a history that is not there any more. */
+/* The steps before it belong to a history that was dropped. */
 STORY(an_interpolation_that_differs_leaves_no_step)
 {
     const char *path = journal_of("rest.iftty", OPEN "label 1 head\n"
@@ -381,7 +381,7 @@ STORY(an_edited_comment_is_shown_and_the_journal_is_not_verified)
     CHECK_HAS(said(watched_verdict), "NOT verified: the journal was edited");
     show(watched_carry_out, 2);
     CHECK_HAS(said(watched_comments), "evil");
-    CHECK(strchr(said(watched_comments), '\033') == NULL); /* no terminal obeys it */
+    CHECK(strchr(said(watched_comments), '\033') == NULL); /* it is escaped */
     end_watching();
 }
 
