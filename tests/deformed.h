@@ -18,7 +18,7 @@ struct deformation {
     double degrees[3], scale[3], shift_mm[3]; /* about the middle of the scene; no scale: 1 */
     double elastic_mm;                        /* at most, along each axis */
     double noise, bias;                       /* parts of the brightest, and of each */
-    bool mirrored;          /* left and right, in the file and not in what it says */
+    bool mirrored;          /* left and right are swapped in the file, not in what it means */
     uint32_t first, planes; /* axial ones that are kept; 0: all */
     enum { OF_SCENE, OF_NOTHING, OF_NOISE } content;
 };
@@ -26,8 +26,8 @@ struct deformation {
 struct subject {
     struct scene *scene;
     struct geometry geometry;
-    double brightest;    /* of the scene that it was made of */
-    struct affine truth; /* subject's world -> the scene's, but for what is elastic */
+    double brightest;    /* of the scene that it was made from */
+    struct affine truth; /* subject's world -> the scene's, without the elastic part */
 };
 
 static inline struct placed_scene subject_placed(const struct subject *subject)
@@ -151,8 +151,7 @@ static inline enum err subject_make(struct subject *out, const struct volume *ba
     return scene_new_plain(&out->scene, size, intensity, NULL, NULL);
 }
 
-/* How far off a map is, at most, where the head is: at the corners of a box of 140 mm about the
- * middle. */
+/* The largest error of a map in the head: at the corners of a box of 140 mm about the middle. */
 static inline double subject_error(const struct subject *subject, const struct affine *found)
 {
     const double low[3] = {-60, -90, -50}, high[3] = {60, 60, 70};

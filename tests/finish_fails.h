@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What stories about the steps of `finish` share: wherever it is stopped, and wherever memory runs
- * out, it is an error that gives nothing; the next time it is right.
+ * What stories about the steps of `finish` share: if it is stopped or memory runs out at any point,
+ * it is an error that changes nothing, and the next call is correct.
  */
 #ifndef TESTS_FINISH_FAILS_H
 #define TESTS_FINISH_FAILS_H

@@ -63,7 +63,7 @@ static inline uint32_t plain_weight(const struct world *w, uint32_t s, uint32_t 
     return (uint32_t)(weight < 65535 ? weight : 65535);
 }
 
-/* What s offers t, along the way. */
+/* What s offers t along the arc. */
 static inline struct plain plain_offer(const struct world *w, const struct planted *planted,
                                        const struct plain *key, uint32_t s, uint32_t t,
                                        const int32_t at[3])

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a ray goes through, found without a walk: each voxel of the scene is asked by itself. */
+/* The voxels that a ray goes through, found by testing each voxel of the scene. */
 #ifndef TESTS_RAY_SEARCH_H
 #define TESTS_RAY_SEARCH_H
 

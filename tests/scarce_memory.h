@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Memory that runs out: allow_allocations(n) lets the next `n` allocations of base/mem succeed and
- * all after them fail, until mem_allows is NULL again. Stories try n = 0, 1, 2, ... until what they
- * are about succeeds.
+ * makes all later ones fail, until mem_allows is NULL again. Stories try n = 0, 1, 2, ... until
+ * the tested call succeeds.
  */
 #ifndef TESTS_SCARCE_MEMORY_H
 #define TESTS_SCARCE_MEMORY_H
@@ -28,7 +28,7 @@ static inline void allow_allocations(size_t count)
     mem_allows = takes_one_allocation;
 }
 
-/* Lets the next allocations succeed until they have so many bytes together; by one thread. */
+/* Lets the next allocations succeed until they add up to so many bytes; for one thread. */
 static size_t bytes_left;
 
 static inline bool takes_bytes(size_t bytes)

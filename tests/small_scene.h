@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What stories about a small scene share: the scene, maps on its grid, and snapshots of a session
- * to compare. All files are below `folder`, which main makes and removes (begin_folder,
+ * to compare. All files are in `folder`, which main creates and removes (begin_folder,
  * end_folder).
  */
 #ifndef TESTS_SMALL_SCENE_H
@@ -38,7 +38,7 @@ static inline void scene_row(void *context, uint32_t y, uint32_t z, void *values
         *at++ = (uint8_t)(3 * x + 2 * y + z + (x > 5 ? 60 : 0) + (y > 6 && z > 4 ? 90 : 0));
 }
 
-/* Writes a map that lies where the scene does. */
+/* Writes a map with the position of the scene. */
 static inline void write_map(const char *name, const uint32_t sides[3], enum voxel_type type,
                              void (*row)(void *context, uint32_t y, uint32_t z, void *values),
                              void *context)
@@ -122,7 +122,7 @@ static inline void make_weights(const char *name, uint32_t more)
 
 /* ---- snapshots ---- */
 
-/* All of a session that commands can change; a rendition that is rough is none. */
+/* Everything in a session that commands can change; a rough rendition counts as none. */
 struct snapshot {
     uint64_t forest, labels, scene, weights, roi, picture;
     size_t seeds, pendings, border, acknowledged, records;
@@ -150,7 +150,7 @@ static inline void roi_stands(const struct session *session)
     CHECK_INT(tally.inside, session->roi_tally.inside);
 }
 
-/* What follows from the state was made of it, and of nothing older. */
+/* What is derived from the state was derived from this state, not from an older one. */
 static inline void fits_its_state(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
@@ -175,7 +175,7 @@ static inline void fits_its_state(const struct session *session)
     free(bits);
 }
 
-/* S6: seeds as they are, changed by the edits that wait, are those of the markers that stand. */
+/* S6: the seeds, changed by the pending edits, are those of the active markers. */
 static inline void markers_stand(const struct session *session)
 {
     const struct scene *scene = session->scene;
@@ -196,7 +196,7 @@ static inline void markers_stand(const struct session *session)
     CHECK(same);
 }
 
-/* What is kept of labels, since the first snapshot asked for it, is what counting anew gives. */
+/* The kept counts of labels equal a new count. */
 static inline void measures_stand(struct session *session)
 {
     static struct label_stats kept[256], anew[256];

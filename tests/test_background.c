@@ -25,7 +25,7 @@ STORY(what_is_covered_whole_or_not_at_all_is_exact)
         CHECK(memcmp(rgb, behind, 3) == 0);
         background_over(rgb, whole, behind);
         CHECK(memcmp(rgb, whole, 3) == 0);
-        for (unsigned alpha = 0; alpha < 256; alpha++) { /* of one colour there is no edge */
+        for (unsigned alpha = 0; alpha < 256; alpha++) { /* an area of one colour has no edge */
             const uint8_t same[4] = {behind[0], behind[1], behind[2], (uint8_t)alpha};
             background_over(rgb, same, behind);
             CHECK(memcmp(rgb, behind, 3) == 0);
@@ -122,7 +122,7 @@ static struct picture read_back(struct interpreter *interp, const char *name)
     return p;
 }
 
-/* A file of colours shows what the terminal does: the frame over what is behind it. */
+/* A file of colours shows what the terminal shows: the frame over the background. */
 STORY(files_and_the_screen_show_the_same)
 {
     static const char *const line[] = {"background gradient", "background white",
@@ -181,7 +181,7 @@ STORY(an_exr_holds_the_objects_alone_whatever_is_behind)
     must(&interp, "render gradient.exr");
     const uint64_t digest = rendition_digest(session_frame(interp.session));
     must(&interp, "background white");
-    CHECK(session_rendered(interp.session)); /* nothing is drawn anew */
+    CHECK(session_rendered(interp.session)); /* nothing is drawn again */
     must(&interp, "render white.exr");
     CHECK(rendition_digest(session_frame(interp.session)) == digest);
     CHECK_INT(exr_read(&gradient, "gradient.exr", NULL), OK);
@@ -193,7 +193,7 @@ STORY(an_exr_holds_the_objects_alone_whatever_is_behind)
     interpreter_release(&interp);
 }
 
-/* All of the pane, beside the rendition too, and nothing but the pane. */
+/* All of the pane, including the area next to the rendition, and only the pane. */
 STORY(the_pane_of_a_mosaic_has_it_too)
 {
     struct interpreter interp;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of samples: drawn in bands, by any number of threads, or repaired after an edit, they
- * are what the samples drawn at once come to.
+ * Pictures of samples: drawn in bands by any number of threads, or repaired after an edit, they are
+ * equal to the picture drawn at once.
  */
 #include "interpreting.h"
 
@@ -233,7 +233,7 @@ STORY(a_turntable_stores_no_map_of_its_pictures)
     interpreter_release(&interp);
 }
 
-/* One of so many pixels is not stored for its file: no array has a byte for each of them. */
+/* A picture of that many pixels is not stored in its file: no array has a byte for each of them. */
 STORY(a_large_picture_goes_right_into_its_file)
 {
     struct interpreter interp;

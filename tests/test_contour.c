@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contours of areas against plain models: the polygon through their corners is the piece at a
- * place, or else the largest, with its holes filled, but for voxels that the line comes within half
- * a voxel of. Areas are made of circles, rectangles and holes at random, in slices of all three
+ * Contours of areas compared with plain models. The polygon through their corners is the component
+ * at a place, or otherwise the largest one, with its holes filled; only voxels within half a voxel
+ * of the line may differ. Areas are random circles, rectangles and holes in slices of all three
  * planes.
  */
 #include <stdlib.h>
@@ -82,7 +82,8 @@ static void add_shape(uint8_t what)
                 label[cell_of(c, r)] = what;
 }
 
-/* How many of the label hang together with one by faces. Marks them, until nothing changes. */
+/* The size of a component of the label, connected by faces. Marks its voxels until nothing
+ * changes. */
 static size_t grow(bool *marked, int64_t column, int64_t row)
 {
     const uint32_t *size = scene.grid.size;
@@ -150,8 +151,8 @@ static bool is_near_line(const struct polyline *line, int64_t column, int64_t ro
     return false;
 }
 
-/* By cell, whether no way by faces leads to the edge of the slice: a contour goes by corners too,
- * so that it closes a bay whose ends touch by a corner. */
+/* By cell, whether no path by faces leads to the edge of the slice. A contour also passes through
+ * corners, so it closes a bay whose ends touch at a corner. */
 static bool *find_holes(void)
 {
     const uint32_t *size = scene.grid.size;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is cut away: borders against a slow recount, four ways to one picture through cuts, edits
- * and hidden labels, and commands whose every step can be taken back.
+ * Cuts: borders compared with a slow count, four ways to one picture through cuts, edits and hidden
+ * labels, and commands whose every step can be undone.
  */
 #include "command/execute.h"
 #include "interpreting.h"
@@ -70,8 +70,8 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
     CHECK(!shows(&border, 3, 1, 3) && shows(&border, 3, 2, 3) && shows(&border, 3, 4, 3) &&
           !shows(&border, 3, 5, 3));
 
-    /* A box at a corner: what it opens is border, what it takes is told from what was never there.
-     */
+    /* A box at a corner: voxels that it uncovers are border; voxels that it removes differ from
+     * those that never existed. */
     cut = cut_none();
     cut.box[cut.boxes++] = (struct cut_box){{6, 4, 3}, {9, 7, 5}};
     cut_as(&border, &cut);
@@ -102,7 +102,7 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 5, 2, 0) && shows(&border, 9, 0, 0));
     CHECK(!shows(&border, 2, 3, 0) && !shows(&border, 4, 2, 0) && !shows(&border, 8, 0, 0));
 
-    /* Where bits are dropped, a plane less than one of them deeper is beyond its voxel. */
+    /* If bits are dropped, a plane that is less than one of them deeper lies behind its voxel. */
     const int64_t far[3] = {INT64_C(1) << 45, 0, 0};
     cut.plane[0] = cut_plane_at(far, (uint32_t[]){3, 3, 0}, -1);
     cut_as(&border, &cut);
@@ -231,7 +231,7 @@ static void all_ways_agree(struct stage *s, const struct rendition *kept)
     rendition_release(&r);
 }
 
-/* After another cut, what the shader keeps of the one before is of no consequence. */
+/* After another cut, what the shader kept of the previous one has no effect. */
 static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
 {
     struct rendition kept, anew;
@@ -248,8 +248,8 @@ static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
     rendition_release(&anew);
 }
 
-/* A slab of two objects, whose front half is cut away: what is cut open shows the scene, what was
- * its surface before is shaded. */
+/* A slab of two objects whose front half is cut away: the cut face shows the scene, the former
+ * surface is shaded. */
 STORY(faces_that_are_cut_open_show_the_scene)
 {
     struct stage s = {0};
@@ -361,7 +361,7 @@ STORY(slabs_are_counted_as_slices_are)
     must(&interp, "clip axial 0-19");
     CHECK(is_shown(&interp, 5, 10, 19));
     MUST_MENTION(&interp, "info", "cut away  all but coronal slices 10-10\n");
-    /* Where an axis runs the other way, slice 0 is its first voxel, and was the last one. */
+    /* If an axis is reversed, slice 0 is its first voxel, which used to be the last. */
     must(&interp, "clip none");
     interp.session->scene->world_sign[0] = -1;
     must(&interp, "clip sagittal 0-1");
@@ -441,7 +441,7 @@ STORY(a_plane_with_a_normal_is_the_same_from_everywhere)
     }
     CHECK(memcmp(&cut[0], &cut[1], sizeof cut[0]) == 0);
 
-    /* From his left, what is before the voxel is what lies to his left. */
+    /* Seen from the left of the subject, the voxels to the left are in front. */
     must(&interp, "view left");
     must(&interp, "plane 20,15,10 offset=1");
     const struct cut seen = interp.session->now.kept.cut;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Edges: what has a line, on which side, and how strong it is at every number of samples. */
+/* Edges: what has a line, on which side, and how strong it is for every number of samples. */
 #include "check.h"
 
 #include <math.h>
@@ -55,8 +55,8 @@ static int red_at(const struct rendition *r, uint32_t x, uint32_t y)
     return r->rgba[4 * ((size_t)y * r->width + x)];
 }
 
-/* How many pixels of the samples that were drawn last have a line of a kind, within `margin` pixels
- * of the middle; each has the one that it has where no other was looked at before. */
+/* The number of pixels of the last drawn samples that have a line of a kind, within `margin` pixels
+ * of the middle. Each must be the same as when it is computed alone. */
 static int count(const struct stage *s, enum edge kind, int margin)
 {
     struct edges edges, alone;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The finish: each step against a plain model, which is written from the words of engine/finish.h
- * and shares nothing with what it tests: it holds voxels in three nested loops, floods, and asks
- * every ball.
+ * The finish: each step is compared with a plain model written from the description in
+ * engine/finish.h. The model shares no code with the engine: it loops over all voxels, fills, and
+ * tests every ball.
  */
 #include <stdlib.h>
 
@@ -144,7 +144,7 @@ static void model_pieces(struct volume *v, const struct finish_step *step)
                     step->kind == FINISH_HOLES ? (int)step->label : FINISH_ALL_LABELS);
 }
 
-/* Whether a voxel lies in the ball around another. */
+/* Whether a voxel lies in the ball around another voxel. */
 static bool in_ball(const struct volume *v, const struct finish_step *step, const int a[3],
                     const int b[3])
 {
@@ -156,7 +156,7 @@ static bool in_ball(const struct volume *v, const struct finish_step *step, cons
     return sum <= (int64_t)step->argument * step->argument;
 }
 
-/* Whether a ball over the voxel has, of all its voxels, `all` or none of the label. */
+/* Whether some ball that contains the voxel has only voxels of the label (`all`), or none. */
 static bool some_ball(const struct volume *v, const struct finish_step *step, const int at[3],
                       int label, bool all)
 {
@@ -282,7 +282,7 @@ static struct scene *scene_of(const struct volume *v)
     return scene;
 }
 
-/* Whether both have the same labels everywhere, and the rim has none. */
+/* Whether both have the same labels everywhere, and the rim has no label. */
 static bool agree(const void *expected, const struct scene *scene, const uint8_t *label)
 {
     const struct volume *v = expected;

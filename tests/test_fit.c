@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Fitting: what is shown fills the picture, at one view's angles or at those of a turntable. */
+/* Fitting: the shown objects fill the picture, at the angles of one view or of a turntable. */
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -71,8 +71,8 @@ static void find_box(uint32_t box[2][2], const struct rendition *r)
         }
 }
 
-/* Of what would be seen in a larger picture, nothing lies in the margin or beyond; and no more is
- * free than the margin, and what the nearest voxel is off the very middle. */
+/* In a larger picture, nothing visible would lie in the margin or outside. The free border is at
+ * most the margin plus the offset of the nearest voxel from the exact middle. */
 static void check_fit(const struct world *w, const struct view *view)
 {
     struct view wide = *view;
@@ -108,8 +108,8 @@ static void check_fit(const struct world *w, const struct view *view)
         most = taken * 1000 / (size[k] - 2 * margin) > most ? taken * 1000 / (size[k] - 2 * margin)
                                                             : most;
     }
-    /* Or a voxel is as large as a picture can have it, or nearly, or falls between pixels. The
-     * middle of an oblique sheet may lie beside the scene, and its nearest voxel off it. */
+    /* Or a voxel is as large as a picture allows, or nearly, or falls between pixels. The middle of
+     * an oblique sheet may lie outside the scene, and its nearest voxel off the sheet. */
     CHECK(most >= 850 || view->zoom > VIEW_ZOOM_MOST * 7 / 8 || voxel > 256 / 4 * 7 / 8 ||
           view->zoom < 2 * VIEW_ZOOM_ONE);
     rendition_release(&r);

@@ -14,7 +14,7 @@
 
 static const struct weight_choice morph = {WEIGHT_MORPH, 1};
 
-/* Takes the last successful edit back, as an edit of its own. */
+/* Undoes the last successful edit by an edit of its own. */
 static enum err revert(struct forest *forest, struct fault *fault)
 {
     const struct seed_changes seeds = forest_seed_changes(forest);
@@ -489,7 +489,8 @@ STORY(under_every_kind_of_arc_and_roi_edits_equal_the_fixed_point)
 
 /* ---- edits that do not go through ---- */
 
-/* What a forest is known by: if these are as before and every invariant holds, it is as before. */
+/* All that describes a forest: if these are unchanged and every invariant holds, so is the
+ * forest. */
 struct state {
     uint64_t keys, labels;
     size_t seeds;
@@ -525,7 +526,7 @@ static struct world random_world(uint64_t *random, unsigned seeds, unsigned smal
     return w;
 }
 
-/* More than a third of a scene of more than 200 000 voxels goes: it grows anew. */
+/* More than a third of a scene of more than 200 000 voxels is removed, so the forest is rebuilt. */
 STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
 {
     struct fault fault = {0};
@@ -589,9 +590,9 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
     }
 }
 
-/* ---- shown while it goes on ---- */
+/* ---- progress shown during an edit ---- */
 
-/* What was final when a run was shown. */
+/* What was final when a run was reported. */
 struct showing {
     const struct world *w;
     struct watch watch;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The history: whatever was done is undone exactly, and done again; alternatives keep apart; what
- * is resumed is what was left, whether its commands are carried out or only skimmed.
+ * The history: undo and redo restore states exactly, branches stay separate, and a resumed session
+ * equals the one that was left, whether its commands are carried out or only skimmed.
  */
 #include <pthread.h>
 
@@ -77,7 +77,7 @@ static const char *const deeds[] = {
 
 enum { DEEDS = sizeof deeds / sizeof deeds[0] };
 
-/* Goes one command back and forth: both states are again what they were. */
+/* Undoes and redoes a command: both states must be as they were. */
 static void goes_back_and_forth(struct interpreter *interp, const char *line)
 {
     struct snapshot before, after, now;
@@ -165,7 +165,7 @@ STORY(an_edit_after_undo_begins_an_alternative)
     interpreter_release(&interp);
 }
 
-/* Each edit after an undo goes on from what was there, and has no list of it of its own. */
+/* Each edit after an undo starts from the state there and keeps no list of it. */
 STORY(an_edit_after_undo_costs_what_it_changes)
 {
     enum { MARKERS = 1100, TIMES = 200, EACH = 1000 };
@@ -360,7 +360,7 @@ static bool allow_some(size_t bytes)
     return allowed-- > 0;
 }
 
-/* A watch that stops after so many looks, and may have each run shown as often as it can be. */
+/* A watch that stops after a number of looks and may have each run shown as often as possible. */
 struct stopping {
     struct watch watch;
     struct session *session;
@@ -436,7 +436,7 @@ static unsigned starve_everywhere(struct interpreter *interp, const char *line, 
         if (err == OK && (sufficed || !back))
             break;
         if (err == OK)
-            continue; /* without what it needs for counting changes, say */
+            continue; /* for example without the memory for counting changes */
         CHECK(err == ERR_MEMORY);
         refused++;
         is_as_before(&before, interp, line);
@@ -444,7 +444,7 @@ static unsigned starve_everywhere(struct interpreter *interp, const char *line, 
     return refused;
 }
 
-/* Of two threads, which ask for memory of their own. */
+/* Of two threads that allocate memory of their own. */
 STORY(without_memory_one_stays_where_one_is)
 {
     struct interpreter interp;
@@ -579,7 +579,7 @@ STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
     }
 }
 
-/* Neither what is computed nor what is drawn of it afterwards. */
+/* Showing progress changes neither what is computed nor what is drawn later. */
 STORY(what_is_shown_on_the_way_changes_nothing)
 {
     struct interpreter interp, plain;
@@ -654,8 +654,8 @@ static void has_same_history(const struct history *a, const struct history *b)
     }
 }
 
-/* A copy of a journal whose eliminators say `taken` under a key of what they removed, or (NULL)
- * nothing of it under any. */
+/* A copy of a journal whose eliminators record `taken` under a key of what they removed, or nothing
+ * if it is NULL. */
 static void forge_taken(const char *from, const char *to, const char *key, const char *taken)
 {
     struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
@@ -785,7 +785,7 @@ STORY(a_journal_that_lies_is_not_resumed)
                    sizeof of_markers / sizeof *of_markers); /* 3 is joined, 4 erases */
 }
 
-/* ---- what is put away ---- */
+/* ---- what is stored ---- */
 
 STORY(what_is_put_away_comes_back)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The history of lines and its file: what is kept, for whom, how much, and by how many at once. */
+/* The history of input lines and its file: what is kept, for whom, how much, and by how many
+ * programs at once. */
 #include <errno.h>
 #include <signal.h>
 #include <sys/file.h>
@@ -96,7 +97,7 @@ STORY(the_file_and_the_memory_are_bounded)
     CHECK_INT(h.count, LINE_HISTORY_MOST);
     CHECK(strncmp(content(), "line 501\n", 9) == 0);
     line_history_release(&h);
-    CHECK(truncate(path, (off_t)1 << 40) == 0); /* a hole, of which nothing is read but the end */
+    CHECK(truncate(path, (off_t)1 << 40) == 0); /* a hole, of which only the end is read */
     CHECK(line_history_load(&h, path, &fault) == OK);
     CHECK_INT(h.count, 0);
     CHECK(enter(&h, "after the hole"));

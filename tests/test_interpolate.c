@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Interpolation: by hand, against a plain recompute, and as something a session takes back.
+ * Interpolation: by hand, compared with a plain computation, and as a command that can be undone.
  */
 #include <stdlib.h>
 
@@ -165,7 +165,7 @@ STORY(voxels_stay_where_they_are_in_the_world)
     session_free(session);
 }
 
-/* What a rollback must give back. */
+/* What a rollback must restore. */
 struct trace {
     uint64_t scene, weights, keys, labels, picture;
     struct geometry geometry;

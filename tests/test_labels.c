@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Markers out of a segmentation: pieces, their erosion and contours beside a plain slow
- * computation; what grows from them, and gives way to corrections; and objects by a range of
- * intensities, within what is connected.
+ * Markers made from a segmentation: components, their erosion and contours, compared with a plain
+ * slow computation; what grows from them and how corrections change it; and objects that are given
+ * by a range of intensities within a connected region.
  */
 #include <stdlib.h>
 
@@ -33,7 +33,7 @@ static size_t index_of(const struct slow *s, int64_t x, int64_t y, int64_t z)
     return (size_t)(x + s->size[0] * (y + (int64_t)s->size[1] * z));
 }
 
-/* Whether another voxel, `far` by faces at most, is in the scene; and where. */
+/* Whether a neighbour `far` faces away at most is in the scene, and its place. */
 static bool neighbour(const struct slow *s, size_t i, const int step[3], size_t *other)
 {
     int64_t p[3] = {(int64_t)(i % s->size[0]), (int64_t)(i / s->size[0] % s->size[1]),
@@ -59,7 +59,7 @@ static void fill_piece(struct slow *s, size_t i)
             fill_piece(s, other);
 }
 
-/* Of a piece: false, and nothing has changed, where no voxel would be left. */
+/* Of a piece: false, and nothing has changed, if no voxel would remain. */
 static bool erode_piece(struct slow *s, int piece)
 {
     bool goes[VOXELS_MOST] = {false}, is_left = false;
@@ -104,7 +104,7 @@ static void solve(struct slow *s, unsigned erode)
             ;
 }
 
-/* ---- beside it ---- */
+/* ---- compared with the plain computation ---- */
 
 static void check_pieces(const struct slow *s, const struct piece_seeds *seeds,
                          const struct grid *grid)
@@ -295,8 +295,8 @@ STORY(a_piece_is_removed_and_grown_into_as_one)
 
 /* ---- corrections ---- */
 
-/* Label 1 leaks over the edge of the scene, which lies before x = 6, up to x = 8; 2 is after it,
- * and 3 a block in the leak. */
+/* Label 1 leaks over the scene's edge at x = 6, up to x = 8. Label 2 lies behind it, and label 3 is
+ * a block in the leak. */
 static void paint_leak(void)
 {
     for (size_t i = 0; i < sizeof painted; i++) {
@@ -360,7 +360,7 @@ STORY(what_belongs_to_third_labels_does_not_give_way)
 {
     struct interpreter interp;
     begin_leaking(&interp);
-    must(&interp, "seed 7,5,7 2 radius=1"); /* in 1, beside 3 */
+    must(&interp, "seed 7,5,7 2 radius=1"); /* in 1, next to 3 */
     CHECK_INT(at_voxel(&interp, 8, 6, 8)->flags & CELL_SEED, 0);
     CHECK_INT(at_voxel(&interp, 8, 7, 8)->flags & CELL_SEED, CELL_SEED);
     CHECK_INT(at_voxel(&interp, 8, 8, 7)->label, 3);
@@ -383,7 +383,7 @@ STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing)
     CHECK_INT(at_voxel(&interp, 0, 0, 0)->label, 0);
     must_in_folder(&interp, "labels", "leak.nii", "regions=2 as=6");
     CHECK_INT(at_voxel(&interp, 7, 8, 8)->label, 5);
-    CHECK_INT(at_voxel(&interp, 8, 8, 8)->label, 5); /* beside what is 6 */
+    CHECK_INT(at_voxel(&interp, 8, 8, 8)->label, 5); /* next to label 6 */
     CHECK_INT(at_voxel(&interp, 9, 8, 8)->label, 6);
     CHECK_INT(at_voxel(&interp, 8, 4, 4)->label, 0);
     interpreter_release(&interp);
@@ -406,7 +406,7 @@ static const char *const any[] = {"seed X,Y,Z <4> radius=<3>",
                                   "[undo|undo 2|redo|redo 3|goto main]",
                                   "[undo|undo 2|redo|redo 3|goto main]"};
 
-/* What the commands that lead to the present point come to in a session of their own. */
+/* Compares with a new session that carries out the commands up to the current state. */
 static void same_from_scratch(const struct interpreter *interp)
 {
     struct interpreter other;
@@ -522,7 +522,7 @@ STORY(seeds_of_another_label_stay_and_let_nothing_through)
     begin_with_scene(&interp);
     must(&interp, "auto on");
     must(&interp, "box 3,0,0 3,10,9 1");
-    must(&interp, "seed 0,0,0 2"); /* all of x < 3 lies in the range, and of x > 3 */
+    must(&interp, "seed 0,0,0 2"); /* everything with x < 3 and x > 3 lies in the range */
     must(&interp, "object 2 threshold 0..1000");
     CHECK(!strstr(buf_text(&reply.text), "nothing holds"));
     CHECK_INT(seeds_of(interp.session, 2), 3 * 11 * 10);
@@ -541,7 +541,7 @@ STORY(edits_that_wait_count_as_seeds)
     const size_t waits = session_pendings(interp.session);
     must(&interp, "run");
     CHECK_INT(forest_seeds(interp.session->forest), waits - 1); /* one of them twice */
-    must(&interp, "seed 9,9,9 0"); /* what waits holds an object back, too */
+    must(&interp, "seed 9,9,9 0"); /* a pending marker limits an object, too */
     must(&interp, "object 2 threshold 0..8.5");
     CHECK(!strstr(buf_text(&reply.text), "nothing holds"));
     interpreter_release(&interp);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Scenes of any size: what is refused before memory is taken, the synthetic scene at every size,
- * the watch over what takes long, and the line that shows it. tests/test_large.sh asks the program.
+ * Scenes of any size: what is refused before memory is allocated, the synthetic scene at every
+ * size, the watch over long work, and the line that shows progress. tests/test_large.sh tests the
+ * program.
  */
 #include <fcntl.h>
 #include <stdlib.h>
@@ -188,7 +189,7 @@ STORY(a_task_is_looked_at_now_and_then_and_stays_stopped)
 
 /* ---- the line ---- */
 
-/* What has been written to the pipe so far. */
+/* What has been written to the pipe up to now. */
 static const char *written(int fd)
 {
     static char text[512];
@@ -238,7 +239,7 @@ STORY(time_left_is_that_of_the_step_at_hand)
     struct progress p = {.fd = end[1], .shows = true, .columns = 80};
     progress_show(&p, "weights", 1, 100, now);
     progress_show(&p, "forest", 0, 100, now += 10000 * ms);
-    CHECK_HAS(written(end[0]), "   0 %, 10 s"); /* nothing can be told yet */
+    CHECK_HAS(written(end[0]), "   0 %, 10 s"); /* nothing can be reported yet */
     progress_show(&p, "forest", 10, 100, now += 2000 * ms);
     CHECK_HAS(written(end[0]), "  10 %, 18 s left");
     progress_show(&p, "forest", 50, 100, now += 2000 * ms);

@@ -118,7 +118,7 @@ static void put_number(uint8_t *at, enum voxel_type type, double value)
         memcpy(at, &whole, sizeof whole);
 }
 
-/* A volume of the first numbers, which become what the type has of them. */
+/* A volume of small numbers, converted to the type. */
 static struct volume make(enum voxel_type type, size_t count, double slope, bool by_extremes)
 {
     struct volume_header header = {.size = {(uint32_t)count, 1, 1}, .type = type};
@@ -399,7 +399,7 @@ STORY(one_voxel_far_off_takes_no_levels_from_the_others)
     v = make(VOXEL_FLOAT32, MOST, 1, false);
     CHECK(v.levels && !v.levels->is_clamped && fabs(value_of(&v, 20) - 0.125) < 1e-4);
     volume_release(&v);
-    for (unsigned k = 0; k < MOST; k++) /* many are far off: no scale serves all, which is said */
+    for (unsigned k = 0; k < MOST; k++) /* many lie far apart: no scale fits all; reported */
         number[k] = k % 10 ? k / 20000.0 : 1e6 + k / 1e4;
     v = make(VOXEL_FLOAT32, MOST, 1, false);
     CHECK(v.levels && !v.levels->is_clamped);
@@ -423,8 +423,8 @@ static struct decimal near(double value)
     return decimal_near(value, 1 + draw(9));
 }
 
-/* Where no level is split, exactly the voxels whose number is in the range; a level that is has
- * numbers on both sides. */
+/* If no level is split, exactly the voxels whose number is in the range. A split level has numbers
+ * on both sides. */
 STORY(a_range_takes_the_voxels_whose_numbers_are_in_it)
 {
     unsigned split = 0, exact = 0;

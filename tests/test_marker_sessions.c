@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Markers through whole sessions: balls, strokes and their parts, boxes, polygons and outlines;
- * overlaps, erasers, undo, redo, looking back, branches, restarts, replays.
+ * overlaps, erasers, undo, redo, visits to earlier states, branches, restarts and replays.
  *
- * The model knows nothing of how the program does it. It has a list of all that was ever put up,
- * each with its voxels and label; a state is the numbers of those that stand, one for each record.
- * The seeds of a state are what carrying those out, in order, gives. From the program it takes the
- * record that it went to (at=), and which seed's tree holds a voxel.
+ * The model shares no code with the program. It has a list of all markers ever placed, each with
+ * its voxels and label; a state is the list of the active ones, one for each record. The seeds of
+ * a state are the result of carrying those out in order. From the program the model takes the
+ * record that it went to (at=), and the seed whose tree holds a voxel.
  */
 #include "command/execute.h"
 #include "tests/paint_model.h"
@@ -18,7 +18,7 @@ enum { CELLS = 14 * 13 * 12, PUT_MOST = 400, RECORDS_MOST = 600, COMMANDS = 10, 
 
 static struct put {
     int16_t label; /* or EDIT_ERASE */
-    bool joined;   /* it goes on with the one before */
+    bool joined;   /* it continues the previous one */
     bool covers[CELLS];
 } put[PUT_MOST];
 static size_t put_count;
@@ -79,7 +79,8 @@ static void put_up(int16_t label, struct standing *state)
     state->has[put_count++] = true;
 }
 
-/* Of the last one, what has no intensity from low to high goes. False where nothing is left. */
+/* Of the last marker, removes voxels whose intensity is not from low to high. False if none
+ * remains. */
 static bool sift(uint32_t low, uint32_t high)
 {
     bool any = false;
@@ -123,8 +124,8 @@ static void take_away(struct standing *state, uint32_t cell, bool tree)
 static struct standing now;
 static bool has_just_planted; /* one marker, by the command before */
 
-/* What an outline has that a polygon has not: it takes the place of a marker, and has a ring, which
- * other objects cut. */
+/* In addition to a polygon, an outline takes the place of a marker and has a ring that cuts other
+ * objects. */
 static void go_around(char *end, struct standing *state, corners_of corner, size_t corners)
 {
     const struct scene *scene = interp.session->scene;
@@ -216,7 +217,7 @@ static bool is_no_polygon(const char *line)
     return (*line == 'f' || *line == 'o') && strstr(fault.text, "three corners or more");
 }
 
-/* What a pen may draw, none of which the next command finds. */
+/* What a pen may draw and the next command cannot find. */
 static void sketch(void)
 {
     char line[LINE];
@@ -287,7 +288,7 @@ static void begin(const char *journal)
         state_after[i] = now;
 }
 
-/* Whoever resumes the journal has the same seeds, and goes to the same states. */
+/* A session that resumes the journal has the same seeds and goes to the same states. */
 static void restart(const char *journal)
 {
     char line[LINE];
@@ -302,7 +303,7 @@ static void restart(const char *journal)
     planted_as(&now, line);
 }
 
-/* Every command carried out anew gives what is recorded. */
+/* Carrying every command out again gives the recorded result. */
 static void verifies(const char *journal)
 {
     struct replay_report report = {0};
@@ -342,8 +343,8 @@ STORY(seeds_are_what_the_commands_that_stand_give)
 
 /* ---- label maps, regions of interest and corrections, in any order ---- */
 
-/* A command that may be refused, since the region of interest leaves no voxel or would leave a seed
- * outside. A third of them change the region, or plant what a map holds. */
+/* A command that may be refused because the region of interest leaves no voxel, or would leave a
+ * seed outside. A third of them change the region or plant the voxels of a map. */
 static void draw_command(char line[LINE])
 {
     static const char *const forms[] = {"labels regions.nii[ regions=1-2|][ erode=0|]",
@@ -365,7 +366,7 @@ static void draw_command(char line[LINE])
                                         "seed X,Y,Z <3> radius=<4>[||| within=4]",
                                         "seed X,Y,Z <3> radius=<4>[||| within=4]",
                                         "seed X,Y,Z <3> radius=<4>[||| within=4]"};
-    /* What the model above lacks, and changes of weights or adjacency. */
+    /* Commands that the model above lacks, and changes of weights or adjacency. */
     static const char *const more[] = {"fill X,Y,Z <3> to=X,V,Z to=X,Y,W",
                                        "seed X,Y,Z <3> radius=<3> to=U,V,W[ joined=yes|]",
                                        "seed X,Y,Z <3> radius=1 joined=yes",

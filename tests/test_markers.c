@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Markers against a plain model: carry out, in order, the commands whose markers stand, each
- * writing its label over what was there; but one that yields does not write where a later one that
- * stands, of another label and with a voxel in its piece, wants the voxel free, and writes where
- * its piece goes on next to that, inside the region of interest of that moment.
+ * Markers compared with a plain model, which carries out in order the commands of all active
+ * markers. Each writes its label over the existing ones. A marker that yields does not write where
+ * a later active marker of another label, with a voxel in its component, needs the voxel to be
+ * free; it does write where its component continues next to such a voxel, inside the region of
+ * interest of that moment.
  */
 #include <stdlib.h>
 
@@ -13,7 +14,7 @@
 
 enum { VOXELS = 40, MARKERS_MOST = 40 };
 
-/* What the model knows of a marker: all it covers. */
+/* What the model knows of a marker: all voxels that it covers. */
 struct plain {
     bool covers[VOXELS], piece[VOXELS], wants[VOXELS], outside[VOXELS], stands, yields;
     int16_t label;
@@ -34,7 +35,7 @@ static bool gives_way(const struct plain *one, const struct plain *later)
     return one->yields && later->stands && one->label != later->label && meet;
 }
 
-/* Whether the piece goes on in v, beside what the later one wants. */
+/* Whether the component continues in v, next to a voxel that the later marker needs. */
 static bool goes_on(const struct plain *one, const struct plain *later, size_t v)
 {
     const bool before = v > 0 && one->piece[v - 1] && later->wants[v - 1],
@@ -85,7 +86,7 @@ static void add(struct markers *markers, struct plain *plain, uint64_t *random)
     CHECK(markers_add(markers, plain->label, cell, count, NULL, NULL) == OK);
 }
 
-/* A piece, of whose voxels some are seeds. Its runs are not told where all of it is covered. */
+/* A component with some voxels that are seeds. Its runs are left out if all of it is covered. */
 static void yield(struct markers *markers, struct plain *plain, uint64_t *random)
 {
     struct marker_run run[VOXELS];

@@ -54,7 +54,8 @@ static void scene_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t c
     }
 }
 
-/* Chance: of 1024 voxels so many are of the object, with labels 1 to `labels`, so many closed. */
+/* Probabilities in 1024ths: that a voxel is of the object, with labels 1 to `labels`, and that it
+ * is closed. */
 static void scene_random(uint64_t seed, uint32_t inside, uint32_t labels, uint32_t closed)
 {
     for (int32_t z = 0; z < scene.side; z++)
@@ -104,7 +105,7 @@ static void scene_ball(double x, double y, double z, double radius, uint16_t lab
 
 static struct net net_of(const int32_t first[3], const uint32_t size[3], bool is_cubes)
 {
-    static struct net_scratch *scratch; /* of all of them: nothing of one is left in the next */
+    static struct net_scratch *scratch; /* shared: nothing of one remains in the next */
     struct net net = {.vertices = 0};
     if (!scratch)
         scratch = net_scratch_new();
@@ -127,7 +128,7 @@ static double place_of(const struct net_vertex *v, int axis)
     return v->cube[axis] + v->at[axis] / (double)NET_ONE;
 }
 
-/* Of what the quads enclose; each is the mean of both ways to split it. */
+/* Of the volume that the quads enclose, as the mean of both ways to split each quad. */
 static double volume_of(const struct net *net)
 {
     static const int split[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}};
@@ -416,8 +417,8 @@ STORY(a_border_between_labels_is_smooth_along_the_surface)
     net_release(&net);
 }
 
-/* The top of a block, of label 1 below a line that rises by 1 in so many, else 2: how wide a strip
- * along it the vertices of the border fill. */
+/* The top of a block, with label 1 below a line that rises by 1 in `run`, otherwise 2: the width of
+ * the strip along the line that the vertices of the border fill. */
 static double off_the_line(int32_t run)
 {
     double least = 100, most = -100;

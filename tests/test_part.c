@@ -87,7 +87,7 @@ static void put_value(uint8_t *at, double number, const struct type *type, bool 
     put(at, bits, type->width, big);
 }
 
-/* Random numbers of a type, plain and packed; value[] is what they are. */
+/* Random numbers of a type, plain and packed; value[] has their values. */
 static void make_file(const struct type *type, bool big)
 {
     static const uint32_t size[3] = {NX, NY, NZ};
@@ -111,7 +111,7 @@ static double at(uint32_t x, uint32_t y, uint32_t z)
     return value[x + NX * (y + NY * z)];
 }
 
-/* What voxel x, y, z of the part stands for. */
+/* The value of voxel x, y, z of the part. */
 static double expected(const struct volume_choice *choice, const uint32_t step[3], bool whole,
                        uint32_t x, uint32_t y, uint32_t z)
 {

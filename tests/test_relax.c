@@ -37,7 +37,7 @@ struct volume {
     bool stays[MOST], is_outside[MOST];
 };
 
-/* The voxel beside; -1 beyond the scene. */
+/* The neighbouring voxel, or -1 outside the scene. */
 static int beside(const struct volume *v, int at, int way)
 {
     static const int step[6][3] = {{0, 0, -1}, {0, -1, 0}, {-1, 0, 0},
@@ -141,7 +141,8 @@ static void model_field(const struct volume *v, int label, int sweeps, int reach
                 model_move(v, scale, u, i);
 }
 
-/* The label that a voxel takes; fields of labels whose band it is not in are not looked at. */
+/* The label that a voxel gets. Fields of labels whose band does not contain the voxel are
+ * ignored. */
 static int model_winner(const struct volume *v, int64_t u[LABELS][MOST], int far[LABELS][MOST],
                         int reach, int at)
 {
@@ -291,7 +292,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
     CHECK(moved > 600);
 }
 
-/* Makes the labels with what is kept, and without. */
+/* Computes the labels with and without what is kept. */
 static bool agree_again(const struct finish_list *list, const struct scene *scene,
                         struct relax_kept *kept, int round)
 {
@@ -305,8 +306,8 @@ static bool agree_again(const struct finish_list *list, const struct scene *scen
     return same;
 }
 
-/* An edit: voxels side by side get a label, or are seeds or left out, or are so no longer; often
- * those that an edit before was of. */
+/* An edit: neighbouring voxels are labelled, seeded or left out, or no longer so; often the same
+ * voxels as in an earlier edit. */
 static void edit(const struct volume *v, struct scene *scene)
 {
     const uint8_t label = (uint8_t)below(LABELS), how = (uint8_t)below(4);
@@ -321,7 +322,7 @@ static void edit(const struct volume *v, struct scene *scene)
     }
 }
 
-/* Stopped somewhere, which leaves what is kept as it should be. */
+/* Relaxation stopped at any point, which must leave what is kept valid. */
 static void stop(const struct finish_list *list, struct scene *scene, struct relax_kept *kept)
 {
     int looks = (int)below(12);
@@ -332,7 +333,7 @@ static void stop(const struct finish_list *list, struct scene *scene, struct rel
     scene->watch = NULL;
 }
 
-/* What has not changed is as it was, whatever the edits; and some of it is never made again. */
+/* Fields that no edit affected are equal to before, and some of them are not computed again. */
 STORY(fields_that_are_kept_are_those_that_would_be_made)
 {
     static struct volume v;
@@ -372,7 +373,7 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
     CHECK(kept_fields > 100);
 }
 
-/* Halves are rounded to the even one: so what is not the label has exactly the rest. */
+/* Halves are rounded to even, so the share of all other labels is exactly the rest. */
 STORY(the_fields_of_an_object_and_of_all_else_are_complements)
 {
     static struct volume v;
@@ -462,7 +463,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
         if (below(2))
             list.step[list.count++] =
                 (struct finish_step){FINISH_MAJORITY, FINISH_ALL_LABELS, 1, 0, 0};
-        CHECK(finish_make(&label, &list, scene, NULL, NULL, NULL) == OK); /* what comes before */
+        CHECK(finish_make(&label, &list, scene, NULL, NULL, NULL) == OK); /* the steps before it */
         for (int i = 0; i < v.count; i++)
             v.label[i] = label[cell_of(&v, &scene->grid, i)];
         if (round % 3) {
@@ -524,7 +525,7 @@ STORY(doubt_that_cannot_be_found_is_an_error)
     scene_free(scene);
 }
 
-/* A step, and what it makes of a volume. */
+/* A step, and its effect on a volume. */
 static struct finish_list relax_some(struct relaxed *expected, uint64_t seed)
 {
     const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0, 5}}};

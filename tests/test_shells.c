@@ -89,7 +89,7 @@ STORY(a_shell_cuts_no_other_object)
     must(&interp, "seed 5,5,5 0 radius=4 shell=yes around=2"); /* which cuts that one, and not 1 */
     CHECK_INT(label_at(5, 5, 9), 0);
     must(&interp, "undo");
-    must(&interp, "seed 5,5,5 3 radius=4 shell=yes"); /* what lies around may have a label too */
+    must(&interp, "seed 5,5,5 3 radius=4 shell=yes"); /* voxels around it may also have a label */
     CHECK(beyond(3, 4) > 0 && beyond(1, 4) == 0);
     interpreter_release(&interp);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Surprises: a command that took far more than it planted says so, and through which edge; those
- * that did what they say, and replays, say nothing.
+ * Surprises: a command that took far more voxels than it planted reports this and the edge through
+ * which it did. Commands with the expected effect, and replays, report nothing.
  */
 #include <stdlib.h>
 
@@ -57,7 +57,7 @@ static void begin(void)
 STORY(a_seed_that_floods_an_object_says_so)
 {
     begin();
-    CHECK(!is_surprised("seed 30,30,15 1")); /* the first ones may take what they like */
+    CHECK(!is_surprised("seed 30,30,15 1")); /* the first seeds may take any number of voxels */
     CHECK(!is_surprised("seed 2,2,2 0"));
     CHECK(is_surprised("seed 50,10,15 1"));
     CHECK_HAS(buf_text(&reply.text), " changed, label 1: ");

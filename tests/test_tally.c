@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How many voxels each label has: kept up to date through edits that change little and much,
- * undone, cancelled and failed, and told in a line after each edit. */
+/* The number of voxels of each label: kept up to date through small and large edits that are
+ * undone, cancelled or fail, and printed in a line after each edit. */
 #include "command/execute.h"
 #include "tests/random_commands.h"
 #include "tests/small_scene.h"
@@ -81,7 +81,7 @@ STORY(voxels_of_sheared_axes_take_less_than_boxes)
 
 static uint64_t seed = 1;
 
-/* A tally that is not stale is looked at after each command, or it would be counted anew. */
+/* A tally that is not stale is used after each command; otherwise it would be counted again. */
 static bool stands(struct session *session)
 {
     const bool fresh = !session->tally.stale;
@@ -95,7 +95,8 @@ static bool stands(struct session *session)
     return fresh;
 }
 
-/* One of the things that a session does to labels; `all` things, or those that edit a little. */
+/* One of the things that a session does to labels: with `all` any of them, otherwise one that edits
+ * little. */
 static void do_anything(struct interpreter *interp, bool all)
 {
     static const char *const forms[] = {"remove X,Y,Z",        "seed X,Y,Z <5>",
@@ -234,9 +235,9 @@ STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
     buf_release(&told);
 }
 
-/* ---- what is told ---- */
+/* ---- what is printed ---- */
 
-/* What the last command said, without the time at its end. */
+/* What the last command printed, without the time at its end. */
 static const char *answer(void)
 {
     static char text[512];

@@ -75,7 +75,7 @@ STORY(what_is_flat_weighs_nothing)
             for (size_t i = 0; i < 60; i++)
                 intensity[i] = level[l];
             struct scene *scene = scene_of(5, 4, 3, intensity);
-            for (size_t i = 0; i < scene->grid.cells; i++) /* what was there before */
+            for (size_t i = 0; i < scene->grid.cells; i++) /* the previous value */
                 if (!(scene->cell[i].flags & CELL_RIM))
                     scene->cell[i].weight = 7;
             weigh(scene, 26, &choices[c]);
@@ -195,7 +195,7 @@ STORY(the_gaussian_is_a_gaussian_and_sums_up)
         }
         CHECK_INT(total, GAUSS_SUM);
         CHECK(g.radius >= 3 * sigma / 1000 && g.radius <= GAUSS_RADIUS_MOST);
-        CHECK(fabs(g.weight[0] - GAUSS_SUM / sum) < 26); /* what rounding leaves */
+        CHECK(fabs(g.weight[0] - GAUSS_SUM / sum) < 26); /* the error of rounding */
         for (uint32_t k = 1; k <= g.radius; k++) {
             CHECK(fabs(g.weight[k] - exp(-(double)(k * k) / two_sigma_squared) * GAUSS_SUM / sum) <
                   0.501);
@@ -308,7 +308,7 @@ static struct volume one_round(const struct volume *v, unsigned neighbours, int 
         for (int n = 0; n < 27; n++) { /* a replicated edge adds nothing new to an extremum... */
             int d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
             if (neighbours == 6 && abs(d[0]) + abs(d[1]) + abs(d[2]) > 1)
-                continue; /* ...as what is held inside is a neighbour or the voxel itself */
+                continue; /* ...as each voxel held inside is a neighbour or the voxel itself */
             int64_t value = value_near(v, at, d[0], d[1], d[2]);
             if (sign * value > sign * out.value[i])
                 out.value[i] = value;
@@ -400,14 +400,15 @@ static bool weighs_as(const struct scene *scene, const struct volume *expected)
     return same;
 }
 
-/* What each weight of the table is, in other words: of a voxel, or of the arc between two. */
+/* What each weight of the table is, computed in another way: for a voxel, or for the arc between
+ * two. */
 static int64_t slow_difference(int64_t from, int64_t to, int64_t percent)
 {
     (void)percent;
     return from > to ? from - to : to - from;
 }
 
-/* A step down is so many percent dearer, a step up as much cheaper. */
+/* A step down costs a percentage more, and a step up as much less. */
 static int64_t slow_polarity(int64_t from, int64_t to, int64_t percent)
 {
     return at_most(from > to ? (from - to) * (100 + percent) / 100

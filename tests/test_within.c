@@ -64,7 +64,7 @@ STORY(a_tree_ends_where_its_seed_reaches)
     CHECK_INT(refused(&w), 5);
     CHECK_INT(forest_limited_seeds(w.forest), 1);
     plant(&w, 9, 2, 0);
-    CHECK_TEXT(row(&w), "..11111222"); /* which the tree in between keeps from what is beyond it */
+    CHECK_TEXT(row(&w), "..11111222"); /* the tree in between shields it from what is behind */
     CHECK_INT(refused(&w), 2);
     plant(&w, 4, EDIT_ERASE, 0);
     CHECK_TEXT(row(&w), "2222222222");
@@ -100,13 +100,13 @@ STORY(the_same_label_with_another_reach_is_another_seed)
     CHECK_TEXT(row(&w), ".111111111");
     plant(&w, 5, 1, 0);
     CHECK_TEXT(row(&w), "1111111111");
-    plant(&w, 5, 1, add_reach(&w, 0, 0, 0, 2)); /* the seed itself lies beyond it, and stands */
+    plant(&w, 5, 1, add_reach(&w, 0, 0, 0, 2)); /* the seed itself lies outside, and remains */
     CHECK_TEXT(row(&w), ".....1....");
     world_free(&w);
 }
 
-/* A voxel that takes another root, at its own level, may have a child that this one must not hold:
- * the child hears of it. */
+/* A voxel that changes to another root of the same level may have a child that this root must not
+ * hold: the child must notice. */
 STORY(a_refused_child_hears_of_it)
 {
     struct world w = world_new(7, 1, 1, 6);
@@ -122,7 +122,7 @@ STORY(a_refused_child_hears_of_it)
     plant(&w, 1, 3, 0);
     CHECK_TEXT(row(&w), "2333333");
     plant(&w, 1, 3, add_reach(&w, 1, 0, 0, 1));
-    CHECK_TEXT(row(&w), "233...."); /* what 3 holds, 2 does not pass through */
+    CHECK_TEXT(row(&w), "233...."); /* 2 cannot pass through voxels held by 3 */
     plant(&w, 1, EDIT_ERASE, 0);
     CHECK_TEXT(row(&w), "2222...");
     world_free(&w);
@@ -142,7 +142,7 @@ STORY(distances_are_in_whole_units_and_the_ball_is_closed)
 
 /* ---- against the oracle ---- */
 
-/* Voxels without a key, beside one that has one, or beside such a voxel. */
+/* Voxels without a key next to one that has a key, or next to such a voxel. */
 static size_t plain_refused(const struct world *w, const struct plain *key)
 {
     static bool out[CELLS_MOST];
@@ -275,7 +275,7 @@ static bool edit_stopped(struct world *w, const struct edit *edit, size_t count,
     return err != OK;
 }
 
-/* One edit, undone, or stopped and taken back, or everything anew. */
+/* One edit, either undone, or stopped and rolled back, or followed by a rebuild. */
 static void random_edit(struct world *w, struct planted *planted, uint64_t *random)
 {
     static struct edit batch[CELLS_MOST];
@@ -356,7 +356,7 @@ STORY(threads_change_nothing)
     team_free(team);
 }
 
-/* ---- what cannot be had ---- */
+/* ---- what is refused ---- */
 
 STORY(without_memory_nothing_has_changed)
 {

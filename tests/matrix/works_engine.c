@@ -19,7 +19,7 @@ static const struct {
                {"gauss-1.7", {WEIGHT_GAUSS, 1700}},    {"gauss-8", {WEIGHT_GAUSS, 8000}},
                {"difference", {WEIGHT_DIFFERENCE, 0}}, {"polarity", {WEIGHT_POLARITY, 0}}};
 
-/* What the digests of a forest do not cover: who is before whom. */
+/* What the digests of a forest do not cover: the order of its trees. */
 static uint64_t predecessors_digest(const struct forest *forest)
 {
     const struct scene *scene = forest_scene(forest);
@@ -178,7 +178,7 @@ static void tell_surface(const struct surface *surface, const char *name)
     tell((uint64_t)surface_volume(surface, &surface->part[0]), "surface/%s/volume", name);
 }
 
-/* Of a forest: faces of voxels, the net, and of fewer triangles. */
+/* Of a forest: faces of voxels, the net, and the net with fewer triangles. */
 static void surfaces(struct team *team)
 {
     static const struct weight_choice morph = {WEIGHT_MORPH, 1};

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* nudge FILE.exr PLANE: changes one sample of one plane of a golden image by the least there is, in
- * the middle of what it shows, and writes it again. PLANE is colour, depth, label or voxel. */
+/* nudge FILE.exr PLANE: changes one sample of one plane of a golden image by the smallest possible
+ * amount, in the middle of its object, and writes it again. PLANE is colour, depth, label or
+ * voxel. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,7 @@
 #include "image/exr.h"
 #include "image/exr_write.h"
 
-/* The pixel in the middle of those that show something. */
+/* The pixel in the middle of the object's pixels. */
 static size_t pixel_in_the_middle(const struct picture *p)
 {
     const size_t pixels = (size_t)p->width * p->height;
