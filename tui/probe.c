@@ -112,7 +112,7 @@ bool probe_take(struct probe_replies *replies, struct keys *keys, const char *by
 
 /* ---- deciding ---- */
 
-static bool holds(const char *text, const char *part)
+static bool contains(const char *text, const char *part)
 {
     return strcasestr(text, part) != NULL;
 }
@@ -171,7 +171,7 @@ bool probe_is_silent(const struct probe_environment *e, struct probe_wish wish)
 bool probe_is_named(const struct probe_replies *replies, const struct probe_environment *e,
                     const char *const *names)
 {
-    return any(holds, replies->name[0] ? replies->name : e->term, names);
+    return any(contains, replies->name[0] ? replies->name : e->term, names);
 }
 
 void probe_questions(unsigned round, const struct probe_replies *replies,
@@ -186,8 +186,8 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
         return;
     if (first && all)
         buf_add_text(out, CSI_QUESTIONS);
-    if (!first &&
-        (replies->name[0] || (any(holds, e->term, careful) && !probe_is_multiplexed(replies, e))))
+    if (!first && (replies->name[0] ||
+                   (any(contains, e->term, careful) && !probe_is_multiplexed(replies, e))))
         buf_add_text(out, MODE_QUESTION);
     if (!first && replies->attributes >> 4 & 1)
         buf_add_text(out, SIDE_QUESTION);
@@ -210,7 +210,7 @@ bool probe_is_iterm(const struct probe_replies *replies, const struct probe_envi
     if (probe_is_multiplexed(replies, e))
         return false;
     if (replies->name[0])
-        return any(holds, replies->name, name);
+        return any(contains, replies->name, name);
     if (!replies->da1 || replies->kind == KIND_XTERM)
         return false;
     return any(equals, e->term_program, program) || any(equals, e->lc_terminal, name);
@@ -230,7 +230,8 @@ static enum colours decide_colours(const struct probe_replies *replies,
         return COLOURS_NONE;
     if (probe_is_screen(replies, e))
         return COLOURS_256;
-    if (any(holds, replies->name, all) || any(holds, e->term, all) || replies->kind == KIND_VTE)
+    if (any(contains, replies->name, all) || any(contains, e->term, all) ||
+        replies->kind == KIND_VTE)
         return COLOURS_24BIT;
     if (is_console(e) || any(equals, e->term, few) || ends_with(e->term, "-16color"))
         return COLOURS_16;

@@ -200,7 +200,7 @@ static uint32_t lost(const char *reply)
 static const struct keeping keeping = {send_strip, place_strip, hide_strip,
                                        free_strip, free_all,    lost};
 
-static void take_away(struct painter *p, struct buf *out)
+static void remove_picture(struct painter *p, struct buf *out)
 {
     if (p->image > 0)
         free_picture(p->image, out);
@@ -220,7 +220,7 @@ const struct graphics graphics_kitty = {
     .once = once,
     .whole = whole,
     .patch = patch,
-    .remove = take_away,
+    .remove = remove_picture,
     .keeping = &keeping,
 };
 

@@ -63,7 +63,7 @@ static struct strips_image *find_strip(struct strips *k, const uint8_t key[STRIP
 }
 
 /* The terminal has lost this strip; return false if the reply is about no strip of ours. */
-static bool lose_strip(struct strips *k, uint32_t number)
+static bool drop_strip(struct strips *k, uint32_t number)
 {
     for (unsigned i = 0; i < STRIPS_MOST; i++)
         if (k->slot[i].number == number)
@@ -89,7 +89,7 @@ static void make_room(struct painter *p, uint32_t pixels, struct buf *out)
         if (!oldest)
             return;
         p->facts.graphics->keeping->free(oldest->number, out);
-        lose_strip(k, oldest->number);
+        drop_strip(k, oldest->number);
     }
 }
 
@@ -302,7 +302,7 @@ static uint64_t cost_of(struct raster_box box, uint32_t box_cost)
     return (uint64_t)box.width * box.height + box_cost;
 }
 
-static struct raster_box around(struct raster_box a, struct raster_box b)
+static struct raster_box bounding_box(struct raster_box a, struct raster_box b)
 {
     const uint32_t right =
         a.left + a.width > b.left + b.width ? a.left + a.width : b.left + b.width;
@@ -321,7 +321,7 @@ static void add_box(struct stale *stale, struct raster_box box, uint32_t box_cos
         int64_t least_growth = INT64_MAX;
         for (unsigned i = 0; i < stale->count; i++) {
             const int64_t growth =
-                (int64_t)(cost_of(around(stale->box[i], box), box_cost) -
+                (int64_t)(cost_of(bounding_box(stale->box[i], box), box_cost) -
                           cost_of(stale->box[i], box_cost) - cost_of(box, box_cost));
             if (growth < least_growth) {
                 least_growth = growth;
@@ -330,15 +330,15 @@ static void add_box(struct stale *stale, struct raster_box box, uint32_t box_cos
         }
         if (least_growth > 0 && stale->count < BOXES_MOST)
             break;
-        box = around(stale->box[best], box);
+        box = bounding_box(stale->box[best], box);
         stale->box[best] = stale->box[--stale->count];
     }
     stale->box[stale->count++] = box;
 }
 
 /* Find the first and last of `length` bytes that differ; return false if none do. */
-static bool differing(const uint8_t *a, const uint8_t *b, size_t length, size_t *first,
-                      size_t *last)
+static bool find_difference(const uint8_t *a, const uint8_t *b, size_t length, size_t *first,
+                            size_t *last)
 {
     if (memcmp(a, b, length) == 0)
         return false;
@@ -352,15 +352,15 @@ static bool differing(const uint8_t *a, const uint8_t *b, size_t length, size_t 
 }
 
 /* Shrink a tile to the part that differs; return false if nothing does. */
-static bool tighten(struct raster_box *tile, const struct raster *now, const struct raster *then)
+static bool shrink_box(struct raster_box *tile, const struct raster *now, const struct raster *then)
 {
     const size_t each = raster_pixel_bytes(now);
     uint32_t left = tile->width, right = 0, top = tile->height, bottom = 0;
     for (uint32_t y = 0; y < tile->height; y++) {
         size_t first, last;
-        if (!differing(now->bytes + (tile->top + y) * now->stride + tile->left * each,
-                       then->bytes + (tile->top + y) * then->stride + tile->left * each,
-                       tile->width * each, &first, &last))
+        if (!find_difference(now->bytes + (tile->top + y) * now->stride + tile->left * each,
+                             then->bytes + (tile->top + y) * then->stride + tile->left * each,
+                             tile->width * each, &first, &last))
             continue;
         left = least(left, (uint32_t)(first / each));
         right = right > last / each ? right : (uint32_t)(last / each);
@@ -440,8 +440,8 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
         size_t from = SIZE_MAX, to = 0;
         for (uint32_t y = top; y < top + height; y++) {
             size_t first, last;
-            if (!differing(now.bytes + y * now.stride, then.bytes + y * then.stride,
-                           now.width * raster_pixel_bytes(&now), &first, &last))
+            if (!find_difference(now.bytes + y * now.stride, then.bytes + y * then.stride,
+                                 now.width * raster_pixel_bytes(&now), &first, &last))
                 continue;
             from = first < from ? first : from;
             to = last > to ? last : to;
@@ -453,7 +453,7 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
             const struct raster_box tile = {left, top, least(rule.tile_width, now.width - left),
                                             height};
             struct raster_box tight = tile;
-            if (tighten(&tight, &now, &then))
+            if (shrink_box(&tight, &now, &then))
                 add_box(stale, rule.whole_tiles ? tile : tight, rule.box_cost);
         }
     }
@@ -583,7 +583,7 @@ bool painter_take_reply(struct painter *p, const char *reply)
 {
     const struct keeping *keeping = p->facts.graphics->keeping;
     const uint32_t number = keeping ? keeping->lost(reply) : 0;
-    return number > 0 && lose_strip(&p->kept, number);
+    return number > 0 && drop_strip(&p->kept, number);
 }
 
 void painter_drop(struct painter *p, struct buf *out)

@@ -191,7 +191,7 @@ static uint32_t distance(uint32_t a, uint32_t b)
 }
 
 /* Look up the middle of a cell, so that the order of lookups does not matter. */
-static uint8_t seek_shade(struct shades *s, uint32_t cell)
+static uint8_t find_shade(struct shades *s, uint32_t cell)
 {
     const uint32_t middle =
         (cell >> 12) << 18 | (cell >> 6 & 63) << 10 | (cell & 63) << 2 | UINT32_C(0x020202);
@@ -212,7 +212,7 @@ static uint8_t place_of(struct shades *s, uint32_t colour)
 {
     const uint32_t cell = colour_cell(colour);
     const uint8_t place = s->place[cell];
-    return (uint8_t)((place ? place : seek_shade(s, cell)) - 1);
+    return (uint8_t)((place ? place : find_shade(s, cell)) - 1);
 }
 
 /* The first entry of a cell has that cell: black is black. */
@@ -374,8 +374,8 @@ static bool take_hues(struct shades *s, const struct image_view *view)
 /* Get the colours of about 32 x 32 pixels, evenly distributed over the picture; return their
  * number. */
 enum { SAMPLED_MOST = 32 * 32 };
-static unsigned take_looks(const struct image_view *view, const uint8_t *rgba,
-                           uint32_t look[SAMPLED_MOST])
+static unsigned sample_pixels(const struct image_view *view, const uint8_t *rgba,
+                              uint32_t look[SAMPLED_MOST])
 {
     const uint32_t across = view->width / 32 + 1, down = view->height / 32 + 1;
     const struct image_view looks = {.rgba = rgba};
@@ -391,7 +391,7 @@ static void sample_colours(const struct image_view *view, const uint32_t *hue, u
                            bool *has_greys, bool *has_tints)
 {
     uint32_t look[SAMPLED_MOST];
-    const unsigned looks = take_looks(view, view->fine ? view->fine : view->rgba, look);
+    const unsigned looks = sample_pixels(view, view->fine ? view->fine : view->rgba, look);
     unsigned seen = 0, greys = 0, tints = 0;
     for (unsigned i = 0; i < looks; i++) {
         if (brightest(look[i]) < 16)
@@ -421,7 +421,7 @@ static bool are_crowded(const struct shades *s)
 static uint32_t mean_error(struct shades *s, const struct image_view *view)
 {
     uint32_t look[SAMPLED_MOST], sum = 0;
-    const unsigned looks = take_looks(view, view->rgba, look);
+    const unsigned looks = sample_pixels(view, view->rgba, look);
     for (unsigned i = 0; i < looks; i++) {
         const uint32_t shown = s->colour[place_of(s, look[i])];
         uint32_t most = 0;

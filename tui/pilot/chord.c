@@ -104,7 +104,7 @@ bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_eve
 }
 
 /* Return true if one is the first key of the other. */
-static bool leads(const struct chord *one, const struct chord *other)
+static bool is_first_key_of(const struct chord *one, const struct chord *other)
 {
     return !one->leader && other->leader && one->key == KEY_CHARACTER && !one->modifiers &&
            other->leader >= one->first && other->leader <= one->last;
@@ -112,7 +112,7 @@ static bool leads(const struct chord *one, const struct chord *other)
 
 bool chord_clashes(const struct chord *a, const struct chord *b)
 {
-    if (leads(a, b) || leads(b, a))
+    if (is_first_key_of(a, b) || is_first_key_of(b, a))
         return true;
     return a->leader == b->leader && a->key == b->key && a->modifiers == b->modifiers &&
            a->first <= b->last && b->first <= a->last;

@@ -401,7 +401,7 @@ static bool read_key(struct pilot *p, struct key_event *event);
 #define READ_EVERY_NS  UINT64_C(10000000)
 
 /* Read keys; return false if it is too early. */
-static bool read_ahead(struct pilot *p, uint64_t now_ns)
+static bool read_keys_ahead(struct pilot *p, uint64_t now_ns)
 {
     struct key_event event;
     if (p->is_showing || now_ns < p->reads_ns)
@@ -418,11 +418,11 @@ static bool wants_show(void *context)
 {
     struct pilot *p = context;
     const uint64_t now_ns = clock_ns();
-    return read_ahead(p, now_ns) && now_ns >= p->shows_ns && flow_may_send(&p->flow, now_ns);
+    return read_keys_ahead(p, now_ns) && now_ns >= p->shows_ns && flow_may_send(&p->flow, now_ns);
 }
 
 /* Move the cursor to the last row, where progress is shown and lines are typed. */
-static enum err go_to_foot(const char *then, struct fault *fault)
+static enum err go_to_last_row(const char *then, struct fault *fault)
 {
     struct buf place = {0};
     buf_printf(&place, "\033[%u;1H%s", term_size().rows, then);
@@ -440,7 +440,7 @@ static void show_so_far(void *context)
     draw(p, NULL);
     p->state = state;
     p->host->preview_cross(p->host->context, NULL);
-    go_to_foot("", NULL);
+    go_to_last_row("", NULL);
     p->ahead_shown = p->ahead.count;
     const uint64_t now_ns = clock_ns(), took_ns = now_ns - p->wanted_ns;
     p->shows_ns = now_ns + SHOWN_EVERY_NS + 3 * took_ns;
@@ -454,7 +454,7 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
     const struct pilot_onlooker onlooker = {p, NULL, wants_show, show_so_far};
     const struct pilot_host *host = p->host;
     struct fault why = {0};
-    enum err err = go_to_foot("", fault);
+    enum err err = go_to_last_row("", fault);
     if (!err)
         err = term_set_mode(TERM_QUIET, fault);
     if (err)
@@ -507,7 +507,7 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
 static void await_key(struct pilot *p, struct key_event *event);
 
 /* Edit the text after `/`. Return false at its end: Enter keeps it, any other key discards it. */
-static bool type_wanted(struct buf *wanted, const struct key_event *event)
+static bool edit_filter(struct buf *wanted, const struct key_event *event)
 {
     const bool is_text = event->key == KEY_CHARACTER && event->modifiers == 0;
     const bool erases = event->key == KEY_BACKSPACE && wanted->length > 0;
@@ -554,7 +554,7 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
         if (!err)
             await_key(p, &event);
         if (p->is_resized || asks) {
-            asks = asks && (p->is_resized || type_wanted(&wanted, &event));
+            asks = asks && (p->is_resized || edit_filter(&wanted, &event));
             at = 0;
         } else if (!text && event.key == KEY_CHARACTER && event.point == '/') {
             buf_clear(&wanted);
@@ -608,7 +608,7 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     struct buf output = {0};
     enum err of_command = OK;
     bool ended = false;
-    enum err err = go_to_foot("\033[K\033[?25h", fault);
+    enum err err = go_to_last_row("\033[K\033[?25h", fault);
     p->editor->is_one_line = true;
     p->editor->answered = frame_answered;
     p->editor->asker = p;
@@ -678,7 +678,7 @@ static enum err do_request(struct pilot *p, enum pilot_request request, struct f
     return err;
 }
 
-static unsigned apart(unsigned a, unsigned b)
+static unsigned difference(unsigned a, unsigned b)
 {
     return a > b ? a - b : b - a;
 }
@@ -697,8 +697,8 @@ static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *colum
         if (mouse->action == MOUSE_PRESSED)
             p->held = *mouse;
         p->is_still = mouse->action == MOUSE_PRESSED ||
-                      (p->is_still && apart(mouse->column, p->held.column) <= SHAKES_MOST &&
-                       apart(mouse->row, p->held.row) <= SHAKES_MOST);
+                      (p->is_still && difference(mouse->column, p->held.column) <= SHAKES_MOST &&
+                       difference(mouse->row, p->held.row) <= SHAKES_MOST);
         const struct mouse *at = p->is_still ? &p->held : mouse;
         *column = at->column * across / p->facts->cell_width;
         *row = at->row * down / p->facts->cell_height;
@@ -881,7 +881,7 @@ static bool wants_moves(void *context)
 {
     struct pilot *p = context;
     const uint64_t now_ns = clock_ns();
-    return read_ahead(p, now_ns) && p->ahead.count > p->ahead_shown &&
+    return read_keys_ahead(p, now_ns) && p->ahead.count > p->ahead_shown &&
            flow_may_send(&p->flow, now_ns);
 }
 

@@ -108,7 +108,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("type-range", "T", "", BOTH, 0), DO(pilot_begin_range, 0), .then = PILOT_RANGING, JOINS},
     {KEY("outline", "@", "", MOVING | OUTLINES, 0), DO(pilot_begin_outline, 0),
      PAGE("@ U } {", "outline; next in doubt")},
-    {KEY("take-up", "U", "", MOVING | SHAPING, 0), DO(pilot_take_up, 0), JOINS},
+    {KEY("take-up", "U", "", MOVING | SHAPING, 0), DO(pilot_load_outline, 0), JOINS},
     {KEY("next-doubt", "}", "", MOVING | SHAPING, COUNTS), DO(pilot_go_to_doubt, 1), JOINS},
     {KEY("previous-doubt", "{", "", MOVING | SHAPING, COUNTS), DO(pilot_go_to_doubt, -1), JOINS},
     {KEY("corner", "a", "", MOVING, 0), DO(pilot_set_corner, 0), .help = "box, area, shell"},
@@ -195,7 +195,7 @@ const struct pilot_row pilot_table[] = {
 
     {KEY("close-outline", "Enter", "A", OUTLINES, 0), DO(pilot_close_outline, 0),
      .hint = "plants it"},
-    {KEY("take-hold", "v", "", SHAPING, 0), DO(pilot_take_hold, 0), .hint = "grabs, lets go"},
+    {KEY("take-hold", "v", "", SHAPING, 0), DO(pilot_grab, 0), .hint = "grabs, lets go"},
     {KEY("drop-outline", "Escape", "", OUTLINES, 0), DO(pilot_drop_outline, 0), .hint = "drops it"},
 
     {KEY("preset", "1-9", "", WINDOWING, SILENT), DO(pilot_preset, 0)},
@@ -374,25 +374,6 @@ static void add_entry(struct buf *out, const struct pilot_keys_wish *wish,
     buf_release(&keys);
 }
 
-/* Add entries side by side; a heading begins a line. */
-static void add_all(struct buf *out, const struct pilot_keys_wish *wish)
-{
-    const struct pilot_row *left = NULL;
-    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
-        const bool is_heading = !row->name && !row->help;
-        if (is_heading) {
-            buf_add_text(out, left ? "\n" : "");
-            add_heading(out, wish, row->shown);
-            left = NULL;
-        } else if (row->help && *row->help && is_on_page(row, wish->watches)) {
-            add_entry(out, wish, row, left);
-            left = left || wish->columns < WIDE ? NULL : row;
-            buf_add_text(out, left ? "" : "\n");
-        }
-    }
-    buf_add_text(out, left ? "\n" : "");
-}
-
 static bool has_piece(const char *text, const char *piece)
 {
     return text && strcasestr(text, piece);
@@ -429,8 +410,22 @@ static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
 
 void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish)
 {
-    if (wish->wanted && *wish->wanted)
+    const struct pilot_row *left = NULL; /* entries are side by side; a heading begins a line */
+    if (wish->wanted && *wish->wanted) {
         add_wanted(out, wish);
-    else
-        add_all(out, wish);
+        return;
+    }
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+        const bool is_heading = !row->name && !row->help;
+        if (is_heading) {
+            buf_add_text(out, left ? "\n" : "");
+            add_heading(out, wish, row->shown);
+            left = NULL;
+        } else if (row->help && *row->help && is_on_page(row, wish->watches)) {
+            add_entry(out, wish, row, left);
+            left = left || wish->columns < WIDE ? NULL : row;
+            buf_add_text(out, left ? "" : "\n");
+        }
+    }
+    buf_add_text(out, left ? "\n" : "");
 }

@@ -93,7 +93,7 @@ bool pilot_only_moves(const struct pilot_state *state, const struct key_event *e
 /* ---- a key that waits for a second one ---- */
 
 /* Add the keys after the leader: "gg first-slice  gc centre"; return true if there are any. */
-static bool add_led(const struct pilot_state *state, uint32_t leader, struct buf *message)
+static bool add_keys_after(const struct pilot_state *state, uint32_t leader, struct buf *message)
 {
     const char *gap = "";
     struct buf keys = {0};
@@ -155,7 +155,7 @@ void pilot_repeat(struct press *p)
 /* ---- counts ---- */
 
 /* Return true if the key is a digit of a count. */
-static bool count_on(struct press *p)
+static bool take_count_digit(struct press *p)
 {
     struct pilot_state *state = p->state;
     const struct key_event *event = p->event;
@@ -175,12 +175,12 @@ static bool count_on(struct press *p)
 }
 
 /* Return true if another key must follow. */
-static bool lead_on(struct press *p)
+static bool take_first_key(struct press *p)
 {
     struct pilot_state *state = p->state;
     const struct key_event *event = p->event;
     if (state->leader || event->key != KEY_CHARACTER || event->modifiers ||
-        find_among(state, event, true) || !add_led(state, event->point, p->message))
+        find_among(state, event, true) || !add_keys_after(state, event->point, p->message))
         return false;
     buf_add_text(p->message, "  Escape leaves");
     state->leader = event->point;
@@ -217,11 +217,11 @@ static void end_stroke(struct pilot_state *state, const struct pilot_facts *fact
 }
 
 /* Return true if the mode has keys that begin with this one. */
-static bool may_lead(const struct pilot_state *state, const struct key_event *event)
+static bool is_first_key(const struct pilot_state *state, const struct key_event *event)
 {
     struct buf keys = {0};
-    const bool may =
-        event->key == KEY_CHARACTER && !event->modifiers && add_led(state, event->point, &keys);
+    const bool may = event->key == KEY_CHARACTER && !event->modifiers &&
+                     add_keys_after(state, event->point, &keys);
     buf_release(&keys);
     return may;
 }
@@ -230,13 +230,13 @@ enum pilot_request pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
     state->is_silent = state->says_all = state->sketches = state->drops = false;
-    if (state->mode != state->base && !find_row(state, p->event) && !may_lead(state, p->event))
+    if (state->mode != state->base && !find_row(state, p->event) && !is_first_key(state, p->event))
         state->mode = state->base; /* a key of another mode has its usual effect */
     if ((state->count || state->leader) && p->event->key == KEY_ESCAPE) {
         state->count = state->leader = 0;
         return PILOT_NOTHING;
     }
-    if (count_on(p) || lead_on(p))
+    if (take_count_digit(p) || take_first_key(p))
         return PILOT_NOTHING;
     const struct pilot_row *row = find_row(state, p->event);
     if (row && state->count && !(row->flags & PILOT_COUNTS)) {

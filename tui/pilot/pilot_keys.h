@@ -463,7 +463,7 @@ pilot_act pilot_choose_label, pilot_change_radius, pilot_change_unit, pilot_take
     pilot_plant_at_edge, pilot_enclose_at_edge, pilot_stroke_at_edge, pilot_show_held,
     pilot_lower_pen, pilot_begin_stroke, pilot_drop_stroke, pilot_set_corner, pilot_plant_box,
     pilot_plant_shell;
-pilot_act pilot_begin_outline, pilot_close_outline, pilot_drop_outline, pilot_take_hold,
-    pilot_take_up, pilot_go_to_doubt;
+pilot_act pilot_begin_outline, pilot_close_outline, pilot_drop_outline, pilot_grab,
+    pilot_load_outline, pilot_go_to_doubt;
 
 #endif

@@ -212,7 +212,7 @@ static size_t nearest_of(const struct ring *ring, const uint32_t place[3])
     return nearest;
 }
 
-static bool take_hold_at(struct press *p, const uint32_t place[3])
+static bool grab_at(struct press *p, const uint32_t place[3])
 {
     struct pilot_state *state = p->state;
     struct pilot_hold *hold = &state->hold;
@@ -230,17 +230,17 @@ static bool take_hold_at(struct press *p, const uint32_t place[3])
 }
 
 /* Grab the line, or release it. */
-void pilot_take_hold(struct press *p)
+void pilot_grab(struct press *p)
 {
     if (p->state->hold.is_set)
         p->state->hold.is_set = false;
     else
-        take_hold_at(p, p->facts->place);
+        grab_at(p, p->facts->place);
 }
 
 /* Set the line to the grabbed one, bent so that the grabbed voxel is at the place. */
-static bool bend(struct polyline *out, const struct pilot_hold *hold, const uint32_t place[3],
-                 const uint32_t size[3])
+static bool bend_outline(struct polyline *out, const struct pilot_hold *hold,
+                         const uint32_t place[3], const uint32_t size[3])
 {
     struct ring ring;
     int64_t by[3];
@@ -277,7 +277,7 @@ bool pilot_outline_to(struct press *p, const uint32_t place[3])
         return state->base == PILOT_OUTLINING || state->base == PILOT_SHAPING;
     if (!is_flat(&state->hold.line, place))
         buf_add_text(p->message, "this is in another slice than the outline");
-    else if (!bend(&state->outline, &state->hold, place, p->facts->size))
+    else if (!bend_outline(&state->outline, &state->hold, place, p->facts->size))
         p->line->failed = true;
     state->is_bent = true;
     return true;
@@ -308,7 +308,7 @@ static bool is_unfinished(struct press *p)
     return p->state->is_bent;
 }
 
-void pilot_take_up(struct press *p)
+void pilot_load_outline(struct press *p)
 {
     if (!is_unfinished(p))
         load_outline(p, p->facts->place);
@@ -355,7 +355,7 @@ void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pa
         state->pane = pane;
         state->dragged = 0;
         state->drags =
-            state->base == PILOT_OUTLINING ? pilot_add_corner(p, place) : take_hold_at(p, place);
+            state->base == PILOT_OUTLINING ? pilot_add_corner(p, place) : grab_at(p, place);
         pilot_cross(p, place);
     } else if (action == MOUSE_MOVED && state->drags && pane == state->pane) {
         if (pilot_cross(p, place))

@@ -32,7 +32,7 @@ static void line_undo_release(struct line_undo *u)
 }
 
 /* Insert bytes before the last `tail` bytes of the stored ones. */
-static void hold(struct line_undo *u, size_t tail, const char *bytes, size_t length)
+static void store_removed(struct line_undo *u, size_t tail, const char *bytes, size_t length)
 {
     char *end = buf_reserve(&u->removed, length);
     if (!end)
@@ -44,8 +44,8 @@ static void hold(struct line_undo *u, size_t tail, const char *bytes, size_t len
 }
 
 /* Make the change a part of the last step; return false if it is not adjacent to it. */
-static bool join(struct line_undo *u, const struct line_change *c, const char *removed,
-                 enum line_step step)
+static bool join_step(struct line_undo *u, const struct line_change *c, const char *removed,
+                      enum line_step step)
 {
     struct line_change *last = u->count ? &u->change[u->count - 1] : NULL;
     if (step == STEP_NEW || !last)
@@ -56,7 +56,7 @@ static bool join(struct line_undo *u, const struct line_change *c, const char *r
         last->added = c->added;
     } else if (step == STEP_ERASED && c->added + last->added == 0 &&
                (c->at == last->at || c->at + c->removed == last->at)) {
-        hold(u, c->at == last->at ? 0 : last->removed, removed, c->removed);
+        store_removed(u, c->at == last->at ? 0 : last->removed, removed, c->removed);
         last->removed += c->removed;
         last->at = c->at;
     } else {
@@ -68,14 +68,14 @@ static bool join(struct line_undo *u, const struct line_change *c, const char *r
 static void line_undo_note(struct line_undo *u, const struct line_change *change,
                            const char *removed, enum line_step step)
 {
-    if (!join(u, change, removed, step)) {
+    if (!join_step(u, change, removed, step)) {
         if (!mem_grow(&u->change, &u->capacity, u->count + 1, sizeof *u->change)) {
             line_undo_clear(u);
             return;
         }
         u->change[u->count++] = *change;
         if (change->removed > 0)
-            hold(u, 0, removed, change->removed);
+            store_removed(u, 0, removed, change->removed);
     }
     if (u->removed.failed)
         line_undo_clear(u);
@@ -270,16 +270,16 @@ static void undo(struct line *l)
 
 /* Remove a range and add it to the kill buffer: before the last kill if the range is before the
  * cursor, after it otherwise. */
-static void kill_range(struct line *l, size_t from, size_t to, bool join)
+static void kill_range(struct line *l, size_t from, size_t to, bool extends)
 {
     struct buf kept = {0};
     bool before = from < l->cursor;
     if (from >= to)
         return;
-    if (join && !before)
+    if (extends && !before)
         buf_add(&kept, l->killed.data, l->killed.length);
     buf_add(&kept, l->text.data + from, to - from);
-    if (join && before)
+    if (extends && before)
         buf_add(&kept, l->killed.data, l->killed.length);
     if (!kept.failed) {
         buf_release(&l->killed);
@@ -389,7 +389,7 @@ static const char *last_word(const char *line, size_t *length)
     return word;
 }
 
-static void cite(struct line *l, bool again)
+static void insert_last_word(struct line *l, bool again)
 {
     size_t place = again ? l->word_entry : l->history->count, length;
     if (place == 0)
@@ -401,7 +401,7 @@ static void cite(struct line *l, bool again)
 }
 
 /* Do LINE_OLDER or an action after it in the enum; `before` is the previous action. */
-static void recall(struct line *l, enum line_action action, enum line_last before)
+static void browse(struct line *l, enum line_action action, enum line_last before)
 {
     const bool again = before == LAST_RECALLED;
     const enum line_step step = step_after(l, before);
@@ -413,7 +413,7 @@ static void recall(struct line *l, enum line_action action, enum line_last befor
     }
     size_t place = l->place;
     if (action == LINE_LAST_WORD) {
-        cite(l, before == LAST_CITED);
+        insert_last_word(l, before == LAST_CITED);
     } else if (action == LINE_OLDER) {
         while (place > 0 && !is_wanted(l, place - 1))
             place--;
@@ -479,7 +479,7 @@ void line_act(struct line *l, enum line_action action)
     else if (action == LINE_UNDO)
         undo(l);
     else
-        recall(l, action, before);
+        browse(l, action, before);
 }
 
 /* ---- search ---- */

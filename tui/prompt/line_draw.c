@@ -136,7 +136,7 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
 enum { GAP = 2, ROWS_LEFT = 3, MEANING_LEAST = 8, NOTE_WIDE = 11 };
 
 /* Return the next word from *at on, and move *at past it and its meaning; NULL at the end. */
-static const char *take(const char **at, size_t *length)
+static const char *take_word(const char **at, size_t *length)
 {
     while (**at == '\n' || **at == '\t')
         *at += **at == '\n' ? 1 : strcspn(*at, "\n");
@@ -150,7 +150,7 @@ struct candidates candidates_of(const char *words)
 {
     struct candidates c = {.words = words, .first = words};
     size_t length;
-    for (const char *at = words, *word; (word = take(&at, &length));) {
+    for (const char *at = words, *word; (word = take_word(&at, &length));) {
         size_t same = 0;
         if (c.count++ == 0) {
             c.first = word;
@@ -168,7 +168,7 @@ struct candidates candidates_of(const char *words)
 }
 
 /* Remove the common path and the quotes from a word. */
-static void strip(const struct candidates *c, const char **word, size_t *length)
+static void strip_word(const struct candidates *c, const char **word, size_t *length)
 {
     const bool quoted = c->first[0] == '"';
     size_t skip = quoted;
@@ -186,8 +186,8 @@ static void strip(const struct candidates *c, const char **word, size_t *length)
 static size_t widest(const struct candidates *c)
 {
     size_t most = 0, length;
-    for (const char *at = c->words, *word; (word = take(&at, &length));) {
-        strip(c, &word, &length);
+    for (const char *at = c->words, *word; (word = take_word(&at, &length));) {
+        strip_word(c, &word, &length);
         const size_t width = cells_width(word, length);
         most = width > most ? width : most;
     }
@@ -195,13 +195,13 @@ static size_t widest(const struct candidates *c)
 }
 
 /* Return word `number`, as shown. No list has more words than the screen has cells. */
-static const char *find(const struct candidates *c, size_t number, size_t *length)
+static const char *find_word(const struct candidates *c, size_t number, size_t *length)
 {
-    const char *at = c->words, *word = take(&at, length);
+    const char *at = c->words, *word = take_word(&at, length);
     for (size_t i = 0; word && i < number; i++)
-        word = take(&at, length);
+        word = take_word(&at, length);
     if (word)
-        strip(c, &word, length);
+        strip_word(c, &word, length);
     return word;
 }
 
@@ -237,9 +237,9 @@ static void list_meanings(const struct candidates *c, size_t stride, unsigned co
                           struct buf *out)
 {
     size_t length;
-    for (const char *at = c->words, *word; (word = take(&at, &length));) {
+    for (const char *at = c->words, *word; (word = take_word(&at, &length));) {
         const char *meaning = word[length] == '\t' ? word + length + 1 : "";
-        strip(c, &word, &length);
+        strip_word(c, &word, &length);
         list_row(word, length, meaning, stride, columns, out);
     }
     for (const char *at = c->words; *at; at += strcspn(at, "\n"), at += *at == '\n') {
@@ -265,7 +265,7 @@ void candidates_list(const struct candidates *c, unsigned columns, unsigned rows
     for (size_t row = 0; row < down; row++) {
         for (size_t column = 0; column < across && column * down + row < c->count; column++) {
             size_t length;
-            const char *word = find(c, column * down + row, &length);
+            const char *word = find_word(c, column * down + row, &length);
             if (!word)
                 break;
             buf_add_safe(out, word, length);

@@ -216,7 +216,7 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
 
 /* ---- keys ---- */
 
-static enum outcome act(struct line_editor *e, enum line_action action)
+static enum outcome do_action(struct line_editor *e, enum line_action action)
 {
     if (!line_take_suggestion(&e->line, e->hint ? suggestion(e) : "", action))
         line_act(&e->line, action);
@@ -235,7 +235,7 @@ static enum outcome key_by_table(struct line_editor *e, const struct key_event *
         line_search_begin(&e->line);
         return CONTINUE;
     case DUTY_DELETE_OR_END:
-        return e->line.text.length == 0 ? END : act(e, LINE_DELETE);
+        return e->line.text.length == 0 ? END : do_action(e, LINE_DELETE);
     case DUTY_ABANDON:
         return ABANDON;
     case DUTY_CLEAR:
@@ -254,7 +254,7 @@ static enum outcome key_by_table(struct line_editor *e, const struct key_event *
     case DUTY_NONE:
         return CONTINUE;
     default:
-        return act(e, (enum line_action)found);
+        return do_action(e, (enum line_action)found);
     }
 }
 
@@ -449,7 +449,7 @@ enum { OTHER_EDITOR_BYTES_MOST = 1 << 20 }; /* read back from the file */
 
 /* Make it a single line: each line end except the last becomes a blank, and control characters are
  * removed. */
-static void flatten(struct buf *text)
+static void make_one_line(struct buf *text)
 {
     size_t kept = 0;
     while (text->length > 0 && strchr("\r\n \t", text->data[text->length - 1]))
@@ -489,7 +489,7 @@ static enum err edit_file(struct buf *text, const char *editor, const char *path
     if (!err && !ours)
         err = file_read(&written, path, OTHER_EDITOR_BYTES_MOST, fault);
     if (!err && !ours) {
-        flatten(&written);
+        make_one_line(&written);
         buf_clear(text);
         buf_add(text, buf_text(&written), written.length);
     }
@@ -543,8 +543,8 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
 /* ---- the end of a line ---- */
 
 /* Carry out the result of a key, except the end of the line. */
-static enum err follow(struct line_editor *e, const char *prompt, enum outcome outcome,
-                       struct fault *fault)
+static enum err carry_out(struct line_editor *e, const char *prompt, enum outcome outcome,
+                          struct fault *fault)
 {
     struct buf news = {0};
     enum err err;
@@ -590,7 +590,7 @@ enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struc
     enum outcome outcome = take_input(e);
     while (!err && outcome != SUBMIT && outcome != END && outcome != GONE) {
         if (outcome != CONTINUE) {
-            err = follow(e, prompt, outcome, fault);
+            err = carry_out(e, prompt, outcome, fault);
             screen = e->taken < e->input.length ? STALE : DRAWN;
             outcome = take_input(e);
             continue;
