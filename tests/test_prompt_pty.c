@@ -883,6 +883,7 @@ STORY(a_dumb_terminal_gets_no_escape_at_all)
     ROW_AFTER(&t, "sede\r", "error: unknown command sede; did you mean seed?");
     SEE_LINE(&t, "synth>");
     BEGIN_AFTER(&t, "render\r", "512x512 pixels, ");
+    SEE_LINE(&t, "synth>");
     BEGIN_AFTER(&t, "quit\r", "journal: synth-1.iftty");
     CHECK(strchr(buf_text(&t.written), '\033') == NULL);
     CHECK_INT(end(&t), 0);
