@@ -498,15 +498,15 @@ while read -r escaped; do
     shown "a name that is told, as JSON" "$iftty" info "$bad.nii" --json
     shown "a folder" "$iftty" replay proof.iftty --out "$bad/x"
     shown "an option" "$iftty" "--$bad"
-    shown "a label" "$iftty" -c "open s.nii; label 2 \"a$bad\"; stats"
-    shown "a golden image" "$iftty" -c "open s.nii; golden \"$bad\""
-    shown "a picture" "$iftty" -c "open s.nii; seed 1,1,1 1; render \"$bad.png\""
+    printf '%s\n' 'open s.nii' "label 2 \"a$bad\"" stats "golden \"$bad\"" 'seed 1,1,1 1' \
+        "render \"$bad.png\"" >script
+    shown "a label, a golden image, a picture" "$iftty" run script --keep-going
+    cp s.nii header.nii
     for at in 14 148 228 328; do # db_name, descrip, aux_file, intent_name
-        cp s.nii header.nii
         printf '%s' "$bad" | dd of=header.nii bs=1 seek=$at conv=notrunc 2>/dev/null
-        shown "a header" "$iftty" -c 'open header.nii; info'
-        shown "a header that is told" "$iftty" info header.nii
     done
+    shown "a header" "$iftty" -c 'open header.nii; info'
+    shown "a header that is told" "$iftty" info header.nii
     {
         sed -n 1,3p proof.iftty
         printf '# %s\nlabel 2 "%s"\n= 2 a=%s chain=%032d\n# torn %s' "$bad" "$bad" "$bad" 0 "$bad"
