@@ -150,6 +150,14 @@ const char *buf_text(const struct buf *b)
     return b->data ? b->data : "";
 }
 
+bool buf_lists(const struct buf *b, const char *text, size_t length)
+{
+    const char *at = buf_text(b), *end = at + b->length;
+    while (at < end && (strlen(at) != length || memcmp(at, text, length) != 0))
+        at += strlen(at) + 1;
+    return at < end;
+}
+
 /* ---- arenas ---- */
 
 struct arena_item {

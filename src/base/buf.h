@@ -61,6 +61,12 @@ void buf_release(struct buf *b);
 /* The content as a string; never NULL. */
 const char *buf_text(const struct buf *b);
 
+/* True if the content, a list of texts each ended by NUL, has this one. */
+bool buf_lists(const struct buf *b, const char *text, size_t length);
+
+/* True if the content, texts each ended by NUL, contains this text. */
+bool buf_lists(const struct buf *b, const char *text, size_t length);
+
 /*
  * Buffers that live as long as one command. Their owner releases all of them at its end, and checks
  * once whether one has failed: until then nothing that was made from them is kept. {0} is empty.

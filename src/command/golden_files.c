@@ -179,14 +179,6 @@ enum err golden_files_read(struct golden_files *files, const char *bytes, size_t
     return OK;
 }
 
-static bool is_named(const struct golden_files *files, const char *name)
-{
-    const char *at = buf_text(&files->named), *end = at + files->named.length;
-    while (at < end && strcmp(at, name) != 0)
-        at += strlen(at) + 1;
-    return at < end;
-}
-
 /* ---- notes of an image ---- */
 
 /* Origin of an image, by its notes. */
@@ -281,7 +273,7 @@ enum file_of golden_files_judge(const struct golden_files *files, const char *na
     struct maker maker = {0};
     struct stat status;
     enum file_of of = FILE_FOREIGN;
-    if (is_named(files, name))
+    if (buf_lists(&files->named, name, strlen(name)))
         return FILE_NAMED;
     if (*name == '.')
         return FILE_HIDDEN;

@@ -425,15 +425,6 @@ enum err interpreter_output_path(struct interpreter *interp, const char *name, s
 
 /* ---- files that go with a command ---- */
 
-/* True if this replay has written it. */
-static bool has_made(const struct interpreter *interp, const char *path)
-{
-    const char *at = buf_text(&interp->made), *end = at + interp->made.length;
-    while (at < end && strcmp(at, path) != 0)
-        at += strlen(at) + 1;
-    return at < end;
-}
-
 void interpreter_note_existing(struct interpreter *interp, const char *path, enum file_mode mode)
 {
     interp->found_existing = mode == FILE_KEEP && interp->mode == MODE_LIVE && file_exists(path) &&
@@ -458,7 +449,7 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
     if (file_exists(path)) {
         if (mode == FILE_KEEP)
             return OK; /* the writer rejects it */
-        if (interpreter_is_wary(interp) && !has_made(interp, path))
+        if (interpreter_is_wary(interp) && !buf_lists(&interp->made, path, strlen(path)))
             return fault_set(fault, ERR_IO,
                              "%s existed before; a replay replaces only its own files; "
                              "it was left alone",

@@ -257,26 +257,24 @@ static enum err read_list(struct value *value, const struct parameter *p, const 
     return OK;
 }
 
+/* Read a REAL or an INTERVAL. */
 static enum err read_real(struct value *value, const struct parameter *p, const char *word,
                           struct fault *fault)
 {
-    const char *at = word;
-    if (decimal_scan(&at, &value->real[0]) && *at == '\0')
-        return OK;
-    return report_expected(fault, p, word,
-                           "a number, as in 40, -0.5 or 1.5e-3, of at most 19 digits");
-}
-
-static enum err read_interval(struct value *value, const struct parameter *p, const char *word,
-                              struct fault *fault)
-{
+    const bool is_interval = p->type == VALUE_INTERVAL;
     const char *at = word;
     struct decimal *real = value->real;
-    if (decimal_scan(&at, &real[0]) && scan_text(&at, "..") && decimal_scan(&at, &real[1]) &&
-        *at == '\0' && decimal_value(&real[0]) <= decimal_value(&real[1]))
-        return OK;
-    return report_expected(
-        fault, p, word, "LOW..HIGH, as in 40..1200.5 or 1e-6..2.5e-6, of at most 19 digits each");
+    bool reads = decimal_scan(&at, &real[0]);
+    if (reads && is_interval)
+        reads = scan_text(&at, "..") && decimal_scan(&at, &real[1]) &&
+                decimal_value(&real[0]) <= decimal_value(&real[1]);
+    return reads && *at == '\0'
+               ? OK
+               : report_expected(
+                     fault, p, word,
+                     is_interval
+                         ? "LOW..HIGH, as in 40..1200.5 or 1e-6..2.5e-6, of at most 19 digits each"
+                         : "a number, as in 40, -0.5 or 1.5e-3, of at most 19 digits");
 }
 
 static enum err read_radius(struct value *value, const struct parameter *p, const char *word,
@@ -353,9 +351,8 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         case VALUE_LIST:
             return read_list(value, p, word, fault);
         case VALUE_REAL:
-            return read_real(value, p, word, fault);
         case VALUE_INTERVAL:
-            return read_interval(value, p, word, fault);
+            return read_real(value, p, word, fault);
         case VALUE_DECIMAL:
             return read_number(value, p, word, 3, fault);
         case VALUE_COLOUR:

@@ -120,14 +120,6 @@ static enum err write_drafts(struct resealing *r, struct interpreter *interp,
     return err;
 }
 
-static bool has_text(const struct buf *texts, const char *text, size_t length)
-{
-    const char *at = buf_text(texts), *end = at + texts->length;
-    while (at < end && (strlen(at) != length || memcmp(at, text, length) != 0))
-        at += strlen(at) + 1;
-    return at < end;
-}
-
 /* Return the next of names separated by commas; false after the last. */
 static bool next_name(const char **names, const char **name, size_t *length)
 {
@@ -157,7 +149,7 @@ static enum err check_names(const struct resealing *r, struct fault *fault)
     if (r->met.failed)
         return fault_memory(fault, "the names of golden images");
     while (next_name(&names, &name, &length))
-        if (!has_text(&r->met, name, length))
+        if (!buf_lists(&r->met, name, length))
             return fault_set(fault, ERR_USAGE,
                              "--only: no `golden` of this journal has the name \"%.*s\"; iftty "
                              "log --script prints its commands; %s",
@@ -180,7 +172,7 @@ static enum err note_difference(void *context, struct interpreter *interp,
 {
     struct resealing *r = context;
     if (compared_path(r, finding->path) != finding->path ||
-        has_text(&r->same, finding->path, strlen(finding->path)))
+        buf_lists(&r->same, finding->path, strlen(finding->path)))
         return fault_set(fault, ERR_CHECK,
                          "golden image %s is given twice, and the pictures are not the same",
                          finding->name);
