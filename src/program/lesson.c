@@ -40,7 +40,7 @@ static bool are_planted(const struct lesson *lesson, int label, struct buf *miss
 }
 
 /* Voxels of ch2 are 1 mm3. */
-static bool agree(const struct lesson *lesson, unsigned least, struct buf *missing)
+static bool labels_agree(const struct lesson *lesson, unsigned least, struct buf *missing)
 {
     const struct overlap_counts count = overlap_counts_of(&lesson->overlap, OBJECT);
     const unsigned dice = overlap_dice(&lesson->overlap, OBJECT);
@@ -108,7 +108,7 @@ enum { STEPS = sizeof step / sizeof step[0] };
 static bool has_come(const struct step *s, const struct lesson *lesson, struct buf *missing)
 {
     if ((s->planted >= 0 && !are_planted(lesson, s->planted, missing)) ||
-        (s->dice && !agree(lesson, s->dice, missing)))
+        (s->dice && !labels_agree(lesson, s->dice, missing)))
         return false;
     if (s->is_named && !lesson->has_name)
         buf_add_text(missing, "label 1 has no name yet");
@@ -116,7 +116,7 @@ static bool has_come(const struct step *s, const struct lesson *lesson, struct b
 }
 
 /* The first incomplete step, and its reason; STEPS if all are complete. */
-static unsigned present(const struct lesson *lesson, struct buf *missing)
+static unsigned present_step(const struct lesson *lesson, struct buf *missing)
 {
     unsigned n = 0;
     while (n < STEPS && has_come(&step[n], lesson, missing))
@@ -160,7 +160,7 @@ void lesson_add_beginning(struct buf *out)
 void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *journal)
 {
     struct buf missing = {0};
-    const unsigned n = present(lesson, &missing);
+    const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS)
         add_end(out, journal);
@@ -174,7 +174,7 @@ void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *j
 void lesson_add_captions(struct buf *out, const struct lesson *lesson, const char *journal)
 {
     struct buf missing = {0}, keys = {0};
-    const unsigned n = present(lesson, &missing);
+    const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS) {
         buf_add_text(&keys, "q leads back. ");
@@ -218,7 +218,7 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
 
 /* Count slice by slice, to know the differences of each. After `interpolate` has made another grid,
  * nothing is counted. */
-static void count(struct lesson *lesson, const struct labels *labels)
+static void count_labels(struct lesson *lesson, const struct labels *labels)
 {
     const struct scene *scene = labels->scene;
     const uint8_t *truth = lesson->truth;
@@ -261,7 +261,7 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits)
         hash_mix_at(forest_digest(session->forest), session->scene_digest + !!labels.finished);
     lesson->is_settled = !settles || labels.finished;
     if (lesson->of != of)
-        count(lesson, &labels);
+        count_labels(lesson, &labels);
     lesson->of = of;
 }
 

@@ -129,7 +129,7 @@ static bool has_one_label(const struct session *session)
     return found > 0;
 }
 
-static bool facts(void *context, struct pilot_facts *out)
+static bool host_facts(void *context, struct pilot_facts *out)
 {
     static const uint32_t first[3] = {0};
     const struct pilot_interpreter *pilot = context;
@@ -178,19 +178,19 @@ static bool facts(void *context, struct pilot_facts *out)
     return true;
 }
 
-static void move(void *context, const int64_t by[3], uint32_t place[3])
+static void host_move(void *context, const int64_t by[3], uint32_t place[3])
 {
     panes_move(session_of(context), by, place);
 }
 
 /* ---- labels and their seeds ---- */
 
-static void label(void *context, unsigned number, struct buf *out)
+static void host_label(void *context, unsigned number, struct buf *out)
 {
     label_report_write_name(out, session_of(context), number);
 }
 
-static bool is_hidden(void *context, unsigned number)
+static bool host_is_hidden(void *context, unsigned number)
 {
     return !session_of(context)->now.kept.visible[number];
 }
@@ -209,7 +209,7 @@ static uint32_t middle_of(const struct markers *markers, uint32_t number)
 }
 
 /* Seeds are visited in the order in which they were planted. */
-static bool seed(void *context, unsigned number, int64_t by, uint32_t place[3])
+static bool host_seed(void *context, unsigned number, int64_t by, uint32_t place[3])
 {
     const struct session *session = session_of(context);
     const struct markers *markers = &session->markers;
@@ -232,14 +232,15 @@ static bool seed(void *context, unsigned number, int64_t by, uint32_t place[3])
     return count > 0;
 }
 
-static bool centre(void *context, unsigned number, uint32_t place[3])
+static bool host_centre(void *context, unsigned number, uint32_t place[3])
 {
     struct session *session = session_of(context);
     return session_count_labels(session, NULL) == OK && session->tally.voxels[number] > 0 &&
            centre_of_label(session->scene, number, place);
 }
 
-static bool why(void *context, const uint32_t place[3], struct pilot_way *out, struct buf *words)
+static bool host_why(void *context, const uint32_t place[3], struct pilot_way *out,
+                     struct buf *words)
 {
     struct way *way = &((struct pilot_interpreter *)context)->panes.way;
     const struct session *session = session_of(context);
@@ -280,7 +281,7 @@ static bool why(void *context, const uint32_t place[3], struct pilot_way *out, s
     return true;
 }
 
-static unsigned hints(void *context)
+static unsigned host_hints(void *context)
 {
     const struct hint_list *found;
     return session_find_hints(session_of(context), &found, NULL, NULL) == OK
@@ -288,7 +289,7 @@ static unsigned hints(void *context)
                : 0;
 }
 
-static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)
+static bool host_held(void *context, const uint32_t place[3], bool tree, struct buf *out)
 {
     struct held *found = &((struct pilot_interpreter *)context)->panes.held;
     const struct session *session = session_of(context);
@@ -353,8 +354,9 @@ static uint32_t find_marker(struct polyline *line, const struct session *session
     return 0;
 }
 
-static bool outline(void *context, unsigned number, enum pilot_pane pane, const uint32_t place[3],
-                    struct polyline *line, uint32_t *marker, struct buf *out)
+static bool host_outline(void *context, unsigned number, enum pilot_pane pane,
+                         const uint32_t place[3], struct polyline *line, uint32_t *marker,
+                         struct buf *out)
 {
     struct session *session = session_of(context);
     const unsigned axis = (unsigned)slice_axis(session->scene, (enum slice_plane)pane);
@@ -373,8 +375,8 @@ static bool outline(void *context, unsigned number, enum pilot_pane pane, const 
     return found;
 }
 
-static bool doubt(void *context, unsigned number, unsigned rank, enum pilot_pane *pane,
-                  uint32_t place[3], struct buf *out)
+static bool host_doubt(void *context, unsigned number, unsigned rank, enum pilot_pane *pane,
+                       uint32_t place[3], struct buf *out)
 {
     struct session *session = session_of(context);
     struct doubtful_slice slice[DOUBTFUL_MOST];
@@ -422,8 +424,8 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
     return err;
 }
 
-static enum err picture(void *context, const struct pilot_wish *wish, struct image_view *view,
-                        struct fault *fault)
+static enum err host_picture(void *context, const struct pilot_wish *wish, struct image_view *view,
+                             struct fault *fault)
 {
     struct pilot_interpreter *pilot = context;
     const struct panes *panes = &pilot->panes;
@@ -461,14 +463,14 @@ static enum pilot_pane first_of(const struct pilot_wish *wish)
     return wish->pane < PILOT_RENDITION ? wish->pane : PILOT_AXIAL;
 }
 
-static uint64_t name_ahead(void *context, const struct pilot_wish *wish, unsigned number)
+static uint64_t host_name_ahead(void *context, const struct pilot_wish *wish, unsigned number)
 {
     const struct pilot_interpreter *pilot = context;
     return panes_name_beyond(&pilot->panes, session_of(context), first_of(wish), number);
 }
 
-static bool ahead(void *context, const struct pilot_wish *wish, unsigned number,
-                  struct image_view *view)
+static bool host_ahead(void *context, const struct pilot_wish *wish, unsigned number,
+                       struct image_view *view)
 {
     struct pilot_interpreter *pilot = context;
     const struct canvas *beyond = &pilot->panes.beyond;
@@ -491,8 +493,8 @@ static bool find_voxel(const struct session *session, uint32_t cell, uint32_t pl
     return cell != CELL_NONE;
 }
 
-static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t place[3],
-                     enum pilot_pane *pane)
+static bool host_voxel_at(void *context, uint32_t column, uint32_t row, uint32_t place[3],
+                          enum pilot_pane *pane)
 {
     const struct panes *panes = &((struct pilot_interpreter *)context)->panes;
     const struct canvas *canvas = &panes->canvas;
@@ -507,14 +509,14 @@ static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t plac
                       place);
 }
 
-static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
-                uint32_t place[3])
+static bool host_pan(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
+                     uint32_t place[3])
 {
     const struct pilot_interpreter *pilot = context;
     return panes_pan(&pilot->panes, session_of(context), pane, (int[]){right, down}, middle, place);
 }
 
-static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t pixel[2])
+static void host_frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t pixel[2])
 {
     const struct panes *panes = &((struct pilot_interpreter *)context)->panes;
     const struct rendition *r = session_frame(session_of(context));
@@ -534,7 +536,7 @@ static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t p
     }
 }
 
-static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_t place[3])
+static bool host_voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_t place[3])
 {
     const struct session *session = session_of(context);
     const struct rendition *r = session_frame(session);
@@ -561,7 +563,7 @@ static void show_to_onlooker(void *context)
     session_show(session_of(context), onlooker_draws, context);
 }
 
-static void look_on(void *context, const struct pilot_onlooker *onlooker)
+static void host_look_on(void *context, const struct pilot_onlooker *onlooker)
 {
     struct pilot_interpreter *pilot = context;
     pilot->onlooker = onlooker;
@@ -595,8 +597,8 @@ static void show_finishing(void *context)
     scene->watch = watch;
 }
 
-static enum err finish(void *context, const struct pilot_onlooker *onlooker, struct buf *news,
-                       struct fault *fault)
+static enum err host_finish(void *context, const struct pilot_onlooker *onlooker, struct buf *news,
+                            struct fault *fault)
 {
     struct pilot_interpreter *pilot = context;
     struct finishing f = {session_of(context),
@@ -606,7 +608,7 @@ static enum err finish(void *context, const struct pilot_onlooker *onlooker, str
     return err ? err : interpreter_write_losses(pilot->interp, NULL, news, fault);
 }
 
-static void preview_cross(void *context, const uint32_t place[3])
+static void host_preview_cross(void *context, const uint32_t place[3])
 {
     struct pilot_interpreter *pilot = context;
     struct session *session = session_of(context);
@@ -621,25 +623,25 @@ static void preview_cross(void *context, const uint32_t place[3])
 
 void pilot_host_fill(struct pilot_host *host)
 {
-    host->facts = facts;
-    host->move = move;
-    host->picture = picture;
-    host->pan = pan;
-    host->name_ahead = name_ahead;
-    host->ahead = ahead;
-    host->voxel_at = voxel_at;
-    host->voxel_of_frame = voxel_of_frame;
-    host->frame_pixel = frame_pixel;
-    host->label = label;
-    host->held = held;
-    host->why = why;
-    host->hints = hints;
-    host->look_on = look_on;
-    host->finish = finish;
-    host->preview_cross = preview_cross;
-    host->outline = outline;
-    host->doubt = doubt;
-    host->seed = seed;
-    host->centre = centre;
-    host->is_hidden = is_hidden;
+    host->facts = host_facts;
+    host->move = host_move;
+    host->picture = host_picture;
+    host->pan = host_pan;
+    host->name_ahead = host_name_ahead;
+    host->ahead = host_ahead;
+    host->voxel_at = host_voxel_at;
+    host->voxel_of_frame = host_voxel_of_frame;
+    host->frame_pixel = host_frame_pixel;
+    host->label = host_label;
+    host->held = host_held;
+    host->why = host_why;
+    host->hints = host_hints;
+    host->look_on = host_look_on;
+    host->finish = host_finish;
+    host->preview_cross = host_preview_cross;
+    host->outline = host_outline;
+    host->doubt = host_doubt;
+    host->seed = host_seed;
+    host->centre = host_centre;
+    host->is_hidden = host_is_hidden;
 }

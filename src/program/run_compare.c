@@ -117,7 +117,7 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
     return err;
 }
 
-static enum err compare(struct pair *pair, struct team *team, struct fault *fault)
+static enum err compare_pair(struct pair *pair, struct team *team, struct fault *fault)
 {
     static const char no_name[256][LABEL_NAME_BYTES];
     const struct options *o = pair->options;
@@ -176,7 +176,7 @@ enum err run_compare(const struct options *o, struct fault *fault)
     if (!err)
         err = team_new(&team, team_size_wanted(), fault);
     if (!err)
-        err = compare(pair, team, fault);
+        err = compare_pair(pair, team, fault);
     session_free(pair->session);
     free(pair->compared.label[0]);
     free(pair->compared.label[1]);

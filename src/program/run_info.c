@@ -131,7 +131,7 @@ static enum err take_lines(struct picture *notes, const char *text)
 }
 
 /* Collect the notes of a picture: ours, then those of its format, each name once. */
-static enum err collect(struct picture *notes, const struct picture *p)
+static enum err collect_notes(struct picture *notes, const struct picture *p)
 {
     enum err err = OK;
     *notes = (struct picture){0};
@@ -156,7 +156,7 @@ static void add_notes(struct facts *f, const struct picture *p)
         json_object(&f->json, "notes");
     else
         begin_line(f, "notes");
-    if (collect(&notes, p))
+    if (collect_notes(&notes, p))
         f->out->failed = true;
     for (size_t i = 0; i < notes.attributes; i++) {
         const struct attribute *note = &notes.attribute[i];

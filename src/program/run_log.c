@@ -64,7 +64,7 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
 }
 
 /* Copy a journal unchanged, intact or not. Other files, such as scenes, are an error. */
-static enum err copy(struct buf *out, const char *bytes, size_t length, struct fault *fault)
+static enum err copy_journal(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
     struct walk walk;
     const enum err err = walk_begin(&walk, bytes, length, fault);
@@ -77,7 +77,7 @@ static enum err copy(struct buf *out, const char *bytes, size_t length, struct f
 
 enum err run_log(const struct options *o, struct fault *fault)
 {
-    return print_written(copy, o, fault);
+    return print_written(copy_journal, o, fault);
 }
 
 enum err run_log_script(const struct options *o, struct fault *fault)
@@ -90,7 +90,8 @@ enum err run_log_anonymise(const struct options *o, struct fault *fault)
     return print_written(anonymise_script, o, fault);
 }
 
-static enum err check(struct buf *out, const char *bytes, size_t length, struct fault *fault)
+static enum err check_journal(struct buf *out, const char *bytes, size_t length,
+                              struct fault *fault)
 {
     struct journal_condition condition;
     const enum err err = journal_check(&condition, bytes, length, fault);
@@ -101,7 +102,7 @@ static enum err check(struct buf *out, const char *bytes, size_t length, struct 
 
 enum err run_log_check(const struct options *o, struct fault *fault)
 {
-    return print_written(check, o, fault);
+    return print_written(check_journal, o, fault);
 }
 
 enum err run_log_repair(const struct options *o, struct fault *fault)

@@ -40,8 +40,8 @@ static bool has_word(const char *text, const char *piece, size_t from)
     return false;
 }
 
-static void add(struct buf *out, const char *name, const struct choice *choice, const char *key,
-                const char *note, size_t length)
+static void add_candidate(struct buf *out, const char *name, const struct choice *choice,
+                          const char *key, const char *note, size_t length)
 {
     buf_add_text(out, name);
     if (choice) {
@@ -69,7 +69,7 @@ static void find_choices(struct buf *out, const struct command *command, const c
             continue;
         if (!length)
             note = command->summary, length = strlen(note);
-        add(out, command->name, &choice, "", note, length);
+        add_candidate(out, command->name, &choice, "", note, length);
         ++*count;
     }
 }
@@ -111,7 +111,8 @@ static void command_find_by_piece(struct buf *out, const char *piece, bool are_s
                      rank_of(command, piece, &key) == rank) {
                 size_t of_key = 0;
                 const char *words = *key ? command_note(command, key, strlen(key), &of_key) : note;
-                add(out, command->name, NULL, key, of_key ? words : note, of_key ? of_key : length);
+                add_candidate(out, command->name, NULL, key, of_key ? words : note,
+                              of_key ? of_key : length);
                 count++;
             }
         }
@@ -207,8 +208,8 @@ static void prompt_text(void *context, struct buf *out)
     buf_add_text(out, "> ");
 }
 
-static enum err execute(struct prompt *prompt, const char *line, struct buf *output,
-                        struct fault *fault)
+static enum err execute_line(struct prompt *prompt, const char *line, struct buf *output,
+                             struct fault *fault)
 {
     console_forget_interrupt();
     enum err err = interpreter_execute(&prompt->interp, line, &prompt->reply, fault);
@@ -219,7 +220,7 @@ static enum err execute(struct prompt *prompt, const char *line, struct buf *out
 
 /* Carry out the start commands once there is a scene, and name one that fails. The default ones
  * have no line number; only the answer of the last of them is shown. */
-static void start(struct prompt *prompt, struct buf *output)
+static void carry_out_start(struct prompt *prompt, struct buf *output)
 {
     const size_t before = output->length;
     struct fault fault;
@@ -234,7 +235,7 @@ static void start(struct prompt *prompt, struct buf *output)
         const unsigned long number = strtoul(buf_text(&line), &command, 10);
         if (!number)
             output->length = before;
-        const bool fails = execute(prompt, command, output, &fault);
+        const bool fails = execute_line(prompt, command, output, &fault);
         if (fails && number) {
             buf_add_safe_text(output, buf_text(&prompt->config.path));
             buf_printf(output, ":%lu: ", number);
@@ -253,14 +254,14 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
     enum err err = OK;
     if (prompt->is_empty) { /* a session without a command leaves no journal */
         const size_t before = output->length;
-        err = execute(prompt, "auto on", output, fault);
+        err = execute_line(prompt, "auto on", output, fault);
         output->length = before;
     }
     prompt->is_empty = false;
     if (!err)
-        err = execute(prompt, line, output, fault);
+        err = execute_line(prompt, line, output, fault);
     if (!err)
-        start(prompt, output);
+        carry_out_start(prompt, output);
     return err;
 }
 
@@ -344,13 +345,13 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
     if (prompt->first) {
         buf_add_text(&line, "open ");
         command_write_word(&line, prompt->first);
-        err = execute(prompt, buf_text(&line), output, fault);
+        err = execute_line(prompt, buf_text(&line), output, fault);
     }
     prompt->is_empty = !prompt->first;
     if (!err && prompt->first)
-        err = execute(prompt, "auto on", output, fault);
+        err = execute_line(prompt, "auto on", output, fault);
     if (!err)
-        start(prompt, output);
+        carry_out_start(prompt, output);
     if (!err && prompt->interp.has_pilot)
         buf_add_text(output, "Ctrl-O: the pilot, to segment by keys; `help`: the commands\n");
     buf_release(&line);

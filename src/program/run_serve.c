@@ -64,7 +64,7 @@ static enum err handle_signals(struct fault *fault)
 /* ---- output ---- */
 
 /* Write the line and clear it. Do not wait for a client that has ended the session. */
-static void put(struct server *s)
+static void put_line(struct server *s)
 {
     const char *at = buf_text(&s->line);
     size_t left = s->line.failed ? 0 : s->line.length;
@@ -88,12 +88,12 @@ static const char *id_at_hand(const struct server *s)
 static void put_notice(struct server *s, const char *line)
 {
     answer_notice(&s->line, id_at_hand(s), line);
-    put(s);
+    put_line(s);
 }
 
 /* ---- while a command is carried out ---- */
 
-static void take_in(struct server *s)
+static void read_requests(struct server *s)
 {
     if (!s->broken)
         s->broken = inbox_read(&s->inbox, STDIN_FILENO, &s->reading);
@@ -106,7 +106,7 @@ static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t 
     const struct watch *console = console_watch();
     if (s->has_greeted && now - s->looked_ns >= LOOK_EVERY_MS * ms) {
         s->looked_ns = now;
-        take_in(s);
+        read_requests(s);
     }
     const bool stops = console->poll(console->context, NULL, 0, 0) || s->inbox.stops || terminated;
     if (what && s->has_greeted && now - s->begun_ns >= PROGRESS_AFTER_MS * ms &&
@@ -116,7 +116,7 @@ static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t 
         /* A line of less than PIPE_BUF bytes does not block in a pipe that has room. */
         if (poll(&out, 1, 0) == 1 && out.revents & POLLOUT) {
             answer_progress(&s->line, id_at_hand(s), what, done, total, stops);
-            put(s);
+            put_line(s);
         }
     }
     return stops;
@@ -131,7 +131,7 @@ static void announce(void *context, const char *line)
 
 /* ---- requests ---- */
 
-static enum err execute(struct server *s, const char *line, struct fault *fault)
+static enum err execute_line(struct server *s, const char *line, struct fault *fault)
 {
     enum err err = exchange_allows(&s->exchange, &s->interp, line, fault);
     reply_clear(&s->reply);
@@ -145,7 +145,7 @@ static void answer_do(struct server *s, const struct request *request)
     const char *id = buf_text(&request->id), *line = buf_text(&request->words);
     struct buf picture = {0};
     struct fault fault = {0};
-    if (execute(s, line, &fault)) {
+    if (execute_line(s, line, &fault)) {
         answer_fault(&s->line, id, &fault, line, buf_text(&s->reply.list));
     } else {
         const struct image_view view =
@@ -182,10 +182,10 @@ static void carry_out(struct server *s, const struct request *request)
             answer_array(&s->line, id, &s->interp, &array);
         buf_release(&array.path);
     }
-    put(s);
+    put_line(s);
 }
 
-static void serve(struct server *s)
+static void serve_requests(struct server *s)
 {
     while (!terminated && !s->is_gone && s->interp.wish != WISH_QUIT) {
         struct pollfd on[] = {{.fd = STDIN_FILENO, .events = POLLIN},
@@ -203,7 +203,7 @@ static void serve(struct server *s)
             continue;
         s->is_gone |= (on[2].revents & POLLERR) != 0;
         if (on[0].revents)
-            take_in(s);
+            read_requests(s);
     }
 }
 
@@ -211,8 +211,8 @@ static void serve(struct server *s)
 
 /* As the prompt: edits run at once, unless a resumed journal says how. An existing journal of
  * --journal is resumed here, under the watch. */
-static enum err begin(struct server *s, const struct options *o, struct buf *name, struct buf *told,
-                      struct fault *fault)
+static enum err begin_session(struct server *s, const struct options *o, struct buf *name,
+                              struct buf *told, struct fault *fault)
 {
     const char *first;
     bool resumes;
@@ -254,16 +254,16 @@ enum err run_serve(const struct options *o, struct fault *fault)
     enum err err = handle_signals(fault);
     const bool has_begun = !err;
     if (!err)
-        err = begin(&s, o, &name, &told, fault);
+        err = begin_session(&s, o, &name, &told, fault);
     answer_greeting(&s.line, &s.interp, buf_text(&s.exchange.path), buf_text(&told),
                     err ? fault : NULL);
-    put(&s);
+    put_line(&s);
     s.has_greeted = true;
     if (!err && isatty(STDIN_FILENO))
         console_warn(NULL, "lines of JSON are expected, as {\"id\": 1, \"do\": \"info\"}; Ctrl-D "
                            "ends the session\n");
     if (!err)
-        serve(&s);
+        serve_requests(&s);
     exchange_end(&s.exchange);
     if (!err && s.broken) {
         err = s.broken;

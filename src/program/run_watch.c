@@ -488,7 +488,8 @@ static enum err step_line(struct watching *w, const char *at, struct buf *output
 
 /* ---- the pilot's host ---- */
 
-static enum err execute(void *context, const char *line, struct buf *output, struct fault *fault)
+static enum err watch_execute(void *context, const char *line, struct buf *output,
+                              struct fault *fault)
 {
     struct watching *w = context;
     const char *at = line;
@@ -505,25 +506,25 @@ static enum err execute(void *context, const char *line, struct buf *output, str
     return err;
 }
 
-static enum err sketch(void *context, const char *line, struct fault *fault)
+static enum err watch_sketch(void *context, const char *line, struct fault *fault)
 {
     (void)context, (void)line;
     return fault_set(fault, ERR_USAGE, "nothing is drawn here");
 }
 
-static enum err drop(void *context, struct fault *fault)
+static enum err watch_drop(void *context, struct fault *fault)
 {
     (void)context, (void)fault;
     return OK;
 }
 
-static bool finished(void *context)
+static bool watch_finished(void *context)
 {
     const struct watching *w = context;
     return w->pilot.interp->wish == WISH_QUIT;
 }
 
-static void caption(void *context, struct buf *lines)
+static void watch_caption(void *context, struct buf *lines)
 {
     const struct watching *w = context;
     const struct watched *shown = &w->watched;
@@ -550,15 +551,15 @@ static void caption(void *context, struct buf *lines)
 
 /* ---- the program ---- */
 
-static enum err screen(void *context, struct terminal_facts *facts, struct line_editor *editor,
-                       bool *ended, struct fault *fault)
+static enum err watch_screen(void *context, struct terminal_facts *facts,
+                             struct line_editor *editor, bool *ended, struct fault *fault)
 {
     struct watching *w = context;
     return pilot_run(&w->host, &w->state, facts, editor, ended, fault);
 }
 
-static void complete(void *context, const char *line, size_t cursor, struct buf *candidates,
-                     size_t *word_start)
+static void watch_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
+                           size_t *word_start)
 {
     const struct watching *w = context;
     command_complete(candidates, word_start, line, cursor, w->pilot.interp);
@@ -568,17 +569,18 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
                                   const struct config *config, struct fault *fault)
 {
     static struct watching w; /* too large for the stack */
-    const struct repl_host host = {.context = &w, .screen = screen, .complete = complete};
+    const struct repl_host host = {
+        .context = &w, .screen = watch_screen, .complete = watch_complete};
     struct buf words = {0};
     w.pilot.interp = interp;
     w.pilot.smooth = o->smooth;
     w.pilot.watches = true;
     w.host = (struct pilot_host){.context = &w,
-                                 .execute = execute,
-                                 .sketch = sketch,
-                                 .drop = drop,
-                                 .finished = finished,
-                                 .caption = caption};
+                                 .execute = watch_execute,
+                                 .sketch = watch_sketch,
+                                 .drop = watch_drop,
+                                 .finished = watch_finished,
+                                 .caption = watch_caption};
     pilot_host_fill(&w.host);
     pilot_state_init(&w.state, &config->setup);
     w.state.watches = true;

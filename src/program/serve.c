@@ -90,7 +90,7 @@ static enum err place_file(struct buf *path, const struct exchange *exchange, co
 /* ---- commands that must not use the folder ---- */
 
 /* True if a path leads to the folder or below it, once all links are resolved. */
-static bool holds(const struct exchange *exchange, const char *name)
+static bool holds_path(const struct exchange *exchange, const char *name)
 {
     const size_t length = exchange->path.length;
     struct buf path = {0}, settled = {0};
@@ -121,11 +121,11 @@ static bool holds_file(const struct exchange *exchange, const struct interpreter
     struct buf found = {0};
     if (p->is_scene)
         scan_text(&name, "raw:");
-    bool is_in = holds(exchange, name);
+    bool is_in = holds_path(exchange, name);
     if (!is_in && !p->is_read && interp->out_folder)
-        is_in = holds(exchange, interp->out_folder);
+        is_in = holds_path(exchange, interp->out_folder);
     if (!is_in && p->is_read && interpreter_find_file(interp, name, &found, NULL) == OK)
-        is_in = holds(exchange, buf_text(&found));
+        is_in = holds_path(exchange, buf_text(&found));
     buf_release(&found);
     return is_in;
 }
@@ -135,7 +135,7 @@ static bool holds_goldens(const struct exchange *exchange, const char *journal)
 {
     struct buf folder = {0};
     const bool is_in = journal && (golden_folder(&folder, journal, NULL) != OK ||
-                                   holds(exchange, buf_text(&folder)));
+                                   holds_path(exchange, buf_text(&folder)));
     buf_release(&folder);
     return is_in;
 }
@@ -380,7 +380,7 @@ static void add_words(struct json *json, const struct buf *words)
     json_end(json);
 }
 
-static struct json begin(struct buf *out, const char *id)
+static struct json begin_answer(struct buf *out, const char *id)
 {
     struct json json = {.out = out};
     json_object(&json, NULL);
@@ -391,7 +391,7 @@ static struct json begin(struct buf *out, const char *id)
 void answer_command(struct buf *out, const char *id, const struct interpreter *interp,
                     const struct reply *reply, const char *picture)
 {
-    struct json json = begin(out, id);
+    struct json json = begin_answer(out, id);
     const bool is_recorded = reply->canonical.length && interp->acknowledged && interp->journal &&
                              !journal_only_looks(interp->journal);
     json_boolean(&json, "ok", true);
@@ -415,7 +415,7 @@ void answer_command(struct buf *out, const char *id, const struct interpreter *i
 void answer_array(struct buf *out, const char *id, const struct interpreter *interp,
                   const struct array_file *array)
 {
-    struct json json = begin(out, id);
+    struct json json = begin_answer(out, id);
     json_boolean(&json, "ok", true);
     json_text(&json, "array", array->name);
     json_text(&json, "file", buf_text(&array->path));
@@ -445,7 +445,7 @@ static size_t column_of(const char *line, size_t byte)
 void answer_fault(struct buf *out, const char *id, const struct fault *fault, const char *line,
                   const char *list)
 {
-    struct json json = begin(out, id);
+    struct json json = begin_answer(out, id);
     json_boolean(&json, "ok", false);
     add_fault(&json, fault);
     if (line && fault->at)
@@ -458,7 +458,7 @@ void answer_fault(struct buf *out, const char *id, const struct fault *fault, co
 void answer_progress(struct buf *out, const char *id, const char *what, uint64_t done,
                      uint64_t total, bool stops)
 {
-    struct json json = begin(out, id);
+    struct json json = begin_answer(out, id);
     json_text(&json, "progress", what);
     json_count(&json, "done", done);
     json_count(&json, "total", total);
@@ -469,7 +469,7 @@ void answer_progress(struct buf *out, const char *id, const char *what, uint64_t
 
 void answer_notice(struct buf *out, const char *id, const char *line)
 {
-    struct json json = begin(out, id);
+    struct json json = begin_answer(out, id);
     json_text(&json, "notice", line);
     json_end(&json);
 }
@@ -534,7 +534,7 @@ static enum err take_member(struct request *request, unsigned key, const struct 
 }
 
 /* Check the combination of keys. */
-static enum err check(const bool given[KEYS], struct fault *fault)
+static enum err check_keys(const bool given[KEYS], struct fault *fault)
 {
     const int asked = given[KEY_DO] + given[KEY_ARRAY] + given[KEY_CANCEL];
     if (asked != 1)
@@ -568,7 +568,7 @@ static void request_read(struct request *request, const char *line, size_t lengt
         given[key] = true;
     }
     if (!err)
-        err = check(given, fault);
+        err = check_keys(given, fault);
     if (!request->id.length)
         buf_add_text(&request->id, "null");
     if (!err && (request->id.failed || request->words.failed))
@@ -588,7 +588,7 @@ static bool is_of(const struct request *request, const struct request *cancel)
     return strcmp(buf_text(&request->id), buf_text(&cancel->id)) == 0;
 }
 
-static void cancel(struct inbox *inbox, const struct request *cancel)
+static void cancel_request(struct inbox *inbox, const struct request *cancel)
 {
     if (is_of(&inbox->at_hand, cancel)) {
         inbox->stops = true;
@@ -617,7 +617,7 @@ static enum err end_line(struct inbox *inbox, struct fault *fault)
     buf_clear(&inbox->line);
     inbox->is_too_long = false;
     if (!err && request.kind == REQUEST_CANCEL && !request.fault.code) {
-        cancel(inbox, &request);
+        cancel_request(inbox, &request);
         request_release(&request);
         return OK;
     }

@@ -100,7 +100,7 @@ struct box {
     uint32_t first[3], last[3];
 };
 
-static void widen(struct box *box, const uint32_t place[3])
+static void widen_box(struct box *box, const uint32_t place[3])
 {
     for (int a = 0; a < 3; a++) {
         box->first[a] = place[a] < box->first[a] ? place[a] : box->first[a];
@@ -124,11 +124,11 @@ static enum err look_through(struct overlap *overlap, struct box box[256], const
                 const uint32_t place[3] = {x, y, z};
                 if (!(*a | *b))
                     continue;
-                widen(&box[0], place);
+                widen_box(&box[0], place);
                 if (*a)
-                    widen(&box[*a], place);
+                    widen_box(&box[*a], place);
                 if (*b && *b != *a)
-                    widen(&box[*b], place);
+                    widen_box(&box[*b], place);
             }
         }
     return watch_fault(watch, fault);
@@ -278,7 +278,7 @@ static enum err spread_from(struct work *w, uint8_t contour, struct fault *fault
     return distance_spread(w->squared, w->box.size, w->scale, w->team, w->watch, fault);
 }
 
-static enum err measure(struct label_distances *d, struct work *w, struct fault *fault)
+static enum err measure_surfaces(struct label_distances *d, struct work *w, struct fault *fault)
 {
     enum err err = OK;
     for (int direction = 0; !err && direction < 2; direction++) {
@@ -304,7 +304,7 @@ static enum err measure_label(struct comparison *comparison, struct work work,
         return OK;
     enum err err = work_init(&work, box, label, fault);
     if (!err)
-        err = measure(&comparison->distance[label], &work, fault);
+        err = measure_surfaces(&comparison->distance[label], &work, fault);
     work_release(&work);
     return err;
 }

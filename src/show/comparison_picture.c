@@ -51,8 +51,8 @@ static struct state state_of(const struct session *session)
 }
 
 /* Fit the view to all of A. */
-static enum err fit(struct state *state, struct session *session, uint8_t *class,
-                    const struct compared *compared, struct fault *fault)
+static enum err fit_view(struct state *state, struct session *session, uint8_t *class,
+                         const struct compared *compared, struct fault *fault)
 {
     const struct labels classes = {session->scene, class};
     struct view *view = &state->outlook.view;
@@ -105,8 +105,9 @@ static int steps_seen(const struct rendition *frame)
 }
 
 /* Render all classes up to the largest distance, then again up to the length of the last colour. */
-static enum err render(uint8_t *class, double *most_mm, struct session *session,
-                       const struct compared *compared, double farthest_mm, struct fault *fault)
+static enum err render_classes(uint8_t *class, double *most_mm, struct session *session,
+                               const struct compared *compared, double farthest_mm,
+                               struct fault *fault)
 {
     const struct labels classes = {session->scene, class};
     *most_mm = round_up(compared, farthest_mm);
@@ -185,8 +186,9 @@ static void write_names(const struct canvas *canvas, const struct comparison_rep
 
 /* ---- the whole ---- */
 
-static enum err draw(struct picture *picture, struct session *session,
-                     const struct comparison_report *report, double most_mm, struct fault *fault)
+static enum err draw_legend(struct picture *picture, struct session *session,
+                            const struct comparison_report *report, double most_mm,
+                            struct fault *fault)
 {
     const bool has_more = report->comparison->distance[0].most_mm > most_mm;
     const struct canvas canvas = {.width = picture->width,
@@ -219,15 +221,15 @@ enum err distance_picture_draw(struct picture *picture, struct session *session,
     uint8_t *class = mem_new(session->scene->grid.cells);
     enum err err = class ? OK : fault_memory(fault, "a picture");
     if (!err && fits)
-        err = fit(&state, session, class, compared, fault);
+        err = fit_view(&state, session, class, compared, fault);
     if (!err)
         err = session_go(session, &state, NULL, 0, fault);
     if (!err)
-        err = render(class, &most_mm, session, compared, distance->most_mm, fault);
+        err = render_classes(class, &most_mm, session, compared, distance->most_mm, fault);
     if (!err)
         err = take_picture(picture, session, fault);
     if (!err)
-        err = draw(picture, session, report, most_mm, fault);
+        err = draw_legend(picture, session, report, most_mm, fault);
     free(class);
     if (err)
         picture_release(picture);

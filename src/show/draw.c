@@ -130,7 +130,7 @@ static void drop_live(struct pictures *p)
         p->rendered = RENDERED_NOT;
 }
 
-static void release(struct pictures *p)
+static void release_pictures(struct pictures *p)
 {
     pictures_release_rendition(p);
     drop_live(p);
@@ -162,13 +162,13 @@ static void count_memory(const struct pictures *p, struct session_memory *memory
 
 /* ---- the camera ---- */
 
-static void forget(struct pictures *p)
+static void outdate_rendition(struct pictures *p)
 {
     p->rendered = RENDERED_NOT;
 }
 
 /* True for an empty rendition or one of this size. */
-static bool suits(const struct rendition *rendition, uint32_t width, uint32_t height)
+static bool has_size(const struct rendition *rendition, uint32_t width, uint32_t height)
 {
     return !rendition->depth || (rendition->width == width && rendition->height == height);
 }
@@ -176,11 +176,11 @@ static bool suits(const struct rendition *rendition, uint32_t width, uint32_t he
 static void take_camera(struct pictures *p, const struct camera *camera)
 {
     const struct view *view = &p->session->now.outlook.view, *fine = &camera->view;
-    if (!suits(&p->rendition, fine->width, fine->height) ||
-        !suits(&p->reduced, view->width, view->height))
+    if (!has_size(&p->rendition, fine->width, fine->height) ||
+        !has_size(&p->reduced, view->width, view->height))
         pictures_release_rendition(p);
     p->camera = *camera;
-    forget(p);
+    outdate_rendition(p);
 }
 
 /* Aim the camera at the focus of a view, at its zoom. */
@@ -260,7 +260,7 @@ static void prepare_shader(struct pictures *p)
 }
 
 /* Shade the maps of the rendition, and reduce the picture to the size of the view. */
-static enum err colour(struct pictures *p, struct fault *fault)
+static enum err shade_rendition(struct pictures *p, struct fault *fault)
 {
     const struct look *look = look_of(p);
     prepare_shader(p);
@@ -276,7 +276,7 @@ static enum err make_rendition(struct pictures *p, struct rendition *rendition,
 {
     if (rendition->depth)
         return OK;
-    forget(p);
+    outdate_rendition(p);
     return rendition_init(rendition, view->width, view->height, fault);
 }
 
@@ -311,7 +311,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
                                                : project_border;
     const struct look *look = look_of(p);
     struct team *team = p->session->team;
-    forget(p);
+    outdate_rendition(p);
     p->drawings++;
     enum err err = mesh_update(&p->mesh, border, shade_kind(look), team, NULL, fault);
     if (err)
@@ -325,7 +325,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
             project_border_shared(&p->rendition, &p->camera, &p->mesh, team);
         else
             project(&p->rendition, &p->camera, &p->mesh);
-        err = colour(p, fault);
+        err = shade_rendition(p, fault);
     } else {
         const struct bands bands = {.project = project,
                                     .camera = &p->camera,
@@ -375,7 +375,7 @@ static enum err draw_coarse(struct pictures *p, const struct view *view,
     outlook.look.samples = 1;
     outlook.look.edges = 0;
     enum err err = session_aim(p->session, &outlook, &camera, fault);
-    if (!suits(&coarse->rendition, outlook.view.width, outlook.view.height))
+    if (!has_size(&coarse->rendition, outlook.view.width, outlook.view.height))
         forget_coarse(coarse);
     if (!err && !coarse->rendition.depth)
         err = rendition_init(&coarse->rendition, outlook.view.width, outlook.view.height, fault);
@@ -418,13 +418,13 @@ static void follow_rendition(struct pictures *p, enum rendered as, const struct 
     p->drawings++;
     if (p->rendered != as)
         return;
-    forget(p);
+    outdate_rendition(p);
     if (!p->rendition.depth)
         return;
     enum err err = incremental_image(&p->rendition, &p->camera, &p->mesh, border, look_of(p),
                                      changes, p->session->team, NULL);
     if (!err)
-        err = colour(p, NULL);
+        err = shade_rendition(p, NULL);
     if (!err)
         err = put_context(p, NULL);
     p->rendered = err ? RENDERED_NOT : as;
@@ -495,7 +495,7 @@ static enum err begin_live(struct pictures *p, struct fault *fault)
         return OK;
     border_recount(&p->live.border);
     if (p->rendered == RENDERED_FINISHED)
-        forget(p);
+        outdate_rendition(p);
     err = watch_fault(p->session->scene->watch, fault);
     if (err)
         drop_live(p);
@@ -626,7 +626,7 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
 
 /* ---- following the session ---- */
 
-static void mark(struct pictures *p)
+static void mark_pictures(struct pictures *p)
 {
     p->former.rendered = session_is_rough(p->session) ? RENDERED_NOT : p->rendered;
     p->former.drawings = p->drawings;
@@ -638,12 +638,12 @@ static void mark(struct pictures *p)
 }
 
 /* Pixels that are still there are shown again, without new memory; others are redrawn. */
-static void take_back(struct pictures *p)
+static void take_back_pictures(struct pictures *p)
 {
     struct labels labels;
     const enum rendered as = p->former.rendered;
     if (!as) {
-        forget(p);
+        outdate_rendition(p);
     } else if (p->drawings == p->former.drawings) {
         p->camera = p->former.camera;
         p->rendered = as;
@@ -652,13 +652,13 @@ static void take_back(struct pictures *p)
     }
 }
 
-static void settle(struct pictures *p)
+static void settle_pictures(struct pictures *p)
 {
     if (!session_shows_finished(p->session))
         drop_live(p);
 }
 
-static void follow(struct pictures *p, const struct changes *changes)
+static void follow_edit(struct pictures *p, const struct changes *changes)
 {
     follow_rendition(p, RENDERED_FOREST, changes);
     follow_live(p, changes);
@@ -666,15 +666,15 @@ static void follow(struct pictures *p, const struct changes *changes)
 
 enum err pictures_begin(struct pictures **pictures, struct session *session, struct fault *fault)
 {
-    static const struct follower follower = {.mark = mark,
-                                             .take_back = take_back,
-                                             .settle = settle,
-                                             .follow = follow,
+    static const struct follower follower = {.mark = mark_pictures,
+                                             .take_back = take_back_pictures,
+                                             .settle = settle_pictures,
+                                             .follow = follow_edit,
                                              .forget_labels = drop_live,
                                              .take_camera = take_camera,
-                                             .forget = forget,
+                                             .forget = outdate_rendition,
                                              .leave_scene = leave_scene,
-                                             .release = release,
+                                             .release = release_pictures,
                                              .count_memory = count_memory};
     struct pictures *p = *pictures = session->pictures;
     if (p)

@@ -401,7 +401,7 @@ static enum err finish_colours(const struct exporting *e, const struct rendition
 
 /* Get memory of row `top` of the picture and of those after it; false if there is no memory to
  * fill. */
-static bool lend(const struct exporting *e, uint32_t top, uint32_t most, struct picture *to)
+static bool lend_rows(const struct exporting *e, uint32_t top, uint32_t most, struct picture *to)
 {
     if (e->file)
         return strips_lend(e->file, top, most, to) > 0;
@@ -410,7 +410,7 @@ static bool lend(const struct exporting *e, uint32_t top, uint32_t most, struct 
     return e->picture->rgba;
 }
 
-static void take(void *context, const struct rendition *rows, uint32_t top)
+static void take_rows(void *context, const struct rendition *rows, uint32_t top)
 {
     struct exporting *e = context;
     const uint32_t height = e->picture->height, width = rows->width;
@@ -429,7 +429,7 @@ static void take(void *context, const struct rendition *rows, uint32_t top)
         e->fault = fault;
     }
     pthread_mutex_unlock(&e->lock);
-    for (uint32_t y = 0; y < rows->height && lend(e, top + y, rows->height - y, &to);
+    for (uint32_t y = 0; y < rows->height && lend_rows(e, top + y, rows->height - y, &to);
          y += to.height) {
         export_fill(&to, e->session, rows, (size_t)y * width);
         if (!to.depth_mm)
@@ -442,8 +442,8 @@ static void take(void *context, const struct rendition *rows, uint32_t top)
 
 /* A stored rendition of one sample a pixel is kept, so that a rollback needs no memory; others, and
  * large ones, are released. */
-static enum err draw(struct exporting *e, struct session *session, const struct labels *labels,
-                     enum render_mode mode, struct fault *fault)
+static enum err draw_rows(struct exporting *e, struct session *session, const struct labels *labels,
+                          enum render_mode mode, struct fault *fault)
 {
     const struct outlook *outlook = &session->now.outlook;
     struct pictures *p;
@@ -460,7 +460,7 @@ static enum err draw(struct exporting *e, struct session *session, const struct 
     e->context = outlook->context ? &p->context : NULL;
     e->digest = rendition_digest_begin(outlook->view.width, outlook->view.height);
     p->rendered = RENDERED_NOT;
-    p->take = take;
+    p->take = take_rows;
     p->take_context = e;
     err = session_draw_labels(session, labels, mode, fault);
     p->take = NULL;
@@ -474,7 +474,7 @@ enum err export_rows(struct picture *picture, struct strips *file, struct sessio
 {
     struct exporting e = {.session = session, .picture = picture, .file = file};
     pthread_mutex_init(&e.lock, NULL);
-    const enum err err = draw(&e, session, labels, mode, fault);
+    const enum err err = draw_rows(&e, session, labels, mode, fault);
     pthread_mutex_destroy(&e.lock);
     decorating_end(e.decorating);
     *digest = e.digest;

@@ -34,8 +34,8 @@ enum { ROWS = 4 };
 
 /* Count between two intensities; the first is the greater one if values fall as intensities
  * rise. */
-static void fill(struct histogram *h, const uint32_t count[UINT16_MAX + 1], const int32_t window[2],
-                 const struct geometry *geometry)
+static void fill_bins(struct histogram *h, const uint32_t count[UINT16_MAX + 1],
+                      const int32_t window[2], const struct geometry *geometry)
 {
     const bool falls = window[0] > window[1];
     const int64_t low = falls ? window[1] : window[0], high = falls ? window[0] : window[1];
@@ -59,7 +59,7 @@ void histogram_of_session(struct histogram *histogram, struct session *session)
     int32_t window[2];
     window_of(window, session);
     intensities_count(count, session->scene, session->team);
-    fill(histogram, count, window, &session->geometry);
+    fill_bins(histogram, count, window, &session->geometry);
 }
 
 void histogram_of_counts(struct histogram *histogram, const uint32_t count[UINT16_MAX + 1],
@@ -72,7 +72,7 @@ void histogram_of_counts(struct histogram *histogram, const uint32_t count[UINT1
         window[0] = window[1];
         window[1] = least;
     }
-    fill(histogram, count, window, geometry);
+    fill_bins(histogram, count, window, geometry);
 }
 
 static double percent(const struct histogram *h, uint64_t voxels)

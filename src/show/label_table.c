@@ -118,7 +118,7 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
 
 /* ---- reading ---- */
 
-static bool add(struct label_table *table, const struct label_entry *entry)
+static bool add_entry(struct label_table *table, const struct label_entry *entry)
 {
     if (!mem_grow(&table->entry, &table->capacity, table->count + 1, sizeof *table->entry))
         return false;
@@ -206,7 +206,7 @@ static enum err read_line(struct label_table *table, struct part line, uint32_t 
                              number, REGION_MOST + 1);
         if (scan_itksnap(rest, &entry, &name) || scan_named(rest, &entry, &name)) {
             const enum err err = take_name(&entry, name, fault);
-            return err || add(table, &entry) ? err : fault_memory(fault, "a table of labels");
+            return err || add_entry(table, &entry) ? err : fault_memory(fault, "a table of labels");
         }
     }
     const ptrdiff_t length = line.end - line.at;
@@ -253,7 +253,7 @@ enum err label_table_read_lut(struct label_table *table, const uint8_t *bytes, s
     for (uint32_t l = 1; l < LABELS; l++) {
         const struct label_entry entry = {
             l, true, false, {bytes[l], bytes[LABELS + l], bytes[2 * LABELS + l]}, ""};
-        if (!add(table, &entry)) {
+        if (!add_entry(table, &entry)) {
             label_table_release(table);
             return fault_memory(fault, "a table of labels");
         }

@@ -171,8 +171,8 @@ enum err slicing_check_size(const struct view *view, struct fault *fault)
                      MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, view->width, view->height);
 }
 
-static enum err prepare(struct session *session, enum slice_kind kind, const struct labels *labels,
-                        struct fault *fault)
+static enum err prepare_mosaic(struct session *session, enum slice_kind kind,
+                               const struct labels *labels, struct fault *fault)
 {
     if (kind != SLICE_KIND_MOSAIC)
         return OK;
@@ -185,9 +185,9 @@ static enum err prepare(struct session *session, enum slice_kind kind, const str
 
 /* Fill a canvas, which is released on error: a slice, a mosaic, or that of a panel with its
  * rendition. */
-static enum err draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
-                     const struct labels *labels, struct slicing_panel *panel,
-                     const struct glance *glance, struct fault *fault)
+static enum err draw_canvas(struct canvas *canvas, struct session *session, enum slice_kind kind,
+                            const struct labels *labels, struct slicing_panel *panel,
+                            const struct glance *glance, struct fault *fault)
 {
     struct sketch sketch;
     enum err err = sketch_init(&sketch, session, fault);
@@ -221,10 +221,10 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
 {
     const struct view *view = &session->now.outlook.view;
     *canvas = (struct canvas){0};
-    enum err err = prepare(session, kind, labels, fault);
+    enum err err = prepare_mosaic(session, kind, labels, fault);
     if (!err)
         err = canvas_init(canvas, view->width, view->height, tells_cells ? CANVAS_CELLS : 0, fault);
-    return err ? err : draw(canvas, session, kind, labels, NULL, NULL, fault);
+    return err ? err : draw_canvas(canvas, session, kind, labels, NULL, NULL, fault);
 }
 
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
@@ -248,7 +248,8 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
         canvas_release(canvas);
     else
         err = canvas_renew(canvas, screen->width, screen->height, fault);
-    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, &labels, panel, &glance, fault);
+    return err ? err
+               : draw_canvas(canvas, session, SLICE_KIND_MOSAIC, &labels, panel, &glance, fault);
 }
 
 enum err slicing_draw_below(struct canvas *canvas, struct session *session,
@@ -281,7 +282,7 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
                          struct fault *fault)
 {
     const struct view *view = &session->now.outlook.view;
-    enum err err = prepare(session, kind, labels, fault);
+    enum err err = prepare_mosaic(session, kind, labels, fault);
     if (err)
         return err;
     if (kind == SLICE_KIND_MOSAIC) {
