@@ -1352,6 +1352,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         "render; show 2; render; hide all; show 3; render; show all; render; opacity 2 40; "
         "render; ~samples 2; render mode=sp; seed 8,8,2 1; run; render mode=ray; ~samples 1; "
         "opacity all 70; clip axial 1-8; render; plane 6,4,3; cut 0,0,0 5,5,5; render mode=ray; "
+        "plane 6,5,4 normal=1,-0.5,2 offset=1.5; render; ~focus scene; cut none; render; "
         "clip sagittal 3-10; seed 9,9,3 5; run; plane none; render; opacity 2 0; clip none; "
         "label 1 heart #ff0000; ~shade cubes; render; ~light 20 40.5; ~cue 60; ~edges on; "
         "~decorate scale; ~samples 2; ~background #405060; ~context mip; render; ~shade surface; "
@@ -1520,8 +1521,9 @@ STORY(an_interpolated_scene_is_the_same_when_replayed)
 {
     struct interpreter interp;
     static const char deeds[] =
-        "open scene.nii; ~size 32 32; interpolate 1 1 2; render; weight morph radius=2; "
-        "range 0 211; interpolate 2 1 1; interpolate 1 1 1; seed 1,1,1 1; seed 21,9,17 2; "
+        "open scene.nii; ~size 8 8; interpolate 1 1 2; ~size 32 32; render; hide 3; "
+        "weight morph radius=2; range 0 211; interpolate 2 1 1; interpolate 1 1 1; "
+        "seed 1,1,1 1; seed 21,9,17 2; "
         "weight sobel; run; golden finer > finer.golden/finer.exr; "
         "golden slice of=sagittal > finer.golden/slice.exr";
     begin_recording(&interp, "finer.iftty");

@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Cuts: borders compared with a slow count, four ways to one picture through cuts, edits and hidden
- * labels, and commands whose every step can be undone.
+ * labels, and commands.
  */
 #include "command/execute.h"
 #include "interpreting.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "base/file.h"
 #include "image/exr.h"
 #include "show/pictures.h"
 #include "tests/border_check.h"
@@ -604,80 +602,6 @@ STORY(a_picture_notes_what_is_cut_away_and_in_focus)
                "yaw 270 pitch 0 roll 0 degrees, zoom 1.5, 64x64 pixels, voxel 0,0,0 in the middle");
     picture_release(&p);
     interpreter_release(&interp);
-}
-
-/* Fails to be recorded, and is taken back; then works, and is the same when replayed. */
-static const char *failing_path;
-
-static int no_space(enum file_step step, const char *path)
-{
-    return step == FILE_STEP_WRITE && strcmp(path, failing_path) == 0 ? ENOSPC : 0;
-}
-
-STORY(cuts_are_taken_back_and_replayed_exactly)
-{
-    static const char *const line[] = {"open synth:geom:40x30x20",
-                                       "size 50 40",
-                                       "seed 20,15,10 1",
-                                       "seed 2,2,2 2",
-                                       "run",
-                                       "render",
-                                       "turn 20 30",
-                                       "plane 20,15,10",
-                                       "plane 20,15,10 normal=1,-0.5,2 offset=1.5",
-                                       "render",
-                                       "clip axial 2-15",
-                                       "cut 0,0,0 15,15,9",
-                                       "render",
-                                       "seed 18,16,11 3",
-                                       "run",
-                                       "hide 2",
-                                       "pan 3.25 -7",
-                                       "render",
-                                       "clip sagittal 20",
-                                       "clip none",
-                                       "focus 9,9,9",
-                                       "plane none",
-                                       "render",
-                                       "remove 18,16,11",
-                                       "run",
-                                       "cut none",
-                                       "focus scene",
-                                       "render"};
-    struct interpreter interp;
-    struct buf told = {0};
-    char path[PATH_MAX];
-    snprintf(path, sizeof path, "%s/cuts.iftty", folder);
-    failing_path = path;
-    CHECK(interpreter_init(&interp, NULL) == OK);
-    CHECK(interpreter_create_journal(&interp, path, NULL) == OK);
-    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        const struct session *session = interp.session;
-        const struct state before = session->now;
-        const bool rendered = session_rendered(session);
-        const uint64_t seen = rendered ? rendition_digest(&session->pictures->rendition) : 0;
-        file_step_hook = no_space;
-        CHECK_INT(execute(&interp, line[i]), ERR_IO);
-        file_step_hook = NULL;
-        CHECK(memcmp(&before.kept.cut, &session->now.kept.cut, sizeof before.kept.cut) == 0);
-        CHECK(memcmp(&before.outlook.view, &session->now.outlook.view,
-                     sizeof before.outlook.view) == 0);
-        CHECK(session_rendered(session) == rendered);
-        CHECK(!rendered || rendition_digest(&session->pictures->rendition) == seen);
-        CHECK(!session->has_scene || border_check(&session->border, NULL));
-        must(&interp, line[i]);
-    }
-    const struct state end = interp.session->now;
-    const uint64_t seen = rendition_digest(&interp.session->pictures->rendition);
-    interpreter_release(&interp);
-    CHECK(interpreter_init(&interp, NULL) == OK);
-    CHECK(interpreter_resume_journal(&interp, path, &told, &fault) == OK);
-    CHECK(memcmp(&end.kept.cut, &interp.session->now.kept.cut, sizeof end.kept.cut) == 0);
-    CHECK(memcmp(&end.outlook.view, &interp.session->now.outlook.view, sizeof end.outlook.view) ==
-          0);
-    CHECK(picture(&interp) == seen);
-    interpreter_release(&interp);
-    buf_release(&told);
 }
 
 int main(void)

@@ -48,17 +48,6 @@ static const char *row_labels(struct world *w)
     return text;
 }
 
-STORY(a_lone_seed_claims_the_scene)
-{
-    struct world w = world_new(5, 4, 3, 6);
-    plant_at(&w, 2, 1, 1, 7);
-    for (uint32_t x = 0; x < 5; x++)
-        CHECK_INT(voxel(&w, x, 3, 2)->label, 7);
-    CHECK_INT(key_hops(voxel(&w, 4, 3, 2)->key), 2 + 2 + 1);
-    CHECK(forest_check(w.forest, NULL));
-    world_free(&w);
-}
-
 STORY(two_seeds_meet_at_the_ridge)
 {
     struct world w = world_new(9, 1, 1, 6);
@@ -79,21 +68,6 @@ STORY(on_a_plateau_hops_decide_and_then_the_smaller_root)
     plant_at(&w, 0, 0, 0, 1);
     CHECK_TEXT(row_labels(&w), "1111222");
     world_free(&w);
-}
-
-STORY(the_order_of_planting_does_not_matter)
-{
-    struct world a = world_new(7, 1, 1, 6), b = world_new(7, 1, 1, 6);
-    plant_at(&a, 0, 0, 0, 1);
-    plant_at(&a, 6, 0, 0, 2);
-    plant_at(&a, 3, 0, 0, 3);
-    plant_at(&b, 3, 0, 0, 3);
-    plant_at(&b, 6, 0, 0, 2);
-    plant_at(&b, 0, 0, 0, 1);
-    CHECK(forest_digest(a.forest) == forest_digest(b.forest));
-    CHECK(forest_label_digest(a.forest) == forest_label_digest(b.forest));
-    world_free(&a);
-    world_free(&b);
 }
 
 STORY(erasing_a_seed_gives_its_tree_to_the_neighbours)

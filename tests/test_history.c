@@ -353,7 +353,8 @@ STORY(random_walks_come_back_to_the_very_same_states)
 
 /* ---- out of memory, cancelled, not recorded ---- */
 
-static unsigned allowed;
+static unsigned allowed; /* allocations before one fails; all after it succeed again */
+
 static bool allow_some(size_t bytes)
 {
     (void)bytes;
@@ -423,7 +424,8 @@ static unsigned starve_everywhere(struct interpreter *interp, const char *line, 
     struct snapshot before;
     unsigned refused = 0;
     take_snapshot(&before, interp);
-    for (unsigned few = 0; few < 80; few++) {
+    unsigned few = 0;
+    for (; few < 80; few++) {
         allowed = few;
         mem_allows = allow_some;
         const enum err err = execute(interp, line);
@@ -441,6 +443,7 @@ static unsigned starve_everywhere(struct interpreter *interp, const char *line, 
         refused++;
         is_as_before(&before, interp, line);
     }
+    CHECK(few < 80);
     return refused;
 }
 
@@ -624,6 +627,7 @@ STORY(a_scene_is_opened_and_interpolated_or_is_not)
         snprintf(line, sizeof line, "open %s", scenes[i]);
         CHECK(stop_everywhere(&interp, line, false, true) > 20);
         CHECK(stop_everywhere(&interp, "interpolate 2 1 2", true, true) > 20);
+        CHECK(starve_everywhere(&interp, "interpolate 1 2 1", NULL) > 4);
         interpreter_release(&interp);
     }
 }

@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Interpolation: by hand, compared with a plain computation, and as a command that can be undone.
+ * Interpolation: by hand, and compared with a plain computation. tests/test_command.c and
+ * tests/test_history.c show that it can be undone.
  */
 #include <stdlib.h>
 
 #include "session/session_inside.h"
 #include "session/session.h"
-#include "show/draw.h"
-#include "show/pictures.h"
 #include "tests/border_check.h"
 #include "tests/check.h"
-#include "tests/scarce_memory.h"
 
 static struct scene *random_scene(uint64_t *random, uint32_t side_most, bool extreme)
 {
@@ -165,65 +163,6 @@ STORY(voxels_stay_where_they_are_in_the_world)
     session_free(session);
 }
 
-/* What a rollback must restore. */
-struct trace {
-    uint64_t scene, weights, keys, labels, picture;
-    struct geometry geometry;
-    struct view view;
-    bool rendered;
-};
-
-static struct trace trace_of(const struct session *session)
-{
-    struct trace trace;
-    const struct arc_rule arcs = {.kind = weight_arcs(session->now.kept.weight.kind)};
-    memset(&trace, 0, sizeof trace);
-    trace.scene = scene_digest(session->scene);
-    trace.weights = weight_digest(session->scene, &arcs, NULL);
-    CHECK(trace.scene == session->scene_digest && trace.weights == session->weight_digest);
-    trace.keys = forest_digest(session->forest);
-    trace.labels = forest_label_digest(session->forest);
-    memcpy(trace.geometry.to_mm, session->geometry.to_mm, sizeof trace.geometry.to_mm);
-    memcpy(trace.geometry.spacing_nm, session->geometry.spacing_nm,
-           sizeof trace.geometry.spacing_nm);
-    memcpy(&trace.view, &session->now.outlook.view, sizeof trace.view);
-    trace.rendered = session_rendered(session);
-    trace.picture = session_rendered(session) ? rendition_digest(&session->pictures->rendition) : 0;
-    return trace;
-}
-
-STORY(a_rollback_gives_the_former_scene_back)
-{
-    for (int i = 0; i < 4; i++) {
-        const bool rendered = i % 2;
-        struct session *session;
-        begin(&session);
-        struct state next = session->now;
-        next.kept.visible[3] = false;
-        CHECK(session_go(session, &next, NULL, 0, NULL) == OK);
-        struct view view = session->now.outlook.view;
-        view.width = view.height = i < 2 ? 64 : 1024; /* the latter without another zoom */
-        CHECK(session_set_view(session, &view, NULL) == OK);
-        if (rendered)
-            CHECK(session_render(session, RENDER_RAY, NULL) == OK);
-        session_mark(session);
-        const struct trace before = trace_of(session);
-        CHECK(session_interpolate(session, 1, NULL) == OK);
-        CHECK(!session_rendered(session) && !session->border.visible[3]);
-        CHECK(memcmp(&before.scene, &session->scene_digest, sizeof before.scene) != 0);
-        session_rollback(session);
-        const struct trace after = trace_of(session);
-        CHECK(memcmp(&before, &after, sizeof before) == 0);
-        CHECK(session->inside->former_scene.scene == NULL);
-        CHECK(rendered ? session->pictures->camera.scene == session->scene : !session->pictures);
-        CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 66, 84, 50)}, 1,
-                            1, 0, NULL) == OK);
-        CHECK(session_run(session, NULL) == OK);
-        CHECK(forest_check(session->forest, NULL) && border_check(&session->border, NULL));
-        session_free(session);
-    }
-}
-
 STORY(once_seeds_are_there_it_is_refused)
 {
     struct session *session;
@@ -251,8 +190,6 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     struct fault fault = {0};
     begin(&session);
     CHECK(session_set_range(session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
-    session_mark(session);
-    const struct trace before = trace_of(session);
     const struct roi_tally tally = session->roi_tally;
     CHECK(session_interpolate(session, 4, NULL) == OK);
     const struct roi_tally finer = roi_tally(&session->roi, session->scene);
@@ -269,13 +206,6 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     session_free(session);
 
     begin(&session);
-    CHECK(session_set_range(session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
-    session_mark(session);
-    CHECK(session_interpolate(session, 4, NULL) == OK);
-    session_rollback(session);
-    const struct trace after = trace_of(session);
-    CHECK(memcmp(&before, &after, sizeof before) == 0);
-    CHECK_INT(session->roi_tally.inside, tally.inside);
     const size_t bytes = mask_bytes(&session->scene->grid);
     uint64_t *mask = malloc(bytes);
     if (CHECK(mask != NULL)) {
@@ -294,28 +224,6 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "a mask or weights out of a file lie on the scene as it is");
     free(weight);
-    session_free(session);
-}
-
-STORY(without_memory_nothing_has_changed)
-{
-    struct session *session;
-    begin(&session);
-    const struct trace before = trace_of(session);
-    enum err err = ERR_MEMORY;
-    unsigned refused = 0;
-    for (unsigned n = 0; err && n < 50; n++) {
-        allow_allocations(n);
-        err = session_interpolate(session, 1, NULL);
-        mem_allows = NULL;
-        if (!err)
-            break;
-        refused++;
-        session_rollback(session);
-        const struct trace after = trace_of(session);
-        CHECK(memcmp(&before, &after, sizeof before) == 0);
-    }
-    CHECK(err == OK && refused >= 4);
     session_free(session);
 }
 
