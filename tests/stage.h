@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What stories of renditions share: a scene, its forest and border, and how they are looked at.
+ * Data for stories about renditions: a scene, its forest and border, and the view.
  *
- * The rendition takes memory where a story wants it to; stage_release gives it back with the rest,
- * also where stage_init failed halfway.
+ * A story allocates the rendition if it needs one; stage_release frees it with the rest, also after
+ * a failed stage_init.
  */
 #ifndef TESTS_STAGE_H
 #define TESTS_STAGE_H
@@ -24,17 +24,17 @@ struct stage {
     struct scene *scene;
     struct forest *forest;
     struct border border;
-    struct mesh mesh; /* of the border, as of the last picture */
+    struct mesh mesh; /* mesh of the border in the last picture */
     struct view view;
     struct camera camera;
     struct palette palette;
     struct look look;
     struct shader shader;
     struct rendition rendition;
-    struct layers layers; /* that of the rendition, or of any other that a story has */
+    struct layers layers; /* layers of this rendition, or of another one in a story */
 };
 
-/* Takes the scene, with a forest of no seeds, in the view and look that a session begins with. */
+/* Own the scene, with a forest without seeds, in the initial view and look of a session. */
 static inline enum err stage_take(struct stage *s, struct scene *scene, unsigned adjacency,
                                   struct fault *why)
 {
@@ -93,7 +93,7 @@ static inline void stage_opacities(struct stage *s, uint64_t *random)
             (uint8_t)(translucent && check_below(random, 3) ? 1 + check_below(random, 100) : 100);
 }
 
-/* The plane through the centre of a voxel that leaves what lies `ahead` of it: a direction along
+/* The plane through the centre of a voxel that keeps the side in direction `ahead`, which is along
  * voxel axes, of any length below 2^31, in a scene of this spacing. */
 static inline struct cut_plane stage_plane_through(const struct scene *scene,
                                                    const uint32_t place[3], const int32_t ahead[3])
@@ -132,22 +132,21 @@ static inline void stage_fill(struct rendition *r)
                 rendition_empty(r, (size_t)y * r->width + x, 1);
 }
 
-/* Brings the mesh up to date, and has a rendition of what is shown the stage's layers where it
- * needs them. */
+/* Update the mesh, and add the layers of the stage to a rendition that needs them. */
 static inline void stage_fit(struct stage *s, struct rendition *rendition)
 {
     CHECK(mesh_update(&s->mesh, &s->border, shade_kind(&s->look), NULL, NULL, NULL) == OK);
     CHECK(layers_take(&s->layers, rendition, &s->border, NULL) == OK);
 }
 
-/* Colours of what a rendition shows. */
+/* Shade a rendition. */
 static inline void stage_shade(struct stage *s, struct rendition *rendition)
 {
     CHECK(shade(rendition, &s->camera, &s->mesh, &s->palette, &s->look, &s->shader, NULL) == OK);
     stage_fill(rendition);
 }
 
-/* A picture of what is shown, from nothing; the camera is made. */
+/* Draw a complete picture; the camera is set. */
 static inline void stage_render(struct stage *s, struct rendition *rendition, projection *project)
 {
     stage_fit(s, rendition);
@@ -180,7 +179,7 @@ static inline void stage_follow(struct stage *s, struct rendition *rendition,
                             s->shader.team, NULL) == OK);
 }
 
-/* The stage's picture of what is shown, by its view. */
+/* Draw the stage's picture by its view. */
 static inline void stage_draw(struct stage *s)
 {
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);

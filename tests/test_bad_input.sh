@@ -24,7 +24,7 @@ refused() {
     refused_status=$1 words=$2
     shift 2
     expect "$refused_status" "$@"
-    # the report of a replay stands in lines that begin with #
+    # lines of the report of a replay begin with #
     [ "$(grep -vc '^#' "$work/err")" = 1 ] || fail "not one line from $*:" "$(sed 5q "$work/err")"
     cat "$work/err" "$work/out" >"$work/both"
     grep -qF -e "$words" "$work/both" || fail "no '$words' from $*:" "$(cat "$work/both")"
@@ -444,7 +444,7 @@ seeds() { # many of them
         for (i = 0; i < 200; i++) print "seed " i % 24 "," i % 20 "," i % 16 " " i % 7
         print "run" }'
 }
-# What was acknowledged before the disk was full is in the journal, and more can follow.
+# Commands acknowledged before the disk was full are in the journal, and more can follow.
 holds_what_was_said() { # JOURNAL
     sed -n 's/^ok [0-9-]* //p' "$work/out" >"$work/said"
     "$iftty" log --script "$1" >"$work/kept" || fail "log --script"
@@ -497,7 +497,7 @@ if can_mount && mount -t tmpfs -o size=64k tmpfs "$full"; then
 fi
 close_story
 
-# ---- what a terminal would obey ----
+# ---- control sequences of terminals ----
 
 begin "escape sequences come out as text"
 bad="a${esc}[31mb${esc}]0;x$(printf '\007\233')"

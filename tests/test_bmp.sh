@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Folders of BMP slices, as scanners of small animals write them: grey of 8 bits is read, from the
-# bottom and from the top; what is anything else is named, with what converts it.
+# bottom and from the top; other files are refused by name, with a converter.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 

@@ -41,7 +41,7 @@ END
 [ "$failures" = 0 ] || { close_story; finish; }
 close_story
 
-# what_of FILE ARGUMENTS...: the words of each command that reads a map
+# what_of FILE ARGUMENTS...: the output of each command that reads a map
 commands_of() { # FILE WORDS
     printf '%s\n' "labels $1$2; run; save labels got.nii empty=yes" \
         "seed-file $1$2; run; save labels got.nii" \

@@ -11,7 +11,7 @@
 
 static char folder[FOLDER_LENGTH];
 
-/* A file of such a name that begins as the row says, and goes on as nothing that is known does. */
+/* A file with such a name and the first bytes of the row, and an unknown rest. */
 static const char *make(const struct foreign *row, const char *ending, size_t length)
 {
     char name[32], bytes[1024];

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where a scene lies, as far as its file says it: whatever the sform, the qform and pixdim are,
- * alone and together. */
+/* The place of a scene by its file, for any sform, qform and pixdim, alone and together. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,12 +79,12 @@ static const char *towards(unsigned number)
     return letters;
 }
 
-/* ---- what is known ---- */
+/* ---- known places ---- */
 
 STORY(nothing_is_known_without_codes)
 {
     begin();
-    put_sform("LPS", 0); /* that nobody vouches for */
+    put_sform("LPS", 0); /* without a code */
     put_qform("LPS", 0);
     header.sform_code = header.qform_code = 0;
     read_it();
@@ -256,7 +255,7 @@ STORY(a_tilt_is_the_angle_of_an_axis_and_the_side_that_names_it)
     CHECK(geometry_tilt(&geometry) < 1e-6);
 }
 
-/* ---- what the user tells ---- */
+/* ---- orient ---- */
 
 STORY(letters_tell_axes_and_no_place)
 {

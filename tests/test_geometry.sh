@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What a file leaves open of its place is unknown in every answer and picture, until it is told.
+# Facts about the place that a file does not state are unknown in every answer and picture, until
+# the user states them.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 cp "$top"/tests/journals/*.nii.gz .

@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What headers say of units, axes, types and scales (volumes/headers.py): the same voxels in the
+# Units, axes, types and scales in headers (volumes/headers.py): the same voxels in the
 # same place as a NIfTI of nibabel's; where it is not known, no length and no side; and a valid file
-# that is not read is refused by the name of what it is.
+# that is not read is refused by the name of its kind.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/volumes/opened.sh"
 
 begin "files are made"
 made_by headers.py
 
-# as_said STORY: each file that is to be refused, or of which something is to be said
+# as_said STORY: each file has its expected refusal, or its expected note
 as_said() {
     while IFS='	' read -r file words; do
         expect 3 "$iftty" -c "open $file"

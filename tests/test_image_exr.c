@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* OpenEXR: what is written comes back exactly, and what others wrote is taken or told off. */
+/* OpenEXR: written pictures are read back exactly; files of other programs are read or refused. */
 #include "check.h"
 #include "folder.h"
 
@@ -115,7 +115,7 @@ STORY(every_level_comes_back_from_under_every_alpha)
     CHECK_INT(subnormal, 188);
 }
 
-/* What another program makes of them: any half, of any alpha. */
+/* Values of another program: any half, with any alpha. */
 STORY(any_half_is_the_nearest_level)
 {
     for (unsigned alpha = 0; alpha < 256; alpha += 5)
@@ -258,7 +258,7 @@ STORY(a_full_disk_leaves_the_former_file)
     picture_release(&q);
 }
 
-/* Replaces the one place where `from` stands in the file by as many bytes of `to`. */
+/* Replace the only occurrence of `from` in the file by as many bytes of `to`. */
 static void patch(const void *from, const void *to, size_t length)
 {
     struct buf file = {0};

@@ -239,7 +239,7 @@ STORY(a_format_of_one_picture_refuses_several)
 {
     CHECK_HAS(write_frames("a.png", 2, 0), ".png holds one picture; expected for instance .gif");
     CHECK_HAS(write_frames("a.xyz", 3, 0), "no known format writes .xyz");
-    CHECK_TEXT(write_frames("a.png", 1, 0), ""); /* the same helper goes on */
+    CHECK_TEXT(write_frames("a.png", 1, 0), ""); /* the same helper continues */
 }
 
 STORY(frames_that_never_come_cost_one_helper)
@@ -287,7 +287,7 @@ static struct image_helper *scripted(const char *script)
     return odd;
 }
 
-/* What a scripted helper's failure is called, reading (or writing a large picture). */
+/* The message for a scripted helper that fails, reading (or writing a large picture). */
 static const char *failure(const char *script, bool writing)
 {
     static struct fault fault;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* NIfTI: every kind of file that is read, every kind that is refused, and what is written. */
+/* NIfTI: each kind of file that is read, each kind that is refused, and written files. */
 #include "check.h"
 #include "folder.h"
 
@@ -97,7 +97,7 @@ static void save_packed(const char *path, const void *bytes, size_t length)
     gzclose(file);
 }
 
-/* Reads what was made, plain; fails the story where that is refused. */
+/* Read the bytes as a plain file; a refusal fails the story. */
 static struct volume read_made(const struct made *m)
 {
     struct volume v;
@@ -120,7 +120,7 @@ static const char *refusal_of(const char *path)
     return fault.text;
 }
 
-/* The words with which what was made is refused. */
+/* The message that refuses the bytes. */
 static const char *refusal(const struct made *m)
 {
     save(plain, m->bytes, m->length);
@@ -243,7 +243,7 @@ static void append(const char *path, const char *bytes)
     fclose(file);
 }
 
-/* 10x10x9 voxels, which may be more bytes than lie before them, and 48 bytes of an extension. */
+/* Make 10x10x9 voxels, with or without 48 bytes of an extension. */
 static struct made make_larger(int datatype, bool big, bool extended, uint64_t *chance)
 {
     struct made m = make(datatype, big);
@@ -339,7 +339,7 @@ STORY(a_pair_is_what_the_single_file_is)
         put_sform(&m, (const float[12]){-2, 0, 0, 9, 0, 2, 0, 8, 0, 0, 3, 7});
         struct volume expected = read_made(&m);
         memcpy(m.bytes + MAGIC, "ni1", 4);
-        put_float(&m, OFFSET, i / 10 ? 32 : 0); /* of bytes before them */
+        put_float(&m, OFFSET, i / 10 ? 32 : 0); /* bytes before the voxels */
         struct volume v = read_pair(&m, i / 10 ? DATA - 32 : DATA);
         CHECK(memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
         CHECK(memcmp(v.geometry.to_mm, expected.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
@@ -398,7 +398,7 @@ STORY(types_and_scales_of_spm_are_read)
     }
 }
 
-/* ---- where it lies ---- */
+/* ---- the place ---- */
 
 STORY(the_place_is_the_sform_or_the_qform_or_the_axes_of_the_world)
 {
@@ -519,9 +519,9 @@ STORY(units_of_length_are_honoured)
     }
 }
 
-/* ---- what is refused ---- */
+/* ---- refusals ---- */
 
-/* Headers with a change or two, which is what is wrong with them. */
+/* Headers with wrong fields. */
 STORY(wrong_headers_are_refused_with_what_was_expected)
 {
     static const struct {
@@ -832,7 +832,7 @@ STORY(damaged_gzip_never_does_harm)
         char kept = file.data[at];
         file.data[at] ^= (char)(1 + check_below(&chance, 255));
         save(packed, file.data, file.length);
-        /* What a damaged byte does not change (a time, padding) may pass; no voxel ever differs. */
+        /* A damaged time or padding may pass, but no voxel ever differs. */
         if (volume_read(&v, packed, NULL, NULL, &fault) == OK)
             for (unsigned i = 0; i < VOXELS; i++)
                 CHECK_INT(v.intensity[i], m.bytes[DATA + 2 * i] | m.bytes[DATA + 2 * i + 1] << 8);
@@ -842,7 +842,7 @@ STORY(damaged_gzip_never_does_harm)
     buf_release(&file);
 }
 
-/* ---- what is written ---- */
+/* ---- writing ---- */
 
 struct asked {
     const uint32_t *size;
@@ -999,7 +999,7 @@ STORY(a_quaternion_longer_than_1_is_normalised_on_saving)
         memcpy(q, file.data + QUATERN, sizeof q);
         const double square = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2];
         CHECK(square < 1 + 3e-7);
-        CHECK(i < 4 || memcmp(q, given[i], sizeof q) == 0); /* what is rounded stays as it is */
+        CHECK(i < 4 || memcmp(q, given[i], sizeof q) == 0); /* a rounded one is not changed */
         struct volume again;
         CHECK_INT(volume_read(&again, plain, NULL, NULL, NULL), OK);
         CHECK(geometry_apart(&v.geometry, &again.geometry, size) < 1e-5);
@@ -1126,7 +1126,7 @@ STORY(names_and_existing_files_are_checked)
     CHECK_HAS(fault.text, "there is no folder");
 }
 
-/* A limit on the size of files stands in for a full disk: the write itself fails, early or only
+/* A limit on the size of files simulates a full disk: the write itself fails, early or only
  * when the last block is flushed at the close. */
 STORY(a_disk_that_fills_leaves_the_former_file)
 {

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # NRRD that iftty reads itself: the same words, voxels and place, to the last digit, as ITK says of
 # the same header; and that all other headers go on to ITK (volumes/nrrd.py). And that files in
-# left-anterior-superior, of which ITK 5.2 turns the wrong axis, lie where they say by either way.
+# left-anterior-superior, whose wrong axis ITK 5.2 flips, have the right place either way.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/volumes/opened.sh"
 
@@ -12,8 +12,8 @@ mkdir "$work/alone"
 cp "$iftty" "$work/alone/iftty" # which has no helpers
 alone=$work/alone/iftty
 
-# told PROGRAM FILE: all that it says of it, with the digest of the scene and the place of a map,
-# into $work/told
+# told PROGRAM FILE: its complete output about it, with the digest of the scene and the place of a
+# map, into $work/told
 told() {
     rm -f "$work"/map.* "$work/j.iftty"
     {

@@ -99,7 +99,7 @@ STORY(a_picture_is_there_when_the_news_say_so)
     picture_writer_news(writer, &text);
     CHECK_TEXT(buf_text(&text), wrote);
     CHECK(!has_news(writer, 0));
-    picture_writer_news(writer, &text); /* told once */
+    picture_writer_news(writer, &text); /* reported once */
     CHECK_TEXT(buf_text(&text), wrote);
     picture_writer_free(writer);
     buf_release(&text);
@@ -148,7 +148,7 @@ STORY(a_helper_that_dies_costs_one_picture)
     struct picture_writer *writer = scripted("exit 3");
     give(writer, "dead.tif", FILE_KEEP, 1);
     CHECK_HAS(news(writer), "error: cannot write ");
-    CHECK_TEXT(news(writer), ""); /* told once */
+    CHECK_TEXT(news(writer), ""); /* reported once */
     give(writer, "alive.exr", FILE_KEEP, 1);
     CHECK_HAS(news(writer), "wrote ");
     CHECK(!file_exists(file_in(folder, "dead.tif")) && file_exists(file_in(folder, "alive.exr")));
@@ -166,7 +166,7 @@ STORY(a_known_number_of_pictures_waits)
         snprintf(name, sizeof name, "wait%u.tif", i);
         give(writer, name, FILE_KEEP, 1);
     }
-    /* One is at work, four wait, and nobody has waited for any of them. */
+    /* One is being written, four wait, and no caller has waited for them. */
     CHECK(picture_writer_holds(writer, file_in(folder, "wait0.tif")) &&
           picture_writer_holds(writer, file_in(folder, "wait4.tif")));
     CHECK(!picture_writer_holds(writer, file_in(folder, "wait5.tif")));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures as commands make them: what they hold, and how they come to the disk. */
+/* Pictures of commands: their content, and how they are written to the disk. */
 #include <dirent.h>
 #include <limits.h>
 #include <math.h>
@@ -37,7 +37,7 @@ static void begin_with_object(struct interpreter *interp)
     must(interp, "render");
 }
 
-/* ---- what a picture holds ---- */
+/* ---- content ---- */
 
 STORY(an_exr_in_tiles_holds_what_one_in_lines_holds)
 {
@@ -127,7 +127,7 @@ STORY(a_picture_says_what_it_is_of)
     interpreter_release(&interp);
 }
 
-/* Labels that are seen, with what they are called and the colours they have; and the scale. */
+/* Visible labels, with their names and colours; and the scale. */
 STORY(a_picture_says_which_labels_it_shows)
 {
     struct interpreter interp;
@@ -157,8 +157,9 @@ static void by_matrix(double out[3], const double point[3], const float matrix[4
     }
 }
 
-/* The voxel of a pixel lies where the pixel and its depth are: its middle to a voxel and a half,
- * for surfaces are smoothed; a few lie further off (MESH_BEYOND). Gives how many there are. */
+/* Check that the voxel of each pixel is at the position of the pixel and its depth: its middle
+ * within a voxel and a half, since surfaces are smoothed; a few are further away (MESH_BEYOND).
+ * Returns the number of pixels. */
 static size_t check_places(const struct picture *p, const struct session *session)
 {
     const struct grid *grid = &session->scene->grid;
@@ -186,7 +187,7 @@ static size_t check_places(const struct picture *p, const struct session *sessio
     return seen;
 }
 
-/* The bytes that follow a mark in a file, so many; false where there is none. */
+/* Read `length` bytes after a mark in a file; false without the mark. */
 static bool after_mark(const char *path, const char *mark, size_t length, size_t skipped, void *out,
                        size_t bytes)
 {
@@ -238,8 +239,8 @@ STORY(an_exr_has_a_camera_that_is_a_rotation)
     interpreter_release(&interp);
 }
 
-/* Pixels per metre of what is shown, the same both ways; colours are to be shown by perceptual
- * intent. Where the scale is not known, none is said. */
+/* Pixels per metre of the scene, the same in both directions, and perceptual intent for colours. An
+ * unknown scale is omitted. */
 STORY(a_png_says_how_large_it_is_and_what_its_colours_are)
 {
     struct interpreter interp;
@@ -256,7 +257,7 @@ STORY(a_png_says_how_large_it_is_and_what_its_colours_are)
     interpreter_release(&interp);
 }
 
-/* A scene that lies obliquely in the world: 30 degrees about z, then 20 about x. */
+/* An oblique scene: turned by 30 degrees about z, then 20 about x. */
 static const double oblique[3][4] = {{0.866025404, -0.5, 0, 17},
                                      {0.469846310, 0.813797681, -0.342020143, -40},
                                      {0.171010072, 0.296198133, 0.939692621, 900}};
@@ -305,7 +306,7 @@ STORY(normals_of_an_oblique_scene_are_turned_with_it)
     }
 }
 
-/* Of axes that are no right angles, a normal stays at right angles to the face that it is of. */
+/* On sheared axes a normal is still at right angles to its face. */
 STORY(normals_of_a_sheared_scene_stay_at_right_angles)
 {
     static const double sheared[3][4] = {{2, 0.5, 0, 0}, {0, 1, 0.3, 0}, {0, 0, 3, 0}};
@@ -366,7 +367,7 @@ STORY(a_turntable_shows_what_turning_shows)
     interpreter_release(&interp);
 }
 
-/* Whether two files hold the same bytes; then the second is taken away. */
+/* Compare the bytes of two files, and remove the second. */
 static bool same_file(const char *one, const char *other)
 {
     struct buf a = {0}, b = {0};
@@ -380,8 +381,8 @@ static bool same_file(const char *one, const char *other)
     return CHECK(same);
 }
 
-/* Pictures of which colours alone are drawn, and those of which there is more, have the bytes that
- * one after the other has, notes too; and all of them are what is in the record. */
+/* Pictures with colours alone, and with all planes, have the same bytes as when they are written
+ * one by one, with their notes; and the record has all of them. */
 STORY(files_of_a_turntable_are_those_that_turning_writes)
 {
     static const struct {
@@ -566,7 +567,7 @@ STORY(a_turntable_is_the_same_when_replayed)
     interpreter_release(&interp);
 }
 
-/* ---- beside the session ---- */
+/* ---- in the background ---- */
 
 static const char *news_of(struct interpreter *interp)
 {
@@ -591,7 +592,7 @@ STORY(at_a_prompt_a_picture_is_written_beside_the_session)
     CHECK_TEXT(news_of(&interp), "wrote beside.png\n");
     CHECK(file_exists("beside.png"));
     must(&interp, "render beside.exr");
-    must(&interp, "seed 1,1,3 2"); /* goes on meanwhile, and changes nothing of what is written */
+    must(&interp, "seed 1,1,3 2"); /* continues meanwhile, without an effect on the file */
     must(&interp, "run");
     CHECK_TEXT(news_of(&interp), "wrote beside.exr\n");
     interpreter_release(&interp);

@@ -170,7 +170,7 @@ expect 0 "$iftty" verify over.iftty
 close_story
 
 begin "a compositor that knows OpenEXR puts our picture over its own, and finds it in the world"
-# Edges too, up to what the mean of squares is off the mean of light.
+# Edges too, up to the difference between the mean of sRGB values and the mean of light.
 compared 0 --fail 0.04 --warn 1 clear.exr --ch R,G,B,A --create 150x110 4 \
     --fill:color=0.21586,0.21586,0.21586,1 150x110+0+0 --over --ch R,G,B \
     --colorconvert linear sRGB grey.png --diff
@@ -297,7 +297,7 @@ expect 0 "$iftty" info two.tif
 same "$(sed -n 's/^frames *//p' out)" 2
 close_story
 
-# Of a helper that makes a process before its library is still, one in thirty hangs.
+# A helper that forks while threads of its library start hangs once in thirty times.
 begin "dozens of openings, eight at once: every helper answers"
 : >bad
 for column in 1 2 3 4 5 6 7 8; do

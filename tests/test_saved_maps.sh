@@ -111,7 +111,7 @@ err_has 'a .seg.nrrd holds labels; expected .nrrd for this map'
 [ ! -e c.seg.nrrd ] || fail "it is there"
 close_story
 
-# What a file is as a scene: its digest (voxels, spacing, axes) and where its far corner lies.
+# The file as a scene: its digest (voxels, spacing, axes) and the position of its far corner.
 seen_as() {
     rm -f seen.iftty
     "$iftty" -c "open $1; why 23,19,15" --journal seen.iftty >seen || fail "cannot open $1"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What scanners write besides plain slices (volumes/series.py): mosaics of Siemens, as nibabel reads
-# them; folders of several series, and of files of which some are damaged.
+# Files of scanners other than plain slices (volumes/series.py): mosaics of Siemens, as nibabel
+# reads them; folders with several series, and with damaged files.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/volumes/opened.sh"
 

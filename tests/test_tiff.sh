@@ -19,7 +19,7 @@ facts_of() {
               for (k = 1; k <= 5; k++) print keys[k], last[keys[k]] }' \
         "$work/j.iftty" >"$work/facts"
 }
-# like_twins STORY: each of its files is what its twin is
+# like_twins STORY: each of its files equals its twin
 like_twins() {
     count=0
     while read -r of name twin options; do

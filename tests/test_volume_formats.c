@@ -20,7 +20,7 @@ static char folder[FOLDER_LENGTH];
  * row is written, the name of such a file. */
 static const struct proven {
     const char *format, *target, *written;
-    bool by_bytes; /* its files say what they are */
+    bool by_bytes; /* recognised by its first bytes */
 } proven[] = {
     {"nifti_format", "nifti", "a.nii.gz", true}, {"pair_format", "nifti", NULL, false},
     {"mgh_format", "mgh", "a.mgz", true},        {"nrrd_format", "nrrd", "a.nrrd", true},
@@ -46,7 +46,7 @@ static const struct proven *proven_of(const char *name)
     return NULL;
 }
 
-/* How many files of a corpus a format takes for its own; all, where bytes do not say it. */
+/* Count the files of a corpus that a format recognises; all, if it has no first bytes. */
 static unsigned files_of(const struct proven *p, const struct volume_format *format)
 {
     char path[300];

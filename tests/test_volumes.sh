@@ -236,7 +236,7 @@ expect 2 "$iftty" -c "open fine missing=blank"
 err_has "missing=blank is for a series of DICOM, and this is TIFF slices: leave it out"
 expect 2 "$iftty" -c "open minc2_4d.mnc data=/grey"
 err_has "and this is MINC: leave it out; volume=N chooses one of its volumes"
-# What is said of the scene's file is not said of a map's.
+# Options for the scene's file do not apply to a map's.
 expect 0 "$iftty" -c "open two.h5 data=/grey; seed 3,3,3 1; run; save labels $work/all.nii"
 expect 0 "$iftty" -c "open two.h5 data=/grey crop=2-9,3-12,0-5; seed-file $work/all.nii"
 out_has "1 region"
@@ -329,14 +329,14 @@ close_story
 
 # ---- a helper that misbehaves ----
 
-# odd_helper SCRIPT: a program beside a copy of iftty, in place of the helper
+# odd_helper SCRIPT: a program next to a copy of iftty, in place of the helper
 odd_helper() {
     mkdir -p "$work/odd"
     cp "$iftty" "$work/odd/iftty"
     { echo '#!/bin/sh'; printf '%s\ncat >/dev/null\n' "$1"; } >"$work/odd/iftty-volume"
     chmod +x "$work/odd/iftty-volume"
 }
-# told WORDS: the import ends in one line, and the session goes on
+# told WORDS: the import fails with one line, and the session continues
 told() {
     expect 3 timeout 60 "$work/odd/iftty" run --keep-going --journal "$work/odd/j.iftty" - <<'END'
 open ct

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Each type, byte order and packing of a format, by files made by hand: the same voxels, or a
-# refusal that names what is not read. The table of src/image/README.md leads here.
+# refusal that names the kind of file. The table of src/image/README.md leads here.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/volumes/opened.sh"
 

@@ -230,21 +230,19 @@ def make_pictures(folder):
     for z in slices:
         with open(page[z], "wb") as file:
             file.write(b"P5 %d %d 65535\n" % SIZE[:2] + data[:, :, z - 1].T.astype(">u2").tobytes())
-    # oiiotool takes long to start: each time it converts all slices
-    for kind in ("png", "tif"):
-        to = os.path.join(folder, kind + "-slices")
+    # oiiotool takes long to start: one process converts all slices
+    where = {kind: os.path.join(folder, kind) for kind in ("png-slices", "tif-slices", "fine")}
+    for to in where.values():
         os.mkdir(to)
-        run("oiiotool", "-d", "uint16", *[word for z in slices for word in
-            (page[z], "-o", os.path.join(to, "s%d.%s" % (z, kind)))])
-        save_plain_twin(to, data)
+    pages = [os.path.join(where["tif-slices"], "s%d.tif" % z) for z in slices]
+    run("oiiotool", "-d", "uint16", *[word for z in slices for word in
+        (page[z], "-o", os.path.join(where["png-slices"], "s%d.png" % z), "-o", pages[z - 1],
+         "--attrib", "XResolution", "254.0", "--attrib", "ResolutionUnit", "in",  # dots an inch
+         "-o", os.path.join(where["fine"], "s%d.tif" % z))])
+    for kind in ("png-slices", "tif-slices"):
+        save_plain_twin(where[kind], data)
     for z in slices:
         os.remove(page[z])
-    pages = [os.path.join(folder, "tif-slices", "s%d.tif" % z) for z in slices]
-    fine = os.path.join(folder, "fine")  # 254 dots an inch
-    os.mkdir(fine)
-    run("oiiotool", *[word for name in pages for word in
-        (name, "--attrib", "XResolution", "254.0", "--attrib", "ResolutionUnit", "in", "-o",
-         os.path.join(fine, os.path.basename(name)))])
     path = os.path.join(folder, "stack.tif")
     run("oiiotool", *pages, "--siappendall", "-o", path)
     save_plain_twin(path, data)
