@@ -387,21 +387,6 @@ static exr_result_t get_block(void *context, const struct exr_block *block)
     return result;
 }
 
-static bool make_rooms(struct reader *r)
-{
-    const uint32_t *step = r->form.step;
-    const size_t pixels = (size_t)least(r->out->width, step[0]) * least(r->out->height, step[1]);
-    r->room.halves = calloc(pixels, 4 * sizeof *r->room.halves);
-    if (!r->room.halves || !r->like)
-        return r->room.halves;
-    r->room.eye = calloc(pixels, sizeof *r->room.eye);
-    r->again.halves = calloc(pixels, 4 * sizeof *r->again.halves);
-    r->again.eye = calloc(pixels, sizeof *r->again.eye);
-    r->inflated = calloc(pixels, EXR_CHANNELS * 4);
-    r->inflater = libdeflate_alloc_decompressor();
-    return r->room.eye && r->again.halves && r->again.eye && r->inflated && r->inflater;
-}
-
 static enum err get_pixels(struct reader *r, const struct exr_stream *stream, struct fault *fault)
 {
     uint16_t alpha[256];
@@ -413,7 +398,18 @@ static enum err get_pixels(struct reader *r, const struct exr_stream *stream, st
         step[0] = r->out->width;
         step[1] = (uint32_t)lines;
     }
-    if (!make_rooms(r))
+    const size_t pixels = (size_t)least(r->out->width, step[0]) * least(r->out->height, step[1]);
+    r->room.halves = calloc(pixels, 4 * sizeof *r->room.halves);
+    bool fits = r->room.halves;
+    if (r->like) {
+        r->room.eye = calloc(pixels, sizeof *r->room.eye);
+        r->again.halves = calloc(pixels, 4 * sizeof *r->again.halves);
+        r->again.eye = calloc(pixels, sizeof *r->again.eye);
+        r->inflated = calloc(pixels, EXR_CHANNELS * 4);
+        r->inflater = libdeflate_alloc_decompressor();
+        fits = fits && r->room.eye && r->again.halves && r->again.eye && r->inflated && r->inflater;
+    }
+    if (!fits)
         return fault_memory(fault, stream->path);
     linear_alpha(alpha);
     linear_invert(r->level[0], linear_half);

@@ -371,19 +371,6 @@ static enum err make_levels(uint64_t core[2], struct fitting *f, const struct nu
 
 /* ---- wide whole numbers ---- */
 
-static struct numbers find_whole(const struct fitting *f)
-{
-    const unsigned width = voxel_bytes(f->type);
-    struct numbers out = {f->from, f->count, f->type, 0, UINT64_MAX, 0};
-    for (size_t i = 0, end; i < f->count && task_advance(f->task, PIECE); i = end)
-        for (end = i + PIECE < f->count ? i + PIECE : f->count; i < end; i++) {
-            const uint64_t order = order_at(f->from + width * i, f->type);
-            out.least = order < out.least ? order : out.least;
-            out.greatest = order > out.greatest ? order : out.greatest;
-        }
-    return out;
-}
-
 /* Levels from `first` hold the numbers from `least` to `greatest`, `step` numbers each. */
 struct steps {
     uint64_t least, greatest, step;
@@ -426,11 +413,18 @@ static void convert_whole(const struct fitting *f, const struct steps *s)
 
 static enum err fit_whole(struct way_back *back, struct fitting *f)
 {
-    const struct numbers numbers = find_whole(f);
-    const uint64_t zero = order_zero(numbers.type);
-    struct steps steps = {numbers.least, numbers.greatest, 1, 0};
+    const unsigned width = voxel_bytes(f->type);
+    const uint64_t zero = order_zero(f->type);
+    struct numbers numbers = {f->from, f->count, f->type, 0, UINT64_MAX, 0};
     uint64_t core[2];
     enum err err = OK;
+    for (size_t i = 0, end; i < f->count && task_advance(f->task, PIECE); i = end)
+        for (end = i + PIECE < f->count ? i + PIECE : f->count; i < end; i++) {
+            const uint64_t order = order_at(f->from + width * i, f->type);
+            numbers.least = order < numbers.least ? order : numbers.least;
+            numbers.greatest = order > numbers.greatest ? order : numbers.greatest;
+        }
+    struct steps steps = {numbers.least, numbers.greatest, 1, 0};
     if (steps.least >= zero && steps.greatest - zero <= UINT16_MAX)
         steps.least = zero;
     if (steps.greatest - steps.least > UINT16_MAX) {

@@ -71,6 +71,7 @@ bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
     return found;
 }
 
+/* Copy the voxels of the map in the order of the scene. */
 static void reorder_voxels(uint16_t *out, const struct volume *map, const uint32_t size[3],
                            const struct regrid_order *order, struct watch *watch)
 {

@@ -299,17 +299,16 @@ static enum err check_words(struct volume_header *header, struct fault *fault)
 /* Refuse unreadable voxels, and a volume that does not exist. */
 static enum err check_choice(const struct volume_header *header, struct fault *fault)
 {
+    const char *command = header->choice.command;
     if (*header->refusal)
         return fault_set(fault, ERR_INPUT, "%s", header->refusal);
-    if (header->volumes > 1 && !header->choice.has_volume) {
-        const char *command = header->choice.command;
+    if (header->volumes > 1 && !header->choice.has_volume)
         return fault_set(fault, ERR_INPUT,
                          "a series of %" PRIu32
                          " volumes; choose one, as in %s%s%s0%s, of 0 to %" PRIu32 "%s%s",
                          header->volumes, command ? "`" : "--volume ", command ? command : "",
                          command ? " FILE volume=" : "", command ? "`" : "", header->volumes - 1,
                          *header->contents ? "; " : "", header->contents);
-    }
     if (header->choice.volume >= header->volumes)
         return fault_set(fault, ERR_INPUT,
                          "there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
