@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The forest: small scenes worked by hand, then random edits against runs from scratch. */
+/* The forest: small scenes worked by hand, then random edits against runs from scratch.
+ * tests/test_within.c has random edits with arcs of every kind and regions of interest. */
 #include "check.h"
 
 #include <stdlib.h>
@@ -335,16 +336,6 @@ static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random
     return count;
 }
 
-/* Without those outside the region of interest. */
-static size_t only_inside(const struct world *w, struct edit *batch, size_t count)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < count; i++)
-        if (!(w->scene->cell[batch[i].cell].flags & CELL_OUTSIDE))
-            batch[kept++] = batch[i];
-    return kept;
-}
-
 static void random_arcs(struct world *w, uint64_t *random)
 {
     struct arc_rule rule = {.kind = check_below(random, 3)};
@@ -352,64 +343,6 @@ static void random_arcs(struct world *w, uint64_t *random)
         rule.polarity[label] =
             (int8_t)(check_below(random, 5) ? (int)check_below(random, 201) - 100 : 0);
     forest_set_arcs(w->forest, &rule);
-}
-
-/* Seeds that it would region of interest off go first; it holds few voxels, most, or all. */
-static void random_roi(struct world *w, struct edit *batch, uint64_t *random)
-{
-    const struct grid *g = &w->scene->grid;
-    const uint32_t part = 1 + check_below(random, 10);
-    struct roi roi = roi_none();
-    size_t count = 0;
-    uint64_t *bits = check_below(random, 3) ? mem_new(mask_bytes(g)) : NULL;
-    roi.mask = bits;
-    for (size_t i = 0; bits && i < g->cells; i++)
-        if (check_below(random, 11) < part)
-            bits[i >> 6] |= UINT64_C(1) << (i & 63);
-    if (check_below(random, 3) == 0) {
-        roi.low = w->scene->cell[random_voxel(g, random)].intensity;
-        roi.high = w->scene->cell[random_voxel(g, random)].intensity;
-    }
-    for (size_t i = 0; i < g->cells; i++)
-        if (w->scene->cell[i].flags & CELL_SEED && !roi_holds(&roi, w->scene, (uint32_t)i))
-            batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE, 0};
-    CHECK_INT(roi_tally(&roi, w->scene).seeds_outside, count);
-    CHECK(forest_edit(w->forest, batch, count, NULL) == OK);
-    roi_apply(&roi, w->scene);
-    free(bits);
-}
-
-/* Arcs of every kind, behind regions of interest that come and go: after each edit and each
- * rebuild, keys and labels are those of the fixed point, and of a run from scratch. */
-static void random_roi_session(uint64_t seed, unsigned steps)
-{
-    uint64_t random = seed;
-    struct world w = world_new(1 + check_below(&random, 6), 1 + check_below(&random, 6),
-                               1 + check_below(&random, 5), check_below(&random, 2) ? 26 : 6);
-    struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
-    struct fault fault = {0};
-    paint(&w, check_below(&random, TEXTURES), &random);
-    if (check_below(&random, 3)) /* few levels: plateaus, and equal offers from all sides */
-        for (size_t i = 0; i < w.scene->grid.cells; i++)
-            w.scene->cell[i].intensity %= 4;
-    random_arcs(&w, &random);
-    for (unsigned step = 0; step < steps; step++) {
-        const bool rebuilds = check_below(&random, 8) == 0;
-        const size_t count = only_inside(&w, batch, random_batch(&w, batch, &random));
-        if (rebuilds && check_below(&random, 2))
-            random_arcs(&w, &random);
-        else if (rebuilds)
-            random_roi(&w, batch, &random);
-        if (!CHECK((rebuilds ? forest_rebuild(w.forest, NULL)
-                             : forest_edit(w.forest, batch, count, NULL)) == OK) ||
-            !CHECK(equals_fixed_point(&w)) || !CHECK(equals_scratch(&w)) ||
-            !CHECK(forest_check(w.forest, &fault))) {
-            printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
-            break;
-        }
-    }
-    free(batch);
-    world_free(&w);
 }
 
 static void random_session(uint64_t seed, unsigned steps)
@@ -453,12 +386,6 @@ STORY(tens_of_thousands_of_random_edits_each_equal_a_run_from_scratch)
 {
     for (unsigned i = 0; i < check_scaled(6000) && check_failures == 0; i++)
         random_session(i, i % 200 ? 5 : 40);
-}
-
-STORY(under_every_kind_of_arc_and_roi_edits_equal_the_fixed_point)
-{
-    for (unsigned i = 0; i < check_scaled(1000) && check_failures == 0; i++)
-        random_roi_session(i, i % 100 ? 12 : 60);
 }
 
 /* ---- edits that do not go through ---- */

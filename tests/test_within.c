@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reaches of seeds: worked by hand; random edits against a run from scratch and against an oracle,
- * which shares no code with the engine; edits that do not go through; threads.
+ * Reaches of seeds, worked by hand. Random edits, with arcs of every kind, regions of interest and
+ * reaches, against a run from scratch and an oracle that shares no code with the engine; edits that
+ * do not go through; threads.
  */
 #include "check.h"
 
@@ -179,25 +180,33 @@ static bool equals_oracle(const struct world *w, const struct planted *planted)
 
 enum texture { FLAT, NOISY, STEEP, TEXTURES };
 
+static void random_arcs(struct world *w, uint64_t *random)
+{
+    struct arc_rule rule = {.kind = check_below(random, 2) ? ARC_TARGET : check_below(random, 3)};
+    for (int label = 0; label < LABELS; label++)
+        rule.polarity[label] = (int8_t)((int)check_below(random, 201) - 100);
+    forest_set_arcs(w->forest, &rule);
+}
+
+/* In a third of the worlds no seed has a reach. */
 static struct world random_world(uint64_t *random)
 {
     struct world w = world_new(1 + check_below(random, 9), 1 + check_below(random, 7),
                                1 + check_below(random, 4), check_below(random, 3) ? 6 : 26);
     const struct grid *g = &w.scene->grid;
     const enum texture texture = (enum texture)check_below(random, TEXTURES);
-    struct arc_rule rule = {.kind = check_below(random, 3) ? ARC_TARGET : check_below(random, 3)};
+    const uint32_t levels = check_below(random, 3) ? 5 : 65536;
+    const unsigned reaches = check_below(random, 3) ? REACHES : 0;
     for (size_t i = 0; i < g->cells; i++) {
         struct cell *cell = w.scene->cell + i;
         const uint32_t value = check_below(random, texture == STEEP ? 60000 : 4);
         if (cell->flags & CELL_RIM)
             continue;
         cell->weight = (uint16_t)(texture == FLAT ? 0 : value);
-        cell->intensity = (uint16_t)check_below(random, 5);
+        cell->intensity = (uint16_t)check_below(random, levels);
     }
-    for (int label = 0; label < LABELS; label++)
-        rule.polarity[label] = (int8_t)((int)check_below(random, 201) - 100);
-    forest_set_arcs(w.forest, &rule);
-    for (plain_reaches = 0; plain_reaches < REACHES; plain_reaches++) {
+    random_arcs(&w, random);
+    for (plain_reaches = 0; plain_reaches < reaches; plain_reaches++) {
         struct reach *reach = &plain_reach[plain_reaches];
         *reach = (struct reach){.radius = check_below(random, 7)};
         for (int a = 0; a < 3; a++) {
@@ -233,8 +242,8 @@ static size_t random_batch(const struct world *w, const struct planted *planted,
         }
         if (w->scene->cell[at].flags & CELL_OUTSIDE)
             continue;
-        const uint16_t reach =
-            (uint16_t)(check_below(random, 3) ? 1 + check_below(random, plain_reaches) : 0);
+        const bool has_reach = plain_reaches && check_below(random, 3);
+        const uint16_t reach = (uint16_t)(has_reach ? 1 + check_below(random, plain_reaches) : 0);
         batch[count++] = (struct edit){at, label, label == EDIT_ERASE ? 0 : reach};
     }
     return count;
@@ -248,16 +257,27 @@ static void note(struct planted *planted, const struct edit *edit, size_t count)
     }
 }
 
-/* Some voxels take no part from now on; their seeds have gone. */
+/* A region of interest of few voxels, most or all, by a mask, a range or both; seeds outside it
+ * are removed first. */
 static void random_roi(struct world *w, struct planted *planted, uint64_t *random)
 {
     static struct edit batch[CELLS_MOST];
-    const struct roi roi = {NULL, (uint16_t)check_below(random, 2),
-                            (uint16_t)(2 + check_below(random, 3))};
+    static uint64_t bits[CELLS_MOST / 64 + 1];
+    const uint32_t part = 1 + check_below(random, 10);
+    struct roi roi = roi_none();
     size_t count = 0;
+    roi.mask = check_below(random, 3) ? bits : NULL;
+    memset(bits, 0, sizeof bits);
+    for (uint32_t c = 0; c < w->scene->grid.cells; c++)
+        bits[c >> 6] |= (uint64_t)(check_below(random, 11) < part) << (c & 63);
+    if (check_below(random, 3) == 0) {
+        roi.low = w->scene->cell[random_voxel(&w->scene->grid, random)].intensity;
+        roi.high = w->scene->cell[random_voxel(&w->scene->grid, random)].intensity;
+    }
     for (uint32_t c = 0; c < w->scene->grid.cells; c++)
         if (planted->label[c] != EDIT_ERASE && !roi_holds(&roi, w->scene, c))
             batch[count++] = (struct edit){c, EDIT_ERASE, 0};
+    CHECK_INT(roi_tally(&roi, w->scene).seeds_outside, count);
     CHECK(forest_edit(w->forest, batch, count, NULL) == OK);
     note(planted, batch, count);
     roi_apply(&roi, w->scene);
@@ -283,7 +303,7 @@ static void random_edit(struct world *w, struct planted *planted, uint64_t *rand
     const struct seed_changes last =
         was_stopped ? (struct seed_changes){0} : forest_seed_changes(w->forest);
     size_t count = random_batch(w, planted, batch, random);
-    const uint32_t what = check_below(random, 40);
+    const uint32_t what = check_below(random, 24);
     was_stopped = false;
     if (what < 5 && last.count > 0 && last.count < CELLS_MOST) {
         count = 0;
@@ -300,6 +320,7 @@ static void random_edit(struct world *w, struct planted *planted, uint64_t *rand
         random_roi(w, planted, random);
         return;
     } else if (what == 10) {
+        random_arcs(w, random);
         CHECK(forest_rebuild(w->forest, NULL) == OK);
     } else if (what == 11) {
         forest_suspend(w->forest);
@@ -341,7 +362,7 @@ static void random_session(uint64_t seed, unsigned steps, struct team *team)
 
 STORY(random_edits_equal_the_oracle_and_a_run_from_scratch)
 {
-    for (unsigned i = 0; i < check_scaled(700) && check_failures == 0; i++)
+    for (unsigned i = 0; i < check_scaled(1400) && check_failures == 0; i++)
         random_session(i, 16, NULL);
     CHECK(holes_seen > 1000);
 }
