@@ -27,7 +27,7 @@ same "$(grep '^ *landmarks' out)" "    landmarks AC 9,9,9, PC 1,2,3
     landmarks AC 9,9,9, PC 1,2,3"
 err_has "there is no landmark XX"
 expect 2 "$iftty" -c "open synth:geom; landmark A 1,1,1; interpolate 2 2 2"
-err_has "landmarks lie on the scene as it is"
+err_has "landmarks belong to the present grid"
 expect 2 "$iftty" -c "open synth:geom; landmark 'a b' 1,1,1"
 err_has "NAME: expected a word"
 expect 0 "$iftty" verify l.iftty

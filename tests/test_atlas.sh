@@ -42,7 +42,7 @@ expect 0 "$iftty" -c 'open s.nii; labels own.nii regions=0'
 ! grep -q 'their names' out || fail "$(cat out)"
 grep -qx "seed-file atlas.nii regions=2001,9170 as=4,9 erode=1" j.iftty || fail "$(cat j.iftty)"
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,2 as=1'
-err_has 'as: expected a label for each of `regions`; from 2 on there is none'
+err_has 'as: expected a label for each of `regions`; labels are missing from region 2 on'
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1 as=1 label=2'
 err_has 'as and label are mutually exclusive'
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,,2'
@@ -131,7 +131,7 @@ close_story
 begin "no two labels share a number in a file"
 expect 3 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; save labels two.nii'
 err_has 'label 41 would be 41 in a file, and that is the number of label 2'
-err_has '; `label 41 NAME number=N` gives it another'
+err_has '; `label 41 NAME number=N` sets another number'
 [ ! -e two.nii ] || fail "it was written"
 expect 0 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; label 41 lesion number=5000
 save labels two.nii; compare two.nii'

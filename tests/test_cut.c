@@ -560,7 +560,7 @@ STORY(a_cut_scene_is_not_interpolated)
     must(&interp, "open synth:geom:20x20x20");
     must(&interp, "clip axial 3-7");
     CHECK_INT(execute(&interp, "interpolate 2 2 2"), ERR_USAGE);
-    CHECK_HAS(fault.text, "what is cut away lies on the scene as it is");
+    CHECK_HAS(fault.text, "a cut belongs to the present grid");
     must(&interp, "clip none");
     must(&interp, "focus 3,4,5");
     must(&interp, "interpolate 2 1 2");

@@ -212,7 +212,7 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
         memset(mask, 255, bytes);
         CHECK(session_set_mask(session, mask, "mask.nii", (const uint32_t[]){1, 1}, NULL) == OK);
         CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
-        CHECK_HAS(fault.text, "a mask or weights out of a file lie on the scene as it is");
+        CHECK_HAS(fault.text, "a mask or weights from a file belong to the present grid");
     }
     free(mask);
     session_free(session);
@@ -222,7 +222,7 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     if (CHECK(weight != NULL))
         CHECK(session_set_weight_map(session, "weight.nii", weight, NULL) == OK);
     CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
-    CHECK_HAS(fault.text, "a mask or weights out of a file lie on the scene as it is");
+    CHECK_HAS(fault.text, "a mask or weights from a file belong to the present grid");
     free(weight);
     session_free(session);
 }

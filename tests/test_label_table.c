@@ -182,9 +182,9 @@ STORY(regions_choose_entries_and_their_labels)
 STORY(lists_of_regions_and_labels_are_of_one_length)
 {
     static const char *const row[][3] = {
-        {"1-3", "1,2", "a label for each of `regions`; from 3 on there is none"},
+        {"1-3", "1,2", "a label for each of `regions`; labels are missing from region 3 on"},
         {"1,2", "1-3", "label 3 and those after it have no region"},
-        {"1-3,2", NULL, "2 stands there twice"},
+        {"1-3,2", NULL, "2 is listed twice"},
         {NULL, "1", "needs `regions`"},
     };
     uint16_t *as;

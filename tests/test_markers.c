@@ -16,7 +16,7 @@ enum { VOXELS = 40, MARKERS_MOST = 40 };
 
 /* What the model knows of a marker: all voxels that it covers. */
 struct plain {
-    bool covers[VOXELS], piece[VOXELS], wants[VOXELS], outside[VOXELS], stands, yields;
+    bool covers[VOXELS], piece[VOXELS], wants[VOXELS], outside[VOXELS], is_valid, yields;
     int16_t label;
 };
 
@@ -32,7 +32,7 @@ static bool gives_way(const struct plain *one, const struct plain *later)
     bool meet = false;
     for (size_t i = 0; i < VOXELS; i++)
         meet |= one->piece[i] && later->covers[i];
-    return one->yields && later->stands && one->label != later->label && meet;
+    return one->yields && later->is_valid && one->label != later->label && meet;
 }
 
 /* Whether the component continues in v, next to a voxel that the later marker needs. */
@@ -51,7 +51,7 @@ static bool writes(const struct plain *plain, size_t count, size_t i, size_t v)
             covers |= goes_on(plain + i, plain + later, v);
             is_free |= plain[later].wants[v];
         }
-    return plain[i].stands && covers && !is_free;
+    return plain[i].is_valid && covers && !is_free;
 }
 
 static void compare(const struct markers *markers, const struct plain *plain)
@@ -135,7 +135,7 @@ STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
                 markers_drop(&markers, check_below(&random, count), NULL);
             } else {
                 const size_t i = check_below(&random, count);
-                plain[i].stands = markers.marker[i].stands = !plain[i].stands;
+                plain[i].is_valid = markers.marker[i].is_valid = !plain[i].is_valid;
             }
         }
         compare(&markers, plain);
@@ -150,7 +150,7 @@ STORY(what_memory_cannot_hold_changes_nothing)
     for (uint32_t i = 0; i < 300; i++)
         cell[i] = i;
     CHECK(markers_add(&markers, 1, cell, 10, NULL, NULL) == OK);
-    markers.marker[0].stands = true;
+    markers.marker[0].is_valid = true;
     allow_allocations(0);
     CHECK_INT(markers_add(&markers, 2, cell, 300, NULL, NULL), ERR_MEMORY);
     mem_allows = NULL;
@@ -159,7 +159,7 @@ STORY(what_memory_cannot_hold_changes_nothing)
     CHECK_INT(markers_at(&markers, 10), 0);
     CHECK(markers_add(&markers, 2, cell, 300, NULL, NULL) == OK);
     CHECK_INT(markers_at(&markers, 3), 1);
-    markers.marker[1].stands = true;
+    markers.marker[1].is_valid = true;
     CHECK_INT(markers_at(&markers, 3), 2);
     markers_release(&markers);
 }

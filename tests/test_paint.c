@@ -339,7 +339,7 @@ STORY(corners_in_several_slices_are_refused)
     struct fault fault = {0};
     CHECK(grid_init(&grid, size, NULL) == OK);
     CHECK_INT(paint_polygon(&voxels, &grid, corner, 3, NULL, &fault), ERR_INPUT);
-    CHECK_HAS(fault.text, "the corners of a polygon lie in one slice");
+    CHECK_HAS(fault.text, "the corners of a polygon must be in one slice");
     CHECK(voxels.count == 0 && !voxels.cell);
 }
 

@@ -96,7 +96,7 @@ alike "cube-scene.nii crop=1-8,5-9,2-6 reduce=3" "mask MAP regions=1; seed 1,0,0
 expect 0 "$iftty" -c "open scene.nii reduce=2; seed-file map16.nii erode=0"
 out_has "its axes run towards ARS"
 expect 3 "$iftty" -c "open scene.nii reduce=2; seed-file map17.nii erode=0"
-err_has "its axes run the other way than the scene's, of which each voxel is 2 along an axis"
+err_has "its axes are reversed to those of the scene, where each voxel is 2 along an axis"
 # A map of the part itself, as it was opened.
 expect 0 "$iftty" -c "open scene.nii crop=2-9,1-7,3-8; labels ref.nii erode=0; save labels part.nii"
 /usr/bin/python3 - <<'END'

@@ -240,7 +240,7 @@ STORY(a_polygon_is_of_one_slice)
     must(&interp, "run");
     CHECK_INT(seeds(), 45);
     is_refused(&interp, "fill 1,1,5 1 to=9,1,5 to=9,9,6",
-               "the corners of a polygon lie in one slice");
+               "the corners of a polygon must be in one slice");
     is_refused(&interp, "fill 1,1,5 1 to=2,1,5 to=9,1,5", "a polygon has three corners or more");
     is_refused(&interp, "fill 1,1,5 1", "missing: to; usage: fill X,Y,Z LABEL");
     interpreter_release(&interp);
@@ -349,7 +349,7 @@ STORY(an_outline_takes_the_place_of_a_marker)
     has_seeds(1, 5, 9, 10);
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=4", "there is no marker 4");
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 instead=99", "there is no marker 99");
-    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,6 instead=6", "lie in one slice");
+    is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,6 instead=6", "must be in one slice");
     has_seeds(1, 5, 9, 10);
     resume("instead.iftty");
     has_seeds(1, 5, 9, 10);

@@ -115,7 +115,7 @@ static bool still_stands(const struct markers *markers, const struct marker *mar
     uint32_t own = 0;
     for (uint32_t i = 0; i < marker->voxels; i++)
         own += markers_seed(markers, markers->cover[marker->first + i].cell) == marker->label;
-    return marker->stands && marker->label >= 0 && 2 * own >= marker->voxels && own > 0;
+    return marker->is_valid && marker->label >= 0 && 2 * own >= marker->voxels && own > 0;
 }
 
 static double length_mm(const struct value *value, double voxel_mm)

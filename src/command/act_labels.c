@@ -141,7 +141,7 @@ static enum err remove_markers(const struct act *act)
     }
     const size_t seeds = !err && count == 1 ? seeds_of(&session->markers, number[0]) : 0;
     if (!err)
-        err = session_take_away(session, number, count, act->fault);
+        err = session_remove_markers(session, number, count, act->fault);
     if (!err) {
         /* Record the removed markers: "removed=3,7-9", in order. */
         struct buf *words = &act->reply->words;

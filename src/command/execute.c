@@ -57,7 +57,7 @@ static void add_digests(struct buf *words, const struct session *session)
 static enum err take_semantics(void *context, unsigned semantics, struct fault *fault)
 {
     const struct resume *resume = context;
-    return session_take_semantics(resume->interp->session, semantics, fault);
+    return session_set_semantics(resume->interp->session, semantics, fault);
 }
 
 static void look_for_last(void *context, const struct record *record)
@@ -172,7 +172,7 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
         interp->mode = MODE_RESUME; /* start again */
         interp->resumes_in_full = true;
         history_release(&interp->history);
-        session_begin_again(interp->session);
+        session_reset(interp->session);
         history_init(&interp->history);
         err = carry_out_again(interp, path, told, fault);
     }
@@ -464,7 +464,7 @@ enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault
         return err;
     }
     history_forget(history, &was->place);
-    session_drop_markers(session, interp->sketch.markers);
+    session_truncate_markers(session, interp->sketch.markers);
     session_settle(session);
     watch_begin(session->watch);
     interp->sketch.is_begun = false;

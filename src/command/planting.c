@@ -312,7 +312,7 @@ static bool can_join(const struct act *act)
     const struct history *history = &act->interp->history;
     const struct point *point = history->point + history->present;
     const struct markers *markers = &act->session->markers;
-    return point->plants && markers->count > 0 && markers->marker[markers->count - 1].stands &&
+    return point->plants && markers->count > 0 && markers->marker[markers->count - 1].is_valid &&
            markers->marker[markers->count - 1].label == label;
 }
 
@@ -612,7 +612,7 @@ static enum err remove_former(const struct act *act)
     const int64_t number = act_number(act, "instead");
     const uint32_t first =
         number <= (int64_t)markers->count ? markers_stroke(markers, (uint32_t)number) : 0;
-    const enum err err = session_take_away(act->session, &first, 1, act->fault);
+    const enum err err = session_remove_markers(act->session, &first, 1, act->fault);
     if (err == ERR_CHECK)
         return fault_set(
             act->fault, ERR_INPUT,
@@ -738,7 +738,7 @@ static void warn_of_no_other(const struct search *s)
     const struct markers *markers = &session->markers;
     struct buf *out = &s->act->reply->text;
     for (size_t i = 0; i < markers->count; i++)
-        if (markers->marker[i].stands && markers->marker[i].label != EDIT_ERASE &&
+        if (markers->marker[i].is_valid && markers->marker[i].label != EDIT_ERASE &&
             markers->marker[i].label != s->label)
             return;
     buf_add_text(out, "no other label has a seed: nothing holds label ");

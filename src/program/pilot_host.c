@@ -122,9 +122,9 @@ static bool has_one_label(const struct session *session)
     int found = 0;
     for (size_t i = 0; i < markers->count; i++) {
         const int label = markers->marker[i].label;
-        if (markers->marker[i].stands && (label <= 0 || (found && label != found)))
+        if (markers->marker[i].is_valid && (label <= 0 || (found && label != found)))
             return false;
-        found = markers->marker[i].stands ? label : found;
+        found = markers->marker[i].is_valid ? label : found;
     }
     return found > 0;
 }
@@ -218,7 +218,7 @@ static bool host_seed(void *context, unsigned number, int64_t by, uint32_t place
     uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
     for (uint32_t n = 1; cell && n <= markers->count; n++) {
         const struct marker *marker = markers->marker + n - 1;
-        if (!marker->stands || marker->label != (int)number)
+        if (!marker->is_valid || marker->label != (int)number)
             continue;
         const uint32_t middle = middle_of(markers, n);
         if (middle == here && (by > 0 || at == 0)) /* the further one of two at one place */
@@ -343,7 +343,7 @@ static uint32_t find_marker(struct polyline *line, const struct session *session
         const struct marker *marker = markers->marker + n - 1;
         uint32_t first[3];
         line->count = 0;
-        if (!marker->stands || marker->joined || marker->label != (int)number || !marker->voxels)
+        if (!marker->is_valid || marker->joined || marker->label != (int)number || !marker->voxels)
             continue;
         grid_find(grid, markers->cover[marker->first].cell, first);
         if (first[axis] == place[axis] && /* otherwise it has no contour in the slice */

@@ -8,12 +8,12 @@
 #include "base/mem.h"
 #include "session/session_inside.h"
 
-/* The voxels of a slice, column by column and row by row. */
+/* The voxels of a slice, by columns and rows. */
 struct area {
-    unsigned axis, across[2]; /* the axes of the scene that columns and rows run along */
+    unsigned axis, across[2]; /* axes of the scene along columns and rows */
     uint32_t at, width, height;
-    uint8_t *piece;  /* [height][width]: ABSENT, ASKED for, SEEN, or of the piece MEANT */
-    uint32_t *queue; /* of places row * width + column */
+    uint8_t *piece;  /* [height][width]: ABSENT, ASKED for, SEEN, or in the chosen piece MEANT */
+    uint32_t *queue; /* places row * width + column */
 };
 
 enum { ABSENT, ASKED, SEEN, MEANT };
@@ -57,7 +57,7 @@ static bool has(const struct area *area, int64_t column, int64_t row, uint8_t wh
 
 /* ---- the piece ---- */
 
-/* All that hangs together with a voxel by faces becomes another kind; how many they are. */
+/* Change all voxels connected to this one by faces to another kind, and return their number. */
 static uint32_t flood(struct area *area, uint32_t from, uint8_t kind)
 {
     const uint8_t former = area->piece[from];
@@ -77,7 +77,7 @@ static uint32_t flood(struct area *area, uint32_t from, uint8_t kind)
     return count;
 }
 
-/* Makes the largest piece MEANT and gives its first place; false where nothing is asked for. */
+/* Mark the largest piece MEANT and find its first place; false if no voxel is asked for. */
 static bool find_largest(struct area *area, uint32_t *first)
 {
     const uint32_t voxels = area->width * area->height;
@@ -94,14 +94,15 @@ static bool find_largest(struct area *area, uint32_t *first)
     return most > 0;
 }
 
-/* ---- around it ---- */
+/* ---- the way around it ---- */
 
-/* Clockwise, from east on; rows run down. */
+/* Clockwise from east; rows run down. */
 static const int8_t step[8][2] = {{1, 0},  {1, 1},   {0, 1},  {-1, 1},
                                   {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
 
-/* The first direction to a voxel of the piece, from one on clockwise; 8 for a voxel alone. */
-static unsigned look_around(const struct area *area, const int64_t at[2], unsigned from)
+/* Return the first direction to a voxel of the piece, clockwise from `from`; 8 for a single
+ * voxel. */
+static unsigned find_direction(const struct area *area, const int64_t at[2], unsigned from)
 {
     for (unsigned k = 0; k < 8; k++) {
         const unsigned d = (from + k) % 8;
@@ -118,19 +119,19 @@ static bool add_place(struct polyline *line, const struct area *area, const int6
     return polyline_add(line, place);
 }
 
-/* Moore's: what is outside stays on the left, until one leaves the first voxel as one did at first.
- * Nothing lies before the first place, so that one comes to it from the west. */
-static bool go_around(struct polyline *line, const struct area *area, uint32_t first)
+/* Moore's tracing: keep the outside on the left until the walk leaves the first voxel in the
+ * first direction again. No voxel precedes the first place, so the walk enters it from the west. */
+static bool trace_border(struct polyline *line, const struct area *area, uint32_t first)
 {
     const int64_t begin[2] = {first % area->width, first / area->width};
-    const unsigned leaves = look_around(area, begin, 0);
+    const unsigned leaves = find_direction(area, begin, 0);
     int64_t at[2] = {begin[0], begin[1]};
     bool fits = add_place(line, area, at), goes_on = leaves < 8;
     for (unsigned d = leaves; fits && goes_on;) {
         at[0] += step[d][0];
         at[1] += step[d][1];
         fits = add_place(line, area, at);
-        d = look_around(area, at, d + 5); /* after the one that one came from */
+        d = find_direction(area, at, d + 5); /* from the direction after the one back */
         goes_on = at[0] != begin[0] || at[1] != begin[1] || d != leaves;
     }
     return fits;
@@ -145,7 +146,8 @@ static void thin_out(struct polyline *line)
     }
 }
 
-/* Makes the piece that has `from` MEANT and gives its first place; false where none has it. */
+/* Mark the piece with the voxel `from` MEANT and find its first place; false if it is in none.
+ * */
 static bool find_piece(struct area *area, int64_t from, uint32_t *first)
 {
     if (from == NOWHERE || area->piece[from] != ASKED)
@@ -156,26 +158,26 @@ static bool find_piece(struct area *area, int64_t from, uint32_t *first)
     return true;
 }
 
-/* Around the piece that has `from`, if any has, else the largest. The area is let go of. */
+/* Trace the piece with `from`; if there is no such piece, the largest one. Releases the area. */
 static enum err trace(struct polyline *contour, struct area *area, int64_t from,
                       struct fault *fault)
 {
     uint32_t first;
     const bool fits = (!find_piece(area, from, &first) && !find_largest(area, &first)) ||
-                      go_around(contour, area, first);
+                      trace_border(contour, area, first);
     area_release(area);
     if (!fits) {
         polyline_release(contour);
         return fault_memory(fault, "a contour");
     }
     polyline_simplify(contour);
-    if (contour->count > 1) /* where it ends, it began */
+    if (contour->count > 1) /* the last corner repeats the first */
         contour->count--;
     thin_out(contour);
     return OK;
 }
 
-/* ---- of what ---- */
+/* ---- contours of labels and markers ---- */
 
 enum err contour_of_label(struct polyline *contour, const struct labels *labels, unsigned label,
                           unsigned axis, const uint32_t place[3], struct fault *fault)
@@ -196,8 +198,8 @@ enum err contour_of_label(struct polyline *contour, const struct labels *labels,
     return trace(contour, &area, place_of(&area, place), fault);
 }
 
-/* The box around the voxels of a marker; and the last axis along which they lie at one place, 3 for
- * none. */
+/* Find the box around the voxels of a marker, and the last axis along which it is one voxel
+ * thick, 3 for no axis. */
 static unsigned find_box(uint32_t first[3], uint32_t last[3], const struct grid *grid,
                          const struct markers *markers, uint32_t number)
 {
@@ -257,8 +259,8 @@ void doubting_release(struct doubting *doubting)
     *doubting = (struct doubting){0};
 }
 
-/* Doubt of the present labels, as it was or made anew. */
-static enum err keep_up(struct session *session, unsigned label, struct fault *fault)
+/* Update the doubt of the present labels, if they have changed. */
+static enum err update_doubt(struct session *session, unsigned label, struct fault *fault)
 {
     struct doubting *d = &session->inside->doubting;
     const uint64_t of = hash_mix_at(hash_mix_at(session_finish_source(session), label),
@@ -273,7 +275,7 @@ static enum err keep_up(struct session *session, unsigned label, struct fault *f
 
 /* ---- the slices ---- */
 
-/* Slices from..to of an axis are left out. */
+/* Exclude slices from..to of an axis. */
 static void leave_out(struct doubt *doubt, unsigned axis, int64_t from, int64_t to)
 {
     for (int64_t at = from < 0 ? 0 : from; at <= to && at < doubt->size[axis]; at++)
@@ -286,14 +288,14 @@ static void leave_out_outlined(struct doubt *doubt, const struct session *sessio
     for (uint32_t n = 1, at; n <= markers->count; n++) {
         const struct marker *marker = &markers->marker[n - 1];
         unsigned axis;
-        if (marker->stands && marker->label > 0 &&
+        if (marker->is_valid && marker->label > 0 &&
             (marker->label == (int)label || label == FINISH_ALL_LABELS) &&
             contour_is_area(&axis, &at, &session->scene->grid, markers, n))
             leave_out(doubt, axis, (int64_t)at - 1, (int64_t)at + 1);
     }
 }
 
-/* Sums of its own, to be crossed out. */
+/* Copy the sums, so that slices can be excluded. */
 static enum err copy_doubt(struct doubt *copy, const struct doubt *doubt, struct fault *fault)
 {
     const size_t slices = (size_t)doubt->size[0] + doubt->size[1] + doubt->size[2];
@@ -311,7 +313,7 @@ enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count
                        struct session *session, unsigned label, struct fault *fault)
 {
     struct doubt left = {.all = 0};
-    enum err err = keep_up(session, label, fault);
+    enum err err = update_doubt(session, label, fault);
     *count = 0;
     err = err ? err : copy_doubt(&left, &session->inside->doubting.doubt, fault);
     if (err)
@@ -328,7 +330,7 @@ enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count
     return OK;
 }
 
-/* ---- a place in one ---- */
+/* ---- a place in a slice ---- */
 
 static int64_t distance_2(const uint32_t place[3], const uint64_t sum[3], uint64_t count)
 {
@@ -340,7 +342,8 @@ static int64_t distance_2(const uint32_t place[3], const uint64_t sum[3], uint64
     return squared;
 }
 
-/* Of the voxels of a label in a slice, the one nearest to the mean of all; the first of several. */
+/* Find the voxel of a label in a slice nearest to the mean of all its voxels; the first of equal
+ * ones. */
 static bool find_middle(uint32_t middle[3], const struct labels *labels, unsigned label,
                         unsigned axis, uint32_t at)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The one way to change a session: going to a state, and making anew what does not fit it. */
+/* Change a session: go to a state, and recompute everything that does not fit it. */
 #include "session/session.h"
 
 #include <stdlib.h>
@@ -13,14 +13,14 @@
 
 /* ---- weights ---- */
 
-/* Where the next weight of a map goes. */
+/* Place of the next weight of a map. */
 struct filling {
     struct scene *scene;
-    uint64_t rows; /* begun so far */
+    uint64_t rows; /* rows begun */
     struct span left;
 };
 
-static void fill(void *context, const void *piece, size_t length)
+static void fill_weights(void *context, const void *piece, size_t length)
 {
     struct filling *filling = context;
     const struct grid *grid = &filling->scene->grid;
@@ -35,7 +35,7 @@ static void fill(void *context, const void *piece, size_t length)
     }
 }
 
-/* The forest's arcs, as the state says. */
+/* Set the forest's arcs as the state says. */
 static struct arc_rule set_arcs(struct session *session)
 {
     const struct kept *kept = &session->now.kept;
@@ -47,14 +47,14 @@ static struct arc_rule set_arcs(struct session *session)
     return arcs;
 }
 
-static enum err weigh(struct session *session, struct fault *fault)
+static enum err compute_weights(struct session *session, struct fault *fault)
 {
     const struct kept *kept = &session->now.kept;
     const struct arc_rule arcs = set_arcs(session);
     enum err err = OK;
     if (kept->weight_map)
-        err = packed_read(kept->weight_map, fill, &(struct filling){.scene = session->scene},
-                          session->watch, fault);
+        err = packed_read(kept->weight_map, fill_weights,
+                          &(struct filling){.scene = session->scene}, session->watch, fault);
     else
         weight_compute(session->scene, forest_adjacency(session->forest), &kept->weight,
                        &session->inside->weight_work);
@@ -70,7 +70,7 @@ bool session_may_wait(const struct session *session)
     return !session->skims && weight_is_by_rows(&kept->weight) && !kept->mask && !kept->has_range;
 }
 
-/* Together with the weights, where these can be told. */
+/* Make the cells, together with the weights if they can be computed in advance. */
 static enum err make_cells(struct session *session, struct fault *fault)
 {
     const struct weight_choice *weight = &session->now.kept.weight;
@@ -124,7 +124,7 @@ static enum err apply_region(struct session *session, struct fault *fault)
 
 /* ---- the forest ---- */
 
-/* Labels are others in a way that no list says. */
+/* Labels changed, extent unknown: recount. */
 static void forget_labels(struct session *session)
 {
     tally_forget(&session->tally);
@@ -133,13 +133,14 @@ static void forget_labels(struct session *session)
         session->inside->follower->forget_labels(session->pictures);
 }
 
-/* Tally, measures, border and pictures after a change of the forest (S2). */
+/* Update tally, measures, border and pictures after a change of the forest (S2). */
 static void follow_forest(struct session *session)
 {
     const struct changes changes = forest_changes(session->forest);
     tally_follow(&session->tally, &changes, session->watch);
     label_measures_follow(&session->inside->measures, &changes);
-    if (!(session->inside->stale & MADE_BORDER)) /* it was, where the run was shown */
+    if (!(session->inside->stale & MADE_BORDER)) /* otherwise it was recounted while the run
+                                                    was shown */
         border_update(&session->border, &changes);
     if (watch_stops(session->watch))
         session->inside->stale |= MADE_BORDER;
@@ -147,7 +148,7 @@ static void follow_forest(struct session *session)
         session->inside->follower->follow(session->pictures, &changes);
 }
 
-/* A forest that is to grow anew, or is not wanted yet, has its seeds changed and no more. */
+/* Edit seeds. A suspended forest changes its seeds only. */
 static enum err edit_seeds(struct session *session, const struct edit *seed, size_t seeds,
                            struct fault *fault)
 {
@@ -164,11 +165,11 @@ static enum err edit_seeds(struct session *session, const struct edit *seed, siz
     return OK;
 }
 
-static enum err grow(struct session *session, struct fault *fault)
+static enum err recompute_forest(struct session *session, struct fault *fault)
 {
     session->has_regrown = true;
     forget_labels(session);
-    session->inside->stale &= ~(unsigned)MADE_BORDER; /* all of it is made anew with the forest */
+    session->inside->stale &= ~(unsigned)MADE_BORDER; /* recomputed with the forest */
     enum err err = forest_catch_up(session->forest, fault);
     if (err)
         session->inside->stale |= MADE_BORDER;
@@ -177,7 +178,7 @@ static enum err grow(struct session *session, struct fault *fault)
     return err;
 }
 
-/* ---- going ---- */
+/* ---- going to a state ---- */
 
 enum err session_aim(const struct session *session, const struct outlook *outlook,
                      struct camera *camera, struct fault *fault)
@@ -190,9 +191,10 @@ enum err session_aim(const struct session *session, const struct outlook *outloo
     return camera_init(camera, session->scene, &fine, fault);
 }
 
-/* One part after the other, in the order in which they follow from each other. */
-static enum err make(struct session *session, unsigned part,
-                     enum err (*how)(struct session *, struct fault *), struct fault *fault)
+/* Recompute one part if it is stale. Parts are called in the order of their dependence. */
+static enum err recompute_part(struct session *session, unsigned part,
+                               enum err (*how)(struct session *, struct fault *),
+                               struct fault *fault)
 {
     if (!(session->inside->stale & part))
         return OK;
@@ -210,9 +212,9 @@ static enum err count_border(struct session *session, struct fault *fault)
     return OK;
 }
 
-/* Makes anew what is stale; seeds are changed on the way. */
-static enum err follow(struct session *session, const struct edit *seed, size_t seeds,
-                       struct fault *fault)
+/* Recompute stale parts, and edit the seeds in between. */
+static enum err recompute_stale(struct session *session, const struct edit *seed, size_t seeds,
+                                struct fault *fault)
 {
     enum err err = OK;
     if (session->inside->waits)
@@ -227,28 +229,28 @@ static enum err follow(struct session *session, const struct edit *seed, size_t 
     if (session->inside->stale & MADE_FOREST)
         forest_suspend(session->forest);
     if (session->inside->stale & MADE_ROI && seeds && !roi_is_none(&session->roi)) {
-        /* Seeds that come or go may lie outside the former region, or the coming one: they are
-         * changed while there is none. */
+        /* Edited seeds may be outside the former region or the next one: edit them without a
+         * region. */
         const struct roi open = roi_none();
         roi_apply(&open, session->scene);
     }
     if (seeds)
         err = edit_seeds(session, seed, seeds, fault);
     if (!err)
-        err = make(session, MADE_ROI, apply_region, fault);
+        err = recompute_part(session, MADE_ROI, apply_region, fault);
     if (err || session->skims)
         return err;
-    err = make(session, MADE_WEIGHTS, weigh, fault);
+    err = recompute_part(session, MADE_WEIGHTS, compute_weights, fault);
     if (!err)
-        err = make(session, MADE_FOREST, grow, fault);
+        err = recompute_part(session, MADE_FOREST, recompute_forest, fault);
     if (!err)
-        err = make(session, MADE_BORDER, count_border, fault);
+        err = recompute_part(session, MADE_BORDER, count_border, fault);
     return err ? err : watch_fault(session->watch, fault);
 }
 
-/* All that can fail for want of room. */
-static enum err make_room(struct session *session, const struct kept *kept, unsigned parts,
-                          struct fault *fault)
+/* Reserve memory before the first change. */
+static enum err reserve_memory(struct session *session, const struct kept *kept, unsigned parts,
+                               struct fault *fault)
 {
     const struct grid *grid = &session->scene->grid;
     if (kept->mask && !session->inside->mask_room) {
@@ -261,31 +263,32 @@ static enum err make_room(struct session *session, const struct kept *kept, unsi
     return OK;
 }
 
-/* Of a list of markers, without its first `from` items: those that put up one, or those that take
- * one away, in any order, since each is put up once. */
-static void toggle(struct markers *markers, struct edits list, size_t from, bool stands)
+/* Apply a list of markers, without its first `from` items: only the items that set a marker, or
+ * only those removing one. Any order is correct, since each marker is set once. */
+static void apply_marker_list(struct markers *markers, struct edits list, size_t from,
+                              bool is_valid)
 {
     while (edits_count(&list) > from) {
         size_t count;
         const struct edit *item = edits_last(&list, &count);
         const size_t before = edits_count(&list);
         for (size_t i = from > before ? from - before : 0; i < count; i++)
-            if ((item[i].label != EDIT_ERASE) == stands)
-                markers->marker[item[i].cell - 1].stands = stands;
+            if ((item[i].label != EDIT_ERASE) == is_valid)
+                markers->marker[item[i].cell - 1].is_valid = is_valid;
     }
 }
 
-/* Those stand that the state says: what was added to the list since, or all of it anew where the
- * state is not one that follows the present one. */
-static void stand(struct session *session, const struct edits *to)
+/* Set `is_valid` of each marker as the state says: by the new items of the list, or from the
+ * beginning if the state does not follow the present one. */
+static void set_valid_markers(struct session *session, const struct edits *to)
 {
     const struct edits *from = &session->now.lists.markers;
     const bool goes_on = from->room == to->room && from->end <= to->end;
     const size_t since = goes_on ? edits_count(from) : 0;
     for (size_t i = 0; !goes_on && i < session->markers.count; i++)
-        session->markers.marker[i].stands = false;
-    toggle(&session->markers, *to, since, true);
-    toggle(&session->markers, *to, since, false);
+        session->markers.marker[i].is_valid = false;
+    apply_marker_list(&session->markers, *to, since, true);
+    apply_marker_list(&session->markers, *to, since, false);
 }
 
 enum err session_go(struct session *session, const struct state *state, const struct edit *seed,
@@ -298,12 +301,12 @@ enum err session_go(struct session *session, const struct state *state, const st
         session_place(session, &state->kept);
     enum err err = aims ? session_aim(session, &state->outlook, &camera, fault) : OK;
     if (!err && session->has_scene)
-        err = make_room(session, &state->kept, parts, fault);
+        err = reserve_memory(session, &state->kept, parts, fault);
     if (err && aims)
         session_place(session, &session->now.kept);
     if (err)
         return err;
-    stand(session, &state->lists.markers);
+    set_valid_markers(session, &state->lists.markers);
     state_assign(&session->now, state);
     if (!session->has_scene)
         return OK;
@@ -314,7 +317,7 @@ enum err session_go(struct session *session, const struct state *state, const st
         kept_show(&state->kept, &session->border);
     }
     session->inside->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS);
-    return follow(session, seed, seeds, fault);
+    return recompute_stale(session, seed, seeds, fault);
 }
 
 void session_skim(struct session *session)
@@ -330,25 +333,25 @@ enum err session_catch_up(struct session *session, struct fault *fault)
     if (!session->skims)
         return OK;
     session->skims = false;
-    return follow(session, NULL, 0, fault);
+    return recompute_stale(session, NULL, 0, fault);
 }
 
 enum err session_complete(struct session *session, struct fault *fault)
 {
     if (!session->inside->waits)
         return session->inside->stale && !session->skims && session->has_scene
-                   ? follow(session, NULL, 0, fault)
+                   ? recompute_stale(session, NULL, 0, fault)
                    : OK;
     session->inside->waits = false;
-    const enum err err = follow(session, NULL, 0, fault);
+    const enum err err = recompute_stale(session, NULL, 0, fault);
     session->inside->waits = session->scene->plain != NULL;
     return err;
 }
 
-/* ---- settings that take more than a change of the state ---- */
+/* ---- settings that need more than a change of the state ---- */
 
-/* A copy of it borrows what it shares with the present one; what is new in it is released once the
- * session holds it. */
+/* A copy of the state borrows shared memory. New memory in it is released once the session holds
+ * it. */
 
 static void set_words(char words[FILE_WORDS_BYTES], const char *name)
 {
@@ -373,12 +376,13 @@ enum err session_set_weight_map(struct session *session, const char *name, const
     return err;
 }
 
-/* Voxels outside where a run would plant a seed: the last edit of each decides. */
+/* Count voxels outside the region where a run would plant a seed: the last edit of each voxel
+ * decides. */
 static enum err count_waiting(const struct roi *roi, const struct scene *scene,
                               const struct edit *pending, size_t pendings, size_t *waiting,
                               struct fault *fault)
 {
-    uint64_t *rank = mem_array(pendings, sizeof *rank); /* cell and place among the edits */
+    uint64_t *rank = mem_array(pendings, sizeof *rank); /* cell, and index of the edit */
     size_t count = 0;
     if (!rank)
         return fault_memory(fault, "a region of interest");
@@ -394,8 +398,8 @@ static enum err count_waiting(const struct roi *roi, const struct scene *scene,
     return err;
 }
 
-/* Nothing may be inside that no voxel is, nor seeds be outside: those planted in the scene, and
- * those that a run of the pending edits, in their order, would plant. */
+/* Reject a region that contains no voxel, or excludes a seed: a planted one, or one that a run
+ * of the pending edits would plant. */
 static enum err check_region(const struct session *session, const struct roi *roi,
                              struct fault *fault)
 {

@@ -10,15 +10,15 @@
 #include "session/session_inside.h"
 #include "session/setting.h"
 
-/* ---- what is kept of the settings ---- */
+/* ---- settings of the points, stored compactly ---- */
 
-/* struct kept has some 11 kB, of which a command changes a few bytes. So points share a *ground*, a
- * whole struct kept, and each has the pieces of it in which it differs; where those become many, a
- * ground of its own. Maps that are as large as the scene are held along (kept_hold). */
+/* struct kept has about 11 kB, and a command changes a few bytes of it. So points share a
+ * *ground*, a whole struct kept, and store only pieces that differ from it; with too many pieces, a
+ * point has a ground of its own. Maps as large as the scene are held (kept_hold). */
 enum {
     KEPT_PIECE = 64,
     PIECES = (sizeof(struct kept) + KEPT_PIECE - 1) / KEPT_PIECE,
-    PIECES_MOST = 16, /* beyond, a ground of its own */
+    PIECES_MOST = 16, /* beyond this, a ground of its own */
 };
 
 struct ground {
@@ -47,7 +47,8 @@ static size_t extent(unsigned number)
     return left < KEPT_PIECE ? left : KEPT_PIECE;
 }
 
-/* The pieces in which two differ, up to PIECES_MOST of them: how many, or more. */
+/* Find the pieces in which two differ, PIECES_MOST at most, and return their number, or one
+ * more. */
 static unsigned find_pieces(uint16_t number[PIECES_MOST], const struct kept *a,
                             const struct kept *b)
 {
@@ -63,8 +64,8 @@ static unsigned find_pieces(uint16_t number[PIECES_MOST], const struct kept *a,
     return found;
 }
 
-/* Immutable and counted: each holder drops it once. Those of `kept`, with one holder; `like` is
- * what they differ little from, or NULL. NULL where there is no memory. */
+/* Make settings with one holder; NULL without memory. They are immutable and counted: each
+ * holder drops them once. `like` is similar settings, or NULL. */
 static struct kept_settings *kept_settings_new(const struct kept_settings *like,
                                                const struct kept *kept)
 {
@@ -127,7 +128,7 @@ struct kept kept_settings_get(const struct kept_settings *settings)
     return kept;
 }
 
-/* ---- life ---- */
+/* ---- creation and release ---- */
 
 static void point_release(struct point *point)
 {
@@ -161,7 +162,7 @@ void history_release(struct history *history)
     *history = (struct history){0};
 }
 
-/* A map is counted where it came, and what is held by many points in parts. */
+/* Count a map at the first point that has it, and shared memory in equal parts. */
 static size_t point_memory(const struct point *point, const struct point *parent)
 {
     const struct kept kept = kept_settings_get(point->settings),
@@ -191,9 +192,9 @@ size_t history_memory(const struct history *history)
     return bytes;
 }
 
-/* ---- ways ---- */
+/* ---- ways between points ---- */
 
-/* Before all of a stroke. */
+/* The point before all of a stroke. */
 static uint32_t parent_of(const struct history *history, uint32_t at)
 {
     while (history->point[at].joins)
@@ -201,9 +202,9 @@ static uint32_t parent_of(const struct history *history, uint32_t at)
     return history->point[at].parent;
 }
 
-/* Up to *count steps from the present point, of which it makes how many there were. */
-static uint32_t walk(const struct history *history, size_t *count,
-                     uint32_t (*step)(const struct history *history, uint32_t at))
+/* Take up to *count steps from the present point, and set *count to the steps taken. */
+static uint32_t walk_points(const struct history *history, size_t *count,
+                            uint32_t (*step)(const struct history *history, uint32_t at))
 {
     const size_t wanted = *count;
     uint32_t at = history->present, next;
@@ -215,13 +216,13 @@ static uint32_t walk(const struct history *history, size_t *count,
 enum err history_before(const struct history *history, size_t *count, uint32_t *point,
                         struct fault *fault)
 {
-    *point = walk(history, count, parent_of);
+    *point = walk_points(history, count, parent_of);
     return *count
                ? OK
                : fault_set(fault, ERR_INPUT, "there is nothing to undo since the scene was opened");
 }
 
-/* Where redo leads from a point: along the branch one is on, and else the way one came. */
+/* The point after `at` for redo: on the present branch, otherwise the one visited last. */
 static uint32_t child_of(const struct history *history, uint32_t at)
 {
     uint32_t child = history->point[at].latest;
@@ -233,7 +234,7 @@ static uint32_t child_of(const struct history *history, uint32_t at)
     return child;
 }
 
-/* After all of a stroke. */
+/* The last point of the next stroke. */
 static uint32_t next_of(const struct history *history, uint32_t at)
 {
     uint32_t next = child_of(history, at), on = next;
@@ -246,7 +247,7 @@ static uint32_t next_of(const struct history *history, uint32_t at)
 enum err history_after(const struct history *history, size_t *count, uint32_t *point,
                        struct fault *fault)
 {
-    *point = walk(history, count, next_of);
+    *point = walk_points(history, count, next_of);
     return *count ? OK : fault_set(fault, ERR_INPUT, "there is nothing to do again");
 }
 
@@ -278,11 +279,11 @@ enum err history_find(const struct history *history, const char *name, uint32_t 
 const struct kept_settings *history_settings_after(const struct history *history, size_t record)
 {
     const size_t since = record < history->first ? 0 : record - history->first;
-    const uint32_t point = since < history->ats ? history->at[since] : 0; /* the root before it */
+    const uint32_t point = since < history->ats ? history->at[since] : 0; /* the root precedes it */
     return history->points ? history->point[point].settings : NULL;
 }
 
-/* What two points both come from: a point has a greater number than the one that it comes from. */
+/* Find the common ancestor of two points. A point has a greater number than its parent. */
 static uint32_t fork_of(const struct history *history, uint32_t a, uint32_t b)
 {
     while (a != b)
@@ -301,7 +302,7 @@ static size_t seeds_on_way(const struct history *history, uint32_t from, uint32_
     return count;
 }
 
-/* False where the task is stopped. */
+/* False if the task is stopped. */
 static bool copy_edits(struct edit *to, const struct edit *from, size_t count, struct task *task)
 {
     enum { AT_ONCE = 1 << 16 };
@@ -314,9 +315,9 @@ static bool copy_edits(struct edit *to, const struct edit *from, size_t count, s
     return true;
 }
 
-/* The edits of seeds that lead from the present point to another: those of the way up are taken
- * back, the last one first; those of the way down are done again, the first one first. To be freed
- * by the caller, whatever is returned. */
+/* Collect the edits of seeds that lead from the present point to another: undo those of the way
+ * up, the last first, then do those of the way down, the first first. The caller frees *out, even
+ * on errors. */
 static enum err edits_of_way(struct edit **out, size_t *count, const struct history *history,
                              uint32_t to, struct watch *watch, struct fault *fault)
 {
@@ -412,7 +413,7 @@ static enum err keep_seeds(struct point *point, const struct session *session, s
                : watch_fault(session->watch, fault);
 }
 
-/* No point, where the command has left the segmentation as it was. */
+/* Note no point if the command left the segmentation unchanged. */
 static enum err note_point(struct history *history, const struct session *session,
                            struct fault *fault)
 {
@@ -477,11 +478,11 @@ bool history_moves(const struct history *history)
     return history->is_root || history->noted.settings || history->goes_to != POINT_NONE;
 }
 
-void history_settle(struct history *history, bool stands)
+void history_settle(struct history *history, bool is_final)
 {
-    if (stands && history->is_noted) {
+    if (is_final && history->is_noted) {
         history->records++;
-        if (history->is_root) { /* it takes the place of all that was */
+        if (history->is_root) { /* it replaces the whole former tree */
             forget_points(history);
             history->first = history->records;
             history->branch[0] = (struct branch){.name = "main"};
@@ -489,7 +490,7 @@ void history_settle(struct history *history, bool stands)
             history->on = 0;
         }
         if (history->noted.settings) {
-            /* What was noted is the present point from now on. */
+            /* The noted point becomes the present one. */
             const uint32_t next = (uint32_t)history->points++;
             history->point[next] = history->noted;
             history->noted = (struct point){0};
@@ -498,7 +499,7 @@ void history_settle(struct history *history, bool stands)
             history->present = next;
             history->branch[history->on].point = next;
         } else if (history->goes_to != POINT_NONE) {
-            /* Redo leads to `point` from wherever it has left the way to the present one. */
+            /* Let redo lead to `point` from every point on the way to it. */
             const uint32_t point = history->goes_to, branch = history->goes_on;
             const uint32_t top = fork_of(history, history->present, point);
             for (uint32_t p = point; p != top; p = history->point[p].parent)
@@ -506,7 +507,7 @@ void history_settle(struct history *history, bool stands)
             history->present = point;
             history->on = branch;
             if (branch == history->branches)
-                history->branches++; /* a new one */
+                history->branches++; /* a new branch */
             if (history->moves_tip)
                 history->branch[branch].point = point;
         }
@@ -518,7 +519,7 @@ void history_settle(struct history *history, bool stands)
     history->goes_to = POINT_NONE;
 }
 
-/* ---- commands that are forgotten ---- */
+/* ---- forgotten commands ---- */
 
 struct history_place history_place(const struct history *history)
 {

@@ -15,7 +15,7 @@
 
 enum { LABELS = 256, OTHER = REGION_NONE - 1 };
 
-/* The label that has this own number, or LABELS. */
+/* Return the label with this own number, or LABELS. */
 static unsigned kept_label(const struct kept *kept, uint32_t number)
 {
     unsigned label = number ? 1 : LABELS;
@@ -76,7 +76,7 @@ void numbering_list(struct buf *list, const uint16_t *as, const bool has[REGION_
     }
 }
 
-/* ---- a list ---- */
+/* ---- numbering by a list ---- */
 
 static enum err refuse(const char *list, unsigned fits, struct fault *fault)
 {
@@ -108,7 +108,7 @@ enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const 
     for (unsigned l = 0; l < LABELS; l++)
         is_free[l] = l && !kept->label_number[l];
     for (size_t i = 0; i < markers->count; i++)
-        if (markers->marker[i].stands && markers->marker[i].label > 0)
+        if (markers->marker[i].is_valid && markers->marker[i].label > 0)
             is_free[markers->marker[i].label] = false;
     for (unsigned l = 0; l < LABELS; l++)
         fits += is_free[l];
@@ -136,7 +136,7 @@ enum err numbering_check(const struct kept *kept, const bool used[256], struct f
         if (used[label] && !kept->label_number[label] && other < LABELS)
             return fault_set(fault, ERR_INPUT,
                              "label %u would be %u in a file, and that is the number of label %u; "
-                             "`label %u NAME number=N` gives it another; nothing was written",
+                             "`label %u NAME number=N` sets another number; nothing was written",
                              label, label, other, label);
     }
     return OK;
@@ -148,7 +148,7 @@ enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fa
     if (same_size(is, size))
         return OK;
     return fault_set(fault, ERR_INPUT,
-                     "the map has %ux%ux%u voxels and the scene %ux%ux%u; a map lies on the "
+                     "the map has %ux%ux%u voxels and the scene %ux%ux%u; a map must be on the "
                      "scene's grid; nothing has changed",
                      is[0], is[1], is[2], size[0], size[1], size[2]);
 }
@@ -166,7 +166,7 @@ enum err map_check_axes(const struct volume *map, const struct geometry *place, 
     return OK;
 }
 
-/* How many voxels of the file are one of the part along an axis. */
+/* Voxels of the file in one voxel of the part, along an axis. */
 static uint32_t part_step(const struct map_part *part, int a)
 {
     const struct volume_choice *choice = &part->choice;
@@ -175,8 +175,8 @@ static uint32_t part_step(const struct map_part *part, int a)
     return choice->reduce > 1 && count >= choice->reduce ? choice->reduce : 1;
 }
 
-/* The order in which a map has the voxels of the file of which the scene is a part; their own order
- * where that cannot be compared. False where it has other voxels. */
+/* Find the order of axes in which a map has the voxels of the scene's file; the map's own order
+ * if they cannot be compared. False if the map has other voxels. */
 static bool find_order(struct regrid_order *order, const struct map_place *place,
                        const struct volume_header *header)
 {
@@ -195,7 +195,7 @@ static bool find_order(struct regrid_order *order, const struct map_place *place
     return same_size(header->size, part->whole);
 }
 
-/* Chooses from such a map, in that order, the part that the scene is. */
+/* Choose the scene's part of such a map, in that order of axes. */
 static enum err choose_part(struct volume_choice *choice, const struct map_part *part,
                             const struct regrid_order *order, struct fault *fault)
 {
@@ -207,9 +207,9 @@ static enum err choose_part(struct volume_choice *choice, const struct map_part 
         const bool turned = order->is_reversed[a];
         if (turned && step % 2 == 0)
             return fault_set(fault, ERR_INPUT,
-                             "its axes run the other way than the scene's, of which each voxel is "
-                             "%u along an axis of the file: the one in the middle is another one "
-                             "then; give it the axes of the scene's file; nothing has changed",
+                             "its axes are reversed to those of the scene, where each voxel is "
+                             "%u along an axis of the file, so that the middle voxel differs; "
+                             "use a map with the axes of the scene's file; nothing has changed",
                              step);
         choice->first[order->axis[a]] = turned ? part->whole[a] - end : begin;
         choice->last[order->axis[a]] = (turned ? part->whole[a] - begin : end) - 1;
@@ -217,10 +217,10 @@ static enum err choose_part(struct volume_choice *choice, const struct map_part 
     return OK;
 }
 
-/* What to read of a map: all of it, or the part that the scene is of its own file. Whatever else
- * was said of that file is not said of the map's. */
-static enum err choose(struct volume_reader *reader, const struct map_place *place,
-                       struct fault *fault)
+/* Choose the voxels of a map to read: all, or the scene's part of its file. No other option of
+ * the scene's file applies to the map. */
+static enum err choose_voxels(struct volume_reader *reader, const struct map_place *place,
+                              struct fault *fault)
 {
     const struct volume_header *header = &reader->header;
     const struct map_part *part = place->part;
@@ -236,25 +236,25 @@ static enum err choose(struct volume_reader *reader, const struct map_place *pla
         regrid_check(header->size, &header->geometry, size, place->geometry, false, NULL) &&
         find_order(&order, place, header))
         err = choose_part(&choice, part, &order, fault);
-    const uint64_t voxels = (uint64_t)size[0] * size[1] * size[2]; /* the scene takes more */
+    const uint64_t voxels = (uint64_t)size[0] * size[1] * size[2]; /* the scene needs more memory */
     choice.huge = (uint64_t)header->size[0] * header->size[1] * header->size[2] == voxels;
     return err ? err : volume_choose(reader, &choice, fault);
 }
 
-/* A map of a file of which the scene is a part, and of neither size. */
+/* Reject a map that has neither the size of the scene nor that of its file. */
 static enum err refuse_size(const struct map_place *place, const uint32_t is[3],
                             struct fault *fault)
 {
     const uint32_t *size = place->grid->size, *whole = place->part->whole;
     return fault_set(fault, ERR_INPUT,
                      "the map has %ux%ux%u voxels, the scene %ux%ux%u, and its file %ux%ux%u; a "
-                     "map lies on the grid of the scene or of its file, or is taken with "
+                     "map must be on the grid of the scene or of its file; otherwise use "
                      "resample=yes; nothing has changed",
                      is[0], is[1], is[2], size[0], size[1], size[2], whole[0], whole[1], whole[2]);
 }
 
-static enum err check(const struct map_place *place, const struct volume_header *header,
-                      struct fault *fault)
+static enum err check_grid(const struct map_place *place, const struct volume_header *header,
+                           struct fault *fault)
 {
     const uint32_t *size = header->size;
     const bool names_file = place->resample != REGRID_RESAMPLE && place->part &&
@@ -266,15 +266,15 @@ static enum err check(const struct map_place *place, const struct volume_header 
     return err && names_file ? refuse_size(place, size, fault) : err;
 }
 
-static enum err bring(struct volume *map, const struct map_place *place, struct watch *watch,
-                      struct fault *fault)
+static enum err convert_grid(struct volume *map, const struct map_place *place, struct watch *watch,
+                             struct fault *fault)
 {
     return place->is_copy
                ? map_check_axes(map, place->geometry, fault)
                : regrid(map, place->grid->size, place->geometry, place->resample, watch, fault);
 }
 
-static enum err naming(const char *path, enum err err, struct fault *fault)
+static enum err prefix_file(const char *path, enum err err, struct fault *fault)
 {
     return err ? fault_prefix(fault, err, "%s", file_name(path)) : OK;
 }
@@ -285,24 +285,25 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     struct volume_reader reader;
     enum err err = volume_begin(&reader, path, &place->choice, watch, fault);
     if (!err)
-        err = choose(&reader, place, fault);
+        err = choose_voxels(&reader, place, fault);
     if (!err)
-        err = naming(path, check(place, &reader.header, fault), fault);
-    reader.header.notes[0] = '\0'; /* they are for scenes */
+        err = prefix_file(path, check_grid(place, &reader.header, fault), fault);
+    reader.header.notes[0] = '\0'; /* notes are for scenes */
     if (!err)
         err = volume_take(map, &reader, fault);
     volume_close(&reader);
     if (!err && *reader.header.contents)
         volume_note(map->notes, "volume %" PRIu32 " of %" PRIu32 ": %s", place->choice.volume,
                     reader.header.volumes, reader.header.contents);
-    return err ? err : naming(path, bring(map, place, watch, fault), fault);
+    return err ? err : prefix_file(path, convert_grid(map, place, watch, fault), fault);
 }
 
 /* ---- numbers ---- */
 
 enum { VALUES = 65536, ODD = VALUES };
 
-/* Replaces intensities by what the table says, where that is not ODD; `holds` is for the words. */
+/* Replace intensities by entries of the table, unless those are ODD; `holds` is for the message.
+ * */
 static enum err translate(struct volume *map, const uint32_t *table, const char *holds,
                           struct watch *watch, struct fault *fault)
 {
@@ -319,8 +320,8 @@ static enum err translate(struct volume *map, const uint32_t *table, const char 
     return watch_fault(watch, fault);
 }
 
-/* Makes intensities the whole numbers that they stand for: those in first..last as they are, others
- * `beyond`, which may be ODD. */
+/* Replace intensities by the whole numbers they represent: those in first..last unchanged,
+ * others by `beyond`, which may be ODD. */
 static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint32_t beyond,
                         const char *holds, struct watch *watch, struct fault *fault)
 {
@@ -335,8 +336,8 @@ static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint3
     if (!table)
         return fault_memory(fault, "a map");
     for (uint32_t i = 0; i < VALUES; i++) {
-        /* What an intensity stands for is a whole number up to what was lost when float32 became 16
-         * bits: half a step. */
+        /* An intensity represents a whole number to within half a step, which the conversion
+         * from float32 to 16 bits loses. */
         const double value = geometry_value(&map->geometry, (uint16_t)i);
         const double step = fabs(map->geometry.slope);
         const double n = floor(value + 0.5);
@@ -363,7 +364,7 @@ enum err map_refuse_region(uint32_t region, struct fault *fault)
                      region, region, region + 1);
 }
 
-/* REGION_NONE where it is not chosen; it may be none of a label. */
+/* REGION_NONE if it is not chosen; the result may exceed a label. */
 static uint32_t label_of(const struct map_labels *choice, uint16_t region)
 {
     const uint32_t as = region == REGION_NONE ? REGION_NONE
@@ -422,9 +423,9 @@ enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *f
     return convert(map, 0, UINT16_MAX, ODD, "weights are whole numbers 0..65535", watch, fault);
 }
 
-/* ---- regions that are chosen ---- */
+/* ---- chosen regions ---- */
 
-/* The numbers of a list, one after another. */
+/* The numbers of a list, in order. */
 struct numbers {
     const char *at;
     int64_t next, last;
@@ -450,11 +451,11 @@ static enum err pair_up(uint16_t *as, const char *regions, const char *labels, s
     int64_t r, l;
     while (take_number(&region, &r)) {
         if (as[r] != REGION_NONE)
-            return fault_set(fault, ERR_USAGE, "regions: %lld stands there twice", (long long)r);
+            return fault_set(fault, ERR_USAGE, "regions: %lld is listed twice", (long long)r);
         if (!take_number(&label, &l))
             return fault_set(fault, ERR_USAGE,
-                             "as: expected a label for each of `regions`; from %lld on there is "
-                             "none",
+                             "as: expected a label for each of `regions`; labels are missing from "
+                             "region %lld on",
                              (long long)r);
         as[r] = (uint16_t)l;
     }

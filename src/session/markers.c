@@ -31,14 +31,14 @@ static uint32_t *bucket_of(const struct markers *markers, uint32_t cell)
     return markers->bucket + ((mixed >> 32) & (markers->buckets - 1));
 }
 
-static void put_in(struct markers *markers, size_t i)
+static void insert_cover(struct markers *markers, size_t i)
 {
     uint32_t *bucket = bucket_of(markers, markers->cover[i].cell);
     markers->cover[i].below = *bucket;
     *bucket = (uint32_t)i;
 }
 
-/* At least as many buckets as covers. False when out of memory; nothing has changed then. */
+/* Grow to at least as many buckets as covers. False, and no change, when out of memory. */
 static bool grow_buckets(struct markers *markers, size_t covers, struct task *task)
 {
     size_t buckets = markers->buckets ? markers->buckets : 64;
@@ -52,17 +52,17 @@ static bool grow_buckets(struct markers *markers, size_t covers, struct task *ta
     free(markers->bucket);
     markers->bucket = bucket;
     markers->buckets = buckets;
-    /* The latest first: covers are put in as they were added. */
+    /* The latest cover comes first: covers are inserted in the order of their addition. */
     for (size_t i = 0; i < markers->buckets; i++)
         markers->bucket[i] = COVER_NONE;
     for (size_t i = 0; i < markers->covers; i++, task_show(task, 1))
-        put_in(markers, i);
+        insert_cover(markers, i);
     return true;
 }
 
-/* For so many covers more; nothing has changed on errors. */
-static enum err make_room(struct markers *markers, size_t more, struct task *task,
-                          struct fault *fault)
+/* Reserve memory for `more` covers; no change on errors. */
+static enum err reserve_covers(struct markers *markers, size_t more, struct task *task,
+                               struct fault *fault)
 {
     const size_t covers = markers->covers + more;
     if (more >= COVER_NONE - markers->covers)
@@ -74,14 +74,14 @@ static enum err make_room(struct markers *markers, size_t more, struct task *tas
                : fault_memory(fault, "a marker");
 }
 
-/* Of the last marker; `from` is the one that gives way to it, 0 for none. */
+/* Add a cover of the last marker; `from` is the marker that yields to it, or 0. */
 static void add_cover(struct markers *markers, uint32_t cell, uint32_t from, bool is_beside)
 {
     markers->cover[markers->covers] = (struct cover){.cell = cell,
                                                      .marker = (uint32_t)markers->count,
                                                      .from = from & (UINT32_MAX >> 1),
                                                      .is_beside = is_beside};
-    put_in(markers, markers->covers++);
+    insert_cover(markers, markers->covers++);
 }
 
 /* ---- markers ---- */
@@ -91,7 +91,7 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
 {
     const size_t first = markers->covers;
     struct task task = task_begin(watch, "markers", count);
-    enum err err = make_room(markers, count, &task, fault);
+    enum err err = reserve_covers(markers, count, &task, fault);
     if (err)
         return err;
     if (!mem_grow(&markers->marker, &markers->capacity, markers->count + 1,
@@ -122,7 +122,7 @@ void markers_drop(struct markers *markers, size_t count, struct watch *watch)
     }
 }
 
-/* ---- what yields, and what is freed ---- */
+/* ---- markers that yield, and freed voxels ---- */
 
 enum err markers_yield(struct markers *markers, const struct marker_run *run, size_t runs,
                        struct fault *fault)
@@ -143,7 +143,7 @@ enum err markers_yield(struct markers *markers, const struct marker_run *run, si
     return OK;
 }
 
-/* The voxels of a marker, or of its piece, as runs in order. */
+/* Number of runs of a marker's voxels, or of its piece, in order. */
 static size_t stretches(const struct marker *marker)
 {
     return marker->runs ? marker->runs : marker->voxels;
@@ -156,7 +156,7 @@ static struct marker_run stretch(const struct markers *markers, const struct mar
     return marker->runs ? markers->run[marker->run + i] : (struct marker_run){cell, cell + 1};
 }
 
-/* Whether one of the voxels first..end-1 of a row is among them: by the last run that begins before
+/* True if a voxel first..end-1 of a row is among them: checks the last run that begins before
  * their end. */
 static bool has_one(const struct markers *markers, const struct marker *marker,
                     struct marker_run row)
@@ -172,7 +172,8 @@ static bool has_one(const struct markers *markers, const struct marker *marker,
     return low > 0 && stretch(markers, marker, low - 1).end > row.first;
 }
 
-static bool meet(const struct markers *markers, const struct marker *a, const struct marker *b)
+static bool pieces_meet(const struct markers *markers, const struct marker *a,
+                        const struct marker *b)
 {
     const bool swaps = stretches(b) < stretches(a);
     const struct marker *few = swaps ? b : a, *many = swaps ? a : b;
@@ -182,19 +183,20 @@ static bool meet(const struct markers *markers, const struct marker *a, const st
     return has;
 }
 
-/* Whether a marker gives way to the last one. */
+/* True if a marker yields to the last one. */
 static bool gives_way(const struct markers *markers, const struct marker *marker)
 {
     const struct marker *last = markers->marker + markers->count - 1;
-    return marker->yields && marker->label != last->label && meet(markers, marker, last);
+    return marker->yields && marker->label != last->label && pieces_meet(markers, marker, last);
 }
 
-/* Cells that are freed, a bit each with those beside them; and which of all have a cover. */
+/* Freed cells and their neighbours, a bit each; and which of them have a cover. */
 struct freed {
     uint32_t first, last;
-    uint64_t origin; /* what is added to a cell for its bit */
+    uint64_t origin; /* added to a cell to find its bit */
     uint64_t *within, *covered;
-    const struct cell *cells; /* of the scene: no seed is planted outside its region of interest */
+    const struct cell *cells; /* cells of the scene: no seed is planted outside its region of
+                                 interest */
 };
 
 static uint64_t bit_of(const struct freed *freed, uint32_t cell)
@@ -236,7 +238,8 @@ static bool has_cell(const struct markers *markers, const struct marker *marker,
     return has_one(markers, marker, (struct marker_run){cell, cell + 1});
 }
 
-/* The last marker frees a voxel from that one, or this has a seed in it beside what is freed. */
+/* Add a cover: the last marker frees a voxel from marker `number`, or that marker has a seed
+ * next to a freed voxel. */
 static enum err cover_once(struct markers *markers, uint32_t number, struct freed *freed,
                            uint32_t cell, struct task *task, struct fault *fault)
 {
@@ -246,7 +249,7 @@ static enum err cover_once(struct markers *markers, uint32_t number, struct free
         return OK;
     if (has_bit(freed->covered, bit) || !has_cell(markers, markers->marker + number - 1, cell))
         return OK;
-    const enum err err = make_room(markers, 1, task, fault);
+    const enum err err = reserve_covers(markers, 1, task, fault);
     if (err)
         return err;
     freed->covered[bit >> 6] |= UINT64_C(1) << (bit & 63);
@@ -256,7 +259,7 @@ static enum err cover_once(struct markers *markers, uint32_t number, struct free
     return OK;
 }
 
-/* The same of a voxel and of all beside it. */
+/* The same for a voxel and all its neighbours. */
 static enum err free_one(struct markers *markers, uint32_t number, struct freed *freed,
                          const struct adjacency *around, uint32_t cell, struct task *task,
                          struct fault *fault)
@@ -272,7 +275,7 @@ static enum err free_one(struct markers *markers, uint32_t number, struct freed 
     return err;
 }
 
-/* Whether a marker is a piece that has voxels there. */
+/* True if a marker is a piece with voxels near the freed ones. */
 static bool comes_near(const struct markers *markers, const struct marker *marker,
                        const struct freed *freed)
 {
@@ -307,15 +310,16 @@ enum err markers_free(struct markers *markers, const struct cell *cells,
     return err ? err : watch_fault(watch, fault);
 }
 
-/* ---- who decides ---- */
+/* ---- the deciding marker ---- */
 
-/* Whether a marker that stands frees the voxel from that one; `at` is where its bucket begins. */
+/* True if a valid marker frees the voxel from marker `number`; `at` is the beginning of the
+ * bucket. */
 static bool is_freed(const struct markers *markers, uint32_t at, uint32_t cell, uint32_t number)
 {
     for (; at != COVER_NONE; at = markers->cover[at].below) {
         const struct cover *cover = markers->cover + at;
         if (cover->cell == cell && cover->from == number && !cover->is_beside &&
-            markers->marker[cover->marker - 1].stands)
+            markers->marker[cover->marker - 1].is_valid)
             return true;
     }
     return false;
@@ -335,13 +339,13 @@ bool markers_can_plant(const struct markers *markers, uint32_t cell)
 uint32_t markers_at(const struct markers *markers, uint32_t cell)
 {
     const uint32_t latest = markers->buckets ? *bucket_of(markers, cell) : COVER_NONE;
-    uint32_t decides = 0, freed = 0; /* the one that was found to be freed last: it comes often */
+    uint32_t decides = 0, freed = 0; /* the last one found to be freed: it is frequent */
     for (uint32_t at = latest; at != COVER_NONE; at = markers->cover[at].below) {
         const struct cover *cover = markers->cover + at;
         const uint32_t number = cover->is_beside ? cover->from : cover->marker;
         if (cover->cell != cell || (cover->from && !cover->is_beside) || number <= decides ||
-            number == freed || !markers->marker[number - 1].stands ||
-            !markers->marker[cover->marker - 1].stands)
+            number == freed || !markers->marker[number - 1].is_valid ||
+            !markers->marker[cover->marker - 1].is_valid)
             continue;
         if (markers->marker[number - 1].yields && is_freed(markers, latest, cell, number))
             freed = number;
@@ -382,5 +386,5 @@ uint32_t markers_stroke(const struct markers *markers, uint32_t number)
 uint32_t markers_next(const struct markers *markers, uint32_t number)
 {
     const struct marker *next = markers->marker + number;
-    return number < markers->count && next->joined && next->stands ? number + 1 : 0;
+    return number < markers->count && next->joined && next->is_valid ? number + 1 : 0;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How a scene comes into a session: opened, or interpolated in the place of the one before. */
+/* Open a scene in a session, or replace it by an interpolated one. */
 #include "session/session.h"
 #include "session/session_inside.h"
 
@@ -21,13 +21,13 @@ uint64_t session_bytes_for(const uint32_t size[3])
     for (int a = 0; a < 3; a++)
         if (__builtin_mul_overflow(cells, (uint64_t)size[a] + 2, &cells) || cells > UINT64_MAX / 32)
             return UINT64_MAX;
-    /* Cells; two bits; a sixteenth of the scene as changes; the queue at its longest, at most two
-     * voxels of three bytes in practice; two bytes while a file is read. */
+    /* Cells; two bits; a sixteenth of the scene as changes; the longest queue, in practice two
+     * voxels of three bytes; two bytes while a file is read. */
     return cells * sizeof(struct cell) + cells / 4 + cells / 2 + cells * 2;
 }
 
-/* Says what a large scene will take; refuses one that there is no memory for, ending with `undone`.
- */
+/* Announce the memory of a large scene. Reject one that does not fit, with a message that ends
+ * in `undone`. */
 static enum err check_memory(const uint32_t size[3], const char *undone, struct watch *watch,
                              struct fault *fault)
 {
@@ -44,7 +44,7 @@ static enum err check_memory(const uint32_t size[3], const char *undone, struct 
     return OK;
 }
 
-/* A scene takes more memory than its voxels do in the file. */
+/* Reject a small file whose scene would take far more memory than the file has bytes. */
 static enum err check_swelling(const struct volume_header *header, const char *path,
                                struct fault *fault)
 {
@@ -61,8 +61,8 @@ static enum err check_swelling(const struct volume_header *header, const char *p
 
 /* ---- opening ---- */
 
-/* "synth:geom"; "synth:geom:XYZ", bit a of *doubled for a 2 in place a; or "synth:geom:NXxNYxNZ",
- * where *doubled is GEOM_SIZED. */
+/* Parse "synth:geom"; "synth:geom:XYZ", with bit a of *doubled for a 2 in place a; or
+ * "synth:geom:NXxNYxNZ", with *doubled GEOM_SIZED. */
 enum { GEOM_SIZED = 8 };
 static bool scan_geom(const char *path, unsigned *doubled, uint32_t size[3])
 {
@@ -155,7 +155,7 @@ static enum err open_file(struct session *session, const char *path,
         volume.intensity = NULL;
     if (!err && (volume.choice.has_crop || volume.choice.reduce)) {
         session->part.choice = volume.choice;
-        struct volume_choice *part = &session->part.choice; /* without what is the command's */
+        struct volume_choice *part = &session->part.choice; /* without the options of the command */
         part->data = part->proof = part->series_name = part->skip = NULL;
         part->list = NULL;
         memcpy(session->part.whole, volume.whole, sizeof volume.whole);
@@ -172,8 +172,8 @@ static enum err open_file(struct session *session, const char *path,
     return err;
 }
 
-/* What hangs on a scene, under the settings of the session; the caller releases it where an error
- * has left half of it. */
+/* Make the objects of a scene under the settings of the session. On errors the caller releases
+ * them. */
 static enum err equip(struct session *session, struct scene *scene, struct forest **forest,
                       struct border *border, struct fault *fault)
 {
@@ -188,7 +188,7 @@ static enum err equip(struct session *session, struct scene *scene, struct fores
     return err;
 }
 
-/* Weighs the scene and looks at its middle. */
+/* Compute weights and look at the middle of the scene. */
 static enum err show_first(struct session *session, struct fault *fault)
 {
     const uint32_t *nm = session->scene->spacing_nm;
@@ -258,12 +258,12 @@ enum err session_open(struct session *session, const char *path, const struct vo
 
 /* ---- interpolation ---- */
 
-/* A scene with a forest and a border, in place of those of the session; its digests, geometry and
- * weights wait. On error nothing has changed. */
+/* Replace scene, forest and border of the session by interpolated ones; digests, geometry and
+ * weights are computed later. On error nothing has changed. */
 static enum err replace_scene(struct session *session, unsigned doubled, struct fault *fault)
 {
     struct former_scene next = {0};
-    assert(!session->inside->former_scene.scene); /* once in a command */
+    assert(!session->inside->former_scene.scene); /* once per command */
     enum err err =
         scene_new_interpolated(&next.scene, session->scene, doubled, session->watch, fault);
     if (!err)
@@ -317,17 +317,16 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
             plural(pendings));
     if (session->now.kept.mask || session->now.kept.weight_map)
         return fault_set(fault, ERR_USAGE,
-                         "a mask or weights out of a file lie on the scene as it is; interpolate "
-                         "first, then take them on the finer grid; nothing has changed");
+                         "a mask or weights from a file belong to the present grid; interpolate "
+                         "first, then load them on the finer grid; nothing has changed");
     if (!cut_is_none(&session->now.kept.cut))
         return fault_set(fault, ERR_USAGE,
-                         "what is cut away lies on the scene as it is; interpolate first, or say "
+                         "a cut belongs to the present grid; interpolate first, or use "
                          "`clip none`, `plane none`, `cut none`; nothing has changed");
     if (*session->now.kept.landmark[0].name)
-        return fault_set(
-            fault, ERR_USAGE,
-            "landmarks lie on the scene as it is; interpolate first, or take them away "
-            "with `landmark NAME none`; nothing has changed");
+        return fault_set(fault, ERR_USAGE,
+                         "landmarks belong to the present grid; interpolate first, or remove them "
+                         "with `landmark NAME none`; nothing has changed");
     for (unsigned a = 0; a < 3; a++)
         if (session->scene->grid.size[a] == 1)
             doubled &= ~(1U << a);
@@ -344,8 +343,8 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
     (void)geometry_derive(&session->said, first, step); /* half of 1 nm is 1 nm */
     session_place(session, &session->now.kept);
     session->scene_digest = scene_digest(session->scene);
-    /* The same places in the finer scene, seen as a scene of this size is at first: 2n - 1 voxels,
-     * so that the middle stays the middle. Eliminators are those of another scene. */
+    /* Keep the same places in the finer scene, viewed as a new scene of this size: with 2n - 1
+     * voxels the middle stays the middle. Eliminators belong to the other scene. */
     struct state next = session->now;
     struct view *view = &next.outlook.view;
     view->zoom =

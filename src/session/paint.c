@@ -31,7 +31,7 @@ static bool add_row(struct voxels *out, const struct grid *grid, const uint32_t 
     return true;
 }
 
-/* ---- straight ways ---- */
+/* ---- straight lines ---- */
 
 int64_t paint_steps(const uint32_t from[3], const uint32_t to[3])
 {
@@ -54,7 +54,7 @@ void paint_step(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int
 
 /* ---- strokes ---- */
 
-/* A sheet of bits over the part of the grid that a stroke can cover. */
+/* A bit for each voxel of the part of the grid that a stroke can cover. */
 struct sheet {
     uint32_t first[3], size[3];
     uint64_t *bit;
@@ -119,10 +119,10 @@ static void clear_bit(struct sheet *sheet, struct place p)
     sheet->bit[at >> 6] &= ~(UINT64_C(1) << (at & 63));
 }
 
-/* The cells whose bits are set. */
-static bool gather(struct voxels *out, const struct sheet *sheet, const struct grid *grid)
+/* Collect the cells whose bits are set. */
+static bool collect_cells(struct voxels *out, const struct sheet *sheet, const struct grid *grid)
 {
-    size_t count = 0, begin = 0; /* of the row at hand: its first bit */
+    size_t count = 0, begin = 0; /* first bit of the present row */
     uint32_t y = 0, z = 0;
     for (size_t w = 0; w < sheet->words; w++)
         count += (size_t)__builtin_popcountll(sheet->bit[w]);
@@ -144,9 +144,9 @@ static bool gather(struct voxels *out, const struct sheet *sheet, const struct g
     return true;
 }
 
-/* False where the watch stops it. */
-static bool draw(struct sheet *sheet, const struct brush *brush, const uint32_t (*corner)[3],
-                 size_t corners, struct watch *watch)
+/* False if the watch stopped it. */
+static bool draw_stroke(struct sheet *sheet, const struct brush *brush, const uint32_t (*corner)[3],
+                        size_t corners, struct watch *watch)
 {
     struct task task = task_begin(watch, "a stroke", 0);
     int64_t at[3];
@@ -169,15 +169,16 @@ enum err paint_stroke(struct voxels *out, const struct grid *grid, const struct 
                       struct fault *fault)
 {
     struct sheet sheet;
-    const bool fits = sheet_init(&sheet, grid, brush, corner, corners) &&
-                      (!draw(&sheet, brush, corner, corners, watch) || gather(out, &sheet, grid));
+    const bool fits =
+        sheet_init(&sheet, grid, brush, corner, corners) &&
+        (!draw_stroke(&sheet, brush, corner, corners, watch) || collect_cells(out, &sheet, grid));
     free(sheet.bit);
     return outcome(out, fits, watch, fault);
 }
 
 /* ---- shells ---- */
 
-/* The voxels of the scene from `first` to `last` along x. */
+/* Add the voxels of the scene from `first` to `last` along x. */
 static bool add_run(struct voxels *out, const struct grid *grid, int64_t first, int64_t last,
                     const int64_t middle[3])
 {
@@ -253,18 +254,18 @@ enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t c
 
 /* ---- polygons ---- */
 
-/* The part of a slice that a polygon can cover: across[0] and across[1] are the axes of the scene
- * that its columns and rows run along. For the row at hand, by column: */
+/* The part of a slice that a polygon can cover: across[0] and across[1] are the axes of the
+ * scene along its columns and rows. For the present row, by column: */
 struct outline {
     const uint32_t (*corner)[3];
     size_t corners;
     int across[2], axis; /* the axis at right angles to the slice */
     uint32_t first[2], size[2];
-    int32_t *turn; /* how much more the outline winds around it than around the column before */
-    bool *on;      /* it goes through its centre */
+    int32_t *turn; /* change of the winding number from the column before */
+    bool *on;      /* the outline passes through its centre */
 };
 
-/* The first axis along which all corners lie at the same place; 3 for none. */
+/* Return the first axis along which all corners have the same index; 3 for none. */
 static int common_axis(const uint32_t (*corner)[3], size_t corners)
 {
     int axis = 0;
@@ -299,8 +300,8 @@ static bool outline_init(struct outline *o, const uint32_t (*corner)[3], size_t 
     return o->turn && o->on;
 }
 
-/* What the edge from a to b (column, row) does to a row. It winds around what lies before the
- * column where it crosses the row; of its ends, the lower row counts as crossed. */
+/* Add the edge from a to b (column, row) to a row: it changes the winding number where it
+ * crosses the row. Of its two ends, the lower one counts as crossed. */
 static void cross_row(struct outline *o, const int64_t a[2], const int64_t b[2], int64_t row)
 {
     const int64_t low = a[1] < b[1] ? a[1] : b[1], high = a[1] < b[1] ? b[1] : a[1];
@@ -357,7 +358,7 @@ enum err paint_polygon(struct voxels *out, const struct grid *grid, const uint32
     const int axis = common_axis(corner, corners);
     if (axis == 3)
         return fault_set(fault, ERR_INPUT,
-                         "the corners of a polygon lie in one slice: all have the same x, y or z; "
+                         "the corners of a polygon must be in one slice, with the same x, y or z; "
                          "nothing was planted");
     bool fits = outline_init(&o, corner, corners, axis), goes_on = true;
     for (uint32_t row = 0; fits && goes_on && row < o.size[1]; row++) {
@@ -379,7 +380,7 @@ enum err paint_ring(struct voxels *out, const struct grid *grid, const struct vo
     enum err err = brush_init(&brush, (uint32_t[]){1, 1, 1}, width, BRUSH_REACH_MOST, fault);
     if (err)
         return err;
-    brush.reach[common_axis(corner, corners)] = 0; /* the sheet is of the slice alone */
+    brush.reach[common_axis(corner, corners)] = 0; /* the sheet is one slice */
     const bool fits = sheet_init(&sheet, grid, &brush, corner, corners);
     for (size_t i = 0; fits && i < inside->count && task_advance(&task, brush.rows); i++) {
         const struct place p = grid_place(grid, inside->cell[i]);
@@ -387,8 +388,8 @@ enum err paint_ring(struct voxels *out, const struct grid *grid, const struct vo
     }
     for (size_t i = 0; fits && i < inside->count; i++)
         clear_bit(&sheet, grid_place(grid, inside->cell[i]));
-    err =
-        outcome(out, fits && (watch_fault(watch, NULL) || gather(out, &sheet, grid)), watch, fault);
+    err = outcome(out, fits && (watch_fault(watch, NULL) || collect_cells(out, &sheet, grid)),
+                  watch, fault);
     free(sheet.bit);
     brush_release(&brush);
     return err;

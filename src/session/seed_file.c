@@ -35,20 +35,20 @@ uint64_t seeds_digest(const struct seeds *seeds)
     return sum;
 }
 
-static bool make_room(struct seeds *seeds, size_t count)
+static bool reserve_seeds(struct seeds *seeds, size_t count)
 {
     seeds->edit = mem_array(count, sizeof *seeds->edit);
     seeds->region = mem_array(count, sizeof *seeds->region);
     return seeds->edit && seeds->region;
 }
 
-static void add(struct seeds *seeds, uint32_t cell, int label, uint16_t region)
+static void add_seed(struct seeds *seeds, uint32_t cell, int label, uint16_t region)
 {
     seeds->edit[seeds->count] = (struct edit){cell, (int16_t)label, 0};
     seeds->region[seeds->count++] = region;
 }
 
-/* A sort by counting. */
+/* Counting sort. */
 enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end,
                          struct watch *watch, struct fault *fault)
 {
@@ -61,7 +61,7 @@ enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end
         end[seeds->region[i]]++;
     for (size_t r = 0, before = 0; r <= REGION_MOST; r++) {
         const size_t here = end[r];
-        end[r] = before; /* where it begins, and while it is filled, goes on */
+        end[r] = before; /* the beginning of region r; later, its next free place */
         before += here;
     }
     for (size_t i = 0; i < seeds->count && task_advance(&task, 1); i++)
@@ -74,7 +74,7 @@ enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end
 struct row {
     uint32_t cell, line;
     int16_t label;
-    uint16_t region; /* of the seeds that it becomes */
+    uint16_t region; /* region of the seeds from this row */
     struct reach reach;
 };
 
@@ -98,8 +98,8 @@ static bool scan_comma(const char **at)
     return true;
 }
 
-/* The names of columns: four fields or eight, of which none of the first three begins like a
- * number. */
+/* True for names of columns: four fields or eight; none of the first three begins like a number.
+ * */
 static bool is_header(const char *at, const char *end)
 {
     int fields = 0;
@@ -140,7 +140,7 @@ static bool scan_reach(const char **at, struct reach *reach)
     return true;
 }
 
-/* With the reach that may follow a number. */
+/* A reach may follow a number. */
 static bool scan_label(const char **at, const struct list *list, int64_t *label,
                        struct reach *reach)
 {
@@ -151,7 +151,7 @@ static bool scan_label(const char **at, const struct list *list, int64_t *label,
         *at = number;
         return true;
     }
-    size_t length = strcspn(*at, "\r\n"); /* a name may have blanks in it; a comment follows one */
+    size_t length = strcspn(*at, "\r\n"); /* a name may contain blanks; a comment may follow it */
     for (size_t i = 0; i < length; i++)
         if ((*at)[i] == '#' && (i == 0 || (*at)[i - 1] == ' ' || (*at)[i - 1] == '\t'))
             length = i;
@@ -210,7 +210,7 @@ static enum err read_rows(struct list *list, const char *text, const char *end, 
     struct task task = task_begin(list->watch, "reading seeds", (uint64_t)(end - text));
     bool may_be_header = true;
     enum err err = OK;
-    scan_text(&text, "\xef\xbb\xbf"); /* a byte order mark, as spreadsheets write it */
+    scan_text(&text, "\xef\xbb\xbf"); /* byte order mark, as spreadsheets write it */
     for (uint32_t line = 1; !err && text < end; line++) {
         const char *stop = memchr(text, '\n', (size_t)(end - text));
         stop = stop ? stop : end;
@@ -229,7 +229,7 @@ static enum err read_rows(struct list *list, const char *text, const char *end, 
     return err;
 }
 
-/* ---- markers that end within a distance ---- */
+/* ---- markers with a reach ---- */
 
 static int compare_groups(const void *a, const void *b)
 {
@@ -244,7 +244,8 @@ static int compare_groups(const void *a, const void *b)
     return 0;
 }
 
-/* Rows of one label and reach become one region; rows without any keep that of their label. */
+/* Make one region of all rows with the same label and reach; rows without a reach keep the
+ * region of their label. */
 static enum err group_rows(struct seeds *seeds, struct list *list, struct fault *fault)
 {
     size_t capacity = 0, limited = 0;
@@ -277,8 +278,9 @@ static enum err group_rows(struct seeds *seeds, struct list *list, struct fault 
     return err;
 }
 
-/* In order of cells, each once; two lines that give one voxel two labels are a mistake, whose
- * outcome would depend on their order. `order` is of cells in the upper half, rows in the lower. */
+/* Add the rows in order of cells, each cell once. Two lines with different labels for one voxel
+ * are an error, since the result would depend on their order. `order` has the cell in the upper
+ * half, the row in the lower. */
 static enum err add_rows(struct seeds *seeds, const struct list *list, const uint64_t *order,
                          struct fault *fault)
 {
@@ -286,7 +288,7 @@ static enum err add_rows(struct seeds *seeds, const struct list *list, const uin
     for (size_t i = 0; i < list->rows; i++) {
         const struct row *row = &list->row[(uint32_t)order[i]];
         if (!before || row->cell != before->cell)
-            add(seeds, row->cell, row->label, row->region);
+            add_seed(seeds, row->cell, row->label, row->region);
         else if (row->label != before->label)
             return fault_set(fault, ERR_INPUT,
                              "line %u: the voxel of line %u again, with label %d instead of %d; "
@@ -315,7 +317,7 @@ static enum err settle_rows(struct seeds *seeds, struct list *list, struct fault
         order[i] = (uint64_t)list->row[i].cell << 32 | i;
     if (!err)
         err = sort_by_upper_half(order, list->rows, list->watch, fault);
-    if (!err && !make_room(seeds, list->rows))
+    if (!err && !reserve_seeds(seeds, list->rows))
         err = fault_memory(fault, "a list of seeds");
     if (!err)
         err = add_rows(seeds, list, order, fault);
@@ -342,7 +344,7 @@ enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
 
 enum { VALUES = 65536 };
 
-/* Which voxels of plane z lose their region: what is outside the scene is outside every
+/* Mark the voxels of plane z that lose their region. The outside of the scene is outside every
  * region. */
 static void judge_plane(bool *goes, const uint16_t *region, const uint32_t size[3], uint32_t z)
 {
@@ -360,7 +362,8 @@ static void judge_plane(bool *goes, const uint16_t *region, const uint32_t size[
     }
 }
 
-/* One round. A plane is changed when the next has been judged. `goes` has room for two planes. */
+/* Erode one round. A plane is changed after the next one has been judged. `goes` has room for
+ * two planes. */
 static void erode_once(uint16_t *region, bool *goes, const uint32_t size[3], struct watch *watch)
 {
     const size_t plane = (size_t)size[0] * size[1];
@@ -375,7 +378,8 @@ static void erode_once(uint16_t *region, bool *goes, const uint32_t size[3], str
     }
 }
 
-static enum err erode(struct volume *map, unsigned rounds, struct watch *watch, struct fault *fault)
+static enum err erode_map(struct volume *map, unsigned rounds, struct watch *watch,
+                          struct fault *fault)
 {
     if (rounds == 0)
         return OK;
@@ -395,11 +399,11 @@ unsigned region_label(const struct region_choice *choice, uint32_t region)
                                       : region;
 }
 
-/* Of one region. */
+/* Counts of one region. */
 struct stock {
     uint32_t before; /* voxels before erosion */
-    uint32_t left;   /* voxels after erosion; while drawing, those not yet passed */
-    uint32_t wanted; /* seeds to be drawn yet */
+    uint32_t left;   /* voxels after erosion; while drawing, those still to come */
+    uint32_t wanted; /* seeds still to be drawn */
 };
 
 static enum err check_stock(const struct stock *stock, const struct region_choice *choice,
@@ -425,8 +429,8 @@ static enum err check_stock(const struct stock *stock, const struct region_choic
                      choice->first, choice->last);
 }
 
-/* Whether the next voxel of a region is drawn. */
-static bool draw(struct stock *stock, uint16_t region, uint64_t generator)
+/* True if the next voxel of a region is drawn. */
+static bool is_drawn(struct stock *stock, uint16_t region, uint64_t generator)
 {
     uint64_t random = hash_mix_at(hash_mix_at(generator, region), stock->left);
     bool drawn = ((random >> 32) * stock->left >> 32) < stock->wanted;
@@ -445,15 +449,15 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
         stock[r].wanted = all ? stock[r].left : choice->each;
         total += stock[r].wanted;
     }
-    if (!make_room(seeds, total))
+    if (!reserve_seeds(seeds, total))
         return fault_memory(fault, "the seeds of a label map");
     const uint16_t *at = map->intensity;
     struct task task = task_begin(watch, "drawing seeds", grid->voxels);
     for (uint32_t z = 0; z < map->size[2]; z++)
         for (uint32_t y = 0; y < map->size[1] && task_advance(&task, map->size[0]); y++)
             for (uint32_t x = 0; x < map->size[0]; x++, at++)
-                if (*at != REGION_NONE && draw(&stock[*at], *at, choice->generator))
-                    add(seeds, grid_cell(grid, x, y, z), (int)region_label(choice, *at), *at);
+                if (*at != REGION_NONE && is_drawn(&stock[*at], *at, choice->generator))
+                    add_seed(seeds, grid_cell(grid, x, y, z), (int)region_label(choice, *at), *at);
     return watch_fault(watch, fault);
 }
 
@@ -479,7 +483,7 @@ enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct 
         stock[*region].before++;
     }
     if (!err)
-        err = erode(map, choice->erode, watch, fault);
+        err = erode_map(map, choice->erode, watch, fault);
     for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++)
         stock[map->intensity[i]].left++;
     err = err ? err : watch_fault(watch, fault);
@@ -507,22 +511,22 @@ struct work {
     const struct grid *grid;
     const struct piece_choice *choice;
     uint8_t *label; /* [grid->cells], 0 in the rim */
-    unsigned spare; /* stands for REGION_NONE; 256: none does */
-    uint8_t *depth; /* [grid->cells], rounds until a voxel is gone, up to `most`; and LEFT */
+    unsigned spare; /* label used for REGION_NONE; 256: not needed */
+    uint8_t *depth; /* [grid->cells], rounds until a voxel is removed, up to `most`; and LEFT */
     uint8_t most;
-    uint8_t *least; /* by component: the depth of voxels that are left */
+    uint8_t *least; /* by component: the least depth of the remaining voxels */
     struct components found;
     struct watch *watch;
 };
 
 enum {
-    LEFT = 128, /* the bit of a voxel that erosion leaves */
-    INSIDE = 3, /* steps to a corner neighbour: so much deeper, a voxel has no other neighbours */
+    LEFT = 128, /* bit of a voxel that remains after erosion */
+    INSIDE = 3, /* steps to a corner neighbour: a voxel this much deeper has no other neighbours */
 };
 
 /* ---- labels ---- */
 
-/* A label that the map has not; 256 for none. */
+/* Find a label that the map does not have; 256 if it has all. */
 static unsigned find_spare(const uint16_t *region, size_t voxels, struct watch *watch)
 {
     bool is_there[256] = {false};
@@ -551,8 +555,8 @@ static enum err take_labels(struct work *w, const uint16_t *region, struct fault
                 const uint16_t label = *region == REGION_NONE ? w->choice->rest : *region;
                 if (label == REGION_NONE && spare > 255)
                     return fault_set(fault, ERR_INPUT,
-                                     "the map has all labels 0..255, and other regions beside "
-                                     "them; choose fewer with regions=; nothing was planted");
+                                     "the map has all labels 0..255 and further regions; "
+                                     "choose fewer with regions=; nothing was planted");
                 w->label[c] = (uint8_t)(label == REGION_NONE ? spare : label);
             }
         }
@@ -561,7 +565,7 @@ static enum err take_labels(struct work *w, const uint16_t *region, struct fault
 
 /* ---- erosion ---- */
 
-/* How deep a voxel may be for the sake of the neighbour that lies `step` away. */
+/* Depth allowed by the neighbour at `step`. */
 static unsigned depth_beside(const struct work *w, uint32_t cell, ptrdiff_t step, bool is_in_scene)
 {
     const uint32_t beside = cell + (uint32_t)step;
@@ -570,7 +574,7 @@ static unsigned depth_beside(const struct work *w, uint32_t cell, ptrdiff_t step
     return w->label[beside] == w->label[cell] ? w->depth[beside] + 1U : 1;
 }
 
-/* Over a row, whose neighbours on the side of `way` are done: forwards (-1) or backwards (1). */
+/* Update a row whose neighbours on one side are done: forwards (way -1) or backwards (1). */
 static void deepen_row(const struct work *w, uint32_t y, uint32_t z, int way)
 {
     const struct grid *grid = w->grid;
@@ -590,7 +594,8 @@ static void deepen_row(const struct work *w, uint32_t y, uint32_t z, int way)
     }
 }
 
-/* The city-block distance to another label: forwards and backwards (Rosenfeld, Pfaltz 1966). */
+/* City-block distance to another label, by a forward and a backward pass (Rosenfeld, Pfaltz
+ * 1966). */
 static enum err find_depths(struct work *w, struct fault *fault)
 {
     const uint32_t *size = w->grid->size;
@@ -604,7 +609,7 @@ static enum err find_depths(struct work *w, struct fault *fault)
     return watch_fault(w->watch, fault);
 }
 
-/* What is left of each component, by the depth of its deepest voxel. */
+/* Find the remaining part of each component by the depth of its deepest voxel. */
 static void erode_pieces(struct work *w, size_t *small)
 {
     const uint8_t wanted = (uint8_t)(w->choice->erode + 1);
@@ -630,7 +635,7 @@ static void erode_pieces(struct work *w, size_t *small)
 
 /* ---- contours ---- */
 
-/* Of a voxel that is left. */
+/* True if a remaining voxel is on the contour. */
 static bool on_contour(const struct work *w, uint32_t cell, struct place p, uint8_t least)
 {
     const struct grid *grid = w->grid;
@@ -655,7 +660,7 @@ static bool add_cell(struct piece_seeds *seeds, uint32_t cell)
     return true;
 }
 
-/* One that is all of the scene has no contour, and one seed will do. */
+/* A piece that is the whole scene has no contour: one seed suffices. */
 static bool add_piece(struct piece_seeds *seeds, const struct work *w,
                       const struct component *component, struct task *task)
 {
@@ -685,7 +690,7 @@ static bool add_piece(struct piece_seeds *seeds, const struct work *w,
     return true;
 }
 
-/* ---- all ---- */
+/* ---- all pieces ---- */
 
 static enum err make_pieces(struct piece_seeds *seeds, struct work *w, const uint16_t *region,
                             struct fault *fault)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Seeds of a session: planted, eliminated, run. */
+/* Plant and erase the seeds of a session, and run the edits. */
 #include "session/session.h"
 #include "session/session_inside.h"
 
@@ -16,8 +16,8 @@ size_t session_pendings(const struct session *session)
     return edits_count(&session->now.lists.pending);
 }
 
-/* Adds an edit to those that wait. ERR_INPUT for a seed outside the region of interest: the forest
- * has no seed there, and the edit of a voxel that another marker gives back can name one. */
+/* Add a pending edit. ERR_INPUT for a seed outside the region of interest: the forest cannot
+ * have one there, but the edit of a voxel that another marker restores may name one. */
 static enum err add_pending(struct session *session, struct edit edit, struct fault *fault)
 {
     const struct grid *grid = &session->scene->grid;
@@ -36,7 +36,7 @@ enum err session_add_reach(struct session *session, const struct reach *reach, u
     return forest_add_reach(session->forest, reach, number, fault);
 }
 
-void session_drop_markers(struct session *session, size_t count)
+void session_truncate_markers(struct session *session, size_t count)
 {
     markers_drop(&session->markers, count, session->watch);
 }
@@ -51,7 +51,7 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
     const size_t number = session->markers.count;
     err = edits_go_on(&session->now.lists.markers, (struct edit){(uint32_t)number, 1, 0}, fault);
     session->markers.marker[number - 1].reach = reach;
-    session->markers.marker[number - 1].stands = err == OK;
+    session->markers.marker[number - 1].is_valid = err == OK;
     for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++)
         err = add_pending(session, (struct edit){cell[i], label, reach}, fault);
     return err ? err : watch_fault(session->watch, fault);
@@ -88,8 +88,8 @@ void session_join(struct session *session)
     session->markers.marker[session->markers.count - 1].joined = true;
 }
 
-/* Where no later marker covers a voxel, those below decide from now on. */
-static enum err take_away(struct session *session, uint32_t number, struct fault *fault)
+/* Remove a marker: where no later one covers a voxel, those below it decide. */
+static enum err remove_marker(struct session *session, uint32_t number, struct fault *fault)
 {
     const struct markers *markers = &session->markers;
     struct marker *marker = markers->marker + number - 1;
@@ -97,7 +97,7 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
         edits_go_on(&session->now.lists.markers, (struct edit){number, EDIT_ERASE, 0}, fault);
     if (err)
         return err;
-    marker->stands = false;
+    marker->is_valid = false;
     const size_t covers = marker->voxels + marker->frees;
     struct task task = task_begin(session->watch, "markers", covers);
     for (size_t i = 0; !err && i < covers && task_advance(&task, 1); i++) {
@@ -114,32 +114,31 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
     return err ? err : watch_fault(session->watch, fault);
 }
 
-/* A part of a stroke goes with the first one, and an eraser stands for good. */
-static bool can_take_away(const struct markers *markers, uint32_t number)
+/* A part of a stroke is removed with the first part; an eraser cannot be removed. */
+static bool is_removable(const struct markers *markers, uint32_t number)
 {
     if (number < 1 || number > markers->count)
         return false;
     const struct marker *marker = &markers->marker[number - 1];
-    return marker->stands && !marker->joined && marker->label != EDIT_ERASE;
+    return marker->is_valid && !marker->joined && marker->label != EDIT_ERASE;
 }
 
-enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
-                           struct fault *fault)
+enum err session_remove_markers(struct session *session, const uint32_t *number, size_t count,
+                                struct fault *fault)
 {
     const struct markers *markers = &session->markers;
     enum err err = OK;
     for (size_t i = 0; !err && i < count; i++)
-        if (!can_take_away(markers, number[i]))
-            err = fault_set(fault, ERR_CHECK, "no marker %u stands", number[i]);
+        if (!is_removable(markers, number[i]))
+            err = fault_set(fault, ERR_CHECK, "there is no valid marker %u", number[i]);
         else
             for (uint32_t n = number[i]; !err && n; n = markers_next(markers, n))
-                err = take_away(session, n, fault);
+                err = remove_marker(session, n, fault);
     return err;
 }
 
-/* The cells where seeds wait to be planted, in order, so that a ball of eliminators among a ball of
- * seeds takes no time worth mentioning: in the upper halves of numbers. A seed that was erased
- * before any run waits no more. */
+/* Cells of pending seeds, sorted in the upper halves of numbers, so that a ball of eliminators
+ * in a ball of seeds is fast. A pending seed that was erased before any run is excluded. */
 struct waiting_cells {
     uint64_t *at;
     size_t count;
@@ -172,7 +171,7 @@ static bool seed_waits(const struct waiting_cells *waiting, uint32_t cell)
     return bsearch(&at, waiting->at, waiting->count, sizeof at, compare_numbers) != NULL;
 }
 
-static enum err holds_nothing(const struct session *session, struct fault *fault)
+static enum err report_no_tree(const struct session *session, struct fault *fault)
 {
     struct waiting_cells waiting;
     enum err err = find_waiting(&waiting, session, fault);
@@ -186,9 +185,8 @@ static enum err holds_nothing(const struct session *session, struct fault *fault
                      "no tree holds this voxel: no seed reaches it; nothing has changed");
 }
 
-/* The seeds that some voxels belong to: the voxel itself where one waits to be planted there, else
- * the root of its tree. One that several belong to is there as often. An array that the caller
- * frees, after errors too; it may be empty. */
+/* Find the seeds of some voxels: the voxel itself if a seed is pending there, otherwise the root
+ * of its tree. Seeds may repeat. The caller frees *seed, even on errors; it may be empty. */
 static enum err find_seeds(const struct session *session, const uint32_t *cell, size_t count,
                            uint32_t **seed, size_t *seeds, struct fault *fault)
 {
@@ -210,7 +208,7 @@ static enum err find_seeds(const struct session *session, const uint32_t *cell, 
     return err ? err : watch_fault(session->watch, fault);
 }
 
-/* An eraser decides where a seed waits to be taken away: that one belongs to no marker any more. */
+/* A pending seed with an eraser above it belongs to no marker any more. */
 enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
                               uint32_t **number, size_t *numbers, struct fault *fault)
 {
@@ -218,8 +216,9 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
     struct task task = task_begin(session->watch, "eliminators", count);
     size_t seeds;
     *numbers = 0;
-    enum err err = find_seeds(session, cell, count, number, &seeds, fault); /* at first, seeds */
-    bool *holds = mem_new(markers->count + 1); /* each marker, whether one of them */
+    /* seeds first, then markers */
+    enum err err = find_seeds(session, cell, count, number, &seeds, fault);
+    bool *holds = mem_new(markers->count + 1); /* for each marker: one of its seeds was found */
     if (!err && !holds)
         err = fault_memory(fault, "eliminators");
     for (size_t i = 0; !err && i < seeds && task_advance(&task, 1); i++) {
@@ -231,7 +230,7 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
             (*number)[(*numbers)++] = (uint32_t)n;
     free(holds);
     err = err ? err : watch_fault(session->watch, fault);
-    return err || *numbers ? err : holds_nothing(session, fault);
+    return err || *numbers ? err : report_no_tree(session, fault);
 }
 
 /* ---- single trees ---- */
@@ -244,7 +243,7 @@ enum err session_erase_trees(struct session *session, const uint32_t *cell, size
     enum err err = find_seeds(session, cell, count, &seed, &seeds, fault);
     if (!err)
         err = seeds ? session_plant(session, seed, seeds, EDIT_ERASE, 0, fault)
-                    : holds_nothing(session, fault);
+                    : report_no_tree(session, fault);
     free(seed);
     return err;
 }
@@ -284,9 +283,9 @@ enum err session_run(struct session *session, struct fault *fault)
     return err;
 }
 
-/* ---- what an eliminator would take ---- */
+/* ---- the effect of an eliminator ---- */
 
-/* One seed more. */
+/* Count one seed. */
 static void count_seed(struct held *held, const struct session *session, uint32_t seed)
 {
     if (!(session->scene->cell[seed].flags & CELL_SEED)) {
@@ -298,7 +297,7 @@ static void count_seed(struct held *held, const struct session *session, uint32_
     held->has_more = held->voxels > HELD_MOST || held->waits > HELD_MOST;
 }
 
-/* Whether the marker decides about a voxel, or a part of the same stroke does. */
+/* True if the marker, or a part of the same stroke, decides about a voxel. */
 static bool decides(const struct markers *markers, uint32_t number, uint32_t cell)
 {
     const uint32_t one = markers_at(markers, cell);

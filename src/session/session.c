@@ -13,8 +13,8 @@
 #include "session/setting.h"
 
 /*
- * What labels come to have: counted, finished, measured and hinted when somebody asks, and stored
- * until the labels are others. An edit does nothing for them that takes time worth mentioning.
+ * Answers about labels: counts, finished labels, measures and hints. They are computed on demand
+ * and stored until the labels change. An edit spends no noticeable time on them.
  */
 
 /* ---- voxels ---- */
@@ -35,7 +35,7 @@ enum err session_count_before(struct session *session, struct fault *fault)
     return err;
 }
 
-/* A forest that grew from nothing had label 0 everywhere. */
+/* A forest that grew from nothing had label 0 everywhere before. */
 uint64_t session_changed_voxels(const struct session *session)
 {
     const uint64_t background = session->tally.voxels[0], all = session->scene->grid.voxels;
@@ -149,7 +149,7 @@ enum err session_sum_label(struct session *session, unsigned label, struct label
                               fault);
 }
 
-/* ---- against a procedure ---- */
+/* ---- comparison with a procedure ---- */
 
 enum err session_find_worst(struct session *session, unsigned *label, double *share,
                             struct fault *fault)
@@ -172,7 +172,7 @@ enum err session_find_worst(struct session *session, unsigned *label, double *sh
     return err;
 }
 
-/* Places at the border of the worst label come before others; each kind in its order. */
+/* Put places at the border of the worst label first; keep the order otherwise. */
 static enum err put_worst_first(struct hint_list *hints, struct session *session,
                                 struct fault *fault)
 {
@@ -207,8 +207,8 @@ static uint64_t digest_of_origin(const uint32_t mm3[256])
     return mix;
 }
 
-/* Lets go of what is of another forest. */
-static void keep_up_hints(struct session *session)
+/* Release hints of another forest. */
+static void update_hints(struct session *session)
 {
     struct hinting *h = &session->inside->hinting;
     const struct hinting now = {.cells = session->scene->grid.cells,
@@ -246,7 +246,7 @@ enum err session_find_hints(struct session *session, const struct hint_list **hi
                             const uint8_t **heat, struct fault *fault)
 {
     struct hinting *h = &session->inside->hinting;
-    keep_up_hints(session);
+    update_hints(session);
     const bool is_made = h->has_hints && (!heat || h->heat);
     const enum err err = is_made ? OK : make_hints(session, heat != NULL, fault);
     *hints = &h->hints;
@@ -255,13 +255,13 @@ enum err session_find_hints(struct session *session, const struct hint_list **hi
     return err;
 }
 
-/* One block, so that it is made and freed as one. */
+/* One block of memory, allocated and freed as one. */
 struct whole {
     struct session session;
     struct session_inside inside;
 };
 
-static void begin(struct session *session, struct watch *watch, uint64_t waits_from)
+static void init_session(struct session *session, struct watch *watch, uint64_t waits_from)
 {
     struct session_inside *inside = &((struct whole *)session)->inside;
     *inside = (struct session_inside){.waits_from = waits_from};
@@ -279,11 +279,11 @@ enum err session_new(struct session **session, struct fault *fault)
     *session = made ? &made->session : NULL;
     if (!made)
         return fault_memory(fault, "a session");
-    begin(*session, NULL, UINT64_MAX);
+    init_session(*session, NULL, UINT64_MAX);
     return OK;
 }
 
-enum err session_take_semantics(struct session *session, unsigned semantics, struct fault *fault)
+enum err session_set_semantics(struct session *session, unsigned semantics, struct fault *fault)
 {
     if (semantics < SEMANTICS_LEAST)
         return fault_set(fault, ERR_INPUT,
@@ -299,7 +299,7 @@ enum err session_take_semantics(struct session *session, unsigned semantics, str
     return OK;
 }
 
-/* What is made of a scene, or looks at one, goes before it. */
+/* Release everything made from the scene before the scene itself. */
 void session_close_scene(struct session *session)
 {
     session_settle(session);
@@ -326,8 +326,8 @@ void session_close_scene(struct session *session)
     session->inside->stale = 0;
 }
 
-/* All that is not given from outside. */
-static void end(struct session *session)
+/* Release everything that the session owns. */
+static void release_session(struct session *session)
 {
     session_close_scene(session);
     team_free(session->team);
@@ -336,23 +336,23 @@ static void end(struct session *session)
     markers_release(&session->markers);
 }
 
-void session_begin_again(struct session *session)
+void session_reset(struct session *session)
 {
-    end(session);
-    begin(session, session->watch, session->inside->waits_from);
+    release_session(session);
+    init_session(session, session->watch, session->inside->waits_from);
 }
 
 void session_free(struct session *session)
 {
     if (session)
-        end(session);
+        release_session(session);
     free(session);
 }
 
-/* ---- what it knows ---- */
+/* ---- facts and memory ---- */
 
-void session_take_pictures(struct session *session, struct pictures *pictures,
-                           const struct follower *follower)
+void session_set_pictures(struct session *session, struct pictures *pictures,
+                          const struct follower *follower)
 {
     assert(session->has_scene && !session->pictures);
     session->pictures = pictures;
@@ -376,7 +376,7 @@ void session_set_watch(struct session *session, struct watch *watch)
     session->watch = watch;
 }
 
-/* Cells and what follows from them, and what else has a value for each voxel. */
+/* Memory of the cells and everything computed from them, and of other values per voxel. */
 static size_t scene_memory(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
@@ -462,8 +462,9 @@ void session_settle(struct session *session)
     }
 }
 
-/* The scene that was interpolated, and what hangs on it; the camera follows by session_go. */
-static void take_back_scene(struct session *session)
+/* Restore the scene before interpolation, with its forest and border; session_go restores the
+ * camera. */
+static void restore_scene(struct session *session)
 {
     const struct former_scene former = session->inside->former_scene;
     if (session->pictures)
@@ -489,18 +490,18 @@ static void take_back_scene(struct session *session)
     session->inside->former_scene = (struct former_scene){0};
 }
 
-/* A command edits the seeds once at most, so that the inverse of that edit leads back. */
-static void go_back(struct session *session)
+/* A command edits the seeds at most once, so the inverse of that edit leads back. */
+static void restore_state(struct session *session)
 {
     struct seed_changes seeds = {0};
     if (session->inside->former_scene.scene)
-        take_back_scene(session);
+        restore_scene(session);
     if (session->has_edited)
         seeds = forest_seed_changes(session->forest);
     if (session_go(session, &session->former, seeds.before, seeds.count, NULL) != OK &&
         seeds.count) {
-        /* The edit that leads back is there, but could not be carried out: its seeds alone are,
-         * and the forest waits for memory (S5). */
+        /* The edit that leads back exists, but could not be carried out: change its seeds only,
+         * and let the forest wait for memory (S5). */
         const struct seed_changes back = forest_seed_changes(session->forest);
         forest_suspend(session->forest);
         session->inside->stale |= MADE_FOREST;
@@ -520,7 +521,7 @@ void session_rollback(struct session *session)
     if (cut_short)
         session_forget_pictures(session);
     if (session->has_scene)
-        go_back(session);
+        restore_state(session);
     else
         state_assign(&session->now, &session->former);
     markers_drop(&session->markers, session->former_markers, session->watch);
@@ -530,11 +531,11 @@ void session_rollback(struct session *session)
         session->scene->watch = NULL; /* until the next command */
 }
 
-/* ---- while a command is carried out ---- */
+/* ---- showing the session during a command ---- */
 
-/* The border is that of the labels as they are, and made anew once they are final: the forest's,
- * of which nothing is finished. Tally and measures are those from which the command's changes will
- * be counted. */
+/* The border is that of the present labels of the forest, not finished ones, and is recounted
+ * when they are final. Tally and measures are restored, since the command counts its changes from
+ * them. */
 void session_show_cross(struct session *session, const uint32_t place[3])
 {
     memcpy(session->now.outlook.slices.cross, place, sizeof session->now.outlook.slices.cross);

@@ -2,31 +2,32 @@
 /*
  * The session: one person's work on one scene.
  *
- * What a command can change is a value, the state (session/state.h). All else follows from it:
- * weights, region of interest, forest, border, tally and pictures. There is one way to
- * change anything: session_go, which takes on a state and makes anew what differs, seeds by the
- * difference of the two sets where the forest can be updated, and by a rebuild where arcs or the
- * region are others. A command copies the present state, changes the copy, and goes there. Taking
- * a command back, undo, redo, goto, and the end of skimming are the same: going to a state.
+ * Everything that a command can change is a value, the state (session/state.h). All else follows
+ * from it: weights, region of interest, forest, border, tally and pictures. There is one way to
+ * change anything: session_go sets a state and recomputes everything that differs. It edits the
+ * seeds by the difference of the two sets if the forest can be updated, and recomputes the forest
+ * if arcs or the region changed. A command copies the present state, changes the copy, and goes
+ * there. Taking a command back, undo, redo, goto, and the end of skimming are the same: going to a
+ * state.
  *
- * Edits of seeds wait in a list until session_run applies them as one; because the forest is a
- * function of the set of seeds, it does not matter how they are split over runs.
+ * Edits of seeds wait in a list until session_run applies them as one. Because the forest is a
+ * function of the set of seeds, their distribution over runs does not matter.
  *
  * Invariants
- *   S1 a command is all or nothing: session_mark before it, and session_rollback takes back
- *      whatever it did, exactly;
- *   S2 the border fits the forest, the visible labels and the cut, and pictures of the session hear
- *      of all that changes (session/session.h);
- *   S3 without a scene only session_open does anything, and settings can be made; all else asks
- *      has_scene first;
- *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
- *   S5 what does not fit the state, because a command was cancelled, memory did not suffice to take
- *      one back, or the session skims, is in `stale`, and made anew by the next session_go or
- *      session_complete;
- *   S6 the seeds that are planted, once the edits that wait have been made, are those of the
- *      markers that stand;
- *   S7 a session that `waits` has a large scene that is plain (engine/scene.h), and no seed: the
- *      cells are made by session_complete, which comes before all else that looks at voxels.
+ *   S1 a command is all or nothing: session_mark precedes it, and session_rollback restores the
+ *      former state exactly;
+ *   S2 the border fits the forest, the visible labels and the cut, and pictures of the session
+ *      receive all changes (struct follower);
+ *   S3 without a scene only session_open and settings are allowed; all other functions require
+ *      has_scene;
+ *   S4 the scene before interpolation is kept, with its forest and border, until the command is
+ *      settled;
+ *   S5 `stale` has the parts that do not fit the state, because a command was cancelled, memory did
+ *      not suffice to take one back, or the session skims; the next session_go or session_complete
+ *      recomputes them;
+ *   S6 the planted seeds, after the pending edits, are those of the valid markers;
+ *   S7 a session that `waits` has a large plain scene (engine/scene.h), and no seed: call
+ *      session_complete, which makes the cells, before any access to voxels.
  */
 #ifndef SESSION_SESSION_H
 #define SESSION_SESSION_H
@@ -62,345 +63,337 @@ struct volume_choice;
 struct watch;
 
 /*
- * All that a session knows. Every room reads it, and only this one writes it
+ * All facts about a session. Every room reads it, and only this one writes it
  * (tests/test_layout.sh). Pointers are borrowed: they are valid until the next command.
  */
 struct session {
-    unsigned semantics; /* of the journal at hand */
+    unsigned semantics; /* version of the present journal */
     struct state now;
-    struct markers markers; /* of all states; those of `now` are the ones that stand */
-    struct team *team;      /* the threads that compute; NULL for one */
-    struct watch *watch;    /* of all that takes long, or NULL */
+    struct markers markers; /* markers of all states; the valid ones are those of `now` */
+    struct team *team;      /* threads for computations; NULL for one */
+    struct watch *watch;    /* watch of long computations, or NULL */
 
-    bool has_scene;  /* the rest is of the scene */
-    bool skims;      /* since session_skim */
-    bool is_private; /* pictures say neither the scene's name nor that of its journal */
-    char scene_name[FILE_WORDS_BYTES];   /* in pictures: without its folder, "" for nothing; a long
-                                          name is cut */
-    char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
-    uint32_t series;          /* of a folder of DICOM that was opened, counted from 1; 0: of none */
-    struct map_part part;     /* of its file, where it is no more than that; or {0} */
-    struct geometry said;     /* what the file says of its geometry, */
-    struct geometry geometry; /* and what follows from it and from what `orient` says */
-    struct levels *levels;    /* where intensities are not exact; else NULL */
+    bool has_scene;  /* the following members describe the scene */
+    bool skims;      /* between session_skim and session_catch_up */
+    bool is_private; /* pictures show neither the scene's name nor the journal's */
+    char scene_name[FILE_WORDS_BYTES];   /* name in pictures: without folder, cut if long; ""
+                                            for none */
+    char open_notes[VOLUME_NOTES_BYTES]; /* open questions about the file, for the answer of
+                                            `open` */
+    uint32_t series;                     /* series of a folder of DICOM, from 1; 0 for none */
+    struct map_part part;                /* if the scene is a part of its file; otherwise {0} */
+    struct geometry said;                /* geometry in the file, */
+    struct geometry geometry;            /* and with the corrections of `orient` */
+    struct levels *levels;               /* if intensities are not exact; otherwise NULL */
     struct scene *scene;
-    char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */
+    char proof[SHA256_HEX]; /* digest of the scene as it was opened (scene_proof) */
     uint64_t scene_digest, weight_digest;
     struct roi roi;
     struct roi_tally roi_tally;
     struct forest *forest;
     struct border border;
-    struct tally tally;        /* voxels of each label, once session_count_labels has been called */
-    struct pictures *pictures; /* NULL until one is asked for */
+    struct tally tally;        /* voxels of each label, after session_count_labels */
+    struct pictures *pictures; /* NULL until one is requested */
 
-    /* What the command at hand began with, and whether it has edited the seeds (then
-     * forest_seed_changes says how) or had the forest computed again. */
+    /* State before the present command. `has_edited`: it has edited the seeds (see
+     * forest_seed_changes); `has_regrown`: the forest was recomputed. */
     struct state former;
     size_t former_markers;
-    struct tally former_tally; /* where session_count_before came before the command */
+    struct tally former_tally; /* valid if session_count_before preceded the command */
     bool has_edited, has_regrown;
 
-    struct session_inside *inside; /* of this room alone */
+    struct session_inside *inside; /* for this room only */
 };
 
-/* One without a scene, which the caller frees. ERR_MEMORY. */
+/* Make a session without a scene, which the caller frees. ERR_MEMORY. */
 enum err session_new(struct session **session, struct fault *fault);
 void session_free(struct session *session);
 
-/* As it was when it was new, but for its watch and session_let_wait. */
-void session_begin_again(struct session *session);
+/* Reset a session to its first state, except for its watch and session_let_wait. */
+void session_reset(struct session *session);
 
 /*
  * Semantics: the version of the meaning of commands and of their results.
  *
  * A journal has the number in line 1 (journal/FORMAT.md), a session has the number of its journal,
  * and new journals have SEMANTICS. Each change of meaning raises SEMANTICS and is described in
- * FORMAT.md; code that such a change is about compares session->semantics and keeps the former
- * meaning for older journals.
+ * FORMAT.md. The affected code compares session->semantics, and keeps the former meaning for older
+ * journals.
  *
- * 12 is the number of version 1.0, and stays open until 1.0 is frozen. Numbers below
- * SEMANTICS_LEAST belong to builds before 1.0 and are refused.
+ * 12 is the number of version 1.0, and may change until 1.0 is frozen. Numbers below
+ * SEMANTICS_LEAST belong to builds before 1.0 and are rejected.
  */
 enum { SEMANTICS = 12, SEMANTICS_LEAST = 12 };
 
-/* Sets the semantics of a session that has carried out no command yet. ERR_INPUT for a number that
- * is not known, with the command to use instead. */
-enum err session_take_semantics(struct session *session, unsigned semantics, struct fault *fault);
+/* Set the semantics of a session that has carried out no command yet. ERR_INPUT for an unknown
+ * number, naming the command to use instead. */
+enum err session_set_semantics(struct session *session, unsigned semantics, struct fault *fault);
 
-/* ---- what it knows besides ---- */
+/* ---- further facts ---- */
 
 void session_name_scene(struct session *session, const char *name, bool is_private);
 
-/* The camera of an outlook, finer by as many times as it has samples; ERR_LIMIT for none. */
+/* Make the camera of an outlook, finer by the factor of its samples; ERR_LIMIT if no camera
+ * fits. */
 enum err session_aim(const struct session *session, const struct outlook *outlook,
                      struct camera *camera, struct fault *fault);
 
 void session_set_watch(struct session *session, struct watch *watch);
 
-size_t session_memory(const struct session *session); /* bytes held now */
+size_t session_memory(const struct session *session); /* bytes in use */
 
-/* The same by what holds them: the scene with its forest, border, masks and weights; seeds and
- * markers, and the state that they are in; renditions, and what shading stores; finished labels,
- * statistics and hints. */
+/* The same by owner: the scene with its forest, border, masks and weights; seeds, markers and
+ * the state; renditions and data for shading; finished labels, statistics and hints. */
 struct session_memory {
     size_t scene, seeds, pictures, answers;
 };
 struct session_memory session_memory_parts(const struct session *session);
 
-/* ---- pictures of it ---- */
+/* ---- pictures ---- */
 
 /*
- * Who follows a session: the pictures of it (src/show), which are there from the first one on that
- * somebody asks for until the scene is closed. A session that nobody looks at has none, and no
- * session knows what they are: it says what happens to it. None of that can fail.
+ * Functions of the pictures of a session (src/show), which exist from the first request until the
+ * scene is closed. The session reports its changes to them. No function may fail.
  */
 struct follower {
-    /* A command begins; it is taken back, and the session is as it was then; it stands, and what
-     * nobody will ask for any more goes. */
+    /* A command begins; it is taken back, and the session is restored; it is settled, and memory
+     * of former pictures may be released. */
     void (*mark)(struct pictures *pictures);
     void (*take_back)(struct pictures *pictures);
     void (*settle)(struct pictures *pictures);
 
-    /* The forest's labels have changed like this, and the session's border with them; or have in a
-     * way that no list says. */
+    /* The labels of the forest, and the border, have changed as listed; or in an unknown way. */
     void (*follow)(struct pictures *pictures, const struct changes *changes);
     void (*forget_labels)(struct pictures *pictures);
 
-    /* The view has another camera; or what was drawn fits no more, for another reason. */
+    /* The view has another camera; or pictures are invalid for another reason. */
     void (*take_camera)(struct pictures *pictures, const struct camera *camera);
     void (*forget)(struct pictures *pictures);
 
-    /* Another scene takes the place of this one; or there is none any more, and all of it goes. */
+    /* Another scene replaces this one; or the scene is closed, and the pictures are freed. */
     void (*leave_scene)(struct pictures *pictures);
     void (*release)(struct pictures *pictures);
 
-    /* Adds the bytes held: `pictures`, and `answers` for labels. */
+    /* Add the bytes in use: `pictures`, and `answers` for labels. */
     void (*count_memory)(const struct pictures *pictures, struct session_memory *memory);
 };
 
-/* From now on these hear of it, and the session releases them. It has a scene, and none yet. */
-void session_take_pictures(struct session *session, struct pictures *pictures,
-                           const struct follower *follower);
+/* Set the pictures, which the session releases. It has a scene, and no pictures yet. */
+void session_set_pictures(struct session *session, struct pictures *pictures,
+                          const struct follower *follower);
 
-/* The intensities that are black and white where nobody has chosen, the smaller first: few voxels
- * are as bright as vessels and fat, so of a thousand voxels WINDOW_BLACK are no brighter, and
- * 1000 - WINDOW_WHITE brighter (engine/scene.h). Found once. */
+/* Find the default intensities of black and white, the smaller first. Few voxels are as bright
+ * as vessels and fat, so WINDOW_BLACK of a thousand voxels are no brighter than black, and 1000 -
+ * WINDOW_WHITE are brighter than white (engine/scene.h). Computed once. */
 enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
 void session_find_window(struct session *session, int32_t window[2]);
 
 /* ---- all or nothing ---- */
 
-/* A command that the watch stopped leaves what it was about unfinished, until session_rollback has
- * taken it back; so does an error. Taking back is watched, and not to be stopped. */
+/* Mark the beginning of a command. If the watch stops it or it fails, session_rollback restores
+ * the former state; the rollback is watched, but cannot be stopped. */
 void session_mark(struct session *session);
 void session_rollback(struct session *session);
-/* The command stands: lets go of what only session_rollback needs and much memory is spent on. The
- * next session_mark does so too. */
+/* Settle the command: release large memory that only session_rollback needs. The next
+ * session_mark does so too. */
 void session_settle(struct session *session);
 
-/* Where maps have to lie that a command reads. */
+/* The grid for maps that a command reads. */
 struct map_place session_map_place(const struct session *session, bool resample);
 
-/* ---- the one way to change anything ---- */
+/* ---- the only way to change a session ---- */
 
-/* Takes on the state, which is borrowed, and plants and erases `seeds` seeds (a later edit of a
- * voxel wins), which lead from the present set of seeds to that state's. ERR_LIMIT, and nothing has
- * changed, for a view that no camera has (render/view.h). On other errors, session_rollback gives
- * back the former state. */
+/* Set the state, which is borrowed, and apply `seeds` edits (a later edit of a voxel wins),
+ * which lead from the present set of seeds to that of the state. ERR_LIMIT, without a change, for a
+ * view without a camera (render/view.h). On other errors, session_rollback restores the former
+ * state. */
 enum err session_go(struct session *session, const struct state *state, const struct edit *seed,
                     size_t seeds, struct fault *fault);
 
-/* From now on session_go changes seeds and settings alone, and nothing is computed or drawn, until
- * session_catch_up has computed what all of it would have come to. For the caller who carries out
- * many commands and looks at the last state only. session_catch_up does nothing in a session that
- * does not skim. */
+/* Skim: session_go changes only seeds and settings, and nothing is computed or drawn, until
+ * session_catch_up computes the last state. For many commands if only the last state is needed.
+ * session_catch_up does nothing in a session that does not skim. */
 void session_skim(struct session *session);
 enum err session_catch_up(struct session *session, struct fault *fault);
 
-/* To be called from `show` of the watch (base/watch.h), while a command is carried out: `draw` may
- * read the session and make pictures of it, as they are so far, and must carry out no command. What
- * the command itself goes by is put back afterwards. */
+/* Call from `show` of the watch (base/watch.h), while a command is carried out: `draw` may read
+ * the session and make pictures of its present state, and must not carry out a command. The data of
+ * the command is restored afterwards. */
 void session_show(struct session *session, void (*draw)(void *context), void *context);
 
-/* Within `draw`: the cross-hair is shown at another place. The caller puts the former one back, so
- * that no command finds this one. */
+/* Within `draw`: move the cross-hair. The caller restores it, so that no command uses the
+ * temporary one. */
 void session_show_cross(struct session *session, const uint32_t place[3]);
 
 /* ---- the scene (open.c) ---- */
 
-/* Opens "synth:geom", "synth:geom:XYZ" (each of X, Y, Z 1 or 2), "synth:geom:NXxNYxNZ" (a size in
- * voxels) or what the choice (or NULL) takes of a file. The name is only looked at here; where a
- * file is found is the caller's business. Weights are those of the state, which begins with `morph`
- * over 6 neighbours. */
+/* Open "synth:geom", "synth:geom:XYZ" (each of X, Y, Z 1 or 2), "synth:geom:NXxNYxNZ" (a size in
+ * voxels) or the part of a file that the choice (or NULL) names. The caller has found the file.
+ * Weights are those of the state, which begins with `morph` over 6 neighbours. */
 enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
                       struct fault *fault);
 
-/* Interpolates the axes a with bit a set in `doubled` to 2n - 1 voxels (engine/scene.h); an axis of
- * one voxel has nothing between and stays as it is. Angles and size of the view stay, the zoom is
- * what opening such a scene gives. ERR_USAGE once a seed is planted or waits to be, and where a
- * mask or weights came out of a file or something is cut away, since those lie on the grid. On
- * error, session_rollback gives back the former scene. */
+/* Interpolate each axis a with bit a set in `doubled` to 2n - 1 voxels (engine/scene.h); an axis
+ * of one voxel is unchanged. Angles and size of the view are unchanged, the zoom is that of a new
+ * scene of this size. ERR_USAGE after the first seed, planted or pending, and with a mask or
+ * weights from a file or a cut, since those belong to the grid. On error, session_rollback restores
+ * the former scene. */
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault);
 
-/* For the caller who opens a scene and may never look at it: a file of `least` bytes or more, of
- * memory as below, is opened without making its cells. All else of the scene is what it will be, as
- * are the answers about it. Then session_complete makes them, and whatever else is to be made anew
- * (S5); it does nothing where nothing waits. ERR_CANCELLED, ERR_MEMORY, and it waits still. */
+/* Lazy opening: a file of `least` bytes or more, in memory as below, is opened without making
+ * its cells. All facts about the scene are known. session_complete makes the cells and recomputes
+ * stale parts (S5); without either it does nothing. ERR_CANCELLED, ERR_MEMORY: the cells still
+ * wait. */
 void session_let_wait(struct session *session, uint64_t least);
 enum err session_complete(struct session *session, struct fault *fault);
 
-/* Bytes that a scene of this size takes, all told, or 2^64 - 1 for more than that; session_open
- * refuses one that the machine has not the memory for (ERR_LIMIT), and announces a large one to
- * the watch before it loads it. */
+/* Bytes for a scene of this size, in total, saturated at 2^64 - 1. session_open rejects a scene
+ * that does not fit the memory of the machine (ERR_LIMIT), and announces a large one to the watch
+ * before loading it. */
 uint64_t session_bytes_for(const uint32_t size[3]);
 
 /* ---- seeds (seeds.c) ---- */
 
-/* How many edits wait for a run. */
+/* Number of pending edits. */
 size_t session_pendings(const struct session *session);
 
-/* As if the markers after the first `count` had never been put up. */
-void session_drop_markers(struct session *session, size_t count);
+/* Remove the markers after the first `count`, as if they had never been made. */
+void session_truncate_markers(struct session *session, size_t count);
 
-/* The number of a reach, for session_plant (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
+/* Return the number of a reach, for session_plant (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
 enum err session_add_reach(struct session *session, const struct reach *reach, uint16_t *number,
                            struct fault *fault);
 
-/* Puts up a marker: seeds of a label, that wait for a run; or, for EDIT_ERASE, that are to go.
- * `reach` is the number of theirs, or 0. */
+/* Add a marker: pending seeds of a label; for EDIT_ERASE, their removal. `reach` is the number
+ * of their reach, or 0. */
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        uint16_t reach, struct fault *fault);
 
-/* The same of a piece of a segmentation, which yields (session/markers.h): its runs, none where all
- * of it is planted. */
+/* The same for a piece of a segmentation, which yields (session/markers.h), with its runs; no
+ * runs if all of it is planted. */
 enum err session_plant_piece(struct session *session, const uint32_t *cell, size_t count,
                              int16_t label, const struct marker_run *run, size_t runs,
                              struct fault *fault);
 
-/* The marker that was just put up frees those of these voxels whose markers give way to it: their
- * seeds go, while it stands. */
+/* Let the last marker free voxels of `cell`, where older markers give way to it: their seeds are
+ * removed while it is valid. */
 enum err session_free_voxels(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault);
 
-/* The marker that was just put up goes on with the one before, which stands. */
+/* Join the last marker to the one before, which is valid. */
 void session_join(struct session *session);
 
-/* Takes markers away, by their numbers, with those that are joined to them: their seeds, and the
- * seeds of the markers below come back. ERR_CHECK for a number that no marker which stands has, or
- * that a joined one or an eraser has. */
-enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
-                           struct fault *fault);
+/* Remove markers by their numbers, with those joined to them: their seeds are removed, and the
+ * seeds of the markers below are restored. ERR_CHECK for a number of no valid marker, of a joined
+ * one or of an eraser. */
+enum err session_remove_markers(struct session *session, const uint32_t *number, size_t count,
+                                struct fault *fault);
 
-/* The markers, each once, whose trees hold one of the voxels (as of the last run), or that wait to
- * be planted there, or the first ones of their strokes; the caller frees *number. ERR_INPUT where
- * there are none. */
+/* Find the markers, each once, whose trees hold one of the voxels (as of the last run), or that
+ * have pending seeds there; of a stroke, the first part. The caller frees *number. ERR_INPUT if no
+ * marker is found. */
 enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
                               uint32_t **number, size_t *numbers, struct fault *fault);
 
-/* An eraser of single trees: it takes away the seed whose tree holds the voxel (as of the last
- * run), or the seed that waits to be planted there. ERR_INPUT where neither is for any of them. */
+/* Add an eraser of single trees: it removes the seed whose tree holds the voxel (as of the last
+ * run), or the pending seed there. ERR_INPUT if none of the voxels has either. */
 enum err session_erase_trees(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault);
 
-/* The same where it is known which seeds go: those that are not planted and do not wait are
- * ERR_CHECK. */
+/* The same for known seeds: ERR_CHECK for one that is neither planted nor pending. */
 enum err session_erase_seeds(struct session *session, const uint32_t *seed, size_t count,
                              struct fault *fault);
 
-/* What an eliminator at a voxel would take away: the marker whose trees hold it, or the single
- * tree. Trees are counted from their roots, so this takes time by what is held, up to a bound, and
- * never by the scene. */
-enum { HELD_MOST = 2000000 }; /* voxels that are counted: some 80 ms */
+/* The effect of an eliminator at a voxel: the marker whose trees hold it, or the single tree.
+ * Trees are counted from their roots, so the time depends on their voxels, up to a bound, and not
+ * on the scene. */
+enum { HELD_MOST = 2000000 }; /* voxels counted, about 80 ms */
 
 struct held {
-    uint32_t marker; /* its number, the first of a stroke's; 0 for a single tree, */
-    uint32_t seed;   /* which is this one's */
+    uint32_t marker; /* number of the marker, the first of its stroke; 0 for a single tree, */
+    uint32_t seed;   /* and then its seed */
     uint8_t label;
-    size_t trees;  /* of seeds that are planted */
-    size_t waits;  /* seeds of it that wait to be */
-    size_t voxels; /* of the trees; what an outline's ring has is not counted */
-    bool has_more; /* than HELD_MOST: these three are the least that there are */
+    size_t trees;  /* trees of planted seeds */
+    size_t waits;  /* its pending seeds */
+    size_t voxels; /* voxels of the trees; those of an outline's ring are not counted */
+    bool has_more; /* more than HELD_MOST: the three numbers are lower bounds */
 };
 
-/* Of `tree`, or where the semantics know no markers, the single tree. ERR_INPUT where nothing holds
- * the voxel; ERR_MEMORY. */
+/* Find the single tree if `tree`, or if the semantics have no markers. ERR_INPUT if nothing
+ * holds the voxel; ERR_MEMORY. */
 enum err session_find_held(struct held *held, const struct session *session, uint32_t cell,
                            bool tree, struct fault *fault);
 
-/* Whether it holds a voxel, until the next command. */
+/* True if it holds a voxel, until the next command. */
 bool session_is_held(const struct session *session, const struct held *held, uint32_t cell);
 
-/* Remembers where the user has put an eliminator, until the run after the next: for slices. */
+/* Store the place of an eliminator, for slices, until the run after the next. */
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault);
 
-/* Applies the edits that wait; brings border and rendition up to date (the rendition as an
- * incremental image). Fine when none wait. */
+/* Apply the pending edits, and update border and rendition (as an incremental image). Does
+ * nothing without pending edits. */
 enum err session_run(struct session *session, struct fault *fault);
 
-/* ---- what labels have (answers.c): not for a session that skims ---- */
+/* ---- answers about labels: not for a session that skims ---- */
 
-/* Brings `tally` up to date, which takes a walk through the scene after a run from nothing and else
- * no time. ERR_CANCELLED. Not for a session that skims. */
+/* Update `tally`: after a run from nothing by a walk through the scene, otherwise in no time.
+ * ERR_CANCELLED. Not for a session that skims. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
-/* The same before a command whose changes are to be counted: it sets `former_tally` too, and from
- * now on a forest that grows anew notes its labels before, by a walk through the scene. */
+/* The same before a command whose changes will be counted: also sets `former_tally`, and lets a
+ * forest that is recomputed store its former labels, by a walk through the scene. */
 enum err session_count_before(struct session *session, struct fault *fault);
 
-/* To be asked for after the command: voxels that it has given another label; CHANGES_UNKNOWN where
- * memory did not suffice to count them. session_count_before comes before the command, and
- * session_count_labels after it. */
+/* Voxels with another label after the command; CHANGES_UNKNOWN if memory did not suffice to
+ * count them. Call session_count_before before the command, and session_count_labels after it. */
 uint64_t session_changed_voxels(const struct session *session);
 
-/* All that is known of each of these labels (session_labels): stats[256]. Of the forest's, what can
- * follow edits does so from now on (engine/label_stats.h): a replay that never asks never pays.
- * ERR_MEMORY, ERR_CANCELLED. Not for a session that skims. */
+/* Compute the statistics of each of these labels (session_labels): stats[256]. Those of the
+ * forest are kept up to date from the first call on (engine/label_stats.h), so a replay without
+ * questions has no cost. ERR_MEMORY, ERR_CANCELLED. Not for a session that skims. */
 enum err session_find_stats(struct session *session, const struct labels *labels,
                             struct label_stats *stats, struct fault *fault);
 
-/* The sums of a label of the forest, in the same way. */
+/* Compute the sums of a label of the forest, in the same way. */
 enum err session_sum_label(struct session *session, unsigned label, struct label_sums *sums,
                            struct fault *fault);
 
-/* How many voxels each label had before the last edit; NULL where that, or how many it has now, is
- * not known. */
+/* Voxels of each label before the last edit; NULL if they, or the present ones, are unknown. */
 const uint64_t *session_voxels_before_edit(const struct session *session);
 
-/* Labels as they are to be handed out: the forest's, or, where `finished`, what the steps of the
- * state's kept.finish make of them. Borrowed: of use until the next command. Edits that wait count
- * for nothing, so session_run comes before. ERR_LIMIT where a step reaches too far for the scene
- * (finish_check), ERR_MEMORY, ERR_CANCELLED. */
+/* Labels for output: the forest's, or if `finished`, after the steps of kept.finish. Borrowed,
+ * valid until the next command. Pending edits are ignored: call session_run before. ERR_LIMIT if a
+ * step reaches too far for the scene (finish_check), ERR_MEMORY, ERR_CANCELLED. */
 enum err session_labels(struct session *session, bool finished, struct labels *labels,
                         struct fault *fault);
 
-/* The digest of the finished labels that session_labels gave last. */
+/* Digest of the last finished labels of session_labels. */
 uint64_t session_finished_digest(const struct session *session);
 
-/* Finished labels of the present state, [grid.cells], where they are made already; else NULL. And a
- * digest, not 0, of all that they follow from: labels and steps, and seeds where a step heeds them.
- */
+/* Finished labels of the present state, [grid.cells], if already computed; otherwise NULL. And a
+ * digest, not 0, of their inputs: labels and steps, and seeds if a step uses them. */
 const uint8_t *session_finished(const struct session *session);
 uint64_t session_finish_source(const struct session *session);
 
-/* In a session that has the origin of a procedure: the label whose volume is farthest from what it
- * was there, and so many times that; 0 where there is none. ERR_CANCELLED. */
+/* In a session with the origin of a procedure: find the label whose volume differs most from
+ * that in the procedure, and the ratio; 0 for no label. ERR_CANCELLED. */
 enum err session_find_worst(struct session *session, unsigned *label, double *share,
                             struct fault *fault);
 
-/* Hints (engine/hints.h), those of the worst label first, made in about the time of a run; and
- * their heat where it is asked for, a byte a voxel until the next edit. Borrowed, as above.
- * ERR_USAGE under `weight polarity`, ERR_MEMORY, ERR_CANCELLED. */
+/* Find hints (engine/hints.h), those of the worst label first, in about the time of a run; and
+ * their heat if requested, a byte per voxel until the next edit. Borrowed, as above. ERR_USAGE
+ * under `weight polarity`, ERR_MEMORY, ERR_CANCELLED. */
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault);
 
-/* ---- settings that take more than a change of the state (go.c) ---- */
+/* ---- settings that need more than a change of the state (go.c) ---- */
 
-/* Weights [z][y][x] out of a file called `name`. */
+/* Set weights [z][y][x] from a file called `name`. */
 enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
                                 struct fault *fault);
 
-/* The two parts of the region of interest; NULL for none. ERR_INPUT, and nothing has changed, where
- * no voxel would be inside, or a seed that is planted or waits would be outside. */
+/* Set the two parts of the region of interest; NULL for none. ERR_INPUT, without a change, if no
+ * voxel would be inside, or a planted or pending seed outside. */
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
                           const uint32_t regions[2], struct fault *fault);
 enum err session_set_range(struct session *session, const struct decimal range[2],

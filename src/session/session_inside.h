@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What of a session is for the files of this room alone. */
+/* Members of a session for this room only. */
 #ifndef SESSION_SESSION_INSIDE_H
 #define SESSION_SESSION_INSIDE_H
 
@@ -16,11 +16,11 @@
 #include "session/state.h"
 #include "session/tally.h"
 
-/* What interpolating a scene replaces. */
+/* Objects that interpolating a scene replaces. */
 struct former_scene {
-    struct scene *scene; /* NULL where there is none */
+    struct scene *scene; /* NULL if not interpolated */
     struct geometry said;
-    bool is_blended; /* its levels */
+    bool is_blended; /* levels->is_blended */
     uint64_t scene_digest, weight_digest;
     struct forest *forest;
     struct border border;
@@ -29,7 +29,7 @@ struct former_scene {
     unsigned stale;
 };
 
-/* The finished labels that were made last, what of, and the digest of what came of it. */
+/* The last finished labels, a digest of their inputs, and their own digest. */
 struct finished {
     uint8_t *label; /* [cells], or NULL */
     size_t cells;
@@ -37,7 +37,7 @@ struct finished {
 };
 void finished_release(struct finished *finished);
 
-/* Hints that were made last, and what of. */
+/* The last hints, and their inputs. */
 struct hinting {
     bool has_hints;
     struct hint_list hints;
@@ -47,7 +47,7 @@ struct hinting {
     unsigned adjacency;
 };
 
-/* Doubt that was found last, and a digest of what of. */
+/* The last doubt, and a digest of its inputs. */
 struct doubting {
     struct doubt doubt;
     uint64_t of;
@@ -59,49 +59,49 @@ struct levels;
 struct session;
 
 struct session_inside {
-    unsigned stale;      /* of what follows from the state, MADE_... of what does not fit it (S5) */
-    bool waits;          /* S7 */
-    uint64_t waits_from; /* session_let_wait; 2^64 - 1: never */
+    unsigned stale;                 /* parts that do not fit the state, MADE_... (S5) */
+    bool waits;                     /* S7 */
+    uint64_t waits_from;            /* session_let_wait; 2^64 - 1: never */
     struct finished finished;       /* session_labels */
-    struct relax_kept relaxed;      /* to make them again sooner */
+    struct relax_kept relaxed;      /* for faster recomputation */
     struct hinting hinting;         /* session_find_hints */
     struct doubting doubting;       /* doubtful_find */
-    struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
+    struct label_measures measures; /* measures of the forest's labels, after the first request */
 
     bool knows_window; /* session_find_window */
     int32_t window[2];
 
-    const struct follower *follower; /* of pictures */
+    const struct follower *follower; /* functions of the pictures */
 
-    /* Room for what is now and for what was, so that going back cannot fail. */
+    /* Memory for the present and the former data, so that going back cannot fail. */
     struct weight_work weight_work;
     uint64_t *mask_room;
 
-    /* What the command at hand began with. */
+    /* State before the present command. */
     struct former_scene former_scene;
     bool former_has_scene;
-    struct tally tally_before_edit; /* of the last command before it that edited */
+    struct tally tally_before_edit; /* tally of the last edit before the command */
 };
 
-/* ---- what the files of a session share ---- */
+/* ---- shared by the files of this room ---- */
 
-/* Back to no scene, whatever there is of one. */
+/* Close the scene, complete or not. */
 void session_close_scene(struct session *session);
 
-/* Makes roi->low..high the intensities whose real values lie in a range (image/levels.h); low is
- * above high where there are none. */
+/* Set roi->low..high to the intensities whose real values are in a range (image/levels.h); low
+ * is above high for an empty range. */
 void roi_range(struct roi *roi, const struct geometry *geometry, const struct levels *levels,
                const struct decimal range[2]);
 
-/* Has the geometry and the scene's axes follow from what the file says, and `orient`. */
+/* Compute the geometry and the scene's axes from the file and `orient`. */
 void session_place(struct session *session, const struct kept *kept);
 
-/* Whether the cells of a plain scene may wait, since all that opening it has to say can be said
- * without them; and says it: `weight_digest`. */
+/* True if the cells of a plain scene may wait, because the answer of `open` does not need them;
+ * and compute that answer: `weight_digest`. */
 bool session_may_wait(const struct session *session);
 enum err session_foretell(struct session *session, struct fault *fault);
 
-/* Pictures of it do not fit any more. */
+/* Invalidate pictures. */
 void session_forget_pictures(struct session *session);
 
 #endif

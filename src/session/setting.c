@@ -11,11 +11,11 @@
 
 enum { R = COMMAND_RECORDED, S = COMMAND_NEEDS_SCENE, E = COMMAND_EDITS, C = COMMAND_CARRIED };
 
-/* What every row begins with, on one line. */
+/* Beginning of every row, on one line. */
 #define SETTING(NAME, GROUP, FLAGS) NAME, NULL, NULL, NULL, GROUP, FLAGS
 #define KEYED                       .optional = true, .keyed = true
 
-/* The member, as what a session begins with, and what else there is to say of it. */
+/* Descriptor of the member, its initial value, and further fields. */
 #define HELD(member) ((struct state *)NULL)->member
 #define SETS(member, begins, ...)                                                                  \
     .sets = {.at = offsetof(struct state, member),                                                 \
@@ -28,26 +28,25 @@ const struct command setting_table[] = {
     {SETTING("adjacency", GROUP_WEIGHT, R | S | E | C),
      {{"COUNT", VALUE_CHOICE, .choices = "6|26",
        SETS(kept.adjacency, 6, .made = MADE_WEIGHTS, .as = HELD_AS_COUNT, .says = SAYS_WEIGHTS)}},
-     "neighbours of a voxel: by faces, or by corners too",
+     "connect voxels by faces, or by corners too",
      "6 is the default.",
      "adjacency 26"},
     {SETTING("auto", GROUP_SEEDS, R),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
        SETS(outlook.runs_by_itself, 0, .made = 0, .as = HELD_AS_SWITCH, .says = SAYS_WAITING)}},
-     "whether each edit runs at once",
-     "off in scripts, on at the prompt. What waits is applied by the next command that edits, with "
-     "what that does, or that shows labels or answers from them, or by `run`. Turning it on "
-     "applies nothing, nor do undo, redo and goto: the "
-     "edits that wait in the segmentation that they lead to still wait.",
+     "run each edit at once, or when needed",
+     "off in scripts, on at the prompt. Pending edits are applied with the next command that "
+     "edits, shows labels or answers from labels, or by `run`. `auto on`, undo, redo and goto do"
+     " not apply them.",
      "auto on"},
     {SETTING("size", GROUP_VIEW, R | S),
      {{"WIDTH", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST,
        SETS(outlook.view.width, 512, .made = MADE_CAMERA)},
       {"HEIGHT", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST,
        SETS(outlook.view.height, 512, .made = MADE_CAMERA)}},
-     "the size of pictures, in pixels",
+     "set the size of pictures, in pixels",
 
-     "Of renditions, slices and mosaics alike; 512 512 by default.",
+     "For renditions, slices and mosaics; 512 512 by default.",
 
      "size 512 512"},
     {SETTING("shade", GROUP_LOOK, R | S),
@@ -57,78 +56,77 @@ const struct command setting_table[] = {
        SETS(outlook.look.ao_percent, 0, .made = MADE_CAMERA)},
       {"creases", VALUE_CHOICE, KEYED, .choices = "yes|no",
        SETS(outlook.look.creases, 0, .made = MADE_CAMERA, .as = HELD_AS_SWITCH)}},
-     "smooth surfaces, or the faces of voxels",
-     "surface, the default: the shown objects, smoothed.\n"
-     "cubes: the faces of their voxels, and normals as of the surface.\n"
-     "ao: ambient occlusion; 0, the default, is none. Sulci and other hollows, which little light "
-     "comes into, are darker by up to so much. Not while an object is translucent, nor on faces "
-     "that are cut open.\n"
-     "creases: yes shades each object as if it were alone, so that a crease is seen where two "
-     "touch; else one surface runs across both.",
+     "draw smooth surfaces, or the faces of voxels",
+     "surface, the default: the visible objects, smoothed.\n"
+     "cubes: the faces of their voxels, with the normals of the surface.\n"
+     "ao: ambient occlusion in percent, 0 by default. It darkens sulci and other hollows by up "
+     "to this amount, except on translucent objects and on cut faces.\n"
+     "creases: yes shades each object separately, so that a crease is visible where two touch; "
+     "no draws one surface across both.",
      "shade cubes"},
     {SETTING("light", GROUP_LOOK, R | S),
      {{"YAW", VALUE_DECIMAL, .least = -VIEW_TURN / 2, .most = VIEW_TURN / 2,
        SETS(outlook.look.light[0], -25000, .made = MADE_CAMERA)},
       {"PITCH", VALUE_DECIMAL, .least = -LIGHT_PITCH_MOST, .most = LIGHT_PITCH_MOST,
        SETS(outlook.look.light[1], 30000, .made = MADE_CAMERA)}},
-     "where the light comes from, in degrees",
-     "It moves with you: 0 0 comes from behind you, YAW turns it to your right, PITCH upwards. The "
-     "default is -25 30, over your left shoulder.",
+     "set the direction of the light, in degrees",
+     "The light moves with the viewer: 0 0 comes from behind the viewer, YAW turns it to the "
+     "right, PITCH upwards. The default is -25 30, over the left shoulder.",
      "light -25 30"},
     {SETTING("cue", GROUP_LOOK, R | S),
      {{"PERCENT", VALUE_NUMBER, .most = 100,
        SETS(outlook.look.cue_percent, 30, .made = MADE_CAMERA)}},
-     "how much darker distant surfaces are",
-     "So much at the far end of the scene; 30 by default.",
+     "darken distant surfaces",
+     "PERCENT is the darkening at the far end of the scene; 30 by default.",
      "cue 50"},
     {SETTING("edges", GROUP_LOOK, R | S),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
        SETS(outlook.look.edges, 0, .made = MADE_CAMERA, .as = HELD_AS_SWITCH)}},
-     "draw lines where something hides or is folded",
+     "draw lines at folds and occluding edges",
 
-     "off by default. A line lies on what is in front, one pixel wide: dark where another object, "
-     "or a part of the same, is behind it or touches it, and where its surface has a fold; light, "
-     "with a dark one within, where nothing is behind it.",
+     "off by default. A line is drawn on the object in front, one pixel wide: dark if an object,"
+     " or another part of the same, is behind it or touches it, and at folds of the surface; "
+     "light, with a dark line inside, if only the background is behind it.",
 
      "edges on"},
     {SETTING("samples", GROUP_LOOK, R | S),
      {{"COUNT", VALUE_CHOICE, .choices = "1|2|4",
        SETS(outlook.look.samples, 1, .made = MADE_CAMERA, .as = HELD_AS_COUNT)}},
      "smooth outlines: COUNT x COUNT samples a pixel",
-     "Each pixel is the mean of its samples; depth, label and voxel are those of the nearest one. "
-     "1 by default.",
+     "Each pixel is the mean of its samples; depth, label and voxel are those of the nearest "
+     "sample. 1 by default.",
      "samples 2"},
     {SETTING("background", GROUP_LOOK, R | S),
      {{"COLOUR", VALUE_COLOUR, .choices = BACKGROUNDS,
        SETS(outlook.background, BACKGROUND_GRADIENT, .made = 0, .as = HELD_AS_BACKGROUND)}},
-     "what is seen where no object is",
-     "Of renditions, on the screen and in files; or #rrggbb. gradient, the default: from a calm "
-     "grey at the top to a darker one.\n"
-     "transparent: .png and .tif have alpha then; it is black on the screen, in mosaics and in "
-     "other formats.\n"
-     ".exr always has the objects alone, with their alpha, and so have golden images.",
+     "set the background of renditions",
+     "On the screen and in files; or #rrggbb. gradient, the default: from grey at the top to "
+     "dark grey.\n"
+     "transparent: alpha in .png and .tif; black on the screen, in mosaics and in other "
+     "formats.\n"
+     ".exr files and golden images always have only the objects, with their alpha.",
      "background white"},
     {SETTING("decorate", GROUP_LOOK, R | S),
      {{"PART", VALUE_PARTS, .choices = DECORATIONS "|all|none",
        SETS(outlook.decorations, 0, .made = 0)}},
-     "what is drawn over the rendition",
-     "none by default. It is drawn over the colours, on the screen, in files and in golden images, "
-     "as large as the picture has room for; `pick` finds what is below.\n"
-     "letters: the patient's sides, R L A P S I, or the axes where nobody knows them.\n"
-     "scale: a bar and its length in millimetres, or in voxels where their distance is unknown.\n"
-     "legend: the labels that are shown, with their volumes.\n"
-     "seeds: as `overlay marks` has them, where their voxels are seen.\n"
-     "cross: the cross-hair, where its voxel is seen.",
+     "draw letters, a scale or a legend over renditions",
+     "none by default. Decorations cover the colours, on the screen, in files and in golden "
+     "images, and scale with the picture; `pick` ignores them.\n"
+     "letters: the patient's sides, R L A P S I, or the axes if the sides are unknown.\n"
+     "scale: a bar and its length in millimetres, or in voxels if the spacing is unknown.\n"
+     "legend: the visible labels, with their volumes.\n"
+     "seeds: as in `overlay marks`, where their voxels are visible.\n"
+     "cross: the cross-hair, where its voxel is visible.",
 
      "decorate letters scale legend"},
     {SETTING("context", GROUP_LOOK, R | S),
      {{"WHAT", VALUE_CHOICE, .choices = CONTEXTS,
        SETS(outlook.context, CONTEXT_NONE, .made = MADE_COLOURS)}},
-     "the scene itself behind and around the objects",
+     "show the scene behind and around the objects",
      "none is the default.\n"
-     "mip: a maximum intensity projection. Where no object is, a pixel is as bright as the "
-     "brightest voxel on its ray, within the `window` of slices; what is cut away is left out. "
-     "What is dark lets the background through.",
+     "mip: a maximum intensity projection. A pixel without an object is as bright as the "
+     "brightest voxel on its ray, within the `window` of slices, without cut parts. Dark pixels "
+     "show the background.",
      "context mip"},
     {SETTING("overlay", GROUP_SLICES, R | S),
      {{"LABELS", VALUE_CHOICE, .optional = true, .choices = SLICE_OVERLAYS,
@@ -139,25 +137,24 @@ const struct command setting_table[] = {
        SETS(outlook.slices.marks, 1, .made = 0, .as = HELD_AS_SWITCH, .stays = true)},
       {"words", VALUE_CHOICE, KEYED, .choices = "on|off",
        SETS(outlook.slices.words, 1, .made = 0, .as = HELD_AS_SWITCH, .stays = true)}},
-     "what is drawn over the grey of slices",
-     "none, tint or contour of the labels that are shown; contour by default.\n"
+     "draw labels and marks over the grey of slices",
+     "none, tint or contour of the visible labels; contour by default.\n"
      "cross: the cross-hair.\n"
-     "marks: a dot for a seed in the slice, of seeds side by side for the outermost alone, and "
-     "none "
-     "for those that `labels` planted; an x for an eliminator of the last run; in the pilot, a "
-     "white rim means that it waits for a run.\n"
+     "marks: a dot for a seed in the slice, of adjacent seeds only the outermost, and no dot for"
+     " seeds of `labels`; an x for an eliminator of the last run; in the pilot, a white rim "
+     "marks pending ones.\n"
      "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
      "overlay tint cross=off"},
     {SETTING("finished", GROUP_KEPT, R | S),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
        SETS(outlook.shows_finished, 0, .made = MADE_COLOURS, .as = HELD_AS_SWITCH,
             .says = SAYS_FINISH)}},
-     "whether pictures show the labels as finished",
-     "In slices, mosaics, renditions and the pilot, which follow each seed and eliminator. The "
-     "pilot shows the labels of the forest at once where they change, and the finished ones as "
-     "soon as they are made. Maps, surfaces and reports are finished where `finished=yes` asks for "
-     "it; at a prompt they are as pictures are unless `finished=` is given, and the record says "
-     "which. off by default; a session at a terminal begins with it on.",
+     "show the labels as finished in pictures",
+     "In slices, mosaics, renditions and the pilot, after each seed and eliminator. The pilot "
+     "shows the labels of the forest first, and the finished ones as soon as they are computed. "
+     "Maps, surfaces and reports are finished with `finished=yes`; at a prompt they follow this "
+     "setting unless `finished=` is given, and the record says which. off by default; a session "
+     "at a terminal begins with on.",
      "finished on"},
     {.name = NULL},
 };
@@ -200,10 +197,10 @@ struct state state_default(void)
 
 /* ---- equality ---- */
 
-/* Three that only matter while something else is so, and what is true of every member. */
+/* Three parts that matter only under a condition, and a bit for every member. */
 enum { MADE_BY_POLARITY = 64, MADE_BY_WINDOW = 128, MADE_BY_OPACITY = 256, DIFFERS = 512 };
 
-/* A member that is no setting, which has no padding within, and what follows from it. */
+/* A member that is not a setting and has no padding, and the parts that depend on it. */
 static const struct state_field {
     size_t at, bytes;
     unsigned made;
@@ -241,7 +238,7 @@ static const struct state_field {
 
 _Static_assert(offsetof(struct state, kept) == 0, "a struct kept is the beginning of a state");
 
-/* What follows from a member before `end`, where it differs. */
+/* Return the parts that depend on a member before `end`, if it differs. */
 static unsigned compare_member(const char *a, const char *b, size_t end,
                                const struct state_field *field)
 {
@@ -249,7 +246,7 @@ static unsigned compare_member(const char *a, const char *b, size_t end,
     return differs ? DIFFERS | field->made : 0;
 }
 
-/* DIFFERS and what follows from the members before `end` that differ, or 0. */
+/* Return DIFFERS and the parts that depend on different members before `end`, or 0. */
 static unsigned compare(const void *a, const void *b, size_t end)
 {
     unsigned made = 0;
@@ -267,7 +264,7 @@ bool kept_equals(const struct kept *a, const struct kept *b)
     return compare(a, b, sizeof *a) == 0;
 }
 
-/* Whether a label is shown in renditions of one, and not in those of the other. */
+/* True if renditions with these opacities show different labels. */
 static bool hides_others(const uint8_t a[256], const uint8_t b[256])
 {
     for (int label = 0; label < 256; label++)
@@ -276,8 +273,8 @@ static bool hides_others(const uint8_t a[256], const uint8_t b[256])
     return false;
 }
 
-/* Polarities are heeded by one weight alone; the window of slices colours what is cut open,
- * and the context. */
+/* Only one weight uses polarities. The window of slices also colours cut faces and the context.
+ * */
 unsigned state_difference(const struct state *a, const struct state *b)
 {
     unsigned made = compare(a, b, sizeof *a);

@@ -16,13 +16,13 @@ struct packed {
     unsigned char *bytes;
 };
 
-/* zlib counts in 32 bits: what is longer goes through it part by part. */
+/* zlib counts in 32 bits: longer input is processed in parts. */
 static uInt part_of(size_t left, size_t most)
 {
     return (uInt)(left > most ? most : left);
 }
 
-/* Deflates into `room` bytes, which surely are enough. False when out of memory. */
+/* Deflate into `room` bytes, which suffice. False when out of memory. */
 static bool deflate_all(struct packed *packed, const unsigned char *bytes, size_t room,
                         struct watch *watch)
 {
@@ -48,7 +48,7 @@ static bool deflate_all(struct packed *packed, const unsigned char *bytes, size_
 enum err packed_new(struct packed **out, const void *bytes, size_t length, struct watch *watch,
                     struct fault *fault)
 {
-    const size_t room = compressBound(length) + 64; /* for the parts that it is deflated in */
+    const size_t room = compressBound(length) + 64; /* for the parts that are deflated separately */
     struct packed *packed = mem_new(sizeof *packed);
     *out = NULL;
     if (!packed)
@@ -84,13 +84,13 @@ void packed_release(struct packed *packed)
     free(packed);
 }
 
-/* The room for the tables of inflating and its window of 32 kB: some 40 kB with zlib. */
+/* Memory for the tables of inflating and its window of 32 kB: about 40 kB with zlib. */
 struct room {
     size_t used;
     _Alignas(64) unsigned char bytes[96 << 10];
 };
 
-static void *take_room(void *context, uInt items, uInt size)
+static void *take_memory(void *context, uInt items, uInt size)
 {
     struct room *room = context;
     const size_t bytes = ((size_t)items * size + 63) / 64 * 64;
@@ -100,12 +100,12 @@ static void *take_room(void *context, uInt items, uInt size)
     return room->bytes + room->used - bytes;
 }
 
-static void leave_room(void *context, void *bytes)
+static void keep_memory(void *context, void *bytes)
 {
     (void)context, (void)bytes;
 }
 
-/* Fills `out` with the next `length` bytes. */
+/* Fill `out` with the next `length` bytes. */
 static bool inflate_part(const struct packed *packed, z_stream *stream, unsigned char *out,
                          size_t length)
 {
@@ -130,7 +130,7 @@ enum err packed_read(const struct packed *packed,
     _Alignas(64) unsigned char piece[PACKED_PIECE];
     struct room room = {.used = 0};
     struct task task = task_begin(watch, "unpacking", packed->length);
-    z_stream stream = {.zalloc = take_room, .zfree = leave_room, .opaque = &room};
+    z_stream stream = {.zalloc = take_memory, .zfree = keep_memory, .opaque = &room};
     bool reads = inflateInit(&stream) == Z_OK;
     size_t left = packed->length;
     stream.next_in = packed->bytes;
@@ -173,9 +173,9 @@ size_t packed_memory(const struct packed *packed)
 /* ---- lists of edits ---- */
 
 struct edit_room {
-    size_t holders, rooms; /* lists and rooms that hold it; how many of them are rooms */
+    size_t holders, rooms; /* lists and rooms that hold it; number of rooms among them */
     struct edit_room *before;
-    size_t base; /* so many items of the list lie there, and those from this one on here */
+    size_t base; /* items of the list in `before`; the following ones are here */
     struct edit *item;
     size_t count, capacity;
 };
@@ -200,9 +200,9 @@ void edits_release(struct edits *edits)
     *edits = (struct edits){0};
 }
 
-/* Moves the list to memory of its own, where others have added to what they share, or it is empty:
- * what ran is let go of. */
-static bool have_room(struct edits *edits)
+/* Move the list to memory of its own if another list has appended to the shared memory, or if it
+ * is empty. */
+static bool own_room(struct edits *edits)
 {
     const size_t count = edits_count(edits);
     if (edits->room && count > 0 && edits->room->count == edits->end)
@@ -221,7 +221,7 @@ static bool have_room(struct edits *edits)
     return true;
 }
 
-static enum err add(struct edits *edits, struct edit edit, struct fault *fault)
+static enum err append(struct edits *edits, struct edit edit, struct fault *fault)
 {
     struct edit_room *room = edits->room;
     if (!mem_grow(&room->item, &room->capacity, room->count + 1, sizeof *room->item))
@@ -234,7 +234,7 @@ static enum err add(struct edits *edits, struct edit edit, struct fault *fault)
 enum err edits_add(struct edits *edits, struct edit edit, struct fault *fault)
 {
     assert(!edits->room || !edits->room->before);
-    return have_room(edits) ? add(edits, edit, fault) : fault_memory(fault, "an edit");
+    return own_room(edits) ? append(edits, edit, fault) : fault_memory(fault, "an edit");
 }
 
 enum err edits_go_on(struct edits *edits, struct edit edit, struct fault *fault)
@@ -242,18 +242,18 @@ enum err edits_go_on(struct edits *edits, struct edit edit, struct fault *fault)
     struct edit_room *before = edits->room;
     assert(edits->first == 0);
     if (before && before->base + before->count == edits->end)
-        return add(edits, edit, fault);
+        return append(edits, edit, fault);
     struct edit_room *room = mem_new(sizeof *room);
     if (!room)
         return fault_memory(fault, "an edit");
     *room = (struct edit_room){.holders = 1, .before = before, .base = edits->end};
     struct edits longer = {room, 0, edits->end};
-    const enum err err = add(&longer, edit, fault);
+    const enum err err = append(&longer, edit, fault);
     if (err) {
         free(room);
         return err;
     }
-    if (before) /* the room holds it from now on, and the list no more */
+    if (before) /* the room holds it now, instead of the list */
         before->rooms++;
     *edits = longer;
     return OK;

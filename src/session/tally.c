@@ -53,8 +53,8 @@ static void count_part(void *context, unsigned worker)
         task_begin_part(scene->watch, "counting labels", slab_voxels(grid, slab), worker);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
-            /* Neighbours mostly have the same label: four counters in turn do not wait for each
-             * other. */
+            /* Neighbours mostly have the same label: four counters in turn avoid waiting for
+             * each other. */
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
                 scene_fetch_ahead(scene, c);
@@ -110,7 +110,7 @@ void tally_write_volume(struct buf *out, const struct geometry *geometry, uint64
         {10000000, 1000000000, "mm3"},
     };
     const uint32_t *nm = geometry->spacing_nm;
-    /* To the nearest um3; 10^19 for more. */
+    /* To the nearest um3; 10^19 at most. */
     const double boxes = (double)voxels * nm[0] * nm[1] * nm[2] / 1e9;
     const double exact = floor(boxes * geometry_fill(geometry) + 0.5);
     const uint64_t um3 = exact < 1e19 ? (uint64_t)exact : UINT64_C(10000000000000000000);

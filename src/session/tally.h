@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The tally: how many voxels each label has, kept up to date from what edits change.
+ * The tally: number of voxels of each label, updated from the changes of edits.
  *
- * An edit changes the counts of the voxels that it gave another label, which takes no time worth
- * mentioning in a scene of any size. Where a forest grows from nothing, or so much of it that
- * there is no list, the tally is stale: it is counted again by the first caller who asks, every
- * thread of the team at once, and a replay that never asks never pays.
+ * An edit updates the counts of the voxels whose labels it changed, in no noticeable time for a
+ * scene of any size. After a forest grew from nothing, or changed too much for a list, the tally is
+ * stale: the first request counts it again, by all threads of the team, and a replay without
+ * requests has no cost.
  *
- * Label 0 has the background and all that no seed reaches. The counts of all labels make the scene.
+ * Label 0 includes the background and all voxels that no seed reaches. The sum of all labels is the
+ * number of voxels.
  *
  * Invariant
  *   Y1 a tally that is not stale equals a recount; tally_check asserts it.
@@ -27,29 +28,29 @@
 struct tally {
     bool stale;
     uint64_t voxels[256];
-    bool knows_moves;                /* there is a list of what the last edit has changed: */
-    uint64_t gained[256], lost[256]; /* voxels that came to each label, and went */
+    bool knows_moves;                /* the changes of the last edit are known: */
+    uint64_t gained[256], lost[256]; /* voxels that each label gained and lost */
 };
 
-/* Of a forest without seeds. */
+/* The tally of a forest without seeds. */
 struct tally tally_of_none(const struct scene *scene);
 
-/* Of no use where the watch, or NULL, has stopped it. */
+/* Invalid if the watch, or NULL, stopped it. */
 void tally_follow(struct tally *tally, const struct changes *changes, struct watch *watch);
 
-/* Labels are others in a way that no list says. */
+/* Labels changed, extent unknown: recount. */
 void tally_forget(struct tally *tally);
 
-/* Counts where that is needed. False where the scene's watch has stopped it: still stale then. */
+/* Count if stale. False if the scene's watch stopped it: still stale. */
 bool tally_refresh(struct tally *tally, const struct labels *labels, struct team *team);
 
 bool tally_check(const struct tally *tally, const struct labels *labels);
 
-/* Adds "1.24 l", "142 ml", "9.5 mm3" or "800 um3": what so many voxels take, to three digits,
- * halves rounded up; for more than 10 000 l, 10 000 l. */
+/* Append the volume of `voxels`, "1.24 l", "142 ml", "9.5 mm3" or "800 um3", to three digits,
+ * halves rounded up; at most 10 000 l. */
 void tally_write_volume(struct buf *out, const struct geometry *geometry, uint64_t voxels);
 
-/* What one voxel takes, for reports: cubic millimetres. */
+/* Volume of one voxel in cubic millimetres. */
 double tally_voxel_mm3(const struct geometry *geometry);
 
 #endif

@@ -689,7 +689,7 @@ enum err pictures_begin(struct pictures **pictures, struct session *session, str
         free(p);
         return err;
     }
-    session_take_pictures(session, p, &follower);
+    session_set_pictures(session, p, &follower);
     *pictures = p;
     return OK;
 }

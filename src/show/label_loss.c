@@ -52,7 +52,7 @@ static uint64_t seeds_before(const struct session *session, unsigned label, uint
     const struct markers *markers = &session->markers;
     uint64_t count = 0;
     for (size_t m = 0; m < markers->count; m++)
-        if (markers->marker[m].stands && markers->marker[m].label == (int16_t)label)
+        if (markers->marker[m].is_valid && markers->marker[m].label == (int16_t)label)
             count += markers->marker[m].voxels;
     return count > planted ? count - planted : 1;
 }

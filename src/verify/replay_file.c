@@ -78,7 +78,7 @@ static void note_record(void *context, const struct record *record)
 static enum err begin(void *context, unsigned semantics, struct fault *fault)
 {
     const struct replaying *replaying = context;
-    return session_take_semantics(replaying->interp->session, semantics, fault);
+    return session_set_semantics(replaying->interp->session, semantics, fault);
 }
 
 struct replay_host replay_file_host(struct replaying *replaying)

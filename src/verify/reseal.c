@@ -353,7 +353,7 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
         err = fault_set(fault, ERR_CHECK,
                         "this is a script, not a journal: run it into a new one; %s", unchanged);
     else
-        err = session_take_semantics(r->interp->session, walk.semantics, fault);
+        err = session_set_semantics(r->interp->session, walk.semantics, fault);
     if (!err)
         record_header(&r->header, walk.semantics);
     buf_add(&r->out, buf_text(&r->header), r->header.length);

@@ -135,7 +135,7 @@ static enum err verify_records(struct interpreter *interp, const struct buf *byt
     if (err)
         return err;
     if (walk.semantics)
-        err = session_take_semantics(interp->session, walk.semantics, fault);
+        err = session_set_semantics(interp->session, walk.semantics, fault);
     while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
         err = verify_record(interp, &record, f, fault);
     if (!err && (walk.over != WALK_END || walk.records == 0))

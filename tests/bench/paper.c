@@ -134,7 +134,7 @@ static enum err prepare(struct interpreter *interp, struct seeds *seeds,
     struct procedure procedure = {0};
     enum err err = procedure_load(&procedure, interp, from->base, from->atlas, fault);
     if (!err && strcmp(from->file, from->base) != 0) {
-        session_begin_again(session);
+        session_reset(session);
         err = procedure_open(interp, from->file, fault);
     } else if (!err) {
         err = session_interpolate(session, choice->doubled, fault);
