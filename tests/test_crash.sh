@@ -48,15 +48,6 @@ resumes() {
     kept=$(wc -l <kept | tr -d ' ')
     head -n "$kept" canonical | cmp -s - kept || fail "$1 holds what was not written"
 }
-# goes_on JOURNAL: the rest of the script leads to the same digests
-goes_on() {
-    tail -n +$((kept + 1)) canonical >rest
-    expect 0 "$iftty" run rest --journal "$1"
-    same "$(last_word forest "$1") $(last_word labels "$1")" \
-        "$(last_word forest whole.iftty) $(last_word labels whole.iftty)"
-    expect 0 "$iftty" verify "$1"
-}
-
 bytes=$(file_bytes whole.iftty)
 seed=12345 cuts='1 10 28 29 30 31 60'
 for before in 1 2 33 34 40 60; do cuts="$cuts $((bytes - before))"; done
@@ -112,22 +103,6 @@ err_has "t.iftty.torn-2"
 same "$(wc -l <err | tr -d ' ')" 1
 same "$(cat t.iftty.torn-1)" occupied
 cat t.iftty t.iftty.torn-2 | cmp -s - t.kept || fail "bytes are lost"
-close_story
-
-begin "zeros at the end, as a loss of power leaves them"
-{ head -c $((bytes - 7)) whole.iftty; head -c 4096 /dev/zero; } >z.iftty
-cp -r whole.golden z.golden
-resumes z.iftty
-same "$kept" 199
-goes_on z.iftty
-close_story
-
-begin "an empty journal begins anew"
-: >e.iftty # as it is when its writer was killed before the header was in it
-expect 0 "$iftty" verify e.iftty
-expect 1 "$iftty" verify --strict e.iftty
-expect 0 "$iftty" run script --journal e.iftty
-same_files e.iftty whole.iftty
 close_story
 
 begin "the reader of the acknowledgements goes away"

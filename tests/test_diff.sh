@@ -19,7 +19,7 @@ proof=$(tr ' ' '\n' <a.iftty | grep -E '=[0-9a-f]{64}$' | sed 's/.*=//')
 begin "a journal and itself"
 same "${#proof}" 64
 expect 0 "$iftty" diff a.iftty a.iftty
-out_has "commands  8, all the same"
+out_has "commands  8, all equal"
 out_has "scenes    the same: 24x20x16 voxels, SHA-256 $proof"
 out_has "voxels    0 of 7680 differ"
 grep -qE '^1 liver +1\.0000 ' out || fail "$(cat out)"
@@ -29,7 +29,7 @@ close_story
 begin "the first command at which two part, and every figure as the label maps have it"
 expect 1 "$iftty" diff a.iftty b.iftty
 err_has "of 7680 voxels have another label"
-out_has "commands  4 the same, then they differ"
+out_has "commands  4 equal, then they differ"
 out_has "    A  a.iftty, command 5, line 10: seed 20,10,8 2"
 out_has "    B  b.iftty, command 5, line 10: seed 20,12,3 2 radius=1"
 cp out told
@@ -69,16 +69,16 @@ close_story
 begin "comments, results and questions are no commands"
 "$iftty" log --script a.iftty | grep -v '^save' | sed 's/^run$/# why\ninfo\nrun/' >a.txt
 expect 0 "$iftty" diff a.txt plain.iftty
-out_has "commands  8, all the same"
+out_has "commands  8, all equal"
 sed 's/^run$/# by hand\nrun/' a.iftty >hand.iftty
 expect 0 "$iftty" diff a.iftty hand.iftty
-out_has "commands  9, all the same"
+out_has "commands  9, all equal"
 err_has "# hand.iftty was edited by hand; it reproduces its recorded results"
 close_story
 
 begin "up to a record"
 expect 0 "$iftty" diff a.iftty b.iftty --until 4
-out_has "commands  4, all the same"
+out_has "commands  4, all equal"
 err_has "# a.iftty ends with pending edits"
 expect 2 "$iftty" diff a.iftty b.iftty --until 0
 close_story
@@ -93,7 +93,7 @@ cp a.txt larger
 expect 0 "$iftty" diff a.txt a.txt
 "$iftty" diff a.txt other/a.txt >out 2>err
 [ $? -lt 2 ] || fail "$(cat err)"
-out_has "commands  8, all the same"
+out_has "commands  8, all equal"
 out_has "scenes    not the same; both have 24x20x16 voxels"
 err_has "# the scenes are not the same: voxels were compared place by place"
 expect 3 "$iftty" diff a.txt larger/a.txt

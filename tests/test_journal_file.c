@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The journal as a file: failing writes and syncs, short writes, power loss, the lock.
+ * The journal as a file: failing writes and syncs, short writes, power loss.
  */
 #include <errno.h>
 #include <signal.h>
@@ -532,26 +532,6 @@ STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
     CHECK(deaths > 8 && torn > 0);
     buf_release(&notice);
     buf_release(&bytes);
-}
-
-STORY(a_second_writer_is_told_so)
-{
-    const char *path = place("locked.iftty");
-    make(path, 1);
-    struct journal *journal = reopen(path, 1, NULL);
-    fflush(stdout);
-    pid_t child = fork();
-    if (child == 0) {
-        struct journal *second;
-        struct fault fault = {.text = ""};
-        const struct journal_resume resume = {.semantics = 1};
-        enum err err = journal_open(&second, path, &resume, NULL, &fault);
-        _exit(err == ERR_IO && strstr(fault.text, "another session") ? 0 : 1);
-    }
-    CHECK_INT(wait_for(child), 0);
-    CHECK(append(journal, 2, NULL) == OK);
-    journal_close(journal);
-    journal_close(reopen(path, 2, NULL)); /* and it can be had again */
 }
 
 int main(void)

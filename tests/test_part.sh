@@ -106,7 +106,7 @@ expect 0 "$iftty" -c 'open far.nii crop=0-5,0-5,0-5; info'
 expect 3 "$iftty" -c 'open far.nii reduce=2'
 err_has 'reduce=2: its voxels would be more than 4 m apart; those of the file are 1 x 1 x 2500 mm'
 expect 2 "$iftty" -c 'open synth:geom reduce=2'
-err_has 'volume, crop and reduce choose from a file'
+err_has 'volume, crop and reduce apply to files'
 for word in series=1 data=x missing=blank spacing=1,1,2 huge=yes; do
     expect 2 "$iftty" -c "open synth:geom:9x9x9 $word"
     err_has 'are for files, not for synthetic scenes; nothing was opened'

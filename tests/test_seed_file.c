@@ -98,7 +98,7 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
         {"1,1,\x1b[31m1,2", "\\x1b[31m"},
         {"9,8,7,1\n10,0,0,1\n",
          "line 2: 10,0,0 is outside the scene, whose voxels are 0,0,0 to 9,8"},
-        {"0,0,-1,1\n", "line 1: 0,0,-1 lies outside"},
+        {"0,0,-1,1\n", "line 1: 0,0,-1 is outside"},
         {"99999999999999999999,0,0,1\n", "line 1: expected x,y,z,label"},
         {"1,1,1,2\n2,2,2,2\n1,1,1,3\n", "line 3: the voxel of line 1 again, with label 3 instead"},
         {"", "there is no seed in it"},

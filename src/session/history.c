@@ -99,12 +99,6 @@ static struct kept_settings *kept_settings_new(const struct kept_settings *like,
     return settings;
 }
 
-static struct kept_settings *kept_settings_hold(struct kept_settings *settings)
-{
-    settings->holders++;
-    return settings;
-}
-
 static void kept_settings_drop(struct kept_settings *settings)
 {
     if (!settings || --settings->holders > 0)
@@ -426,7 +420,8 @@ static enum err note_point(struct history *history, const struct session *sessio
         return OK;
     point->parent = history->present;
     point->branch = history->on;
-    point->settings = sets ? kept_settings_new(before, &now->kept) : kept_settings_hold(before);
+    point->settings = sets ? kept_settings_new(before, &now->kept) : before;
+    before->holders += !sets;
     point->lists = now->lists;
     edit_lists_hold(&point->lists);
     point->plants = session->markers.count == session->former_markers + 1;

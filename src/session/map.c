@@ -266,14 +266,6 @@ static enum err check_grid(const struct map_place *place, const struct volume_he
     return err && names_file ? refuse_size(place, size, fault) : err;
 }
 
-static enum err convert_grid(struct volume *map, const struct map_place *place, struct watch *watch,
-                             struct fault *fault)
-{
-    return place->is_copy
-               ? map_check_axes(map, place->geometry, fault)
-               : regrid(map, place->grid->size, place->geometry, place->resample, watch, fault);
-}
-
 static enum err prefix_file(const char *path, enum err err, struct fault *fault)
 {
     return err ? fault_prefix(fault, err, "%s", file_name(path)) : OK;
@@ -295,7 +287,12 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     if (!err && *reader.header.contents)
         volume_note(map->notes, "volume %" PRIu32 " of %" PRIu32 ": %s", place->choice.volume,
                     reader.header.volumes, reader.header.contents);
-    return err ? err : prefix_file(path, convert_grid(map, place, watch, fault), fault);
+    if (err)
+        return err;
+    err = place->is_copy
+              ? map_check_axes(map, place->geometry, fault)
+              : regrid(map, place->grid->size, place->geometry, place->resample, watch, fault);
+    return prefix_file(path, err, fault);
 }
 
 /* ---- numbers ---- */

@@ -55,7 +55,7 @@ static enum err check_swelling(const struct volume_header *header, const char *p
         return OK;
     return fault_set(fault, ERR_LIMIT,
                      "%s: %.1f MB on disk claim a scene that needs %.1f GB of memory; `open FILE "
-                     "huge=yes` opens it all the same; nothing was opened",
+                     "huge=yes` opens it anyway; nothing was opened",
                      path, (double)header->bytes / 1e6, (double)needed / 1e9);
 }
 
@@ -221,8 +221,8 @@ enum err session_open(struct session *session, const char *path, const struct vo
     session->part = (struct map_part){0};
     if (is_synthetic && choice && (choice->has_volume || choice->has_crop || choice->reduce))
         return fault_set(fault, ERR_USAGE,
-                         "volume, crop and reduce choose from a file, and a synthetic scene is "
-                         "made as it is to be");
+                         "volume, crop and reduce apply to files, and not to a synthetic scene; "
+                         "nothing was opened");
     if (is_synthetic)
         err = open_synthetic(session, path, fault);
     else

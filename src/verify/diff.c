@@ -390,10 +390,10 @@ static void write_first_difference(struct buf *out, const struct journals *j)
 {
     const struct first_difference *p = &j->first_difference;
     if (!p->is_there) {
-        buf_printf(out, "commands  %zu, all the same\n", p->same);
+        buf_printf(out, "commands  %zu, all equal\n", p->same);
         return;
     }
-    buf_printf(out, "commands  %zu the same, then they differ\n", p->same);
+    buf_printf(out, "commands  %zu equal, then they differ\n", p->same);
     for (int i = 0; i < 2; i++) {
         buf_printf(out, "    %s  ", i ? "B" : "A");
         buf_add_safe_text(out, j->options->path[i]);
