@@ -196,10 +196,29 @@ static void print_seen(const struct terminal *t, size_t from)
     printf("\"\n");
 }
 
+#define SEE_AFTER(t, keys, text)                                                                   \
+    do {                                                                                           \
+        type(t, keys);                                                                             \
+        SEE(t, text);                                                                              \
+    } while (0)
+
+static void start_at_prompt(struct terminal *t, const struct setting *setting)
+{
+    start(t, setting);
+    SEE(t, "ch2> ");
+}
+
 static void end(struct terminal *t)
 {
     job_end(&t->job);
     buf_release(&t->late);
+}
+
+static void quit(struct terminal *t)
+{
+    type(t, "quit\r");
+    CHECK_INT(job_report(&t->job), 0);
+    end(t);
 }
 
 /* The bytes that a shell would find typed, once every answer has come. */
@@ -227,10 +246,9 @@ STORY(a_line_is_edited_and_run_and_ctrl_d_restores_everything)
     SEE(&t, "ch2> ");
     printf("# start to prompt %.1f ms\n", (double)(clock_ns() - begin) / 1e6);
     CHECK(!job_has_modes_as_found(&t.job));
-    type(&t, "exho hell");
-    SEE(&t, "exho hell");
-    type(&t, "o\001\006\033[3~h\010c\005 \303\244\r"); /* exho -> echo, and an umlaut */
-    SEE(&t, "hello \303\244\r\n");
+    SEE_AFTER(&t, "exho hell", "exho hell");
+    SEE_AFTER(&t, "o\001\006\033[3~h\010c\005 \303\244\r",
+              "hello \303\244\r\n"); /* exho -> echo, and an umlaut */
     SEE(&t, "[hello \303\244]\r\n");
     SEE(&t, "ch2> ");
     type(&t, "\004");
@@ -245,15 +263,12 @@ STORY(a_sixel_terminal_gets_sixels_and_each_is_waited_for)
     uint64_t took_least = UINT64_MAX;
     for (int i = 0; i < 5 && took_least > UINT64_C(1500000000); i++) { /* others may be busy */
         struct terminal t;
-        start(&t, &vt340);
-        SEE(&t, "ch2> ");
-        type(&t, "picture\r");
-        SEE(&t, "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40");
+        start_at_prompt(&t, &vt340);
+        SEE_AFTER(&t, "picture\r", "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40");
         SEE(&t, "\033\\\0338\033[2B\r\033[c");
         SEE(&t, "ch2> ");
         const uint64_t begin = clock_ns();
-        type(&t, "picture\rquit\r");
-        SEE(&t, "\033P0;1q");
+        SEE_AFTER(&t, "picture\rquit\r", "\033P0;1q");
         CHECK_INT(job_report(&t.job), 0);
         CHECK(job_has_modes_as_found(&t.job));
         const uint64_t took = clock_ns() - begin;
@@ -271,16 +286,12 @@ STORY(kitty_gets_its_own_graphics_and_a_picture_that_nobody_confirms_is_recovere
     SEE(&t, "\r\033[K");
     SEE(&t, "ch2> ");
     t.da1 = NULL; /* the line has cut it */
-    type(&t, "picture\r");
-    SEE(&t, "\033_Ga=T,C=1,f=100,q=2,m=0;iVBOR");
+    SEE_AFTER(&t, "picture\r", "\033_Ga=T,C=1,f=100,q=2,m=0;iVBOR");
     SEE(&t, "ch2> ");
-    type(&t, "picture\r");
-    SEE(&t, "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\");
+    SEE_AFTER(&t, "picture\r", "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\");
     SEE(&t, "\033_Ga=T");
     SEE(&t, "ch2> ");
-    type(&t, "quit\r");
-    CHECK_INT(job_report(&t.job), 0);
-    end(&t);
+    quit(&t);
 }
 
 STORY(without_colours_one_question_is_asked_and_nothing_coloured)
@@ -288,10 +299,8 @@ STORY(without_colours_one_question_is_asked_and_nothing_coloured)
     struct terminal t;
     struct setting setting = vt340;
     setting.no_color = "1";
-    start(&t, &setting);
-    SEE(&t, "ch2> ");
-    type(&t, "nonsense\rpicture\rquit\r");
-    SEE(&t, "error: there is no command nonsense\r\n");
+    start_at_prompt(&t, &setting);
+    SEE_AFTER(&t, "nonsense\rpicture\rquit\r", "error: there is no command nonsense\r\n");
     CHECK_INT(job_report(&t.job), 0);
     CHECK(strstr(t.job.seen.data, "\033[>") == NULL &&
           strstr(t.job.seen.data, "\033[31m") == NULL &&
@@ -307,8 +316,7 @@ STORY(a_silent_terminal_costs_two_seconds_and_no_key)
     SEE(&t, "\033[c");
     uint64_t begin = clock_ns();
     type(&t, "echo ea");
-    type(&t, "rly\r");
-    SEE(&t, "[early]");
+    SEE_AFTER(&t, "rly\r", "[early]");
     uint64_t took = (clock_ns() - begin) / 1000000;
     CHECK(took > 1500 && took < 20000); /* twice two seconds, more on a busy machine */
     type(&t, "\004");
@@ -323,10 +331,8 @@ STORY(answers_that_take_their_time_are_not_left_to_the_shell)
         struct setting setting = vt340;
         struct terminal t;
         setting.delay_ms = 300;
-        start(&t, &setting);
-        SEE(&t, "ch2> ");
-        type(&t, typed[stops]);
-        SEE(&t, "\033P0;1q");
+        start_at_prompt(&t, &setting);
+        SEE_AFTER(&t, typed[stops], "\033P0;1q");
         const int status = job_report(&t.job);
         CHECK(stops ? WIFSTOPPED(status) : status == 0);
         CHECK(job_has_modes_as_found(&t.job));
@@ -340,12 +346,10 @@ STORY(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm)
     struct setting setting = vt340;
     struct terminal t;
     setting.delay_ms = 2300;
-    start(&t, &setting);
-    SEE(&t, "ch2> ");
+    start_at_prompt(&t, &setting);
     type(&t, "echo on");
     job_see(&t.job, NULL, 500);
-    type(&t, "ly\r");
-    SEE(&t, "[only]");
+    SEE_AFTER(&t, "ly\r", "[only]");
     type(&t, "quit\r");
     CHECK_INT(job_report(&t.job), 0);
     CHECK_INT(left_to_read(&t), 0);
@@ -356,8 +360,7 @@ STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
 {
     struct terminal t;
     struct buf paste = {0};
-    start(&t, &xterm);
-    SEE(&t, "ch2> ");
+    start_at_prompt(&t, &xterm);
     buf_add_text(&paste, "\033[200~echo ");
     for (int i = 0; i < 3000; i++)
         buf_add_char(&paste, 'x');
@@ -366,18 +369,14 @@ STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
         type_bytes(&t, paste.data + at, paste.length - at < 100 ? paste.length - at : 100);
         job_see(&t.job, NULL, 1);
     }
-    type(&t, "\033[201~");
-    SEE(&t, "xxx");
+    SEE_AFTER(&t, "\033[201~", "xxx");
     job_see(&t.job, NULL, 300);
     CHECK(t.job.seen.length - before < 2400); /* a screenful, once */
-    type(&t, "\003\033[200~echo one\r\necho two\necho thr\033[201~ee\r");
-    SEE(&t, "[one]");
+    SEE_AFTER(&t, "\003\033[200~echo one\r\necho two\necho thr\033[201~ee\r", "[one]");
     SEE(&t, "[two]");
     SEE(&t, "[three]");
-    type(&t, "quit\r");
-    CHECK_INT(job_report(&t.job), 0);
     buf_release(&paste);
-    end(&t);
+    quit(&t);
 }
 
 /* Return true if b after a lone Escape is read as b; not if the program had no time to read between
@@ -388,8 +387,7 @@ static bool is_lone_escape(struct terminal *t)
     job_see(&t->job, NULL, 100);
     type(t, "X\033");
     job_see(&t->job, NULL, 300); /* longer than the time-out */
-    type(t, "b\r");
-    SEE(t, "two]\r\n");
+    SEE_AFTER(t, "b\r", "two]\r\n");
     const bool is_letter = strstr(buf_text(&t->job.seen), "[one Xbtwo]") != NULL;
     CHECK(is_letter || strstr(buf_text(&t->job.seen), "[one Xtwo]") != NULL);
     SEE(t, "ch2> ");
@@ -400,14 +398,11 @@ STORY(escape_alone_is_not_the_alt_key)
 {
     struct terminal t;
     bool is_letter = false;
-    start(&t, &xterm);
-    SEE(&t, "ch2> ");
+    start_at_prompt(&t, &xterm);
     for (int tries = 0; tries < 20 && check_failures == 0 && !is_letter; tries++)
         is_letter = is_lone_escape(&t);
     CHECK(is_letter);
-    type(&t, "quit\r");
-    CHECK_INT(job_report(&t.job), 0);
-    end(&t);
+    quit(&t);
 }
 
 static void give_news(void)
@@ -419,28 +414,21 @@ STORY(news_stand_above_the_line_that_is_typed_however_long)
 {
     struct terminal t;
     struct winsize size = {.ws_row = 24, .ws_col = 20};
-    start(&t, &xterm);
-    SEE(&t, "ch2> ");
+    start_at_prompt(&t, &xterm);
     ioctl(t.job.slave, TIOCSWINSZ, &size);
-    type(&t, "echo 012345678901234567890123456789012345678z"); /* rows 0 to 2 */
-    SEE(&t, "8z");
+    SEE_AFTER(&t, "echo 012345678901234567890123456789012345678z", "8z"); /* rows 0 to 2 */
     give_news();
     SEE(&t, "\033[2A\r\033[J[news]\r\n"); /* on its own: nothing was typed */
     SEE(&t, "ch2> ");
-    type(&t, "y\r");
-    SEE(&t, "8zy]");
-    type(&t, "quit\r");
-    CHECK_INT(job_report(&t.job), 0);
-    end(&t);
+    SEE_AFTER(&t, "y\r", "8zy]");
+    quit(&t);
 }
 
 STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
 {
     struct terminal t;
-    start(&t, &xterm);
-    SEE(&t, "ch2> ");
-    type(&t, "echo half");
-    SEE(&t, "echo half");
+    start_at_prompt(&t, &xterm);
+    SEE_AFTER(&t, "echo half", "echo half");
     type(&t, "\032");
     int status = job_report(&t.job);
     CHECK(WIFSTOPPED(status));
@@ -450,10 +438,8 @@ STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
     SEE(&t, "\033[?2004h");
     SEE(&t, "ch2> echo half");
     CHECK(!job_has_modes_as_found(&t.job));
-    type(&t, " and half\r");
-    SEE(&t, "[half and half]");
-    type(&t, "wait\r");
-    SEE(&t, "waiting");
+    SEE_AFTER(&t, " and half\r", "[half and half]");
+    SEE_AFTER(&t, "wait\r", "waiting");
     type(&t, "\032"); /* while a command runs it is a signal */
     status = job_report(&t.job);
     CHECK(WIFSTOPPED(status));
@@ -471,8 +457,7 @@ STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
 static void check_end(const char *command, int number, bool by_signal)
 {
     struct terminal t;
-    start(&t, &vt340);
-    SEE(&t, "ch2> ");
+    start_at_prompt(&t, &vt340);
     type(&t, command);
     if (strcmp(command, "wait\r") == 0)
         SEE(&t, "waiting");
