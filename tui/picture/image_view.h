@@ -31,21 +31,22 @@ struct image_view {
     unsigned hues;           /* 0 if no label is visible: greys alone */
     struct raster_box focus; /* sent finely first; empty: none */
     const uint8_t *words;    /* [height][width]: not 0 for words, which stay sharp; or NULL */
-    const struct raster_note *note; /* [notes]; those outside the picture are passed over */
+    const struct raster_note *note; /* [notes]; those outside the picture are ignored */
     size_t notes;
     const uint8_t *below;            /* [height][width]: greys of slices alone, without overlays */
-    const struct raster_box *slice;  /* [slices] the boxes of the slices; outside */
-    unsigned slices;                 /* does not count. 0: nothing is known of that */
+    const struct raster_box *slice;  /* [slices] boxes of the slices; `below` is valid inside, */
+    unsigned slices;                 /* and nowhere if this is 0 */
     const struct image_strip *strip; /* [strips], by painter_keep: strips of these boxes */
     unsigned strips;
-    bool is_coarse; /* changes come in blocks of pixels, in a hurry: bytes cost more than time */
-    bool is_slow;   /* the line is: bytes cost more than time */
-    bool is_hasty;  /* its maker was in a hurry: with more time there is a better one */
-    bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
-                 bytes; otherwise shades are rounded to a palette (tui/picture/shades.h) */
+    bool is_coarse; /* changes come in blocks of pixels: bytes cost more than time */
+    bool is_slow;   /* the line is slow: bytes cost more than time */
+    bool is_hasty;  /* drawn in a hurry: with more time there is a better picture */
+    /* Send all 24 bits of every colour if the terminal can, at several times the bytes; otherwise
+     * shades are rounded to a palette (tui/picture/shades.h). */
+    bool smooth;
 };
 
-/* Pixel number `i` (row by row) over black, as 0xRRGGBB. */
+/* Return pixel number `i` (row by row) over black, as 0xRRGGBB. */
 static inline uint32_t image_view_colour(const struct image_view *view, size_t i)
 {
     const uint8_t *p = view->rgba + 4 * i;
@@ -57,14 +58,14 @@ static inline uint32_t image_view_colour(const struct image_view *view, size_t i
     return (p[0] * a + 127) / 255 << 16 | (p[1] * a + 127) / 255 << 8 | (p[2] * a + 127) / 255;
 }
 
-/* The largest size of the same shape within most_width x most_height, never larger than the view
- * itself and never 0. */
+/* Set the largest size of the same shape within most_width x most_height, never larger than the
+ * view and never 0. */
 void image_view_fit(const struct image_view *view, uint32_t most_width, uint32_t most_height,
                     uint32_t *width, uint32_t *height);
 
-/* The view averaged down to width x height (each 1 .. the view's own): every new pixel is the mean
- * of the area that it covers, parts of pixels counted as parts, in integers. Returns opaque RGBA
- * for the caller to free, or NULL without memory. */
+/* Average the view down to width x height (each 1 .. the view's own): every new pixel is the mean
+ * of the area that it covers, with fractions of pixels, in integers. Return opaque RGBA for the
+ * caller to free, or NULL without memory. */
 uint8_t *image_view_shrink(const struct image_view *view, uint32_t width, uint32_t height);
 
 #endif

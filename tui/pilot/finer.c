@@ -107,7 +107,7 @@ static enum below below_of(const struct image_view *wanted, const struct tile *t
 }
 
 /* List the tiles that differ from the wanted picture, inside the focus or outside; make those fine
- * whose greys the terminal has. False without memory. */
+ * whose greys the terminal has. Return false without memory. */
 static bool list_stale(struct refine *r, const struct image_view *wanted, bool in_focus, bool moves)
 {
     for (uint32_t top = 0; top < r->height; top += REFINE_TILE)

@@ -98,7 +98,7 @@ struct flow {
     double per_byte_ns; /* computed from the samples */
 };
 
-/* Return true if a frame may be sent now. True after FLOW_LIMIT_NS too, when barriers failed. */
+/* Return true if a frame may be sent now. It may after FLOW_LIMIT_NS too, when barriers failed. */
 bool flow_may_send(struct flow *f, uint64_t now_ns);
 
 /* Longest wait until flow_may_send returns true: 0 if it does now, else at least 1. */
@@ -177,7 +177,7 @@ struct refine {
 
 /* Set `shown`, of the size of `wanted` and owned by the refine until the next call, to the picture
  * to send. If something moves all of it is sent, as coarse as the budget requires; otherwise as
- * many tiles as fit are made fine. False without memory. */
+ * many tiles as fit are made fine. Return false without memory. */
 bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves, size_t budget,
                   struct image_view *shown);
 

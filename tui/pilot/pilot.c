@@ -740,7 +740,7 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
 }
 
 /* Add keys of a paste to its text (P3). Ctrl-C ends an unfinished paste, unless it is part of it,
- * followed by more input. True at the end of the paste. */
+ * followed by more input. Return true at the end of the paste. */
 static bool take_pasted(struct pilot *p, struct key_event *event)
 {
     const struct line_editor *e = p->editor;
@@ -837,8 +837,8 @@ static bool is_send_ahead_due(const struct pilot *p)
            p->flow.due <= (p->sent.number < AHEAD_NEAR ? FLOW_FRAMES : AHEAD_DUE);
 }
 
-/* Wait once, for bytes, news, a signal, the end of a sequence or the time of a frame. True with a
- * key that is complete because nothing followed. */
+/* Wait once, for bytes, news, a signal, the end of a sequence or the time of a frame. Return true
+ * with a key that is complete because nothing followed. */
 static bool wait_once(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;

@@ -386,7 +386,7 @@ struct chord {
     uint32_t first, last; /* for KEY_CHARACTER */
 };
 
-/* Read the word of `length` bytes. False if it names no key. */
+/* Read the word of `length` bytes. Return false if it names no key. */
 bool chord_read(const char *word, size_t length, struct chord *chord);
 
 /* Return true if the event, after that first key, is the chord. */
@@ -395,8 +395,8 @@ bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_eve
 /* Return true if an event matches both, or matches one and begins the other. */
 bool chord_clashes(const struct chord *a, const struct chord *b);
 
-/* Iterate over words: set *word and *length to the next one and move *at past it. False at the
- * end. */
+/* Iterate over words: set *word and *length to the next one and move *at past it. Return false at
+ * the end. */
 bool chord_next(const char **at, const char **word, size_t *length);
 
 /* ---- functions of rows ---- */
