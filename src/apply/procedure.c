@@ -607,27 +607,21 @@ static enum err read_left(struct reader *r, struct procedure *p)
     return ends_line(r) ? OK : refuse_line(r, "the end of the line");
 }
 
-static bool take_colour(struct reader *r, uint8_t rgb[3])
-{
-    uint64_t colour;
-    if (!scan_text(&r->at, " #") || !scan_hex(&r->at, 6, &colour))
-        return false;
-    for (int k = 0; k < 3; k++)
-        rgb[k] = (uint8_t)(colour >> (16 - 8 * k));
-    return true;
-}
-
 static enum err read_labels(struct reader *r, struct procedure *p)
 {
     int64_t number, label, before = -1;
+    uint64_t colour;
     while (begins(r, "label")) {
         if (!take_number(r, before + 1, 255, &label))
             return refuse_line(r, "labels 0..255, in rising order");
         struct procedure_label *l = &p->label[label];
-        if (!take_colour(r, l->rgb) || !take_number(r, 0, REGION_MOST, &number) ||
-            !take_real(r, &l->low) || !take_real(r, &l->high) || l->low > l->high ||
+        if (!scan_text(&r->at, " #") || !scan_hex(&r->at, 6, &colour) ||
+            !take_number(r, 0, REGION_MOST, &number) || !take_real(r, &l->low) ||
+            !take_real(r, &l->high) || l->low > l->high ||
             !take_name(r, l->name, sizeof l->name, "\n") || !ends_line(r))
             return refuse_line(r, "label N #rrggbb NUMBER LOW HIGH NAME");
+        for (int k = 0; k < 3; k++)
+            l->rgb[k] = (uint8_t)(colour >> (16 - 8 * k));
         l->number = (uint16_t)number;
         l->is_there = true;
         before = label;

@@ -124,15 +124,6 @@ static enum err read_by_helper(struct affine *out, struct buf *kind, const struc
     return err;
 }
 
-/* Convert from LPS+ to RAS+: reverse x and y on both sides. */
-static void turn_to_ras(struct affine *a)
-{
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 4; j++)
-            if ((i < 2) != (j < 2))
-                a->m[i][j] = 0 - a->m[i][j];
-}
-
 /* ---- all formats ---- */
 
 /* Parse a file to a map from the fixed scene's world to the moving one's, RAS+. */
@@ -160,7 +151,10 @@ static enum err take_file(struct affine *out, struct buf *kind, const struct buf
             fault, ERR_INPUT,
             "its sixteen numbers may mean anything; if FLIRT wrote them, name it as \"fsl:FILE\"");
     err = read_by_helper(out, kind, bytes, fault);
-    turn_to_ras(out);
+    for (int i = 0; i < 3; i++) /* from LPS+ to RAS+: reverse x and y on both sides */
+        for (int j = 0; j < 4; j++)
+            if ((i < 2) != (j < 2))
+                out->m[i][j] = 0 - out->m[i][j];
     return err;
 }
 

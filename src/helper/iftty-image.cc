@@ -108,10 +108,8 @@ void confine_to_file(Request &request)
         confine_to_file(request);
         if (request.kind == Request::WRITE)
             write_image(request);
-        else if (request.kind == Request::READ)
-            read_image(request);
         else
-            about_image(request);
+            read_image(request);
     } catch (const std::bad_alloc &) {
         leave(3); /* perhaps within a request: the client sees the status */
     } catch (const std::exception &error) {

@@ -293,49 +293,36 @@ std::vector<uint8_t> pixels_of(OIIO::ImageInput &in)
     return pixels;
 }
 
-void transmit_notes(const std::vector<Note> &notes)
-{
-    for (const Note &note : notes)
-        transmit(std::to_string(note.name.size()) + " " + std::to_string(note.value.size()) + "\n" +
-                 note.name + note.value);
-}
-
 void read_image(const Request &request)
 {
-    std::unique_ptr<OIIO::ImageInput> in = open_image(request.path);
-    if (!in)
-        return;
-    const std::vector<uint8_t> pixels = pixels_of(*in);
+    const std::unique_ptr<OIIO::ImageInput> in = open_image(request.path);
+    const std::vector<uint8_t> pixels = in ? pixels_of(*in) : std::vector<uint8_t>();
     if (pixels.empty())
-        return;
-    const OIIO::ImageSpec &spec = in->spec();
-    const std::vector<Note> notes = notes_of(spec);
-    transmit("picture " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
-             std::to_string(notes.size()) + "\n");
-    transmit_notes(notes);
-    transmit(pixels.data(), pixels.size());
-}
-
-void about_image(const Request &request)
-{
-    std::unique_ptr<OIIO::ImageInput> in = open_image(request.path);
-    if (!in || pixels_of(*in).empty())
         return;
     const OIIO::ImageSpec spec = in->spec();
     const std::vector<Note> notes = notes_of(spec);
+    const std::string size = " " + std::to_string(spec.width) + " " + std::to_string(spec.height);
     const std::string format = in->format_name(), type = spec.format.c_str();
-    std::string channels; /* "R,G,B", cut if too long */
-    for (int c = 0; c < spec.nchannels; c++)
-        channels += (c ? "," : "") + std::string(spec.channel_name(c));
-    channels.resize(std::min(channels.size(), fact_most));
-    uint64_t frames = 1;
-    while (frames < frames_most && in->seek_subimage(static_cast<int>(frames), 0))
-        frames++;
-    transmit("about " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
-             std::to_string(frames) + " " + std::to_string(notes.size()) + " " +
-             std::to_string(format.size()) + " " + std::to_string(type.size()) + " " +
-             std::to_string(channels.size()) + "\n" + format + type + channels);
-    transmit_notes(notes);
+    if (request.kind == Request::READ) {
+        transmit("picture" + size + " " + std::to_string(notes.size()) + "\n");
+    } else {
+        std::string channels; /* "R,G,B", cut if too long */
+        for (int c = 0; c < spec.nchannels; c++)
+            channels += (c ? "," : "") + std::string(spec.channel_name(c));
+        channels.resize(std::min(channels.size(), fact_most));
+        uint64_t frames = 1;
+        while (frames < frames_most && in->seek_subimage(static_cast<int>(frames), 0))
+            frames++;
+        transmit("about" + size + " " + std::to_string(frames) + " " +
+                 std::to_string(notes.size()) + " " + std::to_string(format.size()) + " " +
+                 std::to_string(type.size()) + " " + std::to_string(channels.size()) + "\n" +
+                 format + type + channels);
+    }
+    for (const Note &note : notes)
+        transmit(std::to_string(note.name.size()) + " " + std::to_string(note.value.size()) + "\n" +
+                 note.name + note.value);
+    if (request.kind == Request::READ)
+        transmit(pixels.data(), pixels.size());
 }
 
 } // namespace image

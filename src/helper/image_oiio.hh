@@ -30,8 +30,7 @@ struct Note {
 
 /* Send the answer. Libraries may throw before its first byte. */
 void write_image(const Request &request); /* receives notes and frames first */
-void read_image(const Request &request);
-void about_image(const Request &request);
+void read_image(const Request &request);  /* READ and ABOUT */
 
 /* Formats that draw on a terminal or write nothing at all. */
 inline bool is_no_file(const std::string &format)

@@ -8,7 +8,7 @@
  * when its client ends.
  *
  * Before the first byte of a file is decoded, `confine` drops access to all other things, in every
- * use and for every client. A hostile file that takes over a library can then only
+ * use and for every client. A hostile file that compromises a library can then only
  *     (W1) reach the files that the request names, files that their headers name and, if only a
  *          library can tell these (HDF5), the files below their folder;
  *     (W2) make the calls of confine.h: no network, no other program, no other process;

@@ -21,12 +21,8 @@ void write_image(const Request &request)
 
 void read_image(const Request &request)
 {
-    wire::answer_error("reading: " + attempts(request.path, false, true));
-}
-
-void about_image(const Request &request)
-{
-    wire::answer_error("telling: " + attempts(request.path, false, true));
+    wire::answer_error((request.kind == Request::READ ? "reading: " : "telling: ") +
+                       attempts(request.path, false, true));
 }
 
 } // namespace image
