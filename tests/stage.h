@@ -8,6 +8,8 @@
 #ifndef TESTS_STAGE_H
 #define TESTS_STAGE_H
 
+#include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "render/border.h"
@@ -185,6 +187,25 @@ static inline void stage_draw(struct stage *s)
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(&s->rendition, s->view.width, s->view.height, NULL) == OK);
     stage_render(s, &s->rendition, project_border);
+}
+
+/* Whether two pictures have the same pixels; prints the first that differs. */
+static inline bool stage_same_pixels(const struct rendition *a, const struct rendition *b,
+                                     const char *what)
+{
+    for (uint32_t y = 0; y < a->height; y++)
+        for (uint32_t x = 0; x < a->width; x++) {
+            size_t p = (size_t)y * a->width + x;
+            if (a->depth[p] == b->depth[p] && a->cell[p] == b->cell[p] &&
+                a->label[p] == b->label[p] && memcmp(a->rgba + 4 * p, b->rgba + 4 * p, 4) == 0 &&
+                memcmp(a->normal + 4 * p, b->normal + 4 * p, 4 * sizeof *a->normal) == 0)
+                continue;
+            printf("# %s: pixel %u,%u: depth %" PRId64 " %" PRId64 " cell %u %u label %u %u\n",
+                   what, x, y, a->depth[p], b->depth[p], a->cell[p], b->cell[p], a->label[p],
+                   b->label[p]);
+            return false;
+        }
+    return true;
 }
 
 static inline void stage_release(struct stage *s)

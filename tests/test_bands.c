@@ -43,19 +43,6 @@ static void look_at_random(struct stage *s, uint64_t *random)
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
 }
 
-static bool same(const struct rendition *a, const struct rendition *b)
-{
-    for (size_t i = 0; i < (size_t)a->width * a->height; i++)
-        if (a->depth[i] != b->depth[i] || a->cell[i] != b->cell[i] || a->label[i] != b->label[i] ||
-            memcmp(a->rgba + 4 * i, b->rgba + 4 * i, 4) != 0 ||
-            memcmp(a->normal + 4 * i, b->normal + 4 * i, 4 * sizeof *a->normal) != 0) {
-            printf("# pixel %zu,%zu of %ux%u differs\n", i % a->width, i / a->width, a->width,
-                   a->height);
-            return false;
-        }
-    return true;
-}
-
 /* Rows that are taken, as a picture. */
 static void take_into(void *picture, const struct rendition *rows, uint32_t top)
 {
@@ -97,7 +84,7 @@ static bool bands_agree(struct stage *s, const struct rendition *whole)
                                     .context = &out};
         CHECK(rendition_init(&out, whole->width, whole->height, NULL) == OK);
         CHECK(bands_draw(i % 2 ? NULL : &out, &bands, NULL) == OK);
-        fine = CHECK(same(whole, &out));
+        fine = CHECK(stage_same_pixels(whole, &out, "bands"));
         CHECK_INT(sum_of_rows(&out), rendition_digest(whole));
         rendition_release(&out);
     }

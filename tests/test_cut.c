@@ -203,18 +203,6 @@ static void random_cut(struct stage *s, uint64_t *random)
     border_recount(&s->border);
 }
 
-static bool same(const struct rendition *a, const struct rendition *b, const char *what)
-{
-    const size_t pixels = (size_t)a->width * a->height;
-    const bool fine = memcmp(a->depth, b->depth, pixels * sizeof *a->depth) == 0 &&
-                      memcmp(a->cell, b->cell, pixels * sizeof *a->cell) == 0 &&
-                      memcmp(a->label, b->label, pixels) == 0 &&
-                      memcmp(a->rgba, b->rgba, 4 * pixels) == 0;
-    if (!fine)
-        printf("# %s differs\n", what);
-    return fine;
-}
-
 /* `kept` has followed the edits as an incremental image. */
 static void all_ways_agree(struct stage *s, const struct rendition *kept)
 {
@@ -224,7 +212,7 @@ static void all_ways_agree(struct stage *s, const struct rendition *kept)
     CHECK(rendition_init(&r, s->view.width, s->view.height, NULL) == OK);
     for (int i = 0; i < 3; i++) {
         stage_render(s, &r, way[i]);
-        CHECK(same(&r, kept, name[i]));
+        CHECK(stage_same_pixels(&r, kept, name[i]));
     }
     rendition_release(&r);
 }
@@ -241,7 +229,7 @@ static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
     shader_release(&s->shader);
     mesh_release(&s->mesh);
     stage_render(s, &anew, project_border);
-    CHECK(same(&kept, &anew, "what a shader kept"));
+    CHECK(stage_same_pixels(&kept, &anew, "what a shader kept"));
     rendition_release(&kept);
     rendition_release(&anew);
 }

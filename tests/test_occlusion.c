@@ -319,14 +319,6 @@ STORY(a_groove_is_darker_than_its_rim_and_no_darker_than_the_look_says)
 
 /* ---- ways to a picture ---- */
 
-static bool same(const struct rendition *a, const struct rendition *b)
-{
-    const size_t pixels = (size_t)a->width * a->height;
-    return memcmp(a->cell, b->cell, pixels * sizeof *a->cell) == 0 &&
-           memcmp(a->depth, b->depth, pixels * sizeof *a->depth) == 0 &&
-           memcmp(a->rgba, b->rgba, 4 * pixels) == 0;
-}
-
 static void colour(struct stage *s, struct rendition *r, struct shader *shader)
 {
     CHECK(shade(r, &s->camera, &s->mesh, &s->palette, &s->look, shader, NULL) == OK);
@@ -344,7 +336,7 @@ static bool agrees(struct stage *s, const struct rendition *kept)
         CHECK(rendition_init(&other, s->view.width, s->view.height, NULL) == OK);
         ways[i](&other, &s->camera, &s->mesh);
         colour(s, &other, &shader);
-        fine = CHECK(same(&other, kept)) && fine;
+        fine = CHECK(stage_same_pixels(&other, kept, "another way")) && fine;
         rendition_release(&other);
         shader_release(&shader);
     }

@@ -5,23 +5,6 @@
 
 #include "tests/stage.h"
 
-static bool same_maps(const struct rendition *a, const struct rendition *b, const char *what)
-{
-    for (uint32_t y = 0; y < a->height; y++)
-        for (uint32_t x = 0; x < a->width; x++) {
-            size_t p = (size_t)y * a->width + x;
-            if (a->depth[p] == b->depth[p] && a->cell[p] == b->cell[p] &&
-                a->label[p] == b->label[p] && memcmp(a->rgba + 4 * p, b->rgba + 4 * p, 4) == 0 &&
-                memcmp(a->normal + 4 * p, b->normal + 4 * p, 4 * sizeof *a->normal) == 0)
-                continue;
-            printf("# %s: pixel %u,%u: depth %" PRId64 " %" PRId64 " cell %u %u label %u %u\n",
-                   what, x, y, a->depth[p], b->depth[p], a->cell[p], b->cell[p], a->label[p],
-                   b->label[p]);
-            return false;
-        }
-    return true;
-}
-
 /* Of renditions that have them: what counts of each pixel's, to the opaque one. */
 static bool same_layers(const struct rendition *r, const struct layers *a, const struct layers *b)
 {
@@ -65,12 +48,12 @@ static bool modes_agree(struct stage *s, struct rendition *kept)
     CHECK(shows_voxels(s, &bp));
     bool same = CHECK(same_layers(&bp, &layers, &s->layers));
     stage_render(s, &other, project_scene);
-    same = CHECK(same_maps(&bp, &other, "scene projection")) && same;
+    same = CHECK(stage_same_pixels(&bp, &other, "scene projection")) && same;
     same = CHECK(same_layers(&other, &layers, &s->layers)) && same;
     stage_render(s, &other, project_rays);
-    same = CHECK(same_maps(&bp, &other, "ray walk")) && same;
+    same = CHECK(stage_same_pixels(&bp, &other, "ray walk")) && same;
     same = CHECK(same_layers(&other, &layers, &s->layers)) && same;
-    same = CHECK(same_maps(&bp, kept, "incremental image")) && same;
+    same = CHECK(stage_same_pixels(&bp, kept, "incremental image")) && same;
     shader_release(&s->shader);
     layers_release(&s->layers);
     mesh_release(&s->mesh);
@@ -266,7 +249,7 @@ STORY(a_long_row_of_voxels_is_seen_whole)
             CHECK(rendition_init(&walked, s.view.width, s.view.height, NULL) == OK);
             stage_render(&s, &splatted, project_border);
             stage_render(&s, &walked, project_rays);
-            CHECK(same_maps(&splatted, &walked, "ray walk"));
+            CHECK(stage_same_pixels(&splatted, &walked, "ray walk"));
             rendition_release(&splatted);
             rendition_release(&walked);
         }

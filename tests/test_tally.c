@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The number of voxels of each label: kept up to date through small and large edits that are
- * undone, cancelled or fail, and printed in a line after each edit. */
+ * undone, and printed in a line after each edit. tests/test_history.c counts them after commands
+ * that were stopped. */
 #include "command/execute.h"
 #include "tests/random_commands.h"
 #include "tests/small_scene.h"
-#include "tests/stopping.h"
 
 #include <math.h>
 
@@ -190,26 +190,6 @@ STORY(measures_follow_whatever_is_done)
         interpreter_release(&interp);
     }
     unsetenv("IFTTY_THREADS");
-}
-
-STORY(counts_are_right_after_a_command_was_cancelled)
-{
-    struct interpreter interp;
-    int looks = INT_MAX;
-    struct watch watch = {.context = &looks, .poll = stop_after_looks};
-    unsigned cancelled = 0;
-    begin_with_geom(&interp);
-    interp.session->watch = &watch;
-    for (int i = 0; i < 200 && check_failures < 5; i++) {
-        looks = (int)check_below(&seed, 40);
-        do_anything(&interp, true);
-        cancelled += fault.code == ERR_CANCELLED;
-        looks = INT_MAX;
-        stands(interp.session);
-        measures_stand(interp.session);
-    }
-    CHECK(cancelled > 20);
-    interpreter_release(&interp);
 }
 
 STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
