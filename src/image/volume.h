@@ -65,7 +65,7 @@ bool pair_other(struct buf *other, const char *path);
 /* An open file whose header was read and accepted; no voxels are held yet. So a caller can look at
  * its size first. */
 struct volume_reader {
-    const char *path; /* the caller's */
+    const char *path; /* not owned */
     const struct volume_format *format;
     struct volume_header header;
     struct volume_source source;
@@ -83,6 +83,7 @@ enum err volume_begin(struct volume_reader *reader, const char *path,
 enum err volume_choose(struct volume_reader *reader, const struct volume_choice *choice,
                        struct fault *fault);
 
+/* Read the voxels of an open volume, and convert them to intensities. On failure *out is empty. */
 enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault);
 void volume_close(struct volume_reader *reader);
 
