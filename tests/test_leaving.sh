@@ -91,7 +91,7 @@ enter_anew "printf '\\033[c'; sleep 0.5; echo as\"\"ked"
 see '^.*asked'
 by_text=yes # but in a tmux that shows sixel, as that of Debian 13 does
 shows '[?;]4[;c]' && by_text=no
-press C-c
+pressing Enter 'c: .*not found' # the rest of the answer, as a command of the shell
 start_session four.iftty s.nii
 screen_text >before
 ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"

@@ -103,8 +103,9 @@ mkdir study/closed study/empty
 chmod 0 study/closed
 expect 3 with_permissions "$iftty" verify study
 err_has "cannot enter study/closed: Permission denied"
-chmod 400 study/closed
+chmod 700 study/closed
 cp j1.iftty study/closed
+chmod 400 study/closed
 expect 3 with_permissions "$iftty" verify study
 err_has "cannot enter study/closed/j1.iftty: Permission denied"
 chmod 700 study/closed

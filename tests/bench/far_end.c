@@ -21,7 +21,7 @@ enum {
     SEQUENCE = 96,  /* bytes that are remembered of an escape sequence */
 };
 
-#define PATIENCE_NS UINT64_C(10000000000) /* without a byte */
+#define PATIENCE_NS UINT64_C(60000000000) /* without a byte */
 #define STILL_NS    UINT64_C(250000000)   /* nothing came for so long, and the line's round trip */
 #define POLL_NS     UINT64_C(5000000)
 
@@ -254,7 +254,7 @@ static enum err rest(struct far_end *e, struct fault *fault)
             return OK;
         }
         if (now_ns > last_ns + PATIENCE_NS || !pass(e, now_ns + POLL_NS))
-            return fault_set(fault, ERR_IO, "the program showed nothing for ten seconds");
+            return fault_set(fault, ERR_IO, "the program showed nothing for a minute");
     }
 }
 
