@@ -181,7 +181,7 @@ STORY(slices_are_told_with_the_volume_that_is_in_doubt)
     CHECK_HAS(buf_text(&reply.text), " mm3 in doubt, at ");
     MUST_MENTION(&interp, "hints 2", "a cost of");
     is_refused(&interp, "hints slice label=0", "label: expected an object");
-    is_refused(&interp, "hints slice report=x.json", "report: it is of places");
+    is_refused(&interp, "hints slice report=x.json", "report: only for places");
     is_refused(&interp, "hints slices", "COUNT: expected");
     interpreter_release(&interp);
 }

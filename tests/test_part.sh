@@ -88,7 +88,7 @@ close_story
 begin "other maps are refused with the reason, as is a box that is not in the file"
 make_scene other.nii 23 20 16
 expect 3 "$iftty" -c "open s.nii $crop; mask other.nii"
-err_has 'the map has 23x20x16 voxels, the scene 16x16x10, and its file 24x20x16; a map must be on the'
+err_has 'the map has 23x20x16 voxels, the scene 16x16x10, and its file 24x20x16; a map must be'
 expect 3 "$iftty" -c "open s.nii $crop; interpolate 2 1 1; mask s.nii"
 err_has 'a map must be on the grid'
 expect 2 "$iftty" -c 'open s.nii crop=0-24,0-1,0-1'
