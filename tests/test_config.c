@@ -157,10 +157,10 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
         {"key undo U\nkey redo U", "c:2: U was given to undo; left out\n"},
         {"key undo U\nkey redo Ux", "c:2: Ux was given to undo; left out\n"},
         {"start", "c:1: expected a command, or none; left out\n"},
-        {"start \x1b[2J", "c:1: byte 7, 1b, is no text; left out\n"},
-        {"theme d\xff", "c:1: byte 8, ff, is no text; left out\n"},
+        {"start \x1b[2J", "c:1: byte 7, 1b, is not text; left out\n"},
+        {"theme d\xff", "c:1: byte 8, ff, is not text; left out\n"},
         {"start \xe2\x80\xae",
-         "c:1: byte 7, e2, is no text"}, /* it changes the direction of text */
+         "c:1: byte 7, e2, is not text"}, /* it changes the direction of text */
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK_HAS(words_of(bad[i][0]), bad[i][1]);

@@ -226,7 +226,7 @@ done
 expect_in again 0 "$iftty" run script --journal k.iftty --whole
 { cat again/script; echo 'seed 3,3,3 2'; } >again/other
 expect_in again 3 "$iftty" run other --journal k.iftty --whole
-err_has "k.iftty is whole, and the script has more than it: nothing was added"
+err_has "k.iftty is complete, and the script has more commands: nothing was added"
 sed 's/zoom fit/zoom 3/' again/script >again/other
 expect_in again 3 "$iftty" run other --journal k.iftty --whole
 err_has "the journal has another run"

@@ -514,7 +514,7 @@ type_letters "q"
 entering "quit" '^journal: '
 grep -qx 'overlay tint' s-1.iftty || fail "the command is not recorded"
 enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s-1.iftty"
-see 'resumed as they left it'
+see 'records* resumed'
 entering "quit" '^journal: '
 same "$(grep -cx 'overlay tint' s-1.iftty)" 1 # a session that goes on does not begin
 expect 0 "$iftty" verify s-1.iftty

@@ -135,7 +135,7 @@ close_story
 begin "resuming tells how many records there are"
 records=$(grep -c '^= ' s-1.iftty)
 enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
-see "^$records records, resumed as they left it\$"
+see "^$records records resumed\$"
 see '^s-1>$'
 entering "seed 6,10,8 2" '^[0-9]+ voxels changed'
 close_story

@@ -183,7 +183,7 @@ STORY(any_text_gives_seeds_of_the_scene_or_one_line)
 
 /* ---- maps ---- */
 
-/* A map of digits, x fastest; what is no digit is passed over. */
+/* A map of digits, x fastest; what is no digit is skipped. */
 static enum err map_of(const char *digits, const struct grid *grid, struct geometry geometry,
                        const struct region_choice *choice)
 {

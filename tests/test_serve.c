@@ -151,7 +151,7 @@ STORY(keys_are_known_given_once_and_go_together)
     CHECK_TEXT(next(), "5 ! do: expected a text");
     CHECK_TEXT(next(), "1 ! cancel has no id of its own: it gets no answer");
     CHECK_TEXT(next(), "null ! id: expected a whole number, or a text of at most 64 bytes");
-    CHECK_TEXT(next(), "7 ! finished goes with array; a command says it itself");
+    CHECK_TEXT(next(), "7 ! finished belongs to array; commands have their own parameters");
     take("{\"finish\": true}\n");
     CHECK_HAS(next(), "did you mean finished?");
     inbox_release(&inbox);
@@ -188,7 +188,7 @@ STORY(a_line_that_is_too_long_is_passed_over_and_the_next_is_read)
         CHECK_INT(inbox_take(&inbox, long_line, REQUEST_BYTES_MOST, &fault), OK);
     CHECK(inbox.line.capacity <= 4 * (size_t)REQUEST_BYTES_MOST);
     take("\n{\"id\":2,\"do\":\"info\"}\n");
-    CHECK_TEXT(next(), "null ! the line is longer than 1048576 bytes; it is passed over");
+    CHECK_TEXT(next(), "null ! the line is longer than 1048576 bytes; it is skipped");
     CHECK_TEXT(next(), "2 info");
     inbox_release(&inbox);
 }

@@ -133,7 +133,7 @@ has "$(answer 1)" '"hints": ["seed"], "column": 1}'
 has "$(answer 2)" '"column": 14}'
 has "$(answer 4)" '"why": "byte 26: expected UTF-8"'
 out_has '"why": "byte 1: expected an object, as in'
-out_has '"why": "the line is longer than 1048576 bytes; it is passed over"'
+out_has '"why": "the line is longer than 1048576 bytes; it is skipped"'
 has "$(answer 7)" '"hints": ["labels"]'
 has "$(answer 8)" '"ok": true, "record": 3'
 has "$(answer 9)" '"why": "byte 22: expected the quote that ends a text"'
@@ -256,18 +256,18 @@ mv "$folder" "$folder.aside"
 ln -s "$work/elsewhere" "$folder"
 ask '{"id": 4, "array": "labels"}'
 answered 4
-has "$(answer 4)" 'is not the folder any more that this session has made'
+has "$(answer 4)" 'is no longer the private folder of this session'
 rm "$folder"
 mkdir -m 700 "$folder"
 ask '{"id": "new", "array": "labels"}'
 answered '"new"'
-has "$(answer '"new"')" 'is not the folder any more that this session has made'
+has "$(answer '"new"')" 'is no longer the private folder of this session'
 rmdir "$folder"
 mv "$folder.aside" "$folder"
 chmod 755 "$folder"
 ask '{"id": 5, "array": "labels"}'
 answered 5
-has "$(answer 5)" 'is not the folder any more that this session has made'
+has "$(answer 5)" 'is no longer the private folder of this session'
 ask '{"id": 6, "do": "render"}'
 answered 6
 has "$(answer 6)" '"ok": true, "record": 4'
@@ -291,9 +291,9 @@ ask "{\"id\": 3, \"do\": \"seed-file $folder/given.nii\"}"
 ask "{\"id\": 4, \"do\": \"mask passing/${folder##*/}/given.nii\"}"
 ask "{\"id\": 5, \"do\": \"labels $folder/given.nii\"}"
 answered 5
-has "$(answer 3)" 'goes with this session, and the record of seed-file would need it'
+has "$(answer 3)" 'is removed with this session, and the record of seed-file would need it'
 has "$(answer 3)" '"column": 11'
-has "$(answer 4)" 'goes with this session, and the record of mask would need it'
+has "$(answer 4)" 'is removed with this session, and the record of mask would need it'
 has "$(answer 5)" "\"files\": [\"$work/given.golden/labels-"
 stop 0
 expect 0 "$iftty" verify --no-strict given.iftty

@@ -109,7 +109,7 @@ out_has "its axes are sheared: 15 degrees off a right angle; volumes, surfaces a
 out_has "40.00 mm, 20.00 voxels from 10,10,3 to 10,10,23"
 out_has "48.64 mm" # 40 and 19.2 mm, at an angle of 75 degrees
 expect 0 "$iftty" compare all.nii all.nii
-out_has "axes are sheared by 15 degrees: distances are as if they were not"
+out_has "axes are sheared by 15 degrees; distances ignore that"
 expect 0 "$iftty" compare --json all.nii all.nii
 grep -q '"shear_degrees": 15' "$work/out" || fail "$(cat "$work/out")"
 close_story

@@ -20,7 +20,7 @@ enter_anew "IFTTY_SCENES=/nowhere $iftty tutorial; echo ends \$?"
 see '^iftty: the lesson needs the head ch2.nii.gz and its brain ch2bet.nii.gz'
 see '^ends 3$'
 enter_anew "$iftty tutorial ch2.nii.gz; echo ends \$?"
-see '^iftty: ch2.nii.gz is no journal of a lesson; `iftty tutorial` begins one$'
+see '^iftty: ch2.nii.gz is not a journal of a lesson; `iftty tutorial` begins one$'
 see '^ends 2$'
 same "$(left_behind)" ""
 close_story
@@ -35,14 +35,14 @@ close_story
 begin "at the prompt: what is missing is told, and any way to a step counts"
 enter_anew "$iftty tutorial"
 see '^A first organ: the brain of this head, in 5 steps\.'
-see '^step 1 of 5, in the object: no seed of label 1 is there yet$'
+see '^step 1 of 5, in the object: there is no seed of label 1 yet$'
 see '^or here:  seed 60,108,90 1 radius=6$'
 enter "seed 20,108,90 1 radius=3"
 see '^step 1 of 5, in the object: 112 of its 123 seeds are outside the brain$'
 enter "undo"
-see '^step 1 of 5, in the object: no seed of label 1 is there yet$'
+see '^step 1 of 5, in the object: there is no seed of label 1 yet$'
 enter "seed 90,120,100 1 radius=4"
-see '^step 2 of 5, its neighbour: no seed of the background is there yet$'
+see '^step 2 of 5, its neighbour: there is no seed of the background yet$'
 enter "seed 60,108,90 0"
 see '^step 2 of 5, its neighbour: 1 of its 1 seed is in the brain$'
 enter "undo"
@@ -65,16 +65,16 @@ close_story
 begin "in the pilot: by the ten keys, left midway and gone on with; a step can be lost again"
 printf '%s\n' "key undo U" "brush 3 2" "start none" >config
 enter_anew "IFTTY_CONFIG=config $iftty tutorial"
-see '^step 1 of 5, in the object: no seed'
+see '^step 1 of 5, in the object: there is no seed'
 press C-o
 see '^3L 30 voxels to the screen.s right, out of a ventricle into white matter; i a$'
 see '^axial.* at 90,108,90  brush 1 r6  '
 type_letters "3Li"
-see '^step 2 of 5, its neighbour: no seed of the background'
+see '^step 2 of 5, its neighbour: there is no seed of the background'
 type_letters "4Ls0"
 see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "U"
-see '^step 2 of 5, its neighbour: no seed of the background'
+see '^step 2 of 5, its neighbour: there is no seed of the background'
 press C-r
 see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "q"

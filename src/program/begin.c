@@ -34,9 +34,7 @@ enum err begin_by_options(struct interpreter *interp, const struct options *o, s
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
     if (!err && o->whole && (!o->journal || o->read_only))
-        err = fault_set(fault, ERR_USAGE,
-                        "--whole is about a journal that is written: it needs "
-                        "--journal FILE, and no --read-only");
+        err = fault_set(fault, ERR_USAGE, "--whole needs --journal FILE, and excludes --read-only");
     buf_add_text(&path, o->journal ? o->journal : "");
     if (o->whole && o->journal && !file_exists(o->journal))
         buf_add_text(&path, JOURNAL_PART);

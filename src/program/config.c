@@ -210,7 +210,7 @@ static enum err check_bytes(const char *text, size_t length, struct fault *fault
         const bool is_blank = text[at] == '\t' || (text[at] == '\r' && at + 1 == length);
         n = is_blank ? 1 : safe_character(text + at, length - at);
         if (n == 0)
-            return fault_set(fault, ERR_INPUT, "byte %zu, %02x, is no text", at + 1,
+            return fault_set(fault, ERR_INPUT, "byte %zu, %02x, is not text", at + 1,
                              (unsigned char)text[at]);
     }
     return OK;

@@ -30,7 +30,7 @@ static bool are_planted(const struct lesson *lesson, int label, struct buf *miss
     const size_t in = lesson->seeds[label][1], out = lesson->seeds[label][0];
     const size_t wrong = label == OBJECT ? out : in;
     if (in + out == 0)
-        buf_printf(missing, "no seed of %s is there yet",
+        buf_printf(missing, "there is no seed of %s yet",
                    label == OBJECT ? "label 1" : "the background");
     else if (2 * wrong > in + out)
         buf_printf(missing, "%zu of its %zu seed%s %s %s the brain", wrong, in + out,

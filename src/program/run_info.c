@@ -393,14 +393,15 @@ static void add_program(struct facts *f)
     begin_line(f, "landlock");
     if (landlock == 0)
         buf_add_text(f->out, "none in this kernel: replay and verify check names alone, and the "
-                             "helpers reach what you may");
+                             "helpers can open all your files");
     else
         buf_printf(f->out,
-                   "version %d: replay, verify and the helpers reach only the files they may",
+                   "version %d: replay, verify and the helpers open only the files they need",
                    landlock);
     add_text(f, "seccomp",
-             knows_calls ? "the helpers make few calls: no network, no other program or process"
-                         : "none on this machine: the helpers may make any call of the kernel");
+             knows_calls
+                 ? "the helpers make few system calls: no network, no other program or process"
+                 : "none on this machine: the helpers may make any system call");
 }
 
 enum err run_info(const struct options *o, struct fault *fault)

@@ -335,8 +335,7 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
         err = interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
         console_erase_progress();
         if (!err)
-            buf_printf(output, "%zu record%s, resumed as they left it\n",
-                       journal_count(prompt->interp.journal),
+            buf_printf(output, "%zu record%s resumed\n", journal_count(prompt->interp.journal),
                        plural(journal_count(prompt->interp.journal)));
         if (err == ERR_CANCELLED)
             fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);
@@ -534,7 +533,8 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
         return err;
     if (lesson && prompt.first && !prompt.resumes)
         return fault_set(fault, ERR_USAGE,
-                         "%s is no journal of a lesson; `iftty tutorial` begins one", prompt.first);
+                         "%s is not a journal of a lesson; `iftty tutorial` begins one",
+                         prompt.first);
     if (lesson && !prompt.resumes)
         prompt.first = LESSON_SCENE;
     /* "ch2" for /data/ch2.nii.gz */

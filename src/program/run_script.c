@@ -76,8 +76,8 @@ static enum err publish(const struct options *o, const struct journal *journal, 
     return journal_count(journal) == records
                ? OK
                : fault_set(fault, ERR_INPUT,
-                           "%s is whole, and the script has more than it: nothing was added "
-                           "(`--journal FILE` of a new name begins another)",
+                           "%s is complete, and the script has more commands: nothing was added; "
+                           "begin another journal with `--journal FILE`",
                            o->journal);
 }
 

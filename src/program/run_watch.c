@@ -402,7 +402,7 @@ void watched_describe(struct buf *out, const struct watched *w)
         buf_printf(out, "%s%llu voxel%s changed", said ? "; " : "", (unsigned long long)w->changed,
                    plural(w->changed));
     else if (!waits && w->at)
-        buf_add_text(out, "no voxel has another label");
+        buf_add_text(out, "no label has changed");
     if (waits)
         buf_printf(out, "%s%zu edit%s for a run", w->changed ? "; " : "", waits,
                    waits == 1 ? " waits" : "s wait");
@@ -618,8 +618,9 @@ enum err run_watch(const struct options *o, struct fault *fault)
                          "`watch` needs a terminal; `iftty replay JOURNAL` needs none, and "
                          "`iftty log JOURNAL` lists the records");
     if (o->until && o->from > o->until)
-        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: expected no later step first",
-                         o->from, o->until);
+        return fault_set(fault, ERR_USAGE,
+                         "--from %zu --until %zu: expected the first step before the last", o->from,
+                         o->until);
     config_init(&config);
     config_read(&config); /* before the process is confined */
     if (!config.setup.theme->has_colours)

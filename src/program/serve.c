@@ -82,8 +82,8 @@ static enum err place_file(struct buf *path, const struct exchange *exchange, co
         return fault_memory(fault, "a path");
     return is_ours(exchange) ? OK
                              : fault_set(fault, ERR_IO,
-                                         "%s is not the folder any more that this session has made "
-                                         "for its owner alone; nothing was written",
+                                         "%s is no longer the private folder of this session; "
+                                         "nothing was written",
                                          buf_text(&exchange->path));
 }
 
@@ -159,15 +159,16 @@ enum err exchange_allows(const struct exchange *exchange, const struct interpret
             !(p[i].is_read && keeps_copy(command)) &&
             (holds_file(exchange, interp, &p[i], name) || (moves && holds_goldens(exchange, name))))
             err = fault_set(fault, ERR_INPUT,
-                            "%s goes with this session, and %s %s would need it; expected a file "
-                            "that stays; nothing has changed",
+                            "%s is removed with this session, and %s %s would need it; expected a "
+                            "file elsewhere; nothing has changed",
                             name, moves ? "the" : "the record of", command->name);
         else if ((p[i].type == VALUE_GOLDEN || (p[i].is_read && keeps_copy(command))) && name &&
                  holds_goldens(exchange, journal))
-            err = fault_set(fault, ERR_INPUT,
-                            "the golden images of %s would go with this session: their folder is a "
-                            "link to its own; make them a folder that stays; nothing has changed",
-                            journal);
+            err = fault_set(
+                fault, ERR_INPUT,
+                "the golden images of %s would be removed with this session: their folder "
+                "is a link to its own; use another folder; nothing has changed",
+                journal);
     }
     if (err)
         command_point_at(&call, line, fault);
@@ -542,7 +543,8 @@ static enum err check_keys(const bool given[KEYS], struct fault *fault)
     if (given[KEY_CANCEL] && given[KEY_ID])
         return fault_set(fault, ERR_USAGE, "cancel has no id of its own: it gets no answer");
     if (given[KEY_FINISHED] && !given[KEY_ARRAY])
-        return fault_set(fault, ERR_USAGE, "finished goes with array; a command says it itself");
+        return fault_set(fault, ERR_USAGE,
+                         "finished belongs to array; commands have their own parameters");
     return OK;
 }
 
@@ -608,7 +610,7 @@ static enum err end_line(struct inbox *inbox, struct fault *fault)
     if (!err && !inbox->is_too_long && is_blank)
         return OK;
     if (!err && inbox->is_too_long) {
-        fault_set(&request.fault, ERR_USAGE, "the line is longer than %d bytes; it is passed over",
+        fault_set(&request.fault, ERR_USAGE, "the line is longer than %d bytes; it is skipped",
                   REQUEST_BYTES_MOST);
         buf_add_text(&request.id, "null");
     } else if (!err) {

@@ -523,9 +523,9 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
         buf_add_text(out, "surfaces inside of an object, around cavities, are further apart than "
                           "its voxels\n");
     if (report->geometry->spacing_unknown)
-        buf_add_text(out, "the file does not say how large voxels are; 1 mm is assumed\n");
+        buf_add_text(out, "the size of voxels is unknown; 1 mm is assumed\n");
     if (geometry_fill(report->geometry) < 1)
-        buf_printf(out, "axes are sheared by %.2g degrees: distances are as if they were not\n",
+        buf_printf(out, "axes are sheared by %.2g degrees; distances ignore that\n",
                    geometry_shear(report->geometry));
     const struct label_distances *d = &c->distance[0];
     if (d->has_hausdorff && d->hausdorff_mm > 0)

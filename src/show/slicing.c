@@ -236,7 +236,7 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
     if (!mosaic_fits(screen)) {
         canvas_release(canvas);
         return fault_set(
-            fault, ERR_LIMIT, "the panes take %dx%d pixels, in %dx%d characters, or more",
+            fault, ERR_LIMIT, "the panes need %dx%d pixels or more, in %dx%d characters",
             MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, MOSAIC_COLUMNS_LEAST, MOSAIC_ROWS_LEAST);
     }
     mosaic_lay_out(&panel->layout, session->scene, screen);
