@@ -138,11 +138,31 @@ expect_in() { # FOLDER STATUS COMMAND...
     expect "$@"
     cd "$here" || exit 1
 }
-out_has() { # a fixed string on standard output of the last command
-    grep -qF -e "$1" "$work/out" || fail "no '$1' in the output:" "$(tail -n 4 "$work/out")"
+out_has() { # fixed strings on standard output of the last command
+    for expected_part; do
+        grep -qF -e "$expected_part" "$work/out" ||
+            fail "no '$expected_part' in the output:" "$(tail -n 4 "$work/out")"
+    done
 }
-err_has() {
-    grep -qF -e "$1" "$work/err" || fail "no '$1' in the errors:" "$(cat "$work/err")"
+err_has() { # the same of its errors
+    for expected_part; do
+        grep -qF -e "$expected_part" "$work/err" ||
+            fail "no '$expected_part' in the errors:" "$(cat "$work/err")"
+    done
+}
+# expect_out WORDS STATUS COMMAND...: expect, and find the words on standard output
+# expect_err WORDS STATUS COMMAND...: expect, and find the words in the errors
+expect_out() {
+    expected_words=$1
+    shift
+    expect "$@"
+    out_has "$expected_words"
+}
+expect_err() {
+    expected_words=$1
+    shift
+    expect "$@"
+    err_has "$expected_words"
 }
 same() { # two texts
     [ "$1" = "$2" ] || fail "'$1' is not '$2'"

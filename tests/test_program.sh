@@ -45,8 +45,7 @@ out_has "stored as j.golden/first.exr"
 same "$(grep -c '^= ' j.iftty)" 13
 expect 0 "$iftty" log --script j.iftty
 grep '^[a-z]' out | cmp -s - canonical || fail "log --script: $(diff out canonical)"
-expect 0 "$iftty" log --check j.iftty
-out_has "13 records"
+expect_out "13 records" 0 "$iftty" log --check j.iftty
 expect 0 "$iftty" log j.iftty
 same_files out j.iftty
 [ -f j.golden/first.exr ] && [ -f j.golden/first.png ] && [ -f j.golden/second.exr ] ||
@@ -57,10 +56,8 @@ begin "-c carries out commands between semicolons"
 expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 1;run ;; # nothing'
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;seed 1,1,1 1;run;"
 cp s.nii 'a; b.nii'
-expect 0 "$iftty" -c 'open "a; b.nii"; info'
-out_has 'ok 1 open "a; b.nii"'
-expect 2 "$iftty" -c 'open s.nii; sed'
-err_has "-c:2: unknown command sed"
+expect_out 'ok 1 open "a; b.nii"' 0 "$iftty" -c 'open "a; b.nii"; info'
+expect_err "-c:2: unknown command sed" 2 "$iftty" -c 'open s.nii; sed'
 expect 0 "$iftty" -c '# a "comment; with a quote
 open s.nii; # "
 seed 1,1,1 1'
@@ -85,8 +82,7 @@ same "$(acks | tr '\n' ';')" "open s.nii weight=morph;quit;"
 close_story
 
 begin "exit statuses"
-expect 0 "$iftty" --help
-out_has "iftty run FILE|-"
+expect_out "iftty run FILE|-" 0 "$iftty" --help
 expect 0 "$iftty" -V
 same "$(sed -n 2p out)" "semantics $("$iftty" info | sed -n 's/^semantics //p') of journals"
 for library in OpenEXR zlib libdeflate nettle; do
@@ -110,8 +106,7 @@ done
 expect 3 "$iftty" nothing.iftty </dev/null
 same "$(cat err)" \
     "iftty: there is no journal nothing.iftty; \`iftty SCENE --journal FILE\` begins one"
-expect 3 "$iftty" verify nothing
-out_has "# there is no journal nothing"
+expect_out "# there is no journal nothing" 3 "$iftty" verify nothing
 close_story
 
 begin "an input without a command leaves no journal"
@@ -173,8 +168,7 @@ done <programs
 expect 0 "$iftty" help run # a command as well
 same "$(sed -n 1p out)" "run [for=QUESTION]"
 out_has "iftty run FILE|-"
-expect 2 "$iftty" help verfy
-err_has "there is no command or program verfy; did you mean verify?"
+expect_err "there is no command or program verfy; did you mean verify?" 2 "$iftty" help verfy
 close_story
 
 begin "--version names libraries, also those of the helpers, and each helper that is missing"
@@ -213,8 +207,7 @@ while read -r usage; do
         grep -q "^    $option\>" own && continue
         grep -q "^${usage%% *} $option" usages && continue # another form
         # shellcheck disable=SC2086
-        expect 2 "$iftty" $usage "$option" 1 </dev/null
-        err_has "has no option"
+        expect_err "has no option" 2 "$iftty" $usage "$option" 1 </dev/null
         [ ! -s out ] || fail "$usage $option printed something"
         tried=$((tried + 1))
     done <options
@@ -223,8 +216,7 @@ done <usages
 close_story
 
 begin "a fresh journal replays and verifies"
-expect 0 "$iftty" verify j.iftty
-out_has "ok 1 - j.iftty (13 commands, 13 results with "
+expect_out "ok 1 - j.iftty (13 commands, 13 results with " 0 "$iftty" verify j.iftty
 out_has "# 1 verified, 0 failed"
 expect 0 "$iftty" replay j.iftty
 acks | cmp -s - canonical || fail "$(acks | diff - canonical)"
@@ -254,8 +246,7 @@ cp out again/script
 expect_in again 0 "$iftty" run script --journal k.iftty
 same "$(last_word chain again/k.iftty)" "$(last_word chain j.iftty)"
 expect 0 "$iftty" replay plain
-expect 1 "$iftty" verify plain
-out_has "this is a script, not a journal"
+expect_out "this is a script, not a journal" 1 "$iftty" verify plain
 close_story
 
 begin "one writer at a time"
@@ -265,8 +256,7 @@ writer=$!
 exec 3>pipe
 echo info >&3
 comes_true has_line writer.out '^ok'
-expect 3 "$iftty" run - --journal j.iftty </dev/null
-err_has "being written by another session"
+expect_err "being written by another session" 3 "$iftty" run - --journal j.iftty </dev/null
 exec 3>&-
 wait "$writer" || fail "the first writer: $(cat writer.out)"
 expect 0 "$iftty" run - --journal j.iftty </dev/null
@@ -281,8 +271,7 @@ changed() {
     rm -rf t.golden
     cp -r j.golden t.golden
     expect 1 "$iftty" replay t.iftty
-    expect 1 "$iftty" verify t.iftty
-    out_has "not ok 1 - t.iftty"
+    expect_out "not ok 1 - t.iftty" 1 "$iftty" verify t.iftty
     out_has "$3"
     same "$(wc -l <err | tr -d ' ')" 1
 }
@@ -290,9 +279,7 @@ changed() {
 begin "a changed coordinate is found, with its record"
 changed coordinate 's/^seed 2,3,4 1$/seed 3,3,4 1/' \
     "record 3, line 8: its chain digest does not fit"
-out_has "record 6, line 14: the first command whose result differs"
-out_has "command  run"
-out_has "differs  forest"
+out_has "record 6, line 14: the first command whose result differs" "command  run" "differs  forest"
 changed "another label" 's/^label 2 ball/label 2 bell/' "record 2, line 5: its chain"
 close_story
 
@@ -314,8 +301,7 @@ begin "a changed digit of a digest or a chain, a comment, a record taken out or 
 digest=$(sed -n 's/^= 6 forest=\([0-9a-f]*\) .*/\1/p' j.iftty)
 digit=$(printf %s "$digest" | cut -c 1 | tr 0-9a-f 1-9a-f0)
 changed digest "s/^= 6 forest=./= 6 forest=$digit/" "record 6, line 14"
-out_has "expected $digit"
-out_has "actual   $digest"
+out_has "expected $digit" "actual   $digest"
 digit=$(last_word chain j.iftty | cut -c 32 | tr 0-9a-f 1-9a-f0)
 changed chain "\$s/.\$/$digit/" "record 13, line"
 out_has "chain digest does not fit"
@@ -332,8 +318,7 @@ expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; seed 20,
 cp other.golden/first.exr j.golden/first.exr
 others() { listing . | grep -vE ' ./(out|err|before|evidence)(/|$)'; }
 others >before
-expect 1 "$iftty" verify j.iftty --out evidence
-out_has "golden image first: "
+expect_out "golden image first: " 1 "$iftty" verify j.iftty --out evidence
 grep -qE 'first column [0-9]+, row [0-9]+: (colour|depth|label|voxel) is' out ||
     fail "no pixel: $(cat out)"
 out_has "record 10, line"
@@ -346,14 +331,11 @@ close_story
 begin "so is one that is damaged, cut or missing; of several journals the worst counts"
 cp kept.golden/first.exr j.golden/first.exr
 flip_byte j.golden/first.exr $(($(file_bytes j.golden/first.exr) - 40))
-expect 1 "$iftty" verify j.iftty
-out_has "golden image first"
+expect_out "golden image first" 1 "$iftty" verify j.iftty
 head -c 500 kept.golden/first.exr >j.golden/first.exr
-expect 1 "$iftty" verify j.iftty
-out_has "golden image first"
+expect_out "golden image first" 1 "$iftty" verify j.iftty
 rm j.golden/first.exr
-expect 1 "$iftty" verify j.iftty
-out_has "golden image first is missing"
+expect_out "golden image first is missing" 1 "$iftty" verify j.iftty
 [ ! -e j.golden/first.exr ] || fail "verify has made it"
 cp kept.golden/first.exr j.golden/first.exr
 expect 1 "$iftty" verify j.iftty t.iftty j.iftty
@@ -366,8 +348,7 @@ close_story
 
 begin "nothing is overwritten unless told to"
 start='open s.nii; seed 2,3,4 1; seed 6,10,8 2; run'
-expect 0 "$iftty" -c "$start; save labels l.nii.gz; render p.exr; render p.png"
-out_has "wrote l.nii.gz"
+expect_out "wrote l.nii.gz" 0 "$iftty" -c "$start; save labels l.nii.gz; render p.exr; render p.png"
 cp l.nii.gz l.kept && cp p.exr p.kept && cp p.png q.kept
 other='open s.nii; seed 2,3,4 3; run'
 for command in "save labels l.nii.gz" "save labels l.nii.gz replace=no" \
@@ -387,8 +368,7 @@ begin "saved maps are scenes of the same size"
 expect 0 "$iftty" -c "$start; save cost c.nii; save root o.nii.gz; save border b.nii"
 same "$(file_bytes c.nii)" $((352 + 24 * 20 * 16 * 2))
 same "$(file_bytes b.nii)" $((352 + 24 * 20 * 16))
-expect 0 "$iftty" -c 'open l.nii.gz; info'
-out_has "24x20x16 voxels of 1x1x1 mm"
+expect_out "24x20x16 voxels of 1x1x1 mm" 0 "$iftty" -c 'open l.nii.gz; info'
 expect 0 "$iftty" -c 'open c.nii'
 close_story
 
@@ -401,8 +381,7 @@ cp w/p.exr p.first && cp w/l.nii l.first
 rm w/p.exr w/l.nii w/sub.nii
 listing w >before
 mkdir fresh
-expect 0 env TMPDIR="$work/fresh" "$iftty" replay w/w.iftty
-err_has "# files are in $work/fresh/iftty-"
+expect_err "# files are in $work/fresh/iftty-" 0 env TMPDIR="$work/fresh" "$iftty" replay w/w.iftty
 same_files fresh/iftty-*/l.nii l.first
 same "$(ls fresh | wc -l | tr -d ' ')" 1
 rm -r fresh/*
@@ -427,8 +406,7 @@ expect_in spread/here 0 "$iftty" -c "open s.nii; seed 1,1,1 1; run; save labels 
 listing spread >before
 expect_in spread/here 0 "$iftty" verify own.iftty
 expect_in / 0 "$iftty" verify "$work/spread/here/own.iftty"
-expect 0 "$iftty" replay spread/here/own.iftty --out mapped
-out_has "9 results the same"
+expect_out "9 results the same" 0 "$iftty" replay spread/here/own.iftty --out mapped
 same "$(ls mapped | tr '\n' ' ')" "abs.nii abs.nii.png lab-2-2.nii.gz lab-2.nii.gz lab.nii.gz "
 same_files mapped/lab.nii.gz spread/lab.nii.gz
 same_files mapped/lab-2.nii.gz spread/a/lab.nii.gz
@@ -469,8 +447,7 @@ close_story
 
 begin "whoever wrote files elsewhere can go on with the journal"
 expect 0 "$iftty" -c "$start; render $work/mine.exr" --journal mine.iftty
-expect 0 "$iftty" -c "seed 1,1,1 1; run" --journal mine.iftty
-out_has "ok 6 seed 1,1,1 1"
+expect_out "ok 6 seed 1,1,1 1" 0 "$iftty" -c "seed 1,1,1 1; run" --journal mine.iftty
 close_story
 
 begin "what is acknowledged has the number of its record, or says that it has none"
@@ -485,8 +462,7 @@ same "$(sed -n 's/^ok \([-0-9]* [a-z]*\).*/\1/p' out | tr '\n' ';')" "- info;5 s
 close_story
 
 begin "run --out writes there, also when resumed"
-expect 0 "$iftty" -c "$start; render p.exr" --journal o.iftty --out there
-out_has "wrote there/p.exr"
+expect_out "wrote there/p.exr" 0 "$iftty" -c "$start; render p.exr" --journal o.iftty --out there
 cp there/p.exr o.kept
 expect 0 "$iftty" -c "render q.exr" --journal o.iftty --out there
 same "$(ls there | tr '\n' ' ')" "p.exr q.exr "
@@ -503,8 +479,7 @@ mv up/scenes up/away
 expect 3 "$iftty" verify up/here/u.iftty
 out_has "the scene of this record is not at ../scenes/s.nii: there is no scene s.nii next to the"
 out_has "expected --scene FILE"
-expect 3 "$iftty" run - --journal up/here/u.iftty </dev/null
-err_has "expected --scene FILE"
+expect_err "expected --scene FILE" 3 "$iftty" run - --journal up/here/u.iftty </dev/null
 mv up/away up/scenes
 expect_in / 0 "$iftty" verify "$work/up/here/u.iftty" --scene "$work/s.nii"
 close_story
@@ -563,14 +538,12 @@ expect_in / 0 env HOME=/nowhere "$iftty" run - --journal "$work/home/out/h.iftty
 expect 0 "$iftty" -c 'open ~/data/h.nii' # without a journal, and with one that is begun later
 expect 0 "$iftty" -c 'journal ~/later.iftty; open ~/data/h.nii'
 expect 0 "$iftty" verify home/later.iftty
-expect 3 "$iftty" -c 'open ~/none.nii'
-err_has "there is no scene $work/home/none.nii here"
+expect_err "there is no scene $work/home/none.nii here" 3 "$iftty" -c 'open ~/none.nii'
 mkdir '~' && cp s.nii '~/own.nii' # a folder of that name is ./~
 expect 0 "$iftty" -c 'open ./~/own.nii; seed 1,1,1 1' --journal own.iftty
 expect 0 "$iftty" verify own.iftty
 printf 'open ~/data/h.nii\n' >stranger
-expect 3 "$iftty" verify stranger
-out_has "the journal may not open ~/data/h.nii"
+expect_out "the journal may not open ~/data/h.nii" 3 "$iftty" verify stranger
 out_has "expected --scene FILE"
 cp s.nii h.nii
 expect 0 "$iftty" replay stranger # by the last part of the name, as a whole path
@@ -628,8 +601,7 @@ close_story
 
 begin "info draws the histogram of a scene, and counts each voxel once"
 make_scene "$work/h.nii" 20 18 16
-expect 0 "$iftty" info "$work/h.nii" --histogram
-out_has "histogram |"
+expect_out "histogram |" 0 "$iftty" info "$work/h.nii" --histogram
 out_has "values 12 to 122; "
 expect 0 "$iftty" info "$work/h.nii" --histogram --json
 sum=$(sed 's/.*"below"//' "$work/out" | tr -c '0-9' '\n' | awk '{ sum += $1 } END { print sum }')

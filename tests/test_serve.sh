@@ -41,6 +41,10 @@ ask() { # JSON
 answered() { # ID
     comes_true has_line out "^{\"id\": $1, \"ok\""
 }
+asked() { # ID JSON: ask, and wait for the answer
+    ask "$2"
+    answered "$1"
+}
 stop() { # STATUS: of the session, once its input has ended
     exec 3>&-
     wait $server
@@ -155,8 +159,7 @@ begin "a cancel takes a long command back, as Ctrl-C does: nothing of it is left
 start synth:geom --journal long.iftty
 ask '{"id": 1, "do": "finish relax sweeps=1000 reach=16"}'
 ask '{"id": 2, "do": "seed 100,100,50 1"}'
-ask '{"id": 3, "do": "seed 5,5,5 0"}'
-answered 3
+asked 3 '{"id": 3, "do": "seed 5,5,5 0"}'
 cp long.iftty before.iftty
 for way in cancel INT; do
     ask "{\"id\": \"$way\", \"do\": \"save labels long.nii finished=yes\"}"
@@ -169,13 +172,11 @@ for way in cancel INT; do
     has "$(answer "\"$way\"")" '"kind": "cancelled", "why": "cancelled; nothing has changed"'
 done
 kill -s INT $server # where nothing is at hand, nothing is stopped
-ask '{"id": 4, "do": "finish none"}'
-answered 4
+asked 4 '{"id": 4, "do": "finish none"}'
 same_files before.iftty /dev/fd/0 <<END
 $(sed '/^finish none/,$d' long.iftty)
 END
-ask '{"id": 5, "array": "labels"}'
-answered 5
+asked 5 '{"id": 5, "array": "labels"}'
 has "$(answer 5)" '"type": "uint8", "offset": 352, "size": [200, 200, 100]'
 [ ! -e long.nii ] || fail "long.nii is there"
 stop 0
@@ -217,8 +218,7 @@ close_story
 begin "a session that was killed is gone on with, and its folder goes"
 start s.nii --journal k.iftty
 ask '{"id": 1, "do": "seed 5,10,8 1 radius=2"}'
-ask '{"id": 2, "array": "labels"}'
-answered 2
+asked 2 '{"id": 2, "array": "labels"}'
 file=$(field "$(answer 2)" file)
 [ -s "$file" ] || fail "no $file"
 same "$(stat -c '%a %u' "${file%/*}")" "700 $(id -u)"
@@ -230,8 +230,7 @@ start k.iftty
 same "$(folders)" 1
 [ ! -e "$file" ] || fail "$file is still there"
 has "$(cat out)" '"records": 3'
-ask '{"id": 1, "do": "undo"}'
-answered 1
+asked 1 '{"id": 1, "do": "undo"}'
 stop 0
 same "$(folders)" 0
 expect 0 "$iftty" verify --no-strict k.iftty
@@ -240,36 +239,30 @@ close_story
 begin "links in the folder are not followed, and another folder in its place is refused"
 start s.nii --journal link.iftty
 ask '{"id": 1, "do": "seed 5,10,8 1"}'
-ask '{"id": 2, "array": "cost"}'
-answered 2
+asked 2 '{"id": 2, "array": "cost"}'
 folder=$(field "$(answer 2)" file)
 folder=${folder%/*}
 echo mine >victim
 ln -s "$work/victim" "$folder/labels.nii"
-ask '{"id": 3, "array": "labels"}'
-answered 3
+asked 3 '{"id": 3, "array": "labels"}'
 has "$(answer 3)" '"ok": true'
 same "$(cat victim)" mine
 [ ! -L "$folder/labels.nii" ] || fail "the link is still there"
 mkdir elsewhere
 mv "$folder" "$folder.aside"
 ln -s "$work/elsewhere" "$folder"
-ask '{"id": 4, "array": "labels"}'
-answered 4
+asked 4 '{"id": 4, "array": "labels"}'
 has "$(answer 4)" 'is no longer the private folder of this session'
 rm "$folder"
 mkdir -m 700 "$folder"
-ask '{"id": "new", "array": "labels"}'
-answered '"new"'
+asked '"new"' '{"id": "new", "array": "labels"}'
 has "$(answer '"new"')" 'is no longer the private folder of this session'
 rmdir "$folder"
 mv "$folder.aside" "$folder"
 chmod 755 "$folder"
-ask '{"id": 5, "array": "labels"}'
-answered 5
+asked 5 '{"id": 5, "array": "labels"}'
 has "$(answer 5)" 'is no longer the private folder of this session'
-ask '{"id": 6, "do": "render"}'
-answered 6
+asked 6 '{"id": 6, "do": "render"}'
 has "$(answer 6)" '"ok": true, "record": 4'
 has "$(grep '"notice"' out)" 'nothing was written'
 chmod 700 "$folder"
@@ -284,13 +277,11 @@ begin "no record needs a file of the folder, but labels, of which the journal ha
 start s.nii --journal given.iftty
 folder=$(field "$(sed 1q out)" folder)
 ask '{"id": 1, "do": "seed 5,10,8 1 radius=2"}'
-ask '{"id": 2, "array": "border"}'
-answered 2
+asked 2 '{"id": 2, "array": "border"}'
 cp "$folder/border.nii" "$folder/given.nii"
 ask "{\"id\": 3, \"do\": \"seed-file $folder/given.nii\"}"
 ask "{\"id\": 4, \"do\": \"mask passing/${folder##*/}/given.nii\"}"
-ask "{\"id\": 5, \"do\": \"labels $folder/given.nii\"}"
-answered 5
+asked 5 "{\"id\": 5, \"do\": \"labels $folder/given.nii\"}"
 has "$(answer 3)" 'is removed with this session, and the record of seed-file would need it'
 has "$(answer 3)" '"column": 11'
 has "$(answer 4)" 'is removed with this session, and the record of mask would need it'
@@ -332,8 +323,7 @@ refused 'labels outside.nii'
 rm stays.golden
 ask '{"id": 50, "do": "seed 5,10,8 1"}'
 ask "{\"id\": 51, \"do\": \"stats report=$folder/report.json\"}"
-ask '{"id": 52, "do": "journal kept.iftty"}'
-answered 52
+asked 52 '{"id": 52, "do": "journal kept.iftty"}'
 has "$(answer 50)" '"record": 3'
 has "$(answer 51)" '"ok": true'
 has "$(answer 52)" "\"journal\": \"$work/kept.iftty\""
@@ -356,8 +346,7 @@ ask "{\"id\": 1, \"do\": \"$(square 14)\"}"
 ask "{\"id\": 2, \"do\": \"$(square 11) instead=1\"}"
 ask '{"id": 3, "array": "labels"}'
 ask "{\"id\": 4, \"do\": \"$(square 11) instead=77\"}"
-ask '{"id": 5, "do": "outline 6,5,8 2 to=14,5,8 to=14,99,8"}'
-answered 5
+asked 5 '{"id": 5, "do": "outline 6,5,8 2 to=14,5,8 to=14,99,8"}'
 has "$(answer 1)" '"words": {"marker": "1-2", "forest": "'
 has "$(answer 2)" '"words": {"removed": 1, "marker": "3-4", "forest": "'
 same "$(for at in 10,9,8 13,9,8 14,13,8; do voxel "$(answer 3)" $at; done | xargs)" "2 0 0"
@@ -394,8 +383,7 @@ begin "what cannot be opened is said in the first line, too"
 expect 3 "$iftty" serve missing.nii </dev/null
 out_has '{"protocol": 1, "ok": false, "program": "iftty", "version": "'
 out_has '"kind": "input or output failed", "why": "there is no scene missing.nii here'
-expect 3 "$iftty" serve missing.iftty </dev/null
-out_has 'there is no journal missing.iftty'
+expect_out 'there is no journal missing.iftty' 3 "$iftty" serve missing.iftty </dev/null
 expect 2 "$iftty" serve s.nii --read-only </dev/null
 same "$(folders)" 0
 close_story

@@ -30,19 +30,25 @@ refused() {
     cmp -s "$work/before" "$work/after" || fail "left: $(diff "$work/before" "$work/after")"
 }
 
+replays() { # COMMANDS: of a stranger
+    journal j "$1"
+    expect 0 "$iftty" replay j
+}
+refuses() { # WORDS COMMANDS: of a stranger, with these words
+    journal j "$2"
+    refused "$1" j
+}
+
 # ---- reading ----
 
 begin "a scene is read next to the journal, below its folder, or from --scene"
 mkdir below
 cp s.nii below/t.nii
-journal j 'open s.nii; seed 2,3,4 1; run'
-expect 0 "$iftty" replay j
+replays 'open s.nii; seed 2,3,4 1; run'
 expect_in / 0 "$iftty" replay "$work/there/j"
-journal j 'open below/t.nii; seed 2,3,4 1; run'
-expect 0 "$iftty" replay j
+replays 'open below/t.nii; seed 2,3,4 1; run'
 ln -s below/t.nii inner.nii
-journal j 'open inner.nii; seed 2,3,4 1; run'
-expect 0 "$iftty" replay j # a link that stays inside
+replays 'open inner.nii; seed 2,3,4 1; run' # a link that stays inside
 journal j "open $work/secret/hidden.nii; seed 2,3,4 1; run"
 expect 0 "$iftty" replay j --scene "$work/secret/hidden.nii"
 close_story
@@ -53,27 +59,21 @@ ln -s "$work/secret" folder
 ln -s ../secret/hidden.nii relative.nii
 ln -s /dev/zero zero.nii
 mkfifo pipe.nii
-journal j "open $work/secret/hidden.nii"
-refused "expected --scene FILE" j
-journal j "open ../secret/hidden.nii"
-refused "expected --scene FILE" j
+refuses "expected --scene FILE" "open $work/secret/hidden.nii"
+refuses "expected --scene FILE" "open ../secret/hidden.nii"
 for name in out.nii folder/hidden.nii relative.nii zero.nii; do
-    journal j "open $name"
-    refused "the journal may not read $name, which leads out of its folder" j
+    refuses "the journal may not read $name, which leads out of its folder" "open $name"
 done
-journal j 'open pipe.nii'
-refused "pipe.nii is not a regular file" j
+refuses "pipe.nii is not a regular file" 'open pipe.nii'
 journal j 'open below' # a scene may be a folder of slices; links in it are left alone
 refused "the folder holds no slices of DICOM, TIFF, PNG or BMP" j
 for command in mask weight seed-file; do
     for name in "$work/secret/hidden.nii" ../secret/hidden.nii \
         out.nii folder/hidden.nii zero.nii; do
-        journal j "open s.nii; $command $name"
-        refused "the journal may not read $name" j
+        refuses "the journal may not read $name" "open s.nii; $command $name"
     done
     for name in pipe.nii below; do
-        journal j "open s.nii; $command $name"
-        refused "$name is not a regular file" j
+        refuses "$name is not a regular file" "open s.nii; $command $name"
     done
 done
 close_story
@@ -84,17 +84,14 @@ put p.hdr 344 'ni1'
 tail -c +353 s.nii >p.img
 put p.hdr 108 '\000\000\000\000'
 for name in p.hdr p.img; do
-    journal j "open $name; seed 2,3,4 1; run"
-    expect 0 "$iftty" replay j
-    journal j "open s.nii; mask $name"
-    expect 0 "$iftty" replay j
+    replays "open $name; seed 2,3,4 1; run"
+    replays "open s.nii; mask $name"
 done
 mkdir pairs
 mv p.hdr p.img pairs
 ln -s pairs/p.hdr p.hdr
 ln -s pairs/p.img p.img
-journal j "open p.hdr; seed 2,3,4 1; run"
-expect 0 "$iftty" replay j
+replays "open p.hdr; seed 2,3,4 1; run"
 expect_in "$work/secret" 0 "$iftty" -c "open $work/there/p.img; seed 2,3,4 1; run" \
     --journal "$work/tmp/far.iftty"
 expect_in / 0 "$iftty" verify "$work/tmp/far.iftty" --scene "$work/there/pairs/p.img"
@@ -103,15 +100,13 @@ rm "$work/tmp/far.iftty" p.img
 cp pairs/p.img "$work/secret"
 for link in "$work/secret/p.img" ../secret/p.img /dev/zero "$work/secret/none.img"; do
     ln -s "$link" p.img
-    journal j "open p.hdr"
-    refused "the journal may not read p.img, which leads out of its folder" j
+    refuses "the journal may not read p.img, which leads out of its folder" "open p.hdr"
     journal j "open s.nii; weight p.hdr"
     refused "the journal may not read p.img, which leads out of its folder" j
     rm p.img
 done
 mkfifo p.img
-journal j "open p.hdr"
-refused "p.img is not a regular file" j
+refuses "p.img is not a regular file" "open p.hdr"
 rm p.hdr p.img
 close_story
 
@@ -127,6 +122,10 @@ answered() {
         listing "$work/pictures"
     done
 }
+record() { # COMMANDS: in a new journal
+    rm -f p.iftty
+    expect 0 "$iftty" -c "$1" --journal p.iftty
+}
 loose() { # COMMAND...: as on a kernel without Landlock
     /usr/bin/python3 "$top/tests/volumes/without_landlock.py" "$@"
 }
@@ -137,8 +136,7 @@ mkdir home && HOME=$work/there/home && export HOME
 ln -s "$target" away.nii
 for opens in "$by_link" "$by_path" "$by_whole"; do
     cp s.nii "$target"
-    rm -f p.iftty
-    expect 0 "$iftty" -c "$opens; interpolate 1 1 2; seed 2,3,4 1; run" --journal p.iftty
+    record "$opens; interpolate 1 1 2; seed 2,3,4 1; run"
     "$iftty" -c 'slice axial 3 seen.png; save labels seen.nii' --journal p.iftty >/dev/null
     rm -f seen.png seen.nii
     expect 0 "$iftty" verify p.iftty
@@ -146,22 +144,19 @@ for opens in "$by_link" "$by_path" "$by_whole"; do
     expect 0 loose "$iftty" verify p.iftty
     sed 's/ sha256=[0-9a-f]*//' p.iftty >bare # without the proof --scene is needed
     chain_anew bare bare.iftty
-    expect 3 "$iftty" verify bare.iftty
-    out_has "the journal may not "
+    expect_out "the journal may not " 3 "$iftty" verify bare.iftty
     out_has "expected --scene FILE"
     expect 0 "$iftty" verify bare.iftty --scene "$target"
     "$iftty" log p.iftty --script >script
     expect 3 "$iftty" verify script
 done
 cp s.nii "$work/annex/p/x.nii" # in a folder further up
-rm -f p.iftty
-expect 0 "$iftty" -c "open ../there/../annex/p/x.nii" --journal p.iftty
+record "open ../there/../annex/p/x.nii"
 expect 0 "$iftty" verify p.iftty
 cp pairs/p.hdr pairs/p.img "$work/annex/p" # both files of a pair
 ln -s "$work/annex/p/p.hdr" p.hdr
 ln -s "$work/annex/p/p.img" p.img
-rm -f p.iftty
-expect 0 "$iftty" -c "open p.hdr" --journal p.iftty
+record "open p.hdr"
 expect 0 "$iftty" verify p.iftty
 cp s.nii "$work/secret/p.img" # with the name of a scene
 ln -sf "$work/secret/p.img" p.img
@@ -169,8 +164,7 @@ expect 3 "$iftty" verify p.iftty
 out_has "there is no scene p.hdr next to the journal or among the scenes; expected --scene FILE"
 rm p.hdr p.img
 cp pairs/p.hdr pairs/p.img . # a stranger's header could choose bytes to guess
-rm -f p.iftty
-expect 0 "$iftty" -c "open p.hdr" --journal p.iftty
+record "open p.hdr"
 cp p.img "$work/secret/voxels"
 ln -sf "$work/secret/voxels" p.img
 for name in p.hdr p.img; do
@@ -223,15 +217,12 @@ begin "a part of a file elsewhere, voxels without a header, and maps are not rea
 cp s.nii "$target"
 for opens in "$by_link crop=0-3,0-3,0-3" "$by_path reduce=2" \
     'open raw:away.nii size=4,4,4 type=uint8' 'open raw:../annex/key.nii size=4,4,4 type=uint8'; do
-    rm -f p.iftty
-    expect 0 "$iftty" -c "$opens" --journal p.iftty
-    expect 3 "$iftty" verify p.iftty
-    out_has "the journal may not "
+    record "$opens"
+    expect_out "the journal may not " 3 "$iftty" verify p.iftty
     out_has "expected --scene FILE"
 done
 for command in mask weight labels; do
-    rm -f p.iftty
-    expect 0 "$iftty" -c "open s.nii; $command away.nii" --journal p.iftty
+    record "open s.nii; $command away.nii"
     rm -rf p.golden
     expect 3 "$iftty" verify p.iftty
     out_has "the journal may not read away.nii, which leads out of its folder"
@@ -260,12 +251,9 @@ for opens in 'sets nii data=small' 'sets mnc data=small' 'meta mha' 'nrrd nrrd';
     # shellcheck disable=SC2086
     set -- $opens
     ln -sf "$work/annex/$1" "away.$2"
-    rm -f p.iftty
-    expect 0 "$iftty" -c "open away.$2 $3" --journal p.iftty
-    expect 3 "$iftty" verify p.iftty
-    out_has "there is no scene away."
-    expect 3 loose "$iftty" verify p.iftty --unconfined
-    out_has "there is no scene away."
+    record "open away.$2 $3"
+    expect_out "there is no scene away." 3 "$iftty" verify p.iftty
+    expect_out "there is no scene away." 3 loose "$iftty" verify p.iftty --unconfined
 done
 rm -f p.iftty away.* v.raw
 ln -s "$target" away.nii
@@ -338,13 +326,11 @@ grep -qE '^= 1 .* sha256=[0-9a-f]{64} chain=' proof.iftty ||
     fail "no proof: $(sed -n 3p proof.iftty)"
 cp s.nii kept.nii
 flip_byte s.nii 1000
-expect 1 "$iftty" verify proof.iftty
-out_has "record 1, line"
+expect_out "record 1, line" 1 "$iftty" verify proof.iftty
 mv kept.nii s.nii
 expect 0 "$iftty" verify proof.iftty
 sed 's/ sha256=[0-9a-f]*//' proof.iftty >old.iftty # as journals without a proof were
-expect 1 "$iftty" verify old.iftty
-out_has "its chain digest does not fit"
+expect_out "its chain digest does not fit" 1 "$iftty" verify old.iftty
 expect 0 "$iftty" run "old.iftty" --journal anew.iftty
 same_files anew.iftty proof.iftty
 close_story
@@ -370,11 +356,9 @@ expect 1 "$iftty" verify g.iftty
 out_has "the journal may not read g.golden/g.exr, which leads out of its folder"
 rm g.golden && mkdir g.golden
 ln -s /dev/zero g.golden/g.exr
-expect 1 timeout 120 "$iftty" verify g.iftty
-out_has "which leads out of its folder"
+expect_out "which leads out of its folder" 1 timeout 120 "$iftty" verify g.iftty
 rm g.golden/g.exr && mkfifo g.golden/g.exr
-expect 1 timeout 120 "$iftty" verify g.iftty
-out_has "is not a regular file"
+expect_out "is not a regular file" 1 timeout 120 "$iftty" verify g.iftty
 close_story
 
 # ---- writing ----
@@ -387,8 +371,7 @@ journal j 'open s.nii; seed 2,3,4 1; run; render p.png replace=yes'
 expect 3 "$iftty" replay j --out out
 err_has "out/p.png existed before; a replay replaces only its own files"
 journal j 'open s.nii; seed 2,3,4 1; run; save labels l.nii'
-expect 3 "$iftty" replay j --out out
-err_has "out/l.nii exists already and was left alone"
+expect_err "out/l.nii exists already and was left alone" 3 "$iftty" replay j --out out
 same "$(cat out/p.png out/l.nii | tr '\n' ' ')" "precious precious "
 journal j 'open s.nii; seed 2,3,4 1; run; render q.png; turn 20; render q.png replace=yes'
 if can_limit_memory; then
@@ -414,10 +397,8 @@ journal big \
     'open synth:geom; seed 100,100,50 1; run; adjacency 26; run; render a.exr; save root r.nii'
 expect 3 "$iftty" replay big --limit-memory 50M
 err_has "--limit-memory allows 50 MB: a scene of 200x200x100 voxels needs"
-expect 3 "$iftty" replay big --limit-time 0.05
-err_has "longer than the 0.05 s of --limit-time"
-expect 3 "$iftty" verify big --limit-time 0.05s
-out_has "longer than the 0.05 s of --limit-time"
+expect_err "longer than the 0.05 s of --limit-time" 3 "$iftty" replay big --limit-time 0.05
+expect_out "longer than the 0.05 s of --limit-time" 3 "$iftty" verify big --limit-time 0.05s
 expect 3 "$iftty" replay big --limit-output 1M --out bounded
 err_has "more than the 1 MB of --limit-output; this file was removed"
 same "$(ls bounded | tr '\n' ' ')" "a.exr " # files within the limit are kept
@@ -435,8 +416,7 @@ begin "invalid limits"
 for wrong in "--limit-memory 0" "--limit-memory much" "--limit-memory 5X" "--limit-memory -1" \
     "--limit-time 3d" "--limit-time 1e5" "--limit-output 99999999999T" "--limit-output 1MB"; do
     # shellcheck disable=SC2086
-    expect 2 "$iftty" replay big $wrong
-    err_has "${wrong%% *}: expected"
+    expect_err "${wrong%% *}: expected" 2 "$iftty" replay big $wrong
 done
 close_story
 
@@ -543,14 +523,11 @@ close_story
 # ---- without execution ----
 
 begin "log --check reports intact, torn, or edited since a record"
-expect 0 "$iftty" log --check proof.iftty
-out_has "intact, 3 records"
+expect_out "intact, 3 records" 0 "$iftty" log --check proof.iftty
 sed 's/^seed 2,3,4 1$/seed 3,3,4 1/' proof.iftty >edited.iftty
-expect 1 "$iftty" log --check edited.iftty
-err_has "record 2"
+expect_err "record 2" 1 "$iftty" log --check edited.iftty
 head -c $(($(file_bytes proof.iftty) - 20)) proof.iftty >torn.iftty
-expect 1 "$iftty" log --check torn.iftty
-err_has "record 3"
+expect_err "record 3" 1 "$iftty" log --check torn.iftty
 close_story
 
 begin "--anonymise removes comments and names of files, and nothing else"
@@ -602,8 +579,7 @@ begin "info reports Landlock and seccomp of the kernel"
 expect 0 "$iftty" info
 grep -qE '^landlock  (version [0-9]+|none)' "$work/out" || fail "$(cat "$work/out")"
 grep -q '^seccomp  ' "$work/out" || fail "$(cat "$work/out")"
-expect 0 "$iftty" info --json
-out_has '"landlock": '
+expect_out '"landlock": ' 0 "$iftty" info --json
 out_has '"seccomp": '
 close_story
 

@@ -82,16 +82,12 @@ close_story
 
 begin "--from and --until compare what lies between"
 cp j2.golden/second.exr j2.golden/first.exr
-expect 1 "$iftty" verify j2.iftty
-out_has "# record 7, line"
-expect 0 "$iftty" verify j2.iftty --until 6
-out_has "(6 commands, 6 results with "
+expect_out "# record 7, line" 1 "$iftty" verify j2.iftty
+expect_out "(6 commands, 6 results with " 0 "$iftty" verify j2.iftty --until 6
 expect 1 "$iftty" verify j2.iftty --until 7
 expect 1 "$iftty" verify j2.iftty --from 7
-expect 0 "$iftty" verify j2.iftty --from 8
-out_has "(10 commands, 3 results with "
-expect 0 "$iftty" verify j2.iftty --from 8 --until 9
-out_has "(9 commands, 2 results with "
+expect_out "(10 commands, 3 results with " 0 "$iftty" verify j2.iftty --from 8
+expect_out "(9 commands, 2 results with " 0 "$iftty" verify j2.iftty --from 8 --until 9
 expect 1 "$iftty" verify j2.iftty --from 11
 out_has "it ends with record 10: nothing to compare from 11 on"
 close_story
@@ -101,17 +97,13 @@ words=$(words_of j3.iftty 9)
 labels=$(printf %s "$words" | sed 's/.*labels=\([0-9a-f]*\).*/\1/')
 rewrite j3.iftty 9 "forest=0123456789abcdef labels=$labels seeds=7"
 expect 0 "$iftty" log --check j3.iftty
-expect 1 "$iftty" verify j3.iftty
-out_has "# record 9, line"
-out_has "command  run"
-out_has "meaning  only keys differ"
+expect_out "# record 9, line" 1 "$iftty" verify j3.iftty
+out_has "command  run" "meaning  only keys differ"
 out_has "word     forest: 0123456789abcdef was recorded, "
-out_has "word     seeds: 7 was recorded, 9 now (2 more)"
-out_has "the same labels"
+out_has "word     seeds: 7 was recorded, 9 now (2 more)" "the same labels"
 grep -qE '^#   now      label 2: 7 seeds, [0-9]+ voxels' out || fail "no voxels: $(cat out)"
 rewrite j3.iftty 9 "forest=0123456789abcdef labels=0123456789abcdef seeds=9"
-expect 1 "$iftty" verify j3.iftty
-out_has "meaning  labels differ"
+expect_out "meaning  labels differ" 1 "$iftty" verify j3.iftty
 close_story
 
 # has_children N PROGRAM: so many processes, in $children
@@ -132,9 +124,7 @@ comes_true has_children 1 "$verifier"
 kill -ABRT "${children%% *}" # which no sanitiser catches
 wait "$verifier"
 same "$?" 1
-out_has "not ok 1 - large.iftty"
-out_has "# its process was ended by signal 6 (Aborted)"
-out_has "ok 2 - j4.iftty"
+out_has "not ok 1 - large.iftty" "# its process was ended by signal 6 (Aborted)" "ok 2 - j4.iftty"
 close_story
 
 begin "Ctrl-C ends all of them"
@@ -206,8 +196,7 @@ close_story
 
 begin "reports are written over reports, and over no journal"
 cp j4.iftty kept
-expect 2 "$iftty" verify j4.iftty --html j4.iftty
-err_has "j4.iftty is a journal and was left alone"
+expect_err "j4.iftty is a journal and was left alone" 2 "$iftty" verify j4.iftty --html j4.iftty
 same_files j4.iftty kept
 expect 3 "$iftty" verify j4.iftty --junit nowhere/report.xml
 [ ! -s out ] || fail "it verified before it looked for the folder"
@@ -259,16 +248,14 @@ begin "a golden image that is missing, or damaged, is accepted as well"
 rm k.golden/first.exr k.golden/first.png
 head -c 300 j4.golden/second.exr >k.golden/second.exr
 expect 1 "$iftty" verify k.iftty
-expect 0 "$iftty" verify k.iftty --accept 'a disk was full'
-out_has "2 golden images accepted, 2 of 12"
+expect_out "2 golden images accepted, 2 of 12" 0 "$iftty" verify k.iftty --accept 'a disk was full'
 expect 0 "$iftty" verify k.iftty
 same "$(ls k.iftty.before-*  | tr '\n' ' ')" "k.iftty.before-1 k.iftty.before-2 "
 # Another picture of the journal may differ as well.
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; render; golden one' --journal r.iftty
 unlike r.iftty 4
 expect 1 "$iftty" verify r.iftty
-expect 0 "$iftty" verify r.iftty --accept 'the shader rounds'
-out_has "0 golden images accepted, 1 of 5"
+expect_out "0 golden images accepted, 1 of 5" 0 "$iftty" verify r.iftty --accept 'the shader rounds'
 expect 0 "$iftty" verify r.iftty
 # One name may stand twice for one picture, and is accepted once.
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; golden one; golden one' --journal twice.iftty
@@ -358,8 +345,7 @@ same "$(grep -c '^# accepted: softer light (golden image first: ' o.iftty)" 1
 same_files o.golden/second.exr o.right/first.exr
 same "$(words_of o.iftty 10)" "$(words_of o.kept 10)"
 expect 0 "$iftty" log --check o.iftty
-expect 1 "$iftty" verify o.iftty
-out_has "# record 10, line "
+expect_out "# record 10, line " 1 "$iftty" verify o.iftty
 ! grep -q 'record 7' out || fail "$(cat out)"
 cp o.iftty o.kept
 cp -r o.golden o.left
@@ -367,8 +353,7 @@ only 1 first # which is right by now
 out_has "# 0 golden images accepted, 0 of 10 records of o.iftty marked; nothing has changed"
 for names in third first,third first, ,first '' 'fir' 'first second' 'firsts' '*'; do
     only 2 "$names"
-    err_has '--only: no `golden` of this journal has the name "'
-    err_has "nothing has changed"
+    err_has '--only: no `golden` of this journal has the name "' "nothing has changed"
 done
 expect 2 env CI=true "$iftty" verify o.iftty --accept 'softer light' --only second
 expect 2 "$iftty" verify o.iftty --only second
@@ -442,10 +427,8 @@ expect 0 "$iftty" verify --bisect b1.iftty b2.iftty
 out_has "ok 1 - b1.iftty and b2.iftty (10 records the same)"
 rewrite b2.iftty 9 "$(words_of b1.iftty 9 | sed 's/forest=[0-9a-f]*/forest=0000000000000001/')"
 expect 1 "$iftty" verify --bisect b1.iftty b2.iftty
-out_has "# record 9 is the first that differs: the results of the command differ"
-out_has "only keys differ"
-out_has "in       b1.iftty, line 18: run"
-out_has ", 0000000000000001 in the second"
+out_has "# record 9 is the first that differs: the results of the command differ" "only keys differ"
+out_has "in       b1.iftty, line 18: run" ", 0000000000000001 in the second"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,7 2 radius=1' --journal b3.iftty
 expect 1 "$iftty" verify --bisect b1.iftty b3.iftty
 out_has "# record 3 is the first that differs: the commands differ"
@@ -458,8 +441,7 @@ rewrite b5.iftty 0 ''
 expect 0 "$iftty" log --check b5.iftty
 expect 0 "$iftty" verify --bisect b1.iftty b5.iftty
 sed 's/^run$/auto on/' b1.iftty >b6.iftty
-expect 3 "$iftty" verify --bisect b1.iftty b6.iftty
-err_has "b6.iftty: "
+expect_err "b6.iftty: " 3 "$iftty" verify --bisect b1.iftty b6.iftty
 expect 0 "$iftty" run b6.iftty --journal b7.iftty # an edited journal is a script
 expect 0 "$iftty" log --check b7.iftty
 expect 2 "$iftty" verify --bisect b1.iftty
