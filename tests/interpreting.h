@@ -34,22 +34,48 @@ static inline enum err execute(struct interpreter *interp, const char *line)
     return interpreter_execute(interp, line, &reply, &fault);
 }
 
-static inline void must(struct interpreter *interp, const char *line)
+/* Copy the next of the lines "LINE; LINE; ..." at *lines and advance; false at the end. */
+static inline bool next_line(struct buf *line, const char **lines)
 {
-    if (!CHECK(execute(interp, line) == OK))
-        printf("#   %s: %s\n", line, fault.text);
+    const char *end = strstr(*lines, "; ");
+    buf_clear(line);
+    buf_add(line, *lines, end ? (size_t)(end - *lines) : strlen(*lines));
+    *lines += line->length + (end ? 2 : 0);
+    return line->length > 0;
 }
 
-/* Execute a line and check that the answer is the text, or contains it. */
-#define MUST_ANSWER(interp, line, expected)                                                        \
+/* Execute lines, with "; " between them. */
+static inline void must(struct interpreter *interp, const char *lines)
+{
+    struct buf line = {0};
+    while (next_line(&line, &lines))
+        if (!CHECK(execute(interp, buf_text(&line)) == OK))
+            printf("#   %s: %s\n", buf_text(&line), fault.text);
+    buf_release(&line);
+}
+
+/* Execute lines and check that the answer to the last one is the text, or contains it. */
+#define MUST_ANSWER(interp, lines, expected)                                                       \
     do {                                                                                           \
-        must(interp, line);                                                                        \
+        must(interp, lines);                                                                       \
         CHECK_TEXT(buf_text(&reply.text), expected);                                               \
     } while (0)
-#define MUST_MENTION(interp, line, part)                                                           \
+#define MUST_MENTION(interp, lines, part)                                                          \
     do {                                                                                           \
-        must(interp, line);                                                                        \
+        must(interp, lines);                                                                       \
         CHECK_HAS(buf_text(&reply.text), part);                                                    \
+    } while (0)
+/* Execute lines and check that the record of the last one contains the text. */
+#define MUST_RECORD(interp, lines, part)                                                           \
+    do {                                                                                           \
+        must(interp, lines);                                                                       \
+        CHECK_HAS(buf_text(&reply.words), part);                                                   \
+    } while (0)
+/* Check that a line fails with this code and a message that contains the text. */
+#define MUST_FAIL(interp, line, code, part)                                                        \
+    do {                                                                                           \
+        CHECK_INT(execute(interp, line), code);                                                    \
+        CHECK_HAS(fault.text, part);                                                               \
     } while (0)
 
 /* Return the path of the helper, above the folder of the test programs. Static storage. */

@@ -184,29 +184,20 @@ static void survive(struct buf *out, const struct buf *synced, const struct buf 
                        (out->length && memcmp(out->data, written->data, out->length) != 0);
 }
 
-/* The inode that `name` leads to, in one of the lists; 0 for none. */
-static ino_t inode_of(const struct synced_name *list, unsigned count, const char *name)
+/* Find a name, or with NULL the first name of an inode, in one of the lists; NULL for none. */
+static const struct synced_name *find(const struct synced_name *list, unsigned count,
+                                      const char *name, ino_t inode)
 {
     for (unsigned i = 0; i < count; i++)
-        if (strcmp(list[i].name, name) == 0)
-            return list[i].inode;
-    return 0;
-}
-
-static const char *name_of(const struct synced_name *list, unsigned count, ino_t inode)
-{
-    for (unsigned i = 0; i < count; i++)
-        if (list[i].inode == inode)
-            return list[i].name;
+        if (name ? strcmp(list[i].name, name) == 0 : list[i].inode == inode)
+            return &list[i];
     return NULL;
 }
 
-static bool is_folder_of(const struct synced_name *list, unsigned count, ino_t inode)
+static ino_t inode_of(const struct synced_name *list, unsigned count, const char *name)
 {
-    for (unsigned i = 0; i < count; i++)
-        if (list[i].inode == inode)
-            return list[i].is_folder;
-    return false;
+    const struct synced_name *found = find(list, count, name, 0);
+    return found ? found->inode : 0;
 }
 
 /* The folder that a path is in may be lost itself. */
@@ -228,14 +219,14 @@ static void leave(const char *name, const struct synced_name *now, unsigned coun
     unlink(path);
     if (inode == 0 || !has_folder(path))
         return;
-    if (is_folder_of(now, count, inode)) {
+    const struct synced_name *present = find(now, count, NULL, inode);
+    if (present && present->is_folder) {
         mkdir(path, 0700);
         return;
     }
-    const char *present = name_of(now, count, inode);
     if (present) {
         char source[512];
-        path_in(source, folder, present);
+        path_in(source, folder, present->name);
         read_all(&written, source);
         survive(&left, synced_bytes(inode), &written);
     } else {
@@ -272,7 +263,7 @@ static bool is_kept(const char *name)
     return is_there;
 }
 
-static void open_what_is_left(void)
+static void open_acknowledged(void)
 {
     char path[512];
     struct journal *journal;
@@ -315,13 +306,14 @@ static void clear(const char *where)
         closedir(listing);
 }
 
-static void lose_power(void)
+/* Lose the power in many ways, and open what each leaves. */
+static void lose(unsigned trials, void (*open_what_is_left)(void))
 {
     struct synced_name now[FILES_MOST];
     const unsigned count = present_names(now);
     int (*hook)(enum file_step step, const char *path) = file_step_hook;
     file_step_hook = NULL;
-    for (unsigned trial = 0; trial < TRIALS; trial++) {
+    for (unsigned trial = 0; trial < trials; trial++) {
         clear(after);
         for (unsigned i = 0; i < count; i++)
             leave(now[i].name, now, count);
@@ -331,6 +323,11 @@ static void lose_power(void)
         open_what_is_left();
     }
     file_step_hook = hook;
+}
+
+static void lose_power(void)
+{
+    lose(TRIALS, open_acknowledged);
 }
 
 /* ---- the disk ---- */
@@ -546,30 +543,21 @@ static enum err expect_record(void *context, const struct record *record, struct
 }
 
 /* Records from the first on, with every edit that was acknowledged; opened without a question. */
-static void lose_power_over_views(void)
+static void open_views(void)
 {
-    struct synced_name now[FILES_MOST];
-    const unsigned count = present_names(now);
-    int (*hook)(enum file_step step, const char *path) = file_step_hook;
-    file_step_hook = NULL;
-    for (unsigned trial = 0; trial < 4 * TRIALS; trial++) {
-        struct journal *journal;
-        char path[512];
-        size_t records = 0;
-        const struct journal_resume how = {
-            .semantics = 1, .on_record = expect_record, .context = &records};
-        clear(after);
-        leave("j.iftty", now, count);
-        path_in(path, after, "j.iftty");
-        struct fault why = {.text = ""};
-        if (CHECK(journal_open(&journal, path, &how, NULL, &why) == OK)) {
-            CHECK(records >= edits_acknowledged && records <= written + 1);
-            journal_close(journal);
-        } else {
-            printf("#   %zu records, %zu to be kept: %s\n", written, edits_acknowledged, why.text);
-        }
+    struct journal *journal;
+    char path[512];
+    size_t records = 0;
+    const struct journal_resume how = {
+        .semantics = 1, .on_record = expect_record, .context = &records};
+    path_in(path, after, "j.iftty");
+    struct fault why = {.text = ""};
+    if (CHECK(journal_open(&journal, path, &how, NULL, &why) == OK)) {
+        CHECK(records >= edits_acknowledged && records <= written + 1);
+        journal_close(journal);
+    } else {
+        printf("#   %zu records, %zu to be kept: %s\n", written, edits_acknowledged, why.text);
     }
-    file_step_hook = hook;
 }
 
 /* Of the appends of edits alone: a thread syncs views at its own time, which takes nothing. */
@@ -578,7 +566,7 @@ static int watch_edit(enum file_step step, const char *path)
 {
     if (!pthread_equal(pthread_self(), teller))
         return 0;
-    lose_power_over_views();
+    lose(4 * TRIALS, open_views);
     if (step != FILE_STEP_SYNC)
         return 0;
     sync_file(path);
@@ -602,7 +590,7 @@ static void write_record(struct journal *journal, size_t n)
         CHECK(journal_append(journal, command, NULL, NULL) == OK);
     }
     written = n;
-    lose_power_over_views();
+    lose(4 * TRIALS, open_views);
     path_in(path, folder, "j.iftty");
     if (!is_edit[n] && versions < FILES_MOST)
         read_all(version + versions++, path);
@@ -654,36 +642,26 @@ static enum err expect_golden(void *context, const struct record *record, struct
     return OK;
 }
 
-static void lose_power_over_goldens(void)
+static void open_goldens(void)
 {
-    struct synced_name now[FILES_MOST];
-    const unsigned count = present_names(now);
-    int (*hook)(enum file_step step, const char *path) = file_step_hook;
-    file_step_hook = NULL;
-    for (unsigned trial = 0; trial < TRIALS / 4; trial++) {
-        struct journal *journal;
-        char path[512];
-        size_t records = 0;
-        const struct journal_resume how = {
-            .semantics = SEMANTICS, .on_record = expect_golden, .context = &records};
-        clear(after);
-        for (unsigned i = 0; i < count; i++)
-            leave(now[i].name, now, count);
-        path_in(path, after, "j.iftty");
-        losses++;
-        if (CHECK(journal_open(&journal, path, &how, NULL, NULL) == OK)) {
-            CHECK(records >= acknowledged);
-            journal_close(journal);
-        }
+    struct journal *journal;
+    char path[512];
+    size_t records = 0;
+    const struct journal_resume how = {
+        .semantics = SEMANTICS, .on_record = expect_golden, .context = &records};
+    path_in(path, after, "j.iftty");
+    losses++;
+    if (CHECK(journal_open(&journal, path, &how, NULL, NULL) == OK)) {
+        CHECK(records >= acknowledged);
+        journal_close(journal);
     }
-    file_step_hook = hook;
 }
 
 static int watch_golden(enum file_step step, const char *path)
 {
     if (!pthread_equal(pthread_self(), teller))
         return 0;
-    lose_power_over_goldens();
+    lose(TRIALS / 4, open_goldens);
     if (step == FILE_STEP_SYNC)
         sync_file(path);
     if (step == FILE_STEP_SYNC_FOLDER)
@@ -693,26 +671,21 @@ static int watch_golden(enum file_step step, const char *path)
 
 STORY(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power)
 {
-    static const char *const commands[] = {"open synth:geom:16x16x16",
-                                           "size 16 16",
-                                           "seed 8,8,8 1 radius=2",
-                                           "seed 1,1,1 0",
-                                           "golden a",
-                                           "turn 30",
-                                           "golden b of=axial",
-                                           "golden c"};
+    const char *commands = "open synth:geom:16x16x16; size 16 16; seed 8,8,8 1 radius=2; "
+                           "seed 1,1,1 0; golden a; turn 30; golden b of=axial; golden c";
+    struct buf command = {0};
     const char *path = begin(51);
     teller = pthread_self();
     begin_interpreter(&session);
     CHECK(interpreter_create_journal(&session, path, NULL) == OK);
-    for (size_t n = 0; n < sizeof commands / sizeof *commands; n++) {
-        const bool is_golden = strncmp(commands[n], "golden", 6) == 0;
+    while (next_line(&command, &commands)) {
+        const bool is_golden = strncmp(command.data, "golden", 6) == 0;
         file_step_hook = is_golden ? watch_golden : NULL;
-        must(&session, commands[n]);
+        must(&session, command.data);
         file_step_hook = NULL;
         if (is_golden) {
             acknowledged = session.history.records;
-            lose_power_over_goldens();
+            lose(TRIALS / 4, open_goldens);
             continue;
         }
         CHECK(journal_sync(session.journal, NULL) == OK);
@@ -721,6 +694,7 @@ STORY(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power)
         sync_names(path);
     }
     CHECK(losses > 300 && losses_of_bytes > 20);
+    buf_release(&command);
     interpreter_release(&session);
     reply_release(&reply);
 }
