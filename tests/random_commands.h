@@ -6,14 +6,27 @@
  *     <5> <3-7>       a number below 5; a number from 3 to 7
  *     [on|off|]       one of these texts, which may contain the above
  *
- * Commands have no capital letters of their own.
+ * Commands have no capital letters of their own. random_form chooses one of many forms, with "; "
+ * between them.
  */
 #ifndef TESTS_RANDOM_COMMANDS_H
 #define TESTS_RANDOM_COMMANDS_H
 
 #include "tests/check.h"
 
-#define RANDOM_FORM(forms, random) (forms)[check_below(random, sizeof(forms) / sizeof *(forms))]
+/* Static storage. */
+static inline const char *random_form(const char *forms, uint64_t *random)
+{
+    static char form[128];
+    uint32_t count = 1;
+    for (const char *at = forms; (at = strstr(at, "; ")) != NULL; at++)
+        count++;
+    for (uint32_t before = check_below(random, count); before > 0; before--)
+        forms = strstr(forms, "; ") + 2;
+    const char *end = strstr(forms, "; ");
+    snprintf(form, sizeof form, "%.*s", end ? (int)(end - forms) : (int)strlen(forms), forms);
+    return form;
+}
 
 static inline void random_command(char *line, size_t room, const char *form,
                                   const uint32_t sides[3], uint64_t *random)

@@ -69,6 +69,18 @@ static inline void begin_with_scene(struct interpreter *interp)
     must(interp, "label 0 background");
 }
 
+/* Define a story whose `interp` begins with the scene. */
+#define SCENE_STORY(told)                                                                          \
+    static void told_##told(struct interpreter *interp);                                           \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        struct interpreter begun;                                                                  \
+        begin_with_scene(&begun);                                                                  \
+        told_##told(&begun);                                                                       \
+        interpreter_release(&begun);                                                               \
+    }                                                                                              \
+    static void told_##told(struct interpreter *interp)
+
 /* The scene alone, in a new journal. */
 static inline void begin_with_journal(struct interpreter *interp, const char *name)
 {
@@ -76,6 +88,13 @@ static inline void begin_with_journal(struct interpreter *interp, const char *na
     unlink(place(name));
     CHECK(interpreter_create_journal(interp, place(name), NULL) == OK);
     open_scene(interp, "scene.nii");
+}
+
+/* Execute lines, after which the forest has so many seeds. */
+static inline void must_leave_seeds(struct interpreter *interp, const char *lines, size_t seeds)
+{
+    must(interp, lines);
+    CHECK_INT(forest_seeds(interp->session->forest), seeds);
 }
 
 static inline void write_text(const char *name, const char *text)

@@ -16,6 +16,7 @@
 #include "base/choice.h"
 #include "base/file.h"
 #include "tests/journals.h"
+#include "tests/random_commands.h"
 #include "tests/small_scene.h"
 #include "tests/scarce_memory.h"
 
@@ -357,22 +358,20 @@ static bool same_values(const struct call *a, const struct call *b)
     return same;
 }
 
-STORY(a_random_line_and_its_canonical_form_mean_the_same)
+SCENE_STORY(a_random_line_and_its_canonical_form_mean_the_same)
 {
-    struct interpreter interp;
     struct buf line = {0}, once = {0}, twice = {0};
-    begin_with_scene(&interp);
     seed = 1;
     for (unsigned i = 0; i < 40000 && check_failures < 5; i++) {
         struct call first, second;
         random_line(&line, command_at(i % command_count()));
-        if (!CHECK(command_parse(&first, buf_text(&line), interp.session, &fault) == OK)) {
+        if (!CHECK(command_parse(&first, buf_text(&line), interp->session, &fault) == OK)) {
             printf("#   %s: %s\n", buf_text(&line), fault.text);
             continue;
         }
         buf_clear(&once);
         command_write(&once, &first);
-        if (CHECK(command_parse(&second, buf_text(&once), interp.session, &fault) == OK)) {
+        if (CHECK(command_parse(&second, buf_text(&once), interp->session, &fault) == OK)) {
             buf_clear(&twice);
             command_write(&twice, &second);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
@@ -386,33 +385,27 @@ STORY(a_random_line_and_its_canonical_form_mean_the_same)
     buf_release(&line);
     buf_release(&once);
     buf_release(&twice);
-    interpreter_release(&interp);
 }
 
-STORY(a_radius_is_written_with_all_its_digits)
+SCENE_STORY(a_radius_is_written_with_all_its_digits)
 {
     static const char *const word[] = {"0",         "32",          "0.000001mm", "0.00001mm",
                                        "0.05001mm", "999.99999mm", "1000mm"};
-    struct interpreter interp;
     struct buf out = {0};
     char line[64];
-    begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof word / sizeof word[0]; i++) {
         snprintf(line, sizeof line, "seed 0,0,0 1 radius=%s", word[i]);
-        canonical(&out, line, interp.session);
+        canonical(&out, line, interp->session);
         CHECK_TEXT(buf_text(&out), line);
     }
     buf_release(&out);
-    interpreter_release(&interp);
 }
 
 /* ---- positions ---- */
 
-STORY(millimetres_lead_to_the_nearest_voxel)
+SCENE_STORY(millimetres_lead_to_the_nearest_voxel)
 {
-    static const struct {
-        const char *line, *canonical;
-    } row[] = {
+    static const char *const row[][2] = {
         {"seed 0,0,0 1", "seed 0,0,0 1"},
         {"seed 5.5,-20,7mm 1", "seed 0,0,0 1"},
         {"seed 2.5,-14,18mm 1", "seed 3,4,5 1"}, /* z = 0.25*4 + 2*5 + 7 */
@@ -424,30 +417,25 @@ STORY(millimetres_lead_to_the_nearest_voxel)
     static const char *const outside[] = {
         "seed 12,0,0 1",      "seed 0,11,0 1",       "seed 0,0,10 1", "seed -1,0,0 1",
         "seed 6.1,-20,7mm 1", "seed 999999,0,0mm 1", "why 900000,0,0"};
-    struct interpreter interp;
     struct buf out = {0};
     struct call call;
-    begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        canonical(&out, row[i].line, interp.session);
-        CHECK_TEXT(buf_text(&out), row[i].canonical);
+        canonical(&out, row[i][0], interp->session);
+        CHECK_TEXT(buf_text(&out), row[i][1]);
     }
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
-        CHECK(command_parse(&call, outside[i], interp.session, &fault) == ERR_INPUT);
+        CHECK(command_parse(&call, outside[i], interp->session, &fault) == ERR_INPUT);
         CHECK_HAS(fault.text, "is outside the scene, whose voxels are 0,0,0 to 11,10,9");
         CHECK_HAS(fault.text, "nothing has changed");
     }
     buf_release(&out);
-    interpreter_release(&interp);
 }
 
 /* ---- lines that are wrong ---- */
 
-STORY(each_synonym_suggests_one_command)
+SCENE_STORY(each_synonym_suggests_one_command)
 {
     static char said[4096]; /* "|exit|bye|" */
-    struct interpreter interp;
-    begin_with_scene(&interp);
     strcpy(said, "|");
     for (unsigned i = 0; i < command_count(); i++) {
         const char *also = command_at(i)->also ? command_at(i)->also : "";
@@ -459,7 +447,7 @@ STORY(each_synonym_suggests_one_command)
             snprintf(key, sizeof key, "|%s|", line);
             snprintf(words, sizeof words, "unknown command %s; did you mean %s?", line,
                      command_at(i)->name);
-            CHECK_INT(command_parse(&call, line, interp.session, &fault), ERR_USAGE);
+            CHECK_INT(command_parse(&call, line, interp->session, &fault), ERR_USAGE);
             CHECK_TEXT(fault.text, words);
             CHECK(!strstr(said, key));
             strcat(said, key + 1);
@@ -467,14 +455,11 @@ STORY(each_synonym_suggests_one_command)
         }
     }
     CHECK_HAS(said, "|exit|");
-    interpreter_release(&interp);
 }
 
 STORY(an_error_names_the_expected_form)
 {
-    static const struct {
-        const char *line, *words;
-    } row[] = {
+    static const char *const row[][2] = {
         {"sede 1,1,1 1", "unknown command sede; did you mean seed?"},
         {"xylophone 1", "unknown command xylophone; `help` lists them"},
         {"Seed 1,1,1 1", "unknown command Seed; did you mean seed?"},
@@ -626,7 +611,7 @@ STORY(an_error_names_the_expected_form)
     struct interpreter interp;
     begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        is_refused(&interp, row[i].line, row[i].words);
+        is_refused(&interp, row[i][0], row[i][1]);
     char *lengthy = malloc(100001);
     if (CHECK(lengthy != NULL)) {
         memset(lengthy, 'a', 100000);
@@ -652,32 +637,29 @@ static void is_wrong_at(struct interpreter *interp, const char *line, const char
         printf("#   %s: at %s\n", line, line + fault.at - 1);
 }
 
-STORY(an_error_has_the_position_of_the_wrong_word)
+SCENE_STORY(an_error_has_the_position_of_the_wrong_word)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    is_wrong_at(&interp, "sede 1,1,1 1", "sede");
-    is_wrong_at(&interp, "  \t sede 1,1,1 1", "sede");
-    is_wrong_at(&interp, "seed 1,1 1", "1,1 ");
-    is_wrong_at(&interp, "seed 99,1,1 1", "99,1,1");
-    is_wrong_at(&interp, "seed   1,1,1   liver", "liver");
-    is_wrong_at(&interp, "seed 1,1,1", "");
-    is_wrong_at(&interp, "seed 1,1,1 ", "");
-    is_wrong_at(&interp, "run now and then", "now");
-    is_wrong_at(&interp, "seed radius=513 1,1,1 1", "radius=513");
-    is_wrong_at(&interp, "label 2 \"\" #40c060", "\"\" #");
-    is_wrong_at(&interp, "save \"labels\" x.nii replace=maybe", "replace=maybe");
-    is_wrong_at(&interp, "\"sa\\\"ve\" x", "\"sa");
-    is_wrong_at(&interp, "render \"a b", "\"a b");
-    is_wrong_at(&interp, "label 2 \xc3\xa4\x1b[m", "\x1b[m");
-    is_wrong_at(&interp, "mask elsewhere.nii", "elsewhere.nii");
-    is_wrong_at(&interp, "mask \"else where.nii\" regions=1", "\"else where.nii\"");
-    is_wrong_at(&interp, "goto nowhere", "nowhere");
-    is_wrong_at(&interp, "label 1 cerebellum", "cerebellum");
-    is_wrong_at(&interp, "save labels nowhere/x.nii empty=yes", "nowhere/x.nii");
-    CHECK(execute(&interp, "open synth:geom") != OK); /* no single word is wrong */
+    is_wrong_at(interp, "sede 1,1,1 1", "sede");
+    is_wrong_at(interp, "  \t sede 1,1,1 1", "sede");
+    is_wrong_at(interp, "seed 1,1 1", "1,1 ");
+    is_wrong_at(interp, "seed 99,1,1 1", "99,1,1");
+    is_wrong_at(interp, "seed   1,1,1   liver", "liver");
+    is_wrong_at(interp, "seed 1,1,1", "");
+    is_wrong_at(interp, "seed 1,1,1 ", "");
+    is_wrong_at(interp, "run now and then", "now");
+    is_wrong_at(interp, "seed radius=513 1,1,1 1", "radius=513");
+    is_wrong_at(interp, "label 2 \"\" #40c060", "\"\" #");
+    is_wrong_at(interp, "save \"labels\" x.nii replace=maybe", "replace=maybe");
+    is_wrong_at(interp, "\"sa\\\"ve\" x", "\"sa");
+    is_wrong_at(interp, "render \"a b", "\"a b");
+    is_wrong_at(interp, "label 2 \xc3\xa4\x1b[m", "\x1b[m");
+    is_wrong_at(interp, "mask elsewhere.nii", "elsewhere.nii");
+    is_wrong_at(interp, "mask \"else where.nii\" regions=1", "\"else where.nii\"");
+    is_wrong_at(interp, "goto nowhere", "nowhere");
+    is_wrong_at(interp, "label 1 cerebellum", "cerebellum");
+    is_wrong_at(interp, "save labels nowhere/x.nii empty=yes", "nowhere/x.nii");
+    CHECK(execute(interp, "open synth:geom") != OK); /* no single word is wrong */
     CHECK_INT(fault.at, 0);
-    interpreter_release(&interp);
 }
 
 STORY(without_a_scene_only_what_needs_none_works)
@@ -693,28 +675,23 @@ STORY(without_a_scene_only_what_needs_none_works)
     is_refused(&interp, "run", "run needs a scene; open one first");
     is_refused(&interp, "open synth:geom:333", "each of X, Y, Z 1 or 2");
     is_refused(&interp, "open synth:cube", "nothing was opened");
-    must(&interp, "label 1 liver");
-    must(&interp, "auto on");
-    MUST_MENTION(&interp, "info", "no scene is open");
+    MUST_MENTION(&interp, "label 1 liver; auto on; info", "no scene is open");
     MUST_MENTION(&interp, "help seed", "radius=0..512");
     must(&interp, "quit");
     CHECK(interp.wish == WISH_QUIT);
     interpreter_release(&interp);
 }
 
-STORY(comments_and_empty_lines_do_nothing)
+SCENE_STORY(comments_and_empty_lines_do_nothing)
 {
     static const char *const line[] = {"", "   ", "\t", "# seed 1,1,1 1", "  # x", "#"};
-    struct interpreter interp;
-    begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         struct snapshot before;
-        take_snapshot(&before, &interp);
-        CHECK(execute(&interp, line[i]) == OK);
+        take_snapshot(&before, interp);
+        CHECK(execute(interp, line[i]) == OK);
         CHECK_INT(reply.canonical.length, 0);
-        is_as_before(&before, &interp, line[i]);
+        is_as_before(&before, interp, line[i]);
     }
-    interpreter_release(&interp);
 }
 
 /* Mix words of the language and random bytes. */
@@ -744,27 +721,25 @@ static void garbage(char *out, size_t capacity)
     out[n] = '\0';
 }
 
-STORY(garbage_is_parsed_or_refused_in_one_plain_line)
+SCENE_STORY(garbage_is_parsed_or_refused_in_one_plain_line)
 {
-    struct interpreter interp;
     struct buf once = {0}, twice = {0};
     char line[2048];
     unsigned parsed = 0;
-    begin_with_scene(&interp);
     seed = 2;
     for (unsigned i = 0; i < 30000 && check_failures < 5; i++) {
         struct call call;
         line[0] = '\0';
         garbage(line, sizeof line);
         fault = (struct fault){.text = ""};
-        if (command_parse(&call, line, interp.session, &fault) != OK) {
+        if (command_parse(&call, line, interp->session, &fault) != OK) {
             CHECK(fault.text[0] != '\0' && is_plain(fault.text) && fault.code != OK);
             CHECK(fault.at <= strlen(line) + 2);
         } else if (call.command) {
             parsed++;
             buf_clear(&once);
             command_write(&once, &call);
-            canonical(&twice, buf_text(&once), interp.session);
+            canonical(&twice, buf_text(&once), interp->session);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
             call_release(&call);
         } else {
@@ -772,13 +747,12 @@ STORY(garbage_is_parsed_or_refused_in_one_plain_line)
         }
         buf_clear(&once);
         size_t start = 0, cursor = below((uint32_t)strlen(line) + 1);
-        command_complete(&once, &start, line, cursor, &interp);
+        command_complete(&once, &start, line, cursor, interp);
         CHECK(start <= cursor);
     }
     CHECK(parsed > 300); /* else the mixture tests nothing */
     buf_release(&once);
     buf_release(&twice);
-    interpreter_release(&interp);
 }
 
 /* ---- completion ---- */
@@ -811,47 +785,44 @@ static void completes(const struct interpreter *interp, const char *line, const 
     buf_release(&out);
 }
 
-STORY(completion_offers_valid_words)
+SCENE_STORY(completion_offers_valid_words)
 {
-    struct interpreter interp;
     struct buf out = {0}, names = {0};
     size_t start;
-    begin_with_scene(&interp);
-    must(&interp, "label 7 cortex");
-    complete_words(&out, &start, "", &interp);
+    must(interp, "label 7 cortex");
+    complete_words(&out, &start, "", interp);
     for (unsigned i = 0; i < command_count(); i++)
         buf_printf(&names, "%s\n", command_at(i)->name);
     CHECK_TEXT(buf_text(&out), buf_text(&names));
     buf_clear(&out);
-    complete_words(&out, &start, "help ", &interp);
+    complete_words(&out, &start, "help ", interp);
     CHECK(strncmp(buf_text(&out), "keys\n", 5) == 0);
     CHECK_TEXT(buf_text(&out) + 5, buf_text(&names));
-    completes(&interp, "see", "seed\nseed-file\n", 0);
-    completes(&interp, "  see", "seed\nseed-file\n", 2);
-    completes(&interp, "xyz", "", 0);
-    completes(&interp, "xyz ", "", 4);
-    completes(&interp, "help see", "seed\nseed-file\n", 5);
-    completes(&interp, "help seed ", "", 10);
-    completes(&interp, "save ",
+    completes(interp, "see", "seed\nseed-file\n", 0);
+    completes(interp, "  see", "seed\nseed-file\n", 2);
+    completes(interp, "xyz", "", 0);
+    completes(interp, "xyz ", "", 4);
+    completes(interp, "help see", "seed\nseed-file\n", 5);
+    completes(interp, "help seed ", "", 10);
+    completes(interp, "save ",
               "labels\ncost\nroot\nborder\ndistance\nmargin\nseeds\nnames\nsurface\nreplace="
               "\nfinished=\nlabel=\nsmooth=\ntriangles=\nempty=\n",
               5);
-    completes(&interp, "save c", "cost\n", 5);
-    completes(&interp, "save cost x.nii replace=y", "yes\n", 24);
-    completes(&interp, "render mode=", "sp\nbp\nii\nray\n", 12);
-    completes(&interp, "render mode=b", "bp\n", 12);
-    completes(&interp, "seed 1,1,1 ce", "cerebellum\n", 11);
-    completes(&interp, "seed 1,1,1 c", "cerebellum\ncortex\n", 11);
-    completes(&interp, "seed 1,1,1 7 r", "radius=\nrange=\n", 13);
-    completes(&interp, "seed-file x.nii label=c", "cerebellum\ncortex\n", 22);
-    completes(&interp, "hide cor", "cortex\n", 5);
-    completes(&interp, "show a", "all\n", 5);
-    completes(&interp, "view b", "back\nbottom\n", 5);
-    completes(&interp, "zoom f", "fit\n", 5);
-    completes(&interp, "adjacency ", "6\n26\n", 10);
+    completes(interp, "save c", "cost\n", 5);
+    completes(interp, "save cost x.nii replace=y", "yes\n", 24);
+    completes(interp, "render mode=", "sp\nbp\nii\nray\n", 12);
+    completes(interp, "render mode=b", "bp\n", 12);
+    completes(interp, "seed 1,1,1 ce", "cerebellum\n", 11);
+    completes(interp, "seed 1,1,1 c", "cerebellum\ncortex\n", 11);
+    completes(interp, "seed 1,1,1 7 r", "radius=\nrange=\n", 13);
+    completes(interp, "seed-file x.nii label=c", "cerebellum\ncortex\n", 22);
+    completes(interp, "hide cor", "cortex\n", 5);
+    completes(interp, "show a", "all\n", 5);
+    completes(interp, "view b", "back\nbottom\n", 5);
+    completes(interp, "zoom f", "fit\n", 5);
+    completes(interp, "adjacency ", "6\n26\n", 10);
     buf_release(&out);
     buf_release(&names);
-    interpreter_release(&interp);
 }
 
 static void means(const struct interpreter *interp, const char *line, const char *part)
@@ -863,26 +834,22 @@ static void means(const struct interpreter *interp, const char *line, const char
     buf_release(&out);
 }
 
-STORY(completion_explains_words)
+SCENE_STORY(completion_explains_words)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "label 7 cortex");
-    must(&interp, "seed 1,1,1 7");
-    means(&interp, "un", "undo\ttake back the last change of the segmentation\n");
-    means(&interp, "help ", "keys\tthose of the prompt.\n");
-    means(&interp, "shade ", "cubes\tthe faces of their voxels, and normals as of the surface.\n");
-    means(&interp, "shade ", "surface\tthe shown objects, smoothed.\n"); /* surface, the default: */
-    means(&interp, "weight so", "sobel\tthe 3-D Sobel operator.\n");
-    means(&interp, "remove 1,1,1 of=t",
-          "tree\tthe seed of the single tree that contains the voxel");
-    means(&interp, "seed-file x.nii er", "erode=\trounds; each removes the voxels");
-    means(&interp, "seed-file x.nii gen", "generator=\tthe number that the drawing starts");
-    means(&interp, "spin 9 x.gif del", "delay=\t20..60000\n");
-    means(&interp, "hide co", "cortex\tlabel 7\n");
-    means(&interp, "goto ", "\tseed 1,1,1 7\n");
-    means(&interp, "adjacency 2", "26\n");
-    interpreter_release(&interp);
+    must(interp, "label 7 cortex; seed 1,1,1 7");
+    means(interp, "un", "undo\ttake back the last change of the segmentation\n");
+    means(interp, "help ", "keys\tthose of the prompt.\n");
+    means(interp, "shade ", "cubes\tthe faces of their voxels, with the normals of the surface.\n");
+    means(interp, "shade ",
+          "surface\tthe visible objects, smoothed.\n"); /* surface, the default: */
+    means(interp, "weight so", "sobel\tthe 3-D Sobel operator.\n");
+    means(interp, "remove 1,1,1 of=t", "tree\tthe seed of the single tree that contains the voxel");
+    means(interp, "seed-file x.nii er", "erode=\trounds; each removes the voxels");
+    means(interp, "seed-file x.nii gen", "generator=\tthe number that the drawing starts");
+    means(interp, "spin 9 x.gif del", "delay=\t20..60000\n");
+    means(interp, "hide co", "cortex\tlabel 7\n");
+    means(interp, "goto ", "\tseed 1,1,1 7\n");
+    means(interp, "adjacency 2", "26\n");
 }
 
 STORY(commands_are_the_same_wherever_their_file_is_seen_from)
@@ -977,16 +944,13 @@ STORY(completion_offers_files)
     interpreter_release(&interp);
 }
 
-STORY(a_key_that_is_given_is_not_offered_again)
+SCENE_STORY(a_key_that_is_given_is_not_offered_again)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    completes(&interp, "overlay cross=on ", "none\ntint\ncontour\nmarks=\nwords=\n", 17);
-    completes(&interp, "overlay cross=on m", "marks=\n", 17);
-    completes(&interp, "fill 1,1,1 2 to=3,1,1 t", "to=\n", 22); /* except for a line */
-    completes(&interp, "hide b", "", 5);                        /* label 0 cannot be hidden */
-    completes(&interp, "# see", "", 5);
-    interpreter_release(&interp);
+    completes(interp, "overlay cross=on ", "none\ntint\ncontour\nmarks=\nwords=\n", 17);
+    completes(interp, "overlay cross=on m", "marks=\n", 17);
+    completes(interp, "fill 1,1,1 2 to=3,1,1 t", "to=\n", 22); /* except for a line */
+    completes(interp, "hide b", "", 5);                        /* label 0 cannot be hidden */
+    completes(interp, "# see", "", 5);
 }
 
 STORY(goldens_branches_and_records_are_offered)
@@ -996,12 +960,8 @@ STORY(goldens_branches_and_records_are_offered)
     interpreter_release(&interp);
     begin_with_journal(&interp, "offers.iftty");
     completes(&interp, "golden ", "of=\nfinished=\n", 7);
-    must(&interp, "seed 1,1,1 2");
-    must(&interp, "seed 9,9,9 1");
-    must(&interp, "size 20 20");
-    must(&interp, "golden front-1");
-    must(&interp, "golden front-2 of=axial");
-    must(&interp, "branch stem");
+    must(&interp, "seed 1,1,1 2; seed 9,9,9 1; size 20 20; golden front-1; "
+                  "golden front-2 of=axial; branch stem");
     completes(&interp, "golden f", "front-1\nfront-2\nfinished=\n", 7);
     completes(&interp, "golden front-1 of=a", "axial\n", 18);
     completes(&interp, "goto s", "stem\n", 5);
@@ -1204,72 +1164,55 @@ static bool has_seed(const struct interpreter *interp, uint32_t x, uint32_t y, u
     return scene->cell[grid_cell(&scene->grid, x, y, z)].flags & CELL_SEED;
 }
 
-STORY(a_stroke_is_balls_along_a_line)
+SCENE_STORY(a_stroke_is_balls_along_a_line)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "seed 1,1,1 1 to=9,5,1");
-    must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session->forest),
+    must(interp, "seed 1,1,1 1 to=9,5,1; run");
+    CHECK_INT(forest_seeds(interp->session->forest),
               9); /* one for each step along the longest axis */
-    CHECK(has_seed(&interp, 1, 1, 1) && has_seed(&interp, 5, 3, 1) && has_seed(&interp, 9, 5, 1));
-    must(&interp, "undo 2");
-    must(&interp, "seed 9,5,1 1 to=1,1,1 radius=1"); /* each voxel once, though balls overlap */
-    must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session->forest), 47);
-    CHECK(has_seed(&interp, 5, 3, 2) && has_seed(&interp, 10, 5, 1) && !has_seed(&interp, 5, 3, 3));
-    must(&interp, "seed 3,3,3 2 to=3,3,3");
-    CHECK_INT(session_pendings(interp.session), 1);
-    CHECK(execute(&interp, "seed 1,1,1 1 to=99,1,1") == ERR_INPUT);
-    interpreter_release(&interp);
+    CHECK(has_seed(interp, 1, 1, 1) && has_seed(interp, 5, 3, 1) && has_seed(interp, 9, 5, 1));
+    must(interp, "undo 2");
+    must(interp, "seed 9,5,1 1 to=1,1,1 radius=1"); /* each voxel once, though balls overlap */
+    must_leave_seeds(interp, "run", 47);
+    CHECK(has_seed(interp, 5, 3, 2) && has_seed(interp, 10, 5, 1) && !has_seed(interp, 5, 3, 3));
+    must(interp, "seed 3,3,3 2 to=3,3,3");
+    CHECK_INT(session_pendings(interp->session), 1);
+    CHECK(execute(interp, "seed 1,1,1 1 to=99,1,1") == ERR_INPUT);
 }
 
-STORY(a_seed_that_is_erased_before_a_run_waits_no_more)
+SCENE_STORY(a_seed_that_is_erased_before_a_run_waits_no_more)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "seed 4,4,4 1");
-    must(&interp, "remove 4,4,4 of=tree");
-    is_refused(&interp, "remove 4,4,4 of=tree", "no tree holds this voxel: no seed reaches it");
-    is_refused(&interp, "remove 4,4,4", "no tree holds this voxel: no seed reaches it");
-    must(&interp, "seed 4,4,4 2");
-    is_refused(&interp, "remove 5,5,5", "seeds wait for `run`");
-    must(&interp, "remove 4,4,4 of=tree");
-    interpreter_release(&interp);
+    must(interp, "seed 4,4,4 1; remove 4,4,4 of=tree");
+    is_refused(interp, "remove 4,4,4 of=tree", "no tree holds this voxel: no seed reaches it");
+    is_refused(interp, "remove 4,4,4", "no tree holds this voxel: no seed reaches it");
+    must(interp, "seed 4,4,4 2");
+    is_refused(interp, "remove 5,5,5", "seeds wait for `run`");
+    must(interp, "remove 4,4,4 of=tree");
 }
 
-STORY(seeds_are_read_from_files)
+SCENE_STORY(seeds_are_read_from_files)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
     make_seed_files();
-    must(&interp, "seed-file seeds.csv");
-    CHECK_HAS(buf_text(&reply.words), "added=2 marker=1-2 forest=");
+    MUST_RECORD(interp, "seed-file seeds.csv", "added=2 marker=1-2 forest=");
     CHECK_HAS(buf_text(&reply.words), " pending=2");
-    must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session->forest), 2);
-    const uint32_t cell = grid_cell(&interp.session->scene->grid, 10, 9, 8);
-    CHECK_INT(interp.session->scene->cell[cell].label, 2);
-    must(&interp, "seed-file seeds.csv label=7");
-    must(&interp, "run");
-    CHECK_INT(interp.session->scene->cell[cell].label, 7);
-    must(&interp, "seed-file regions.nii"); /* four of twelve columns each */
+    must_leave_seeds(interp, "run", 2);
+    const uint32_t cell = grid_cell(&interp->session->scene->grid, 10, 9, 8);
+    CHECK_INT(interp->session->scene->cell[cell].label, 2);
+    must(interp, "seed-file seeds.csv label=7; run");
+    CHECK_INT(interp->session->scene->cell[cell].label, 7);
+    must(interp, "seed-file regions.nii"); /* four of twelve columns each */
     CHECK_HAS(buf_text(&reply.words), "added=880 marker=4-5 forest=");
-    must(&interp, "seed-file regions.nii erode=1 regions=2");
+    must(interp, "seed-file regions.nii erode=1 regions=2");
     CHECK_TEXT(buf_text(&reply.canonical), "seed-file regions.nii regions=2 erode=1");
     CHECK_HAS(buf_text(&reply.words), "added=144 marker=6 forest="); /* 2 x 9 x 8 */
-    must(&interp, "seed-file regions.nii each=5 label=cerebellum");
-    CHECK_HAS(buf_text(&reply.words), "added=10 marker=7-8 forest=");
-    must(&interp, "run");
-    CHECK(forest_check(interp.session->forest, NULL));
-    interpreter_release(&interp);
+    MUST_RECORD(interp, "seed-file regions.nii each=5 label=cerebellum",
+                "added=10 marker=7-8 forest=");
+    must(interp, "run");
+    CHECK(forest_check(interp->session->forest, NULL));
 }
 
-STORY(a_seed_file_that_is_wrong_plants_nothing)
+SCENE_STORY(a_seed_file_that_is_wrong_plants_nothing)
 {
-    static const struct {
-        const char *line, *words;
-    } row[] = {
+    static const char *const row[][2] = {
         {"seed-file elsewhere.csv", "there is no file elsewhere.csv here; nothing has changed"},
         {"seed-file bad.csv", "bad.csv: line 3: 12,1,1 is outside the scene"},
         {"seed-file seeds.csv each=2", "are for label maps, and seeds.csv is a list"},
@@ -1289,16 +1232,13 @@ STORY(a_seed_file_that_is_wrong_plants_nothing)
         {"seed-file regions.nii regions=", "not nothing"},
         {"seed-file regions.nii label=256", "label: expected a label 0..255"},
     };
-    struct interpreter interp;
-    begin_with_scene(&interp);
     make_seed_files();
     make_regions("narrow.nii", 9, 0);
     write_text("bad.csv", "1,1,1,1\n2,2,2,2\n12,1,1,1\n");
     write_text("text.nii", "1,1,1,1\n");
-    must(&interp, "seed 5,5,5 1");
+    must(interp, "seed 5,5,5 1");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        is_refused(&interp, row[i].line, row[i].words);
-    interpreter_release(&interp);
+        is_refused(interp, row[i][0], row[i][1]);
 }
 
 /* Begin a new journal. Steps on its file fail while fail_on_journal is the hook. */
@@ -1314,11 +1254,8 @@ STORY(a_replay_detects_a_changed_seed_file)
     struct interpreter interp;
     make_seed_files();
     begin_recording(&interp, "files.iftty");
-    must(&interp, "open scene.nii");
-    must(&interp, "label 2 cerebellum");
-    must(&interp, "seed-file seeds.csv");
-    must(&interp, "seed-file regions.nii each=3 erode=1 generator=5");
-    must(&interp, "run");
+    must(&interp, "open scene.nii; label 2 cerebellum; seed-file seeds.csv; "
+                  "seed-file regions.nii each=3 erode=1 generator=5; run");
     interpreter_release(&interp);
     journal_verifies();
     write_text("seeds.csv", "10,9,8,2\n1,1,1,1\n"); /* the same seeds */
@@ -1435,10 +1372,7 @@ STORY(zoom_fit_works_for_any_samples)
         begin_interpreter(&interp);
         snprintf(line, sizeof line, "open %s", strchr(open[i], ':') ? open[i] : place(open[i]));
         must(&interp, line);
-        must(&interp, "size 1000 1000");
-        must(&interp, "samples 4");
-        must(&interp, "zoom fit");
-        must(&interp, "samples 1");
+        must(&interp, "size 1000 1000; samples 4; zoom fit; samples 1");
         must(&interp, "zoom fit"); /* may be larger now */
         must(&interp, "render");
         interpreter_release(&interp);
@@ -1538,74 +1472,36 @@ STORY(random_edits_fail_at_random)
 {
     struct interpreter interp;
     char line[128];
-    static const char *const weights[] = {"morph",       "morph radius=3", "sobel",
-                                          "gauss 0.75",  "difference",     "polarity",
-                                          "weights.nii", "heavier.nii"};
-    static const char *const excludes[] = {"mask none",
-                                           "mask regions.nii",
-                                           "mask regions.nii regions=0-1",
-                                           "mask weights.nii regions=10-39",
-                                           "range none",
-                                           "range 20 90",
-                                           "range 40 300"};
-    static const char *const pictures[] = {
-        "slice axial 3",  "slice coronal zoom=4", "slice sagittal 5 zoom=fit", "mosaic",
-        "window 20 99.5", "overlay contour",      "overlay tint marks=on"};
+    static const char *const forms[] = {
+        "remove X,Y,Z",
+        "run",
+        "auto [on|off]",
+        "render mode=[ii|bp]",
+        "[hide <1-4>|show <1-4>|hide <1-4>|show <1-4>|opacity <1-4> 0|opacity <1-4> 25|"
+        "opacity <1-4> 50|opacity <1-4> 75|opacity <1-4> 100]",
+        "adjacency [6|26]",
+        "weight [morph|morph radius=3|sobel|gauss 0.75|difference|polarity|weights.nii|"
+        "heavier.nii]",
+        "polarity <5> [-|]<101>",
+        "[mask none|mask regions.nii|mask regions.nii regions=0-1|"
+        "mask weights.nii regions=10-39|range none|range 20 90|range 40 300]",
+        "[slice axial 3|slice coronal zoom=4|slice sagittal 5 zoom=fit|mosaic|window 20 99.5|"
+        "overlay contour|overlay tint marks=on]",
+        "[undo|undo|redo] <1-4>",
+        "[branch|goto] b<9>",
+        "goto",
+        "seed X,Y,Z <5> radius=[0|0|0|0|0|0|0|1]"};
+    enum { FORMS = sizeof forms / sizeof *forms };
     unsigned undone = 0;
     seed = 3;
     begin_recording(&interp, "random.iftty");
-    must(&interp, "open scene.nii");
-    must(&interp, "size 24 24");
+    must(&interp, "open scene.nii; size 24 24");
     for (unsigned i = 0; i < 600 && check_failures < 5; i++) {
         struct snapshot before;
-        uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]);
-        switch (below(18)) {
-        case 15:
-            snprintf(line, sizeof line, "%s %u", below(3) ? "undo" : "redo", 1 + below(4));
-            break;
-        case 16:
+        const uint32_t which = below(18); /* five of them plant seeds */
+        random_command(line, sizeof line, forms[which < FORMS ? which : FORMS - 1], size, &seed);
+        if (strcmp(line, "goto") == 0)
             snprintf(line, sizeof line, "goto %u", 1 + below(i));
-            break;
-        case 17:
-            snprintf(line, sizeof line, "%s b%u", below(2) ? "branch" : "goto", below(9));
-            break;
-        case 0:
-            snprintf(line, sizeof line, "remove %u,%u,%u", x, y, z);
-            break;
-        case 1:
-            snprintf(line, sizeof line, "run");
-            break;
-        case 2:
-            snprintf(line, sizeof line, "auto %s", below(2) ? "on" : "off");
-            break;
-        case 3:
-            snprintf(line, sizeof line, "render mode=%s", below(2) ? "ii" : "bp");
-            break;
-        case 4:
-            if (below(2))
-                snprintf(line, sizeof line, "%s %u", below(2) ? "hide" : "show", 1 + below(4));
-            else
-                snprintf(line, sizeof line, "opacity %u %u", 1 + below(4), 25 * below(5));
-            break;
-        case 5:
-            snprintf(line, sizeof line, "adjacency %s", below(2) ? "6" : "26");
-            break;
-        case 6:
-            snprintf(line, sizeof line, "weight %s", weights[below(8)]);
-            break;
-        case 7:
-            snprintf(line, sizeof line, "polarity %u %d", below(5), (int)below(201) - 100);
-            break;
-        case 8:
-            snprintf(line, sizeof line, "%s", excludes[below(7)]);
-            break;
-        case 9:
-            snprintf(line, sizeof line, "%s", pictures[below(7)]);
-            break;
-        default:
-            snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
-                     below(8) ? 0 : 1);
-        }
         if (session_pendings(interp.session) > 48)
             snprintf(line, sizeof line, "run");
         take_snapshot(&before, &interp);
@@ -1632,123 +1528,86 @@ static const struct cell *cell_at(const struct interpreter *interp, uint32_t x, 
     return scene->cell + grid_cell(&scene->grid, x, y, z);
 }
 
-STORY(weights_are_read_from_a_file)
+SCENE_STORY(weights_are_read_from_a_file)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 10,9,8 2");
-    must(&interp, "run");
-    must(&interp, "weight morph radius=2");
-    const uint64_t morph = forest_digest(interp.session->forest);
-    must(&interp, "weight weights.nii");
-    CHECK_HAS(buf_text(&reply.words), "weights=");
-    CHECK_INT(cell_at(&interp, 3, 4, 5)->weight, (21 + 20 + 15) % 40);
-    CHECK(forest_digest(interp.session->forest) != morph);
-    MUST_MENTION(&interp, "info", "weight of weights.nii\n");
-    MUST_MENTION(&interp, "why 3,4,5", "weight 16, ");
-    must(&interp, "adjacency 26"); /* the weights do not change */
-    CHECK_INT(cell_at(&interp, 3, 4, 5)->weight, 16);
-    must(&interp, "weight difference");
-    must(&interp, "adjacency 6");
-    must(&interp, "weight morph radius=2");
-    CHECK(forest_digest(interp.session->forest) == morph);
+    must(interp, "seed 1,1,1 1; seed 10,9,8 2; run; weight morph radius=2");
+    const uint64_t morph = forest_digest(interp->session->forest);
+    MUST_RECORD(interp, "weight weights.nii", "weights=");
+    CHECK_INT(cell_at(interp, 3, 4, 5)->weight, (21 + 20 + 15) % 40);
+    CHECK(forest_digest(interp->session->forest) != morph);
+    MUST_MENTION(interp, "info", "weight of weights.nii\n");
+    MUST_MENTION(interp, "why 3,4,5", "weight 16, ");
+    must(interp, "adjacency 26"); /* the weights do not change */
+    CHECK_INT(cell_at(interp, 3, 4, 5)->weight, 16);
+    must(interp, "weight difference; adjacency 6; weight morph radius=2");
+    CHECK(forest_digest(interp->session->forest) == morph);
     make_weights("heaviest.nii", 65535 - 39);
-    must(&interp, "weight heaviest.nii");
-    CHECK_INT(cell_at(&interp, 0, 0, 0)->weight, 65535 - 39);
-    interpreter_release(&interp);
+    must(interp, "weight heaviest.nii");
+    CHECK_INT(cell_at(interp, 0, 0, 0)->weight, 65535 - 39);
 }
 
-STORY(weights_of_steps_go_by_both_ends)
+SCENE_STORY(weights_of_steps_go_by_both_ends)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "seed 0,0,0 1");
-    must(&interp, "auto on");
-    must(&interp, "weight difference");
-    MUST_MENTION(&interp, "info", "weight difference\n");
-    CHECK_INT(key_cost(cell_at(&interp, 5, 0, 0)->key), 3); /* 3 a step along x */
-    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
-    MUST_MENTION(&interp, "why 5,0,0", "intensity 15, a step of weight 3, label 1");
-    MUST_MENTION(&interp, "polarity 1 50", "used only under `weight polarity`");
-    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
-    must(&interp, "weight polarity");
-    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 31); /* up to brighter: half */
-    must(&interp, "polarity 1 -50");
+    must(interp, "seed 0,0,0 1; auto on; weight difference");
+    MUST_MENTION(interp, "info", "weight difference\n");
+    CHECK_INT(key_cost(cell_at(interp, 5, 0, 0)->key), 3); /* 3 a step along x */
+    CHECK_INT(key_cost(cell_at(interp, 6, 0, 0)->key), 63);
+    MUST_MENTION(interp, "why 5,0,0", "intensity 15, a step of weight 3, label 1");
+    MUST_MENTION(interp, "polarity 1 50", "used only under `weight polarity`");
+    CHECK_INT(key_cost(cell_at(interp, 6, 0, 0)->key), 63);
+    must(interp, "weight polarity");
+    CHECK_INT(key_cost(cell_at(interp, 6, 0, 0)->key), 31); /* up to brighter: half */
+    must(interp, "polarity 1 -50");
     CHECK(strstr(buf_text(&reply.text), "used only") == NULL);
-    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 94);
-    MUST_MENTION(&interp, "stats", "weight polarity 1:-50\n");
-    must(&interp, "seed 0,0,0 cerebellum"); /* another label, whose polarity is 0 */
-    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
-    CHECK(forest_check(interp.session->forest, NULL));
-    interpreter_release(&interp);
+    CHECK_INT(key_cost(cell_at(interp, 6, 0, 0)->key), 94);
+    MUST_MENTION(interp, "stats", "weight polarity 1:-50\n");
+    must(interp, "seed 0,0,0 cerebellum"); /* another label, whose polarity is 0 */
+    CHECK_INT(key_cost(cell_at(interp, 6, 0, 0)->key), 63);
+    CHECK(forest_check(interp->session->forest, NULL));
 }
 
-STORY(trees_stay_in_the_region_of_interest)
+SCENE_STORY(trees_stay_in_the_region_of_interest)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "auto on");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "mask regions.nii"); /* columns 0..3 and 8..11 */
+    must(interp, "auto on; seed 1,1,1 1; mask regions.nii"); /* columns 0..3 and 8..11 */
     CHECK_HAS(buf_text(&reply.words), "file=");
     CHECK_HAS(buf_text(&reply.words), " inside=880 forest=");
-    CHECK_INT(cell_at(&interp, 3, 5, 5)->label, 1);
-    CHECK(!cell_is_reached(cell_at(&interp, 4, 5, 5)) &&
-          !cell_is_reached(cell_at(&interp, 8, 5, 5)));
-    MUST_MENTION(&interp, "info", "region    mask regions.nii regions 1-65533: 880 of 1320");
-    MUST_MENTION(&interp, "why 4,5,5", "outside the region of interest");
-    must(&interp, "range 0 20");
-    CHECK_HAS(buf_text(&reply.words), "fence=");
-    CHECK(!cell_is_reached(cell_at(&interp, 3, 10, 5)));
-    MUST_MENTION(&interp, "stats", "mask regions.nii regions 1-65533, range 0..20: ");
-    MUST_MENTION(&interp, "seed 3,1,1 1 radius=2", "left out, outside the region of interest: ");
-    is_refused(&interp, "seed 5,5,5 2", "outside the region of interest, where no tree grows");
-    is_refused(&interp, "seed-file bright.csv", "nothing was planted");
-    must(&interp, "seed-file seeds.csv");
-    CHECK_HAS(buf_text(&reply.words), "added=1 ");
+    CHECK_INT(cell_at(interp, 3, 5, 5)->label, 1);
+    CHECK(!cell_is_reached(cell_at(interp, 4, 5, 5)) && !cell_is_reached(cell_at(interp, 8, 5, 5)));
+    MUST_MENTION(interp, "info", "region    mask regions.nii regions 1-65533: 880 of 1320");
+    MUST_MENTION(interp, "why 4,5,5", "outside the region of interest");
+    MUST_RECORD(interp, "range 0 20", "fence=");
+    CHECK(!cell_is_reached(cell_at(interp, 3, 10, 5)));
+    MUST_MENTION(interp, "stats", "mask regions.nii regions 1-65533, range 0..20: ");
+    MUST_MENTION(interp, "seed 3,1,1 1 radius=2", "left out, outside the region of interest: ");
+    is_refused(interp, "seed 5,5,5 2", "outside the region of interest, where no tree grows");
+    is_refused(interp, "seed-file bright.csv", "nothing was planted");
+    MUST_RECORD(interp, "seed-file seeds.csv", "added=1 ");
     CHECK_HAS(buf_text(&reply.text), "left out, outside the region of interest: 1 voxel\n");
-    is_refused(&interp, "remove 5,5,5", "no seed reaches it");
-    must(&interp, "range none");
-    must(&interp, "mask none");
-    CHECK_HAS(buf_text(&reply.words), "fence=0000000000000000 inside=1320 ");
-    CHECK_INT(cell_at(&interp, 11, 10, 9)->label, 1);
-    must(&interp, "info");
+    is_refused(interp, "remove 5,5,5", "no seed reaches it");
+    MUST_RECORD(interp, "range none; mask none", "fence=0000000000000000 inside=1320 ");
+    CHECK_INT(cell_at(interp, 11, 10, 9)->label, 1);
+    must(interp, "info");
     CHECK(strstr(buf_text(&reply.text), "region") == NULL);
-    interpreter_release(&interp);
 }
 
-STORY(a_roi_is_refused_that_leaves_seeds_outside)
+SCENE_STORY(a_roi_is_refused_that_leaves_seeds_outside)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "seed 5,5,5 1");
-    is_refused(&interp, "mask regions.nii", "0 planted and 1 waiting seeds would be outside");
-    must(&interp, "remove 5,5,5");
-    must(&interp, "seed 6,5,5 1");
-    must(&interp, "remove 6,5,5");
-    must(&interp, "mask regions.nii"); /* none of them would be planted */
-    must(&interp, "run");
-    must(&interp, "mask none");
-    must(&interp, "seed 5,5,5 1");
-    must(&interp, "run");
-    must(&interp, "seed 6,5,5 1");
-    must(&interp, "seed 6,5,5 2");
-    is_refused(&interp, "mask regions.nii", "1 planted and 1 waiting seeds would be outside");
-    is_refused(&interp, "range 0 10", "remove them and run first; nothing has changed");
-    is_refused(&interp, "range 900 1000", "no voxel of the scene would be inside");
-    is_refused(&interp, "mask regions.nii regions=7", "no voxel of the scene would be inside");
-    must(&interp, "mask regions.nii regions=0");
-    must(&interp, "run");
-    CHECK_INT(cell_at(&interp, 7, 0, 0)->label, 2);
-    interpreter_release(&interp);
+    must(interp, "seed 5,5,5 1");
+    is_refused(interp, "mask regions.nii", "0 planted and 1 waiting seeds would be outside");
+    must(interp, "remove 5,5,5; seed 6,5,5 1; remove 6,5,5");
+    must(interp, "mask regions.nii"); /* none of them would be planted */
+    must(interp, "run; mask none; seed 5,5,5 1; run; seed 6,5,5 1; seed 6,5,5 2");
+    is_refused(interp, "mask regions.nii", "1 planted and 1 waiting seeds would be outside");
+    is_refused(interp, "range 0 10", "remove them and run first; nothing has changed");
+    is_refused(interp, "range 900 1000", "no voxel of the scene would be inside");
+    is_refused(interp, "mask regions.nii regions=7", "no voxel of the scene would be inside");
+    must(interp, "mask regions.nii regions=0; run");
+    CHECK_INT(cell_at(interp, 7, 0, 0)->label, 2);
 }
 
-STORY(a_roi_or_weights_that_are_wrong_change_nothing)
+SCENE_STORY(a_roi_or_weights_that_are_wrong_change_nothing)
 {
-    static const struct {
-        const char *line, *words;
-    } row[] = {
+    static const char *const row[][2] = {
         {"mask elsewhere.nii", "there is no file elsewhere.nii here; nothing has changed"},
         {"mask narrow.nii", "narrow.nii: the map has 9x11x10 voxels and the scene 12x11x10"},
         {"mask seeds.csv", "seeds.csv: "},
@@ -1776,18 +1635,12 @@ STORY(a_roi_or_weights_that_are_wrong_change_nothing)
         {"range 1.5e 5", "LOW: expected none or a number"},
         {"range 1 99999999999999999999", "of at most 19 digits, not 99999999999999999999"},
     };
-    struct interpreter interp;
-    begin_with_scene(&interp);
     make_regions("narrow.nii", 9, 0);
     make_scaled("wide.nii", "\0\0\x80\x3f\0\0\x80\x47"); /* 1 and 65536 */
     make_scaled("half.nii", "\0\0\0\x3f\0\0\0\0");       /* 0.5 and 0 */
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "run");
-    must(&interp, "weight weights.nii");
-    must(&interp, "mask regions.nii");
+    must(interp, "seed 1,1,1 1; run; weight weights.nii; mask regions.nii");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        is_refused(&interp, row[i].line, row[i].words);
-    interpreter_release(&interp);
+        is_refused(interp, row[i][0], row[i][1]);
 }
 
 STORY(a_replay_detects_changed_weights_and_masks)
@@ -1795,8 +1648,7 @@ STORY(a_replay_detects_changed_weights_and_masks)
     struct interpreter interp;
     make_seed_files();
     begin_recording(&interp, "maps.iftty");
-    must(&interp, "open scene.nii");
-    must(&interp, "weight weights.nii");
+    must(&interp, "open scene.nii; weight weights.nii");
     must(&interp, "range 0 9"); /* so that the range hides later effects of the mask */
     must(&interp, "mask regions.nii");
     interpreter_release(&interp);
@@ -1829,12 +1681,8 @@ static bool after_some_polls(void *context, const char *what, uint64_t done, uin
 static void begin_interesting_work(struct interpreter *interp)
 {
     begin_interpreter(interp);
-    must(interp, "open synth:geom:40x32x32");
-    must(interp, "size 64 64");
-    must(interp, "seed 20,16,16 1 radius=2");
-    must(interp, "seed 1,1,1 2");
-    must(interp, "render");
-    must(interp, "remove 1,1,1");
+    must(interp, "open synth:geom:40x32x32; size 64 64; seed 20,16,16 1 radius=2; seed 1,1,1 2; "
+                 "render; remove 1,1,1");
 }
 
 /* Count the looks at the watch during a command on a new session; then begin again. */
@@ -1883,35 +1731,24 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, un
 /* A command is undone wherever it is stopped. */
 STORY(a_command_that_is_cancelled_is_undone)
 {
-    static const char *const line[] = {"adjacency 26",
-                                       "run",
-                                       "render",
-                                       "render mode=sp",
-                                       "weight sobel",
-                                       "weight gauss 2",
-                                       "hide 1",
-                                       "plane 20,16,16",
-                                       "cut 4,4,4 30,30,30",
-                                       "weight polarity",
-                                       "save cost x.nii replace=yes",
-                                       "range 0 300",
-                                       "undo 3",
-                                       "seed 4,4,4 1 radius=4 to=30,30,30 to=4,30,4",
-                                       "box 1,1,1 30,30,30 2",
-                                       "fill 1,1,5 1 to=30,1,5 to=15,30,5",
-                                       "outline 4,1,4 1 to=4,30,2 to=4,15,30",
-                                       "mosaic"};
+    static const char lines[] =
+        "adjacency 26; run; render; render mode=sp; weight sobel; weight gauss 2; hide 1; "
+        "plane 20,16,16; cut 4,4,4 30,30,30; weight polarity; save cost x.nii replace=yes; "
+        "range 0 300; undo 3; seed 4,4,4 1 radius=4 to=30,30,30 to=4,30,4; box 1,1,1 30,30,30 2; "
+        "fill 1,1,5 1 to=30,1,5 to=15,30,5; outline 4,1,4 1 to=4,30,2 to=4,15,30; mosaic";
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
     struct interpreter interp;
+    struct buf line = {0};
     struct snapshot before;
     unsigned cancelled = 0;
     begin_interesting_work(&interp);
     take_snapshot(&before, &interp);
-    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
-        cancelled += stop_everywhere(&interp, line[i], looks_of(&interp, line[i]), &before);
+    for (const char *at = lines; next_line(&line, &at);)
+        cancelled +=
+            stop_everywhere(&interp, buf_text(&line), looks_of(&interp, buf_text(&line)), &before);
+    buf_release(&line);
     CHECK(cancelled > 60);
-    must(&interp, "run");
-    must(&interp, "render");
+    must(&interp, "run; render");
     take_snapshot(&before, &interp);
     for (size_t i = 0; i < sizeof picture / sizeof picture[0]; i++) /* with nothing else to do */
         CHECK(stop_everywhere(&interp, picture[i], 1, &before) == 1);
@@ -1946,9 +1783,7 @@ STORY(interpolation_that_is_cancelled_is_undone)
 {
     struct interpreter interp;
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:120x100x90");
-    must(&interp, "range 0 300");
-    must(&interp, "render mode=sp");
+    must(&interp, "open synth:geom:120x100x90; range 0 300; render mode=sp");
     CHECK(stop_until_done(&interp, "interpolate 2 1 1") > 5);
     CHECK_INT(interp.session->scene->grid.size[0], 239);
     interpreter_release(&interp);
@@ -1967,27 +1802,21 @@ STORY(opening_that_is_cancelled_opens_nothing)
     }
 }
 
-STORY(weights_are_named_and_stay_without_memory)
+SCENE_STORY(weights_are_named_and_stay_without_memory)
 {
-    struct interpreter interp;
     struct snapshot before;
-    begin_with_scene(&interp);
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "weight sobel");
-    must(&interp, "run");
-    MUST_MENTION(&interp, "info", "weight sobel\n");
-    take_snapshot(&before, &interp);
+    must(interp, "seed 1,1,1 1; weight sobel; run");
+    MUST_MENTION(interp, "info", "weight sobel\n");
+    take_snapshot(&before, interp);
     allow_allocations(0);
-    CHECK(execute(&interp, "weight gauss 1.5") == ERR_MEMORY);
+    CHECK(execute(interp, "weight gauss 1.5") == ERR_MEMORY);
     mem_allows = NULL;
-    is_as_before(&before, &interp, "weight gauss 1.5");
-    must(&interp, "weight gauss 1.5");
-    CHECK_HAS(buf_text(&reply.words), "weights=");
+    is_as_before(&before, interp, "weight gauss 1.5");
+    MUST_RECORD(interp, "weight gauss 1.5", "weights=");
     CHECK_HAS(buf_text(&reply.words), " forest=");
-    MUST_MENTION(&interp, "info", "weight gauss 1.5\n");
-    must(&interp, "weight morph radius=3");
-    MUST_MENTION(&interp, "info", "weight morph radius=3\n");
-    interpreter_release(&interp);
+    MUST_MENTION(interp, "info", "weight gauss 1.5\n");
+    must(interp, "weight morph radius=3");
+    MUST_MENTION(interp, "info", "weight morph radius=3\n");
 }
 
 /* ---- without memory ---- */
@@ -2035,7 +1864,7 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
     buf_release(&now);
 }
 
-STORY(pictures_without_memory_leave_everything_as_it_was)
+SCENE_STORY(pictures_without_memory_leave_everything_as_it_was)
 {
     static const char row[] =
         "render mode=bp; render @/old.png replace=yes > old.png; "
@@ -2048,66 +1877,51 @@ STORY(pictures_without_memory_leave_everything_as_it_was)
         "decorate all; shade surface; mosaic @/small.png; render";
     static const char *const before[] = {"old.png",  "old.exr",  "old.gif",   "old0.png",
                                          "old1.png", "old2.png", "old.nii.gz"};
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    CHECK(interpreter_create_journal(&interp, place("poor.iftty"), &fault) == OK);
+    CHECK(interpreter_create_journal(interp, place("poor.iftty"), &fault) == OK);
     for (size_t i = 0; i < sizeof before / sizeof before[0]; i++)
         CHECK(file_write(place(before[i]), before[i], 3, FILE_REPLACE, NULL) == OK);
     CHECK(file_make_folder(place("poor.golden"), NULL) == OK);
-    must(&interp, "seed 3,3,3 1 radius=2");
-    must(&interp, "seed 0,0,0 0");
-    must(&interp, "run");
-    must(&interp, "size 40 30");
+    must(interp, "seed 3,3,3 1 radius=2; seed 0,0,0 0; run; size 40 30");
     struct deed deed;
     for (const char *at = row; !check_failures && next_deed(&deed, &at);)
-        fails_at_every_allocation(&interp, deed.line, *deed.file ? deed.file : NULL);
-    interpreter_release(&interp);
+        fails_at_every_allocation(interp, deed.line, *deed.file ? deed.file : NULL);
 }
 
-/* Execute a line and copy the words of its record. */
+/* Execute lines, the last of which has these words in its record. */
+static void is_recorded_as(struct interpreter *interp, const char *lines, const char *words)
+{
+    must(interp, lines);
+    CHECK_TEXT(buf_text(&reply.words), words);
+}
+
+/* Execute lines and copy the words of the last record. */
 static void record_of(char out[128], struct interpreter *interp, const char *line)
 {
     must(interp, line);
     snprintf(out, 128, "%s", buf_text(&reply.words));
 }
 
-STORY(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode)
+SCENE_STORY(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode)
 {
-    struct interpreter interp;
-    char opaque[128], words[128], other[128];
-    begin_with_scene(&interp);
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 10,9,8 2");
-    must(&interp, "view 30 20");
-    record_of(opaque, &interp, "render");
-    must(&interp, "opacity 1 40");
-    record_of(words, &interp, "render");
+    char opaque[128], words[128];
+    record_of(opaque, interp, "seed 1,1,1 1; seed 10,9,8 2; view 30 20; render");
+    record_of(words, interp, "opacity 1 40; render");
     CHECK(strcmp(words, opaque) != 0);
     static const char *const mode[] = {"render mode=sp", "render mode=bp", "render mode=ray",
                                        "render mode=ii"};
-    for (size_t i = 0; i < sizeof mode / sizeof *mode; i++) {
-        record_of(other, &interp, mode[i]);
-        CHECK_TEXT(other, words);
-    }
-    MUST_MENTION(&interp, "info", "opacity   100 %, 40 % of label 1\n");
-    MUST_MENTION(&interp, "stats", ", opacity 40 %\n");
-    must(&interp, "opacity all 100");
-    record_of(other, &interp, "render");
-    CHECK_TEXT(other, opaque);
-    must(&interp, "info");
+    for (size_t i = 0; i < sizeof mode / sizeof *mode; i++)
+        is_recorded_as(interp, mode[i], words);
+    MUST_MENTION(interp, "info", "opacity   100 %, 40 % of label 1\n");
+    MUST_MENTION(interp, "stats", ", opacity 40 %\n");
+    is_recorded_as(interp, "opacity all 100; render", opaque);
+    must(interp, "info");
     CHECK(strstr(buf_text(&reply.text), "opacity") == NULL);
-    must(&interp, "undo");
-    record_of(other, &interp, "render");
-    CHECK_TEXT(other, words);
-    must(&interp, "opacity 1 0"); /* as hidden, in renditions alone */
-    record_of(words, &interp, "render");
-    must(&interp, "undo");
-    must(&interp, "hide 1");
-    record_of(other, &interp, "render");
-    CHECK_TEXT(other, words);
-    is_refused(&interp, "opacity 1 101", "expected a number 0..100");
-    is_refused(&interp, "opacity 0 50", "expected all, a label 1..255");
-    interpreter_release(&interp);
+    is_recorded_as(interp, "undo; render", words);
+    must(interp, "opacity 1 0"); /* as hidden, in renditions alone */
+    record_of(words, interp, "render");
+    is_recorded_as(interp, "undo; hide 1; render", words);
+    is_refused(interp, "opacity 1 101", "expected a number 0..100");
+    is_refused(interp, "opacity 0 50", "expected all, a label 1..255");
 }
 
 /* The same for edits. Without memory the forest cannot be restored at once: seeds and settings are,
@@ -2133,7 +1947,7 @@ static void grows_anew_after_every_failure(struct interpreter *interp, const cha
     CHECK(err == OK);
 }
 
-STORY(edits_without_memory_leave_everything_as_it_was)
+SCENE_STORY(edits_without_memory_leave_everything_as_it_was)
 {
     static const char *const line[] = {
         "seed 3,3,3 1 radius=2 within=4",
@@ -2144,51 +1958,29 @@ STORY(edits_without_memory_leave_everything_as_it_was)
         "undo 2",
         "redo",
     };
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "auto on");
-    must(&interp, "seed 0,0,0 0");
+    must(interp, "auto on; seed 0,0,0 0");
     for (size_t i = 0; i < sizeof line / sizeof line[0] && !check_failures; i++)
-        grows_anew_after_every_failure(&interp, line[i]);
-    interpreter_release(&interp);
+        grows_anew_after_every_failure(interp, line[i]);
 }
 
-STORY(the_context_lies_behind_objects_and_goes_by_the_window)
+SCENE_STORY(the_context_lies_behind_objects_and_goes_by_the_window)
 {
-    struct interpreter interp;
     char alone[128], words[128], other[128];
-    begin_with_scene(&interp);
-    must(&interp, "view 30 20");
-    record_of(alone, &interp, "render");
-    must(&interp, "context mip");
-    record_of(words, &interp, "render"); /* the scene alone */
+    record_of(alone, interp, "view 30 20; render");
+    record_of(words, interp, "context mip; render"); /* the scene alone */
     CHECK(strcmp(words, alone) != 0);
-    CHECK_INT(session_frame(interp.session)->rgba[4 * (256 * 512 + 256) + 3], 255);
-    must(&interp, "samples 2");
-    must(&interp, "samples 1");
-    record_of(other, &interp, "render");
-    CHECK_TEXT(other, words);
-    must(&interp, "window 0 50");
-    record_of(other, &interp, "render");
+    CHECK_INT(session_frame(interp->session)->rgba[4 * (256 * 512 + 256) + 3], 255);
+    is_recorded_as(interp, "samples 2; samples 1; render", words);
+    record_of(other, interp, "window 0 50; render");
     CHECK(strcmp(words, other) != 0);
-    MUST_MENTION(&interp, "info", ", context mip\n");
-    must(&interp, "context none");
-    record_of(other, &interp, "render");
-    CHECK_TEXT(other, alone);
-    must(&interp, "context mip");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 10,9,8 2");
-    must(&interp, "opacity 1 40");
-    record_of(words, &interp, "render mode=ii");
-    record_of(other, &interp, "render mode=ray");
-    CHECK_TEXT(other, words);
-    must(&interp, "clip axial 0-4");
-    record_of(other, &interp, "render");
+    MUST_MENTION(interp, "info", ", context mip\n");
+    is_recorded_as(interp, "context none; render", alone);
+    record_of(words, interp,
+              "context mip; seed 1,1,1 1; seed 10,9,8 2; opacity 1 40; render mode=ii");
+    is_recorded_as(interp, "render mode=ray", words);
+    record_of(other, interp, "clip axial 0-4; render");
     CHECK(strcmp(words, other) != 0);
-    must(&interp, "undo");
-    record_of(other, &interp, "render");
-    CHECK_TEXT(other, words);
-    interpreter_release(&interp);
+    is_recorded_as(interp, "undo; render", words);
 }
 
 STORY(a_journal_that_cannot_begin_undoes_the_command)

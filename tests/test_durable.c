@@ -73,9 +73,8 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
 {
     static const char *const words[] = {"is gone",     "is gone",     "was replaced",
                                         "was changed", "was changed", "its byte 40 differs"};
-    char path[FILE_LENGTH], other[FILE_LENGTH];
-    strcpy(path, place("harmed.iftty"));
-    strcpy(other, place("harmed-2.iftty"));
+    const char *path = place("harmed.iftty");
+    const char *other = place("harmed-2.iftty");
     for (enum harm harm = DELETED; harm < HARMS; harm++) {
         struct fault fault;
         struct buf left = {0};
@@ -154,10 +153,9 @@ static int fail_step(enum file_step step, const char *path)
 
 STORY(going_on_elsewhere_is_all_or_nothing)
 {
-    char path[FILE_LENGTH], other[FILE_LENGTH];
     unsigned failures = 0;
-    strcpy(path, place("from.iftty"));
-    strcpy(other, place("to.iftty"));
+    const char *path = place("from.iftty");
+    const char *other = place("to.iftty");
     for (unsigned steps = 0; steps < 24; steps++) {
         struct journal *journal = make_journal(path, 3);
         struct fault fault = {.text = ""};
@@ -238,9 +236,8 @@ STORY(records_are_synced_when_that_was_asked_for)
 /* A system that could not write a page may drop it and say once that it did. */
 STORY(what_a_failed_sync_may_have_lost_is_written_again)
 {
-    char path[FILE_LENGTH];
     struct fault fault;
-    strcpy(path, place("doubt.iftty"));
+    const char *path = place("doubt.iftty");
     struct journal *journal = make_journal(path, 2);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     for (size_t n = 3; n <= 6; n++)
@@ -270,8 +267,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
 
 STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
 {
-    char path[FILE_LENGTH];
-    strcpy(path, place("views.iftty"));
+    const char *path = place("views.iftty");
     struct journal *journal = make_journal(path, 1);
     syncs = bad_syncs = 0;
     file_step_hook = count_syncs;
@@ -319,8 +315,7 @@ static unsigned threads(void)
 
 STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
 {
-    char path[FILE_LENGTH];
-    strcpy(path, place("off.iftty"));
+    const char *path = place("off.iftty");
     struct journal *journal = make_journal(path, 1);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     const unsigned before = threads();
@@ -334,11 +329,11 @@ STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
 
 STORY(a_second_writer_is_told_who_has_it_and_may_look)
 {
-    char path[FILE_LENGTH], other[FILE_LENGTH], wanted[64];
+    char wanted[64];
     struct fault fault;
     struct buf before = {0};
-    strcpy(path, place("held.iftty"));
-    strcpy(other, place("mine.iftty"));
+    const char *path = place("held.iftty");
+    const char *other = place("mine.iftty");
     struct journal *journal = make_journal(path, 3), *second;
     snprintf(wanted, sizeof wanted, "process %ld (test_durable)", (long)getpid());
     CHECK(open_again(&second, path, &fault) == ERR_IO);
@@ -366,9 +361,8 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
 /* A process that is being started holds the locks of its parent until it runs its own program. */
 STORY(a_lock_that_a_child_holds_for_a_moment_is_waited_for)
 {
-    char path[FILE_LENGTH];
     struct fault fault;
-    strcpy(path, place("moment.iftty"));
+    const char *path = place("moment.iftty");
     struct journal *journal = make_journal(path, 2), *second;
     fflush(stdout);
     const pid_t child = fork();
@@ -397,10 +391,10 @@ static int has_no_locks_and_no_room(enum file_step step, const char *path)
 
 STORY(where_there_are_no_locks_a_file_stands_for_one)
 {
-    char path[FILE_LENGTH], lock[FILE_LENGTH + 8];
+    char lock[FILE_LENGTH + 8];
     struct fault fault;
     struct journal *journal, *second;
-    strcpy(path, place("nfs.iftty"));
+    const char *path = place("nfs.iftty");
     snprintf(lock, sizeof lock, "%s.lock", path);
     file_step_hook = has_no_locks;
     journal = make_journal(path, 2);
@@ -444,10 +438,9 @@ STORY(no_empty_journal_stays_where_no_lock_can_be_had)
 
 STORY(looking_leaves_a_torn_tail_alone)
 {
-    char path[FILE_LENGTH];
     struct journal *journal;
     struct buf bytes = {0}, notice = {0};
-    strcpy(path, place("looked.iftty"));
+    const char *path = place("looked.iftty");
     journal_close(make_journal(path, 3));
     CHECK(truncate(path, 200) == 0);
     content(&bytes, path);

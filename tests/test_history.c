@@ -29,53 +29,17 @@ static void make_maps(void)
     write_text("seeds.csv", "1,1,1,1\n10,9,8,2\n");
 }
 
-static const char *const deeds[] = {
-    "seed 1,1,1 1",
-    "seed 10,9,8 2 radius=1",
-    "run",
-    "seed 5,5,5 3",
-    "remove 5,5,5",
-    "remove 1,1,1",
-    "run",
-    "seed-file seeds.csv",
-    "run",
-    "remove 0,0,0",
-    "render mode=bp", /* runs what waits */
-    "hide 1",
-    "show 1",
-    "label 3 liver #102030",
-    "adjacency 26",
-    "weight sobel",
-    "weight weights.nii",
-    "adjacency 6",
-    "weight heavier.nii",
-    "weight polarity",
-    "polarity 2 50",
-    "polarity 2 0",
-    "weight gauss 1.5",
-    "weight heavier.nii",
-    "seed 10,1,1 4",
-    "seed 6,1,1 4",
-    "run",
-    "remove 6,1,1",
-    "run",
-    "mask regions.nii regions=1-2",
-    "range 0 290.5",
-    "mask regions.nii regions=0-2",
-    "range none",
-    "seed 5,2,2 1",
-    "run",
-    "remove 5,2,2",
-    "mask none",
-    "weight morph radius=2",
-    "clip axial 1-8",
-    "plane 6,4,3",
-    "cut 0,0,0 5,5,5",
-    "clip none",
-    "plane none",
-};
-
-enum { DEEDS = sizeof deeds / sizeof deeds[0] };
+/* The render after two edits runs those that wait. */
+static const char deeds[] =
+    "seed 1,1,1 1; seed 10,9,8 2 radius=1; run; seed 5,5,5 3; remove 5,5,5; remove 1,1,1; run; "
+    "seed-file seeds.csv; run; remove 0,0,0; render mode=bp; hide 1; show 1; "
+    "label 3 liver #102030; adjacency 26; weight sobel; weight weights.nii; adjacency 6; "
+    "weight heavier.nii; weight polarity; polarity 2 50; polarity 2 0; weight gauss 1.5; "
+    "weight heavier.nii; seed 10,1,1 4; seed 6,1,1 4; run; remove 6,1,1; run; "
+    "mask regions.nii regions=1-2; range 0 290.5; mask regions.nii regions=0-2; range none; "
+    "seed 5,2,2 1; run; remove 5,2,2; mask none; weight morph radius=2; clip axial 1-8; "
+    "plane 6,4,3; cut 0,0,0 5,5,5; clip none; plane none";
+enum { DEEDS = 43 };
 
 /* Undoes and redoes a command: both states must be as they were. */
 static void goes_back_and_forth(struct interpreter *interp, const char *line)
@@ -106,8 +70,10 @@ STORY(every_kind_of_command_is_undone_and_done_again)
         must(&interp, "size 24 24");
         must(&interp, by_itself ? "auto on" : "auto off");
         take_snapshot(&first, &interp);
-        for (size_t i = 0; i < DEEDS; i++)
-            goes_back_and_forth(&interp, deeds[i]);
+        struct buf deed = {0};
+        for (const char *at = deeds; next_line(&deed, &at);)
+            goes_back_and_forth(&interp, buf_text(&deed));
+        buf_release(&deed);
         CHECK(interp.history.points > DEEDS - 5);
         while (execute(&interp, "undo") == OK)
             continue;
@@ -115,8 +81,7 @@ STORY(every_kind_of_command_is_undone_and_done_again)
         must(&interp, "redo 2"); /* the two labels of the beginning */
         take_snapshot(&now, &interp);
         is_same_segmentation(&first, &now);
-        must(&interp, "redo 20");
-        must(&interp, "redo 1000"); /* as many as there are */
+        must(&interp, "redo 20; redo 1000"); /* as many as there are */
         CHECK_HAS(buf_text(&reply.text), "commands could be done again, not 1000\n");
         CHECK(execute(&interp, "redo 2") == ERR_INPUT);
         MUST_MENTION(&interp, "undo 1000", "commands could be undone, not 1000\n");
@@ -125,156 +90,96 @@ STORY(every_kind_of_command_is_undone_and_done_again)
     }
 }
 
-STORY(where_one_looks_from_is_not_undone)
+SCENE_STORY(where_one_looks_from_is_not_undone)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "view left");
-    must(&interp, "cross 3,3,3");
-    must(&interp, "shade cubes");
-    MUST_ANSWER(&interp, "undo", "undone: 4 seed 1,1,1 1\nafter 3 label 0 background\n");
+    must(interp, "seed 1,1,1 1; view left; cross 3,3,3; shade cubes");
+    MUST_ANSWER(interp, "undo", "undone: 4 seed 1,1,1 1\nafter 3 label 0 background\n");
     CHECK_HAS(buf_text(&reply.words), "at=3 on=main forest=");
-    CHECK_INT(session_pendings(interp.session), 0);
-    CHECK_INT(interp.session->now.outlook.slices.cross[0], 3);
-    CHECK(interp.session->now.outlook.look.mode != look_default().mode);
-    CHECK(interp.session->now.outlook.view.angle[0] != 0);
-    interpreter_release(&interp);
+    CHECK_INT(session_pendings(interp->session), 0);
+    CHECK_INT(interp->session->now.outlook.slices.cross[0], 3);
+    CHECK(interp->session->now.outlook.look.mode != look_default().mode);
+    CHECK(interp->session->now.outlook.view.angle[0] != 0);
 }
 
-STORY(an_edit_after_undo_begins_an_alternative)
+SCENE_STORY(an_edit_after_undo_begins_an_alternative)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp); /* records 1 to 3 */
-    must(&interp, "auto on");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 10,9,8 2");
-    must(&interp, "undo");
-    must(&interp, "seed 9,2,2 3");
-    CHECK(execute(&interp, "redo") == ERR_INPUT);
-    CHECK_HAS(fault.text, "there is nothing to do again");
-    must(&interp, "goto 6"); /* what was undone is not lost */
+    /* records 1 to 3 */
+    must(interp, "auto on; seed 1,1,1 1; seed 10,9,8 2; undo; seed 9,2,2 3");
+    MUST_FAIL(interp, "redo", ERR_INPUT, "there is nothing to do again");
+    must(interp, "goto 6"); /* what was undone is not lost */
     CHECK_HAS(buf_text(&reply.words), "at=6 ");
-    must(&interp, "goto 7"); /* as the undo left it */
+    must(interp, "goto 7"); /* as the undo left it */
     CHECK_HAS(buf_text(&reply.words), "at=5 ");
-    CHECK(execute(&interp, "goto 0") == ERR_INPUT);
-    CHECK_HAS(fault.text, "expected a record 1..10, or a branch, not 0");
-    CHECK(execute(&interp, "goto 11") == ERR_INPUT);
-    CHECK(execute(&interp, "goto somewhere") == ERR_INPUT);
-    CHECK_HAS(fault.text, "there is no branch somewhere");
-    interpreter_release(&interp);
+    MUST_FAIL(interp, "goto 0", ERR_INPUT, "expected a record 1..10, or a branch, not 0");
+    CHECK(execute(interp, "goto 11") == ERR_INPUT);
+    MUST_FAIL(interp, "goto somewhere", ERR_INPUT, "there is no branch somewhere");
 }
 
 /* Each edit after an undo starts from the state there and keeps no list of it. */
-STORY(an_edit_after_undo_costs_what_it_changes)
+SCENE_STORY(an_edit_after_undo_costs_what_it_changes)
 {
     enum { MARKERS = 1100, TIMES = 200, EACH = 1000 };
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "auto on");
+    must(interp, "auto on");
     for (int i = 0; i < MARKERS; i++)
-        must(&interp, "seed 5,5,5 3");
-    const size_t before = history_memory(&interp.history);
+        must(interp, "seed 5,5,5 3");
+    const size_t before = history_memory(&interp->history);
     for (int i = 0; i < TIMES; i++) {
-        must(&interp, "undo");
-        must(&interp, "seed 5,5,5 3");
+        must(interp, "undo; seed 5,5,5 3");
     }
-    const size_t more = (history_memory(&interp.history) - before) / TIMES;
+    const size_t more = (history_memory(&interp->history) - before) / TIMES;
     if (!CHECK(more < EACH))
         printf("#   %zu bytes each\n", more);
-    interpreter_release(&interp);
 }
 
-STORY(looking_back_moves_no_branch)
+SCENE_STORY(looking_back_moves_no_branch)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp); /* records 1 to 3 */
-    must(&interp, "auto on");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 10,9,8 2");
-    must(&interp, "seed 9,2,2 3");
-    MUST_MENTION(&interp, "goto 5", "main stays at record 7: `goto main` leads back\n");
-    must(&interp, "undo"); /* one looks further back */
-    must(&interp, "redo 2");
-    CHECK_INT(forest_seeds(interp.session->forest), 2);
-    must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session->forest), 3);
-    must(&interp, "undo"); /* from the tip: that is a change */
-    must(&interp, "goto 4");
-    must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session->forest), 2);
-    must(&interp, "goto 5");
-    must(&interp, "seed 3,3,3 1"); /* and so is a command */
-    must(&interp, "goto 7");
-    must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session->forest), 2);
-    CHECK(interp.session->scene->cell[grid_cell(&interp.session->scene->grid, 3, 3, 3)].flags &
+    /* records 1 to 3 */
+    must(interp, "auto on; seed 1,1,1 1; seed 10,9,8 2; seed 9,2,2 3");
+    MUST_MENTION(interp, "goto 5", "main stays at record 7: `goto main` leads back\n");
+    must(interp, "undo"); /* one looks further back */
+    must_leave_seeds(interp, "redo 2", 2);
+    must_leave_seeds(interp, "goto main", 3);
+    must(interp, "undo"); /* from the tip: that is a change */
+    must_leave_seeds(interp, "goto 4; goto main", 2);
+    must(interp, "goto 5; seed 3,3,3 1"); /* and so is a command */
+    must_leave_seeds(interp, "goto 7; goto main", 2);
+    CHECK(interp->session->scene->cell[grid_cell(&interp->session->scene->grid, 3, 3, 3)].flags &
           CELL_SEED);
-    interpreter_release(&interp);
 }
 
-STORY(branches_have_names_and_are_left_and_found_again)
+SCENE_STORY(branches_have_names_and_are_left_and_found_again)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "auto on");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "hide 1");
-    must(&interp, "undo");
-    must(&interp, "branch other");
+    must(interp, "auto on; seed 1,1,1 1; hide 1; undo; branch other");
     CHECK_TEXT(buf_text(&reply.words), "branch=other");
-    must(&interp, "seed 10,9,8 2");
-    must(&interp, "seed 9,9,8 2");
-    must(&interp, "goto main");
-    CHECK_INT(forest_seeds(interp.session->forest), 1);
-    must(&interp, "redo"); /* along the branch one is on */
-    CHECK(!interp.session->now.kept.visible[1]);
-    must(&interp, "goto other");
-    CHECK_INT(forest_seeds(interp.session->forest), 3);
-    must(&interp, "history 3");
-    CHECK_TEXT(buf_text(&reply.text), "  6 hide 1   [main]\n"
-                                      "  9 seed 10,9,8 2   (from 5)\n"
-                                      "* 10 seed 9,9,8 2   [other]\n");
-    CHECK(execute(&interp, "branch main") == ERR_USAGE);
-    CHECK_HAS(fault.text, "there is a branch main already");
-    CHECK(execute(&interp, "branch 7up") == ERR_USAGE);
-    CHECK_HAS(fault.text, "begins with a letter, not 7up");
-    interpreter_release(&interp);
+    must_leave_seeds(interp, "seed 10,9,8 2; seed 9,9,8 2; goto main", 1);
+    must(interp, "redo"); /* along the branch one is on */
+    CHECK(!interp->session->now.kept.visible[1]);
+    must_leave_seeds(interp, "goto other", 3);
+    MUST_ANSWER(interp, "history 3",
+                "  6 hide 1   [main]\n"
+                "  9 seed 10,9,8 2   (from 5)\n"
+                "* 10 seed 9,9,8 2   [other]\n");
+    MUST_FAIL(interp, "branch main", ERR_USAGE, "there is a branch main already");
+    MUST_FAIL(interp, "branch 7up", ERR_USAGE, "begins with a letter, not 7up");
 }
 
 /* ---- random walks ---- */
 
 static void random_line(char *line, size_t room)
 {
-    static const char *const forms[] = {
-        "undo [1|<1-6>]",
-        "redo <1-3>",
-        "goto <1-200>",
-        "[remove X,Y,Z radius=<2>|remove X,Y,Z radius=<2> of=tree|branch b<5>|goto b<5>]",
-        "seed X,Y,Z <4> radius=[0|0|0|<2>]",
-        "seed X,Y,Z <4> radius=[0|0|0|<2>]",
-        "seed X,Y,Z <4> radius=[0|0|0|<2>]"};
-    static const char *const settings[] = {"run",
-                                           "auto [on|off]",
-                                           "auto [on|off]",
-                                           "[hide 1|show 1|hide 2]",
-                                           "[hide 1|show 1|hide 2]",
-                                           "adjacency [6|26]",
-                                           "adjacency [6|26]",
-                                           "weight [morph|weights.nii|sobel|polarity]",
-                                           "weight [morph|weights.nii|sobel|polarity]",
-                                           "weight [morph|weights.nii|sobel|polarity]",
-                                           "polarity 1 [30|-30]",
-                                           "mask [none|regions.nii regions=0-2|regions.nii]",
-                                           "mask [none|regions.nii regions=0-2|regions.nii]",
-                                           "range [0 200|none]",
-                                           "range [0 200|none]",
-                                           "clip [axial 2-7|none]",
-                                           "render",
-                                           "turn 10 5",
-                                           "label 1 [a|b #ff00ff]",
-                                           "slice axial 3"};
-    const char *form = below(9) < 2 ? RANDOM_FORM(settings, &seed) : RANDOM_FORM(forms, &seed);
+    static const char forms[] =
+        "undo [1|<1-6>]; redo <1-3>; goto <1-200>; "
+        "[remove X,Y,Z radius=<2>|remove X,Y,Z radius=<2> of=tree|branch b<5>|goto b<5>]; "
+        "seed X,Y,Z <4> radius=[0|0|0|<2>]; seed X,Y,Z <4> radius=[0|0|0|<2>]; "
+        "seed X,Y,Z <4> radius=[0|0|0|<2>]";
+    static const char settings[] =
+        "run; auto [on|off]; auto [on|off]; [hide 1|show 1|hide 2]; [hide 1|show 1|hide 2]; "
+        "adjacency [6|26]; adjacency [6|26]; weight [morph|weights.nii|sobel|polarity]; "
+        "weight [morph|weights.nii|sobel|polarity]; weight [morph|weights.nii|sobel|polarity]; "
+        "polarity 1 [30|-30]; mask [none|regions.nii regions=0-2|regions.nii]; "
+        "mask [none|regions.nii regions=0-2|regions.nii]; range [0 200|none]; range [0 200|none]; "
+        "clip [axial 2-7|none]; render; turn 10 5; label 1 [a|b #ff00ff]; slice axial 3";
+    const char *form = below(9) < 2 ? random_form(settings, &seed) : random_form(forms, &seed);
     random_command(line, room, form, size, &seed);
 }
 
@@ -394,23 +299,10 @@ static void show_all(void *context)
 
 static void begin_with_history(struct interpreter *interp)
 {
-    static const char *const lines[] = {"size 24 24",
-                                        "seed 1,1,1 1",
-                                        "seed 10,9,8 2",
-                                        "run",
-                                        "weight heavier.nii",
-                                        "seed 5,5,5 3",
-                                        "remove 1,1,1",
-                                        "mask regions.nii regions=0-2",
-                                        "run",
-                                        "adjacency 26",
-                                        "weight sobel",
-                                        "hide 2",
-                                        "render",
-                                        "undo 4"};
     begin_with_scene(interp);
-    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++)
-        must(interp, lines[i]);
+    must(interp, "size 24 24; seed 1,1,1 1; seed 10,9,8 2; run; weight heavier.nii; "
+                 "seed 5,5,5 3; remove 1,1,1; mask regions.nii regions=0-2; run; adjacency 26; "
+                 "weight sobel; hide 2; render; undo 4");
 }
 
 static const char *const travels[] = {"undo",   "undo 2", "undo 4", "redo",   "redo 2",
@@ -464,60 +356,28 @@ STORY(without_memory_one_stays_where_one_is)
     free(kept);
 }
 
-STORY(without_memory_a_marker_stands_as_it_did)
+SCENE_STORY(without_memory_a_marker_stands_as_it_did)
 {
     static const char *const lines[] = {"seed 5,5,5 3 radius=1", "remove 1,1,1", "remove 5,5,5",
                                         "remove 9,9,8 of=tree", "run"};
-    struct interpreter interp;
     unsigned refused = 0;
-    begin_with_scene(&interp);
-    must(&interp, "seed 1,1,1 1 radius=2");
-    must(&interp, "seed 9,9,8 2 radius=2");
-    must(&interp, "run");
+    must(interp, "seed 1,1,1 1 radius=2; seed 9,9,8 2 radius=2; run");
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
-        refused += starve_everywhere(&interp, lines[i], NULL);
+        refused += starve_everywhere(interp, lines[i], NULL);
     CHECK(refused > 10);
-    CHECK_INT(session_pendings(interp.session), 0);
-    interpreter_release(&interp);
+    CHECK_INT(session_pendings(interp->session), 0);
 }
 
-/* All that looks at the scene, or at as many voxels as it may have. */
-static const char *const works[] = {
-    "seed 6,5,5 3 radius=4", /* on a forest that grows by what changes */
-    "seed 1,1,1 1 radius=2 to=10,9,8",
-    "remove 6,5,5 radius=3",
-    "remove 6,5,5 of=tree",
-    "run",
-    "undo 2",
-    "redo",
-    "goto 4",
-    "weight morph radius=2",
-    "weight sobel",
-    "weight gauss 0.5",
-    "weight difference",
-    "weight polarity",
-    "polarity 2 40",
-    "seed 3,3,3 4 radius=1",
-    "weight weights.nii",
-    "adjacency 26",
-    "range 0 120",
-    "seed 2,2,2 5 radius=2",
-    "range none",
-    "mask regions.nii regions=0-2",
-    "mask none",
-    "seed-file regions.nii label=1 erode=1",
-    "seed-file seeds.csv",
-    "render mode=sp",
-    "render mode=ray",
-    "hide 1",
-    "clip axial 2-7",
-    "render",
-    "plane 6,4,3",
-    "stats",
-    "clip none",
-    "save labels labels.nii",
-    "save root root.nii.gz",
-};
+/* All that looks at the scene, or at as many voxels as it may have; the first one on a forest that
+ * grows by what changes. */
+static const char works[] =
+    "seed 6,5,5 3 radius=4; seed 1,1,1 1 radius=2 to=10,9,8; remove 6,5,5 radius=3; "
+    "remove 6,5,5 of=tree; run; undo 2; redo; goto 4; weight morph radius=2; weight sobel; "
+    "weight gauss 0.5; weight difference; weight polarity; polarity 2 40; seed 3,3,3 4 radius=1; "
+    "weight weights.nii; adjacency 26; range 0 120; seed 2,2,2 5 radius=2; range none; "
+    "mask regions.nii regions=0-2; mask none; seed-file regions.nii label=1 erode=1; "
+    "seed-file seeds.csv; render mode=sp; render mode=ray; hide 1; clip axial 2-7; render; "
+    "plane 6,4,3; stats; clip none; save labels labels.nii; save root root.nii.gz";
 
 /* Carries a command out as often as it looks at the watch, each time stopped one look later, or
  * some later where it looks as `often` as it can; and at last lets it be. How often it was
@@ -571,12 +431,12 @@ STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
         begin_with_scene(&interp);
         must(&interp, "size 24 24");
         must(&interp, by_itself ? "auto on" : "auto off");
-        must(&interp, "seed 1,1,1 1");
-        must(&interp, "seed 10,9,8 2 radius=1");
-        must(&interp, "render");
-        for (size_t i = 0; i < sizeof works / sizeof *works; i++)
-            if (!CHECK(stop_everywhere(&interp, works[i], by_itself, true) > 1))
-                printf("#   %s\n", works[i]);
+        must(&interp, "seed 1,1,1 1; seed 10,9,8 2 radius=1; render");
+        struct buf work = {0};
+        for (const char *at = works; next_line(&work, &at);)
+            if (!CHECK(stop_everywhere(&interp, buf_text(&work), by_itself, true) > 1))
+                printf("#   %s\n", buf_text(&work));
+        buf_release(&work);
         CHECK(unlink(place("labels.nii")) == 0 && unlink(place("root.nii.gz")) == 0);
         interpreter_release(&interp);
     }
@@ -593,8 +453,12 @@ STORY(what_is_shown_on_the_way_changes_nothing)
     begin_with_scene(&plain);
     must(&interp, "size 24 24");
     must(&plain, "size 24 24");
+    struct buf deed = {0};
+    const char *at = deeds;
     for (size_t i = 0; i < 2 * DEEDS; i++) {
-        const char *line = i % 2 ? "render" : deeds[i / 2];
+        if (i % 2 == 0)
+            next_line(&deed, &at);
+        const char *line = i % 2 ? "render" : buf_text(&deed);
         const unsigned failures = check_failures;
         stopping.left = UINT_MAX;
         interp.session->watch = &stopping.watch;
@@ -612,6 +476,7 @@ STORY(what_is_shown_on_the_way_changes_nothing)
         if (check_failures > failures)
             printf("#   %s\n", line);
     }
+    buf_release(&deed);
     CHECK(stopping.shows > 100);
     interpreter_release(&interp);
     interpreter_release(&plain);
@@ -757,10 +622,7 @@ static void lies_are_found(const char *before, const char *line, const char *key
     snprintf(forged, sizeof forged, "%s", place("forged.iftty"));
     unlink(path);
     begin_at_root(&interp, path);
-    must(&interp, "auto on");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 10,9,8 2");
-    must(&interp, "seed 10,9,9 2 joined=yes");
+    must(&interp, "auto on; seed 1,1,1 1; seed 10,9,8 2; seed 10,9,9 2 joined=yes");
     must(&interp, before);
     must(&interp, line);
     CHECK_HAS(buf_text(&reply.words), truth);
@@ -848,10 +710,7 @@ STORY(only_what_changes_how_one_looks_waits_to_be_synced)
     own = pthread_self();
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, place("syncs.iftty"), &fault) == OK);
-    must(&interp, "open scene.nii");
-    must(&interp, "seed 5,5,5 2");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "run");
+    must(&interp, "open scene.nii; seed 5,5,5 2; seed 1,1,1 1; run");
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         const char *look = looks[i % (sizeof looks / sizeof *looks)];
         if (!CHECK(syncs_of(&interp, look) == 0))

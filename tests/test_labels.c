@@ -266,31 +266,27 @@ STORY(without_erosion_the_segmentation_comes_out_again)
         CHECK_HAS(buf_text(&reply.text), "label 2 cerebellum: 1 marker\n");
         CHECK_INT(differing(interp.session), 0);
         CHECK(forest_seeds(interp.session->forest) < interp.session->scene->grid.voxels);
-        must(&interp, "undo");
-        CHECK_INT(forest_seeds(interp.session->forest), 0); /* as one */
+        must_leave_seeds(&interp, "undo", 0); /* as one */
         interpreter_release(&interp);
     }
 }
 
-STORY(a_piece_is_removed_and_grown_into_as_one)
+SCENE_STORY(a_piece_is_removed_and_grown_into_as_one)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
     paint_map();
     write_painted("map.nii");
-    must(&interp, "auto on");
-    must_in_folder(&interp, "labels", "map.nii", "erode=2");
+    must(interp, "auto on");
+    must_in_folder(interp, "labels", "map.nii", "erode=2");
     CHECK_HAS(buf_text(&reply.text), "2 pieces too small");
-    const struct grid *grid = &interp.session->scene->grid;
-    CHECK_INT(interp.session->scene->cell[grid_cell(grid, 6, 5, 5)].label, 3);
-    must(&interp, "remove 6,5,5");
-    CHECK(interp.session->scene->cell[grid_cell(grid, 6, 5, 5)].label != 3);
-    must_in_folder(&interp, "labels", "map.nii", "regions=1 as=7 erode=1");
-    CHECK_INT(interp.session->scene->cell[grid_cell(grid, 5, 4, 4)].label, 7);
-    must_in_folder(&interp, "labels", "map.nii", "label=9");
-    CHECK_INT(interp.session->scene->cell[grid_cell(grid, 5, 4, 4)].label, 9);
-    CHECK_INT(interp.session->scene->cell[grid_cell(grid, 0, 0, 0)].label, 0);
-    interpreter_release(&interp);
+    const struct grid *grid = &interp->session->scene->grid;
+    CHECK_INT(interp->session->scene->cell[grid_cell(grid, 6, 5, 5)].label, 3);
+    must(interp, "remove 6,5,5");
+    CHECK(interp->session->scene->cell[grid_cell(grid, 6, 5, 5)].label != 3);
+    must_in_folder(interp, "labels", "map.nii", "regions=1 as=7 erode=1");
+    CHECK_INT(interp->session->scene->cell[grid_cell(grid, 5, 4, 4)].label, 7);
+    must_in_folder(interp, "labels", "map.nii", "label=9");
+    CHECK_INT(interp->session->scene->cell[grid_cell(grid, 5, 4, 4)].label, 9);
+    CHECK_INT(interp->session->scene->cell[grid_cell(grid, 0, 0, 0)].label, 0);
 }
 
 /* ---- corrections ---- */
@@ -342,15 +338,13 @@ STORY(a_correction_moves_the_border_of_a_file)
     CHECK(forest_digest(interp.session->forest) == digest);
     must(&interp, "box 6,1,2 7,3,4 2");
     CHECK_INT(at_voxel(&interp, 8, 2, 3)->label, 2);
-    must(&interp, "undo");
-    must(&interp, "fill 7,1,1 2 to=7,4,1 to=7,4,4");
+    must(&interp, "undo; fill 7,1,1 2 to=7,4,1 to=7,4,4");
     CHECK_INT(at_voxel(&interp, 8, 3, 2)->label, 2);
     must(&interp, "undo");
     CHECK(forest_digest(interp.session->forest) == digest);
     must(&interp, "seed 7,4,3 2 within=4");
     CHECK_INT(at_voxel(&interp, 8, 6, 3)->flags & CELL_SEED, 0);
-    must(&interp, "undo");
-    must(&interp, "seed 7,4,3 1 radius=1"); /* the label that it has */
+    must(&interp, "undo; seed 7,4,3 1 radius=1"); /* the label that it has */
     CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 1);
     CHECK_INT(at_voxel(&interp, 9, 5, 3)->flags & CELL_SEED, CELL_SEED);
     interpreter_release(&interp);
@@ -373,8 +367,7 @@ STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing)
 {
     struct interpreter interp;
     begin_leaking(&interp);
-    must(&interp, "undo");
-    must(&interp, "seed 3,4,4 7 radius=1"); /* within what will be label 1 */
+    must(&interp, "undo; seed 3,4,4 7 radius=1"); /* within what will be label 1 */
     must_in_folder(&interp, "labels", "leak.nii", "");
     CHECK_INT(differing(interp.session), 0);
     must(&interp, "undo 2");
@@ -390,21 +383,13 @@ STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing)
 }
 
 /* Any command of a session that begins with a file. */
-static const char *const any[] = {"seed X,Y,Z <4> radius=<3>",
-                                  "seed X,Y,Z <4> radius=<3>",
-                                  "seed X,Y,Z <4> radius=<3>",
-                                  "seed X,Y,Z <4> radius=<3>",
-                                  "seed X,Y,Z <4> to=U,V,W",
-                                  "box X,Y,Z U,V,W <4>",
-                                  "fill X,Y,Z <4> to=X,V,Z to=X,V,W",
-                                  "outline X,Y,Z <4> to=X,V,Z to=X,V,W",
-                                  "seed X,Y,Z <4> within=<1-4>",
-                                  "labels leak.nii erode=<2>",
-                                  "remove X,Y,Z",
-                                  "remove X,Y,Z of=tree",
-                                  "[undo|undo 2|redo|redo 3|goto main]",
-                                  "[undo|undo 2|redo|redo 3|goto main]",
-                                  "[undo|undo 2|redo|redo 3|goto main]"};
+static const char any[] =
+    "seed X,Y,Z <4> radius=<3>; seed X,Y,Z <4> radius=<3>; seed X,Y,Z <4> radius=<3>; "
+    "seed X,Y,Z <4> radius=<3>; seed X,Y,Z <4> to=U,V,W; box X,Y,Z U,V,W <4>; "
+    "fill X,Y,Z <4> to=X,V,Z to=X,V,W; outline X,Y,Z <4> to=X,V,Z to=X,V,W; "
+    "seed X,Y,Z <4> within=<1-4>; labels leak.nii erode=<2>; remove X,Y,Z; remove X,Y,Z of=tree; "
+    "[undo|undo 2|redo|redo 3|goto main]; [undo|undo 2|redo|redo 3|goto main]; "
+    "[undo|undo 2|redo|redo 3|goto main]";
 
 /* Compares with a new session that carries out the commands up to the current state. */
 static void same_from_scratch(const struct interpreter *interp)
@@ -442,7 +427,7 @@ STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
                 snprintf(line, sizeof line, "seed %u,4,5 2 radius=1", check_below(&seed, 12));
                 CHECK(interpreter_sketch(&interp, line, NULL) == OK);
             }
-            random_command(line, sizeof line, RANDOM_FORM(any, &seed), size, &seed);
+            random_command(line, sizeof line, random_form(any, &seed), size, &seed);
             if (execute(&interp, line) == OK && i % 3 == 0)
                 same_from_scratch(&interp);
         }
@@ -482,69 +467,54 @@ static size_t seeds_of(const struct session *session, uint8_t label)
     return count;
 }
 
-STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
+SCENE_STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
 {
-    struct interpreter interp;
     size_t expected = 0;
-    begin_with_scene(&interp);
-    must(&interp, "auto on");
+    must(interp, "auto on");
     for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1]; y++)
             for (uint32_t x = 0; x < size[0]; x++)
                 expected += is_bright(x, y, z);
-    CHECK(execute(&interp, "object 2 threshold 100..255") == ERR_INPUT);
-    CHECK_HAS(fault.text, "no seed of label 2 is in a voxel of this range");
-    CHECK(execute(&interp, "object 2 threshold 100..255 from=0,0,0") == ERR_INPUT);
-    CHECK_HAS(fault.text, "voxel 0,0,0 has the intensity 0, beyond the range");
-    must(&interp, "object 2 threshold 100..255 from=11,10,9");
+    MUST_FAIL(interp, "object 2 threshold 100..255", ERR_INPUT,
+              "no seed of label 2 is in a voxel of this range");
+    MUST_FAIL(interp, "object 2 threshold 100..255 from=0,0,0", ERR_INPUT,
+              "voxel 0,0,0 has the intensity 0, beyond the range");
+    must(interp, "object 2 threshold 100..255 from=11,10,9");
     char words[64];
     snprintf(words, sizeof words, "%zu voxels of label 2 cerebellum\n", expected);
     CHECK_HAS(buf_text(&reply.text), words);
-    CHECK_INT(seeds_of(interp.session, 2), expected);
+    CHECK_INT(seeds_of(interp->session, 2), expected);
     CHECK_HAS(buf_text(&reply.words), "marker=1");
     CHECK_HAS(buf_text(&reply.text),
               "nothing holds label 2 cerebellum back, and a run grows it over all of the scene\n");
-    must(&interp, "undo");
-    must(&interp, "range 100 255");
-    must(&interp, "object 2 threshold 100..255 from=11,10,9");
-    CHECK_HAS(buf_text(&reply.text), "all of the region of interest\n");
-    must(&interp, "undo 2");
-    CHECK_INT(forest_seeds(interp.session->forest), 0);
-    must(&interp, "seed 11,10,9 2");
-    must(&interp, "object 2 threshold 100..255");
-    CHECK_INT(seeds_of(interp.session, 2), expected);
-    interpreter_release(&interp);
+    must(interp, "undo; range 100 255");
+    MUST_MENTION(interp, "object 2 threshold 100..255 from=11,10,9",
+                 "all of the region of interest\n");
+    must_leave_seeds(interp, "undo 2", 0);
+    must(interp, "seed 11,10,9 2; object 2 threshold 100..255");
+    CHECK_INT(seeds_of(interp->session, 2), expected);
 }
 
-STORY(seeds_of_another_label_stay_and_let_nothing_through)
+SCENE_STORY(seeds_of_another_label_stay_and_let_nothing_through)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "auto on");
-    must(&interp, "box 3,0,0 3,10,9 1");
-    must(&interp, "seed 0,0,0 2"); /* everything with x < 3 and x > 3 lies in the range */
-    must(&interp, "object 2 threshold 0..1000");
+    must(interp, "auto on; box 3,0,0 3,10,9 1");
+    must(interp, "seed 0,0,0 2"); /* everything with x < 3 and x > 3 lies in the range */
+    must(interp, "object 2 threshold 0..1000");
     CHECK(!strstr(buf_text(&reply.text), "nothing holds"));
-    CHECK_INT(seeds_of(interp.session, 2), 3 * 11 * 10);
-    CHECK_INT(seeds_of(interp.session, 1), 11 * 10);
-    must(&interp, "object 1 threshold 0..1000 from=9,9,9"); /* which has a range of its own */
-    CHECK_INT(seeds_of(interp.session, 1), 9 * 11 * 10);
-    interpreter_release(&interp);
+    CHECK_INT(seeds_of(interp->session, 2), 3 * 11 * 10);
+    CHECK_INT(seeds_of(interp->session, 1), 11 * 10);
+    must(interp, "object 1 threshold 0..1000 from=9,9,9"); /* which has a range of its own */
+    CHECK_INT(seeds_of(interp->session, 1), 9 * 11 * 10);
 }
 
-STORY(edits_that_wait_count_as_seeds)
+SCENE_STORY(edits_that_wait_count_as_seeds)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "seed 1,1,1 2");
-    must(&interp, "object 2 threshold 0..8.5");
-    const size_t waits = session_pendings(interp.session);
-    must(&interp, "run");
-    CHECK_INT(forest_seeds(interp.session->forest), waits - 1); /* one of them twice */
-    must(&interp, "seed 9,9,9 0"); /* a pending marker limits an object, too */
-    must(&interp, "object 2 threshold 0..8.5");
+    must(interp, "seed 1,1,1 2; object 2 threshold 0..8.5");
+    const size_t waits = session_pendings(interp->session);
+    must_leave_seeds(interp, "run", waits - 1); /* one of them twice */
+    must(interp, "seed 9,9,9 0");               /* a pending marker limits an object, too */
+    must(interp, "object 2 threshold 0..8.5");
     CHECK(!strstr(buf_text(&reply.text), "nothing holds"));
-    interpreter_release(&interp);
 }
 
 int main(void)

@@ -278,10 +278,7 @@ static void begin(const char *journal)
     interp.sync = FILE_SYNC_OFF;
     CHECK(interpreter_create_journal(&interp, journal, NULL) == OK);
     open_scene(&interp, "scene.nii");
-    must(&interp, "auto on");
-    must(&interp, "size 16 16");
-    must(&interp, "label 1 one");
-    must(&interp, "label 2 two");
+    must(&interp, "auto on; size 16 16; label 1 one; label 2 two");
     put_count = 0;
     now = (struct standing){{0}};
     for (size_t i = 0; i <= interp.history.records; i++)
@@ -347,38 +344,23 @@ STORY(seeds_are_what_the_commands_that_stand_give)
  * seed outside. A third of them change the region or plant the voxels of a map. */
 static void draw_command(char line[LINE])
 {
-    static const char *const forms[] = {"labels regions.nii[ regions=1-2|][ erode=0|]",
-                                        "labels regions.nii[ regions=1-2|][ erode=0|]",
-                                        "range <60> <61-140>",
-                                        "range <60-159> <160-310>",
-                                        "range <160> <190-340>",
-                                        "range none",
-                                        "mask mask.nii[ regions=1|]",
-                                        "mask mask.nii[ regions=1|]",
-                                        "mask none",
-                                        "box X,Y,Z U,V,W <3>",
-                                        "outline X,Y,Z <3> to=U,Y,Z to=X,V,Z",
-                                        "remove X,Y,Z[|| of=tree]",
-                                        "undo <1-4>",
-                                        "redo <1-3>",
-                                        "[run|auto on|run|auto off]",
-                                        "goto <44>",
-                                        "seed X,Y,Z <3> radius=<4>[||| within=4]",
-                                        "seed X,Y,Z <3> radius=<4>[||| within=4]",
-                                        "seed X,Y,Z <3> radius=<4>[||| within=4]"};
+    static const char forms[] =
+        "labels regions.nii[ regions=1-2|][ erode=0|]; "
+        "labels regions.nii[ regions=1-2|][ erode=0|]; range <60> <61-140>; "
+        "range <60-159> <160-310>; range <160> <190-340>; range none; mask mask.nii[ regions=1|]; "
+        "mask mask.nii[ regions=1|]; mask none; box X,Y,Z U,V,W <3>; "
+        "outline X,Y,Z <3> to=U,Y,Z to=X,V,Z; remove X,Y,Z[|| of=tree]; undo <1-4>; redo <1-3>; "
+        "[run|auto on|run|auto off]; goto <44>; seed X,Y,Z <3> radius=<4>[||| within=4]; "
+        "seed X,Y,Z <3> radius=<4>[||| within=4]; seed X,Y,Z <3> radius=<4>[||| within=4]";
     /* Commands that the model above lacks, and changes of weights or adjacency. */
-    static const char *const more[] = {"fill X,Y,Z <3> to=X,V,Z to=X,Y,W",
-                                       "seed X,Y,Z <3> radius=<3> to=U,V,W[ joined=yes|]",
-                                       "seed X,Y,Z <3> radius=1 joined=yes",
-                                       "seed X,Y,Z <3> shell=yes radius=<1-5>[ around=1|]",
-                                       "box X,Y,Z U,V,W <3> shell=yes",
-                                       "object <3> threshold <80>..<80-159>[| from=3,5,3]",
-                                       "object <3> threshold <80-160>..<161-240>[| from=3,5,3]",
-                                       "seed-file regions.nii each=<1-9> generator=<9>[ erode=1| "
-                                       "label=2]",
-                                       "adjacency [6|26]",
-                                       "[weight polarity|weight morph|polarity 1 50]"};
-    const char *form = below(5) ? RANDOM_FORM(forms, &seed) : RANDOM_FORM(more, &seed);
+    static const char more[] =
+        "fill X,Y,Z <3> to=X,V,Z to=X,Y,W; seed X,Y,Z <3> radius=<3> to=U,V,W[ joined=yes|]; "
+        "seed X,Y,Z <3> radius=1 joined=yes; seed X,Y,Z <3> shell=yes radius=<1-5>[ around=1|]; "
+        "box X,Y,Z U,V,W <3> shell=yes; object <3> threshold <80>..<80-159>[| from=3,5,3]; "
+        "object <3> threshold <80-160>..<161-240>[| from=3,5,3]; "
+        "seed-file regions.nii each=<1-9> generator=<9>[ erode=1| label=2]; adjacency [6|26]; "
+        "[weight polarity|weight morph|polarity 1 50]";
+    const char *form = below(5) ? random_form(forms, &seed) : random_form(more, &seed);
     random_command(line, LINE, form, size, &seed);
 }
 
@@ -437,14 +419,12 @@ STORY(no_removal_brings_a_seed_back_outside_the_region)
     make_regions("regions.nii", size[0], 0);
     CHECK(chdir(folder) == 0);
     begin_with_scene(&interp);
-    must(&interp, "auto on");
-    must(&interp, "labels regions.nii erode=0");
+    must(&interp, "auto on; labels regions.nii erode=0");
     must(&interp, "seed 3,5,5 2 radius=1"); /* 3,5,3 was a seed of label 1, and is free */
     must(&interp, "mask hole.nii");
     is_refused(&interp, "remove 3,5,5",
                "voxel 3,5,3 would get a seed of label 1, and it is outside");
-    must(&interp, "mask none");
-    must(&interp, "remove 3,5,5");
+    must(&interp, "mask none; remove 3,5,5");
     interpreter_release(&interp);
 }
 
@@ -462,8 +442,7 @@ STORY(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated)
         begin_with_journal(&interp, "finer.iftty");
         must(&interp, "auto on");
         if (has_pieces) {
-            must(&interp, "labels regions.nii");
-            must(&interp, "undo");
+            must(&interp, "labels regions.nii; undo");
         }
         interp.session->watch = &watch;
         for (looks = stopped; execute(&interp, "interpolate 2 1 1") != OK; looks = ++stopped)

@@ -54,9 +54,7 @@ static enum err list(const char *text, int label)
 
 STORY(a_list_gives_its_seeds_in_the_order_of_voxels)
 {
-    static const struct {
-        const char *text, *told;
-    } row[] = {
+    static const char *const row[][2] = {
         {"1,2,3,4\n", "1,2,3:4"},
         {"1,2,3,4", "1,2,3:4"},
         {"1,2,3,4\r\n0,0,0,255\r\n", "0,0,0:255 1,2,3:4"},
@@ -67,9 +65,9 @@ STORY(a_list_gives_its_seeds_in_the_order_of_voxels)
     };
     const struct grid grid = grid_of(10, 9, 8);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        if (!CHECK(list(row[i].text, LABEL_OWN) == OK))
+        if (!CHECK(list(row[i][0], LABEL_OWN) == OK))
             printf("#   %zu: %s\n", i, fault.text);
-        CHECK_TEXT(told(&grid), row[i].told);
+        CHECK_TEXT(told(&grid), row[i][1]);
     }
     CHECK(list("1,1,1,2\n1,1,1,3\n0,0,0,brain\n", 7) == OK);
     CHECK_TEXT(told(&grid), "0,0,0:7 1,1,1:7");
@@ -77,9 +75,7 @@ STORY(a_list_gives_its_seeds_in_the_order_of_voxels)
 
 STORY(a_bad_line_is_named_and_nothing_is_taken)
 {
-    static const struct {
-        const char *text, *words;
-    } row[] = {
+    static const char *const row[][2] = {
         {"1,1,1,1\n\n# x\n1,2,3\n",
          "line 4: expected x,y,z,label with whole voxel indices, not 1,2"},
         {"1,1,1,1\nx,y,z,label\n", "line 2: expected x,y,z,label"},
@@ -105,9 +101,9 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
         {"# nothing\nx,y,z,label\n", "there is no seed in it"},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        if (!CHECK(list(row[i].text, LABEL_OWN) == ERR_INPUT))
-            printf("#   %s\n", row[i].text);
-        CHECK_HAS(fault.text, row[i].words);
+        if (!CHECK(list(row[i][0], LABEL_OWN) == ERR_INPUT))
+            printf("#   %s\n", row[i][0]);
+        CHECK_HAS(fault.text, row[i][1]);
         CHECK(seeds.count == 0 && !seeds.edit);
         seeds_release(&seeds);
     }
@@ -205,6 +201,28 @@ static enum err map_of(const char *digits, const struct grid *grid, struct geome
 static const struct region_choice everything = {
     .first = 1, .last = REGION_MOST, .label = LABEL_OWN};
 
+static void gives(const char *digits, const struct grid *grid, struct geometry geometry,
+                  const struct region_choice *choice, const char *expected)
+{
+    CHECK(map_of(digits, grid, geometry, choice) == OK);
+    CHECK_TEXT(told(grid), expected);
+}
+
+static void gives_count(const char *digits, const struct grid *grid,
+                        const struct region_choice *choice, size_t count)
+{
+    CHECK(map_of(digits, grid, plain, choice) == OK);
+    CHECK_INT(seeds.count, count);
+    seeds_release(&seeds);
+}
+
+static void refuses(const char *digits, const struct grid *grid, struct geometry geometry,
+                    const struct region_choice *choice, const char *words)
+{
+    CHECK(map_of(digits, grid, geometry, choice) == ERR_INPUT);
+    CHECK_HAS(fault.text, words);
+}
+
 STORY(every_voxel_of_a_region_is_a_seed_of_its_number)
 {
     const struct grid grid = grid_of(3, 2, 1);
@@ -214,19 +232,15 @@ STORY(every_voxel_of_a_region_is_a_seed_of_its_number)
     CHECK_INT(tally.eroded_away, 0);
     CHECK_TEXT(told(&grid), "1,0,0:1 2,0,0:2 0,1,0:3");
     choice.label = 9;
-    CHECK(map_of("012 300", &grid, plain, &choice) == OK);
-    CHECK_TEXT(told(&grid), "1,0,0:9 2,0,0:9 0,1,0:9");
+    gives("012 300", &grid, plain, &choice, "1,0,0:9 2,0,0:9 0,1,0:9");
     choice.label = 0;
     choice.first = choice.last = 2;
-    CHECK(map_of("012 300", &grid, plain, &choice) == OK);
-    CHECK_TEXT(told(&grid), "2,0,0:0");
+    gives("012 300", &grid, plain, &choice, "2,0,0:0");
     choice = everything;
     choice.first = 0, choice.last = 1; /* the background, where it is asked for */
-    CHECK(map_of("012 300", &grid, plain, &choice) == OK);
-    CHECK_TEXT(told(&grid), "0,0,0:0 1,0,0:1 1,1,0:0 2,1,0:0");
+    gives("012 300", &grid, plain, &choice, "0,0,0:0 1,0,0:1 1,1,0:0 2,1,0:0");
     choice.first = 4, choice.last = 7;
-    CHECK(map_of("012 300", &grid, plain, &choice) == ERR_INPUT);
-    CHECK_HAS(fault.text, "the map has no voxel of regions 4-7");
+    refuses("012 300", &grid, plain, &choice, "the map has no voxel of regions 4-7");
 }
 
 STORY(values_are_what_the_header_makes_of_them)
@@ -235,27 +249,22 @@ STORY(values_are_what_the_header_makes_of_them)
     struct geometry geometry = plain;
     struct region_choice choice = everything;
     geometry.intercept = -1; /* int16 with -1 outside */
-    CHECK(map_of("0123", &grid, geometry, &choice) == OK);
-    CHECK_TEXT(told(&grid), "2,0,0:1 3,0,0:2");
+    gives("0123", &grid, geometry, &choice, "2,0,0:1 3,0,0:2");
     geometry.intercept = 254;
-    CHECK(map_of("0123", &grid, geometry, &choice) == ERR_INPUT);
-    CHECK_HAS(fault.text, "region 256 of the map is no label 0..255");
+    refuses("0123", &grid, geometry, &choice, "region 256 of the map is no label 0..255");
     choice.last = 255;
-    CHECK(map_of("0123", &grid, geometry, &choice) == OK);
-    CHECK_TEXT(told(&grid), "0,0,0:254 1,0,0:255");
+    gives("0123", &grid, geometry, &choice, "0,0,0:254 1,0,0:255");
     choice.last = REGION_MOST, choice.label = 1;
     CHECK(map_of("0123", &grid, geometry, &choice) == OK);
     CHECK_INT(seeds.count, 4);
     seeds_release(&seeds);
     geometry.intercept = 0, geometry.slope = 0.5;
-    CHECK(map_of("0022", &grid, geometry, &choice) == OK);
-    CHECK_TEXT(told(&grid), "2,0,0:1 3,0,0:1");
-    CHECK(map_of("0023", &grid, geometry, &choice) == ERR_INPUT);
-    CHECK_HAS(fault.text, "voxel 3,0,0 of the map holds 1.5; regions are whole numbers");
+    gives("0022", &grid, geometry, &choice, "2,0,0:1 3,0,0:1");
+    refuses("0023", &grid, geometry, &choice,
+            "voxel 3,0,0 of the map holds 1.5; regions are whole numbers");
     geometry.slope = 116.0 / 65535; /* float32 of 0..116, as 16 bits */
     CHECK(map_of("0000", &grid, geometry, &choice) == ERR_INPUT);
-    CHECK(map_of("0009", &grid, geometry, &choice) == ERR_INPUT);
-    CHECK_HAS(fault.text, "holds 0.0159304");
+    refuses("0009", &grid, geometry, &choice, "holds 0.0159304");
     for (uint32_t value = 1; value <= 116; value++) {
         struct volume map = {.size = {1, 1, 1}, .intensity = &(uint16_t){0}, .geometry = geometry};
         const struct grid one = grid_of(1, 1, 1);
@@ -275,28 +284,22 @@ STORY(erosion_takes_what_touches_another_region_or_the_outside)
     const struct grid grid = grid_of(5, 5, 3), cube = grid_of(5, 5, 5);
     struct region_choice choice = everything;
     choice.erode = 1; /* of the middle plane's 3x3, x = 3 is region 2 and x = 2 beside it */
-    CHECK(map_of(two, &grid, plain, &choice) == OK);
-    CHECK_TEXT(told(&grid), "1,1,1:1 1,2,1:1 1,3,1:1");
+    gives(two, &grid, plain, &choice, "1,1,1:1 1,2,1:1 1,3,1:1");
     CHECK_INT(tally.regions, 1);
     CHECK_INT(tally.eroded_away, 1);
     CHECK_INT(tally.first_eroded_away, 2);
     choice.erode = 2;
-    CHECK(map_of(two, &grid, plain, &choice) == ERR_INPUT);
-    CHECK_HAS(fault.text, "erode=2 leaves no voxel of regions 1-65533");
+    refuses(two, &grid, plain, &choice, "erode=2 leaves no voxel of regions 1-65533");
     char full[126];
     memset(full, '1', 125);
     full[125] = '\0';
     static const size_t left[] = {125, 27, 1};
     for (choice.erode = 0; choice.erode < 3; choice.erode++) {
-        CHECK(map_of(full, &cube, plain, &choice) == OK);
-        CHECK_INT(seeds.count, left[choice.erode]);
-        seeds_release(&seeds);
+        gives_count(full, &cube, &choice, left[choice.erode]);
     }
     full[62] = '2'; /* the middle: its six neighbours go with the shell, corners and edges stay */
     choice.erode = 1;
-    CHECK(map_of(full, &cube, plain, &choice) == OK);
-    CHECK_INT(seeds.count, 20);
-    seeds_release(&seeds);
+    gives_count(full, &cube, &choice, 20);
     full[62] = '1'; /* erosion is within a region, though the other is not planted */
     for (int i = 0; i < 125; i++)
         full[i] = i % 5 < 2 ? '3' : '1';

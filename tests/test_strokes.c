@@ -13,6 +13,17 @@
 
 static struct interpreter interp;
 
+/* Define a story that begins with the scene in a new journal. */
+#define JOURNAL_STORY(told, journal)                                                               \
+    static void told_##told(void);                                                                 \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        begin_with_journal(&interp, journal);                                                      \
+        told_##told();                                                                             \
+        interpreter_release(&interp);                                                              \
+    }                                                                                              \
+    static void told_##told(void)
+
 static void resume(const char *journal)
 {
     interpreter_release(&interp);
@@ -35,63 +46,45 @@ static size_t seeds(void)
 
 /* ---- one stroke, one record ---- */
 
-STORY(a_stroke_is_one_record_one_marker_and_one_undo)
+JOURNAL_STORY(a_stroke_is_one_record_one_marker_and_one_undo, "stroke.iftty")
 {
-    begin_with_journal(&interp, "stroke.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 9,9,9 3");
-    must(&interp, "seed 1,1,1 1 to=2,1,1 to=3,1,1 to=3,2,1 to=3,3,1 to=3,3,5");
+    must(&interp,
+         "auto on; seed 9,9,9 3; seed 1,1,1 1 to=2,1,1 to=3,1,1 to=3,2,1 to=3,3,1 to=3,3,5");
     is_recorded_as("seed 1,1,1 1 to=3,1,1 to=3,3,1 to=3,3,5");
     CHECK_HAS(buf_text(&reply.words), "marker=2 ");
     CHECK_INT(journal_count(interp.journal), 4);
     CHECK_INT(seeds(), 10);
-    must(&interp, "undo");
+    must_leave_seeds(&interp, "undo", 1);
+    MUST_MENTION(&interp, "redo; remove 3,3,3", "marker 2 removed: 9 seeds of label 1");
     CHECK_INT(seeds(), 1);
-    must(&interp, "redo");
-    MUST_MENTION(&interp, "remove 3,3,3", "marker 2 removed: 9 seeds of label 1");
-    CHECK_INT(seeds(), 1);
-    interpreter_release(&interp);
 }
 
-STORY(parts_of_a_stroke_are_undone_done_again_and_removed_as_one)
+JOURNAL_STORY(parts_of_a_stroke_are_undone_done_again_and_removed_as_one, "parts.iftty")
 {
-    begin_with_journal(&interp, "parts.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 9,9,9 3");
-    must(&interp, "seed 1,1,1 1 to=3,1,1");
-    must(&interp, "seed 3,1,1 1 to=3,3,1 joined=yes");
-    must(&interp, "seed 3,3,1 1 to=3,3,5 joined=yes");
+    must(&interp, "auto on; seed 9,9,9 3; seed 1,1,1 1 to=3,1,1; seed 3,1,1 1 to=3,3,1 joined=yes; "
+                  "seed 3,3,1 1 to=3,3,5 joined=yes");
     is_recorded_as("seed 3,3,1 1 to=3,3,5 joined=yes");
     CHECK_INT(seeds(), 10);
     resume("parts.iftty");
-    must(&interp, "undo");
-    CHECK_INT(seeds(), 1);
+    must_leave_seeds(&interp, "undo", 1);
     CHECK_HAS(buf_text(&reply.words), "at=3 ");
-    must(&interp, "redo");
-    CHECK_INT(seeds(), 10);
+    must_leave_seeds(&interp, "redo", 10);
     CHECK_HAS(buf_text(&reply.words), "at=6 ");
-    must(&interp, "undo 2"); /* the other seed too */
-    CHECK_INT(seeds(), 0);
-    must(&interp, "redo 2");
-    must(&interp, "goto 5");
-    CHECK_INT(seeds(), 6);
-    must(&interp, "undo"); /* from among the parts: all of it */
-    CHECK_INT(seeds(), 1);
+    must_leave_seeds(&interp, "undo 2", 0); /* the other seed too */
+    must_leave_seeds(&interp, "redo 2; goto 5", 6);
+    must_leave_seeds(&interp, "undo", 1); /* from among the parts: all of it */
     must(&interp, "goto main");
     struct held held;
     const struct session *session = interp.session;
     const uint32_t cell = grid_cell(&session->scene->grid, 3, 2, 1);
     CHECK(session_find_held(&held, session, cell, false, &fault) == OK);
     CHECK(held.marker == 2 && held.trees == 9 && session_is_held(session, &held, cell));
-    must(&interp, "remove 3,2,1");
-    CHECK_HAS(buf_text(&reply.words), "removed=2 ");
+    MUST_RECORD(&interp, "remove 3,2,1", "removed=2 ");
     CHECK_HAS(buf_text(&reply.text), "marker 2 removed: 11 seeds of label 1"); /* two ends twice */
     CHECK_INT(seeds(), 1);
     resume("parts.iftty");
     CHECK_INT(seeds(), 1);
-    must(&interp, "undo");
-    CHECK_INT(seeds(), 10);
-    interpreter_release(&interp);
+    must_leave_seeds(&interp, "undo", 10);
 }
 
 /* Killed while the second part or the third is written: what stands afterwards is the parts that
@@ -101,14 +94,11 @@ STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
     struct buf whole = {0};
     size_t stood[11] = {0};
     begin_with_journal(&interp, "whole.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 9,9,9 3");
-    must(&interp, "seed 1,1,1 1 to=3,1,1");
+    must(&interp, "auto on; seed 9,9,9 3; seed 1,1,1 1 to=3,1,1");
     CHECK(file_read(&whole, place("whole.iftty"), 1 << 20, NULL) == OK);
     const size_t first = whole.length;
     buf_clear(&whole);
-    must(&interp, "seed 3,1,1 1 to=3,3,1 joined=yes");
-    must(&interp, "seed 3,3,1 1 to=3,3,5 joined=yes");
+    must(&interp, "seed 3,1,1 1 to=3,3,1 joined=yes; seed 3,3,1 1 to=3,3,5 joined=yes");
     interpreter_release(&interp);
     CHECK(file_read(&whole, place("whole.iftty"), 1 << 20, NULL) == OK);
     for (size_t cut = first; cut <= whole.length && check_failures == 0; cut += 3) {
@@ -118,42 +108,33 @@ STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
         const size_t count = seeds();
         CHECK(count == 4 || count == 6 || count == 10);
         stood[count]++;
-        must(&interp, "undo");
-        CHECK_INT(seeds(), 1);
-        must(&interp, "redo");
-        CHECK_INT(seeds(), count);
-        must(&interp, "remove 2,1,1");
-        CHECK_INT(seeds(), 1);
+        must_leave_seeds(&interp, "undo", 1);
+        must_leave_seeds(&interp, "redo", count);
+        must_leave_seeds(&interp, "remove 2,1,1", 1);
         interpreter_release(&interp);
     }
     CHECK(stood[4] > 0 && stood[6] > 0);
     buf_release(&whole);
 }
 
-STORY(only_what_was_just_planted_is_gone_on_with)
+JOURNAL_STORY(only_what_was_just_planted_is_gone_on_with, "alone.iftty")
 {
     static const char words[] = "joined: the previous command did not plant seeds of label 1";
-    begin_with_journal(&interp, "alone.iftty");
     is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
     must(&interp, "seed 1,1,1 2");
     is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "run");
+    must(&interp, "seed 1,1,1 1; run");
     is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "view left"); /* is no change of the segmentation */
-    must(&interp, "seed 1,2,1 1 joined=yes");
-    must(&interp, "undo");
+    must(&interp, "seed 1,1,1 1; view left"); /* is no change of the segmentation */
+    must(&interp, "seed 1,2,1 1 joined=yes; undo");
     is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
-    interpreter_release(&interp);
 }
 
-STORY(a_line_of_the_journal_holds_thousands_of_corners)
+JOURNAL_STORY(a_line_of_the_journal_holds_thousands_of_corners, "long.iftty")
 {
     struct buf line = {0};
     struct snapshot end, again;
     uint64_t random = 5;
-    begin_with_journal(&interp, "long.iftty");
     must(&interp, "auto on");
     buf_add_text(&line, "seed 5,5,5 1");
     while (line.length < 65000) {
@@ -171,7 +152,6 @@ STORY(a_line_of_the_journal_holds_thousands_of_corners)
         buf_add_text(&line, " to=1,1,1");
     is_refused(&interp, buf_text(&line), "the command is longer than 65535 bytes");
     buf_release(&line);
-    interpreter_release(&interp);
 }
 
 /* ---- where, and how large ---- */
@@ -182,8 +162,7 @@ STORY(millimetres_are_refused_where_nobody_knows_them)
     begin_with_journal(&interp, "unknown.iftty");
     must(&interp, "seed 5,5,5 1 radius=2.50mm");
     is_recorded_as("seed 5,5,5 1 radius=2.5mm");
-    must(&interp, "run");
-    must(&interp, "remove 1,1,1 radius=0.000001mm");
+    must(&interp, "run; remove 1,1,1 radius=0.000001mm");
     is_refused(&interp, "seed 5,5,5 1 radius=400mm",
                "radius: it reaches 400 voxels along x; at most 128");
     is_refused(&interp, "seed 5,5,5 1 radius=1000.1mm",
@@ -204,9 +183,8 @@ STORY(millimetres_are_refused_where_nobody_knows_them)
     interpreter_release(&interp);
 }
 
-STORY(only_intensities_of_the_range_are_planted)
+JOURNAL_STORY(only_intensities_of_the_range_are_planted, "range.iftty")
 {
-    begin_with_journal(&interp, "range.iftty");
     must(&interp, "box 0,0,0 11,10,9 1 range=40..80.5");
     is_recorded_as("box 0,0,0 11,10,9 1 range=40..80.5");
     CHECK_HAS(buf_text(&reply.text), "left out, intensities beyond the range: ");
@@ -229,21 +207,17 @@ STORY(only_intensities_of_the_range_are_planted)
     is_refused(&interp, "seed 1,1,1 1 range=20..10", "expected LOW..HIGH");
     must(&interp, "range 0 90");
     is_refused(&interp, "seed 9,9,8 1 range=90..300", "is outside the region of interest");
-    interpreter_release(&interp);
 }
 
-STORY(a_polygon_is_of_one_slice)
+JOURNAL_STORY(a_polygon_is_of_one_slice, "fill.iftty")
 {
-    begin_with_journal(&interp, "fill.iftty");
     must(&interp, "fill 1,1,5 1 to=9,1,5 to=9,2,5 to=9,9,5 range=-5..9999");
     is_recorded_as("fill 1,1,5 1 range=-5..9999 to=9,1,5 to=9,9,5");
-    must(&interp, "run");
-    CHECK_INT(seeds(), 45);
+    must_leave_seeds(&interp, "run", 45);
     is_refused(&interp, "fill 1,1,5 1 to=9,1,5 to=9,9,6",
                "the corners of a polygon must be in one slice");
     is_refused(&interp, "fill 1,1,5 1 to=2,1,5 to=9,1,5", "a polygon has three corners or more");
     is_refused(&interp, "fill 1,1,5 1", "missing: to; usage: fill X,Y,Z LABEL");
-    interpreter_release(&interp);
 }
 
 /* A label has so many seeds in a slice z, and so many in all slices. */
@@ -260,26 +234,20 @@ static void has_seeds(int label, uint32_t z, int there, int all)
     CHECK_INT(found[1], all);
 }
 
-STORY(an_outline_says_what_lies_on_both_sides_of_a_border)
+JOURNAL_STORY(an_outline_says_what_lies_on_both_sides_of_a_border, "outline.iftty")
 {
     static const char line[] = "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5";
-    begin_with_journal(&interp, "outline.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 1,1,1 1");
+    must(&interp, "auto on; seed 1,1,1 1");
     must(&interp, line);
     is_recorded_as(line);
     CHECK_HAS(buf_text(&reply.words), "marker=2-3 ");
     CHECK_INT(journal_count(interp.journal), 4);
     has_seeds(1, 5, 9, 10);
     has_seeds(0, 5, 52, 52); /* 81 less five at each corner, which are farther than 3, and these */
-    must(&interp, "undo");
+    must_leave_seeds(&interp, "undo", 1);
+    MUST_MENTION(&interp, "redo; remove 5,5,5", "marker 2 removed: 9 seeds of label 1");
     CHECK_INT(seeds(), 1);
-    must(&interp, "redo");
-    MUST_MENTION(&interp, "remove 5,5,5", "marker 2 removed: 9 seeds of label 1");
-    CHECK_INT(seeds(), 1);
-    must(&interp, "undo");
-    must(&interp, "remove 2,4,5"); /* by its ring */
-    CHECK_INT(seeds(), 1);
+    must_leave_seeds(&interp, "undo; remove 2,4,5", 1); /* by its ring */
     must(&interp, "undo");
     is_refused(&interp, "seed 8,8,8 0 joined=yes", "the previous command did not plant");
     resume("outline.iftty");
@@ -287,8 +255,8 @@ STORY(an_outline_says_what_lies_on_both_sides_of_a_border)
     must(&interp, "undo 5");
     must(&interp, "outline 0,4,5 1 to=0,6,5 to=0,6,7 range=0..40"); /* at the edge of the scene */
     has_seeds(1, 6, 2, 6);
-    must(&interp, "outline 4,4,5 0 to=6,4,5 to=6,6,5 to=4,6,5");
-    CHECK_HAS(buf_text(&reply.words), "marker=6 "); /* no ring around the background, */
+    /* no ring around the background, */
+    MUST_RECORD(&interp, "outline 4,4,5 0 to=6,4,5 to=6,6,5 to=4,6,5", "marker=6 ");
     must(&interp, "undo");
     must(&interp,
          "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=0"); /* nor where none is wanted */
@@ -297,12 +265,10 @@ STORY(an_outline_says_what_lies_on_both_sides_of_a_border)
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5", "a polygon has three corners or more");
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 range=300..400", "no voxel of it has");
     is_refused(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 ring=17", "ring: expected");
-    interpreter_release(&interp);
 }
 
-STORY(the_ring_of_an_outline_cuts_no_other_object)
+JOURNAL_STORY(the_ring_of_an_outline_cuts_no_other_object, "others.iftty")
 {
-    begin_with_journal(&interp, "others.iftty");
     must(&interp, "box 7,4,5 8,6,5 2");
     must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5"); /* while that waits */
     CHECK_HAS(buf_text(&reply.text), "in another object: 6 voxels");
@@ -317,8 +283,7 @@ STORY(the_ring_of_an_outline_cuts_no_other_object)
     must(&interp, "undo 3");
     has_seeds(0, 5, 46, 46);
     must(&interp, "seed 6,5,6 2"); /* voxels of its trees, where no seed is */
-    must(&interp, "run");
-    must(&interp, "outline 4,4,7 1 to=6,4,7 to=6,6,7 to=4,6,7");
+    must(&interp, "run; outline 4,4,7 1 to=6,4,7 to=6,6,7 to=4,6,7");
     const size_t before = forest_seeds(interp.session->forest);
     must(&interp, "run");
     CHECK(forest_seeds(interp.session->forest) > before + 9);
@@ -326,16 +291,12 @@ STORY(the_ring_of_an_outline_cuts_no_other_object)
     const uint64_t digest = forest_digest(interp.session->forest);
     resume("others.iftty");
     CHECK(forest_digest(interp.session->forest) == digest);
-    interpreter_release(&interp);
 }
 
-STORY(an_outline_takes_the_place_of_a_marker)
+JOURNAL_STORY(an_outline_takes_the_place_of_a_marker, "instead.iftty")
 {
-    begin_with_journal(&interp, "instead.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=1");
-    must(&interp, "outline 4,4,5 1 to=7,4,5 to=7,7,5 to=4,7,5 ring=1 instead=2");
+    must(&interp, "auto on; seed 1,1,1 1; outline 4,4,5 1 to=6,4,5 to=6,6,5 to=4,6,5 ring=1; "
+                  "outline 4,4,5 1 to=7,4,5 to=7,7,5 to=4,7,5 ring=1 instead=2");
     is_recorded_as("outline 4,4,5 1 to=7,4,5 to=7,7,5 to=4,7,5 ring=1 instead=2");
     CHECK_HAS(buf_text(&reply.words), "removed=2 marker=4-5 ");
     has_seeds(1, 5, 16, 17);
@@ -354,14 +315,12 @@ STORY(an_outline_takes_the_place_of_a_marker)
     resume("instead.iftty");
     has_seeds(1, 5, 9, 10);
     has_seeds(0, 5, 12, 12);
-    interpreter_release(&interp);
 }
 
 /* ---- names and quotes ---- */
 
-STORY(a_label_may_be_called_by_several_words)
+JOURNAL_STORY(a_label_may_be_called_by_several_words, "names.iftty")
 {
-    begin_with_journal(&interp, "names.iftty");
     must(&interp, "label 1 'left hemi' #FF00Aa");
     is_recorded_as("label 1 \"left hemi\" #ff00aa");
     must(&interp, "label 2 \"right hemi\"");
@@ -370,8 +329,7 @@ STORY(a_label_may_be_called_by_several_words)
     must(&interp, "seed 9,9,9 \"right hemi\"");
     must(&interp, "label 4 c#4");
     write_text("named.csv", "5,5,5,right hemi # there\n6,6,6,c#4\n");
-    must(&interp, "seed-file named.csv");
-    must(&interp, "run");
+    must(&interp, "seed-file named.csv; run");
     is_refused(&interp, "label 3 'a b '", "expected a name of at most 31 bytes");
     is_refused(&interp, "label 3 'a=b c'", "expected a name");
     is_refused(&interp, "branch 'a b'", "expected a word of at most 63 bytes");
@@ -389,7 +347,6 @@ STORY(a_label_may_be_called_by_several_words)
     buf_release(&offers);
     resume("names.iftty");
     CHECK_TEXT(interp.session->now.kept.label_name[1], "left hemi");
-    interpreter_release(&interp);
 }
 
 /* ---- sketches ---- */
@@ -407,10 +364,7 @@ STORY(a_sketch_is_as_if_it_had_never_been)
     struct snapshot before, seen;
     for (int runs = 0; runs < 2; runs++) {
         begin_with_journal(&interp, "sketch.iftty");
-        must(&interp, "seed 9,9,9 3");
-        must(&interp, "seed 9,8,9 2");
-        must(&interp, "run");
-        must(&interp, "remove 9,8,9");
+        must(&interp, "seed 9,9,9 3; seed 9,8,9 2; run; remove 9,8,9");
         must(&interp, "undo"); /* so that there is something to do again */
         must(&interp, runs ? "auto on" : "auto off");
         must(&interp, "render");
@@ -435,12 +389,10 @@ STORY(a_sketch_is_as_if_it_had_never_been)
     }
 }
 
-STORY(a_sketch_without_memory_is_taken_back_in_the_end)
+JOURNAL_STORY(a_sketch_without_memory_is_taken_back_in_the_end, "memory.iftty")
 {
     struct snapshot before;
-    begin_with_journal(&interp, "memory.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 9,9,9 3");
+    must(&interp, "auto on; seed 9,9,9 3");
     take_snapshot(&before, &interp);
     unsigned refused = 0;
     for (size_t most = 0; most < 60; most++) {
@@ -457,43 +409,32 @@ STORY(a_sketch_without_memory_is_taken_back_in_the_end)
         is_as_before(&before, &interp, "a sketch without memory");
     }
     CHECK(refused > 10);
-    interpreter_release(&interp);
 }
 
 /* ---- what runs, and when ---- */
 
-STORY(what_waits_runs_with_the_next_edit_and_not_by_going_there)
+JOURNAL_STORY(what_waits_runs_with_the_next_edit_and_not_by_going_there, "waits.iftty")
 {
-    begin_with_journal(&interp, "waits.iftty");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 9,9,9 2");
-    must(&interp, "run");
-    must(&interp, "undo"); /* record 5: two edits wait */
+    must(&interp, "seed 1,1,1 1; seed 9,9,9 2; run; undo"); /* record 5: two edits wait */
     MUST_ANSWER(&interp, "auto on", "2 edits waiting for `run` or the next edit\n");
     CHECK_INT(session_pendings(interp.session), 2);
-    must(&interp, "seed 5,5,5 3"); /* runs all three */
-    CHECK_INT(seeds(), 3);
+    must_leave_seeds(&interp, "seed 5,5,5 3", 3); /* runs all three */
     CHECK_INT(session_pendings(interp.session), 0);
-    must(&interp, "goto 2");
-    CHECK_HAS(buf_text(&reply.text),
-              "after 2 seed 1,1,1 1, 1 edit waiting for `run` or the next edit");
+    MUST_MENTION(&interp, "goto 2",
+                 "after 2 seed 1,1,1 1, 1 edit waiting for `run` or the next edit");
     CHECK_INT(seeds(), 0);
     CHECK_INT(session_pendings(interp.session), 1);
     must(&interp, "view left"); /* no edit */
     CHECK_INT(session_pendings(interp.session), 1);
-    must(&interp, "weight sobel");
-    CHECK_INT(seeds(), 1);
+    must_leave_seeds(&interp, "weight sobel", 1);
     must(&interp, "undo");
     CHECK_INT(session_pendings(interp.session), 1);
     CHECK_INT(seeds(), 0);
-    must(&interp, "redo");
-    CHECK_INT(seeds(), 1);
+    must_leave_seeds(&interp, "redo", 1);
     must(&interp, "undo");
     resume("waits.iftty");
     CHECK_INT(session_pendings(interp.session), 1);
-    must(&interp, "run");
-    CHECK_INT(seeds(), 1);
-    interpreter_release(&interp);
+    must_leave_seeds(&interp, "run", 1);
 }
 
 int main(void)

@@ -47,6 +47,12 @@ static const char *row(const struct world *w)
     return text;
 }
 
+static void plant_gives(struct world *w, uint32_t x, int label, uint16_t reach, const char *labels)
+{
+    plant(w, x, label, reach);
+    CHECK_TEXT(row(w), labels);
+}
+
 static size_t refused(const struct world *w)
 {
     size_t voxels = 99;
@@ -60,15 +66,12 @@ STORY(a_tree_ends_where_its_seed_reaches)
 {
     struct world w = world_new(10, 1, 1, 6);
     CHECK_INT(refused(&w), 0);
-    plant(&w, 4, 1, add_reach(&w, 4, 0, 0, 2));
-    CHECK_TEXT(row(&w), "..11111...");
+    plant_gives(&w, 4, 1, add_reach(&w, 4, 0, 0, 2), "..11111...");
     CHECK_INT(refused(&w), 5);
     CHECK_INT(forest_limited_seeds(w.forest), 1);
-    plant(&w, 9, 2, 0);
-    CHECK_TEXT(row(&w), "..11111222"); /* the tree in between shields it from what is behind */
+    plant_gives(&w, 9, 2, 0, "..11111222"); /* the tree in between shields it from what is behind */
     CHECK_INT(refused(&w), 2);
-    plant(&w, 4, EDIT_ERASE, 0);
-    CHECK_TEXT(row(&w), "2222222222");
+    plant_gives(&w, 4, EDIT_ERASE, 0, "2222222222");
     CHECK_INT(refused(&w), 0);
     CHECK_INT(forest_limited_seeds(w.forest), 0);
     world_free(&w);
@@ -82,27 +85,24 @@ STORY(a_reach_is_around_its_centre_and_not_around_the_seed)
     CHECK_INT(forest_reach(w.forest, grid_cell(&w.scene->grid, 3, 0, 0))->centre[0], 5);
     CHECK(!forest_reach(w.forest, grid_cell(&w.scene->grid, 4, 0, 0)));
     CHECK_TEXT(row(&w), "..1111111.");
-    plant(&w, 3, 1, add_reach(&w, 5, 0, 0, 3)); /* the same under another number */
-    CHECK_TEXT(row(&w), "..1111111.");
+    plant_gives(&w, 3, 1, add_reach(&w, 5, 0, 0, 3),
+                "..1111111."); /* the same under another number */
     world_free(&w);
 }
 
 STORY(the_same_label_with_another_reach_is_another_seed)
 {
     struct world w = world_new(10, 1, 1, 6);
-    plant(&w, 5, 1, add_reach(&w, 5, 0, 0, 4));
-    CHECK_TEXT(row(&w), ".111111111");
-    plant(&w, 5, 1, add_reach(&w, 5, 0, 0, 1));
-    CHECK_TEXT(row(&w), "....111...");
+    plant_gives(&w, 5, 1, add_reach(&w, 5, 0, 0, 4), ".111111111");
+    plant_gives(&w, 5, 1, add_reach(&w, 5, 0, 0, 1), "....111...");
     const struct seed_changes changes = forest_seed_changes(w.forest);
     CHECK(changes.count == 1 && changes.before[0].reach != changes.after[0].reach);
     const struct edit before = changes.before[0];
     CHECK(forest_edit(w.forest, &before, 1, NULL) == OK);
     CHECK_TEXT(row(&w), ".111111111");
-    plant(&w, 5, 1, 0);
-    CHECK_TEXT(row(&w), "1111111111");
-    plant(&w, 5, 1, add_reach(&w, 0, 0, 0, 2)); /* the seed itself lies outside, and remains */
-    CHECK_TEXT(row(&w), ".....1....");
+    plant_gives(&w, 5, 1, 0, "1111111111");
+    plant_gives(&w, 5, 1, add_reach(&w, 0, 0, 0, 2),
+                ".....1...."); /* the seed itself lies outside, and remains */
     world_free(&w);
 }
 
@@ -112,20 +112,15 @@ STORY(a_refused_child_hears_of_it)
 {
     struct world w = world_new(7, 1, 1, 6);
     plant(&w, 6, 1, 0);
-    plant(&w, 3, 2, add_reach(&w, 3, 0, 0, 1));
-    CHECK_TEXT(row(&w), "..22211"); /* 0 and 1 had their tree through 2 */
-    plant(&w, 3, EDIT_ERASE, 0);
-    CHECK_TEXT(row(&w), "1111111");
-    plant(&w, 0, 2, add_reach(&w, 0, 0, 0, 3));
-    CHECK_TEXT(row(&w), "2222111");
-    plant(&w, 6, EDIT_ERASE, 0);
-    CHECK_TEXT(row(&w), "2222...");
-    plant(&w, 1, 3, 0);
-    CHECK_TEXT(row(&w), "2333333");
-    plant(&w, 1, 3, add_reach(&w, 1, 0, 0, 1));
-    CHECK_TEXT(row(&w), "233...."); /* 2 cannot pass through voxels held by 3 */
-    plant(&w, 1, EDIT_ERASE, 0);
-    CHECK_TEXT(row(&w), "2222...");
+    plant_gives(&w, 3, 2, add_reach(&w, 3, 0, 0, 1),
+                "..22211"); /* 0 and 1 had their tree through 2 */
+    plant_gives(&w, 3, EDIT_ERASE, 0, "1111111");
+    plant_gives(&w, 0, 2, add_reach(&w, 0, 0, 0, 3), "2222111");
+    plant_gives(&w, 6, EDIT_ERASE, 0, "2222...");
+    plant_gives(&w, 1, 3, 0, "2333333");
+    plant_gives(&w, 1, 3, add_reach(&w, 1, 0, 0, 1),
+                "233...."); /* 2 cannot pass through voxels held by 3 */
+    plant_gives(&w, 1, EDIT_ERASE, 0, "2222...");
     world_free(&w);
 }
 
@@ -387,8 +382,7 @@ STORY(without_memory_nothing_has_changed)
     allow_allocations(0);
     CHECK_INT(forest_add_reach(w.forest, &reach, &number, NULL), ERR_MEMORY);
     mem_allows = NULL;
-    plant(&w, 4, 1, 0);
-    CHECK_TEXT(row(&w), "1111111111");
+    plant_gives(&w, 4, 1, 0, "1111111111");
     CHECK(forest_add_reach(w.forest, &reach, &number, NULL) == OK);
     plant(&w, 4, 1, number);
     size_t voxels;
