@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "apply/affine.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 static uint64_t state = 1;
 
@@ -271,9 +271,4 @@ STORY(places_that_do_not_determine_a_map_are_refused)
     }
     CHECK(out.m[0][0] == 42 && rms == 7);
     CHECK_INT(affine_fit(&out, AFFINE_RIGID, 4, plane, plane, &rms, &fault), OK);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -3,7 +3,7 @@
 #include "base/choice.h"
 #include "command/anonymise.h"
 #include "command/command.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 #define SECRET "miller1950"
 
@@ -113,9 +113,4 @@ STORY(what_no_parameter_takes_is_a_number_or_a_file)
     write(&out, "mask x.nii \"T1 " SECRET);
     CHECK_TEXT(buf_text(&out), "mask file-1.nii ...");
     buf_release(&out);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -8,10 +8,9 @@
 #include "render/mosaic.h"
 #include "show/decorating.h"
 #include "show/export_picture.h"
-#include "tests/folder.h"
+#define RUN_IN_FOLDER
+#include "tests/folder_main.h"
 #include "tests/interpreting.h"
-
-static char folder[FOLDER_LENGTH];
 
 /* ---- by themselves ---- */
 
@@ -82,13 +81,8 @@ enum { WIDTH = 90, HEIGHT = 70, PIXELS = WIDTH * HEIGHT };
 static void begin_with_object(struct interpreter *interp)
 {
     begin_interpreter(interp);
-    must(interp, "open synth:geom:40x40x20");
-    must(interp, "seed 20,20,10 1 radius=3");
-    must(interp, "seed 1,1,1 0");
-    must(interp, "size 90 70");
-    must(interp, "samples 4");
-    must(interp, "view 30 20 10");
-    must(interp, "run");
+    must(interp, "open synth:geom:40x40x20; seed 20,20,10 1 radius=3; seed 1,1,1 0; "
+                 "size 90 70; samples 4; view 30 20 10; run");
 }
 
 static void has_background(struct interpreter *interp, const char *line, uint32_t background)
@@ -149,11 +143,8 @@ STORY(a_clear_picture_has_its_alpha)
 {
     struct interpreter interp;
     begin_with_object(&interp);
-    must(&interp, "background transparent");
-    must(&interp, "render clear.png");
-    must(&interp, "render clear.tif");
-    must(&interp, "render clear.bmp");
-    must(&interp, "render clear.exr");
+    must(&interp, "background transparent; render clear.png; render clear.tif; "
+                  "render clear.bmp; render clear.exr");
     struct picture png = read_back(&interp, "clear.png"), tif = read_back(&interp, "clear.tif");
     struct picture bmp = read_back(&interp, "clear.bmp"), exr;
     CHECK_INT(exr_read(&exr, "clear.exr", NULL), OK);
@@ -198,11 +189,8 @@ STORY(the_pane_of_a_mosaic_has_it_too)
 {
     struct interpreter interp;
     begin_with_object(&interp);
-    must(&interp, "samples 1");
-    must(&interp, "background black");
-    must(&interp, "mosaic black.png");
-    must(&interp, "background white");
-    must(&interp, "mosaic white.png");
+    must(&interp, "samples 1; background black; mosaic black.png; background white; "
+                  "mosaic white.png");
     struct picture black = read_back(&interp, "black.png"), white = read_back(&interp, "white.png");
     const struct mosaic_box box = mosaic_box(WIDTH, HEIGHT, MOSAIC_RENDITION);
     unsigned differ = 0;
@@ -219,13 +207,4 @@ STORY(the_pane_of_a_mosaic_has_it_too)
     picture_release(&black);
     picture_release(&white);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "background") || chdir(folder) != 0)
-        return 1;
-    int status = check_run();
-    reply_release(&reply);
-    return status | remove_folder(folder);
 }

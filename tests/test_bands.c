@@ -12,6 +12,7 @@
 #include "render/incremental.h"
 #include "render/bands.h"
 #include "show/pictures.h"
+#include "tests/check_main.h"
 #include "tests/stage.h"
 
 /* ---- by hand and at random ---- */
@@ -137,17 +138,13 @@ STORY(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits
 {
     struct interpreter interp;
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x40x40");
-    must(&interp, "seed 10,10,10 1 radius=3");
-    must(&interp, "run");
-    must(&interp, "size 8192 70");
-    must(&interp, "samples 4");
+    must(&interp, "open synth:geom:40x40x40; seed 10,10,10 1 radius=3; run; size 8192 70; "
+                  "samples 4");
     const uint64_t first = digest_after(&interp, "render mode=bp");
     CHECK(!interp.session->pictures->rendition.depth);
     CHECK(session_memory(interp.session) < 64u << 20);
     CHECK_INT(digest_after(&interp, "render mode=ray"), first);
-    must(&interp, "remove 10,10,10");
-    must(&interp, "run");
+    must(&interp, "remove 10,10,10; run");
     CHECK(digest_after(&interp, "render") != first);
     must(&interp, "undo 2");
     CHECK_INT(digest_after(&interp, "render"), first);
@@ -162,18 +159,14 @@ STORY(a_turntable_is_drawn_in_bands_and_shows_what_renditions_show)
     char expected[40];
     begin_interpreter(&interp);
     interp.mode = MODE_REPLAY; /* writes no file */
-    must(&interp, "open synth:geom:40x40x40");
-    must(&interp, "seed 20,20,20 1 radius=3");
-    must(&interp, "size 60 50");
-    must(&interp, "samples 4");
+    must(&interp, "open synth:geom:40x40x40; seed 20,20,20 1 radius=3; size 60 50; samples 4");
     for (uint64_t i = 0; i < 4; i++) {
         sum += hash_mix_at(i, digest_after(&interp, "render"));
         CHECK(interp.session->pictures->rendition.depth);
         must(&interp, "turn 90 0");
     }
     snprintf(expected, sizeof expected, "spin=%016" PRIx64, sum);
-    must(&interp, "view front");
-    must(&interp, "spin 4 turn.gif");
+    must(&interp, "view front; spin 4 turn.gif");
     CHECK_HAS(buf_text(&reply.words), expected);
     CHECK(!interp.session->pictures->rendition.depth);
     interpreter_release(&interp);
@@ -202,10 +195,8 @@ STORY(a_turntable_stores_no_map_of_its_pictures)
     struct reply told = {0};
     begin_interpreter(&interp);
     interp.mode = MODE_REPLAY; /* writes no file */
-    must(&interp, "open synth:geom:20x20x20");
-    must(&interp, "seed 10,10,10 1 radius=3");
-    must(&interp, "run");
-    must(&interp, "decorate letters scale legend");
+    must(&interp, "open synth:geom:20x20x20; seed 10,10,10 1 radius=3; run; "
+                  "decorate letters scale legend");
     for (int samples = 1; samples <= 4; samples *= 2) {
         must(&interp, samples == 1 ? "samples 1" : samples == 2 ? "samples 2" : "samples 4");
         must(&interp, "size 256 4096");
@@ -225,12 +216,8 @@ STORY(a_large_picture_goes_right_into_its_file)
 {
     struct interpreter interp;
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:20x20x20");
-    must(&interp, "seed 10,10,10 1 radius=3");
-    must(&interp, "run");
-    must(&interp, "decorate letters scale legend");
-    must(&interp, "size 3000 2900");
-    must(&interp, "zoom 64");
+    must(&interp, "open synth:geom:20x20x20; seed 10,10,10 1 radius=3; run; "
+                  "decorate letters scale legend; size 3000 2900; zoom 64");
     most_bytes = (size_t)2900 * 3000;
     mem_allows = takes_small_arrays;
     CHECK_INT(execute(&interp, "render large.png replace=yes"), OK);
@@ -240,11 +227,4 @@ STORY(a_large_picture_goes_right_into_its_file)
     CHECK(!interp.session->pictures->rendition.depth);
     CHECK(unlink("large.png") == 0 && unlink("large.exr") == 0);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    const int status = check_run();
-    reply_release(&reply);
-    return status;
 }

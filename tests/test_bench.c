@@ -12,7 +12,7 @@
 #include "session/session_inside.h"
 #include "show/draw.h"
 #include "tests/check.h"
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 
 /* ---- the procedure ---- */
 
@@ -151,7 +151,6 @@ STORY(a_map_on_another_grid_or_without_regions_is_refused)
 
 /* ---- a trial on a small scene ---- */
 
-static char folder[FOLDER_LENGTH];
 static const uint32_t side = 32;
 
 static void scene_row(void *context, uint32_t y, uint32_t z, void *values)
@@ -375,12 +374,4 @@ STORY(medians_and_quantiles_of_times_in_any_order)
     CHECK(times_median(one, 1) == 6 && times_quantile(one, 1, 0.9) == 6);
     CHECK(times_median(none, 0) == 0 && times_quantile(none, 0, 1) == 0);
     CHECK(times_between(1000000, 3500000) == 2.5);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "bench"))
-        return 1;
-    int status = check_run();
-    return status | remove_folder(folder);
 }

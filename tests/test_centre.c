@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The centre of a label, compared with two searches of the whole scene. */
 #include "engine/measure.h"
+#include "tests/check_main.h"
 #include "tests/interpreting.h"
 
 /* By the definition in measure.h. */
@@ -73,19 +74,10 @@ STORY(the_search_for_it_can_be_stopped)
     struct watch watch = {.poll = stop, .step = 1};
     uint32_t place[3];
     CHECK(interpreter_init(&interp, NULL) == OK);
-    must(&interp, "open synth:geom:23x17x12");
-    must(&interp, "seed 3,4,5 2");
-    must(&interp, "run");
+    must(&interp, "open synth:geom:23x17x12; seed 3,4,5 2; run");
     CHECK(centre_of_label(interp.session->scene, 2, place));
     interp.session->scene->watch = &watch;
     CHECK(!centre_of_label(interp.session->scene, 2, place));
     interp.session->scene->watch = NULL;
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    const int status = check_run();
-    reply_release(&reply);
-    return status;
 }

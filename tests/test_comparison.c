@@ -9,7 +9,7 @@
 #include "base/mem.h"
 #include "engine/distance.h"
 #include "show/comparison.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/stopping.h"
 
 static uint64_t seed = 1;
@@ -396,9 +396,4 @@ STORY(classes_are_signed_distances_to_the_contour_of_b)
     CHECK_INT(class_at(class, &grid, 4, 3, 4), 128 - 85);
     CHECK_INT(class_at(class, &grid, 2, 4, 4), 0);
     free(class);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "program/programs.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/folder.h"
 #include "tui/pilot/pilot_keys.h"
 
@@ -342,9 +342,4 @@ STORY(any_text_gives_a_valid_setup)
     config_release(&config);
     buf_release(&line);
     buf_release(&message);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -10,7 +10,7 @@
 
 #include "session/doubtful.h"
 #include "session/paint.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/paint_model.h"
 #include "tests/scarce_memory.h"
 
@@ -333,9 +333,4 @@ STORY(without_memory_there_is_no_contour)
     }
     CHECK(failed > 3);
     end();
-}
-
-int main(void)
-{
-    return check_run();
 }

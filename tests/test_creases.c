@@ -2,6 +2,7 @@
 /* Creases: where two objects touch, each is shaded as if it were alone. */
 #include "interpreting.h"
 
+#include "tests/check_main.h"
 #include "tests/stage.h"
 
 static void draw(struct stage *s, struct rendition *out)
@@ -158,12 +159,8 @@ STORY(creases_follow_each_edit_of_a_session)
     struct interpreter interp;
     uint64_t random = 3;
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x40x40");
-    must(&interp, "auto on");
-    must(&interp, "size 90 90");
-    must(&interp, "zoom 2");
-    must(&interp, "view 30 20");
-    must(&interp, "shade surface creases=yes ao=50");
+    must(&interp, "open synth:geom:40x40x40; auto on; size 90 90; zoom 2; view 30 20; "
+                  "shade surface creases=yes ao=50");
     for (int i = 0; i < 40 && check_failures == 0; i++) {
         char line[80];
         snprintf(line, sizeof line, "seed %u,%u,%u %u radius=3", check_below(&random, 40),
@@ -175,11 +172,4 @@ STORY(creases_follow_each_edit_of_a_session)
         CHECK_INT(digest_after(&interp, i % 2 ? "render mode=ray" : "render mode=sp"), repaired);
     }
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    const int status = check_run();
-    reply_release(&reply);
-    return status;
 }

@@ -14,7 +14,7 @@
 #include "image/exr.h"
 #include "show/pictures.h"
 #include "tests/border_check.h"
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 #include "tests/stage.h"
 
 /* ---- by hand ---- */
@@ -308,16 +308,10 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
 
 /* ---- commands ---- */
 
-static char folder[FOLDER_LENGTH];
-
 static void begin(struct interpreter *interp)
 {
     CHECK(interpreter_init(interp, NULL) == OK);
-    must(interp, "open synth:geom:40x30x20");
-    must(interp, "size 64 64");
-    must(interp, "zoom 1.5");
-    must(interp, "seed 20,15,10 1");
-    must(interp, "run");
+    must(interp, "open synth:geom:40x30x20; size 64 64; zoom 1.5; seed 20,15,10 1; run");
 }
 
 static uint64_t picture(struct interpreter *interp)
@@ -355,8 +349,7 @@ STORY(slabs_are_counted_as_slices_are)
     MUST_MENTION(&interp, "info", "all but sagittal slices 0-1");
     CHECK(execute(&interp, "clip sagittal 0-40") == ERR_INPUT);
     CHECK_HAS(fault.text, "there are sagittal slices 0-39, right to left, not 40");
-    must(&interp, "clip none");
-    must(&interp, "info");
+    must(&interp, "clip none; info");
     CHECK(!strstr(buf_text(&reply.text), "cut away"));
     interpreter_release(&interp);
 }
@@ -379,8 +372,7 @@ STORY(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient)
     CHECK_INT(execute(&interp, "plane 1,1,1"), ERR_LIMIT);
     CHECK_HAS(fault.text, "there are 8 planes already, the most; `plane none` removes them");
     MUST_MENTION(&interp, "info", "cut away  8 planes\n");
-    must(&interp, "plane none");
-    must(&interp, "view front");
+    must(&interp, "plane none; view front");
     CHECK(picture(&interp) == whole);
     interpreter_release(&interp);
 }
@@ -403,8 +395,7 @@ STORY(a_plane_with_a_normal_is_the_same_from_everywhere)
     must(&interp, "view 33 20");
     must(&interp, "plane 20,15,10 normal=right"); /* x counts to the right */
     CHECK(is_shown(&interp, 20, 3, 3) && !is_shown(&interp, 21, 3, 3));
-    must(&interp, "plane none");
-    must(&interp, "plane 20,15,10 normal=bottom offset=2.5");
+    must(&interp, "plane none; plane 20,15,10 normal=bottom offset=2.5");
     CHECK(is_shown(&interp, 20, 3, 8) && !is_shown(&interp, 20, 3, 7));
     must(&interp, "plane none");
     must(&interp, "plane 20,15,10 normal=back offset=-3"); /* the plane's own voxels stay */
@@ -428,12 +419,9 @@ STORY(a_plane_with_a_normal_is_the_same_from_everywhere)
     CHECK(memcmp(&cut[0], &cut[1], sizeof cut[0]) == 0);
 
     /* Seen from the left of the subject, the voxels to the left are in front. */
-    must(&interp, "view left");
-    must(&interp, "plane 20,15,10 offset=1");
+    must(&interp, "view left; plane 20,15,10 offset=1");
     const struct cut seen = interp.session->now.kept.cut;
-    must(&interp, "view top");
-    must(&interp, "plane none");
-    must(&interp, "plane 20,15,10 normal=left offset=1");
+    must(&interp, "view top; plane none; plane 20,15,10 normal=left offset=1");
     for (uint32_t x = 0; x < 40; x++) {
         const uint32_t cell = grid_cell(&interp.session->scene->grid, x, 3, 3);
         CHECK(cut_takes(&seen, &interp.session->scene->grid, cell) == !is_shown(&interp, x, 3, 3));
@@ -545,13 +533,10 @@ STORY(a_cut_scene_is_not_interpolated)
 {
     struct interpreter interp;
     CHECK(interpreter_init(&interp, NULL) == OK);
-    must(&interp, "open synth:geom:20x20x20");
-    must(&interp, "clip axial 3-7");
+    must(&interp, "open synth:geom:20x20x20; clip axial 3-7");
     CHECK_INT(execute(&interp, "interpolate 2 2 2"), ERR_USAGE);
     CHECK_HAS(fault.text, "a cut belongs to the present grid");
-    must(&interp, "clip none");
-    must(&interp, "focus 3,4,5");
-    must(&interp, "interpolate 2 1 2");
+    must(&interp, "clip none; focus 3,4,5; interpolate 2 1 2");
     CHECK_INT(interp.session->now.outlook.view.focus[0], (2 * 6 - 38) * (1 << 15));
     CHECK_INT(interp.session->now.outlook.view.focus[1], (2 * 4 - 19) * (1 << 15));
     interpreter_release(&interp);
@@ -573,11 +558,7 @@ STORY(a_picture_notes_what_is_cut_away_and_in_focus)
         note ? note : "",
         "yaw 0 pitch 0 roll 0 degrees, zoom 1.5, 64x64 pixels, voxel 19.5,14.5,9.5 in the middle");
     picture_release(&p);
-    must(&interp, "view right");
-    must(&interp, "focus 0,0,0");
-    must(&interp, "clip axial 3-7");
-    must(&interp, "plane 20,15,10");
-    must(&interp, "cut 1,2,3 6,5,4");
+    must(&interp, "view right; focus 0,0,0; clip axial 3-7; plane 20,15,10; cut 1,2,3 6,5,4");
     snprintf(path, sizeof path, "%s/open.exr", folder);
     snprintf(line, sizeof line, "render %s", path);
     must(&interp, line);
@@ -590,13 +571,4 @@ STORY(a_picture_notes_what_is_cut_away_and_in_focus)
                "yaw 270 pitch 0 roll 0 degrees, zoom 1.5, 64x64 pixels, voxel 0,0,0 in the middle");
     picture_release(&p);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "cut"))
-        return 1;
-    int status = check_run();
-    reply_release(&reply);
-    return status | remove_folder(folder);
 }

@@ -9,7 +9,7 @@
 #include "render/projection.h"
 #include "show/decorating.h"
 #include "show/slicing.h"
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 #include "tests/interpreting.h"
 #include "tests/stage.h"
 
@@ -183,18 +183,11 @@ STORY(every_size_has_what_fits)
 
 /* ---- in a session ---- */
 
-static char folder[FOLDER_LENGTH];
-
 static void begin_with_object(struct interpreter *interp)
 {
     begin_interpreter(interp);
-    must(interp, "open synth:geom:40x40x20");
-    must(interp, "seed 20,20,10 1 radius=3");
-    must(interp, "seed 1,1,1 0");
-    must(interp, "label 1 ball");
-    must(interp, "size 140 130");
-    must(interp, "zoom 3");
-    must(interp, "run");
+    must(interp, "open synth:geom:40x40x20; seed 20,20,10 1 radius=3; seed 1,1,1 0; "
+                 "label 1 ball; size 140 130; zoom 3; run");
 }
 
 /* `picture=` of a rendition. */
@@ -238,8 +231,7 @@ STORY(what_is_below_stays_what_it_is)
     must(&interp, "render");
     const struct rendition *frame = session_frame(interp.session);
     const uint64_t before = rendition_digest(frame);
-    must(&interp, "decorate all");
-    must(&interp, "render");
+    must(&interp, "decorate all; render");
     const struct rendition shown = session_picture(interp.session);
     CHECK(rendition_digest(session_frame(interp.session)) == before);
     CHECK(shown.cell == frame->cell && shown.depth == frame->depth && shown.rgba != frame->rgba);
@@ -255,8 +247,7 @@ STORY(what_no_pixel_shows_has_no_mark)
     static const char *const part[] = {"decorate seeds", "decorate cross"};
     struct interpreter interp;
     begin_with_object(&interp);
-    must(&interp, "view top");
-    must(&interp, "cross 20,20,10");
+    must(&interp, "view top; cross 20,20,10");
     for (int i = 0; i < 2; i++) {
         must(&interp, "decorate none");
         const uint64_t plain = digest_of(&interp, "render");
@@ -283,19 +274,14 @@ STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
     must(&interp, save);
     interpreter_release(&interp);
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x40x20");
-    must(&interp, "size 140 130");
-    must(&interp, "zoom 3");
-    must(&interp, "view 40 30");
+    must(&interp, "open synth:geom:40x40x20; size 140 130; zoom 3; view 40 30");
     must(&interp, labels);
     must(&interp, "run");
     for (int placed = 0; placed < 2; placed++) {
-        must(&interp, "decorate none");
-        must(&interp, "overlay marks=off");
+        must(&interp, "decorate none; overlay marks=off");
         const uint64_t plain = digest_of(&interp, "render");
         const uint64_t slice = digest_of(&interp, "slice axial 10");
-        must(&interp, "decorate seeds");
-        must(&interp, "overlay marks=on");
+        must(&interp, "decorate seeds; overlay marks=on");
         CHECK((digest_of(&interp, "render") != plain) == placed);
         CHECK((digest_of(&interp, "slice axial 10") != slice) == placed);
         const uint32_t at = grid_cell(&interp.session->scene->grid, 20, 20, 10);
@@ -311,8 +297,7 @@ STORY(mosaics_are_not_decorated)
     struct interpreter interp;
     begin_with_object(&interp);
     const uint64_t plain = digest_of(&interp, "mosaic");
-    must(&interp, "decorate all");
-    must(&interp, "render");
+    must(&interp, "decorate all; render");
     CHECK(digest_of(&interp, "mosaic") == plain);
     interpreter_release(&interp);
 }
@@ -329,13 +314,4 @@ STORY(what_is_no_part_is_refused)
     must(&interp, "decorate cross seeds legend scale letters");
     CHECK_INT(interp.session->now.outlook.decorations, DECORATE_ALL);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "decoration"))
-        return 1;
-    const int status = check_run();
-    reply_release(&reply);
-    return status | remove_folder(folder);
 }

@@ -8,6 +8,7 @@
 #include "render/notes.h"
 #include "show/decorating.h"
 #include "verify/verify_inside.h"
+#include "tests/check_main.h"
 #include "tests/interpreting.h"
 
 /* ---- where commands part ---- */
@@ -156,15 +157,10 @@ static uint8_t *labels_of(const struct session *session)
 static void begin(struct interpreter *interp, const char *seed)
 {
     begin_interpreter(interp);
-    must(interp, "open synth:geom:40x40x20");
-    must(interp, "label 2 ball #ff0000");
-    must(interp, "seed 0,0,0 0");
-    must(interp, "seed 20,20,10 1");
+    must(interp, "open synth:geom:40x40x20; label 2 ball #ff0000; seed 0,0,0 0; "
+                 "seed 20,20,10 1");
     must(interp, seed);
-    must(interp, "run");
-    must(interp, "size 120 100");
-    must(interp, "zoom 2");
-    must(interp, "view 30 20");
+    must(interp, "run; size 120 100; zoom 2; view 30 20");
 }
 
 /* Whether the pane of a picture shows what the session renders, over its background. */
@@ -295,11 +291,4 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     free(label);
     free(other);
     interpreter_release(&a);
-}
-
-int main(void)
-{
-    const int status = check_run();
-    reply_release(&reply);
-    return status;
 }

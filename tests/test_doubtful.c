@@ -7,7 +7,7 @@
 
 #include "session/doubtful.h"
 #include "tests/scarce_memory.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 static struct interpreter interp;
 static uint64_t seed = 34;
@@ -160,9 +160,8 @@ STORY(a_stroke_is_no_outline)
     unsigned axis;
     uint32_t at;
     begin_with_scene(&interp);
-    must(&interp, "seed 2,2,2 1 to=9,9,2");
-    must(&interp, "seed 5,5,5 1 radius=2");
-    must(&interp, "outline 2,5,2 1 to=5,5,2 to=5,5,4 to=2,5,4");
+    must(&interp, "seed 2,2,2 1 to=9,9,2; seed 5,5,5 1 radius=2; "
+                  "outline 2,5,2 1 to=5,5,2 to=5,5,4 to=2,5,4");
     const struct grid *grid = &interp.session->scene->grid;
     CHECK(!contour_is_area(&axis, &at, grid, &interp.session->markers, 1));
     CHECK(!contour_is_area(&axis, &at, grid, &interp.session->markers, 2));
@@ -174,8 +173,7 @@ STORY(slices_are_told_with_the_volume_that_is_in_doubt)
 {
     begin_with_scene(&interp);
     MUST_MENTION(&interp, "hints slice", "no slice: ");
-    must(&interp, "seed 3,3,3 1 radius=1");
-    must(&interp, "seed 9,9,8 0 radius=1");
+    must(&interp, "seed 3,3,3 1 radius=1; seed 9,9,8 0 radius=1");
     must(&interp, "hints slice label=1"); /* which applies them first */
     CHECK_HAS(buf_text(&reply.text), "1  ");
     CHECK_HAS(buf_text(&reply.text), " mm3 in doubt, at ");
@@ -192,9 +190,7 @@ STORY(without_memory_it_says_so_and_with_it_goes_on)
     unsigned failed = 0;
     size_t count;
     begin_with_scene(&interp);
-    must(&interp, "auto on");
-    must(&interp, "seed 3,3,3 1 radius=1");
-    must(&interp, "seed 9,9,8 0 radius=1");
+    must(&interp, "auto on; seed 3,3,3 1 radius=1; seed 9,9,8 0 radius=1");
     outlined_count = 0;
     for (size_t most = 0; most < 400000; most += most / 4 + 100) {
         doubting_release(&interp.session->inside->doubting);
@@ -207,14 +203,4 @@ STORY(without_memory_it_says_so_and_with_it_goes_on)
     CHECK(failed > 3);
     is_as_chosen(1);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    const int status = check_run();
-    reply_release(&reply);
-    return end_folder() | status;
 }

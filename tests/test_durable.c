@@ -12,10 +12,8 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 #include "tests/journals.h"
-
-static char folder[FOLDER_LENGTH];
 
 /* A path in the test's own folder; it stays until four others were asked for. */
 static const char *place(const char *name)
@@ -503,12 +501,4 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
     }
     CHECK_INT(before, RECORDS);
     buf_release(&bytes);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "durable"))
-        return 1;
-    int status = check_run();
-    return status | remove_folder(folder);
 }

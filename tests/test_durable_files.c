@@ -15,12 +15,11 @@
 #include "command/golden_files.h"
 #include "command/execute.h"
 #include "tests/check.h"
-#include "tests/folder.h"
+#define RUN_IN_FOLDER
+#include "tests/folder_main.h"
 #include "tests/interpreting.h"
 #include "verify/verify_inside.h"
 #include "verify/verify.h"
-
-static char folder[FOLDER_LENGTH];
 
 static const char *const commands[] = {
     "golden first",
@@ -139,10 +138,7 @@ STORY(a_command_whose_file_cannot_be_written_leaves_nothing_and_works_again)
     struct interpreter interp;
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, "j.iftty", &fault) == OK);
-    must(&interp, "open synth:geom:16x16x16");
-    must(&interp, "size 16 16");
-    must(&interp, "seed 8,8,8 1 radius=2");
-    must(&interp, "seed 1,1,1 0");
+    must(&interp, "open synth:geom:16x16x16; size 16 16; seed 8,8,8 1 radius=2; seed 1,1,1 0");
     file_step_hook = fail_step;
     for (unsigned n = 0; n < COMMANDS && check_failures == 0; n++) {
         unsigned step = 0;
@@ -268,10 +264,7 @@ STORY(a_folder_that_becomes_a_link_at_any_step_leads_nothing_out)
     unsetenv("CI");
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, "s.iftty", &fault) == OK);
-    must(&interp, "open synth:geom:16x16x16");
-    must(&interp, "size 16 16");
-    must(&interp, "seed 8,8,8 1 radius=2");
-    must(&interp, "golden first");
+    must(&interp, "open synth:geom:16x16x16; size 16 16; seed 8,8,8 1 radius=2; golden first");
     CHECK(file_write("whole", "", 0, FILE_REPLACE, &fault) == OK);
     copy_file("s.iftty", "whole");
     must(&interp, "golden last of=axial");
@@ -329,13 +322,4 @@ STORY(a_journal_that_is_begun_where_there_are_no_locks_says_what_stands_for_one)
     interpreter_release(&interp);
     file_step_hook = NULL;
     CHECK(!file_exists("new.iftty.lock") && !file_exists("other.iftty.lock"));
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "faults") || chdir(folder) != 0)
-        return 1;
-    const int status = check_run();
-    reply_release(&reply);
-    return status | remove_folder(folder);
 }

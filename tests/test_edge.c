@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Edges: what has a line, on which side, and how strong it is for every number of samples. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -231,9 +231,4 @@ STORY(what_is_round_or_steep_has_no_line_but_its_outline)
         }
         stage_release(&s);
     }
-}
-
-int main(void)
-{
-    return check_run();
 }

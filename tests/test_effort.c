@@ -4,11 +4,10 @@
 #include "engine/labels.h"
 #include "tests/bench/effort_run.h"
 #include "tests/check.h"
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 
 enum { WIDE = 40, HIGH = 30, DEEP = 28, VOXELS = WIDE * HIGH * DEEP };
 
-static char folder[FOLDER_LENGTH];
 static uint8_t image[VOXELS], truth[VOXELS], label[VOXELS];
 static const struct effort_object object = {
     .name = "box", .size = {WIDE, HIGH, DEEP}, .voxels = VOXELS, .image = image, .truth = truth};
@@ -218,12 +217,4 @@ STORY(phantoms_are_unchanged)
         CHECK_INT(count, voxels[p]);
         CHECK_INT(sum, greys[p]);
     }
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "effort"))
-        return 1;
-    const int status = check_run();
-    return status | remove_folder(folder);
 }

@@ -6,10 +6,9 @@
 #include "image/exr.h"
 #include "render/fit.h"
 #include "render/projection.h"
-#include "tests/folder.h"
+#define RUN_IN_FOLDER
+#include "tests/folder_main.h"
 #include "tests/interpreting.h"
-
-static char folder[FOLDER_LENGTH];
 
 /* ---- any scene, by itself ---- */
 
@@ -166,10 +165,7 @@ STORY(where_nothing_is_shown_the_scene_fits)
 static void begin_with_object(struct interpreter *interp)
 {
     begin_interpreter(interp);
-    must(interp, "open synth:geom:60x50x40");
-    must(interp, "seed 12,12,10 1 radius=4");
-    must(interp, "size 90 70");
-    must(interp, "view 30 20");
+    must(interp, "open synth:geom:60x50x40; seed 12,12,10 1 radius=4; size 90 70; view 30 20");
 }
 
 STORY(fit_is_recorded_as_what_it_comes_to)
@@ -180,10 +176,7 @@ STORY(fit_is_recorded_as_what_it_comes_to)
     CHECK_TEXT(buf_text(&reply.text), "no object is shown: the scene fits\n"
                                       "without the 257 edits that wait for `run`\n");
     const uint32_t whole = interp.session->now.outlook.view.zoom;
-    must(&interp, "run");
-    must(&interp, "clip axial 5-12");
-    must(&interp, "cut 20,0,0 59,49,39");
-    must(&interp, "zoom fit");
+    must(&interp, "run; clip axial 5-12; cut 20,0,0 59,49,39; zoom fit");
     const struct view fitted = interp.session->now.outlook.view;
     CHECK(fitted.zoom > whole + whole / 4);
     CHECK_TEXT(buf_text(&reply.text), "");
@@ -231,9 +224,7 @@ STORY(a_turntable_turns_about_one_axis_after_the_other)
         snprintf(line, sizeof line, "turn%u.exr", i);
         CHECK(same_picture(line, "one.exr"));
     }
-    must(&interp, "view 30 20");
-    must(&interp, "spin 2 yaw%d.exr axis=yaw");
-    must(&interp, "spin 2 plain%d.exr");
+    must(&interp, "view 30 20; spin 2 yaw%d.exr axis=yaw; spin 2 plain%d.exr");
     CHECK(same_picture("yaw1.exr", "plain1.exr"));
     interpreter_release(&interp);
 }
@@ -263,9 +254,7 @@ STORY(a_turntable_that_fits_fits_all_its_pictures)
     char name[32];
     uint32_t most = 0, least[2] = {90, 70};
     begin_with_object(&interp);
-    must(&interp, "run");
-    must(&interp, "cut 30,0,0 59,49,39");
-    must(&interp, "zoom 7");
+    must(&interp, "run; cut 30,0,0 59,49,39; zoom 7");
     const struct view before = interp.session->now.outlook.view;
     must(&interp, "spin 12 fit%d.exr fit=yes axis=yaw,pitch");
     CHECK(memcmp(&interp.session->now.outlook.view, &before, sizeof before) == 0);
@@ -285,13 +274,4 @@ STORY(a_turntable_that_fits_fits_all_its_pictures)
     }
     CHECK(least[1] <= 5 || most >= 64);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "fit") || chdir(folder) != 0)
-        return 1;
-    int status = check_run();
-    reply_release(&reply);
-    return status | remove_folder(folder);
 }

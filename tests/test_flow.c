@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Frames over a simulated line: bytes wait their turn, an answer comes back half a round trip after
  * the last of them has arrived. */
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tui/picture/graphics.h"
 #include "tui/pilot/flow.h"
 
@@ -356,9 +356,4 @@ STORY(clocks_and_sizes_at_their_limits_do_no_harm)
     CHECK(flow_budget(&flow) >= FLOW_BYTES_LEAST && flow_budget(&flow) <= FLOW_BYTES_MOST);
     CHECK_INT(divisor_of(&flow, SIZE_MAX), 8);
     CHECK_INT(divisor_of(&flow, 0), 1);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The focus of a view: what falls in the middle of the picture, and that nothing else changes. */
+#include "tests/check_main.h"
 #include "stage.h"
 
 #include <stdlib.h>
@@ -277,9 +278,4 @@ STORY(a_ball_is_round_from_everywhere)
         rendition_release(&r);
         stage_release(&s);
     }
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The forest: small scenes worked by hand, then random edits against runs from scratch.
  * tests/test_within.c has random edits with arcs of every kind and regions of interest. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <stdlib.h>
 
@@ -655,9 +655,4 @@ STORY(the_synthetic_scene_is_the_same_everywhere)
     CHECK(scene_new_geom(&scene, 7, NULL, NULL) == OK);
     CHECK_INT(scene->grid.voxels, 31680999);
     scene_free(scene);
-}
-
-int main(void)
-{
-    return check_run();
 }

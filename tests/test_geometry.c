@@ -7,7 +7,7 @@
 #include "base/mem.h"
 #include "image/image_inside.h"
 #include "image/regrid.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 static const uint32_t size[3] = {24, 20, 16};
 
@@ -445,9 +445,4 @@ STORY(a_map_out_of_all_proportion_is_refused)
             CHECK_HAS(fault.text, "too far apart, or their voxels differ too much");
             volume_release(&map);
         }
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -5,7 +5,7 @@
  */
 #include "engine/way.h"
 #include "session/session.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 static uint64_t random_state = 5;
 static uint32_t below(uint32_t bound)
@@ -161,8 +161,7 @@ STORY(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too)
     begin_with_scene(&interp);
     const struct session *session = interp.session;
     const struct grid *grid = &session->scene->grid;
-    must(&interp, "outline 4,4,5 2 to=6,4,5 to=6,6,5 to=4,6,5 ring=1");
-    must(&interp, "run");
+    must(&interp, "outline 4,4,5 2 to=6,4,5 to=6,6,5 to=4,6,5 ring=1; run");
     CHECK(session_find_held(&held, session, grid_cell(grid, 3, 5, 5), false, &fault) == OK);
     CHECK(held.marker == 1 && held.label == 2 && held.trees == 9 && !held.has_more);
     uint64_t voxels = 0;
@@ -170,13 +169,4 @@ STORY(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too)
         voxels += session->scene->cell[cell].label == 2;
     CHECK_INT(held.voxels, voxels);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    const int status = check_run();
-    return status | end_folder();
 }

@@ -8,7 +8,7 @@
 #include "engine/margin.h"
 #include "engine/way.h"
 #include "tests/scarce_memory.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 static struct scene *scene;
 static struct forest *forest;
@@ -283,9 +283,7 @@ STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to)
     begin(&interp);
     MUST_ANSWER(&interp, "hints", "no labels meet: there is no border to be uncertain of\n");
     is_refused(&interp, "hint 1", "no labels meet");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 10,9,8 2");
-    must(&interp, "hints 2");
+    must(&interp, "seed 1,1,1 1; seed 10,9,8 2; hints 2");
     CHECK_TEXT(buf_text(&reply.words), "");
     CHECK_HAS(buf_text(&reply.text), "1  at ");
     CHECK_HAS(buf_text(&reply.text), " an edge of ");
@@ -299,8 +297,7 @@ STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to)
     MUST_ANSWER(&interp, "hints label=3", "none at the border of that label\n");
     must(&interp, "undo"); /* undoes the seeds: hints follow */
     is_refused(&interp, "hint 1", "no labels meet");
-    must(&interp, "redo");
-    must(&interp, "hint 1");
+    must(&interp, "redo; hint 1");
     CHECK_TEXT(buf_text(&reply.canonical), cross);
     must(&interp, "weight polarity");
     is_refused(&interp, "hint 1", "under `weight polarity`");
@@ -312,8 +309,7 @@ STORY(a_report_has_all_of_them)
     struct interpreter interp;
     struct buf text = {0};
     begin(&interp);
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "seed 10,9,8 2");
+    must(&interp, "seed 1,1,1 1; seed 10,9,8 2");
     is_refused(&interp, "hints report=h.csv", "expected a name that ends in .json");
     MUST_MENTION(&interp, "hints 1 report=h.json", "wrote ");
     CHECK(file_read(&text, "h.json", 1 << 20, NULL) == OK);
@@ -322,13 +318,4 @@ STORY(a_report_has_all_of_them)
     CHECK_HAS(buf_text(&text), "\"certainty_most\": ");
     buf_release(&text);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    const int status = check_run();
-    return status + end_folder();
 }

@@ -8,7 +8,7 @@
 #include "session/session_inside.h"
 #include "session/session.h"
 #include "tests/border_check.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 static struct scene *random_scene(uint64_t *random, uint32_t side_most, bool extreme)
 {
@@ -245,9 +245,4 @@ STORY(an_axis_of_one_voxel_stays)
     CHECK_INT(session->scene->grid.voxels, 7);
     CHECK_INT(session->geometry.spacing_nm[1], 1000000);
     session_free(session);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -10,7 +10,7 @@
 #include "base/hash.h"
 #include "journal/journal.h"
 #include "journal/record.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 enum { RECORDS = 5, SEMANTICS = 1 };
 
@@ -633,9 +633,4 @@ STORY(random_bytes_end_in_order)
     }
     buf_release(&script);
     buf_release(&bytes);
-}
-
-int main(void)
-{
-    return check_run();
 }

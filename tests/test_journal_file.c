@@ -9,10 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 #include "tests/journals.h"
-
-static char folder[FOLDER_LENGTH];
 
 /* A path in the test's own folder; it stays. */
 static const char *place(const char *name)
@@ -532,12 +530,4 @@ STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
     CHECK(deaths > 8 && torn > 0);
     buf_release(&notice);
     buf_release(&bytes);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "journal"))
-        return 1;
-    int status = check_run();
-    return status | remove_folder(folder);
 }

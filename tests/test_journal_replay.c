@@ -7,7 +7,7 @@
 #include "base/buf.h"
 #include "journal/golden.h"
 #include "journal/replay.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 /* ---- a host that adds numbers ---- */
 
@@ -487,9 +487,4 @@ STORY(golden_names_lead_nowhere_else)
     CHECK(golden_folder(&path, "brain.iftty", NULL) == OK);
     CHECK_TEXT(buf_text(&path), "brain.golden");
     buf_release(&path);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "base/json.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 static struct buf text;
 
@@ -134,11 +134,4 @@ STORY(a_failed_buffer_stays_failed)
     json_end(&json);
     CHECK(text.failed);
     CHECK_TEXT(buf_text(&text), "{");
-}
-
-int main(void)
-{
-    const int status = check_run();
-    buf_release(&text);
-    return status;
 }

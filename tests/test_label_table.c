@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "session/map.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/scarce_memory.h"
 
 static struct fault fault;
@@ -290,9 +290,4 @@ STORY(memory_that_runs_out_is_an_error)
     }
     CHECK_INT(err, OK);
     label_table_release(&table);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -11,7 +11,7 @@
 #include "session/seed_file.h"
 #include "session/map.h"
 #include "tests/random_commands.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 static uint64_t seed = 1;
 
@@ -515,13 +515,4 @@ SCENE_STORY(edits_that_wait_count_as_seeds)
     must(interp, "seed 9,9,9 0");               /* a pending marker limits an object, too */
     must(interp, "object 2 threshold 0..8.5");
     CHECK(!strstr(buf_text(&reply.text), "nothing holds"));
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    const int status = check_run();
-    return status | end_folder();
 }

@@ -11,7 +11,7 @@
 
 #include "base/mem.h"
 #include "base/watch.h"
-#include "check.h"
+#include "tests/check_main.h"
 #include "engine/scene.h"
 #include "session/session.h"
 #include "session/session_inside.h"
@@ -284,9 +284,4 @@ STORY(where_text_is_utf_8_the_bar_has_eighths)
     CHECK_TEXT(line_of("weights", 192, 192, true, 79),
                "weights               ▕████████████████████████▏ 100 %, 3 s");
     CHECK_TEXT(line_of("weights", 12, 192, true, 24), "weights               ▕█");
-}
-
-int main(void)
-{
-    return check_run();
 }

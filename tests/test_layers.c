@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Layers of translucent objects: which there are, what they come to, and what of them counts. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -352,9 +352,4 @@ STORY(each_front_of_an_object_is_a_layer)
                 printf("# %u pixels to a voxel, %u voxels between\n", times, gap);
             stage_release(&s);
         }
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -3,7 +3,7 @@
  * Levels: numbers as users write them; which scale real and wide whole numbers get, against the
  * rule read plainly off sorted numbers; ranges, against the numbers of the file.
  */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -512,9 +512,4 @@ STORY(a_value_is_written_with_the_digits_that_tell_it_from_others)
     CHECK_HAS(word(&v, 1500), " +-1.5e-05");
     CHECK(fabs(atof(word(&v, 1500)) - 0.5) < 5e-5);
     volume_release(&v);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -9,7 +9,7 @@
 #include "show/pictures.h"
 #include "show/slicing.h"
 #include "tests/scarce_memory.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 static uint64_t state;
 static uint32_t below(uint32_t end)
@@ -34,11 +34,8 @@ static uint64_t picture_of(struct interpreter *interp, const char *line)
 static void begin_with_objects(struct interpreter *interp)
 {
     begin_with_scene(interp);
-    must(interp, "size 64 60");
-    must(interp, "auto on");
-    must(interp, "seed 2,2,2 0");
-    must(interp, "seed 8,8,7 1 radius=1");
-    must(interp, "seed 3,8,3 2 radius=1");
+    must(interp, "size 64 60; auto on; seed 2,2,2 0; seed 8,8,7 1 radius=1; "
+                 "seed 3,8,3 2 radius=1");
 }
 
 /* ---- commands ---- */
@@ -72,8 +69,7 @@ STORY(every_way_to_draw_finished_labels_gives_the_same)
                                        "render mode=ray"};
     struct interpreter interp;
     begin_with_objects(&interp);
-    must(&interp, "finish relax sweeps=20");
-    must(&interp, "finished on");
+    must(&interp, "finish relax sweeps=20; finished on");
     const uint64_t first = picture_of(&interp, "render");
     for (size_t i = 0; i < sizeof mode / sizeof mode[0]; i++)
         CHECK(picture_of(&interp, mode[i]) == first);
@@ -109,9 +105,7 @@ STORY(what_is_picked_is_what_is_shown)
     char line[64];
     unsigned others = 0;
     begin_with_objects(&interp);
-    must(&interp, "finish majority radius=2");
-    must(&interp, "finished on");
-    must(&interp, "render");
+    must(&interp, "finish majority radius=2; finished on; render");
     const struct session *session = interp.session;
     for (uint32_t row = 0; row < 60; row++)
         for (uint32_t column = 0; column < 64; column++) {
@@ -316,8 +310,7 @@ STORY(memory_that_runs_out_leaves_what_is_shown)
     size_t refused = 0;
     enum err err = ERR_MEMORY;
     begin_with_objects(&interp);
-    must(&interp, "finish relax sweeps=5");
-    must(&interp, "finished on");
+    must(&interp, "finish relax sweeps=5; finished on");
     for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++, refused++) {
         struct canvas canvas = {0};
         allow_allocations(n);
@@ -330,13 +323,4 @@ STORY(memory_that_runs_out_leaves_what_is_shown)
     CHECK(err == OK && refused > 15);
     is_exact(&interp);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    const int status = check_run();
-    return status | end_folder();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Margins: by hand, and against the best path of each label in turn, by a plain slow search. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <stdlib.h>
 
@@ -196,9 +196,4 @@ STORY(margins_are_those_of_a_search_for_each_label)
         check_against_search();
         end_world();
     }
-}
-
-int main(void)
-{
-    return check_run();
 }

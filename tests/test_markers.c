@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "session/markers.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/scarce_memory.h"
 
 enum { VOXELS = 40, MARKERS_MOST = 40 };
@@ -162,9 +162,4 @@ STORY(what_memory_cannot_hold_changes_nothing)
     markers.marker[1].is_valid = true;
     CHECK_INT(markers_at(&markers, 3), 2);
     markers_release(&markers);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Questions about distances, angles and intensities: measure, profile, the histogram of info. */
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 #include "show/histogram.h"
 #include "session/paint.h"
@@ -75,10 +75,7 @@ STORY(a_profile_has_the_voxels_of_a_stroke)
         HAS(line);
     }
     HAS("12 voxels; values ");
-    must(&interp, "seed 1,1,1 2");
-    must(&interp, "seed 10,9,9 12");
-    must(&interp, "run");
-    must(&interp, "profile 0,0,0 11,10,9");
+    must(&interp, "seed 1,1,1 2; seed 10,9,9 12; run; profile 0,0,0 11,10,9");
     HAS("labels |2");
     HAS("+\n");
     must(&interp, "profile 3,3,3 3,3,3");
@@ -86,8 +83,7 @@ STORY(a_profile_has_the_voxels_of_a_stroke)
     CHECK_INT(columns_of_labels(buf_text(&reply.text)), 1);
     interpreter_release(&interp);
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:400x9x9");
-    must(&interp, "profile 0,4,4 399,4,4");
+    must(&interp, "open synth:geom:400x9x9; profile 0,4,4 399,4,4");
     CHECK_INT(columns_of_labels(buf_text(&reply.text)), CHART_COLUMNS);
     HAS("400 voxels, 6.2 in a column; values ");
     interpreter_release(&interp);
@@ -121,13 +117,4 @@ STORY(a_histogram_counts_each_voxel_once)
     CHECK(h.bins <= HISTOGRAM_BINS && h.voxels == 5000);
     CHECK(h.below > 0 && h.below < 50 && h.above < 75);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    int status = check_run();
-    return status | end_folder();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The mesh: whatever it has gone through, it is the one that is made from nothing. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <stdlib.h>
 
@@ -458,9 +458,4 @@ STORY(who_listens_hears_of_every_brick_that_becomes_another)
         mesh_release(&copy);
         stage_release(&s);
     }
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The maximum intensity projection: by a search of every voxel; and what it looks like. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -109,9 +109,4 @@ STORY(it_lies_behind_objects_and_over_black_it_is_its_brightness)
         if (b == 255)
             CHECK(abs(out[0] - 229) <= 1 && abs(out[2] - 180) <= 1);
     }
-}
-
-int main(void)
-{
-    return check_run();
 }

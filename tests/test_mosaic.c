@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Mosaics: four panes that share a scale, and the rendition at half its size. */
-#include "check.h"
+#include "tests/check_main.h"
 #include "scarce_memory.h"
 
 #include <stdlib.h>
@@ -295,9 +295,4 @@ STORY(without_memory_there_is_no_mosaic)
     canvas_release(&canvas);
     rendition_release(&r);
     scene_free(scene);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The panes of a screen: nothing overlaps, nothing is cut, and most of the screen is in use. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <stdlib.h>
 
@@ -233,9 +233,4 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
     }
     rendition_release(&r);
     scene_free(scene);
-}
-
-int main(void)
-{
-    return check_run();
 }

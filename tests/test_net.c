@@ -5,7 +5,7 @@
 
 #include "base/hash.h"
 #include "engine/net.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/scarce_memory.h"
 
 /* ---- scenes ---- */
@@ -563,9 +563,4 @@ STORY(memory_that_runs_out_leaves_things_as_they_were)
     CHECK(err == OK);
     net_release(&net);
     CHECK(net_make(&net, &source, (const int32_t[]){0, 0, 0}, large, NULL) == ERR_MEMORY);
-}
-
-int main(void)
-{
-    return check_run();
 }

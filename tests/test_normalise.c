@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Normals and light of many surfaces at once equal those of each one. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <stdlib.h>
 
@@ -137,9 +137,4 @@ STORY(many_surfaces_at_once_are_lit_like_each_one)
                 CHECK_INT(lit.colour[k][i], rgb[i][k]);
     }
     stage_release(&s);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Ambient occlusion: bricks are what is counted, what is flat or convex stays as it is, a groove is
  * darker, and every way to a picture gives the same one. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -453,9 +453,4 @@ STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
     }
     CHECK(failed > 1); /* of the bricks alone */
     stage_release(&s);
-}
-
-int main(void)
-{
-    return check_run();
 }

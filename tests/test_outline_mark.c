@@ -6,6 +6,7 @@
 #include "program/programs.h"
 #include "session/paint.h"
 #include "program/panes.h"
+#include "tests/check_main.h"
 #include "tests/interpreting.h"
 
 static struct interpreter interp;
@@ -16,8 +17,7 @@ static void begin(void)
 {
     pilot_host_fill(&host);
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:32x32x32");
-    must(&interp, "cross 12,14,9");
+    must(&interp, "open synth:geom:32x32x32; cross 12,14,9");
 }
 
 static void draw(struct panes *panes, const struct pilot_wish *mark)
@@ -123,9 +123,7 @@ STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
     size_t corners;
     begin();
     CHECK_INT(find(1, PILOT_AXIAL, here, &corners), -1); /* no voxel has the label */
-    must(&interp, "seed 12,14,9 1 radius=4");
-    must(&interp, "seed 2,2,2 0");
-    must(&interp, "run");
+    must(&interp, "seed 12,14,9 1 radius=4; seed 2,2,2 0; run");
     CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 0);
     CHECK(corners > 3);
     must(&interp, "outline 6,8,9 1 to=18,8,9 to=18,20,9 to=6,20,9");
@@ -153,9 +151,7 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     CHECK(!host.doubt(&pilot, 0, 1, &pane, place, &words));
     CHECK(!host.doubt(&pilot, 1, 1, &pane, place, &words));
     CHECK_HAS(buf_text(&words), "no slice has anything in doubt of label 1");
-    must(&interp, "seed 12,14,9 1 radius=4");
-    must(&interp, "seed 2,2,2 0 radius=2");
-    must(&interp, "run");
+    must(&interp, "seed 12,14,9 1 radius=4; seed 2,2,2 0 radius=2; run");
     buf_clear(&words);
     CHECK(host.doubt(&pilot, 1, 1, &pane, place, &words));
     CHECK_HAS(buf_text(&words), " in doubt");
@@ -179,11 +175,4 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     buf_release(&line);
     buf_release(&words);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    const int status = check_run();
-    reply_release(&reply);
-    return status;
 }

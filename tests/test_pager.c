@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Pages of a text: where they end, and which keys leave. The terminal is in test_prompt_pty. */
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/screen.h"
 #include "tui/cells.h"
 #include "tui/prompt/pager.h"
@@ -103,11 +103,4 @@ STORY(a_page_fits_the_screen_whatever_the_text)
         }
         buf_release(&text);
     }
-}
-
-int main(void)
-{
-    const int status = check_run();
-    buf_release(&wrapped);
-    return status;
 }

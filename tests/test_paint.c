@@ -8,7 +8,7 @@
 #include "base/mem.h"
 #include "base/polyline.h"
 #include "session/paint.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/paint_model.h"
 
 enum { SIDE = 17, CORNERS_MOST = 12 };
@@ -424,9 +424,4 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
     voxels_release(&voxels);
     brush_release(&brush);
     free(corner);
-}
-
-int main(void)
-{
-    return check_run();
 }

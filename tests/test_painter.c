@@ -3,7 +3,7 @@
  * picture, whatever was there before. */
 #include <stdlib.h>
 
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/kitty_decode.h"
 #include "tests/sixel_decode.h"
 #include "tests/scarce_memory.h"
@@ -1139,11 +1139,4 @@ STORY(shades_of_an_atlas_have_no_bands)
     memset(pixels + 4 * (320 * 100 + 100), 200, 4 * 30);
     show(&view);
     CHECK_INT(painter.image, image); /* a small change does not have it go whole */
-}
-
-int main(void)
-{
-    const int status = check_run();
-    painter_release(&painter);
-    return status;
 }

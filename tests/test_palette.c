@@ -3,7 +3,7 @@
  * Colours of labels: distinct, and well apart, off grey and off what is drawn over slices, also for
  * eyes that lack one kind of cone. render/palette.h says how distances are measured.
  */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <math.h>
 
@@ -271,9 +271,4 @@ STORY(labels_stand_off_each_other_off_grey_and_off_marks_for_every_eye)
         for (int k = 0; k < LEASTS; k++)
             CHECK(least[k] >= promised[k][eye > 0]);
     }
-}
-
-int main(void)
-{
-    return check_run();
 }

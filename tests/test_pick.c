@@ -3,6 +3,7 @@
  * What is under a pixel: the voxel, its label and where it lies, and how far the border of its
  * object is, against a search of the whole scene.
  */
+#include "tests/check_main.h"
 #include "interpreting.h"
 
 #include <limits.h>
@@ -119,13 +120,8 @@ STORY(every_pixel_tells_the_voxel_it_shows)
     struct interpreter interp;
     char line[64], words[128];
     CHECK(interpreter_init(&interp, NULL) == OK);
-    must(&interp, "open synth:geom:40x30x20");
-    must(&interp, "size 40 30");
-    must(&interp, "label 1 torus");
-    must(&interp, "seed 20,15,10 1");
-    must(&interp, "seed 2,2,2 2");
-    must(&interp, "view 20 30");
-    must(&interp, "cut 30,20,19 10,10,5");
+    must(&interp, "open synth:geom:40x30x20; size 40 30; label 1 torus; seed 20,15,10 1; "
+                  "seed 2,2,2 2; view 20 30; cut 30,20,19 10,10,5");
     CHECK_INT(execute(&interp, "pick 3 3"), ERR_USAGE);
     CHECK_HAS(fault.text, "the rendition is not up to date; `render` first");
     must(&interp, "render");
@@ -171,10 +167,7 @@ STORY(a_cut_shows_how_deep_a_voxel_lies)
 {
     struct interpreter interp;
     CHECK(interpreter_init(&interp, NULL) == OK);
-    must(&interp, "open synth:geom:41x41x41");
-    must(&interp, "size 41 41");
-    must(&interp, "zoom 1");
-    must(&interp, "seed 20,20,20 1");
+    must(&interp, "open synth:geom:41x41x41; size 41 41; zoom 1; seed 20,20,20 1");
     must(&interp, "plane 20,20,20"); /* from the front; the whole scene is label 1 */
     must(&interp, "render");
     MUST_MENTION(&interp, "pick 20 20", "voxel 20,20,20 ");
@@ -214,11 +207,4 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
     MUST_MENTION(&interp, "info", "pixels, 3,4,5 in the middle\n");
     CHECK_HAS(command_find("view")->detail, "his left is on your right from the front");
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    int status = check_run();
-    reply_release(&reply);
-    return status;
 }

@@ -14,10 +14,9 @@
 #include "image/picture_writer.h"
 #include "show/export_picture.h"
 #include "tests/interpreting.h"
-#include "tests/folder.h"
+#define RUN_IN_FOLDER
+#include "tests/folder_main.h"
 #include "tests/stopping.h"
-
-static char folder[FOLDER_LENGTH];
 
 static void is_refused(struct interpreter *interp, const char *line, enum err code,
                        const char *words)
@@ -29,12 +28,8 @@ static void is_refused(struct interpreter *interp, const char *line, enum err co
 static void begin_with_object(struct interpreter *interp)
 {
     begin_interpreter(interp);
-    must(interp, "open synth:geom:40x40x20");
-    must(interp, "seed 20,20,10 1 radius=3");
-    must(interp, "seed 1,1,1 0");
-    must(interp, "size 90 70");
-    must(interp, "run");
-    must(interp, "render");
+    must(interp, "open synth:geom:40x40x20; seed 20,20,10 1 radius=3; seed 1,1,1 0; "
+                 "size 90 70; run; render");
 }
 
 /* ---- content ---- */
@@ -44,9 +39,8 @@ STORY(an_exr_in_tiles_holds_what_one_in_lines_holds)
     struct interpreter interp;
     struct picture lines, tiles;
     begin_with_object(&interp);
-    must(&interp, "render lines.exr");
-    must(&interp, "render same.exr layout=lines");
-    must(&interp, "render tiles.exr layout=tiled");
+    must(&interp, "render lines.exr; render same.exr layout=lines; "
+                  "render tiles.exr layout=tiled");
     CHECK_INT(exr_read(&lines, "lines.exr", NULL), OK);
     CHECK_INT(exr_read(&tiles, "tiles.exr", NULL), OK);
     CHECK(!lines.tiled && tiles.tiled);
@@ -101,8 +95,7 @@ STORY(a_picture_says_what_it_is_of)
     struct picture p;
     begin_interpreter(&interp);
     CHECK_INT(interpreter_create_journal(&interp, "notes.iftty", &fault), OK);
-    must(&interp, "open synth:geom:40x40x20");
-    must(&interp, "view 30 20 10");
+    must(&interp, "open synth:geom:40x40x20; view 30 20 10");
     char chain[64], scene[32];
     snprintf(chain, sizeof chain, "%s", journal_chain(interp.journal));
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)interp.session->scene_digest);
@@ -133,10 +126,7 @@ STORY(a_picture_says_which_labels_it_shows)
     struct interpreter interp;
     struct picture p;
     begin_with_object(&interp);
-    must(&interp, "label 1 core #102030");
-    must(&interp, "label 2 unseen");
-    must(&interp, "zoom 2");
-    must(&interp, "render labels.exr");
+    must(&interp, "label 1 core #102030; label 2 unseen; zoom 2; render labels.exr");
     CHECK_INT(exr_read(&p, "labels.exr", NULL), OK);
     CHECK_TEXT(picture_find(&p, "iftty:labels"),
                "{\"1\": {\"name\": \"core\", \"colour\": \"#102030\"}}");
@@ -210,8 +200,7 @@ STORY(an_exr_has_a_camera_that_is_a_rotation)
     struct picture p;
     float m[16];
     begin_with_object(&interp);
-    must(&interp, "view 77 -31 140");
-    must(&interp, "render camera.exr");
+    must(&interp, "view 77 -31 140; render camera.exr");
     CHECK_INT(export_picture(&p, interp.session, NULL), OK);
     CHECK(after_mark("camera.exr", mark, sizeof mark, 4, m, sizeof m));
     const double a = (double)m[0], b = (double)m[1], c = (double)m[2], d = (double)m[4],
@@ -246,8 +235,7 @@ STORY(a_png_says_how_large_it_is_and_what_its_colours_are)
     struct interpreter interp;
     uint8_t scale[9], intent[1];
     begin_with_object(&interp);
-    must(&interp, "zoom 2");
-    must(&interp, "render scale.png");
+    must(&interp, "zoom 2; render scale.png");
     CHECK(after_mark("scale.png", "pHYs", 4, 0, scale, sizeof scale));
     CHECK(memcmp(scale, "\0\0\x07\xd0\0\0\x07\xd0\1", 9) == 0);
     CHECK(after_mark("scale.png", "sRGB", 4, 0, intent, 1) && intent[0] == 0);
@@ -274,8 +262,7 @@ STORY(matrices_lead_from_the_world_to_the_pixel)
             CHECK(geometry_place(&interp.session->geometry, oblique, ORIENTATION_SFORM));
         for (size_t i = 0; i < sizeof view / sizeof view[0]; i++) {
             must(&interp, view[i]);
-            must(&interp, "zoom 1.7 at=15,22,4");
-            must(&interp, "render");
+            must(&interp, "zoom 1.7 at=15,22,4; render");
             CHECK_INT(export_picture(&p, interp.session, NULL), OK);
             CHECK(p.space.has_world);
             CHECK(check_places(&p, interp.session) > 500);
@@ -345,8 +332,7 @@ STORY(a_turntable_shows_what_turning_shows)
     struct picture p, q;
     char line[64];
     begin_with_object(&interp);
-    must(&interp, "view 350 20");
-    must(&interp, "render");
+    must(&interp, "view 350 20; render");
     const uint64_t before = rendition_digest(session_frame(interp.session));
     MUST_ANSWER(&interp, "spin 4 turn%02d.exr", "wrote turn00.exr to turn03.exr\n");
     CHECK_HAS(buf_text(&reply.words), "spin=");
@@ -403,9 +389,7 @@ STORY(files_of_a_turntable_are_those_that_turning_writes)
     struct interpreter interp;
     char line[80], name[2][32], whole[256];
     begin_with_object(&interp);
-    must(&interp, "label 1 core");
-    must(&interp, "size 150 140");
-    must(&interp, "zoom 3");
+    must(&interp, "label 1 core; size 150 140; zoom 3");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         must(&interp, row[i].setting);
         must(&interp, "spin 3 whole%d.exr replace=yes");
@@ -436,8 +420,7 @@ STORY(parts_of_a_turn_are_whole_thousandths)
     struct picture p;
     char name[32];
     begin_with_object(&interp);
-    must(&interp, "size 9 7");
-    must(&interp, "spin 7 part%d.exr");
+    must(&interp, "size 9 7; spin 7 part%d.exr");
     for (unsigned i = 0; i < 7; i++) {
         snprintf(name, sizeof name, "part%u.exr", i);
         CHECK_INT(exr_read(&p, name, NULL), OK);
@@ -550,12 +533,8 @@ STORY(a_turntable_is_the_same_when_replayed)
     struct buf told = {0};
     begin_interpreter(&interp);
     CHECK_INT(interpreter_create_journal(&interp, "spun.iftty", &fault), OK);
-    must(&interp, "open synth:geom:40x40x20");
-    must(&interp, "seed 20,20,10 1 radius=3");
-    must(&interp, "run");
-    must(&interp, "spin 3 spun%d.png");
-    must(&interp, "spin 4 spun.gif");
-    must(&interp, "render");
+    must(&interp, "open synth:geom:40x40x20; seed 20,20,10 1 radius=3; run; spin 3 spun%d.png; "
+                  "spin 4 spun.gif; render");
     interpreter_release(&interp);
     unlink("spun.gif");
     begin_interpreter(&interp);
@@ -652,19 +631,9 @@ STORY(releasing_an_interpreter_waits_for_its_pictures)
 {
     struct interpreter interp;
     begin_beside(&interp);
-    must(&interp, "render last1.png");
-    must(&interp, "render last2.png");
+    must(&interp, "render last1.png; render last2.png");
     must(&interp, "spin 3 last.gif"); /* waits for its own */
     CHECK(file_exists("last.gif"));
     interpreter_release(&interp);
     CHECK(file_exists("last1.png") && file_exists("last2.png"));
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "pictures") || chdir(folder) != 0)
-        return 1;
-    int status = check_run();
-    reply_release(&reply);
-    return status | remove_folder(folder);
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tui/cells.h"
 #include "tui/pilot/flow.h"
 #include "tui/pilot/pilot_keys.h"
@@ -1582,9 +1582,4 @@ STORY(keys_typed_ahead_show_where_the_cross_hair_goes_and_no_more)
     peeks = 0;
     typed_ahead_show(&ahead, &shown, &host);
     CHECK_INT(peeks, 0); /* moving draws */
-}
-
-int main(void)
-{
-    return check_run();
 }

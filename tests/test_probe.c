@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Probing all known terminals: their answers are a table of facts measured with the real programs.
  * No terminal is opened. */
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tui/picture/graphics.h"
 
 enum { QUESTIONS = 9 };
@@ -446,9 +446,4 @@ STORY(colours_are_those_of_the_name)
         f.graphics = graphics_choose(&none, &e, graphics_auto);
         CHECK_INT(f.colours, cases[i].colours);
     }
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "program/programs.h"
 #include "program/program.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 enum { SUMMARY_MOST = 45 }; /* width in the overview */
 
@@ -251,9 +251,4 @@ STORY(the_keys_of_the_lesson_are_those_of_the_readme)
     CHECK(at && strncmp(at + strlen(mark), buf_text(&keys), keys.length) == 0);
     buf_release(&readme);
     buf_release(&keys);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -13,9 +13,7 @@
 
 #include "base/file.h"
 #include "tests/check.h"
-#include "tests/folder.h"
-
-static char folder[FOLDER_LENGTH];
+#include "tests/folder_main.h"
 
 /* ---- file systems ---- */
 
@@ -294,11 +292,4 @@ STORY(the_word_of_a_process_says_whether_it_lives)
         buf_release(&part);
     }
     buf_release(&word);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "publish"))
-        return 1;
-    return check_run() | remove_folder(folder);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The rendition: four ways of making it, pixel for pixel the same. */
-#include "check.h"
+#include "tests/check_main.h"
 #include <stdlib.h>
 
 #include "tests/stage.h"
@@ -355,9 +355,4 @@ STORY(absurd_views_are_refused_in_words)
     s.view.zoom = VIEW_ZOOM_MOST;
     CHECK_INT(camera_init(&s.camera, s.scene, &s.view, &fault), ERR_LIMIT);
     stage_release(&s);
-}
-
-int main(void)
-{
-    return check_run();
 }

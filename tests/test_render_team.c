@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Renditions by a team: however many threads draw them, the same bits come out. Run under
  * ThreadSanitizer as well (test_render_team_racing). */
-#include "check.h"
+#include "tests/check_main.h"
 #include "stopping.h"
 
 #include "render/bands.h"
@@ -120,9 +120,4 @@ STORY(a_picture_may_be_stopped_at_any_time)
     rendition_release(&fine);
     stage_release(&s);
     team_free(team);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -9,7 +9,7 @@
 
 #include "base/buf.h"
 #include "base/mem.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/scarce_memory.h"
 #include "tests/stopping.h"
 
@@ -506,9 +506,4 @@ STORY(a_list_can_be_stopped_anywhere)
     CHECK_INT(err, OK);
     CHECK(most > 30); /* while lines are read, and while they are put in order */
     buf_release(&text);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -3,7 +3,7 @@
  * test_serve.sh. */
 #include "base/json.h"
 #include "program/serve.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 static struct buf text;
 static struct fault fault;
@@ -242,11 +242,4 @@ STORY(words_of_a_record_are_numbers_where_they_are_counts)
                "\"marker\": \"3-4\", "
                "\"at\": 0, \"old\": \"007\"}, \"files\": [\"a\", \"b\"], \"journal\": null}\n");
     reply_release(&reply);
-}
-
-int main(void)
-{
-    const int status = check_run();
-    buf_release(&text);
-    return status;
 }

@@ -5,10 +5,8 @@
 #include "base/choice.h"
 #include "render/decoration.h"
 #include "session/setting.h"
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 #include "tests/interpreting.h"
-
-static char folder[FOLDER_LENGTH];
 
 /* A member that is neither is found. */
 STORY(each_member_that_is_kept_is_a_setting_or_has_a_row)
@@ -145,8 +143,7 @@ STORY(parts_are_named_one_by_one_or_all_or_none)
 {
     struct interpreter interp;
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:20x20x20");
-    must(&interp, "decorate cross letters");
+    must(&interp, "open synth:geom:20x20x20; decorate cross letters");
     CHECK_TEXT(buf_text(&reply.canonical), "decorate letters cross");
     must(&interp, "decorate all");
     CHECK_INT(interp.session->now.outlook.decorations, DECORATE_ALL);
@@ -158,13 +155,4 @@ STORY(parts_are_named_one_by_one_or_all_or_none)
     must(&interp, "decorate none");
     CHECK_INT(interp.session->now.outlook.decorations, 0);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "settings"))
-        return 1;
-    const int status = check_run();
-    reply_release(&reply);
-    return status | remove_folder(folder);
 }

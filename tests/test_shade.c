@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Shading: what normals say of known shapes, and what a look changes. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -364,9 +364,4 @@ STORY(samples_become_their_mean_and_the_nearest_of_them)
     CHECK(out.cell[1] == CELL_NONE && out.depth[1] == DEPTH_NONE && out.rgba[7] == 0);
     rendition_release(&fine);
     rendition_release(&out);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -5,7 +5,7 @@
  * proves.
  */
 #include "command/execute.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 static struct interpreter interp;
 
@@ -57,10 +57,7 @@ STORY(an_object_does_not_leave_its_shell)
 STORY(a_shell_is_one_marker)
 {
     begin_with_journal(&interp, "marker.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 5,5,5 1");
-    must(&interp, "seed 5,5,5 0 shell=yes radius=3");
-    must(&interp, "remove 5,5,2");
+    must(&interp, "auto on; seed 5,5,5 1; seed 5,5,5 0 shell=yes radius=3; remove 5,5,2");
     CHECK_HAS(buf_text(&reply.words), "removed=2");
     CHECK_INT(forest_seeds(interp.session->forest), 1);
     must(&interp, "undo");
@@ -79,9 +76,7 @@ STORY(a_shell_is_one_marker)
 STORY(a_shell_cuts_no_other_object)
 {
     begin_with_journal(&interp, "others.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 5,5,5 1");
-    must(&interp, "box 5,5,8 5,5,9 2");
+    must(&interp, "auto on; seed 5,5,5 1; box 5,5,8 5,5,9 2");
     CHECK_INT(label_at(5, 5, 9), 2);
     MUST_MENTION(&interp, "seed 5,5,5 0 radius=4 shell=yes", "left out, in another object: ");
     CHECK_INT(label_at(5, 5, 9), 2);
@@ -98,9 +93,7 @@ STORY(a_shell_cuts_no_other_object)
 STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
 {
     begin_with_journal(&interp, "through.iftty");
-    must(&interp, "seed 5,5,5 1");
-    must(&interp, "seed 5,5,5 0 shell=yes through=9,5,5");
-    must(&interp, "run");
+    must(&interp, "seed 5,5,5 1; seed 5,5,5 0 shell=yes through=9,5,5; run");
     CHECK(label_at(9, 5, 5) == 0 && label_at(5, 5, 5) == 1);
     const struct scene *scene = interp.session->scene;
     const struct cell *cell = scene->cell;
@@ -117,17 +110,14 @@ STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
 {
     begin_with_journal(&interp, "why.iftty");
     must(&interp, "label 2 \"left hemi\"");
-    must(&interp, "seed 1,1,1 1");
-    must(&interp, "run");
+    must(&interp, "seed 1,1,1 1; run");
     MUST_MENTION(&interp, "why 9,1,1", ": its strongest edge\n");
     CHECK(!strstr(buf_text(&reply.text), "next is label"));
-    must(&interp, "seed 10,1,1 2");
-    must(&interp, "run");
+    must(&interp, "seed 10,1,1 2; run");
     MUST_MENTION(&interp, "why 9,1,1", "label 2 left hemi, of the seed at 10,1,1");
     CHECK_HAS(buf_text(&reply.text), "next is label 1, at a cost of ");
     MUST_MENTION(&interp, "why 1,1,1", "next is label 2 left hemi, at a cost of ");
-    must(&interp, "weight polarity");
-    must(&interp, "why 9,1,1");
+    must(&interp, "weight polarity; why 9,1,1");
     CHECK(!strstr(buf_text(&reply.text), "next is label"));
     interpreter_release(&interp);
 }
@@ -135,9 +125,7 @@ STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
 STORY(the_first_gesture_may_be_a_shell)
 {
     begin_with_journal(&interp, "first.iftty");
-    must(&interp, "seed 5,5,5 0 radius=4 shell=yes");
-    must(&interp, "seed 5,5,5 1");
-    must(&interp, "run");
+    must(&interp, "seed 5,5,5 0 radius=4 shell=yes; seed 5,5,5 1; run");
     CHECK_INT(label_at(5, 5, 5), 1);
     CHECK_INT(beyond(1, 4), 0);
     interpreter_release(&interp);
@@ -147,11 +135,9 @@ STORY(the_first_gesture_may_be_a_shell)
 STORY(the_middle_of_a_shell_may_lie_outside_the_region)
 {
     begin_with_journal(&interp, "outside.iftty");
-    must(&interp, "range 60 255");
-    must(&interp, "seed 5,5,5 0 radius=4 shell=yes");
+    must(&interp, "range 60 255; seed 5,5,5 0 radius=4 shell=yes");
     CHECK_HAS(buf_text(&reply.text), "left out, outside the region of interest: ");
-    must(&interp, "seed 9,9,9 1");
-    must(&interp, "run");
+    must(&interp, "seed 9,9,9 1; run");
     CHECK(beyond(1, 4) > 0);
     interpreter_release(&interp);
 }
@@ -159,8 +145,7 @@ STORY(the_middle_of_a_shell_may_lie_outside_the_region)
 STORY(what_is_no_shell_is_refused)
 {
     begin_with_journal(&interp, "refused.iftty");
-    must(&interp, "auto on");
-    must(&interp, "seed 5,5,5 1");
+    must(&interp, "auto on; seed 5,5,5 1");
     is_refused(&interp, "seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside");
     is_refused(&interp, "seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside");
     is_refused(&interp, "seed 5,5,5 0 radius=100 shell=yes", "none of it is in the scene");
@@ -190,13 +175,4 @@ STORY(what_is_no_shell_is_refused)
                "is in objects other than the one");
     must(&interp, "seed 0,0,0 2 radius=2 shell=yes");
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    const int status = check_run();
-    return end_folder() | status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Slices in every orientation of the scene, with pixels worked out by hand. */
-#include "check.h"
+#include "tests/check_main.h"
 #include "scarce_memory.h"
 
 #include <stdlib.h>
@@ -1038,9 +1038,4 @@ STORY(without_memory_there_is_no_slice)
     CHECK(canvas_init(&canvas, 20, 20, CANVAS_CELLS, &fault) == ERR_MEMORY && !canvas.rgba);
     mem_allows = NULL;
     scene_free(scene);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -38,17 +38,6 @@ static void refused(const char *line, const char *words)
     CHECK(!interp.shows_picture);
 }
 
-/* Lines separated by semicolons. */
-static void must_all(const char *lines)
-{
-    char line[128];
-    for (size_t n; *lines; lines += n + strspn(lines + n, "; ")) {
-        n = strcspn(lines, ";");
-        snprintf(line, sizeof line, "%.*s", (int)n, lines);
-        must(&interp, line);
-    }
-}
-
 /* ---- heads in every orientation ---- */
 
 enum { SIDE = 20 };
@@ -180,7 +169,7 @@ static void heads_are_bright_where_they_are(unsigned number, double to_mm[3][4],
         if (quaternion)
             use_qform("head.nii", quaternion, qfac);
         begin_anew();
-        must_all("open head.nii; size 100 100; window 2 150; overlay cross=off");
+        must(&interp, "open head.nii; size 100 100; window 2 150; overlay cross=off");
         bright_is("LRPAIS"[side]);
     }
 }
@@ -289,7 +278,7 @@ static void begin_values(float slope, float intercept)
 {
     write_values("values.nii", slope, intercept);
     begin_anew();
-    must_all("open values.nii; size 10 10; overlay none cross=off marks=off words=off");
+    must(&interp, "open values.nii; size 10 10; overlay none cross=off marks=off words=off");
 }
 
 /* The grey of voxel x, y of axial slice z: columns run from the patient's right, rows from A. */
@@ -314,7 +303,7 @@ STORY(windows_are_in_real_values)
     must(&interp, "slice axial 0");
     CHECK_INT(grey_of(0, 5), 0);
     CHECK_INT(grey_of(1, 5), 255);
-    must_all("window -1000000000 1000000000; slice axial 0");
+    must(&interp, "window -1000000000 1000000000; slice axial 0");
     CHECK(grey_of(0, 0) == 128 && grey_of(9, 9) == 128);
 
     begin_values(-2, 10);             /* bright voxels have low intensities */
@@ -386,8 +375,8 @@ STORY(titles_say_where_a_scene_is_however_far_that_is)
         write_values("values.nii", 1, 0);
         move_values(row[i].mm);
         begin_anew();
-        must_all("open values.nii; size 200 200; window 60000 60001; overlay none "
-                 "cross=off marks=off; slice axial 5");
+        must(&interp, "open values.nii; size 200 200; window 60000 60001; overlay none "
+                      "cross=off marks=off; slice axial 5");
         CHECK(is_titled(row[i].axial));
         must(&interp, "slice sagittal 5");
         CHECK(is_titled(row[i].sagittal));
@@ -398,7 +387,7 @@ STORY(slices_move_the_cross_hair)
 {
     begin_values(1, 0);
     CHECK_INT(interp.session->now.outlook.slices.cross[2], 5); /* the middle */
-    must_all("cross 1,2,3; slice axial");
+    must(&interp, "cross 1,2,3; slice axial");
     CHECK(interp.shows_picture && interp.shown.width == 10 && interp.shown.height == 10);
     must(&interp, "window 0 1000");
     CHECK(!interp.shows_picture && !interp.shown.rgba);
@@ -418,7 +407,7 @@ STORY(slices_move_the_cross_hair)
 STORY(a_zoom_stays_until_it_fits_again)
 {
     begin_values(1, 0);
-    must_all("window 0 1000; cross 2,2,0; slice axial zoom=5");
+    must(&interp, "window 0 1000; cross 2,2,0; slice axial zoom=5");
     CHECK_TEXT(buf_text(&reply.canonical), "slice axial zoom=5");
     CHECK_INT(grey_of(7, 5), 6); /* the voxel 2,2: 22 */
     CHECK_INT(grey_of(3, 3), 6);
@@ -433,7 +422,7 @@ STORY(a_zoom_stays_until_it_fits_again)
 STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
 {
     begin_values(1, 0);
-    must_all("window 0 1000; cross 2,2,0; magnify 5");
+    must(&interp, "window 0 1000; cross 2,2,0; magnify 5");
     CHECK_TEXT(buf_text(&reply.canonical), "magnify 5");
     CHECK_HAS(buf_text(&reply.text), ", magnified 5, overlay ");
     CHECK(!interp.shows_picture);
@@ -490,7 +479,8 @@ static void marks_are(bool seed, bool eliminator, bool waiting)
 STORY(what_waits_and_what_was_eliminated_is_marked)
 {
     begin_values(1, 0);
-    must_all("size 60 60; window 0 100000; label 3 thing #0102fd; overlay marks=on; cross 0,0,4");
+    must(&interp,
+         "size 60 60; window 0 100000; label 3 thing #0102fd; overlay marks=on; cross 0,0,4");
     marks_are(false, false, false);
     must(&interp, "seed 3,3,4 3");
     marks_are(true, false, true);
@@ -504,7 +494,7 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
     marks_are(false, true, false);
     must(&interp, "cross 0,0,5"); /* marks are in their own slice */
     marks_are(false, false, false);
-    must_all("cross 0,0,4; auto on; seed 2,2,4 3");
+    must(&interp, "cross 0,0,4; auto on; seed 2,2,4 3");
     marks_are(true, false, false);
     must(&interp, "remove 5,5,4 radius=2");
     marks_are(false, true, false);
@@ -520,11 +510,11 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
 STORY(hidden_labels_are_not_overlaid)
 {
     begin_values(1, 0);
-    must_all("label 3 thing #ff0000; seed 3,3,4 3; run; slice axial 4");
+    must(&interp, "label 3 thing #ff0000; seed 3,3,4 3; run; slice axial 4");
     const uint64_t plain = canvas_digest(&interp.shown);
-    must_all("overlay tint; slice axial");
+    must(&interp, "overlay tint; slice axial");
     CHECK(canvas_digest(&interp.shown) != plain);
-    must_all("hide 3; slice axial");
+    must(&interp, "hide 3; slice axial");
     CHECK(canvas_digest(&interp.shown) == plain);
 }
 
@@ -532,7 +522,7 @@ STORY(mosaics_have_the_size_of_the_view)
 {
     static const char *const sizes[] = {"size 16 16", "size 17 300", "size 129 128", "size 333 57"};
     begin_values(1, 0);
-    must_all("overlay tint cross=on marks=on words=on; seed 3,3,4 3");
+    must(&interp, "overlay tint cross=on marks=on words=on; seed 3,3,4 3");
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         must(&interp, sizes[i]);
         must(&interp, "mosaic");
@@ -567,7 +557,7 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     begin_values(1, 0);
     const uint32_t fitting = view_fitting_zoom(interp.session->scene, 100, 100, 1);
     CHECK(fitting > VIEW_ZOOM_ONE);
-    must_all("size 100 100; seed 3,3,4 3; render");
+    must(&interp, "size 100 100; seed 3,3,4 3; render");
     const uint64_t rendered = rendition_digest(session_frame(interp.session));
     CHECK_INT(zoom_of_panel(), fitting);
     CHECK(rendition_digest(session_frame(interp.session)) != rendered);
@@ -577,7 +567,7 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     CHECK_INT(zoom_of_panel(), fitting);
     must(&interp, "turn 20"); /* looks from elsewhere, and as near */
     CHECK_INT(zoom_of_panel(), fitting);
-    must_all("turn -20; mosaic; render");
+    must(&interp, "turn -20; mosaic; render");
     CHECK(rendition_digest(session_frame(interp.session)) == rendered);
     must(&interp, "zoom 2");
     CHECK_INT(zoom_of_panel(), 2 * VIEW_ZOOM_ONE);
@@ -660,7 +650,7 @@ STORY(a_panel_follows_what_is_shown)
     const uint32_t fitting = view_fitting_zoom(scene, 100, 100, 1);
     const uint32_t *n = scene->grid.size, middle[3] = {n[0] / 2, n[1] / 2, n[2] / 2};
     char line[96];
-    must_all("size 100 100; auto on; seed 0,0,0 0");
+    must(&interp, "size 100 100; auto on; seed 0,0,0 0");
     CHECK_INT(zoom_of_panel(), fitting); /* nothing is shown */
     snprintf(line, sizeof line, "seed %u,%u,%u 3 within=1", middle[0], middle[1], middle[2]);
     must(&interp, line);
@@ -721,7 +711,7 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     struct slicing_panel panel;
     struct canvas hasty = {0}, fine = {0}, turned = {0};
     begin_values(1, 0);
-    must_all("seed 3,3,4 3; run");
+    must(&interp, "seed 3,3,4 3; run");
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
     CHECK(!is_hasty(0, &panel, &fine));
     CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
@@ -812,7 +802,7 @@ STORY(slices_of_a_small_scene_fill_their_panes)
 STORY(without_memory_nothing_is_shown)
 {
     begin_values(1, 0);
-    must_all("seed 3,3,4 3; size 50 50; overlay marks=on");
+    must(&interp, "seed 3,3,4 3; size 50 50; overlay marks=on");
     for (unsigned left = 0; left < 200; left++) {
         allow_allocations(left);
         const enum err err = execute(&interp, "mosaic");
@@ -835,7 +825,7 @@ static void picks(const char *line, const char *words)
 STORY(a_pixel_of_a_slice_tells_its_voxel)
 {
     begin_values(1, 0);
-    must_all("seed 3,3,4 3; cross 1,2,3");
+    must(&interp, "seed 3,3,4 3; cross 1,2,3");
     picks("pick 0 0 of=axial", "voxel 9,9,3 at 9.0,9.0,3.0 mm: intensity 399,");
     picks("pick 9 9 of=axial", "voxel 0,0,3 ");
     CHECK_HAS(buf_text(&reply.text), "no seed reaches it\n");
@@ -846,7 +836,7 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     picks("pick 9 9 of=axial", "on the border of label 3\n");
     must(&interp, "slice axial zoom=5");
     picks("pick 9 9 of=axial", "voxel 0,1,3 "); /* two by two voxels around 1,2 */
-    must_all("slice axial zoom=fit; size 22 20");
+    must(&interp, "slice axial zoom=fit; size 22 20");
     picks("pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
     picks("pick 1 0 of=axial", "voxel 9,9,3 ");
     refused("pick 22 0 of=axial", "pixel 22,0 is outside the picture of 22x20");
@@ -858,7 +848,7 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     picks("pick 10 8 of=mosaic", "shows no voxel");
     picks("pick 12 8 of=mosaic", "voxel 1,9,0 ");
     picks("pick 1 18 of=mosaic", "voxel 8,1,3 ");
-    must_all("view front; zoom 1");
+    must(&interp, "view front; zoom 1");
     picks("pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the front of the one object */
     must(&interp, "size 8 8");
     refused("pick 0 0 of=mosaic", "a mosaic needs 16x16 pixels or more");
@@ -872,7 +862,7 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
     static const char *const how[] = {"magnify fit", "magnify 1.7 at=0,9,4", "magnify 3",
                                       "magnify 12.5 at=8,1,1", "slice axial zoom=7"};
     begin_values(1, 0);
-    must_all("cross 7,3,2; size 60 45");
+    must(&interp, "cross 7,3,2; size 60 45");
     for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
         must(&interp, how[i]);
         for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
@@ -899,7 +889,7 @@ STORY(an_exr_of_a_slice_holds_labels_and_voxels)
 {
     struct picture picture;
     begin_values(1, 0);
-    must_all("seed 3,3,4 3; run; size 12 10");
+    must(&interp, "seed 3,3,4 3; run; size 12 10");
     MUST_MENTION(&interp, "slice axial 4 slice.exr", "wrote slice.exr");
     refused("slice axial 4 slice.exr", "exists");
     must(&interp, "slice axial 4 slice.exr replace=yes");
@@ -913,7 +903,7 @@ STORY(an_exr_of_a_slice_holds_labels_and_voxels)
         CHECK(picture_find(&picture, "iftty:scene") != NULL);
         picture_release(&picture);
     }
-    must_all("size 40 40; mosaic mosaic.png");
+    must(&interp, "size 40 40; mosaic mosaic.png");
     CHECK(file_exists("mosaic.png"));
 }
 
@@ -950,11 +940,12 @@ STORY(golden_slices_are_compared_when_replayed)
     write_values("values.nii", 1, 0);
     begin_anew();
     CHECK(interpreter_create_journal(&interp, "slices.iftty", &fault) == OK);
-    must_all("open values.nii; size 40 40; label 3 thing #ff8000; seed 3,3,4 3; seed 9,9,9 0; run; "
-             "seed 1,1,4 3; remove 3,3,3; window 100 600; golden axial of=axial; golden coronal "
-             "of=coronal; golden sagittal of=sagittal; golden mosaic of=mosaic; slice axial 4; "
-             "golden rendition of=rendition; slice coronal 3 zoom=7; overlay tint cross=off; "
-             "golden near of=coronal; mosaic");
+    must(&interp,
+         "open values.nii; size 40 40; label 3 thing #ff8000; seed 3,3,4 3; seed 9,9,9 0; run; "
+         "seed 1,1,4 3; remove 3,3,3; window 100 600; golden axial of=axial; golden coronal "
+         "of=coronal; golden sagittal of=sagittal; golden mosaic of=mosaic; slice axial 4; "
+         "golden rendition of=rendition; slice coronal 3 zoom=7; overlay tint cross=off; "
+         "golden near of=coronal; mosaic");
     interpreter_release(&interp);
     replay("slices.iftty", NULL);
     CHECK(file_exists("slices.golden/near.png"));

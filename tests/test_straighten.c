@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Straightened volumes of sheared axes: every voxel compared with the file's voxels around its
  * place in the world. */
-#include "check.h"
+#include "tests/check_main.h"
 #include "stopping.h"
 
 #include <math.h>
@@ -229,9 +229,4 @@ STORY(too_much_shear_is_refused_and_a_stop_changes_nothing)
         volume_release(&from);
         volume_release(&is);
     }
-}
-
-int main(void)
-{
-    return check_run();
 }

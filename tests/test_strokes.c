@@ -9,7 +9,7 @@
 #include "command/execute.h"
 #include "base/mem.h"
 #include "session/session.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 static struct interpreter interp;
 
@@ -435,13 +435,4 @@ JOURNAL_STORY(what_waits_runs_with_the_next_edit_and_not_by_going_there, "waits.
     resume("waits.iftty");
     CHECK_INT(session_pendings(interp.session), 1);
     must_leave_seeds(&interp, "run", 1);
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    const int status = check_run();
-    return end_folder() | status;
 }

@@ -6,13 +6,11 @@
 
 #include "image/surface_file.h"
 #include "tests/check.h"
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 #include "tests/interpreting.h"
 #include "tests/scarce_memory.h"
 #include "tests/stopping.h"
 #include "tests/surface_check.h"
-
-static char folder[FOLDER_LENGTH];
 
 /* ---- boxes of labels ---- */
 
@@ -580,8 +578,7 @@ STORY(commands_say_what_they_wrote_and_what_is_wrong)
     snprintf(line, sizeof line, "save surface %s", file_in(folder, "a.ply"));
     CHECK_INT(execute(&interp, line), ERR_INPUT);
     CHECK_HAS(fault.text, "no voxel has a label above 0: plant a `seed` first");
-    must(&interp, "seed 20,15,10 1");
-    must(&interp, "seed 2,2,2 2");
+    must(&interp, "seed 20,15,10 1; seed 2,2,2 2");
     MUST_MENTION(&interp, line, "wrote ");
     CHECK_HAS(buf_text(&reply.text), "label 1: ");
     CHECK_HAS(buf_text(&reply.text), " triangles around ");
@@ -601,13 +598,4 @@ STORY(commands_say_what_they_wrote_and_what_is_wrong)
     CHECK_HAS(fault.text, "are for `save surface`, not for labels");
     CHECK_INT(execute(&interp, "save surface x.ply label=0"), ERR_USAGE);
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "surface"))
-        return 1;
-    int status = check_run();
-    reply_release(&reply);
-    return status | remove_folder(folder);
 }

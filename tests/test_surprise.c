@@ -7,12 +7,11 @@
 
 #include "engine/way.h"
 #include "image/volume.h"
-#include "tests/folder.h"
+#define RUN_IN_FOLDER
+#include "tests/folder_main.h"
 #include "tests/interpreting.h"
 
 static struct interpreter interp;
-static char folder[FOLDER_LENGTH];
-
 /* ---- the edge, by hand ---- */
 
 STORY(a_passage_is_the_strongest_edge_that_most_paths_share)
@@ -50,8 +49,7 @@ static bool is_surprised(const char *line)
 static void begin(void)
 {
     begin_interpreter(&interp);
-    must(&interp, "open synth:geom:60x60x30");
-    must(&interp, "auto on");
+    must(&interp, "open synth:geom:60x60x30; auto on");
 }
 
 STORY(a_seed_that_floods_an_object_says_so)
@@ -77,8 +75,7 @@ STORY(a_seed_that_floods_an_object_says_so)
 STORY(so_do_boxes_eliminators_and_runs)
 {
     begin();
-    must(&interp, "seed 30,30,15 1");
-    must(&interp, "seed 2,2,2 0");
+    must(&interp, "seed 30,30,15 1; seed 2,2,2 0");
     CHECK(is_surprised("box 50,10,15 50,11,15 1"));
     CHECK_HAS(buf_text(&reply.text), "\nthis `box` took ");
     CHECK(is_surprised("remove 50,10,15"));
@@ -113,10 +110,7 @@ STORY(the_second_of_a_pair_is_none)
     const struct volume_map map = {wide, &geometry, VOXEL_UINT8, "cubes", cubes_row, NULL, NULL};
     CHECK(volume_write("cubes.nii", FILE_REPLACE, &map, NULL, NULL) == OK);
     begin_interpreter(&interp);
-    must(&interp, "open cubes.nii");
-    must(&interp, "auto on");
-    must(&interp, "seed 2,2,2 0");
-    must(&interp, "seed 9,9,13 1");
+    must(&interp, "open cubes.nii; auto on; seed 2,2,2 0; seed 9,9,13 1");
     CHECK(!is_surprised("seed 29,9,13 1"));
     CHECK_HAS(buf_text(&reply.text), " ml (+1.");
     must(&interp, "undo");
@@ -131,19 +125,9 @@ STORY(the_second_of_a_pair_is_none)
 STORY(a_replay_says_nothing)
 {
     begin();
-    must(&interp, "seed 30,30,15 1");
-    must(&interp, "seed 2,2,2 0");
+    must(&interp, "seed 30,30,15 1; seed 2,2,2 0");
     interp.mode = MODE_REPLAY;
     CHECK(!is_surprised("seed 50,10,15 1"));
     interp.mode = MODE_LIVE;
     interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "surprise") || chdir(folder) != 0)
-        return 1;
-    const int status = check_run();
-    reply_release(&reply);
-    return status + remove_folder(folder);
 }

@@ -149,8 +149,7 @@ STORY(counts_follow_whatever_is_done)
     }
     CHECK(counted > 100);
     CHECK(fresh > 100);
-    must(&interp, "auto on");
-    must(&interp, "range none");
+    must(&interp, "auto on; range none");
     for (int i = 0; i < 60; i++)
         do_anything(&interp, false);
     const struct tally before = interp.session->tally;
@@ -200,10 +199,7 @@ STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
     interpreter_release(&interp);
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, place("tally.iftty"), NULL) == OK);
-    must(&interp, "open synth:geom:40x40x30");
-    must(&interp, "seed 20,20,15 3");
-    must(&interp, "seed 2,2,2 0");
-    must(&interp, "run");
+    must(&interp, "open synth:geom:40x40x30; seed 20,20,15 3; seed 2,2,2 0; run");
     const uint64_t voxels = interp.session->tally.voxels[3];
     CHECK(voxels > 0 && voxels < 48000);
     interpreter_release(&interp);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The team: however many workers grow a forest, the same bits come out. Run under ThreadSanitizer
  * as well (test_team_racing). */
-#include "check.h"
+#include "tests/check_main.h"
 #include "scarce_memory.h"
 #include "stopping.h"
 #include "world.h"
@@ -200,9 +200,4 @@ STORY(workers_out_of_memory_leave_an_empty_forest)
         world_free(&w);
     }
     team_free(team);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Words in pictures: letters exist, differ, cover the area of their outlines, and stay within the
  * canvas; for any bytes. */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -413,9 +413,4 @@ STORY(a_digest_knows_every_pixel)
     for (size_t a = 0; a < count; a++)
         for (size_t b = 0; b < a; b++)
             CHECK(seen[a] != seen[b]);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -15,7 +15,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "interpreting.h"
-#include "check.h"
+#include "tests/check_main.h"
 #include "command/trust.h"
 #include "engine/scene.h"
 #include "image/image_helper.h"
@@ -343,9 +343,4 @@ STORY(limits_stop_commands_of_an_interpreter_that_was_there_before_them)
     interpreter_release(&interp);
     reply_release(&reply);
     CHECK(remove_folder(folder) == 0);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -7,7 +7,7 @@
 #include <zlib.h>
 
 #include "base/file.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/kitty_decode.h"
 #include "tests/screen.h"
 #include "tests/sixel_decode.h"
@@ -1316,12 +1316,4 @@ STORY(replies_go_on_where_their_text_began)
     wraps("  one two three\n", 9, "  one two\r\n  three\r\n");
     wraps("one two three  four\n", 16, "one two three\r\nfour\r\n"); /* beyond the middle */
     wraps("    a b\n", 1, "    a\r\nb\r\n");
-}
-
-int main(void)
-{
-    int status = check_run();
-    line_release(&line);
-    line_history_release(&old_lines);
-    return status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the prompt draws in addition to the line, without a terminal: bytes in, bytes out. */
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tui/prompt/line_edit.h"
 
 /* ---- the caret ---- */
@@ -163,9 +163,4 @@ STORY(a_hint_stands_behind_the_cursor_and_is_cut_before_the_last_column)
     CHECK_TEXT(draw("seed", 4, " \xe6\x9c\xac!", 9), "\r\033[J> seed" GREY " \033[m\r\033[6C");
     CHECK_TEXT(draw("seed", 4, " X,Y,Z", 7), "\r\033[J> seed");
     CHECK_TEXT(draw("seed", 4, "X,Y,Z", 6), "\r\033[J> seed\r\n" GREY "X,Y,Z\033[m\r");
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -10,7 +10,7 @@
 #include "verify/verify_inside.h"
 #include "image/png.h"
 #include "journal/record.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 
 /* ---- words ---- */
 
@@ -316,9 +316,4 @@ STORY(a_picture_as_png_holds_its_pixels)
     CHECK(png_encode(&out, 0, 3, rgba, NULL) == ERR_LIMIT);
     CHECK(png_encode(&out, 3, 16385, rgba, NULL) == ERR_LIMIT);
     buf_release(&out);
-}
-
-int main(void)
-{
-    return check_run();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene whose cells are computed later differs only in time. */
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 #include "tests/stopping.h"
 
 /* Commands after `open` of a scene from a file. */
@@ -137,13 +137,4 @@ STORY(a_stop_while_it_is_opened_leaves_nothing)
         interpreter_release(&interp);
     }
     CHECK(stops > 10);
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    int status = check_run();
-    return status | end_folder();
 }

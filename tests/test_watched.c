@@ -6,11 +6,10 @@
 #include "base/file.h"
 #include "engine/forest.h"
 #include "program/programs.h"
-#include "tests/folder.h"
+#include "tests/folder_main.h"
 #include "tests/interpreting.h"
 #include "tests/stopping.h"
 
-static char folder[FOLDER_LENGTH];
 static struct interpreter interp;
 static struct watched watched;
 static struct buf words;
@@ -397,14 +396,4 @@ STORY(what_is_no_journal_of_steps_is_refused_in_words)
     CHECK(watched_begin(&watched, &interp, path, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "this is a script");
     end_watching();
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "watched"))
-        return 1;
-    const int status = check_run();
-    buf_release(&words);
-    reply_release(&reply);
-    return status + remove_folder(folder);
 }

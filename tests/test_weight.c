@@ -8,7 +8,7 @@
 
 #include "engine/weight_gradient.h"
 #include "engine/weight.h"
-#include "tests/check.h"
+#include "tests/check_main.h"
 #include "tests/scarce_memory.h"
 
 static const struct weight_choice morph1 = {WEIGHT_MORPH, 1}, morph2 = {WEIGHT_MORPH, 2},
@@ -650,9 +650,4 @@ STORY(without_memory_the_room_is_what_it_was)
     CHECK(weight_work_reserve(&work, &scene->grid, &gauss1, &fault) == OK);
     weight_work_release(&work);
     scene_free(scene);
-}
-
-int main(void)
-{
-    return check_run();
 }

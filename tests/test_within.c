@@ -4,7 +4,7 @@
  * reaches, against a run from scratch and an oracle that shares no code with the engine; edits that
  * do not go through; threads.
  */
-#include "check.h"
+#include "tests/check_main.h"
 
 #include <stdlib.h>
 
@@ -403,9 +403,4 @@ STORY(there_are_no_more_than_65535_reaches)
               ERR_LIMIT);
     CHECK_HAS(fault.text, "65535");
     world_free(&w);
-}
-
-int main(void)
-{
-    return check_run();
 }
