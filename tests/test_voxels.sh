@@ -135,7 +135,7 @@ for bits in 1:255 2:85 4:17; do # voxel 0,0,0 is 1
 done
 expect 0 "$iftty" -c "open png-fine"
 out_has "its resolution says pixels of 0.05x0.1 mm"
-out_has "distances of voxels unknown"
+out_has "voxel spacing unknown"
 close_story
 
 begin "PNG: palettes, colours and alpha are refused, as are slices that differ"

@@ -524,11 +524,15 @@ static void work(void *context, unsigned number)
         meet(pass, team, number);
         bool cancelled = false;
         if (number == 0) {
-            /* Continue alone after a long wait, if that was most of the time. */
-            forest->alone = forest->alone || (team && pass->waited_ns > PATIENCE_NS &&
-                                              pass->waited_ns > (clock_ns() - pass->begin_ns) / 2);
-            forest->task.done = all.served;
-            cancelled = (!task_poll(&forest->task) && forest->may_stop) || forest->cut_short;
+            /* Continue alone after a long wait, if that was most of the time. Once alone, write no
+             * more: the other workers may not have read it yet. */
+            if (team)
+                forest->alone = pass->waited_ns > PATIENCE_NS &&
+                                pass->waited_ns > (clock_ns() - pass->begin_ns) / 2;
+            if (forest->task.watch) {
+                forest->task.done = all.served;
+                cancelled = (!task_poll(&forest->task) && forest->may_stop) || forest->cut_short;
+            }
             forest->level = level;
             forest->pauses = forest->may_stop && watch_wants_show(forest->task.watch);
         }

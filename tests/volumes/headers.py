@@ -139,7 +139,7 @@ def make_nrrd():
         nrrd(name, *more, "%s: %s" % (field, words))
         for ending in (".nrrd", ".nhdr"):
             lines.says(name + ending, 'its field "%s" has a unit that is not known' % field)
-            lines.says(name + ending, "distances of voxels unknown")
+            lines.says(name + ending, "voxel spacing unknown")
             lines.says(name + ending, "orientation unknown")
     nrrd("key", *fields, "units:=ell", 'space units:="ell" "ell" "ell"')
     place[:3] *= 1e3
@@ -205,7 +205,7 @@ def make_meta():
     save_twin("after.mha", data, LPS @ place)
     meta("odd.mha", "DistanceUnits = ell", *plain)
     lines.says("odd.mha", 'its field "DistanceUnits" has a unit that is not known')
-    lines.says("odd.mha", "distances of voxels unknown")
+    lines.says("odd.mha", "voxel spacing unknown")
     meta("scaled.mha", *plain, "ElementToIntensityFunctionSlope = 2",
          "ElementToIntensityFunctionOffset = 5.5")
     save_twin("scaled.mha", data, LPS @ lps, 2, 5.5)
@@ -230,7 +230,7 @@ def make_meta():
     lines.says("flat.mha", "it is one slice, and says no thickness: 1 mm is taken for it")
     meta("size.mha", "ElementSize = 1 2 3")
     save_plain_twin("size.mha", data)
-    lines.says("size.mha", "distances of voxels unknown")
+    lines.says("size.mha", "voxel spacing unknown")
     meta("text.mha", "ElementSpacing = 1 1 1", binary=False, kind="MET_UCHAR",
          data=b"1 " * 59 + b"256\n")
     lines.refused("text.mha", "number 60 of its voxels is not of their type")
@@ -302,7 +302,7 @@ def make_mrc():
     mrc("images.st", data, 1, ispg=0, mz=1)
     lines.says("images.st", "it is a stack of images, and does not say how far apart they are")
     mrc("cell0.mrc", data, 1, cell=(0, 0, 0))
-    lines.says("cell0.mrc", "distances of voxels unknown")
+    lines.says("cell0.mrc", "voxel spacing unknown")
     mrc("skewed.mrc", data, 1, angles=(90, 90, 120))
     lines.says("skewed.mrc", "the axes of its cell are not at right angles")
     mrc("tail.mrc", data, 1, tail=b"more")
@@ -411,7 +411,7 @@ def make_hdf5():
         if name == "two-units":
             words = "and another attribute has another unit"
         lines.says(name + ".h5", words)
-        lines.says(name + ".h5", "distances of voxels unknown")
+        lines.says(name + ".h5", "voxel spacing unknown")
     # Types.
     mask = voxels("uint8") % 2 == 1
     hdf5("bool.h5", mask.T)
@@ -459,7 +459,7 @@ def make_imaris():
     save_plain_twin("one.ims", data, (0.002, 0.003, 0.004))
     save_plain_twin("four.ims", data + 300, (0.002, 0.003, 0.004))
     save_plain_twin("small", data[:3, :2, :2], (0.002 * 5 / 3, 0.006, 0.006))
-    lines.says("unit.ims", "distances of voxels unknown")
+    lines.says("unit.ims", "voxel spacing unknown")
     lines.says("unit.ims", "its attribute ExtMax has numbers, and their unit is not known")
     lines.refused("wrong.ims", "its image is 99 voxels long along x, and its data set 16")
     lines.refused("four.ims", "a series of 4 volumes; choose one")
