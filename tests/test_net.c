@@ -387,6 +387,24 @@ STORY(small_and_thin_things_keep_their_volume)
     }
 }
 
+/* A block of label 1, from 5,5,5 on. */
+static void scene_block(int32_t tall)
+{
+    scene_init(30);
+    for (int32_t k = 0; k < 20 * 20 * tall; k++)
+        *scene_at(5 + k % 20, 5 + k / 20 % 20, 5 + k / 400) = 1;
+}
+
+/* The labels of the quads around each vertex that face upward; the caller frees them. */
+static uint8_t *labels_on_top(const struct net *net)
+{
+    uint8_t *labels = calloc(net->vertices, 1);
+    for (uint32_t q = 0; q < net->quads; q++)
+        for (int k = 0; k < 4 && net->quad[q].face == 5; k++)
+            labels[net->quad[q].corner[k]] |= net->quad[q].label;
+    return labels;
+}
+
 /* A vertex of the top of a block belongs to a border where quads around it have both labels. */
 STORY(a_border_between_labels_is_smooth_along_the_surface)
 {
@@ -397,10 +415,7 @@ STORY(a_border_between_labels_is_smooth_along_the_surface)
         *scene_at(p[0], p[1], p[2]) = p[1] < 14 + p[0] % 2 ? 1 : 2;
     }
     struct net net = net_of_scene(false);
-    uint8_t *labels = calloc(net.vertices, 1);
-    for (uint32_t q = 0; q < net.quads; q++)
-        for (int k = 0; k < 4 && net.quad[q].face == 5; k++)
-            labels[net.quad[q].corner[k]] |= net.quad[q].label;
+    uint8_t *labels = labels_on_top(&net);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const double y = place_of(&net.vertex[v], 1), z = place_of(&net.vertex[v], 2);
         if (labels[v] != 3 || net.vertex[v].cube[0] < 10 || net.vertex[v].cube[0] > 18)
@@ -428,10 +443,7 @@ static double off_the_line(int32_t run)
         *scene_at(p[0], p[1], p[2]) = run * (p[1] - 20) < p[0] - 20 ? 1 : 2;
     }
     struct net net = net_of_scene(false);
-    uint8_t *labels = calloc(net.vertices, 1);
-    for (uint32_t q = 0; q < net.quads; q++)
-        for (int k = 0; k < 4 && net.quad[q].face == 5; k++)
-            labels[net.quad[q].corner[k]] |= net.quad[q].label;
+    uint8_t *labels = labels_on_top(&net);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const double x = place_of(&net.vertex[v], 0), y = place_of(&net.vertex[v], 1);
         if (labels[v] != 3 || x < 12 || x > 32)
@@ -457,9 +469,7 @@ STORY(lines_between_objects_are_no_stairs)
 static double area_on_top(int32_t side)
 {
     double sum = 0;
-    scene_init(30);
-    for (int32_t k = 0; k < 20 * 20 * 8; k++)
-        *scene_at(5 + k % 20, 5 + k / 20 % 20, 5 + k / 400) = 1;
+    scene_block(8);
     for (int32_t k = 0; k < side * side; k++)
         *scene_at(12 + k % side, 12 + k / side, 12) = 2;
     struct net net = net_of_scene(false);
@@ -508,9 +518,7 @@ STORY(normals_of_gentle_slopes_hardly_ripple_and_those_of_a_box_stay)
     CHECK_NEAR(normals_off(8), 0, 4);
     CHECK_NEAR(normals_off(12), 0, 6.3);
     CHECK_NEAR(normals_off(20), 0, 8.2);
-    scene_init(30);
-    for (int32_t k = 0; k < 20 * 20 * 20; k++)
-        *scene_at(5 + k % 20, 5 + k / 20 % 20, 5 + k / 400) = 1;
+    scene_block(20);
     struct net net = net_of_scene(false);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const struct net_vertex *is = &net.vertex[v];

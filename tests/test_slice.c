@@ -240,10 +240,19 @@ STORY(slices_of_any_size_and_spacing_fit)
     }
 }
 
-/* Axes in any direction; spacings of half a millimetre and up to `more_nm` more. */
-static struct scene *random_scene(uint64_t *seed, const uint32_t size[3], uint32_t more_nm)
+/* Up to `most` voxels along each axis, in any direction; spacings of half a millimetre and up to
+ * `more_nm` more. *choice gets a random plane, place and middle. */
+static struct scene *random_scene(uint64_t *seed, uint32_t most, uint32_t more_nm,
+                                  struct slice_choice *choice)
 {
     struct scene *scene = NULL;
+    uint32_t size[3];
+    *choice = (struct slice_choice){.plane = (enum slice_plane)check_below(seed, 3)};
+    for (int a = 0; a < 3; a++) {
+        size[a] = 1 + check_below(seed, most);
+        choice->place[a] = check_below(seed, size[a]);
+        choice->middle[a] = check_below(seed, size[a]);
+    }
     CHECK(scene_new(&scene, size, NULL) == OK);
     for (int a = 0; a < 3; a++) {
         scene->world_sign[a] = check_below(seed, 2) ? 1 : -1;
@@ -259,15 +268,10 @@ STORY(a_pixel_knows_its_voxel)
     uint64_t seed = 7;
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     for (unsigned i = 0; i < 400; i++) {
-        struct scene *scene = NULL;
-        uint32_t size[3], wrong = 0;
-        struct slice_choice choice = {.plane = (enum slice_plane)check_below(&seed, 3),
-                                      .smooth = check_below(&seed, 2)};
-        for (int a = 0; a < 3; a++) {
-            size[a] = 1 + check_below(&seed, 12);
-            choice.place[a] = check_below(&seed, size[a]);
-        }
-        scene = random_scene(&seed, size, 2000000);
+        struct slice_choice choice;
+        struct scene *scene = random_scene(&seed, 12, 2000000, &choice);
+        uint32_t wrong = 0;
+        choice.smooth = check_below(&seed, 2);
         choice.pixel_pm = check_below(&seed, 3) ? 1 + check_random(&seed) % (2 * MM) : 0;
         struct canvas s =
             take(scene, &choice, &style, 1 + check_below(&seed, 40), 1 + check_below(&seed, 40));
@@ -350,23 +354,16 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
     uint64_t seed = 29;
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     for (unsigned i = 0; i < 3000; i++) {
-        struct scene *scene = NULL;
-        struct slice_choice choice = {.plane = (enum slice_plane)check_below(&seed, 3),
-                                      .has_middle = check_below(&seed, 3)};
+        struct slice_choice choice;
+        struct scene *scene = random_scene(&seed, 30, 2000000, &choice);
         const unsigned order = check_below(&seed, 3);
-        uint32_t size[3], wrong = 0;
-        for (int a = 0; a < 3; a++) {
-            size[a] = 1 + check_below(&seed, 30);
-            choice.place[a] = check_below(&seed, size[a]);
-            choice.middle[a] = check_below(&seed, size[a]);
-        }
-        CHECK(scene_new(&scene, size, NULL) == OK);
+        const uint32_t *size = scene->grid.size;
+        uint32_t wrong = 0;
+        choice.has_middle = check_below(&seed, 3);
         int axis_of[3]; /* axis of the scene along each of the patient's */
         for (int a = 0; a < 3; a++) {
             scene->world_axis[a] = (int8_t)(((unsigned)a + order) % 3);
             axis_of[scene->world_axis[a]] = a;
-            scene->world_sign[a] = check_below(&seed, 2) ? 1 : -1;
-            scene->spacing_nm[a] = 500000 + check_below(&seed, 2000000);
         }
         const uint32_t width = 8 + check_below(&seed, 56), height = 8 + check_below(&seed, 56);
         slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
@@ -412,15 +409,11 @@ STORY(the_pixel_of_a_voxel_is_where_its_centre_lies)
     uint64_t seed = 37;
     unsigned shown = 0, wrong = 0;
     for (unsigned i = 0; i < 3000; i++) {
-        struct scene *scene = NULL;
-        struct slice_choice choice = {.plane = (enum slice_plane)check_below(&seed, 3)};
+        struct slice_choice choice;
+        struct scene *scene = random_scene(&seed, 12, 1000000, &choice);
         const uint32_t width = 64 + check_below(&seed, 90), height = 64 + check_below(&seed, 90);
-        uint32_t size[3], pixel[2];
-        for (int a = 0; a < 3; a++) {
-            size[a] = 1 + check_below(&seed, 12);
-            choice.place[a] = check_below(&seed, size[a]);
-        }
-        scene = random_scene(&seed, size, 1000000);
+        const uint32_t *size = scene->grid.size;
+        uint32_t pixel[2];
         slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
                       SLICE_TIMES_ONE + check_below(&seed, 3000));
         wrong += !slice_pixel_of(scene, &choice, width, height, choice.place, pixel);
@@ -446,19 +439,13 @@ STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
     uint64_t seed = 31;
     unsigned moved = 0, ended = 0, wrong = 0;
     for (unsigned i = 0; i < 20000; i++) {
-        struct scene *scene = NULL;
-        struct slice_choice choice = {.plane = (enum slice_plane)check_below(&seed, 3),
-                                      .has_middle = check_below(&seed, 2)};
+        struct slice_choice choice;
+        struct scene *scene = random_scene(&seed, 12, 2000000, &choice);
         const uint32_t width = 8 + check_below(&seed, 90), height = 8 + check_below(&seed, 90);
         const int by[2] = {(int)check_below(&seed, 9) - 4, (int)check_below(&seed, 9) - 4};
-        uint32_t size[3], middle[3], place[3];
+        uint32_t middle[3], place[3];
         struct slice_plan before, after;
-        for (int a = 0; a < 3; a++) {
-            size[a] = 1 + check_below(&seed, 12);
-            choice.place[a] = check_below(&seed, size[a]);
-            choice.middle[a] = check_below(&seed, size[a]);
-        }
-        scene = random_scene(&seed, size, 2000000);
+        choice.has_middle = check_below(&seed, 2);
         slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
                       SLICE_TIMES_ONE + check_below(&seed, 20000));
         slice_plan_init(&before, scene, &choice, width, height);
@@ -467,7 +454,7 @@ STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
         ended += !goes;
         choice.has_middle = true;
         for (int a = 0; a < 3; a++) {
-            wrong += middle[a] >= size[a] || place[a] >= size[a];
+            wrong += middle[a] >= scene->grid.size[a] || place[a] >= scene->grid.size[a];
             choice.middle[a] = middle[a];
             choice.place[a] = place[a];
         }
@@ -672,15 +659,10 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
         }
     for (unsigned i = 0; i < 24; i++) {
         const uint32_t *picture = pictures[i % 4];
-        const struct slice_choice choice = {(enum slice_plane)(i / 8),
-                                            {20, 15, 10},
-                                            i % 8 < 4 ? 0 : MM / 3,
-                                            i % 2,
-                                            0,
-                                            NULL,
-                                            false,
-                                            {0},
-                                            0};
+        const struct slice_choice choice = {.plane = (enum slice_plane)(i / 8),
+                                            .place = {20, 15, 10},
+                                            .pixel_pm = i % 8 < 4 ? 0 : MM / 3,
+                                            .smooth = i % 2};
         struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
         const int64_t line = picture[0] >= 400 ? 2 : 1;
         uint32_t wrong = 0, hairs = 0;
@@ -886,8 +868,10 @@ static char letter_at(const struct canvas *s, int edge)
     return '?';
 }
 
+/* Those drawn, and those returned by slice_letters. */
 static void letters_are(const struct scene *scene, enum slice_plane plane, const char *expected)
 {
+    char letter[5] = "";
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     const struct slice_choice choice = {
         .plane = plane, .pixel_pm = 10 * MM, .notes = SLICE_LETTERS};
@@ -895,6 +879,8 @@ static void letters_are(const struct scene *scene, enum slice_plane plane, const
     for (int edge = 0; edge < 4; edge++)
         CHECK_INT(letter_at(&s, edge), expected[edge]);
     canvas_release(&s);
+    slice_letters(scene, plane, letter);
+    CHECK_TEXT(letter, expected);
 }
 
 static const int8_t orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
@@ -912,34 +898,13 @@ STORY(letters_say_where_the_patients_sides_are)
     }
 }
 
-/* slice_letters returns the letters that are drawn. */
-STORY(letters_are_told_as_they_are_drawn)
-{
-    static const char *const expected[3] = {"RLAP", "RLSI", "APSI"};
-    static const int8_t turned[3] = {2, 0, 1};
-    for (unsigned flips = 0; flips < 16; flips++) {
-        uint32_t cross;
-        char letter[5] = "";
-        struct scene *scene = body_scene(flips & 8 ? turned : world_order, flips & 7, &cross);
-        for (int plane = 0; plane < 3; plane++) {
-            slice_letters(scene, (enum slice_plane)plane, letter);
-            CHECK_TEXT(letter, expected[plane]);
-        }
-        scene_free(scene);
-    }
-}
-
 STORY(lengths_of_bars_are_round)
 {
-    static const uint64_t row[][2] = {{1, 1},       {2, 2},
-                                      {4, 2},       {5, 5},
-                                      {9, 5},       {10, 10},
-                                      {19, 10},     {20, 20},
-                                      {49, 20},     {50, 50},
-                                      {99, 50},     {100, 100},
-                                      {4999, 2000}, {UINT64_MAX, 10000000000000000000u}};
-    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        CHECK_INT(slice_round_length(row[i][0]), row[i][1]);
+    static const uint64_t length[] = {1, 2, 4, 5, 9, 10, 19, 20, 49, 50, 99, 100, 4999, UINT64_MAX};
+    static const uint64_t expected[] = {1,  2,  2,  5,  5,   10,   10,
+                                        20, 20, 50, 50, 100, 2000, 10000000000000000000u};
+    for (size_t i = 0; i < sizeof length / sizeof length[0]; i++)
+        CHECK_INT(slice_round_length(length[i]), expected[i]);
 }
 
 /* In a black picture of 200 pixels of 1 mm: 50 mm bottom left, greys bottom right. */

@@ -49,13 +49,20 @@ static uint8_t box_label(int64_t x, int64_t y, int64_t z)
 
 enum kind { NET, CUBES, JOINED };
 
-static struct surface *surface_of_box(enum kind kind)
+static enum err make_surface(struct surface **surface, enum kind kind, struct watch *watch,
+                             struct fault *why)
 {
-    struct surface *surface = NULL;
+    const struct surface_source source = {box.size, box_row, &box};
     struct surface_choice choice = {.joins = kind == JOINED, .is_cubes = kind == CUBES};
     memset(choice.wanted, true, sizeof choice.wanted);
-    CHECK(surface_new(&surface, &(struct surface_source){box.size, box_row, &box}, &choice, NULL,
-                      NULL) == OK);
+    *surface = NULL;
+    return surface_new(surface, &source, &choice, watch, why);
+}
+
+static struct surface *surface_of_box(enum kind kind)
+{
+    struct surface *surface;
+    CHECK(make_surface(&surface, kind, NULL, NULL) == OK);
     return surface;
 }
 
@@ -359,6 +366,15 @@ STORY(a_label_alone_has_a_net_of_its_own)
 
 /* ---- files ---- */
 
+/* Labels without names. */
+static const struct volume_label *nameless(void)
+{
+    static struct volume_label label[256];
+    for (int l = 0; l < 256; l++)
+        label[l].name = "";
+    return label;
+}
+
 /* What a reader makes of an STL, points being the same where their places are. */
 static struct surface *read_stl(const char *path)
 {
@@ -407,12 +423,9 @@ static double volume_of_file(const struct surface *s)
 /* A reader of STL knows points by their places alone: no two of a surface have the same. */
 STORY(files_without_numbers_of_points_are_closed_too)
 {
-    struct volume_label label[256];
     struct geometry geometry = {.spacing_nm = {700000, 1000000, 1500000}};
     uint64_t random = 21;
     geometry_place_plain(&geometry, (const double[]){0.7, 1, 1.5});
-    for (int l = 0; l < 256; l++)
-        label[l] = (struct volume_label){.name = ""};
     for (int round = 0; round < 40 && check_failures == 0; round++) {
         const bool is_ball = round < 4;
         if (is_ball)
@@ -426,7 +439,7 @@ STORY(files_without_numbers_of_points_are_closed_too)
                 box.label[i] = box.label[i] != 0;
             s = surface_of_box(CUBES);
         }
-        const struct surface_document document = {s, &geometry, label, ""};
+        const struct surface_document document = {s, &geometry, nameless(), ""};
         const char *path = file_in(folder, "read.stl");
         CHECK(surface_write(path, FILE_REPLACE, &document, NULL, &fault) == OK);
         struct surface *read = read_stl(path);
@@ -475,16 +488,13 @@ STORY(it_is_stopped_anywhere)
 {
     int looks;
     struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 64};
-    const struct surface_source source = {box.size, box_row, &box};
-    struct surface_choice choice = {.joins = false};
     int stops = 0;
-    memset(choice.wanted, true, sizeof choice.wanted);
     box_of_ball(9, (const double[]){1, 1, 1});
     for (;; stops++) {
-        struct surface *s = NULL;
+        struct surface *s;
         watch_begin(&watch);
         looks = stops;
-        enum err err = surface_new(&s, &source, &choice, &watch, NULL);
+        enum err err = make_surface(&s, NET, &watch, NULL);
         if (!err)
             err = surface_reduce(s, 100, &watch, NULL);
         surface_free(s);
@@ -497,14 +507,11 @@ STORY(it_is_stopped_anywhere)
 
 STORY(without_memory_it_says_so)
 {
-    const struct surface_source source = {box.size, box_row, &box};
-    struct surface_choice choice = {.joins = false};
-    memset(choice.wanted, true, sizeof choice.wanted);
     box_of_ball(4, (const double[]){1, 1, 1});
     for (size_t n = 0;; n++) {
-        struct surface *s = NULL;
+        struct surface *s;
         allow_allocations(n);
-        enum err err = surface_new(&s, &source, &choice, NULL, &fault);
+        enum err err = make_surface(&s, NET, NULL, &fault);
         if (!err)
             err = surface_reduce(s, 100, NULL, &fault);
         mem_allows = NULL;
@@ -525,16 +532,13 @@ static int fails_later(enum file_step step, const char *path)
 /* D2: a step of writing that fails leaves the file that was there. */
 STORY(a_disk_that_is_full_leaves_the_former_file)
 {
-    struct volume_label label[256] = {{.name = ""}};
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
     struct buf now = {0};
     char path[FOLDER_LENGTH + 16];
-    for (int l = 0; l < 256; l++)
-        label[l].name = "";
     geometry_place_plain(&geometry, (const double[]){1, 1, 1});
     box_of_ball(3, (const double[]){1, 1, 1});
     struct surface *s = surface_of_box(NET);
-    const struct surface_document document = {s, &geometry, label, ""};
+    const struct surface_document document = {s, &geometry, nameless(), ""};
     snprintf(path, sizeof path, "%s", file_in(folder, "full.ply"));
     CHECK(file_write(path, "former", 6, FILE_REPLACE, NULL) == OK);
     enum err err = ERR_IO;
@@ -556,11 +560,10 @@ STORY(a_scene_too_far_from_the_origin_is_refused)
 {
     const double to_mm[3][4] = {{0.001, 0, 0, 1e6}, {0, 0.001, 0, 0}, {0, 0, 0.001, 0}};
     struct geometry geometry = {.spacing_nm = {1000, 1000, 1000}};
-    struct volume_label label[256] = {{.name = ""}};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     box_of_ball(3, (const double[]){1, 1, 1});
     struct surface *s = surface_of_box(NET);
-    const struct surface_document document = {s, &geometry, label, ""};
+    const struct surface_document document = {s, &geometry, nameless(), ""};
     CHECK_INT(surface_write(file_in(folder, "far.stl"), FILE_KEEP, &document, NULL, &fault),
               ERR_LIMIT);
     CHECK_HAS(fault.text, "too far for voxels of 0.001 mm in the single precision of such files");
