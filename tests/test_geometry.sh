@@ -48,7 +48,7 @@ expect 0 "$iftty" info file.exr
 out_has "iftty:orientation: unknown"
 out_has "iftty:slice: z through 12,10,8"
 expect 0 "$iftty" info LAS.exr
-out_has "iftty:orientation: as told by the user"
+out_has "iftty:orientation: set by the user"
 out_has "iftty:slice: axial through "
 close_story
 

@@ -227,7 +227,7 @@ enum err export_notes(struct picture *picture, const struct session *session, co
     if (!err && orientation == ORIENTATION_UNKNOWN)
         err = picture_note(picture, "iftty:orientation", "unknown", fault);
     if (!err && orientation == ORIENTATION_TOLD)
-        err = picture_note(picture, "iftty:orientation", "as told by the user", fault);
+        err = picture_note(picture, "iftty:orientation", "set by the user", fault);
     if (!err && *session->scene_name)
         err = picture_note(picture, "iftty:scene-name", session->scene_name, fault);
     if (!err)

@@ -67,7 +67,7 @@ static void write_title(char out[64], const struct session *session, enum slice_
     }
     if (!geometry_has_place(&session->geometry)) {
         const bool is_told = session->geometry.orientation == ORIENTATION_TOLD;
-        snprintf(out, 64, "%s %u%s", name, index, is_told ? "\nsides as told" : "");
+        snprintf(out, 64, "%s %u%s", name, index, is_told ? "\nsides set by user" : "");
         return;
     }
     const int n =
