@@ -50,7 +50,7 @@ STORY(a_choice_is_a_whole_word_told_by_its_number)
 {
     static const char words[] = "axial|ax|coronal";
     const char *at = words;
-    struct choice choice;
+    struct choice choice = {0};
     for (unsigned i = 0; i < 3; i++) {
         const struct choice same = choice_at(words, i);
         CHECK(choice_next(&choice, &at));
