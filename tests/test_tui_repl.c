@@ -261,7 +261,7 @@ STORY(a_line_is_edited_and_run_and_ctrl_d_restores_everything)
 STORY(a_sixel_terminal_gets_sixels_and_each_is_waited_for)
 {
     uint64_t took_least = UINT64_MAX;
-    for (int i = 0; i < 5 && took_least > UINT64_C(1500000000); i++) { /* others may be busy */
+    for (int i = 0; i < 20 && took_least > UINT64_C(1500000000); i++) { /* others may be busy */
         struct terminal t;
         start_at_prompt(&t, &vt340);
         SEE_AFTER(&t, "picture\r", "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40");
