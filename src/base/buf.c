@@ -82,7 +82,8 @@ void buf_add_safe(struct buf *b, const char *text, size_t length)
         b->failed = true;
         return;
     }
-    char *place = buf_reserve(b, 4 * length + 4); /* \xNN at worst, and never a cut */
+    char *place = buf_reserve(b, 4 * length + 4); /* at worst \xNN for each byte, so nothing is cut
+                                                     */
     if (place)
         b->length += safe_copy(place, 4 * length + 4, text, length);
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Choices: a few words in one text, "a|b|c", as a table or an error line has them. Each has
- * a number, from 0.
+ * Choices: a few words in one text, "a|b|c", as tables and error lines have them, numbered from 0.
  */
 #ifndef BASE_CHOICE_H
 #define BASE_CHOICE_H
@@ -10,13 +9,13 @@
 #include <stddef.h>
 #include <string.h>
 
-/* A part of the text that it was found in; no NUL ends it. */
+/* A part of the text it was found in, without a terminating NUL. */
 struct choice {
     const char *word;
     size_t length;
 };
 
-/* Takes the choice at *cursor and advances past it; false at the end of the text. */
+/* Read the choice at *cursor and advance past it; false at the end of the text. */
 static inline bool choice_next(struct choice *out, const char **cursor)
 {
     if (**cursor == '\0')
@@ -27,7 +26,7 @@ static inline bool choice_next(struct choice *out, const char **cursor)
     return true;
 }
 
-/* Which choice a word is, to the letter; -1 for none. */
+/* Return the number of the choice that equals a word exactly, or -1. */
 static inline int choice_find(const char *choices, const char *word)
 {
     const size_t length = strlen(word);
@@ -38,7 +37,7 @@ static inline int choice_find(const char *choices, const char *word)
     return -1;
 }
 
-/* The choice of this number; the last one where there are not so many. */
+/* Return the choice of this number, or the last one if there are fewer. */
 static inline struct choice choice_at(const char *choices, unsigned number)
 {
     struct choice choice = {choices, 0};

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Monotonic time, for figures only: no result depends on it. */
+/* Monotonic time, for measurements only: no result depends on it. */
 #ifndef BASE_CLOCK_H
 #define BASE_CLOCK_H
 
 #include <stdint.h>
 #include <time.h>
 
-/* Nanoseconds since some moment in the past. */
+/* Return nanoseconds since a fixed moment in the past. */
 static inline uint64_t clock_ns(void)
 {
     struct timespec now;

@@ -29,7 +29,7 @@ bool beneath_is_inside(const char *name)
     return true;
 }
 
-/* Without openat2: every step by itself, and no link is followed at all. */
+/* Resolve a name without openat2: open each step by itself, without following links. */
 static int open_stepwise(int folder, const char *name)
 {
     struct stat status;
@@ -66,7 +66,7 @@ static enum beneath judge(int fd)
         return errno == EXDEV || errno == ELOOP ? BENEATH_OUTSIDE : BENEATH_MISSING;
     if (fstat(fd, &status) != 0)
         return BENEATH_MISSING;
-    if (S_ISLNK(status.st_mode)) /* only where none is followed */
+    if (S_ISLNK(status.st_mode)) /* possible only if links are not followed */
         return BENEATH_OUTSIDE;
     return S_ISREG(status.st_mode)   ? BENEATH_FINE
            : S_ISDIR(status.st_mode) ? BENEATH_FOLDER
@@ -80,7 +80,7 @@ enum beneath beneath_look(const char *folder, const char *name)
     const int at = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (at < 0)
         return BENEATH_MISSING;
-    /* Opened without side effects: O_PATH touches no device and waits for no pipe. */
+    /* Open without side effects: O_PATH touches no device and does not block on a pipe. */
     const struct open_how how = {.flags = O_PATH | O_CLOEXEC,
                                  .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
     errno = ENOSYS;
@@ -188,25 +188,25 @@ bool confine_to(const struct confine_place *place, size_t places)
 
 #ifdef OWN_ARCHITECTURE
 
-/* Calls that are let through whatever is given to them. What is missing on purpose, of what
- * decoders try: ioctl, for isatty; a terminal would take lines from it. */
+/* Calls that are allowed with any arguments. Omitted on purpose, although decoders try it: ioctl,
+ * for isatty; it could insert lines into a terminal's input. */
 static const uint32_t for_all[] = {
-    /* descriptors that it holds */
+    /* descriptors already open */
     SYS_read, SYS_readv, SYS_pread64, SYS_write, SYS_writev, SYS_pwrite64, SYS_lseek, SYS_close,
     SYS_dup, SYS_fstat, SYS_fadvise64, SYS_flock,
-    /* its memory */
+    /* memory */
     SYS_brk, SYS_mremap, SYS_munmap, SYS_madvise, SYS_futex,
-    /* signals and its end */
+    /* signals and exit */
     SYS_rt_sigaction, SYS_rt_sigprocmask, SYS_rt_sigreturn, SYS_sigaltstack, SYS_restart_syscall,
     SYS_exit, SYS_exit_group,
-    /* the time */
+    /* time */
     SYS_clock_gettime, SYS_clock_getres, SYS_clock_nanosleep, SYS_nanosleep, SYS_gettimeofday,
     SYS_getrusage, SYS_sched_yield,
-    /* facts of the process and of the machine */
+    /* facts about process and machine */
     SYS_getrandom, SYS_getpid, SYS_gettid, SYS_getuid, SYS_geteuid, SYS_getgid, SYS_getegid,
     SYS_uname, SYS_sysinfo, SYS_sched_getaffinity};
 static const uint32_t to_open[] = {
-#ifdef SYS_open /* on older processors the same has two names */
+#ifdef SYS_open /* older processors have two names for the same */
     SYS_open,       SYS_stat,       SYS_lstat,      SYS_access, SYS_readlink,
 #endif
     SYS_openat,     SYS_openat2,    SYS_newfstatat, SYS_statx,  SYS_faccessat,
@@ -228,9 +228,9 @@ static const struct list {
             {CONFINE_CHANGE, LISTED(to_change)},
             {CONFINE_THREADS, LISTED(to_thread)}};
 
-/* Those that depend on an argument, of which the lower half counts: all that is compared here are
- * numbers of 32 bits and flags. IF_OWN: with the number of this process. Of fcntl there is nothing
- * that could send a signal (F_SETFL, F_SETOWN). */
+/* Calls that depend on the lower half of one argument: all compared values are numbers of 32 bits
+ * and flags. IF_OWN: equal to the number of this process. The allowed commands of fcntl cannot send
+ * signals (F_SETFL, F_SETOWN). */
 enum when { IF_EQUAL, IF_OWN, IF_LESS, IF_BITS, UNLESS_BITS };
 static const struct call {
     uint32_t number;
@@ -242,8 +242,8 @@ static const struct call {
     {SYS_fcntl, 0, IF_LESS, 1, F_GETFL + 1},
     {SYS_mmap, 0, UNLESS_BITS, 2, PROT_EXEC},
     {SYS_mprotect, 0, UNLESS_BITS, 2, PROT_EXEC},
-    {SYS_tgkill, 0, IF_OWN, 0, 0},      /* abort */
-    {SYS_prlimit64, 0, IF_EQUAL, 0, 0}, /* its own */
+    {SYS_tgkill, 0, IF_OWN, 0, 0},      /* for abort */
+    {SYS_prlimit64, 0, IF_EQUAL, 0, 0}, /* its own limits */
     {SYS_clone, CONFINE_THREADS, IF_BITS, 0, CLONE_THREAD},
     {SYS_prctl, CONFINE_THREADS, IF_EQUAL, 0, PR_SET_NAME},
 };
@@ -253,7 +253,7 @@ enum {
     STEPS_MOST = 256
 };
 
-enum { ANOTHER_ABI = 0x40000000 }; /* x32, whose calls have other numbers */
+enum { ANOTHER_ABI = 0x40000000 }; /* x32, whose calls are numbered differently */
 
 struct filter {
     struct sock_filter step[STEPS_MOST];
@@ -280,7 +280,7 @@ static void answer(struct filter *filter, uint32_t with)
 
 static const uint32_t REFUSE = SECCOMP_RET_ERRNO | EPERM;
 
-/* Lets the call through or refuses it; another one goes on after these steps. Both processors are
+/* Allow or refuse this call; other calls continue after these steps. Both processors are
  * little-endian. */
 static void add_checked(struct filter *filter, const struct call *call)
 {
@@ -295,7 +295,7 @@ static void add_checked(struct filter *filter, const struct call *call)
     answer(filter, REFUSE);
 }
 
-/* clone3, whose flags cannot be seen, is as if it were not there: then the library takes clone. */
+/* clone3 fails with ENOSYS, since its flags cannot be examined: the library then uses clone. */
 static void make_filter(struct filter *filter, unsigned kinds)
 {
     load(filter, offsetof(struct seccomp_data, arch));

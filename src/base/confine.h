@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Confinement: from now on this process and all that it starts can reach only the files that it
- * names, and no network; and a decoder may make a short list of the kernel's calls alone. Neither
- * can be taken back.
+ * Confinement: from now on this process and all processes it starts can reach only the files it
+ * names, and no network; a decoder may make only a short list of kernel calls. Neither can be
+ * undone.
  *
- * Protects against: an error in our own checks of names, and a decoder that a hostile file takes
- * over. Files by Landlock, where the kernel has it (Linux 5.13; versions 1 to 6 of its interface,
- * each of which restricts a little more). It is the second defence: the caller checks names as
- * well, since a kernel without Landlock confines nothing, and says so here.
+ * It protects against errors in our own checks of names, and against a decoder controlled by a
+ * hostile file. Landlock restricts files where the kernel has it (Linux 5.13; versions 1 to 6 of
+ * its interface, each restricting a little more). It is the second defence: a kernel without
+ * Landlock confines nothing and reports that here, so callers check names as well.
  *
- * Calls by seccomp; others fail with EPERM. Whatever takes the decoder over starts no program and
- * no process, has no network, and neither traces, reads nor signals another process; memory that
- * can be written never becomes a program.
+ * Seccomp restricts calls; all others fail with EPERM. A controlled decoder cannot start a program
+ * or process, has no network, and cannot trace, read or signal another process; writable memory
+ * never becomes executable.
  */
 #ifndef CONFINE_CONFINE_H
 #define CONFINE_CONFINE_H
@@ -27,46 +27,46 @@ enum confine_right {
     CONFINE_DEVICE = 16, /* write to a device that is there */
 };
 
-/* A file, or a folder with all below it. One that is not there is passed over. */
+/* A file, or a folder with all below it. A missing place is ignored. */
 struct confine_place {
     const char *path;
     unsigned rights; /* enum confine_right */
 };
 
-/* The version of the kernel's interface, 0 where it has none. */
+/* Return the version of the kernel's Landlock interface, 0 if it has none. */
 int confine_version(void);
 
-/* Confines the calling thread and the threads and programs that it starts from now on. False where
- * the kernel does not: nothing has changed then. */
+/* Confine the calling thread and all threads and programs it starts from now on. False, with
+ * nothing changed, if the kernel cannot. */
 bool confine_to(const struct confine_place *place, size_t places);
 
-/* Calls beside those for a decoder's own memory, the time, and the descriptors that it holds
- * already. Which files it opens is what confine_to says. */
+/* Calls in addition to those for the decoder's memory, the time, and descriptors that it holds
+ * already. confine_to restricts which files it can open. */
 enum confine_calls {
-    CONFINE_OPEN = 1,    /* open files and folders, and see what they are */
-    CONFINE_CHANGE = 2,  /* lengthen, rename and remove files, make folders */
+    CONFINE_OPEN = 1,    /* open files and folders, and read their status */
+    CONFINE_CHANGE = 2,  /* lengthen, rename and remove files; make folders */
     CONFINE_THREADS = 4, /* start threads */
 };
 
-/* Whether this kernel can, and the list is known for this processor. */
+/* Return true if this kernel has seccomp and the list is known for this processor. */
 bool confine_knows_calls(void);
 
-/* From now on, the calling thread and those that it starts have these alone. False where that
- * cannot be had. */
+/* From now on, allow the calling thread and those it starts these calls alone. False if the kernel
+ * cannot. */
 bool confine_calls(unsigned kinds);
 
 /*
- * Beneath: what a name that a stranger gives is, below one folder and nowhere else.
+ * Beneath: examine the file of an untrusted name, inside one folder only.
  *
- * Resolved by openat2 with RESOLVE_BENEATH, or, where the kernel does not have it, step by step
- * without following any link; what is looked at is the file itself, not its name. Nothing is
- * opened for reading: no device is touched, and no pipe waited for.
+ * The name is resolved by openat2 with RESOLVE_BENEATH, or, if the kernel has no openat2, step by
+ * step without following links. The file itself is examined, not its name. Nothing is opened for
+ * reading: no device is touched, and no pipe blocks.
  */
 
 enum beneath {
     BENEATH_FINE,    /* a regular file */
-    BENEATH_MISSING, /* there is none, or it cannot be reached */
-    BENEATH_OUTSIDE, /* the name, or a link on the way, leads out of the folder */
+    BENEATH_MISSING, /* no such file, or it cannot be reached */
+    BENEATH_OUTSIDE, /* the name, or a link on its way, leads out of the folder */
     BENEATH_FOLDER,
     BENEATH_NO_FILE, /* a device, pipe or socket */
 };
@@ -74,10 +74,10 @@ enum beneath {
 /* True for a relative name without ".." in it. */
 bool beneath_is_inside(const char *name);
 
-/* What `name` below `folder` is. */
+/* Find out the kind of `name` below `folder`. */
 enum beneath beneath_look(const char *folder, const char *name);
 
-/* For tests: true goes step by step though the kernel has openat2. */
+/* For tests: true resolves step by step even if the kernel has openat2. */
 extern bool beneath_without_openat2;
 
 #endif

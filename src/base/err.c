@@ -8,7 +8,7 @@
 
 #include "base/safe.h"
 
-/* Puts the words in place of those that were there, safe to print. */
+/* Replace the text, safe to print. */
 static void set_words(struct fault *fault, const char *format, va_list words)
 {
     char raw[sizeof fault->text];

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Errors: one list of codes, and one line of words that a user can act on.
+ * Errors: one list of codes, and one line of text that a user can act on.
  *
- * A fallible function returns `enum err` and may fill a `struct fault`: what was wrong, what was
- * expected, what is unchanged. Words gather on the way up (fault_prefix). Nothing below main
- * prints to the terminal or exits.
+ * A fallible function returns `enum err` and may fill a `struct fault`: the mistake, the
+ * expected value, the state that is unchanged. Callers prepend their context (fault_prefix). No code
+ * below main prints to the terminal or exits.
  */
 #ifndef BASE_ERR_H
 #define BASE_ERR_H
 
 #include <stddef.h>
 
-/* code, exit status of a program that ends with it, what it is called */
+/* code, exit status of a program that ends with it, name */
 #define ERR_LIST(X)                                                                                \
     X(OK, 0, "fine")                                                                               \
     X(ERR_CHECK, 1, "check failed")                                                                \
@@ -28,30 +28,31 @@ enum err {
 #undef ERR_CODE
 };
 
-/* The words of an error: one line without a line feed, already safe to print on a terminal. */
+/* The text of an error: one line without a line feed, already safe to print on a terminal. */
 struct fault {
     enum err code;
     char text[512];
-    size_t at; /* where they are about a byte of a line that was read: which, from 1; else 0 */
+    size_t at; /* if the text is about a byte of a line that was read: its number, from 1; otherwise
+                  0 */
 };
 
-/* Fills `fault` (which may be NULL) with printf-like words, at no byte, and returns `code`. Bytes
- * that a terminal would obey (from file names, headers, journals) come out escaped. */
+/* Fill `fault` (which may be NULL) with a printf-like text, with `at` 0, and return `code`. Bytes
+ * from file names, headers and journals that a terminal would obey are escaped. */
 enum err fault_set(struct fault *fault, enum err code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Puts printf-like words and ": " before those already in `fault`; returns fault->code,
- * or `code` when `fault` is NULL. */
+/* Put a printf-like text and ": " before the text of `fault`; return fault->code, or `code` if
+ * `fault` is NULL. */
 enum err fault_prefix(struct fault *fault, enum err code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Puts words after those in `fault` (which may be NULL), where there is room for all of them. */
+/* Append words to the text of `fault` (which may be NULL) if there is room for all of them. */
 void fault_append(struct fault *fault, const char *words);
 
-/* The words of errno after `what` on `path`: "cannot open ch2.nii: No such file or directory". */
+/* Report errno after `what` on `path`: "cannot open ch2.nii: No such file or directory". */
 enum err fault_errno(struct fault *fault, const char *what, const char *path);
 
-/* Out of memory, in words that say what the memory was for. */
+/* Report that memory ran out, and its purpose. */
 enum err fault_memory(struct fault *fault, const char *purpose);
 
 int err_exit_status(enum err code);

@@ -22,7 +22,7 @@
 #include "base/hash.h"
 #include "base/scan.h"
 
-enum { PART_DIGITS = 5, STARTED_FIELD = 22 }; /* of /proc/PID/stat, from 1 */
+enum { PART_DIGITS = 5, STARTED_FIELD = 22 }; /* field of /proc/PID/stat, from 1 */
 enum { MACHINE, BOOT, SPACE, PARTS };
 
 static const uint64_t has_ended = UINT64_MAX;
@@ -34,7 +34,7 @@ static uint64_t mix_text(uint64_t sum, const char *text)
     return sum;
 }
 
-/* A small file of the system; nothing where it cannot be read. */
+/* Mix in the first line of a system file, if it can be read. */
 static uint64_t mix_file(uint64_t sum, const char *path)
 {
     char text[256];
@@ -60,8 +60,8 @@ static void read_system(uint64_t part[PARTS])
         part[i] &= ((uint64_t)1 << 4 * PART_DIGITS) - 1;
 }
 
-/* When the process began, in the system's ticks: 0 where it cannot be seen, has_ended where it has
- * ended and nobody has waited for it. A line is "4711 (any name) S 1 ...". */
+/* Return the start time of a process, in system ticks: 0 if it cannot be seen, has_ended if it is a
+ * zombie. A line of the file is "4711 (any name) S 1 ...". */
 static uint64_t started(long process)
 {
     char path[64], line[1024];
@@ -130,7 +130,7 @@ bool owner_read(const char **cursor, enum owner_state *state)
 }
 
 #define DRAFT_PREFIX ".iftty-"
-#define FRESH_PREFIX "iftty-" /* of folders, one of which may be held */
+#define FRESH_PREFIX "iftty-" /* prefix of folders, which may be held */
 #define HOLDER_TAIL  "holder"
 
 enum {
@@ -211,7 +211,7 @@ bool file_step_cut(int fd, const char *path, uint64_t length)
     return !file_step_fails(FILE_STEP_CUT, path) && ftruncate(fd, (off_t)length) == 0;
 }
 
-/* ---- what is there ---- */
+/* ---- existing files ---- */
 
 enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct fault *fault)
 {
@@ -347,7 +347,7 @@ static void settle(struct buf *out, const char *path, unsigned links)
     struct buf next = {0};
     if (real) {
         buf_add_text(out, real);
-    } else if (n > 0) { /* a link to a file that is not there */
+    } else if (n > 0) { /* a link to a missing file */
         target[n] = '\0';
         if (*target != '/') {
             file_folder(&next, path);
@@ -437,7 +437,7 @@ void file_from_home(struct buf *out, const char *name)
 /* ".iftty-OWNER-N-TAIL" */
 static void write_name(struct buf *out, const char *tail)
 {
-    static _Atomic unsigned counter; /* pictures are written beside the session */
+    static _Atomic unsigned counter; /* a picture may be written by another thread */
     buf_add_text(out, DRAFT_PREFIX);
     owner_write(out);
     buf_printf(out, "-%u-%s", counter++, tail);
@@ -453,7 +453,8 @@ static bool read_name(const char *name, enum owner_state *state)
 
 /* ---- what others left ---- */
 
-/* Where a process may only remove empty folders, it may not even try to unlink one. */
+/* Use rmdir for folders: a process confined to removing empty folders must not call unlink on one.
+ * */
 static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
 {
     (void)status, (void)where;
@@ -492,7 +493,7 @@ void file_sweep(const char *path)
     buf_release(&draft);
 }
 
-/* Once for a folder, as long as no other is written to. */
+/* Sweep a folder once, until another folder is written to. */
 static void sweep_once(const char *folder)
 {
     static _Atomic uint64_t last;
@@ -533,8 +534,8 @@ enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, st
     file_folder(draft, path);
     sweep_once(buf_text(draft));
     buf_add_char(draft, '/');
-    /* The end of a name, of whole characters: a draft has its extension, and a name of any length
-     * that the file system takes. */
+    /* Keep the end of the name, cut at a whole character: the draft has the same extension, and
+     * works for names of any length that the file system accepts. */
     const char *tail = file_name(path);
     const size_t length = strlen(tail);
     tail += length > TAIL_MOST ? length - TAIL_MOST : 0;
@@ -553,7 +554,7 @@ void file_discard(const char *draft)
 
 /* ---- publishing ---- */
 
-/* Whether the last step failed because the file system has no such thing. */
+/* Return true if the last step failed because the file system does not support it. */
 static bool is_not_supported(void)
 {
     return errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP || errno == EPERM ||
@@ -565,7 +566,7 @@ static bool rename_over(const char *draft, const char *path)
     return !file_step_fails(FILE_STEP_RENAME, path) && rename(draft, path) == 0;
 }
 
-/* NFS may have done what it says has failed, when it asked twice. */
+/* NFS may report a failure of a link that a repeated request has made. */
 static bool link_to(const char *draft, const char *path)
 {
     struct stat one, other;
@@ -576,7 +577,7 @@ static bool link_to(const char *draft, const char *path)
             one.st_dev == other.st_dev && one.st_ino == other.st_ino);
 }
 
-/* The weaker way, without hard links. */
+/* The weaker way, for file systems without hard links. */
 static bool rename_over_empty(const char *draft, const char *path)
 {
     const int fd = file_step_open(path, O_WRONLY | O_CREAT | O_EXCL);
@@ -589,7 +590,7 @@ static bool rename_over_empty(const char *draft, const char *path)
     return false;
 }
 
-/* D1 by the strongest way that the file system has. */
+/* Ensure D1 by the strongest means of the file system. */
 static bool rename_new(const char *draft, const char *path)
 {
     if (!file_step_fails(FILE_STEP_RENAME_NEW, path) &&
@@ -687,7 +688,7 @@ enum err file_restore(const char *backup, const char *path, struct fault *fault)
 {
     if (rename(backup, path) != 0)
         return fault_errno(fault, "restore", path);
-    file_discard(backup); /* it stays where path was never replaced: two names of one file */
+    file_discard(backup); /* it remains if path was never replaced: both are names of one file */
     return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
 }
 
@@ -800,8 +801,8 @@ enum err folder_passing(struct buf *path, const char *below, struct fault *fault
     return fault_errno(fault, "make a folder below", below);
 }
 
-/* The empty file that says who holds the folder, if there is one: its path, and what has become of
- * that process. */
+/* Find the empty file that names the process holding the folder: its path, and the state of that
+ * process. */
 static bool find_holder(struct buf *path, enum owner_state *state, const char *folder)
 {
     bool found = false;

@@ -1,26 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The file layer: the one place that writes and syncs. Files that grow are base/file_log.h.
+ * The file layer: the only code that writes and syncs. Files that grow are in base/file_log.h.
  *
- * A whole file appears under its name complete, or not at all. What is written goes into a draft, a
- * file of a temporary name in the same folder, which is synced, renamed, and the folder synced;
- * content that a library or another program writes does so by file_draft and file_publish. A draft
- * of a process that was killed stays, until some process writes into that folder, which clears it
- * away.
+ * A whole file appears under its name complete, or not at all. Content is written to a draft, a
+ * file with a temporary name in the same folder, which is synced and renamed; then the folder is
+ * synced. Libraries and other programs write drafts too, by file_draft and file_publish. The draft
+ * of a killed process stays until another process writes into that folder and removes it.
  *
  * Invariants
  *   D1 nothing that exists is overwritten unless the caller asked for it (FILE_REPLACE);
- *   D2 at every moment, and after a loss of power, the name leads to what was there before (or to
+ *   D2 at every moment, and after a power loss, the name leads to the former content (or to
  *      nothing) or to the whole new file;
- *   D3 only regular files and folders of the same user are cleared away whose names are those of
- *      drafts, and whose process has ended (base/file.h); where nobody can say, after a day
+ *   D3 only regular files and folders of the same user are removed whose names are those of drafts
+ *      and whose process has ended (owner_state, below); if that cannot be known, after a day
  *      without a change.
  *
- * Where D1 needs a name to be new, the system is asked to rename without replacing. File systems
- * that cannot (FUSE, NFS, 9p) are given a second name for the draft instead (a hard link), which
- * fails as well where the name is taken. Where there are no hard links either, an empty file is
- * made under the name, if there is none, and the draft renamed over it: D1 holds, and D2 but for
- * that moment, in which a kill or a loss of power leaves an empty file.
+ * D1 needs a rename that does not replace. File systems that have none (FUSE, NFS, 9p) get a hard
+ * link to the draft instead, which fails too if the name exists. Without hard links, an empty file
+ * is created under the name, if it is free, and the draft is renamed over it: D1 holds, and so does
+ * D2 except in that moment, when a kill or a power loss leaves an empty file.
  */
 #ifndef BASE_FILE_H
 #define BASE_FILE_H
@@ -35,181 +33,178 @@
 
 enum file_mode { FILE_KEEP, FILE_REPLACE };
 
-/* Reads the whole of `path` into `out` (cleared first). More than `limit` bytes, a folder or a
- * device is refused. */
+/* Read the whole of `path` into `out` (cleared first). Refuse more than `limit` bytes, folders and
+ * devices. */
 enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault);
 
-/* Opens a regular file, of so many bytes; one that `flags` make is for its owner alone. Does not
- * wait for the other end of a pipe, as one may lie there. */
+/* Open a regular file and return its size. A file that `flags` create is readable by its owner
+ * alone. Does not block on a pipe. */
 enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct fault *fault);
 
-/* Reads `length` bytes from `from` on: how many there were, or -1 and errno. */
+/* Read `length` bytes from offset `from`; return the number of bytes read, or -1 and errno. */
 ssize_t file_read_at(int fd, void *to, size_t length, uint64_t from);
 
-/* Writes `length` bytes as `path`, whole or not at all. FILE_KEEP refuses an existing path. */
+/* Write `length` bytes as `path`, whole or not at all. FILE_KEEP refuses an existing path. */
 enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
                     struct fault *fault);
 
-/* Writes them as PATH.KIND-N, under the first such name that is free, which `name` is then: what
- * `path` held before something was cut off or replaced. */
+/* Write bytes to PATH.KIND-N, with the first N that is free, and return that name: it keeps what
+ * `path` held before it was cut or replaced. */
 enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
                            size_t length, struct fault *fault);
 
 bool file_exists(const char *path);
-bool file_is_missing(const char *path); /* nothing has that name, as far as one may look */
+bool file_is_missing(const char *path); /* no such name, as far as this process may see */
 bool file_begins_with(const char *path, const char *text); /* a regular file that can be read */
 bool file_is_folder(const char *path);
 
-/* The part of `path` after its last slash, and the folder before it ("." where there is none). */
+/* Return the part of `path` after its last slash, and the folder before it ("." without a slash).
+ * */
 const char *file_name(const char *path);
 void file_folder(struct buf *out, const char *path);
 
-/* The ending of its name that is one of "a|b|c", in capitals or not, with something before it; NULL
- * where it has none of them. */
+/* Return the ending of its name that is one of "a|b|c", in either case, after at least one other
+ * character; NULL if it has none of them. */
 const char *file_ending(const char *path, const char *endings);
 bool file_is_named(const char *path, const char *endings);
 
-/* out = `name`, which is below the home folder where it begins with "~/", or as it stands where
- * there is none. */
+/* out = `name`, with the home folder in place of a leading "~/" if there is one. */
 void file_from_home(struct buf *out, const char *name);
 bool file_is_from_home(const char *name);
 
-/* Whether both paths lead to one file or folder that is there. */
+/* Return true if both paths lead to the same existing file or folder. */
 bool file_is_same(const char *a, const char *b);
 
-/* Whether both are regular files of the same bytes. */
+/* Return true if both are regular files with the same bytes. */
 bool file_holds_same(const char *a, const char *b);
 
-/* out = `path`, or what it leads to, where it is a link. */
+/* out = `path`, or the target if it is a link. */
 void file_real(struct buf *out, const char *path);
 
-/* out = the whole path without links that `path` leads to, whether there is a file or not. */
+/* out = the absolute path without links that `path` leads to, even if no file exists there. */
 void file_settle(struct buf *out, const char *path);
 
-/* The folder of the running program. */
+/* Return the folder of the running program. */
 enum err file_program_folder(struct buf *out, struct fault *fault);
 
 /* ---- drafts ---- */
 
-/* Whether a file may be written under this name, as far as that is known before: its folder is
- * there, it is no folder itself, and under FILE_KEEP there is none. */
+/* Check that a file may be written under this name, as far as that is known beforehand: its folder
+ * exists, it is not a folder itself, and under FILE_KEEP it does not exist. */
 enum err file_may_write(const char *path, enum file_mode mode, struct fault *fault);
 
-/* Fills `draft` with a free temporary name beside `path` that has its extension, where it may be
- * written. Clears away what others left in that folder. */
+/* Fill `draft` with a free temporary name in the folder of `path`, with its extension, if it may be
+ * written. Removes abandoned drafts from that folder. */
 enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault);
 
-/* Syncs the draft and gives it its name. On failure there is no draft. */
+/* Sync the draft and rename it to its path. On failure the draft is removed. */
 enum err file_publish(const char *draft, const char *path, enum file_mode mode,
                       struct fault *fault);
 void file_discard(const char *draft);
 
-/* The same as FILE_REPLACE for names in a folder that the caller has open: a link that took the
- * place of that folder meanwhile is not followed. */
+/* The same as with FILE_REPLACE, for names in a folder that the caller has open: it does not follow
+ * a link that replaced the folder meanwhile. */
 enum err file_publish_in(int folder, const char *draft, const char *path, struct fault *fault);
 
-/* Gives a file, which is synced, another name in its folder, which has to be free. On failure it
- * has the name that it had. */
+/* Rename a synced file to a name in its folder that must be free. On failure the old name stays. */
 enum err file_rename_new(const char *path, const char *name, struct fault *fault);
 
-/* A second name for what `path` holds now (a copy, where there are no hard links), so that it
- * outlives being replaced; and back again. The caller discards a backup that is not needed. */
+/* Keep the present content of `path` under a second name (by a hard link, or by a copy), so that
+ * it survives a replacement; and restore it. The caller discards a backup that is not needed. */
 enum err file_backup(struct buf *backup, const char *path, struct fault *fault);
 enum err file_restore(const char *backup, const char *path, struct fault *fault);
 
-/* Clears away the drafts in a folder whose processes have ended (D3). */
+/* Remove the drafts in a folder whose processes have ended (D3). */
 void file_sweep(const char *folder);
 
 /* ---- folders ---- */
 
-/* Its name is on the disk, too. Fine when it exists. */
+/* Make a folder and sync its name to the disk. OK if it exists. */
 enum err file_make_folder(const char *path, struct fault *fault);
 
-/* Makes the folder and those above it that are not there, for their owner alone. Fine when it
- * exists. */
+/* Make the folder and its missing parents, for their owner alone. OK if it exists. */
 enum err folder_make_private(const char *path, struct fault *fault);
 
-/* Removes a file, or a folder with all that is below it on the same file system; what a link leads
- * to stays. */
+/* Remove a file, or a folder with all below it on the same file system, without following links. */
 void folder_remove(const char *path);
 
-/* path = a new folder below `below`, or where that is NULL, below $TMPDIR or else /tmp, which
- * no other user can open. On failure `path` is empty. */
+/* path = a new folder below `below`, or if that is NULL below $TMPDIR or /tmp, which no other user
+ * can open. On failure `path` is empty. */
 enum err folder_fresh(struct buf *path, const char *below, struct fault *fault);
 
-/* The same for what is only passing, and is to be removed: where this process is killed before, a
- * later one that makes such a folder there does that (D3). */
+/* The same for a temporary folder, which the caller removes: if this process is killed before, a
+ * later process that makes such a folder there removes it (D3). */
 enum err folder_passing(struct buf *path, const char *below, struct fault *fault);
 
-/* The same of one that stays if anything is in it when folder_release is called: until then it has
- * an empty file in it whose name says which process holds it, and where that one is killed before,
- * a later one that makes such a folder there removes it. */
+/* The same for a folder that is kept if it is not empty when folder_release is called: until then
+ * an empty file in it names the process that holds it. If that process is killed, a later one that
+ * makes such a folder there removes it. */
 enum err folder_held(struct buf *path, const char *below, struct fault *fault);
 
-/* From now on it stays, unless it is empty: then it goes. True where it stays. */
+/* Release the folder: keep it unless it is empty. True if it is kept. */
 bool folder_release(const char *path);
 
 /* ---- steps ---- */
 
 /*
- * The steps that can fail, for the files of the file layer (file*.c) and those that have a
- * library write a draft. Each asks the hook first, so that tests reach every one of them: a
- * non-zero answer is the errno the step then fails with. NULL (the default) asks nobody.
+ * The steps that can fail, of the file layer (file*.c) and of callers that have a library write a
+ * draft. Each step calls the hook first, so that tests reach every one: a non-zero result is the
+ * errno with which the step fails. NULL (the default): no hook.
  */
 enum file_step {
     FILE_STEP_OPEN,
     FILE_STEP_WRITE,
     FILE_STEP_SYNC,
     FILE_STEP_RENAME,
-    FILE_STEP_RENAME_NEW, /* to a name that has to be free */
+    FILE_STEP_RENAME_NEW, /* to a name that must be free */
     FILE_STEP_LINK,
     FILE_STEP_LOCK,
     FILE_STEP_CUT,
-    FILE_STEP_SYNC_FOLDER /* of the folder that holds `path` */
+    FILE_STEP_SYNC_FOLDER /* the folder that holds `path` */
 };
 extern int (*file_step_hook)(enum file_step step, const char *path);
 
-/* Asks the hook, and sets errno where the step is to fail. */
+/* Call the hook; true, with errno set, if the step is to fail. */
 bool file_step_fails(enum file_step step, const char *path);
 
-/* A descriptor that no child inherits, or -1 and errno. */
+/* Return a descriptor that no child inherits, or -1 and errno. */
 int file_step_open(const char *path, int flags);
 
-/* All of `length` bytes, or false and errno; then some of them may have been written. */
+/* Write all of `length` bytes; false and errno on failure, when some of them may be written. */
 bool file_step_write(int fd, const char *path, const char *bytes, size_t length);
 
-/* What was written to `fd` is on the disk, or false and errno. */
+/* Sync the content of `fd` to the disk; false and errno on failure. */
 bool file_step_sync(int fd, const char *path);
 
-/* Syncs the folder that holds `path`, so that a new name in it survives. File systems that cannot
- * sync a folder answer EINVAL; there is nothing more to do on those. */
+/* Sync the folder of `path`, so that a new name in it survives. File systems that cannot sync a
+ * folder return EINVAL, which counts as success. */
 bool file_step_sync_folder(const char *path);
 
-/* Cuts the file to `length` bytes, or false and errno. */
+/* Cut the file to `length` bytes; false and errno on failure. */
 bool file_step_cut(int fd, const char *path, uint64_t length);
 
 /*
- * Which process has made a file, as a word for the file's name: so that another process can say
- * whether it still runs, and clear away what it left when it was killed.
+ * The owner of a file: a word in the file's name that identifies the process that made it, so that
+ * another process can find out if it still runs, and remove the files of a killed one.
  *
- *     5b1f0e3c2a79d04-4d2-1a2b3c     the system, the process, when that began
+ *     5b1f0e3c2a79d04-4d2-1a2b3c     the system, the process, its start time
  *
- * The first part is three times five digits, made from the names of the machine, from what the
- * system chose when it was started, and from the name space of processes (a container has its own).
- * The process and the moment it began, in hexadecimal, are those of /proc/PID/stat: one that has
- * got the number of an earlier process is not taken for it.
+ * The first part has three times five digits: hashes of the machine's names, of the boot identifier
+ * and of the process name space (each container has its own). Process and start time, in
+ * hexadecimal, are those of /proc/PID/stat, so a process with a recycled number is not mistaken for
+ * an earlier one.
  */
 
 enum owner_state {
     OWNER_LIVES,
-    OWNER_IS_GONE,  /* it has ended, or its machine was started again since */
-    OWNER_IS_HIDDEN /* on another machine or in another container: nobody can say from here */
+    OWNER_IS_GONE,  /* it has ended, or its machine was restarted since */
+    OWNER_IS_HIDDEN /* on another machine or in another container: unknown here */
 };
 
-/* Adds the word of this process. */
+/* Append the word of this process. */
 void owner_write(struct buf *out);
 
-/* Takes such a word at *cursor, as base/scan.h does, and says what has become of its process. */
+/* Read such a word at *cursor, as base/scan.h does, and find out the state of its process. */
 bool owner_read(const char **cursor, enum owner_state *state);
 
 #endif

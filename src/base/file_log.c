@@ -25,7 +25,7 @@ unsigned file_lines_patience_ms = 3000;
 
 enum { LOCK_PAUSE_US = 1000, REPLACED_MOST = 100 };
 
-/* A process that was stopped may hold the lock for any time, so this gives up at `deadline`. */
+/* Give up at `deadline`, since a stopped process may hold the lock for any time. */
 static bool lock_until(int fd, const char *path, uint64_t deadline)
 {
     while (file_step_fails(FILE_STEP_LOCK, path) || flock(fd, LOCK_EX | LOCK_NB) != 0) {
@@ -43,7 +43,7 @@ static bool is_at_path(int fd, const char *path)
            here.st_dev == there.st_dev;
 }
 
-/* The file that is at the path once the lock is held; from the deadline on, without the lock. */
+/* Open the file that is at the path once the lock is held; after the deadline, without the lock. */
 static enum err open_locked(int *fd, bool *is_locked, const char *path, int flags,
                             uint64_t deadline, struct fault *fault)
 {
@@ -83,8 +83,8 @@ static enum err append_to(int fd, const char *path, const char *text, size_t len
     return err;
 }
 
-/* Without the lock a trimming process may have replaced the file before the write, and may have
- * read it to its end before that (copy_late_lines): then the line is written once more. */
+/* Without the lock, a trimming process may have read the file to its end before this write and
+ * replaced it (copy_late_lines): then the line is written again. */
 enum err file_lines_append(const char *path, const char *line, size_t length, struct fault *fault)
 {
     const uint64_t deadline = deadline_from_now();
@@ -104,7 +104,7 @@ enum err file_lines_append(const char *path, const char *line, size_t length, st
     return fault_set(fault, ERR_IO, "%s is replaced all the time", path);
 }
 
-/* Reads from `from` to the end, at most `most` bytes. */
+/* Read at most `most` bytes from offset `from` on. */
 static enum err read_from(struct buf *out, int fd, off_t from, size_t most, const char *path,
                           struct fault *fault)
 {
@@ -119,8 +119,7 @@ static enum err read_from(struct buf *out, int fd, off_t from, size_t most, cons
     return OK;
 }
 
-/* The lines among the last `bytes_most` bytes before `end`; what is before the first whole line is
- * left out. */
+/* Read the whole lines among the last `bytes_most` bytes before `end`. */
 static enum err read_tail(struct buf *out, int fd, off_t end, size_t bytes_most, const char *path,
                           struct fault *fault)
 {
@@ -167,7 +166,7 @@ static enum err write_anew(const char *path, const struct buf *tail, size_t line
                            struct fault *fault)
 {
     const char *text = buf_text(tail), *last = file_lines_last(text, tail->length, lines_most);
-    char *real = realpath(path, NULL); /* a link stays one */
+    char *real = realpath(path, NULL); /* keep a link */
     const mode_t before = umask(0077);
     const enum err err =
         real ? file_write(real, last, tail->length - (size_t)(last - text), FILE_REPLACE, fault)
@@ -177,7 +176,7 @@ static enum err write_anew(const char *path, const struct buf *tail, size_t line
     return err;
 }
 
-/* What was appended to the old file without the lock, after its lines were read. */
+/* Copy lines that were appended to the old file without the lock after it was read. */
 static enum err copy_late_lines(int fd, off_t from, const char *path, struct fault *fault)
 {
     struct buf late = {0};
@@ -218,7 +217,7 @@ enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
         }
         buf_release(&tail);
     }
-    close(fd); /* and with it the lock goes */
+    close(fd); /* also releases the lock */
     file_lock_release(&instead);
     return err;
 }
@@ -228,12 +227,12 @@ enum { LOCK_BYTES_MOST = 4096 };
 /* ---- who holds the system's lock ---- */
 
 /*
- * Who holds the lock is asked of the kernel at the moment it matters, so that a crash leaves
- * nothing stale: a note in a file beside it would outlive its writer.
+ * The kernel is asked for the holder of a lock when it is needed: a note in another file would
+ * outlive its writer after a crash.
  */
 
-/* Layered file systems show other numbers in /proc/locks than stat does; the descriptors of the
- * process, where we may look at them, show the same. */
+/* Compare with the descriptors of a process, if they are readable: on layered file systems they
+ * match stat, but /proc/locks does not. */
 static bool process_has_open(long process, const struct stat *status)
 {
     char path[64 + NAME_MAX];
@@ -269,9 +268,9 @@ static void add_process(struct buf *out, long process)
     fclose(file);
 }
 
-/* Adds "process 4711 (iftty)" where a process of this machine holds an exclusive flock on the file,
- * which is a line "1: FLOCK  ADVISORY  WRITE 4711 08:02:131187 0 EOF" of /proc/locks. False where
- * none can be found: another machine on a shared disk, another container, a system without that. */
+/* Append "process 4711 (iftty)" if a process of this machine holds an exclusive flock on the file,
+ * according to a line "1: FLOCK ADVISORY WRITE 4711 08:02:131187 0 EOF" of /proc/locks. False if
+ * none is found: another machine on a shared disk, another container, a system without /proc. */
 static bool find_holder(struct buf *out, const struct stat *status)
 {
     char line[256];
@@ -314,7 +313,7 @@ static enum err write_lock_file(const char *path, struct fault *fault)
     return err;
 }
 
-/* Whether the text is that of a lock whose process has ended. */
+/* Return true if this is the text of a lock whose process has ended. */
 static bool is_stale(const struct buf *text)
 {
     const char *at = buf_text(text);
@@ -322,9 +321,9 @@ static bool is_stale(const struct buf *text)
     return owner_read(&at, &state) && *at == '\n' && state == OWNER_IS_GONE;
 }
 
-/* Takes a stale lock away: under a name of its own first, since another process may do the same,
- * and have made its own lock meanwhile, which gets its name back. */
-static void take_away(const char *path)
+/* Remove a stale lock. It is renamed first, since another process may do the same and have created
+ * its own lock meanwhile, which is then renamed back. */
+static void remove_stale_lock(const char *path)
 {
     struct buf aside = {0}, text = {0};
     if (file_draft(&aside, path, FILE_REPLACE, NULL) == OK && rename(path, buf_text(&aside)) == 0) {
@@ -347,7 +346,7 @@ static enum err take_lock_file(struct file_lock *lock, const char *path, struct 
         err = fault_memory(fault, "a lock");
     else if (file_exists(at) && file_read(&text, at, LOCK_BYTES_MOST, NULL) == OK &&
              is_stale(&text))
-        take_away(at);
+        remove_stale_lock(at);
     if (!err)
         err = write_lock_file(at, fault);
     if (!err) {
@@ -362,8 +361,8 @@ static enum err take_lock_file(struct file_lock *lock, const char *path, struct 
         err = fault_set(
             fault, ERR_IO,
             "%s is being written by another session, by %s: its file system has no locks, and "
-            "%s stands for one; where that session has ended, delete it; --read-only opens "
-            "the journal for looking",
+            "%s serves as one; delete it if that session has ended; --read-only opens the "
+            "journal for looking",
             path, who.length ? buf_text(&who) : "an unknown process", at);
     }
     buf_release(&who);
@@ -404,25 +403,26 @@ void file_lock_release(struct file_lock *lock)
 struct file_log {
     int fd;
     char *path;
-    dev_t device; /* with `inode`: the file, whatever it is called */
+    dev_t device; /* with `inode`: identifies the file under any name */
     ino_t inode;
     enum file_sync sync;
     struct file_lock file_lock;       /* G4 */
     bool is_ragged;                   /* G1 */
-    struct timespec written, changed; /* its times after the last write of ours */
+    struct timespec written, changed; /* times of the file after our last write */
 
-    pthread_mutex_t lock; /* of what follows: the thread reads and writes it too */
-    pthread_cond_t stirs; /* something waits to be synced, or the thread is to leave */
+    pthread_mutex_t lock; /* protects the members below, which the thread uses too */
+    pthread_cond_t wake;  /* bytes wait to be synced, or the thread has to end */
     uint64_t length, synced;
     bool is_in_doubt; /* G3 */
-    bool leaves;
+    bool is_ending;
     bool has_thread;
     pthread_t thread;
 };
 
 /* ---- syncing ---- */
 
-/* Syncs and notes how far that went. The lock is held at call and return, not while it lasts. */
+/* Sync, and note the synced length. The lock is held on entry and return, but not during the sync.
+ * */
 static bool sync_now(struct file_log *log)
 {
     const uint64_t length = log->length;
@@ -443,23 +443,23 @@ static bool has_work(const struct file_log *log)
     return log->synced < log->length && !log->is_in_doubt;
 }
 
-/* The thread: a second after something was appended, it is synced with whatever followed it. */
+/* The thread: one second after an append, sync all bytes written so far. */
 static void *sync_every_second(void *argument)
 {
     struct file_log *log = argument;
     pthread_mutex_lock(&log->lock);
-    while (!log->leaves) {
+    while (!log->is_ending) {
         struct timespec until;
         int waited = 0;
         if (!has_work(log)) {
-            pthread_cond_wait(&log->stirs, &log->lock);
+            pthread_cond_wait(&log->wake, &log->lock);
             continue;
         }
         clock_gettime(CLOCK_MONOTONIC, &until);
         until.tv_sec += 1;
-        while (!log->leaves && waited != ETIMEDOUT)
-            waited = pthread_cond_timedwait(&log->stirs, &log->lock, &until);
-        if (!log->leaves && has_work(log))
+        while (!log->is_ending && waited != ETIMEDOUT)
+            waited = pthread_cond_timedwait(&log->wake, &log->lock, &until);
+        if (!log->is_ending && has_work(log))
             sync_now(log);
     }
     pthread_mutex_unlock(&log->lock);
@@ -468,7 +468,7 @@ static void *sync_every_second(void *argument)
 
 static enum err start_thread(struct file_log *log, struct fault *fault)
 {
-    log->leaves = false;
+    log->is_ending = false;
     log->has_thread = thread_start(&log->thread, sync_every_second, log);
     return log->has_thread ? OK : fault_errno(fault, "start a thread that syncs", log->path);
 }
@@ -478,8 +478,8 @@ static void stop_thread(struct file_log *log)
     if (!log->has_thread)
         return;
     pthread_mutex_lock(&log->lock);
-    log->leaves = true;
-    pthread_cond_signal(&log->stirs);
+    log->is_ending = true;
+    pthread_cond_signal(&log->wake);
     pthread_mutex_unlock(&log->lock);
     pthread_join(log->thread, NULL);
     log->has_thread = false;
@@ -522,8 +522,8 @@ enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fau
 
 /* ---- opening ---- */
 
-/* The file that is open becomes ours. */
-static enum err take(struct file_log *log, struct fault *fault)
+/* Lock the open file and record its identity and length. */
+static enum err adopt_file(struct file_log *log, struct fault *fault)
 {
     struct stat status;
     const char *path = log->path;
@@ -534,7 +534,7 @@ static enum err take(struct file_log *log, struct fault *fault)
     const enum err held = file_lock_take(&log->file_lock, log->fd, path, fault);
     if (held)
         return held;
-    if (fstat(log->fd, &status) != 0) /* again: it may have grown until it was ours */
+    if (fstat(log->fd, &status) != 0) /* again: it may have grown before it was locked */
         return fault_errno(fault, "open", path);
     log->device = status.st_dev;
     log->inode = status.st_ino;
@@ -552,7 +552,7 @@ enum err file_log_open(struct file_log **out, const char *path, bool create, str
         return fault_memory(fault, path);
     }
     pthread_mutex_init(&log->lock, NULL);
-    thread_condition_init(&log->stirs);
+    thread_condition_init(&log->wake);
     enum err err = OK;
     log->fd = file_step_open(path, create ? O_RDWR | O_CREAT | O_EXCL : O_RDWR | O_NONBLOCK);
     if (log->fd < 0 && create && errno == EEXIST) {
@@ -565,13 +565,13 @@ enum err file_log_open(struct file_log **out, const char *path, bool create, str
     }
     const bool is_made = !err && create;
     if (!err)
-        err = take(log, fault);
+        err = adopt_file(log, fault);
     if (is_made && !err)
         err = file_log_sync_folder(log, fault);
     if (!err)
         err = file_log_sync(log, fault);
     if (err && is_made)
-        file_discard(path); /* no empty file stays */
+        file_discard(path); /* leave no empty file behind */
     if (err)
         file_log_close(log);
     else
@@ -587,7 +587,7 @@ enum err file_log_sync_folder(const struct file_log *log, struct fault *fault)
 
 /* ---- writing ---- */
 
-/* G2. Only a name that leads to the file makes it worth writing to. */
+/* G2. Refuse to write to a file that its name no longer leads to. */
 static enum err find_in_place(const struct file_log *log, struct fault *fault)
 {
     struct stat there;
@@ -599,9 +599,10 @@ static enum err find_in_place(const struct file_log *log, struct fault *fault)
         return fault_set(fault, ERR_IO, "%s was replaced: another file has its name now",
                          log->path);
     if ((uint64_t)there.st_size != log->length)
-        return fault_set(fault, ERR_IO,
-                         "%s was changed by somebody else: it holds %lld bytes, %llu were written",
-                         log->path, (long long)there.st_size, (unsigned long long)log->length);
+        return fault_set(
+            fault, ERR_IO,
+            "%s was changed by another process: it holds %lld bytes, %llu were written", log->path,
+            (long long)there.st_size, (unsigned long long)log->length);
     return OK;
 }
 
@@ -632,7 +633,7 @@ static void set_length(struct file_log *log, uint64_t length)
     pthread_mutex_lock(&log->lock);
     log->length = length;
     log->synced = log->synced < length ? log->synced : length;
-    pthread_cond_signal(&log->stirs);
+    pthread_cond_signal(&log->wake);
     pthread_mutex_unlock(&log->lock);
 }
 
@@ -645,8 +646,8 @@ static void note_synced(struct file_log *log)
     pthread_mutex_unlock(&log->lock);
 }
 
-/* A sync has failed: the system may have forgotten what waited for one. */
-static void doubt_what_waits(struct file_log *log)
+/* A sync has failed: the system may have forgotten bytes that waited for one. */
+static void doubt_unsynced_bytes(struct file_log *log)
 {
     pthread_mutex_lock(&log->lock);
     log->is_in_doubt = log->is_in_doubt || log->synced < log->length;
@@ -658,7 +659,7 @@ enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault
     if (!file_step_cut(log->fd, log->path, length))
         return fault_errno(fault, "cut", log->path);
     if (!file_step_sync(log->fd, log->path)) {
-        doubt_what_waits(log);
+        doubt_unsynced_bytes(log);
         return fault_errno(fault, "cut", log->path);
     }
     set_length(log, length);
@@ -674,11 +675,10 @@ enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
     const bool syncs = always && !waits;
     enum err err = find_in_place(log, fault);
     if (!err && (log->is_ragged || file_log_is_in_doubt(log)))
-        err = fault_set(fault, ERR_IO, "%s is not mended after a failure", log->path);
+        err = fault_set(fault, ERR_IO, "%s has not been repaired after a failure", log->path);
     if (err)
         return err;
-    /* Bytes that were not there before: a sync that fails takes nothing with it but them and what
-     * waits. */
+    /* The bytes are new to the file: a failed sync loses only them and earlier unsynced bytes. */
     if (lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0 &&
         file_step_write(log->fd, log->path, bytes, length) &&
         (!syncs || file_step_sync(log->fd, log->path))) {
@@ -690,9 +690,9 @@ enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
     err = fault_errno(fault, "append to", log->path);
     log->is_ragged = true;
     if (syncs)
-        doubt_what_waits(log);
+        doubt_unsynced_bytes(log);
     if (file_log_cut(log, log->length, NULL) != OK)
-        fault_prefix(fault, err, "what was refused may still stand at its end");
+        fault_prefix(fault, err, "refused bytes may remain at its end");
     return err;
 }
 
@@ -737,7 +737,7 @@ void file_log_close(struct file_log *log)
     if (log->fd >= 0)
         close(log->fd);
     file_lock_release(&log->file_lock);
-    pthread_cond_destroy(&log->stirs);
+    pthread_cond_destroy(&log->wake);
     pthread_mutex_destroy(&log->lock);
     free(log->path);
     free(log);

@@ -2,8 +2,8 @@
 /*
  * Hashing: a 64-bit mix for sums over voxels, and SHA-256 for chains, files and scenes.
  *
- * SHA-256 is nettle's (<nettle/sha2.h>), which uses the instructions that a processor has for it:
- * 14 MB take about as many milliseconds.
+ * SHA-256 is nettle's (<nettle/sha2.h>), which uses the processor's instructions for it: 14 MB in
+ * about 14 milliseconds.
  */
 #ifndef BASE_HASH_H
 #define BASE_HASH_H
@@ -23,14 +23,14 @@ static inline uint64_t hash_mix(uint64_t x)
     return x;
 }
 
-/* The mix of a place, for digests that are sums mod 2^64 over places: near places with near
+/* Mix a place, for digests that are sums mod 2^64 over places, so that near places with similar
  * contents do not cancel. */
 static inline uint64_t hash_place(uint64_t place)
 {
     return hash_mix(place + UINT64_C(0x9e3779b97f4a7c15));
 }
 
-/* The mix of a place and what it holds. */
+/* Mix a place and its content. */
 static inline uint64_t hash_mix_at(uint64_t place, uint64_t content)
 {
     return hash_mix(content ^ hash_place(place));
@@ -38,11 +38,11 @@ static inline uint64_t hash_mix_at(uint64_t place, uint64_t content)
 
 enum { SHA256_HEX = 65 };
 
-/* Ends a SHA-256: the first 1..32 `bytes` of its digest, in lower-case hexadecimal, and NUL. */
+/* Finish a SHA-256: the first 1..32 `bytes` of its digest, in lower-case hexadecimal, and NUL. */
 struct sha256_ctx;
 void sha256_hex(char *out, struct sha256_ctx *sha, size_t bytes);
 
-/* Of `length` bytes, all of its digits. */
+/* The whole digest of `length` bytes. */
 void sha256_bytes_hex(char out[SHA256_HEX], const void *bytes, size_t length);
 
 #endif

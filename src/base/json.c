@@ -15,7 +15,7 @@ static const char *left(const struct json_reader *r)
     return r->bytes + r->at;
 }
 
-/* The byte at hand; a zero at the end, which no JSON holds. */
+/* Return the next byte, or 0 at the end, which no JSON contains. */
 static char here(const struct json_reader *r)
 {
     return r->at < r->length ? *left(r) : '\0';
@@ -43,7 +43,7 @@ static enum err expect(const struct json_reader *r, const char *expected, struct
 
 /* ---- texts ---- */
 
-/* Four digits of either case. */
+/* Read four hexadecimal digits of either case. */
 static bool take_hex(struct json_reader *r, uint32_t *out)
 {
     static const char digits[] = "0123456789abcdef0123456789ABCDEF";
@@ -73,7 +73,7 @@ static void add_utf8(struct buf *out, uint32_t point)
         buf_add_char(out, (char)(0x80 | (point >> (6 * i) & 0x3F)));
 }
 
-/* What follows a backslash. */
+/* Read the rest of an escape after its backslash. */
 static enum err take_escape(struct json_reader *r, struct buf *out, struct fault *fault)
 {
     static const char escape[] = "\"\\/bfnrt", means[] = "\"\\/\b\f\n\r\t";
@@ -204,7 +204,7 @@ void json_member_release(struct json_member *m)
     *m = (struct json_member){0};
 }
 
-/* A code point beyond 16 bits is a pair of surrogates. */
+/* Escape a code point; beyond 16 bits as a pair of surrogates. */
 static void add_escape(struct buf *out, uint32_t point)
 {
     if (point < 0x10000)
@@ -323,7 +323,7 @@ void json_format(struct json *json, const char *key, const char *format, ...)
     buf_release(&text);
 }
 
-/* A number, or another word of JSON. */
+/* Write a number, or another word of JSON. */
 __attribute__((format(printf, 3, 4))) static void add_word(struct json *json, const char *key,
                                                            const char *format, ...)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A writer of JSON: it sets commas, quotes and brackets, and escapes what has to be.
+ * A writer of JSON, which sets commas, quotes and brackets, and escapes texts.
  *
  *     struct json json = {.out = &text};
  *     json_object(&json, NULL);
@@ -11,13 +11,13 @@
  *     json_end(&json);
  *     json_end(&json);
  *
- * adds {"file": "a.nii", "size": [3, 4, 5]} and a line feed, which ends every outermost value. Each
- * value is given with the key it has in its object, or with NULL in an array and outermost. A text
- * of any bytes comes out as valid JSON that is safe to print: a character that safe_character
- * (base/safe.h) does not let pass becomes \uNNNN, or two of them, and a byte that is not UTF-8
- * \u00NN. Numbers have a point, since no program of ours sets a locale.
+ * appends {"file": "a.nii", "size": [3, 4, 5]} and a line feed, which ends every outermost value.
+ * Each value has a key in an object, and NULL in an array or outermost. Texts of any bytes become
+ * valid JSON that is safe to print: a character that safe_character (base/safe.h) rejects becomes
+ * \uNNNN, or two of them, and a byte that is not UTF-8 \u00NN. Numbers have a decimal point, since
+ * no program here sets a locale.
  *
- * The writer owns nothing; a failure stands in `out`.
+ * The writer owns nothing; `out` records a failure.
  */
 #ifndef BASE_JSON_H
 #define BASE_JSON_H
@@ -27,16 +27,17 @@
 
 enum { JSON_DEPTH_MOST = 16 };
 
-/* Begins as {.out = ...}; the caller sets `lines` besides, and leaves the rest to the writer. */
+/* Initialise as {.out = ...}; the caller may set `lines`, and the writer sets the rest. */
 struct json {
     struct buf *out;
-    unsigned lines; /* objects and arrays down to this depth have a line for each member; 0: none */
-    unsigned depth; /* that are open now */
+    unsigned lines;  /* put each member of objects and arrays down to this depth on a line of its
+                       own; 0: none */
+    unsigned depth;  /* number of open objects and arrays */
     bool has_member; /* a comma comes before the next one */
     char closing[JSON_DEPTH_MOST];
 };
 
-/* Each is closed by json_end, the last one opened first. */
+/* Each is closed by json_end, the last opened first. */
 void json_object(struct json *json, const char *key);
 void json_array(struct json *json, const char *key);
 void json_end(struct json *json);
@@ -44,19 +45,19 @@ void json_end(struct json *json);
 void json_text(struct json *json, const char *key, const char *text);
 void json_bytes(struct json *json, const char *key, const void *bytes, size_t length);
 void json_format(struct json *json, const char *key, const char *format, ...)
-    __attribute__((format(printf, 3, 4))); /* a text too */
+    __attribute__((format(printf, 3, 4))); /* as a text */
 void json_count(struct json *json, const char *key, uint64_t value);
 void json_boolean(struct json *json, const char *key, bool value);
-void json_word(struct json *json, const char *key, const char *word); /* JSON already: null, 12 */
+void json_word(struct json *json, const char *key, const char *word); /* a JSON word: null, 12 */
 
-/* So many digits after the point; the shorter of the two forms with so many significant ones. A
- * value that is not finite, for which JSON has no number, is null. */
+/* A number with `decimals` digits after the point; in the shorter of the two notations with
+ * `digits` significant digits. A value that is not finite becomes null. */
 void json_fixed(struct json *json, const char *key, double value, int decimals);
 void json_real(struct json *json, const char *key, double value, int digits);
 
 /*
- * A reader of JSON (RFC 8259) from somebody else: one object, whose members are texts, whole
- * numbers, true, false and null.
+ * A reader of JSON (RFC 8259) from outside: one object, whose members are texts, whole numbers,
+ * true, false and null.
  *
  *     struct json_reader reader = {.bytes = line, .length = length};
  *     struct json_member member = {0};
@@ -64,28 +65,29 @@ void json_real(struct json *json, const char *key, double value, int digits);
  *         ...                                {"id": 7, "do": "zoom 2"} has two
  *     json_member_release(&member);
  *
- * Nothing nests: an object or array within is refused where it begins, so that no input takes more
- * than its own length. Texts are UTF-8 without overlong forms; escapes of surrogates come in pairs;
- * a zero byte is refused, since texts end in one here. Numbers are whole and within 2^53, which is
- * what every other reader of JSON keeps exactly. A key that comes twice is for the caller to
- * notice, who knows which there are. Bytes after the object are refused.
+ * Nothing nests: an inner object or array is refused where it begins, so memory is bounded by the
+ * input's length. Texts are UTF-8 without overlong forms; escaped surrogates must form pairs; a
+ * zero byte is refused, since it terminates texts here. Numbers are whole and within 2^53, the
+ * range that every reader of JSON keeps exactly. The caller, who knows the keys, has to detect
+ * duplicates. Bytes after the object are refused.
  */
 
 struct json_reader {
-    const char *bytes; /* the caller's; no NUL need end them */
+    const char *bytes; /* the caller's; need not be terminated */
     size_t length;
-    size_t at; /* begins at 0 */
+    size_t at; /* starts at 0 */
 };
 
 enum json_kind { JSON_END, JSON_TEXT, JSON_NUMBER, JSON_TRUE, JSON_FALSE, JSON_NULL };
 
 struct json_member {
-    enum json_kind kind; /* JSON_END: there is no further member */
+    enum json_kind kind; /* JSON_END: no further member */
     struct buf key, text;
     int64_t number;
 };
 
-/* The next member. ERR_USAGE with words that say what stands at which byte, from 1; ERR_MEMORY. */
+/* Read the next member. ERR_USAGE with the byte (from 1) and the expected token; ERR_MEMORY.
+ * */
 enum err json_read(struct json_reader *reader, struct json_member *member, struct fault *fault);
 void json_member_release(struct json_member *member);
 

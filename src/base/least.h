@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The lesser of two numbers. */
+/* Return the smaller of two numbers. */
 #ifndef BASE_LEAST_H
 #define BASE_LEAST_H
 
@@ -16,8 +16,8 @@ static inline uint64_t least_64(uint64_t a, uint64_t b)
 }
 
 /*
- * WIDE: several versions of a function, of which the one for the machine at hand is called. For
- * loops of integers, which come out the same in each.
+ * WIDE: compile several versions of a function and call the one for the present machine. For loops
+ * of integers, whose results are the same in each.
  */
 
 #if defined __x86_64__ && defined __gnu_linux__ && !defined __clang__ &&                           \

@@ -13,11 +13,11 @@
 
 enum {
     HUGE_FROM = 8 << 20,    /* below, clearing a huge page costs more than it saves */
-    LARGE_FROM = 256 << 20, /* below, it is not checked whether the machine has the memory, */
-    COUNTED_FROM = 1 << 20, /* nor, below this, whether a limit leaves it */
+    LARGE_FROM = 256 << 20, /* below, the memory of the machine is not checked */
+    COUNTED_FROM = 1 << 20, /* below, the limit is not checked */
 };
 
-static const uint64_t GIVEN_BACK_NS = UINT64_C(10000000000); /* from one time to the next */
+static const uint64_t TRIM_INTERVAL_NS = UINT64_C(10000000000); /* minimum interval */
 
 bool (*mem_allows)(size_t bytes);
 
@@ -28,7 +28,7 @@ static bool is_allowed(size_t bytes)
     return !mem_allows || mem_allows(bytes);
 }
 
-/* The kernel gives out addresses that it has no memory for, and kills processes that use them. */
+/* The kernel hands out addresses without memory behind them, and kills processes that use them. */
 bool mem_is_there(size_t bytes)
 {
     const size_t from = limit == SIZE_MAX ? LARGE_FROM : COUNTED_FROM;
@@ -143,7 +143,7 @@ void mem_give_back(void)
     const uint64_t now = clock_ns();
     if (now < atomic_load(&due))
         return;
-    atomic_store(&due, now + GIVEN_BACK_NS);
+    atomic_store(&due, now + TRIM_INTERVAL_NS);
     malloc_trim(0);
 #endif
 }

@@ -12,7 +12,7 @@ void polyline_release(struct polyline *line)
     *line = (struct polyline){0};
 }
 
-/* Whether one goes straight on at b: from a to it, and from it to c. */
+/* Return true if the line continues straight at b, from a to c. */
 static bool is_straight(const uint32_t a[3], const uint32_t b[3], const uint32_t c[3])
 {
     int64_t to[3], on[3];
@@ -44,8 +44,8 @@ bool polyline_add(struct polyline *line, const uint32_t place[3])
 /* ---- fewer corners ---- */
 
 enum {
-    LENGTH_MOST = 16384, /* of a straight way, in voxels: products stay below 2^63 */
-    CORNERS_AHEAD = 64   /* that one way may stand for */
+    LENGTH_MOST = 16384, /* length of a segment, in voxels: products stay below 2^63 */
+    CORNERS_AHEAD = 64   /* that one segment may replace */
 };
 
 static int64_t dot(const int64_t a[3], const int64_t b[3])
@@ -59,7 +59,7 @@ static void subtract(int64_t out[3], const uint32_t a[3], const uint32_t b[3])
         out[i] = (int64_t)a[i] - b[i];
 }
 
-/* Whether p is within half a voxel of the way from a to b. */
+/* Return true if p is within half a voxel of the segment from a to b. */
 static bool is_near(const uint32_t p[3], const uint32_t a[3], const uint32_t b[3])
 {
     int64_t way[3], from[3], to[3];
@@ -67,12 +67,13 @@ static bool is_near(const uint32_t p[3], const uint32_t a[3], const uint32_t b[3
     subtract(from, p, a);
     subtract(to, p, b);
     const int64_t along = dot(from, way), length = dot(way, way);
-    if (along <= 0 || along >= length) /* places are whole: nearest to an end, p is that end */
+    if (along <= 0 || along >= length) /* places are integers: if an end is nearest, p must equal it
+                                          */
         return dot(along <= 0 ? from : to, along <= 0 ? from : to) == 0;
     return 4 * (dot(from, from) * length - along * along) <= length;
 }
 
-/* Whether the way from one corner to another stands for those between. */
+/* Return true if the segment between two corners can replace those between them. */
 static bool spans(const struct polyline *line, size_t first, size_t last)
 {
     const uint32_t(*corner)[3] = (const uint32_t(*)[3])line->corner;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A line through voxels, corner by corner: what a pen draws, or the outline of a polygon.
+ * A line through voxels, corner by corner: the path of a pen, or the outline of a polygon.
  *
- * Invariant: no corner is the same as the one before it, nor lies on the straight way between its
- * neighbours. Such a place says nothing new and is left out as it comes, so that a pen that moves
- * voxel by voxel leaves few corners. A way back along the same line is a corner.
+ * Invariant: no corner equals the one before it, nor is on the straight line between its
+ * neighbours. Such places are dropped as they are added, so a pen that moves voxel by voxel leaves
+ * few corners. A turn back along the same line is a corner.
  */
 #ifndef BASE_POLYLINE_H
 #define BASE_POLYLINE_H
@@ -21,11 +21,11 @@ struct polyline {
 
 void polyline_release(struct polyline *line);
 
-/* The line goes on to a place. False when out of memory; nothing has changed then. */
+/* Extend the line to a place. False if memory runs out; nothing has changed then. */
 bool polyline_add(struct polyline *line, const uint32_t place[3]);
 
-/* Leaves out corners as long as those that go lie within half a voxel of the line that stays, whose
- * ends are kept: small steps, of a hand or of a border of voxels, become a few straight ways. */
+/* Remove corners while every removed one stays within half a voxel of the line; both ends are kept.
+ * Small steps, of a hand or of a border of voxels, become a few straight segments. */
 void polyline_simplify(struct polyline *line);
 
 #endif

@@ -8,7 +8,8 @@ size_t utf8_read(const char *text, size_t length, uint32_t *point)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     const unsigned char *byte = (const unsigned char *)text;
-    const size_t n = byte[0] < 0x80                       ? 1 /* what the lead byte announces */
+    const size_t n = byte[0] < 0x80                       ? 1 /* length announced by the lead byte
+                                                                 */
                      : byte[0] >= 0xC2 && byte[0] <= 0xDF ? 2
                      : byte[0] >= 0xE0 && byte[0] <= 0xEF ? 3
                      : byte[0] >= 0xF0 && byte[0] <= 0xF4 ? 4
@@ -27,7 +28,7 @@ size_t utf8_read(const char *text, size_t length, uint32_t *point)
     return n;
 }
 
-/* Code points that print nothing of their own but change how other text looks. */
+/* Code points that print nothing themselves but change the appearance of other text. */
 static bool is_formatting(uint32_t point)
 {
     static const struct {
@@ -63,7 +64,7 @@ size_t safe_copy(char *out, size_t capacity, const char *text, size_t length)
 {
     static const char hex[] = "0123456789abcdef";
     size_t used = 0;
-    size_t fits = 0; /* how much of `out` may stay when "..." has to follow */
+    size_t fits = 0; /* length of `out` that may stay if "..." has to follow */
     for (size_t i = 0; i < length;) {
         char piece[4];
         size_t taken = safe_character(text + i, length - i);

@@ -9,7 +9,7 @@
 
 enum { EXPONENT_MOST = 400, PLACES_MOST = 12, WHOLE_MOST = 20 /* digits that are written out */ };
 
-/* Takes zeros from the end of the digits. */
+/* Remove zeros at the end of the digits. */
 static struct decimal normal(struct decimal d)
 {
     if (!d.digits)
@@ -37,7 +37,7 @@ struct decimal decimal_near(double value, unsigned digits)
     return out;
 }
 
-/* One more digit; those that are 0 wait until another follows. */
+/* Append a digit; zeros are held back until another digit follows. */
 static bool add_digit(struct decimal *d, int32_t *zeros, char c)
 {
     ++*zeros;

@@ -13,7 +13,7 @@ struct lookup_row {
     bool is_used;
 };
 
-/* Where a key is, or is to be. */
+/* Find the row of a key, or the free row for it. */
 static struct lookup_row *row_of(struct lookup_row *row, size_t rows, uint64_t key)
 {
     size_t at = (size_t)hash_mix(key) & (rows - 1);
@@ -70,10 +70,9 @@ static unsigned digit_of(uint64_t number, unsigned shift)
     return number >> shift & (DIGITS - 1);
 }
 
-/* From one array into the other, in the order of 16 bits; `begin` has DIGITS places. False where it
- * was stopped. */
-static bool deal_out(const uint64_t *from, uint64_t *to, size_t count, unsigned shift,
-                     size_t *begin, struct watch *watch)
+/* Distribute one array into the other by 16 bits; `begin` has DIGITS places. False if stopped. */
+static bool distribute(const uint64_t *from, uint64_t *to, size_t count, unsigned shift,
+                       size_t *begin, struct watch *watch)
 {
     struct task task = task_begin(watch, "putting in order", 2 * (uint64_t)count);
     size_t before = 0;
@@ -94,7 +93,8 @@ enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
                             struct fault *fault)
 {
     enum { FEW = 64 };
-    for (size_t i = 1; i < count && count <= FEW; i++) { /* by insertion, in place and at once */
+    for (size_t i = 1; i < count && count <= FEW; i++) { /* insertion sort, in place and not
+                                                            interruptible */
         const uint64_t one = number[i];
         size_t at = i;
         for (; at > 0 && number[at - 1] >> 32 > one >> 32; at--)
@@ -106,8 +106,8 @@ enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
     uint64_t *room = mem_array(count, sizeof *room);
     size_t *begin = mem_array(DIGITS, sizeof *begin);
     const bool fits = room && begin;
-    if (fits && deal_out(number, room, count, 32, begin, watch))
-        deal_out(room, number, count, 48, begin, watch);
+    if (fits && distribute(number, room, count, 32, begin, watch))
+        distribute(room, number, count, 48, begin, watch);
     free(room);
     free(begin);
     return fits ? watch_fault(watch, fault) : fault_memory(fault, "putting seeds in order");

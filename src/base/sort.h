@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sorting of millions of numbers under a watch: by counting, 16 bits at a time, so that each pass
- * is a loop that can be stopped, which qsort is not.
+ * Sorting of millions of numbers under a watch: a radix sort by 16 bits at a time, whose passes can
+ * be stopped, unlike qsort.
  */
 #ifndef BASE_SORT_H
 #define BASE_SORT_H
@@ -13,14 +13,13 @@
 #include "base/err.h"
 #include "base/watch.h"
 
-/* Puts `count` numbers in the order of their upper 32 bits; those that are equal there keep their
- * order. ERR_MEMORY, as many numbers again, and they are as they were; ERR_CANCELLED, and they are
- * of no use. */
+/* Sort `count` numbers by their upper 32 bits, stably. ERR_MEMORY (it needs as many numbers again),
+ * with the numbers unchanged; ERR_CANCELLED, with the numbers undefined. */
 enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
                             struct fault *fault);
 
 /*
- * From 64-bit keys to numbers: an open hash table that grows.
+ * A map from 64-bit keys to numbers: an open-addressing hash table that grows.
  */
 
 /* {0} is empty. */
@@ -31,11 +30,11 @@ struct lookup {
 
 static const uint32_t LOOKUP_NEW = UINT32_MAX;
 
-/* The number of a key, which is LOOKUP_NEW where it has none yet: the caller then says it. Of use
- * until the next call. NULL where memory runs out, and all is as it was. */
+/* Return the number of a key, LOOKUP_NEW if it has none yet: the caller then sets it. Valid until
+ * the next call. NULL if memory runs out, with the table unchanged. */
 uint32_t *lookup_at(struct lookup *lookup, uint64_t key);
 
-/* No key has a number; the memory is kept. */
+/* Remove all keys; the memory is kept. */
 void lookup_clear(struct lookup *lookup);
 void lookup_release(struct lookup *lookup);
 

@@ -25,17 +25,17 @@ struct team {
     unsigned size;
     struct worker worker[TEAM_MOST]; /* [0] is the caller and has no thread */
 
-    /* team_wait: the last to arrive opens the gate by counting `meeting` up. */
+    /* team_wait: the last worker to arrive increments `meeting`, which releases the others. */
     atomic_uint arrived, meeting;
 
-    /* Work is handed out, and its end reported, under the lock. */
+    /* The lock protects the start of a piece of work and the reports of its end. */
     pthread_mutex_t lock;
     pthread_cond_t begins, ended;
     team_work *work;
     void *context;
-    unsigned piece;   /* counts the pieces of work */
-    unsigned at_work; /* threads that have not ended this piece */
-    bool leaves;
+    unsigned piece;   /* number of the piece of work */
+    unsigned at_work; /* threads that have not finished this piece */
+    bool is_ending;
 };
 
 unsigned team_size_wanted(void)
@@ -64,9 +64,9 @@ static void *work_on(void *argument)
     unsigned done = 0;
     pthread_mutex_lock(&team->lock);
     for (;;) {
-        while (team->piece == done && !team->leaves)
+        while (team->piece == done && !team->is_ending)
             pthread_cond_wait(&team->begins, &team->lock);
-        if (team->leaves)
+        if (team->is_ending)
             break;
         done = team->piece;
         pthread_mutex_unlock(&team->lock);
@@ -122,7 +122,7 @@ void team_free(struct team *team)
     if (!team)
         return;
     pthread_mutex_lock(&team->lock);
-    team->leaves = true;
+    team->is_ending = true;
     pthread_cond_broadcast(&team->begins);
     pthread_mutex_unlock(&team->lock);
     for (unsigned i = 1; i < team->size; i++)
