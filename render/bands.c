@@ -4,24 +4,24 @@
 #include "render/layers.h"
 #include "render/projection.h"
 
-/* More leave the caches. Of less, voxels that lie across two bands are drawn twice: it takes 2 %
- * more time to have half as many, which wide pictures spare memory by. */
+/* Larger bands do not fit the caches. Smaller ones draw voxels at their borders twice: half the
+ * height costs 2 % more time, which wide pictures accept to save memory. */
 enum { SAMPLES_HIGH = 64, SAMPLES_LEAST_HIGH = 32, SAMPLES_A_BAND = 1 << 18 };
 
-/* What one thread draws into: a band, and where its colours depend on rows around, it and those. */
+/* Memory of one thread: a band, and, if colours depend on nearby rows, the band with those rows. */
 struct room {
     struct rendition drawn, pixels, around;
     struct layers layers;
-    uint32_t first, end; /* the rows of samples that are in `around` */
+    uint32_t first, end; /* rows of samples in `around` */
 };
 
 struct drawing {
     const struct bands *bands;
     struct rendition *out; /* or NULL */
     struct team *team;
-    uint32_t reach;  /* rows of samples that are looked at on both sides of a band, */
-    uint32_t most;   /* and those of a band, of whole tiles */
-    bool is_reduced; /* else pixels are what is drawn */
+    uint32_t reach;  /* rows of samples that shading reads on both sides of a band */
+    uint32_t most;   /* rows of samples in a band, whole tiles */
+    bool is_reduced; /* samples are reduced to pixels */
     struct room room[TEAM_MOST];
 };
 
@@ -30,7 +30,7 @@ static uint32_t round_up(uint32_t rows, uint32_t unit)
     return (rows + unit - 1) / unit * unit;
 }
 
-/* Rows of samples, but for their edges; the thread's until it draws others. */
+/* Draw rows of samples without edges. The result is valid until the thread draws again. */
 static struct rendition draw_rows(const struct drawing *d, uint32_t top, uint32_t height,
                                   struct room *room)
 {
@@ -45,7 +45,7 @@ static struct rendition draw_rows(const struct drawing *d, uint32_t top, uint32_
     return drawn;
 }
 
-/* The same with edges. Bands of a thread follow each other, so rows around that are there stay. */
+/* The same with edges. A thread draws successive bands, so it keeps the rows around them. */
 static struct rendition draw_with_edges(const struct drawing *d, uint32_t top, uint32_t height,
                                         struct room *room)
 {
@@ -73,7 +73,7 @@ static struct rendition draw_with_edges(const struct drawing *d, uint32_t top, u
     return band;
 }
 
-/* Bands in turn, or where rows around are kept, those of a part of the picture. */
+/* Draw every n-th band, or, if rows around are kept, the bands of one part of the picture. */
 static void draw_share(void *context, unsigned thread)
 {
     struct drawing *d = context;

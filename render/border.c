@@ -13,7 +13,7 @@ static size_t blocks_along(const struct border *border, int a)
     return ((border->scene->grid.size[a] - 1) >> BORDER_BLOCK_BITS) + 1;
 }
 
-/* None of a border that is zeroed. */
+/* Number of blocks; 0 for a zeroed border. */
 static size_t blocks_in(const struct border *border)
 {
     return border->scene
@@ -21,7 +21,7 @@ static size_t blocks_in(const struct border *border)
                : 0;
 }
 
-/* Bytes of all sets, which lie in one piece of memory: `shown`, `border`, `marked`, `stale`,
+/* Bytes of all sets, which share one piece of memory: `shown`, `border`, `marked`, `stale`,
  * `changed`, `occupied`. */
 static size_t pages_of(const struct border *border)
 {
@@ -61,7 +61,7 @@ size_t border_memory(const struct border *border)
     return border->words * (2 * sizeof(uint64_t) + sizeof(uint32_t)) + blocks_in(border);
 }
 
-/* Which of the 64 cells of word `w` of a set are in it, and not all six neighbours are. */
+/* Return the cells of word `w` of a set that have a face neighbour outside the set. */
 static uint64_t edge_word(const struct border *border, const uint64_t *set, size_t w)
 {
     const uint64_t own = set[w];
@@ -74,7 +74,7 @@ static uint64_t edge_word(const struct border *border, const uint64_t *set, size
     return own & ~inside;
 }
 
-/* Which voxels have a label that the view shows. False where the watch has stopped it. */
+/* Find the voxels whose label is visible. False if the watch has stopped it. */
 static bool find_visible(const struct border *border, uint64_t *bits, struct task *task)
 {
     const size_t cells = border->scene->grid.cells;
@@ -132,14 +132,15 @@ void border_recount(struct border *border)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const uint32_t first = grid_row(grid, y, z).first;
             uint8_t *block = block_of(border, (struct place){0, y, z});
-            for (uint32_t x = 0; x < grid->size[0]; x += BLOCK) /* or a few of the next row */
+            for (uint32_t x = 0; x < grid->size[0]; x += BLOCK) /* the last block may include cells
+                                                                   of the next row */
                 *block++ |= (border_bits_at(border->shown, first + x) & ((1 << BLOCK) - 1)) != 0;
         }
 }
 
 /* ---- updates ---- */
 
-/* Notes that the word of a cell is out of date. */
+/* Mark the word of a cell as out of date. */
 static inline void mark_word(struct border *border, uint32_t cell)
 {
     const uint32_t w = cell >> 6;
@@ -150,7 +151,7 @@ static inline void mark_word(struct border *border, uint32_t cell)
     border->stale[border->stales++] = w;
 }
 
-/* Voxels that change sides lie close together, and many of them share a word. */
+/* Voxels that change are close together, and many share a word. */
 void border_update(struct border *border, const struct changes *changes)
 {
     if (changes->everything) {

@@ -106,7 +106,7 @@ void canvas_blend(uint8_t pixel[4], const uint8_t rgb[3], uint32_t share)
     pixel[3] = (uint8_t)((all + 127) / 255);
 }
 
-/* Most of a layer is clear, and taken by runs of pixels. */
+/* Most pixels of a layer are clear, so runs of them are copied at once. */
 void canvas_lay_over(uint8_t *layer, const uint8_t *below, size_t pixels)
 {
     enum { RUN = 64 };
@@ -135,8 +135,7 @@ static uint64_t pixel_bits(const uint8_t *rgba)
            (uint64_t)rgba[3] << 24;
 }
 
-/* Two pixels to a mix, and the place in it: pictures are made faster than they could be mixed pixel
- * by pixel. */
+/* Mix two pixels with their position at a time: drawing is faster than mixing pixel by pixel. */
 uint64_t canvas_digest(const struct canvas *canvas)
 {
     const size_t pixels = (size_t)canvas->width * canvas->height;

@@ -71,7 +71,7 @@ struct stretch {
     int64_t first, end;
 };
 
-/* What a plane leaves of the row of voxels 0..size-1. */
+/* Return the voxels that a plane leaves of the row 0..size-1. */
 static struct stretch left_by_plane(const struct cut_plane *plane, int64_t size, uint32_t y,
                                     uint32_t z)
 {
@@ -79,12 +79,12 @@ static struct stretch left_by_plane(const struct cut_plane *plane, int64_t size,
     const int64_t missing = plane->least - plane->normal[1] * y - plane->normal[2] * z;
     if (along == 0)
         return (struct stretch){0, missing <= 0 ? size : 0};
-    if (along > 0) /* from where x * along >= missing on */
+    if (along > 0) /* x * along >= missing */
         return (struct stretch){missing <= 0 ? 0 : (missing - 1) / along + 1, size};
     return (struct stretch){0, missing > 0 ? 0 : missing / along + 1};
 }
 
-/* What slabs and planes leave of a row: intervals have one interval in common. */
+/* Return the voxels that slabs and planes leave of a row: the intersection of intervals. */
 static struct stretch left_of_row(const struct cut *cut, const struct grid *grid, uint32_t y,
                                   uint32_t z)
 {

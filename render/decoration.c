@@ -18,7 +18,7 @@ static const struct ink *ink_of(const struct decoration *d)
 
 /* ---- letters ---- */
 
-/* The sides within some 67 degrees of a direction in the patient, the nearest first. */
+/* Write the sides of the patient within some 67 degrees of a direction, the nearest first. */
 static void write_sides(char word[DECORATION_WORD], const int32_t direction[3], bool sides_unknown)
 {
     static const char *const side[2][3][2] = {{{"R", "L"}, {"A", "P"}, {"S", "I"}},
@@ -47,7 +47,7 @@ void decoration_sides(char word[4][DECORATION_WORD], const struct camera *camera
     view_look(&camera->view, way[0], way[1], ahead);
     for (int i = 0; i < 4; i++) {
         int32_t direction[3];
-        for (int a = 0; a < 3; a++) /* up and to the right as they are */
+        for (int a = 0; a < 3; a++) /* `up` and `right` keep their sign */
             direction[a] = i == 1 || i == 2 ? way[i / 2][a] : -way[i / 2][a];
         write_sides(word[i], direction, camera->scene->sides_unknown);
     }
@@ -78,10 +78,10 @@ int64_t decoration_scale(char words[32], const struct camera *camera, uint32_t s
 
 /* ---- the legend ---- */
 
-/* Rows of the legend, from the top left on, clear of the letters and of the scale. */
+/* Rows of the legend, from the top left, clear of the letters and the scale. */
 struct rows {
-    int64_t top, next, end; /* of a row; end is where nothing more fits */
-    int64_t hole, hole_end; /* no row lies between */
+    int64_t top, next, end; /* rows; none may end after `end` */
+    int64_t hole, hole_end; /* no row may overlap this */
 };
 
 static struct rows rows_of(const struct canvas *canvas, const struct decoration *d, uint32_t tall)
@@ -96,7 +96,7 @@ static struct rows rows_of(const struct canvas *canvas, const struct decoration 
     return rows;
 }
 
-/* The top of the next row; false where there is no room for one. */
+/* Return the top of the next row; false if it does not fit. */
 static bool next_row(struct rows *rows, uint32_t tall, int64_t *top)
 {
     if (rows->top + tall > rows->hole && rows->top < rows->hole_end)
@@ -106,7 +106,7 @@ static bool next_row(struct rows *rows, uint32_t tall, int64_t *top)
     return *top + tall <= rows->end;
 }
 
-/* The name, as much of it as leaves room for the amount; where hardly any would be left, alone. */
+/* Shorten the name to leave room for the amount; if too little remains, draw the name alone. */
 static void draw_line(const struct canvas *canvas, const struct decoration *d, uint32_t tall,
                       int64_t top, const struct legend_line *line)
 {
@@ -136,7 +136,7 @@ static void draw_legend(const struct canvas *canvas, const struct decoration *d,
     while (fit < d->lines && next_row(&rows, tall, &top))
         fit++;
     if (fit < d->lines && fit > 0)
-        fit--; /* for how many more there are */
+        fit--; /* leave a row for the number of labels left out */
     rows = rows_of(canvas, d, tall);
     for (size_t i = 0; i < fit && next_row(&rows, tall, &top); i++)
         draw_line(canvas, d, tall, top, &d->line[i]);
@@ -147,7 +147,7 @@ static void draw_legend(const struct canvas *canvas, const struct decoration *d,
 
 /* ---- seeds and the cross-hair ---- */
 
-/* The pixel in which the centre of a voxel lies. */
+/* Return the pixel that contains the centre of a voxel. */
 static void place_of(const struct decoration *d, uint32_t cell, int64_t place[2])
 {
     const struct camera *camera = d->camera;
@@ -161,7 +161,8 @@ static void place_of(const struct decoration *d, uint32_t cell, int64_t place[2]
 
 static bool is_seen(const struct decoration *d, uint32_t cell)
 {
-    const struct footprint f = project_around(d->camera, cell, 1); /* surfaces may lie beyond */
+    const struct footprint f = project_around(d->camera, cell, 1); /* surfaces may extend beyond the
+                                                                      voxel */
     const int32_t n = (int32_t)d->samples;
     const bool is_none = f.left > f.right || f.top > f.bottom;
     for (int32_t y = f.top / n; y <= f.bottom / n && !is_none; y++)
@@ -224,7 +225,7 @@ static bool draw_seeds(const struct canvas *canvas, const struct decoration *d, 
     return fine;
 }
 
-/* Four arms around the voxel, which they leave free. */
+/* Draw four arms around the voxel, leaving it free. */
 static void draw_cross(const struct canvas *canvas, const struct decoration *d, int64_t unit)
 {
     const int64_t zoom = d->camera->view.zoom / d->samples / VIEW_ZOOM_ONE;

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Decorations: what may be drawn over a rendition, for people who look at it.
+ * Decorations: annotations drawn over a rendition.
  *
- *     letters   the patient's sides, R L A P S I, at the edges of the picture; the two or three of
- *               an oblique view with the nearest first. Of unknown orientation: the axes, "+x"
- *     scale     a bar of a round length; in voxels where their distance is unknown
- *     legend    the labels that are shown, with how much each takes
- *     seeds     seeds that were placed, not those of a file's pieces, and eliminators, whose voxels
- *               pixels show, as slices mark them
- *     cross     the cross-hair, if a pixel shows its voxel
+ *     letters   the patient's sides, R L A P S I, at the edges of the picture; in an oblique view
+ *               two or three, the nearest first. If the orientation is unknown: the axes, "+x"
+ *     scale     a bar of a round length; in voxels if the spacing is unknown
+ *     legend    the visible labels, with their amounts
+ *     seeds     placed seeds (not those from pieces of a file) and eliminators whose voxels are
+ *               visible, marked as in slices
+ *     cross     the cross-hair, if its voxel is visible
  *
- * Only colours change: which voxel a pixel shows is what is below. What is drawn has an outline, so
- * that it shows on any ground, and is opaque but for the edges of letters. Sizes follow the
- * picture; one that is too small for a part goes without it.
+ * Only colours change: the voxel of a pixel is the one below. Decorations have outlines, so that
+ * they show on any background, and are opaque except at the edges of letters. Their size follows
+ * the picture; a picture that is too small for a part omits it.
  */
 #ifndef RENDER_DECORATION_H
 #define RENDER_DECORATION_H
@@ -40,13 +40,13 @@ struct legend_line {
 
 struct decoration {
     uint32_t parts;
-    const struct rendition *frame; /* the picture, of which the canvas has the colours; for seeds
-                                      and the cross-hair alone */
-    const struct camera *camera;   /* of its samples, */
-    uint32_t samples;              /* so many a side for a pixel */
+    const struct rendition *frame; /* the picture, whose colours the canvas has; used for seeds and
+                                      the cross-hair alone */
+    const struct camera *camera;   /* the camera of its samples */
+    uint32_t samples;              /* samples a side of a pixel */
     const struct palette *palette;
-    struct mark_choice marked;      /* of the seeds */
-    bool is_bright;                 /* what is behind the objects: words are dark then */
+    struct mark_choice marked;      /* the seeds to mark */
+    bool is_bright;                 /* the background is bright: draw dark words */
     const struct legend_line *line; /* [lines] */
     size_t lines;
     const uint32_t *eliminator; /* [eliminators], cells */
@@ -58,11 +58,11 @@ struct decoration {
 enum err decoration_draw(const struct canvas *canvas, const struct decoration *decoration,
                          struct fault *fault);
 
-/* What stands at the left, right, upper and lower edges. */
+/* The words at the left, right, upper and lower edges. */
 enum { DECORATION_WORD = 8 };
 void decoration_sides(char word[4][DECORATION_WORD], const struct camera *camera);
 
-/* The bar's length in pixels of a picture of that width, and in words; 0 for none. */
+/* Return the bar's length in pixels of a picture of that width, and in words; 0 for no bar. */
 int64_t decoration_scale(char words[32], const struct camera *camera, uint32_t samples,
                          uint32_t width);
 

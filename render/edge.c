@@ -4,13 +4,13 @@
 #include "render/light.h"
 
 enum {
-    DEPTH_BITS = 26 - 8, /* of a depth: 4 * 2^24 to a pixel; here 256 */
-    STEEPEST = 16 * 256, /* as steep as a slope may be to explain a depth */
+    DEPTH_BITS = 26 - 8, /* dropped from depths of 4 * 2^24 to a pixel, to leave 256 */
+    STEEPEST = 16 * 256, /* steepest slope that may explain a depth */
     FOLD_VOXELS = 3,
-    ROUGH = 5, /* half voxels by which depths differ that slopes do not explain */
+    ROUGH = 5, /* unexplained difference of depths, in half voxels */
 };
 
-/* 65 degrees between normals are a fold: 1 - cos 65, where 2^28 is 1. */
+/* Normals at 65 degrees are a fold: 1 - cos 65, where 2^28 is 1. */
 static const int64_t FOLD_LEAST = (INT64_C(1) << 28) * 577 / 1000;
 
 static int64_t fold_of(const struct camera *camera)
@@ -38,7 +38,7 @@ void edges_init(struct edges *edges, const struct rendition *rendition, const st
 
 /* ---- two pixels ---- */
 
-/* A way across the picture: to the right and down, in steps, and how long a step is, in 256ths. */
+/* A direction across the picture: step to the right and down, and its length in 256ths. */
 struct way {
     int64_t right, down, length;
 };
@@ -62,7 +62,7 @@ static int64_t dot30(const int16_t normal[3], const int32_t direction[3])
     return sum >> 30;
 }
 
-/* How steeply the surface at a pixel falls away along a way, in 256ths; not below 0. */
+/* Return the slope of the surface at a pixel along a direction, in 256ths; at least 0. */
 static int64_t slope_at(const struct edges *edges, size_t pixel, const struct way *way)
 {
     const int16_t *normal = edges->rendition->normal + 4 * pixel;
@@ -75,8 +75,8 @@ static int64_t slope_at(const struct edges *edges, size_t pixel, const struct wa
     return toward <= fall / STEEPEST ? STEEPEST : fall / toward;
 }
 
-/* Whether `back`, so many steps along a way from `front`, lies further behind it than the less
- * steep of the two would explain. A part of that is the roughness of voxels. */
+/* Return true if `back`, `steps` steps from `front`, is further behind it than the flatter of the
+ * two slopes explains, with an allowance for the roughness of voxels. */
 static bool is_behind(const struct edges *edges, size_t front, size_t back, const struct way *way,
                       int64_t steps)
 {
@@ -96,7 +96,7 @@ static struct way reversed(const struct way *way)
 
 /* ---- hiding ---- */
 
-/* Whether a pixel has a dark line because of another. */
+/* Return true if a pixel has a dark line because of another. */
 static bool is_dark(const struct edges *edges, size_t here, size_t there, const struct way *way,
                     int64_t steps)
 {
@@ -130,7 +130,7 @@ static enum edge hiding_at(const struct edges *edges, uint32_t x, uint32_t y)
 
 /* ---- folds ---- */
 
-/* Whether a pixel and the next along a way lie on one surface of one object. */
+/* Return true if a pixel and the next one in a direction show one surface of one object. */
 static bool is_joined(const struct edges *edges, uint32_t x, uint32_t y, const struct way *way)
 {
     const struct rendition *r = edges->rendition;
@@ -141,7 +141,7 @@ static bool is_joined(const struct edges *edges, uint32_t x, uint32_t y, const s
            !is_behind(edges, from, to, way, 1) && !is_behind(edges, to, from, &back, 1);
 }
 
-/* Whether a row (0) or column (1) leads over one surface for so many pixels to both sides. */
+/* Return true if a row (0) or column (1) shows one surface for `pixels` pixels to both sides. */
 static bool is_one(struct edges *edges, uint32_t x, uint32_t y, int axis, int64_t pixels)
 {
     const int64_t at = axis ? y : x, line = axis ? x : y;
@@ -161,8 +161,8 @@ static bool is_one(struct edges *edges, uint32_t x, uint32_t y, int axis, int64_
     return run->last >= at + pixels && run->first <= at - pixels;
 }
 
-/* How far the normals on both sides of a pixel turn away from each other, where 2^28 is 1; -1 where
- * they are outside the picture. */
+/* Return the turn between the normals on both sides of a pixel, where 2^28 is 1; -1 outside the
+ * picture. */
 static int64_t turn_at(const struct edges *edges, uint32_t x, uint32_t y, int axis)
 {
     const struct rendition *r = edges->rendition;
@@ -176,8 +176,8 @@ static int64_t turn_at(const struct edges *edges, uint32_t x, uint32_t y, int ax
     return (INT64_C(1) << 28) - cosine;
 }
 
-/* Where the turn is largest, and as wide as a line: there it is no less than a line's width to
- * either side. All of it is of one surface. */
+/* Return true at a maximum of the turn, as wide as a line: a line's width to either side it is no
+ * larger. All of it must be one surface. */
 static bool is_crest(struct edges *edges, uint32_t x, uint32_t y, int axis)
 {
     const int64_t turn = turn_at(edges, x, y, axis), width = edges->width;

@@ -1,47 +1,47 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Edges: lines that show where one object hides another, where it hides a part of itself, and where
- * its surface is folded.
+ * Edges: lines where one object hides another or a part of itself, and where its surface is folded.
  *
- * A line lies on what is in front, and is as wide as one pixel of the picture, however many samples
- * that is made of. Where nothing is behind, it is light, with a dark one within, so that one of
- * them shows against any background.
+ * A line is drawn on the front surface, as wide as one pixel of the picture, whatever the number of
+ * samples. In front of the background it is light, with a dark line inside, so that one of them
+ * shows against any background.
  *
- * Surfaces that are only steep have no lines: their slope explains how far depths differ. Objects
- * that touch have one, on the one with the lower label.
+ * Surfaces that are merely steep have no lines: their slope explains the difference of depths.
+ * Objects that touch have one, on the object with the lower label.
  *
- * Which line a pixel has depends on labels, depths and normals at most edge_reach pixels away.
+ * The line of a pixel depends on labels, depths and normals at most edge_reach pixels away.
  */
 #ifndef RENDER_EDGE_H
 #define RENDER_EDGE_H
 
 #include "render/rendition.h"
 
-/* Pixels of a row or column from one to another that lie on one surface of one object. What has
- * been looked at is known for the next pixel: a fold is looked for three voxels to either side,
- * and those may have sixty-four pixels each. */
+/* A run of pixels of a row or column on one surface of one object. It is cached for the next pixel:
+ * a fold compares normals three voxels to either side, and each may cover sixty-four pixels. */
 struct edge_run {
     int64_t line; /* the row or column; -1 for none */
     int64_t first, last;
-    bool begins, ends; /* the pixel before the first, or after the last, is of another surface */
+    bool begins, ends; /* the pixel before the first, or after the last, shows another surface */
 };
 
 struct edges {
-    const struct rendition *rendition; /* labels, depths and normals are there */
+    const struct rendition *rendition; /* its labels, depths and normals are complete */
     const struct camera *camera;
-    int64_t width;                /* of a line, in pixels of the rendition */
-    int64_t voxel;                /* its longest side, in 256ths of those */
-    int64_t fold;                 /* how far to either side normals are compared, in pixels */
+    int64_t width;                /* width of a line, in pixels of the rendition */
+    int64_t voxel;                /* longest side of a voxel, in 256ths of those */
+    int64_t fold;                 /* distance to either side at which normals are compared, in
+                                     pixels */
     struct edge_run run[2][TILE]; /* along rows, along columns */
 };
 
-/* For a rendition in which `samples` pixels a side are one of the picture. */
+/* Initialise for a rendition in which `samples` pixels a side form one of the picture. */
 void edges_init(struct edges *edges, const struct rendition *rendition, const struct camera *camera,
                 uint32_t samples);
 
 enum edge { EDGE_NONE, EDGE_DARK, EDGE_LIGHT };
 
-/* Of a pixel that shows something; those of a tile after each other are fastest. */
+/* Return the edge of a pixel that shows something; fastest for the pixels of one tile in
+ * succession. */
 enum edge edge_at(struct edges *edges, uint32_t x, uint32_t y);
 
 int edge_reach(const struct camera *camera, uint32_t samples);

@@ -6,9 +6,9 @@
 #include "base/least.h"
 #include "base/mem.h"
 
-/* ---- what is shown ---- */
+/* ---- visible voxels ---- */
 
-/* The first and the last border voxel of a row; false where it has none. */
+/* Find the first and the last border voxel of a row; false if it has none. */
 static bool find_ends(const struct border *border, struct span row, uint32_t ends[2])
 {
     bool found = false;
@@ -42,7 +42,7 @@ enum err fit_init(struct fit *fit, const struct border *border, struct fault *fa
     *fit = (struct fit){.scene = border->scene};
     fit->end = mem_array((size_t)size[1] * size[2], 2 * sizeof *fit->end);
     if (!fit->end)
-        return fault_memory(fault, "the ends of what is shown");
+        return fault_memory(fault, "the ends of rows");
     for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1]; y++)
             if (find_ends(border, grid_row(grid, y, z), ends))
@@ -64,12 +64,12 @@ void fit_release(struct fit *fit)
 
 enum { LENGTH_BITS = 30, COSINE_BITS = 30 };
 
-/* Places count from the scene's middle, in nanometres times 2 >> shift, below 2^LENGTH_BITS: so
- * products with three cosines and their sums fit 64 bits. */
+/* Positions are from the scene's middle, in units of 2^shift / 2 nanometres, below 2^LENGTH_BITS,
+ * so that products with three cosines and their sums fit 64 bits. */
 struct ruler {
     const struct scene *scene;
     unsigned shift;
-    int64_t half[3];    /* of a voxel */
+    int64_t half[3];    /* half a voxel */
     int32_t axis[3][3]; /* right, up, ahead along voxel axes */
 };
 
@@ -127,12 +127,12 @@ void fit_place(const struct fit *fit, const struct view *view, uint32_t place[3]
     for (int a = 0; a < 3; a++) {
         const int64_t spacing = fit->scene->spacing_nm[a], most = fit->scene->grid.size[a] - 1;
         const int64_t twice = middle[a] * (INT64_C(1) << ruler.shift) + spacing * (most + 1);
-        const int64_t at = twice / (2 * spacing); /* halves are cut off: the nearest voxel */
+        const int64_t at = twice / (2 * spacing); /* truncated: the nearest voxel */
         place[a] = (uint32_t)(at < 0 ? 0 : at > most ? most : at);
     }
 }
 
-/* Half of the picture that is needed in a direction, in nanometres times 2. */
+/* Return half the extent of the picture needed in a direction, in half nanometres. */
 static uint64_t needed(const struct fit *fit, const struct ruler *ruler, int direction,
                        const uint32_t place[3])
 {
@@ -165,7 +165,7 @@ uint32_t fit_all_round(const struct fit *fit, const struct view *view, const uin
     uint64_t most = 0, side[3];
     view_sides(side, fit->scene);
     for (size_t i = 0; i < fit->ends; i++) {
-        uint32_t around[3]; /* the box about that middle that has this voxel at a corner */
+        uint32_t around[3]; /* size of the box about that middle with this voxel at a corner */
         for (int a = 0; a < 3; a++) {
             const int64_t twice = place ? 2 * (int64_t)place[a] : (int64_t)size[a] - 1;
             around[a] = (uint32_t)llabs(2 * (int64_t)fit->end[i][a] - twice) + 1;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fitting: the zoom at which what is shown fills a picture, and the place that comes to its middle.
+ * Fitting: the zoom at which the visible objects fill a picture, and the place in its centre.
  *
- * How far objects reach in a direction is decided by the ends of their rows of voxels along x:
- * those are held, two for each row, and asked about any number of views. A voxel counts as its
- * cube. Where nothing is shown, the scene is what has to fit.
+ * The extent of objects in a direction is decided by the ends of their rows of voxels along x: two
+ * are kept for each row, and serve any number of views. A voxel counts as a cube. If nothing is
+ * visible, the scene is fitted.
  */
 #ifndef RENDER_FIT_H
 #define RENDER_FIT_H
@@ -20,26 +20,26 @@ struct fit {
     const struct scene *scene;
     uint32_t (*end)[3]; /* voxels */
     size_t ends;
-    bool is_scene; /* nothing is shown */
+    bool is_scene; /* nothing is visible */
 };
 
-/* Of what a border shows, which is up to date. ERR_MEMORY. */
+/* Fit the voxels that an up-to-date border shows. ERR_MEMORY. */
 enum err fit_init(struct fit *fit, const struct border *border, struct fault *fault);
 void fit_release(struct fit *fit);
 
-/* The voxel nearest to the middle of what is seen at a view's angles, in depth as well. */
+/* Return the voxel nearest to the middle of the visible extent at a view's angles, in depth too. */
 void fit_place(const struct fit *fit, const struct view *view, uint32_t place[3]);
 
-/* The largest zoom at which all of it is seen, with a margin, at the view's angles and size and
- * with that voxel in the middle, and at which there is a camera for samples x samples a pixel. */
+/* Return the largest zoom at which all of it fits, with a margin, at the view's angles and size
+ * with that voxel in the centre, and at which a camera for samples x samples a pixel exists. */
 uint32_t fit_zoom(const struct fit *fit, const struct view *view, const uint32_t place[3],
                   uint32_t samples);
 
-/* The voxel in the middle of the box of what is shown. */
+/* Return the voxel in the middle of the bounding box. */
 void fit_middle(const struct fit *fit, uint32_t place[3]);
 
-/* The largest zoom at which all of it is seen from wherever one looks, in a view of that size, with
- * that voxel in the middle, or with NULL the middle of the scene: for the scene, then,
+/* Return the largest zoom at which all of it fits from any direction, in a view of that size with
+ * that voxel in the centre, or with NULL the middle of the scene: for the whole scene this is
  * view_fitting_zoom. */
 uint32_t fit_all_round(const struct fit *fit, const struct view *view, const uint32_t *place,
                        uint32_t samples);

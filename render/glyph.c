@@ -88,7 +88,7 @@ static struct reader begin_of(unsigned outline)
     return r;
 }
 
-/* Adds the points of an outline without parts, moved by x, y. */
+/* Append the points of an outline without parts, moved by x, y. */
 static size_t add_points(struct face_point *out, size_t count, struct reader r, int x, int y)
 {
     for (int kind = digit(&r); kind; kind = digit(&r)) {
@@ -117,13 +117,14 @@ size_t face_read(struct face_point out[FACE_POINTS_MOST], unsigned outline)
 
 enum {
     ONE = GLYPH_ONE,
-    PARTS_MOST = GLYPH_LINES_MOST / FACE_POINTS_MOST, /* lines that a curve becomes, */
-    FLAT = ONE / 16,                                  /* and how far they may be from it */
-    STEMS_MOST = 12,                                  /* of a letter, upright edges, */
-    STEM_LEAST = 150,     /* so many units long, that are moved to whole pixels */
-    STEMS_TALL_MOST = 16, /* where capitals have no more rows */
-    BAND = 8192,          /* pixels that are drawn at once */
-    WHOLE = 2 * ONE * ONE /* what a pixel sums to that is covered */
+    PARTS_MOST = GLYPH_LINES_MOST / FACE_POINTS_MOST, /* lines that a curve is divided into */
+    FLAT = ONE / 16,                                  /* largest distance of such lines from the
+                                                         curve */
+    STEMS_MOST = 12,                                  /* upright edges of a letter */
+    STEM_LEAST = 150,     /* units of length from which upright edges are aligned to whole pixels */
+    STEMS_TALL_MOST = 16, /* rows of a capital up to which they are */
+    BAND = 8192,          /* pixels drawn at once */
+    WHOLE = 2 * ONE * ONE /* sum of a fully covered pixel */
 };
 
 int64_t glyph_scaled(int64_t units, uint32_t tall)
@@ -139,8 +140,8 @@ static int64_t whole_rows(int64_t units, uint32_t tall)
     return (glyph_scaled(units, tall) + ONE / 2) / ONE * ONE;
 }
 
-/* How high a point lies, in parts of a pixel: at the lines of the face whole rows, or as much over
- * them as round letters are; in between, and beyond, as it lies between them. */
+/* Return the height of a point, in parts of a pixel. The lines of the face are moved to whole rows,
+ * with the overshoot of round letters; heights in between and beyond follow proportionally. */
 static int64_t height_of(int64_t y, uint32_t tall)
 {
     static const int16_t line[] = {-FACE_LOWEST, 0, FACE_SMALL, FACE_CAPITAL, FACE_TALLEST};
@@ -166,7 +167,7 @@ static int64_t height_of(int64_t y, uint32_t tall)
 
 /* ---- stems ---- */
 
-/* Edges of upright strokes, from left to right, and where those of a stem are moved to. */
+/* Edges of upright strokes, from left to right, and the aligned positions of stems. */
 struct stems {
     struct edge {
         int32_t from, to;
@@ -191,7 +192,8 @@ static void add_edge(struct stems *s, int32_t from, bool rises)
     s->edge[at] = (struct edge){from, from, rises};
 }
 
-/* Keeps edges of stems alone, which begin at a whole pixel and are a pixel wide at least. */
+/* Keep only the edges of stems; align their left edges to pixels, and make them a pixel wide at
+ * least. */
 static void place_stems(struct stems *s)
 {
     int kept = 0;
@@ -212,7 +214,7 @@ static void place_stems(struct stems *s)
     s->count = kept;
 }
 
-/* Moved with the stem that it belongs to, and in between as it lies between them. */
+/* Move a point with its stem, or interpolate between the stems around it. */
 static int32_t place_by_stems(const struct stems *s, int32_t x)
 {
     if (s->count == 0)
@@ -252,7 +254,7 @@ static void add_curve(struct glyph *l, struct spot from, struct spot by, struct 
     }
 }
 
-/* Where an outline has come to; `by` is the point beside a curve that has begun. */
+/* The position on an outline; `by` is the control point of a curve that has begun. */
 struct pen {
     struct spot begin, at, by;
     bool curves;
@@ -311,9 +313,9 @@ void glyph_make(struct glyph *g, unsigned outline, uint32_t tall, int64_t left, 
 
 /* ---- pixels ---- */
 
-/* Rows of a glyph that are in the making; pixels of a row are `columns` + 2 numbers. */
+/* Rows of a glyph being drawn; a row of pixels has `columns` + 2 numbers. */
 struct band {
-    int32_t left, top; /* of its first pixel */
+    int32_t left, top; /* column and row of the first pixel */
     int32_t columns, rows;
     int32_t pixel[BAND];
 };
@@ -323,8 +325,8 @@ static int32_t *band_row(struct band *b, int32_t row)
     return b->pixel + (ptrdiff_t)row * (b->columns + 2);
 }
 
-/* Adds what a line covers of a row to the right of it, where it goes `down` so far, to the pixels
- * that it crosses and, since sums are taken from left to right, to the next. */
+/* Add the area to the right of a line segment in a row, `down` high, to the pixels that it crosses,
+ * and the rest to the next pixel: sums are accumulated from left to right. */
 static void cover_row(int32_t *row, int32_t from, int32_t to, int32_t down)
 {
     const int32_t left = from < to ? from : to, right = from < to ? to : from;
@@ -360,7 +362,7 @@ static void cover_line(struct band *b, struct spot from, struct spot to)
     }
 }
 
-/* The square of the distance of pixels from a line, where it is less than what they have. */
+/* Lower each pixel's squared distance to that from a line, if it is smaller. */
 static void approach_line(struct band *b, struct spot from, struct spot to, int32_t reach)
 {
     const int64_t vx = to.x - from.x, vy = to.y - from.y, squares = vx * vx + vy * vy;
@@ -374,7 +376,7 @@ static void approach_line(struct band *b, struct spot from, struct spot to, int3
         const int64_t wy = (b->top + y) * ONE + ONE / 2 - from.y;
         for (int32_t x = left > 0 ? left / ONE : 0; x < b->columns && x * ONE < right; x++) {
             if (pixel[x] <= (reach - ONE) * (reach - ONE))
-                continue; /* it is covered */
+                continue; /* already covered */
             const int64_t wx = (b->left + x) * ONE + ONE / 2 - from.x;
             const int64_t along = wx * vx + wy * vy, across = wx * vy - wy * vx;
             int64_t apart;
@@ -391,11 +393,12 @@ static void approach_line(struct band *b, struct spot from, struct spot to, int3
     }
 }
 
-/* From sums, or from squares of distances. */
+/* Blend sums of ink, or squared distances of the halo. */
 static void blend_band(const struct canvas *canvas, struct band *b, int64_t column, int64_t row,
                        const uint8_t rgb[3], int32_t reach)
 {
-    const bool is_dark = rgb[1] < 128; /* as wide as what is bright it would look thinner */
+    const bool is_dark = rgb[1] < 128; /* dark letters would look thinner than bright ones of the
+                                          same width */
     const int32_t last =
         column + b->columns < canvas->width ? b->columns : (int32_t)(canvas->width - column);
     for (int32_t y = 0; y < b->rows; y++) {

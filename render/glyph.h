@@ -2,13 +2,11 @@
 /*
  * A glyph: one letter of the face at a size, as pixels.
  *
- * Ink is the part of a pixel that the outline covers, exact for lines to a 256th of a pixel, which
- * curves are divided into. A halo is what lies nearer to the outline than its radius, measured from
- * the middle of the pixel.
+ * Ink is the covered part of a pixel, exact to a 256th of a pixel for the lines that curves are
+ * divided into. The halo is all pixels whose middle is nearer to the outline than its radius.
  *
- * The lines that letters stand on and reach up to are moved to whole rows, so that small ones are
- * crisp; in between rows are stretched. Letters that are round reach over them only where that is
- * half a row.
+ * Baseline and letter heights are aligned to whole rows, so that small letters are crisp; heights
+ * in between are stretched. Round letters overshoot only where that is half a row.
  *
  * All in integers: the same pixels on every machine.
  */
@@ -22,47 +20,47 @@
 #include "render/canvas.h"
 
 /*
- * The face that words in pictures are set in: outlines of letters, as a table of integers
- * (render/face_table.h, whose head names the font and its licence).
+ * The face for words in pictures: outlines of letters, as a table of integers (render/face_table.h,
+ * whose head names the font and its licence).
  *
- * Lines and quadratic curves, as fonts of TrueType have them: a point beside the curve draws it
- * towards itself between those on it, and between two such points lies one on the curve halfway.
- * x goes right, y up from the line that letters stand on; FACE_SIZE units are the font's size.
+ * Outlines are lines and quadratic curves, as in TrueType fonts: an off-curve point is the control
+ * point between its neighbours, and halfway between two of them is an implied point on the curve. x
+ * points right, y up from the baseline; FACE_SIZE units are the font size.
  */
 
 enum { /* in units of the face */
        FACE_SIZE = 1024,
-       FACE_CAPITAL = 747, /* how high capitals are, */
-       FACE_SMALL = 560,   /* small letters, */
-       FACE_ROUND = 14,    /* and how much further those that are round go, up and down; */
-       FACE_TALLEST = 778, /* small letters with an ascender, */
-       FACE_LOWEST = 213,  /* and how far descenders go down */
+       FACE_CAPITAL = 747, /* height of capitals */
+       FACE_SMALL = 560,   /* height of small letters */
+       FACE_ROUND = 14,    /* overshoot of round letters, up and down */
+       FACE_TALLEST = 778, /* height of small letters with an ascender */
+       FACE_LOWEST = 213,  /* depth of descenders */
 };
-enum { FACE_OUTLINES = 641, FACE_POINTS_MOST = 256 /* of one of them */ };
+enum { FACE_OUTLINES = 641, FACE_POINTS_MOST = 256 /* points of one outline */ };
 
 struct face_point {
     int16_t x, y;
     bool is_on, begins; /* on the curve; the first of a contour, which is on it */
 };
 
-/* The outline of a character: 0, a box, for what the face lacks. */
+/* Return the outline of a character; 0, a box, if the face lacks it. */
 unsigned face_find(uint32_t point);
 
-/* How much further right the next letter begins, and what a pair of letters adds to that. */
+/* Return the advance to the next letter, and the kerning of a pair of letters. */
 int face_advance(unsigned outline);
 int face_kerning(uint32_t point, uint32_t next);
 
-/* The points of an outline, contour by contour; how many. */
+/* Read the points of an outline, contour by contour, and return their number. */
 size_t face_read(struct face_point out[FACE_POINTS_MOST], unsigned outline);
 
 enum {
     GLYPH_ONE = 256,         /* parts of a pixel */
     GLYPH_TALL_MOST = 512,   /* rows of a capital */
     GLYPH_HALO_MOST = 16,    /* pixels */
-    GLYPH_LINES_MOST = 2048, /* of an outline */
+    GLYPH_LINES_MOST = 2048, /* lines of an outline */
 };
 
-/* Parts of a pixel for units of the face, to the nearest, where capitals have `tall` rows. */
+/* Convert units of the face to parts of a pixel, rounded, for capitals of `tall` rows. */
 int64_t glyph_scaled(int64_t units, uint32_t tall);
 
 struct spot {
@@ -71,18 +69,19 @@ struct spot {
 
 /* An outline at a size, as lines. */
 struct glyph {
-    struct spot from[GLYPH_LINES_MOST], to[GLYPH_LINES_MOST]; /* from where the glyph begins on, */
-    int64_t column, row; /* which is the corner of this pixel */
+    struct spot from[GLYPH_LINES_MOST], to[GLYPH_LINES_MOST]; /* relative to the origin of the glyph
+                                                                 */
+    int64_t column, row;                                      /* pixel of that origin */
     size_t lines;
     struct spot least, most;
 };
 
-/* An outline of the face that begins `left` parts of a pixel from the canvas' edge and stands on
- * the upper edge of row `base`, where capitals have 1..GLYPH_TALL_MOST rows. */
+/* Make the outline of a letter that begins `left` parts of a pixel from the canvas' edge, with its
+ * baseline at the upper edge of row `base`, for capitals of 1..GLYPH_TALL_MOST rows. */
 void glyph_make(struct glyph *glyph, unsigned outline, uint32_t tall, int64_t left, int64_t base);
 
-/* Draws its halo, whose radius is in parts of a pixel, a pixel at least; or for 0 its ink. Where
- * the canvas remembers words, it is told. */
+/* Draw its halo, whose radius is given in parts of a pixel and at least a pixel, or with 0 its ink.
+ * Marks the pixels in canvas->words if that is not NULL. */
 void glyph_draw(const struct canvas *canvas, const struct glyph *glyph, uint32_t halo,
                 const uint8_t rgb[3]);
 

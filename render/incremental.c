@@ -10,7 +10,7 @@
 struct following {
     struct rendition *rendition;
     struct drawer drawer;
-    int pixels; /* further than quads, to which colours may change */
+    int pixels; /* distance from quads at which colours may change */
 };
 
 static bool is_same(const struct mesh_brick *a, const struct mesh_quad *p,
@@ -24,7 +24,7 @@ static bool is_same(const struct mesh_brick *a, const struct mesh_quad *p,
     return true;
 }
 
-/* What hides a quad hides it still, or is marked itself. */
+/* A quad that hides this one still does, or is marked itself. */
 static void mark_quads(const struct following *f, uint32_t number, const struct mesh_brick *brick,
                        const struct mesh_quad *quad)
 {
@@ -33,7 +33,7 @@ static void mark_quads(const struct following *f, uint32_t number, const struct 
         rendition_mark_stale(f->rendition, sight.pixels, f->pixels);
 }
 
-/* Both are in the order of keys. */
+/* Both lists of quads are sorted by key. */
 static void follow_brick(void *context, const struct mesh *mesh, uint32_t number,
                          const struct mesh_brick *next)
 {

@@ -38,7 +38,7 @@ static enum err make_room(struct layers *l, uint32_t width, uint32_t height, str
     l->width = width;
     l->height = height;
     l->plane = pixels;
-    /* Those of level^2 - level + 1 to level^2 + level are nearest to the level. */
+    /* Squares from level^2 - level + 1 to level^2 + level are nearest to the level. */
     for (uint32_t square = 0, level = 0; square < SQUARES; square++) {
         level += square > level * level + level;
         l->root[square] = (uint8_t)level;
@@ -76,7 +76,7 @@ void layers_put_none(struct layers *l, size_t pixel)
 
 /* ---- layers of a pixel ---- */
 
-/* Whether one key comes before another. */
+/* Return true if one key precedes another. */
 static bool is_nearer(const struct layer *one, const struct layer *other)
 {
     return one->depth < other->depth || (one->depth == other->depth && one->cell < other->cell);
@@ -109,11 +109,11 @@ void layers_put(struct layers *l, size_t pixel, struct layer layer, bool is_opaq
     l->count[pixel] = (uint8_t)n;
 }
 
-/* ---- what a pixel shows ---- */
+/* ---- shares ---- */
 
 enum { LIGHT_ALL = 1 << 16, LIGHT_LEAST = LIGHT_ALL / 256 };
 
-/* The share of a layer in what is left; less than LIGHT_LEAST is not left over. */
+/* Return the share of a layer in the remaining light; a rest below LIGHT_LEAST is added to it. */
 static uint32_t share_of(uint32_t left, unsigned opacity)
 {
     const uint32_t share = left * opacity / BORDER_OPAQUE;
@@ -131,7 +131,7 @@ bool layers_are_none(const struct layers *l, struct tile_bounds tile)
 
 /* ---- blending ---- */
 
-/* The pixel of a tile that has this number in it. */
+/* Return the pixel with this number in the tile. */
 static inline size_t pixel_at(const struct blend *blend, const struct rendition *r, unsigned number)
 {
     const size_t x = blend->tile.left + number % TILE, y = blend->tile.top + number / TILE;

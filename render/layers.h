@@ -1,23 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Layers: what each pixel shows where some of the objects are translucent.
+ * Layers: the surfaces that a pixel shows where some objects are translucent.
  *
- * Each translucent object has a surface of its own, and all opaque ones have one together
- * (render/mesh.h). Where the ray of a pixel comes into one of them is a layer of the pixel; where
- * it leaves one is none, so an object is as dense as its front. A pixel holds its nearest
- * LAYERS_MOST translucent layers that lie before the first opaque one, and that one: however many
- * surfaces are before it, an opaque object is seen. Layers have keys, as pixels have
- * (render/projection.h), so they are a function of what is shown and of the view, in whatever order
- * triangles are drawn.
+ * Each translucent object has a surface of its own, and all opaque ones share one (render/mesh.h).
+ * A layer is a point where the pixel's ray enters a surface; exits do not count, so an object is as
+ * dense as its front. A pixel holds the nearest LAYERS_MOST translucent layers in front of the
+ * first opaque one, and that one: an opaque object is seen through any number of surfaces. Layers
+ * have keys, as pixels have (render/projection.h), so they depend on the visible objects and the
+ * view, but not on the order in which triangles are drawn.
  *
- * Colour. Each layer is shaded as the one surface of an opaque picture would be, with the normal
- * that the object has by itself. From the nearest on it takes its share of the light that is left;
- * shares of squared colours add up, which is near to what light does, until less than a 256th is
- * left, which goes to the last. What is left at the end is alpha, and the colour is that of what
- * was added alone: it is not multiplied by alpha.
+ * Colour. Each layer is shaded like the single surface of an opaque picture, with the normal of its
+ * own object. From the nearest on, each adds its share of the remaining light, and shares of
+ * squared colours are added, which is close to physical light; when less than a 256th remains, the
+ * last layer adds it. Alpha is the light used, and the colour is not multiplied by it.
  *
- * Depth, voxel, label and normal of the pixel are those of the layer that has the largest share,
- * the nearest of several: what is seen best there. Behind a pale shell that is what is in it.
+ * Depth, voxel, label and normal of the pixel are those of the layer with the largest share, the
+ * nearest of equals: the best visible one. Behind a pale shell that is the object inside.
  */
 #ifndef RENDER_LAYERS_H
 #define RENDER_LAYERS_H
@@ -29,79 +27,79 @@ enum { LAYERS_MOST = 8 };
 struct layer {
     int64_t depth;
     uint32_t cell;
-    uint8_t label; /* 0: the pixel has no layer of that number */
+    uint8_t label; /* 0: no such layer */
 };
 
 struct layers {
-    uint32_t width, height; /* 0 where there is no memory yet */
+    uint32_t width, height; /* 0 before memory is allocated */
     size_t plane;           /* pixels from a layer to the next */
 
-    /* [height][width]: the first opaque one; DEPTH_NONE, CELL_NONE and 0 where there is none */
+    /* [height][width]: the first opaque one; DEPTH_NONE, CELL_NONE and 0 if there is no such layer
+     * */
     struct layer *last;
 
-    /* [LAYERS_MOST][height][width]: the nearest translucent ones before that, from the nearest on;
-     * so memory of layers that no pixel has is never touched */
+    /* [LAYERS_MOST][height][width]: the translucent ones in front of it, from the nearest on; so
+     * the memory of layers that no pixel has is never touched */
     struct layer *layer;
     uint8_t *count; /* [height][width] */
 
-    uint8_t *root; /* of squares, to the nearest */
+    uint8_t *root; /* roots of squares, rounded */
 };
 
 /* A new one is zeroed. */
 void layers_release(struct layers *layers);
 size_t layers_bytes(const struct layers *layers);
 
-/* To be called before a rendition is made of what a border shows: where an object is translucent,
- * the rendition takes these layers, which are its own from now on and outlive it; else it has none.
- * ERR_MEMORY. */
+/* Call before a rendition of a border's voxels is made: if an object is translucent, attach these
+ * layers, which must outlive the rendition; otherwise detach them. ERR_MEMORY. */
 enum err layers_take(struct layers *layers, struct rendition *rendition,
                      const struct border *border, struct fault *fault);
 
-/* Those of the rows of the rendition from one on, to be drawn into; borrows the maps. */
+/* Return the layers of the rows of the rendition from `top` on, to draw into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
 
 /* ---- layers of a pixel ---- */
 
 void layers_put_none(struct layers *layers, size_t pixel);
 
-/* From the nearest on, number 0, to the opaque one, which is the last. */
+/* Return layer `number`, from the nearest, number 0, to the opaque one, the last. */
 static inline struct layer layers_at(const struct layers *l, size_t pixel, unsigned number)
 {
     return number < l->count[pixel] ? l->layer[number * l->plane + pixel] : l->last[pixel];
 }
 
-/* One more: the opaque one, if it is nearer than that so far, or one of the others, unless it is
- * there already. */
+/* Insert a layer: the opaque one if it is nearer than the present one, or a translucent one unless
+ * it exists already. */
 void layers_put(struct layers *layers, size_t pixel, struct layer layer, bool is_opaque);
 
 /* ---- shading ---- */
 
-/* Whether a tile shows nothing. */
+/* Return true if a tile shows nothing. */
 bool layers_are_none(const struct layers *layers, struct tile_bounds tile);
 
-/* A tile in the making. */
+/* A tile being blended. */
 struct blend {
     const struct border *border;
     struct tile_bounds tile;
-    unsigned at, number; /* the next pixel of the tile, and the next layer of it; */
-    uint32_t left, most; /* of its light, of 2^16, and the largest share so far */
-    struct {             /* of each layer that was taken: */
-        unsigned of;     /* whose it is, */
-        uint32_t share;  /* what of the light is, */
-        bool is_seen;    /* and whether that is more than of those before it */
+    unsigned at, number; /* the next pixel of the tile, and its next layer */
+    uint32_t left, most; /* the pixel's remaining light, of 2^16, and the largest share so far */
+    struct {             /* each layer taken: */
+        unsigned of;     /* its pixel in the tile */
+        uint32_t share;  /* its share of the light */
+        bool is_seen;    /* the share is larger than those in front of it */
     } taken[TILE * TILE];
     struct {
-        uint32_t all, squares[3]; /* shares so far, and those of squares of colours */
+        uint32_t all, squares[3]; /* sums of shares, and of shares of squared colours */
     } sum[TILE * TILE];
 };
 
 void blend_begin(struct blend *blend, const struct rendition *rendition,
                  const struct border *border, struct tile_bounds tile);
-/* The next layers, for the caller to shade them: pixel by pixel, each from the nearest on. False
- * after the last. */
+/* Collect the next layers to be shaded: pixel by pixel, each from the nearest on. False after the
+ * last. */
 bool blend_take(struct blend *blend, struct rendition *rendition, struct tile_pixels *pixels);
-/* Adds the colour of a layer that was taken; whether the pixel is to have its normal, unless that
- * is said of a later one too. */
+/* Add the shaded colour of a layer. True if the pixel gets its normal, unless a later layer returns
+ * true too. */
 bool blend_add(struct blend *blend, unsigned which, const uint8_t rgb[3]);
 void blend_end(const struct blend *blend, struct rendition *rendition);
 

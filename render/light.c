@@ -7,18 +7,17 @@
 #include "engine/weight_gradient.h"
 
 enum {
-    BARELY = 64, /* of a normal's length: what it faces the viewer by at least */
+    BARELY = 64, /* smallest cosine to the viewer, as a part of 1 */
 };
 
 /* ---- gradients to normals ---- */
 
-/* Many gradients at once, each to a vector of its direction and of one length: it is a third of the
- * time that a large picture takes, so it is written as loops over arrays, of products that the
- * compiler does several at a time. There are integers only, and of these none that would not come
- * out the same one by one: normalise_one says what the result is, and `test_normalise` that it is
- * that. */
+/* Many gradients at once, each to a vector of its direction and of one length. It is a third of
+ * the time of a large picture, so it is written as loops over arrays, which the compiler
+ * vectorises. All integers, and none that would differ one by one: normalise_one defines the
+ * result, and `test_normalise` compares them. */
 
-enum { VECTOR_BITS = 15 }; /* of the longest of a gradient's three parts */
+enum { VECTOR_BITS = 15 }; /* bits of the longest of a gradient's three parts */
 
 bool normalise_one(int16_t direction[3], const int64_t gradient[3])
 {
@@ -42,17 +41,17 @@ bool normalise_one(int16_t direction[3], const int64_t gradient[3])
 }
 
 struct parts {
-    uint32_t all[NORMALISED]; /* the bits of all three, without their signs */
+    uint32_t all[NORMALISED]; /* bitwise or of the absolute values */
     int32_t along[3][NORMALISED];
 };
 
-/* The one where all bits of `mask` are set, the other where none is. */
+/* Return `one` where bits of `mask` are set, `other` elsewhere. */
 static inline uint32_t chosen(uint32_t mask, uint32_t one, uint32_t other)
 {
     return (one & mask) | (other & ~mask);
 }
 
-/* By so many bits, where none of the first that many of 31 is in use. */
+/* Shift left by `bits` if the upper `bits` of 31 are unused. */
 static inline void shift_left(struct parts *parts, int bits)
 {
     for (int i = 0; i < NORMALISED; i++) {
@@ -107,7 +106,7 @@ WIDE void normalise_all(struct directions *directions, const struct gradients *g
         r = times(r, 3 * one - times(x, times(r, r, 30), 30), 31);
         root[i] = chosen(doubled, r << 1, r);
     }
-    /* A product of 47 bits, by halves of the root. */
+    /* Compute the product of 47 bits by halves of the root. */
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < NORMALISED; i++) {
             const int32_t part = v.along[a][i];
@@ -133,7 +132,7 @@ void normals_init(struct normals *normals, const struct camera *camera, const st
         normals->viewer[a] = -camera->ahead[a] >> (30 - NORMAL_BITS);
 }
 
-/* What a pixel shows faces the viewer, if barely. */
+/* Turn a normal that faces away so that it barely faces the viewer. */
 static void turn_to_viewer(struct directions *normal, unsigned i, const struct normals *normals)
 {
     int64_t along = 0, across[3];
@@ -155,7 +154,7 @@ static inline int64_t share_at(const struct edge_function *e, uint32_t x, uint32
     return e->at + e->right * x + e->down * y;
 }
 
-/* The mean of the corners' normals, by their shares. */
+/* Interpolate the normals of the corners. */
 static inline void blend_normals(struct gradients *outward, unsigned i, const struct seen *seen,
                                  uint32_t x, uint32_t y)
 {
@@ -206,12 +205,12 @@ void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct n
 enum {
     AMBIENT = LIGHT_UNIT / 5,
     DIFFUSE = LIGHT_UNIT - AMBIENT,
-    SPECULAR = 70, /* of 255, where the light is mirrored into the eye */
+    SPECULAR = 70, /* 0..255, in the direction of the mirrored light */
     SHINE = 5,     /* squarings: the exponent is 2^5 */
     CUE_BITS = 20,
 };
 
-/* ---- where it comes from ---- */
+/* ---- its direction ---- */
 
 void light_init(struct light *light, const struct camera *camera, const int32_t angle[2],
                 uint32_t cue_percent)
@@ -232,7 +231,7 @@ void light_init(struct light *light, const struct camera *camera, const int32_t 
         half[a] = (along - camera->ahead[a]) >> (30 - NORMAL_BITS);
         squares += (uint64_t)(half[a] * half[a]);
     }
-    /* Light from straight ahead has no half-way vector, and is mirrored by nothing that is seen. */
+    /* Light from straight ahead has no half-way vector; no visible surface mirrors it. */
     const int64_t length = squares ? square_root(squares) : 1;
     for (int a = 0; a < 3; a++)
         light->half[a] = (int32_t)(half[a] * (1 << NORMAL_BITS) / length);
@@ -243,7 +242,7 @@ void light_init(struct light *light, const struct camera *camera, const int32_t 
         light->gloss[i] = (int32_t)(SPECULAR * mirrored);
     }
     for (int a = 0; a < 3; a++) {
-        /* Half the scene's length along this axis, seen along the ray. */
+        /* Project half the scene's length along this axis onto the ray. */
         int64_t pixels = (int64_t)camera->scene->grid.size[a] * camera->view.zoom *
                          (int64_t)(camera->scene->spacing_nm[a] / (uint32_t)camera->unit_nm) / 1000;
         reach += pixels * (camera->ahead[a] < 0 ? -camera->ahead[a] : camera->ahead[a]) >> 31;
@@ -256,7 +255,7 @@ void light_init(struct light *light, const struct camera *camera, const int32_t 
                  ((light->depth_range >> light->cue_shift) + 1);
 }
 
-/* ---- what it makes of a surface ---- */
+/* ---- lit surfaces ---- */
 
 int64_t light_cue(const struct light *light, int64_t depth)
 {
@@ -273,7 +272,7 @@ static inline void dots(int32_t dot[NORMALISED], const struct directions *normal
         dot[i] = normals->along[0][i] * x + normals->along[1][i] * y + normals->along[2][i] * z;
 }
 
-/* In products that fit into 32 bits: of two halves where they would not. */
+/* Products fit into 32 bits: larger ones are computed in two halves. */
 WIDE void light_surfaces(struct lit *lit, const struct light *light,
                          const struct directions *normals)
 {

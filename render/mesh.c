@@ -9,7 +9,7 @@
 #include "render/view.h"
 
 enum {
-    REGION_BITS = 6, /* voxels a side of what one net is made of, at most */
+    REGION_BITS = 6, /* log2 of the largest side of the voxels of one net */
     REGION_BRICKS = 1 << (REGION_BITS - BORDER_BLOCK_BITS),
     BRICKS = REGION_BRICKS * REGION_BRICKS * REGION_BRICKS,
 };
@@ -77,18 +77,19 @@ const struct mesh_quad *mesh_find(const struct mesh *mesh, const struct mesh_bri
 
 /* ---- nets of a region ---- */
 
-/* What quads of a net are of: all opaque labels, or a translucent one. */
+/* Group of a quad: all opaque labels, or one translucent label. */
 enum { OPAQUE = 0 };
 
 struct group_source {
     const struct border *border;
-    uint8_t group[256]; /* of each visible label */
+    uint8_t group[256]; /* group of each visible label */
     uint8_t wanted;
-    bool is_all;   /* all that is shown is of the group, and nothing is cut away: then labels are */
-    uint8_t label; /* read where they count (net.h); elsewhere it is the one before */
+    bool is_all;   /* the group has all visible voxels, and nothing is cut away, so labels are
+                      needed only at the border */
+    uint8_t label; /* (net.h); elsewhere the previous label is used */
 };
 
-/* Up to 64 cells from one on. */
+/* Read up to 64 cells from `cell` on. */
 static void read_bits(struct group_source *s, uint32_t cell, uint32_t count, uint16_t *voxel)
 {
     const uint64_t none = UINT64_MAX << (count - 1) << 1;
@@ -139,12 +140,12 @@ static void read_row(void *context, int32_t x, int32_t y, int32_t z, uint32_t co
     }
 }
 
-/* Voxels of a region whose quads are made anew, and the bricks that come of it. */
+/* The voxels of a region whose quads are recomputed, and the resulting bricks. */
 struct region {
     struct mesh_box box;
-    uint32_t first[3], end[3];        /* the bricks in which these voxels lie */
+    uint32_t first[3], end[3];        /* the bricks of these voxels */
     struct mesh_brick *brick[BRICKS]; /* [z][y][x] */
-    bool is_short;                    /* of memory */
+    bool is_short;                    /* memory ran out */
 };
 
 static uint32_t brick_in(const uint32_t brick[3])
@@ -153,10 +154,10 @@ static uint32_t brick_in(const uint32_t brick[3])
            brick[0] % REGION_BRICKS;
 }
 
-/* Where the groups of a region lie: of each, the voxels it is between. */
+/* The bounding box of a group in a region. */
 struct extent {
     uint32_t first[3], last[3];
-    uint8_t label; /* of one of them; 0: there is none */
+    uint8_t label; /* one of its labels; 0: the group is empty */
 };
 
 static bool has_walls(const struct mesh *mesh)
@@ -174,7 +175,7 @@ static void find_extents(const struct mesh *mesh, const struct region *r, const 
     for (uint32_t z = first[2]; z < end[2]; z++)
         for (uint32_t y = first[1]; y < end[1]; y++) {
             const uint32_t cell = grid_cell(&border->scene->grid, first[0], y, z);
-            const uint32_t count = end[0] - first[0]; /* of a region: 64 at most */
+            const uint32_t count = end[0] - first[0]; /* at most 64 in a region */
             uint64_t bits = border_bits_at(is_all ? border->border : border->shown, cell) &
                             UINT64_MAX >> (64 - count);
             while (bits) {
@@ -195,14 +196,14 @@ static void find_extents(const struct mesh *mesh, const struct region *r, const 
 
 /* ---- bricks of nets ---- */
 
-/* A net, and which of its quads are of each brick of a region. */
+/* A net, with its quads sorted by brick. */
 struct part {
     struct net net;
-    uint32_t *order;            /* numbers of quads, brick by brick */
-    uint32_t first[BRICKS + 2]; /* of each brick, in `order` */
+    uint32_t *order;            /* numbers of quads, by brick */
+    uint32_t first[BRICKS + 2]; /* start of each brick in `order` */
 };
 
-/* Of a region in the making: its nets, and one brick. */
+/* A region in progress: its nets, and one brick. */
 struct assembly {
     struct part *part;
     size_t parts, capacity;
@@ -210,8 +211,8 @@ struct assembly {
     struct mesh_vertex *vertex;
     uint32_t quads, vertices;
     size_t quads_most, vertices_most;
-    uint32_t *local; /* of vertices of a net, or of a former brick: their number in the new one, */
-    uint32_t *of;    /* and which that is: the `sources`th, from 1 */
+    uint32_t *local; /* for each vertex of a net or former brick: its number in the new one */
+    uint32_t *of;    /* the source that set that number, counted from 1 */
     uint32_t sources;
 };
 
@@ -222,7 +223,7 @@ static uint32_t brick_of(const struct net_quad *q)
     return brick_in(brick);
 }
 
-/* The number in the new brick of a vertex, which may be seen for the first time. */
+/* Return the number of a vertex in the new brick, adding it if it is new. */
 static uint16_t take_vertex(struct assembly *a, uint32_t vertex, bool *is_new)
 {
     *is_new = a->of[vertex] != a->sources;
@@ -261,7 +262,7 @@ static void take_quad(struct assembly *a, const struct net *net, const struct ne
                             from->is_closed};
 }
 
-/* What was taken, in the order of keys. */
+/* Build a brick of the collected quads, sorted by key. */
 static struct mesh_brick *finish_brick(const struct assembly *a)
 {
     struct mesh_brick *b;
@@ -290,7 +291,7 @@ static struct mesh_brick *finish_brick(const struct assembly *a)
     return b;
 }
 
-/* One brick of a region: out of its nets, and of what lies outside its box. */
+/* Build one brick of a region, from its nets and from former quads outside the region's box. */
 static bool make_brick(struct assembly *a, const struct mesh *mesh, struct region *r,
                        const uint32_t at[3])
 {
@@ -336,7 +337,7 @@ static bool make_brick(struct assembly *a, const struct mesh *mesh, struct regio
 
 static bool make_bricks(struct assembly *a, const struct mesh *mesh, struct region *r)
 {
-    size_t most = 1; /* vertices of a source */
+    size_t most = 1; /* most vertices of any source */
     for (uint32_t z = r->first[2]; z < r->end[2]; z++)
         for (uint32_t y = r->first[1]; y < r->end[1]; y++)
             for (uint32_t x = r->first[0]; x < r->end[0]; x++) {
@@ -356,7 +357,7 @@ static bool make_bricks(struct assembly *a, const struct mesh *mesh, struct regi
     return made;
 }
 
-/* The nets of a region, each with its quads shared out. */
+/* Make the nets of a region, with their quads sorted by brick. */
 static bool make_nets(struct assembly *a, const struct mesh *mesh, const struct region *r,
                       struct net_scratch *scratch)
 {
@@ -422,7 +423,7 @@ static void make_region(const struct mesh *mesh, struct region *r, struct net_sc
     free(a.of);
 }
 
-/* ---- what is stale ---- */
+/* ---- stale regions ---- */
 
 static uint32_t regions_along(const struct mesh *mesh, int a)
 {
@@ -434,7 +435,7 @@ static bool is_none(const struct mesh_box *box)
     return box->first[0] >= box->end[0];
 }
 
-/* Quads of voxels at most `far` steps from these along each axis. */
+/* Mark the quads of voxels at most `far` steps from these along each axis. */
 static void mark_regions(struct mesh *mesh, const uint32_t first[3], const uint32_t last[3],
                          uint32_t far)
 {
@@ -464,8 +465,8 @@ static void mark_regions(struct mesh *mesh, const uint32_t first[3], const uint3
     mesh->is_stale = true;
 }
 
-/* A voxel that became one of the object, or ceased to be; or is of another label. Where objects
- * have no walls, only labels beside the surface count then. */
+/* Mark a voxel that was added to or removed from the object, or changed its label. Without walls
+ * between objects, only labels at the surface matter. */
 static void mark_cell(struct mesh *mesh, uint32_t cell, bool is_shown, bool walls)
 {
     const struct place p = grid_place(&mesh->border->scene->grid, cell);
@@ -486,10 +487,10 @@ void mesh_note(struct mesh *mesh, const struct border *border, const struct chan
     if (mesh->border != border)
         return;
     if (changes->everything || border->version != mesh->version + 1) {
-        mesh->is_lost = true; /* mesh_update looks for itself */
+        mesh->is_lost = true; /* mesh_update searches for changes itself */
         return;
     }
-    const bool walls = has_walls(mesh); /* looks at all labels: not for each voxel */
+    const bool walls = has_walls(mesh); /* loops over all labels, so not for each voxel */
     for (size_t i = 0; i < changes->count; i++) {
         const struct change *c = changes->item + i;
         const bool was = border->visible[c->former_label], is = border->visible[c->label];
@@ -499,7 +500,7 @@ void mesh_note(struct mesh *mesh, const struct border *border, const struct chan
     mesh->version = border->version;
 }
 
-/* Voxels of one row from a cell on, before another one: marks them, and says how many cells. */
+/* Mark the voxels from `cell` to the end of its row, or to `end`, and return their number. */
 static size_t mark_run(struct mesh *mesh, size_t cell, size_t end)
 {
     const struct grid *grid = &mesh->border->scene->grid;
@@ -518,7 +519,7 @@ static size_t mark_run(struct mesh *mesh, size_t cell, size_t end)
     return run;
 }
 
-/* After a recount: words of shown voxels that have changed, and voxels seen whose label has. */
+/* After a recount: mark changed words of shown voxels, and visible voxels with a changed label. */
 static void mark_recounted(struct mesh *mesh)
 {
     const struct border *border = mesh->border;
@@ -543,8 +544,8 @@ static void mark_recounted(struct mesh *mesh)
     }
 }
 
-/* Whether the mesh is of other things altogether. Labels of voxels that have no quad count where
- * they are cut away, and where objects may come to have walls. */
+/* Return true if the whole mesh is out of date. Labels of voxels without quads matter if they are
+ * cut away, and where objects may get walls. */
 static bool is_other(const struct mesh *mesh, const struct border *border, enum mesh_kind kind)
 {
     const bool is_cut = mesh->is_cut || !cut_is_none(&border->cut);
@@ -579,7 +580,7 @@ static enum err begin_mesh(struct mesh *mesh, const struct border *border, struc
 
 /* ---- the update ---- */
 
-/* The regions in which bricks are to be made anew. */
+/* The regions whose bricks are recomputed. */
 struct updating {
     struct mesh *mesh;
     struct region *region;
@@ -610,7 +611,8 @@ static bool add_region(struct updating *u, size_t *capacity, const struct mesh_b
     return true;
 }
 
-/* What is stale; or one box around all of it, if it has no more bricks than a region. */
+/* Find the stale regions; or use one box around all of them, if it has no more bricks than a
+ * region. */
 static bool find_regions(struct updating *u)
 {
     const struct mesh *mesh = u->mesh;
@@ -641,7 +643,7 @@ static void make_share(void *context, unsigned thread)
                                        u->regions << (3 * REGION_BITS), thread);
     for (size_t i = thread; i < u->regions; i += team_size(u->team)) {
         if (!u->mesh->scratch[thread])
-            u->mesh->scratch[thread] = net_scratch_new(); /* or NULL: then it takes longer */
+            u->mesh->scratch[thread] = net_scratch_new(); /* or NULL: slower */
         make_region(u->mesh, &u->region[i], u->mesh->scratch[thread]);
         if (u->region[i].is_short || !task_advance(&task, UINT64_C(1) << (3 * REGION_BITS)))
             return;

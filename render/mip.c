@@ -14,28 +14,27 @@ enum { INTENSITIES = UINT16_MAX + 1, WHITE = 255 };
 /*
  * The walk of a pixel's ray through the scene, from cube to cube.
  *
- * It goes from crossing to crossing in the order of (t, axis). At crossing `at` the ray is in the
- * cube whose flipped position along axis b is the number of planes of b, after plane 0, that have
- * been crossed by then. Cubes are those of voxels, or of blocks of 2^bits of them a side, which
- * count from voxel 0 on: so one can go from block to block, and from voxel to voxel where there is
- * something to be found.
+ * It proceeds from crossing to crossing in the order of (t, axis). At crossing `at` the ray is in
+ * the cube whose flipped position along axis b is the number of planes of b, after plane 0, crossed
+ * so far. Cubes are voxels, or blocks of 2^bits voxels a side counted from voxel 0: a walk of
+ * blocks finds the blocks that are worth a walk of voxels.
  */
 struct walk {
-    int64_t at;                /* the crossing by which the ray has come into the cube, */
-    uint32_t cell;             /* and that cube's voxel, or the number of the block, x fastest */
-    uint32_t step[3];          /* from that to the next one along each axis */
-    int64_t next[3], apart[3]; /* crossings of the planes ahead, and between planes */
-    int64_t end;               /* the crossing by which the ray leaves the scene's cubes */
+    int64_t at;                /* the crossing where the ray entered the cube */
+    uint32_t cell;             /* the cube's voxel, or the number of the block, x fastest */
+    uint32_t step[3];          /* from there to the next one along each axis */
+    int64_t next[3], apart[3]; /* crossings of the next planes, and the distance between planes */
+    int64_t end;               /* the crossing where the ray leaves the scene's cubes */
 };
 
-/* Blocks along an axis; the last one may lie in the scene in part. */
+/* Return the blocks along an axis; the last one may extend beyond the scene. */
 static uint32_t blocks_along(const struct grid *grid, int a, unsigned bits)
 {
     return ((grid->size[a] - 1) >> bits) + 1;
 }
 
-/* To the cube in which the ray is at `from`, or is first where it comes into the scene later;
- * INT64_MIN starts before the scene. False where it is in none. */
+/* Begin in the cube where the ray is at `from`, or where it enters the scene if that is later;
+ * INT64_MIN starts before the scene. False if the ray misses it. */
 static inline bool walk_begin(struct walk *walk, const struct camera *camera, unsigned bits,
                               uint32_t column, uint32_t row, int64_t from)
 {
@@ -67,7 +66,7 @@ static inline bool walk_begin(struct walk *walk, const struct camera *camera, un
     return true;
 }
 
-/* The crossing by which the ray leaves the cube. */
+/* Return the crossing where the ray leaves the cube. */
 static inline int64_t walk_leaves(const struct walk *walk)
 {
     const int64_t next = walk->next[0] < walk->next[1] ? walk->next[0] : walk->next[1];
@@ -81,7 +80,7 @@ static inline void walk_cross(struct walk *walk, int a, int64_t at)
     walk->cell += walk->step[a] & (uint32_t)is_crossed;
 }
 
-/* To the next cube; false where the ray leaves the scene. Nobody can foresee across which axis, so
+/* Advance to the next cube; false when the ray leaves the scene. The axis is unpredictable, so
  * there is no branch for it. */
 static inline bool walk_on(struct walk *walk)
 {
@@ -109,7 +108,7 @@ size_t mip_bytes(const struct mip *mip)
     return mip->bytes + (size_t)mip->view.width * mip->view.height;
 }
 
-/* Work that a team shares. */
+/* Work shared by a team. */
 struct drawing {
     struct mip *mip;
     const struct camera *camera;
@@ -134,7 +133,7 @@ static void fill_share(void *context, unsigned thread)
         }
 }
 
-/* Blackens what is cut away. */
+/* Set voxels that are cut away to black. */
 static enum err cut_away(struct mip *mip, struct fault *fault)
 {
     const size_t cells = mip->of.scene->grid.cells, words = cells / 64 + 1;
@@ -142,7 +141,7 @@ static enum err cut_away(struct mip *mip, struct fault *fault)
         return OK;
     uint64_t *bits = mem_array(words, sizeof *bits);
     if (!bits)
-        return fault_memory(fault, "what is cut away");
+        return fault_memory(fault, "the cut");
     memset(bits, UINT8_MAX, words * sizeof *bits);
     if (cut_clear(&mip->of.cut, mip->of.scene, bits))
         for (size_t c = 0; c < cells; c++)
@@ -151,7 +150,7 @@ static enum err cut_away(struct mip *mip, struct fault *fault)
     return OK;
 }
 
-/* Planes of blocks are shared. */
+/* Planes of blocks are distributed to threads. */
 static void find_most(void *context, unsigned thread)
 {
     const struct drawing *d = context;
@@ -200,13 +199,13 @@ static enum err take_source(struct drawing *d, const struct mip_source *source, 
 
 /* ---- along the rays ---- */
 
-/* The brightest voxel of a ray, and the crossing by which the ray comes into it. */
+/* The brightest voxel of a ray, and the crossing where the ray enters it. */
 struct peak {
     int64_t at;
     uint8_t grey;
 };
 
-/* The peak, or that of a block's voxels where it is brighter; the ray leaves the block at `end`. */
+/* Search the voxels of a block for a brighter peak; the ray leaves the block at `end`. */
 static struct peak look_into(const struct mip *mip, struct walk walk, int64_t end, struct peak peak)
 {
     do
@@ -216,7 +215,7 @@ static struct peak look_into(const struct mip *mip, struct walk walk, int64_t en
     return peak;
 }
 
-/* What is brightest in the ray beside is tried first: fewer blocks are brighter than that. */
+/* Try the peak of the neighbouring ray first: fewer blocks are brighter than that. */
 static struct peak brightest(const struct mip *mip, const struct camera *camera, uint32_t x,
                              uint32_t y, struct peak beside)
 {
@@ -233,7 +232,7 @@ static struct peak brightest(const struct mip *mip, const struct camera *camera,
     return peak;
 }
 
-/* Rows in turn: those in the middle take the most time. */
+/* Draw every n-th row: rows in the middle take the most time. */
 static void walk_share(void *context, unsigned thread)
 {
     const struct drawing *d = context;
@@ -289,7 +288,7 @@ void mip_put_behind(uint8_t *out, const uint8_t *rgba, const uint8_t *brightness
 {
     struct tone tone[WHITE + 1];
     for (uint32_t b = 0; b <= WHITE;
-         b++) { /* below 64, it shines through, and is lighter by that */
+         b++) { /* translucent below 64, with a brighter level in return */
         const uint32_t alpha = b < 64 ? 4 * b : WHITE;
         const uint32_t level =
             alpha ? square_root(((uint64_t)WHITE * b * b + alpha / 2) / alpha) : 0;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The maximum intensity projection: of each pixel, the brightest voxel that its ray goes through.
+ * The maximum intensity projection: for each pixel, the brightest voxel on its ray.
  *
- * It shows the scene itself behind and around the objects. Brightness is that of slices: 0 at the
- * black end of the window, 255 at the white one. What is cut away is left out; what objects there
- * are is of no consequence, so an edit leaves it as it is. It is stored with what it was made of:
- * the same again takes no time, another view one walk of its rays from block to block of voxels,
- * and from voxel to voxel in blocks alone that have a brighter one than was met before.
+ * It shows the scene itself behind and around the objects. Brightness is as in slices: 0 at the
+ * black end of the window, 255 at the white one. Voxels that are cut away do not count, and objects
+ * have no influence, so edits leave it unchanged. It is cached with its parameters: repeating them
+ * costs nothing, another view one walk of its rays from block to block of voxels, and from voxel to
+ * voxel only in blocks that have a brighter voxel than found before.
  *
- * What is dark shines through: over black a pixel of brightness b is the grey b, and over any
- * other background air does not hide that.
+ * Dark pixels are translucent: over black a pixel of brightness b is the grey b, and air does not
+ * hide any other background.
  */
 #ifndef RENDER_MIP_H
 #define RENDER_MIP_H
@@ -20,21 +20,20 @@
 
 enum { MIP_BLOCK_BITS = 3, MIP_BLOCK = 1 << MIP_BLOCK_BITS };
 
-/* What it shows. */
+/* Its parameters. */
 struct mip_source {
     const struct scene *scene;
     uint64_t digest;   /* the scene's (scene_digest) */
-    int32_t window[2]; /* the intensities that are black and white; they differ, and either may be
-                          the greater */
+    int32_t window[2]; /* the intensities shown as black and white; they differ, in either order */
     struct cut cut;
 };
 
 struct mip {
-    struct mip_source of; /* scene is NULL where nothing is stored; it may have gone since */
-    size_t bytes;         /* of the two maps that follow from it alone */
-    struct view view;     /* of the map; of width 0 where there is none */
+    struct mip_source of; /* scene is NULL if nothing is cached; it may no longer exist */
+    size_t bytes;         /* size of the two maps that depend on it alone */
+    struct view view;     /* the last map's; width 0 without a map */
     uint8_t *grey;        /* [grid.cells]; 0 in the rim, and where the scene is cut away */
-    uint8_t *most;        /* of each block of MIP_BLOCK voxels a side, by x, y, z: its greatest */
+    uint8_t *most;        /* maximum of each block of MIP_BLOCK voxels a side, by x, y, z */
     uint8_t *brightness;  /* [height][width] */
 };
 
@@ -42,12 +41,12 @@ struct mip {
 void mip_release(struct mip *mip);
 size_t mip_bytes(const struct mip *mip);
 
-/* Makes `brightness` that of a source, whose scene the camera looks at, by a team and under the
- * scene's watch. ERR_MEMORY, ERR_CANCELLED. */
+/* Compute `brightness` for the camera's scene, by a team and under the scene's watch. ERR_MEMORY,
+ * ERR_CANCELLED. */
 enum err mip_draw(struct mip *mip, const struct mip_source *source, const struct camera *camera,
                   struct team *team, struct fault *fault);
 
-/* The pixels of a picture, [count][4] as those of renditions are, over as many of a map. */
+/* Put the pixels of a picture, [count][4] as in renditions, over the same number of a map. */
 void mip_put_behind(uint8_t *out, const uint8_t *rgba, const uint8_t *brightness, size_t count);
 
 #endif

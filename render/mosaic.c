@@ -10,7 +10,7 @@
 
 static const uint8_t seam_grey[3] = {56, 56, 56};
 
-/* How many pixels are free between panes. */
+/* Return the width of the gap between panes. */
 static uint32_t seam_of(uint32_t width, uint32_t height)
 {
     return width < 128 || height < 128 ? 1 : 2;
@@ -27,7 +27,7 @@ struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane p
                                is_low ? height - seam - top : top};
 }
 
-/* The same of a choice; no width where it is not shown. */
+/* The same for a choice; a pane that is not shown has no width. */
 static struct mosaic_box box_of(const struct mosaic_choice *choice, uint32_t width, uint32_t height,
                                 enum mosaic_pane pane)
 {
@@ -36,8 +36,8 @@ static struct mosaic_box box_of(const struct mosaic_choice *choice, uint32_t wid
 
 /* ---- slices ---- */
 
-/* All that are shown have the largest scale at which they fit; and on a screen, the lines and
- * letters that the largest of them has. */
+/* All visible slices share the largest scale at which all fit, and on a screen the line width and
+ * letter size of the largest of them. */
 struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_choice *choice,
                                  uint32_t width, uint32_t height, enum slice_plane plane)
 {
@@ -59,7 +59,7 @@ struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_
         slice.middle[a] = choice->middle[a];
     }
     slice_magnify(&slice, scene, fitting_pm, choice->times ? choice->times : SLICE_TIMES_ONE);
-    if (choice->notes) /* the bars once: they hold for all three */
+    if (choice->notes) /* draw the bars once, for all three */
         slice.notes = plane == SLICE_AXIAL || !has_axial
                           ? SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS
                           : SLICE_LETTERS;
@@ -68,16 +68,16 @@ struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_
 
 /* ---- the rendition ---- */
 
-/* Where the rendition's pixels come to lie: `shown` pixels of the pane from `left`, `top` on. */
+/* The part of the rendition in its pane, which has `shown` pixels from `left`, `top` on. */
 struct fitting {
-    uint32_t width, height; /* of the part of the rendition that is seen, in its pixels, */
+    uint32_t width, height; /* in pixels of the rendition */
     uint32_t from_left, from_top;
-    uint32_t shown_width, shown_height; /* and in those of the pane */
+    uint32_t shown_width, shown_height; /* in pixels of the pane */
     uint32_t left, top;
 };
 
-/* At half the size where the rendition is as large as a mosaic of halves; else in its own shape, as
- * large as it fits, and enlarged by a whole number alone. */
+/* Show it at half its size if it is as large as a mosaic of halves; otherwise as large as it fits,
+ * in its own shape, and enlarged by integer factors only. */
 static struct fitting fit(const struct rendition *r, const struct mosaic_choice *choice,
                           uint32_t width, uint32_t height)
 {
@@ -116,7 +116,7 @@ static struct fitting fit(const struct rendition *r, const struct mosaic_choice 
     return f;
 }
 
-/* The pixels of the rendition that one of the pane stands for. */
+/* Return the pixels of the rendition that one pixel of the pane shows. */
 static struct mosaic_box source_of(const struct fitting *f, uint32_t x, uint32_t y)
 {
     if (f->width == 2 * f->shown_width && f->height == 2 * f->shown_height)
@@ -131,7 +131,7 @@ static struct mosaic_box source_of(const struct fitting *f, uint32_t x, uint32_t
 
 /* ---- pixels of the pane ---- */
 
-/* One row of the pane; source_of has each pixel's source. */
+/* Draw one row of the pane; source_of defines each pixel's source. */
 static void draw_row(const struct canvas *pane, const struct fitting *f, const struct rendition *r,
                      uint32_t y, const uint8_t *behind)
 {
@@ -150,7 +150,7 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
         }
         source.left = f->from_left + left;
         source.width = at > left ? at - left : 1;
-        /* The mean is that of samples (render/rendition.h), and the nearest counts. */
+        /* Compute the mean as for samples (render/rendition.h), and the nearest voxel. */
         uint8_t rgba[4];
         const uint32_t shown =
             r->cell[rendition_mean(rgba, r, source.left, source.top, source.width, source.height)];
@@ -162,7 +162,7 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
 
 /* ---- the whole ---- */
 
-/* Panes share nothing but what is only read, so each may be drawn by another thread. */
+/* Panes share only their input, so each may be drawn by another thread. */
 struct drawing {
     const struct canvas *canvas;
     const struct scene *scene;
@@ -190,7 +190,7 @@ static void draw_share(void *context, unsigned worker)
             for (uint32_t y = 0; y < part.height; y++) {
                 background_at(behind, background_opaque(d->choice->background), y, part.height);
                 canvas_box(&part, 0, y, part.width, 1, behind);
-                if (y - f.top < f.shown_height) /* huge where above */
+                if (y - f.top < f.shown_height) /* wraps around above */
                     draw_row(&part, &f, d->rendition, y - f.top, behind);
             }
             continue;
@@ -244,7 +244,7 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
     for (int i = 0; i < MOSAIC_PANES; i++) {
         const enum mosaic_pane pane = (enum mosaic_pane)i;
         const struct mosaic_box box = box_of(choice, width, height, pane);
-        const uint32_t x = column - box.left, y = row - box.top; /* huge where left or above */
+        const uint32_t x = column - box.left, y = row - box.top; /* wraps around left and above */
         if (x >= box.width || y >= box.height)
             continue;
         if (pane == MOSAIC_RENDITION) {
@@ -265,13 +265,14 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
 
 /* ---- on a screen ---- */
 
-/* A way to lay four panes out, which leaves no part of the screen free. Columns and rows are as
- * long as the patient along x, y or z, or as the longest of these (m); an r has what is left, for
- * the rendition, and a y at least. In the first one the lines of the cross-hair run on. */
+/* A layout of four panes that fills the screen. Columns and rows are as long as the patient along
+ * x, y or z, or as the longest of these (m); an r is the rest, for the rendition, and at least as
+ * long as y. In the first layout the lines of the cross-hair continue from pane to pane. */
 static const struct arrangement {
     const char *columns, *rows;
     struct stay {
-        uint8_t column, row, columns, rows; /* the first that a pane lies in, and how many */
+        uint8_t column, row, columns, rows; /* the first track of a pane, and its number of tracks
+                                               */
     } stay[MOSAIC_PANES];                   /* axial, coronal, sagittal, rendition */
 } arrangement_table[] = {
     {"xy", "zy", {{0, 1, 1, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {1, 1, 1, 1}}},
@@ -282,13 +283,13 @@ static const struct arrangement {
 };
 enum { ARRANGEMENTS = sizeof arrangement_table / sizeof *arrangement_table, TRACKS_MOST = 4 };
 
-/* Another arrangement than the first has more than this part more of the screen in use. */
+/* Another layout than the first must use more of the screen by this part. */
 enum { WORTH = 5 };
 
 enum { LENGTH = 1024, LENGTH_LEAST = LENGTH / 4, SCALE_BITS = 20, CELLS_LEAST = 2 };
 
-/* Of the patient's lengths, the longest of which is LENGTH; what is very flat counts as less so,
- * for its letters need room. */
+/* The patient's lengths, scaled to a maximum of LENGTH; small ones are increased, to leave room
+ * for letters. */
 static uint64_t length_of(const uint64_t of[3], char track)
 {
     const uint64_t most = of[0] > of[1] ? of[0] : of[1];
@@ -303,8 +304,8 @@ static uint64_t sum_of(const uint64_t of[3], const char *tracks)
     return sum;
 }
 
-/* Where tracks begin and the last one ends, in pixels, at whole cells. Where none takes what is
- * left, all are longer than they need be. */
+/* Place the beginnings of tracks, and the end of the last, at whole cells, in pixels. If no track
+ * fills the rest, all are enlarged. */
 static void place_tracks(uint32_t from[TRACKS_MOST + 1], const char *tracks, const uint64_t of[3],
                          uint64_t scale, uint32_t pixels, uint32_t cell)
 {
@@ -324,8 +325,8 @@ static void place_tracks(uint32_t from[TRACKS_MOST + 1], const char *tracks, con
     from[count] = pixels;
 }
 
-/* Lays the panes out; how many pixels show something. Panes that end inside the picture leave a
- * seam free. */
+/* Arrange the panes and return the number of pixels in use. Panes that end inside the picture are
+ * followed by a seam. */
 static uint64_t arrange_panes(struct mosaic_layout *layout, const struct arrangement *a,
                               const struct mosaic_screen *screen, const uint64_t of[3])
 {
@@ -383,7 +384,7 @@ void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
     for (int i = 0; i < ARRANGEMENTS; i++) {
         const struct arrangement *a = &arrangement_table[i];
         struct mosaic_layout next;
-        const bool has_room = /* cells for all tracks */
+        const bool has_room = /* enough cells for all tracks */
             strlen(a->columns) * CELLS_LEAST <= screen->width / screen->cell_width &&
             strlen(a->rows) * CELLS_LEAST <= screen->height / screen->cell_height;
         const uint64_t used = has_room ? arrange_panes(&next, a, screen, length) : 0;

@@ -83,7 +83,7 @@ uint16_t mark_run(const struct mark *mark)
     return (uint16_t)(mark->eliminates ? 0 : 1 + mark->label + (mark->waits ? 256 : 0));
 }
 
-/* How many of the four neighbours are like it. */
+/* Return the number of the four neighbours that are equal. */
 static unsigned alike(const struct mark_runs *runs, size_t at)
 {
     const size_t x = at % runs->columns, y = at / runs->columns, step = runs->step;
@@ -104,7 +104,7 @@ void marks_keep(struct marks *marks, const struct mark_runs *runs, unsigned most
     marks->count = left;
 }
 
-/* A disc, or two diagonals, and what is around it. */
+/* Draw a disc or two diagonals, `around` pixels wider on every side. */
 static void stamp(const struct canvas *canvas, const struct mark *mark, int64_t radius,
                   int64_t around, const uint8_t rgb[3])
 {
@@ -149,14 +149,15 @@ enum { ONE = GLYPH_ONE, HALO_PARTS = 10 };
 
 /* ---- letters ---- */
 
-/* A line, letter by letter. */
+/* A line of text, letter by letter. */
 struct setting {
     const char *next;
     size_t left;   /* bytes */
     uint32_t tall; /* rows of a capital */
     uint32_t point;
     unsigned outline;
-    int64_t at, end; /* where it begins and ends, in parts of a pixel from the line's begin */
+    int64_t at, end; /* horizontal extent of the letter, in parts of a pixel from the line's begin
+                        */
 };
 
 static struct setting begin_setting(const char *words, uint32_t tall)
@@ -183,14 +184,14 @@ static bool next_letter(struct setting *s)
 
 /* ---- drawing ---- */
 
-/* In parts of a pixel. */
+/* Return the width of the halo, in parts of a pixel. */
 static uint32_t halo_of(uint32_t tall)
 {
     const uint32_t wide = tall * ONE / HALO_PARTS, most = GLYPH_HALO_MOST * ONE;
     return wide < ONE ? ONE : wide < most ? wide : most;
 }
 
-/* A letter's ink goes over the halo of the next, which does not reach any letter before. */
+/* Draw ink over the halo of the next letter, which reaches no earlier letter. */
 static void draw_line(const struct canvas *canvas, int64_t left, int64_t base, struct setting s,
                       uint32_t halo, const struct ink *ink)
 {

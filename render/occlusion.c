@@ -8,22 +8,21 @@
 #include "render/light.h"
 
 enum {
-    COARSEST = 16,  /* smallest spacings to the unit of the points' distances, at most */
+    COARSEST = 16,  /* upper limit of the unit of the points' distances, in smallest spacings */
     FULL_BITS = 4,  /* BRICK_FULL to the 4096 of a brick */
-    GRADUAL = 6000, /* of LIGHT_UNIT: what is occluded less than that shows less of it */
+    GRADUAL = 6000, /* part of LIGHT_UNIT: smaller occlusions are reduced gradually */
 };
 
-/* The points along the normal, from the nearest on: how far away they are, in quarters of a brick;
- * what a flat surface has there at most, of 4096; and how much of LIGHT_UNIT a full one would
- * occlude. How full it is on the surface says how hollow this is there; what is across a sulcus is
- * seen by those further out. */
+/* The points along the normal, the nearest first: distance in quarters of a brick; largest fullness
+ * at a flat surface, of 4096; and occlusion by full surroundings, of LIGHT_UNIT. Fullness at the
+ * surface measures how hollow it is; the distant points detect the other side of a sulcus. */
 static const struct {
     int32_t away, flat, weight;
 } points[OCCLUSION_POINTS] = {{0, 2112, 24000}, {3, 896, 40000}, {7, 130, 50000}};
 
 /* ---- the bricks ---- */
 
-/* So that it is at most six smallest spacings long. */
+/* Return the size of a brick along an axis: at most six smallest spacings. */
 static unsigned brick_bits(const struct scene *scene, int a)
 {
     const uint64_t least = view_unit(scene);
@@ -70,7 +69,7 @@ static enum err make_room(struct bricks *bricks, const struct border *border, st
     return OK;
 }
 
-/* The planes of voxels that a plane of bricks is made of. */
+/* Return the planes of voxels of a plane of bricks. */
 static struct span planes_of(const struct bricks *bricks, uint32_t z)
 {
     const uint32_t side = 1u << bricks->bits[2], all = bricks->border->scene->grid.size[2];
@@ -78,7 +77,7 @@ static struct span planes_of(const struct bricks *bricks, uint32_t z)
     return (struct span){first, all - first < side ? all : first + side};
 }
 
-/* Whether a word of any of its voxels has changed since. */
+/* Return true if a word of any of its voxels has changed since. */
 static bool is_stale(const struct bricks *bricks, uint32_t z)
 {
     const struct border *border = bricks->border;
@@ -92,7 +91,7 @@ static bool is_stale(const struct bricks *bricks, uint32_t z)
     return false;
 }
 
-/* Adds what a row of voxels shows to a row of bricks. */
+/* Add the shown voxels of a row to a row of bricks. */
 static void count_row(uint8_t *count, const struct border *border, struct span row, unsigned bits)
 {
     const unsigned side = 1u << bits;
@@ -100,7 +99,7 @@ static void count_row(uint8_t *count, const struct border *border, struct span r
         uint64_t word = border_bits_at(border->shown, c);
         if (row.end - c < 64)
             word &= ~(UINT64_MAX << (row.end - c));
-        if (bits > 0) /* how many of each 2^bits bits side by side are 1, in their place */
+        if (bits > 0) /* count the bits of each group of 2^bits in place */
             word =
                 (word & UINT64_C(0x5555555555555555)) + (word >> 1 & UINT64_C(0x5555555555555555));
         if (bits > 1)
@@ -126,7 +125,7 @@ static void count_plane(struct bricks *bricks, uint32_t z)
         }
 }
 
-/* 1 2 1 along each axis, over rows end to end: the rim around what is counted is empty. */
+/* Smooth by 1 2 1 along each axis, over consecutive rows: the rim around the counts is empty. */
 static void smooth_plane(struct bricks *bricks, uint32_t z)
 {
     const size_t n = in_plane(bricks), row = bricks->size[0];
@@ -180,7 +179,7 @@ uint32_t bricks_around(const struct bricks *bricks, const int32_t point[3])
     size_t first[3];
     for (int a = 0; a < 3; a++) {
         const unsigned bits = bricks->bits[a];
-        const int64_t centre = ((int64_t)128 << bits) - 128; /* of brick 0 */
+        const int64_t centre = ((int64_t)128 << bits) - 128; /* centre of brick 0 */
         const int64_t from = point[a] - centre + ((int64_t)(256 * BRICK_RIM) << bits);
         const int64_t most = ((int64_t)(bricks->size[a] - 1) << (8 + bits)) - 1;
         const int64_t at = from < 0 ? 0 : from > most ? most : from;
@@ -198,9 +197,8 @@ uint32_t bricks_around(const struct bricks *bricks, const int32_t point[3])
 
 /* ---- of pixels ---- */
 
-/* How far a point is from the surface along an axis, in 1/256 voxels. It goes by a quarter of the
- * longest side of a brick, which is no less than that of any other, in smallest spacings times 256.
- */
+/* Return the distance of a point from the surface along an axis, in 1/256 voxels. The unit is a
+ * quarter of the longest side of a brick, in smallest spacings times 256. */
 static int32_t away_along(const struct scene *scene, int point, int a)
 {
     const uint64_t least = view_unit(scene);
@@ -251,7 +249,7 @@ int occlusion_reach(const struct scene *scene)
 {
     int reach = 0;
     for (int a = 0; a < 3; a++) {
-        /* From its centre, a brick that counts is at most two and a half of its sides away. */
+        /* A brick counts if its centre is within two and a half of its sides. */
         const int away = away_along(scene, OCCLUSION_POINTS - 1, a) / 256 + 1;
         const int own = away + (5 << brick_bits(scene, a)) / 2 + 1;
         reach = own > reach ? own : reach;

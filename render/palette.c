@@ -5,10 +5,10 @@
 
 #include "engine/weight_gradient.h"
 
-/* The first 16 were searched for together (palette.h says what they hold), and put in an order in
- * which each lies furthest from those before it. From 17 on each is the one of a raster that lies
- * furthest from those before it, where near numbers count more: the rule is in
- * tests/test_palette.c, which makes these by it, and prints them where they differ. */
+/* The first 16 were optimised together (palette.h has the criteria), and sorted so that each
+ * differs most from those before it. From 17 on each is the colour of a grid that differs most from
+ * those before it, with more weight on near numbers. tests/test_palette.c has the rule: it
+ * recomputes the table, and prints it if it differs. */
 static const uint32_t colour[255] = {
     0xfc961e, 0x00a2fc, 0xae2490, 0x06f69c, 0xc67ec0, 0xc61812, 0x129c5a, 0x6c48d2, 0xfc9cea,
     0x968400, 0x0072ae, 0x78c072, 0x30ccfc, 0x7278fc, 0xd86c5a, 0xae5ad8, 0x1e694b, 0xe1f04b,
@@ -51,7 +51,7 @@ void palette_default(struct palette *palette)
 
 /* ---- the background ---- */
 
-/* The gradient: slate, and shades of it down to near black, which palettes have (tui/picture). */
+/* The gradient: from slate to nearly black, in shades that palettes contain (tui/picture). */
 static const uint8_t gradient_top[3] = {62, 70, 82}, gradient_bottom[3] = {20, 22, 26};
 
 void background_write(struct buf *out, uint32_t background)

@@ -7,17 +7,17 @@
 
 enum {
     PIXEL = 1 << POINT_BITS,
-    POINT_SHIFT = 30 - POINT_BITS, /* places in pictures are times 2^30 at first */
+    POINT_SHIFT = 30 - POINT_BITS, /* positions in pictures are first in 2^-30 pixels */
     DEPTH_SHIFT = 30 - (CROSSING_PIXEL_BITS - NUMBER_BITS),
-    POINTS_MOST = 1024, /* corners of a brick that are projected once; of more, for each quad */
+    POINTS_MOST = 1024, /* corners of a brick projected once; if it has more, once for each quad */
 };
 
-/* Further than any slope that is seen, and such that sums fit. */
+/* Larger than any visible slope, and small enough for the sums. */
 static const int64_t SLOPE_MOST = INT64_C(1) << 40;
 
 struct point {
-    int32_t x, y; /* of 256ths of pixels */
-    int64_t z;    /* of depths, without the number */
+    int32_t x, y; /* in 256ths of pixels */
+    int64_t z;    /* depth, without the number */
 };
 
 /* ---- places ---- */
@@ -78,7 +78,7 @@ static inline struct point point_of(const struct drawer *d, const int64_t base[3
 
 struct window {
     int32_t left, top, right, bottom; /* both ends included */
-    bool is_by_pixel;                 /* each by itself, as its ray has it */
+    bool is_by_pixel;                 /* each pixel on its own, as in the ray walk */
 };
 
 static inline struct edge_function side_of(const struct point *a, const struct point *b, int32_t x,
@@ -89,7 +89,7 @@ static inline struct edge_function side_of(const struct point *a, const struct p
     return (struct edge_function){at, -dy * PIXEL, dx * PIXEL};
 }
 
-/* An edge through a centre counts for one of its two directions alone. */
+/* An edge through a pixel's centre counts for one of its two directions alone. */
 static inline struct edge_function edge_of(const struct point *a, const struct point *b, int32_t x,
                                            int32_t y)
 {
@@ -99,7 +99,7 @@ static inline struct edge_function edge_of(const struct point *a, const struct p
     return e;
 }
 
-/* Twice the area, above 0 where it is seen from in front. */
+/* Return twice the area, positive for a front face. */
 static inline int64_t area_of(const struct point *a, const struct point *b, const struct point *c)
 {
     return (int64_t)(b->x - a->x) * (c->y - a->y) - (int64_t)(c->x - a->x) * (b->y - a->y);
@@ -114,10 +114,10 @@ static inline int32_t most_of(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* How deep a triangle is. */
+/* The depth of a triangle's plane. */
 struct slope {
     const struct point *from;
-    int64_t right, down; /* for a pixel; */
+    int64_t right, down; /* per pixel */
     int64_t least, most;
 };
 
@@ -146,12 +146,12 @@ static inline int64_t depth_at(const struct slope *s, int32_t x, int32_t y)
     return z < s->least ? s->least : z > s->most ? s->most : z;
 }
 
-/* What a triangle is of. */
+/* The owner of a triangle's pixels. */
 struct owner {
     uint32_t cell;
     uint8_t label;
     unsigned number;
-    bool is_layer; /* of a picture with layers, */
+    bool is_layer; /* the picture has layers */
     bool is_opaque;
 };
 
@@ -209,7 +209,7 @@ static void draw_triangle(struct rendition *r, const struct window *w, const str
 
 /* ---- bricks ---- */
 
-/* Corners of a quad's triangles; in a picture they go round the other way, unless mirrored. */
+/* Corners of a quad's triangles; in the picture they run the other way round, unless mirrored. */
 static const uint8_t triangle[2][3] = {{0, 1, 2}, {0, 2, 3}};
 
 static void draw_brick(const struct drawer *d, struct rendition *r, const struct window *w,
@@ -251,7 +251,7 @@ static void draw_brick(const struct drawer *d, struct rendition *r, const struct
     }
 }
 
-/* The pixels between two places each way, and one more. */
+/* Return the pixels within `reach` of `middle`, and one more on each side. */
 static struct footprint between(const struct camera *camera, const int64_t middle[2],
                                 const int64_t reach[2])
 {
@@ -267,7 +267,7 @@ static struct footprint between(const struct camera *camera, const int64_t middl
                               (int32_t)end[1][1]};
 }
 
-/* Of so many bricks beside each other along x, from a voxel on. */
+/* Return the extent of `bricks` adjacent bricks along x, from a voxel on. */
 static struct sight seen_of(const struct drawer *d, const uint32_t first[3], uint32_t bricks)
 {
     const int64_t last[3] = {(int64_t)bricks * MESH_SIDE - 1, MESH_SIDE - 1, MESH_SIDE - 1};
@@ -296,7 +296,7 @@ static int64_t depth_of(const struct rendition *r, size_t pixel)
     return r->layers ? r->layers->last[pixel].depth : r->depth[pixel];
 }
 
-/* The furthest that pixels of a tile show, or of its opaque layers. */
+/* Return the largest depth of a tile's pixels, or of its opaque layers. */
 static int64_t far_of(struct rendition *r, size_t tile)
 {
     if (!r->is_drawn[tile])
@@ -314,7 +314,7 @@ static int64_t far_of(struct rendition *r, size_t tile)
     return far;
 }
 
-/* Whether all pixels of stale tiles that a brick may cover in a window show something nearer. */
+/* Return true if all pixels of stale tiles that a brick may cover show something nearer. */
 static bool is_hidden(struct rendition *r, const struct sight *seen, const struct window *w)
 {
     const struct footprint f = seen->pixels;
@@ -330,7 +330,7 @@ static bool is_hidden(struct rendition *r, const struct sight *seen, const struc
 
 /* ---- the ways ---- */
 
-/* Of work: a voxel each. */
+/* Units of work in a brick: one for each voxel. */
 enum { MESH_UNITS = MESH_SIDE * MESH_SIDE * MESH_SIDE };
 
 static uint64_t units_of(const struct mesh *mesh)
@@ -351,7 +351,7 @@ static void clear_layers(struct rendition *r, struct tile_bounds t)
             layers_put_none(r->layers, (size_t)y * r->width + x);
 }
 
-/* Nothing is seen, and all is to be shaded; the window is the whole picture. */
+/* Clear the picture and mark it stale; return the window of the whole picture. */
 static struct window clear(struct rendition *r)
 {
     const struct tile_bounds whole = {0, 0, r->width, r->height};
@@ -360,7 +360,7 @@ static struct window clear(struct rendition *r)
     return window_of(whole);
 }
 
-/* A brick, unless it lies outside a window. */
+/* Draw a brick, unless it is outside the window. */
 static void draw_seen(const struct drawer *d, struct rendition *r, const struct window *window,
                       uint32_t number)
 {
@@ -382,7 +382,7 @@ void project_scene(struct rendition *r, const struct camera *camera, const struc
             draw_seen(&d, r, &window, b);
 }
 
-/* From the nearest brick on, as far as rows of them tell. */
+/* Draw bricks from the nearest on, in the order of their rows. */
 static void draw_border(struct task *task, struct rendition *r, const struct camera *camera,
                         const struct mesh *mesh, const struct window *window)
 {
@@ -467,10 +467,10 @@ struct splitting {
     const struct rendition *rendition;
     const struct camera *camera;
     const struct mesh *mesh;
-    uint32_t first[TEAM_MOST + 1]; /* rows of tiles of each thread, to those of the next */
+    uint32_t first[TEAM_MOST + 1]; /* first row of tiles of each thread, and the end */
 };
 
-/* Each thread has about as much to do, and pixels of its own. */
+/* Divide the rows so that each thread has about the same work. */
 static void share_rows(struct splitting *s, unsigned threads)
 {
     uint32_t work[ROWS_MOST], y = 0;

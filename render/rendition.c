@@ -40,7 +40,7 @@ size_t rendition_bytes(const struct rendition *r)
     return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y * a_tile;
 }
 
-/* After an edit most tiles are fresh: they are passed over eight at a time. */
+/* After an edit most tiles are fresh, so eight are skipped at a time. */
 size_t rendition_tile(const struct rendition *r, size_t tile, size_t end, unsigned states)
 {
     const uint64_t of_each = UINT64_C(0x0101010101010101) * states;
@@ -182,13 +182,13 @@ enum {
     COLOURS = 4,
     PAIR = 2 * COLOURS,
     NOT_FRESH = TILE_STALE | TILE_LIT | TILE_SHADED | TILE_EMPTY,
-    TILES_SHARED = 1024, /* from so many on it is worth waking another thread */
+    TILES_SHARED = 1024, /* from this number on another thread is worth waking */
 };
 
-/* The colours of two pixels, squared, of which roots are taken at once where the machine can. */
+/* The squared colours of two pixels: their roots are computed in parallel where the machine can. */
 typedef uint16_t lanes __attribute__((vector_size(2 * PAIR)));
 
-/* Rounded down, bit by bit. */
+/* Compute roots, rounded down, bit by bit. */
 static inline lanes roots_of(lanes squares)
 {
     lanes root = {0};
@@ -199,17 +199,17 @@ static inline lanes roots_of(lanes squares)
     return root;
 }
 
-/* Of some pixels: what lies nearest, the sum of alpha, and sums of squares of colours by alpha. */
+/* A group of pixels: the nearest, the sum of alpha, and sums of squared colours times alpha. */
 struct mean {
     size_t nearest;
     uint64_t alpha, squares[COLOURS - 1];
 };
 
-/* Of a box of pixels. */
+/* Compute it for a box of pixels. */
 static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t width,
                                   uint32_t height)
 {
-    uint64_t alpha = 0, red = 0, green = 0, blue = 0; /* in registers, as members are not */
+    uint64_t alpha = 0, red = 0, green = 0, blue = 0; /* locals stay in registers, unlike members */
     size_t nearest = first;
     for (uint32_t j = 0; j < height; j++)
         for (uint32_t i = 0; i < width; i++) {
@@ -225,7 +225,7 @@ static inline struct mean mean_of(const struct rendition *fine, size_t first, ui
     return (struct mean){nearest, alpha, {red, green, blue}};
 }
 
-/* The mean square of a colour; dividing 32 bits takes a third of the time. */
+/* Return the mean square of a colour; a 32-bit division is three times as fast. */
 static inline uint16_t square_of(const struct mean *mean, int k, uint64_t pixels)
 {
     return (uint16_t)(pixels <= 64 ? (uint32_t)mean->squares[k] / (uint32_t)mean->alpha
@@ -249,7 +249,7 @@ size_t rendition_mean(uint8_t rgba[4], const struct rendition *fine, uint32_t le
     return mean.nearest;
 }
 
-/* All of a pixel but its colour, of which the squares are given back. */
+/* Compute all of a pixel but its colour, whose squares are returned. */
 static inline void reduce_pixel(struct rendition *out, size_t to, const struct rendition *fine,
                                 size_t first, uint32_t samples, uint16_t squares[COLOURS])
 {
@@ -266,7 +266,7 @@ static inline void reduce_pixel(struct rendition *out, size_t to, const struct r
                                                         : 0);
 }
 
-/* `count` pixels beside each other, at most a tile's. */
+/* Reduce `count` adjacent pixels, at most a tile's. */
 static inline void reduce_row(struct rendition *out, size_t to, uint32_t count,
                               const struct rendition *fine, size_t first, uint32_t samples)
 {
@@ -316,7 +316,7 @@ static void reduce_share(void *context, unsigned thread)
     const size_t after = rows.end * r->fine->tiles_x;
     size_t tile = rendition_tile(r->fine, rows.first * r->fine->tiles_x, after, NOT_FRESH);
     for (; tile < after; tile = rendition_tile(r->fine, tile + 1, after, NOT_FRESH)) {
-        if (r->samples == 4) /* written out, so that loops of so many rounds are compiled */
+        if (r->samples == 4) /* constants, so that the compiler unrolls the loops */
             reduce_tile(r->out, r->fine, tile, 4);
         else if (r->samples == 2)
             reduce_tile(r->out, r->fine, tile, 2);

@@ -9,7 +9,7 @@
 #include "render/light.h"
 #include "render/occlusion.h"
 
-enum { EDGE = LIGHT_UNIT * 35 / 100 }; /* what an edge leaves of a colour */
+enum { EDGE = LIGHT_UNIT * 35 / 100 }; /* part of a colour left by an edge */
 
 void shader_release(struct shader *shader)
 {
@@ -30,7 +30,7 @@ enum mesh_kind shade_kind(const struct look *look)
            (look->creases ? MESH_APART : MESH_SMOOTH);
 }
 
-/* Translucent objects let the light in. */
+/* There is no occlusion with translucent objects. */
 static bool occludes(const struct look *look, const struct border *border)
 {
     return look->ao_percent > 0 && !border_is_translucent(border);
@@ -55,7 +55,7 @@ struct shade_reach shade_reach(const struct look *look, const struct camera *cam
 
 /* ---- pixels ---- */
 
-/* All that colours depend on besides the pixel. */
+/* Everything that colours depend on except the pixel. */
 struct shading {
     const struct camera *camera;
     const struct border *border;
@@ -64,9 +64,9 @@ struct shading {
     struct normals normals;
     struct light light;
     struct occluder occluder;
-    bool occludes;     /* light is occluded, by these bricks */
-    bool has_pixels;   /* one sample may stand for a pixel */
-    int32_t window[2]; /* where something is cut open, these intensities are black and white */
+    bool occludes;     /* ambient light is occluded */
+    bool has_pixels;   /* one sample may represent a pixel */
+    int32_t window[2]; /* intensities shown as black and white on cut faces */
 };
 
 static void shading_init(struct shading *s, const struct camera *camera, const struct mesh *mesh,
@@ -86,19 +86,20 @@ static void shading_init(struct shading *s, const struct camera *camera, const s
     s->has_pixels = look->samples > 1 && normal_stride(camera) >= look->samples;
 }
 
-/* Whether the neighbour beyond a closed face, counted from 1, was cut away; else the scene ends. */
+/* Return true if the neighbour beyond a closed face, counted from 1, was cut away; otherwise the
+ * scene ends there. */
 static bool is_cut_open(const struct shading *s, uint32_t cell, unsigned open)
 {
     const ptrdiff_t step = s->camera->scene->grid.step[(open - 1) / 2];
     return open && border_is_cut(s->border, cell + (uint32_t)((open - 1) & 1 ? step : -step));
 }
 
-/* What a thread shades at a time: pixels of a tile, and what comes of them. */
+/* The pixels of a tile that a thread shades at a time, and the results. */
 struct tile_shading {
     const struct shading *s;
     struct triangles triangles;
     struct tile_pixels pixels;
-    struct directions normals; /* of these pixels, */
+    struct directions normals; /* the pixels' normals, */
     struct lit lit;            /* and their colours */
 };
 
@@ -146,7 +147,7 @@ static inline void put_normal(struct rendition *r, size_t pixel, const struct di
 
 /* ---- tiles ---- */
 
-/* Labels of a tile. Empty pixels get no colour and no normal. */
+/* Set the labels of a tile, and clear its empty pixels. */
 static void label_tile(struct rendition *r, const struct border *border, struct tile_bounds tile)
 {
     uint32_t last = CELL_NONE;
@@ -164,10 +165,10 @@ static void label_tile(struct rendition *r, const struct border *border, struct 
         }
 }
 
-/* Whether nothing is seen in a tile. */
+/* Return true if a tile is empty. */
 static bool is_bare(const struct rendition *r, struct tile_bounds tile)
 {
-    uint32_t all = CELL_NONE; /* which has all bits set */
+    uint32_t all = CELL_NONE; /* all bits set */
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
         const uint32_t *cell = r->cell + (size_t)y * r->width + tile.left;
         for (uint32_t x = 0; x < tile.right - tile.left; x++)
@@ -176,7 +177,7 @@ static bool is_bare(const struct rendition *r, struct tile_bounds tile)
     return all == CELL_NONE;
 }
 
-/* Those of layers come when they are blended. */
+/* Labels of layers are set when they are blended. */
 static void label_tiles(struct rendition *r, size_t first, size_t end, const struct shading *s)
 {
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
@@ -227,8 +228,8 @@ static void shade_mask(struct rendition *r, struct tile_shading *t, struct tile_
 
 /* ---- samples ---- */
 
-/* Whether all samples of a pixel show one object, and lie on a slope of no more than 4: then one of
- * them is shaded for all. */
+/* Return true if all samples of a pixel show one object with a slope of at most 4: one of them is
+ * shaded for all. */
 static bool is_one(const struct rendition *r, size_t first, uint32_t samples)
 {
     int64_t near = INT64_MAX, far = INT64_MIN;
@@ -243,7 +244,7 @@ static bool is_one(const struct rendition *r, size_t first, uint32_t samples)
     return (far - near) >> CROSSING_PIXEL_BITS < 4 * (int64_t)samples;
 }
 
-/* What a sample looks like, for all of its pixel. */
+/* Copy the colour and normal of a sample to all samples of its pixel. */
 static void spread_pixel(struct rendition *r, size_t first, size_t from, uint32_t samples)
 {
     uint8_t rgba[4];
@@ -258,12 +259,12 @@ static void spread_pixel(struct rendition *r, size_t first, size_t from, uint32_
         }
 }
 
-/* A tile of samples: of pixels that show one surface, the sample after half of them alone. Cuts
- * show voxels, which are no smaller than pixels here. */
+/* Shade a tile of samples; for pixels that show one surface, only the sample after the middle. Cut
+ * faces show voxels, which are no smaller than pixels here. */
 static void shade_samples(struct rendition *r, struct tile_shading *t, struct tile_bounds tile)
 {
     const uint32_t samples = t->s->look->samples, half = samples / 2;
-    tile_mask all = ~(tile_mask)0, one = 0; /* samples to shade; those that stand for a pixel */
+    tile_mask all = ~(tile_mask)0, one = 0; /* samples to shade; samples that represent a pixel */
     tile_mask box = 0;
     for (uint32_t y = 0; y < samples; y++)
         box |= (((tile_mask)1 << samples) - 1) << (y * TILE);
@@ -285,7 +286,7 @@ static void shade_samples(struct rendition *r, struct tile_shading *t, struct ti
     }
 }
 
-/* Where objects are translucent: all layers of its pixels. */
+/* Shade all layers of a tile's pixels. */
 static void blend_tile(struct rendition *r, struct tile_shading *t, struct tile_bounds tile)
 {
     const struct tile_pixels *p = &t->pixels;
@@ -325,7 +326,7 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, const str
     }
 }
 
-/* Edges look at normals of pixels around, so they come once all are there. */
+/* Edges depend on normals of nearby pixels, so they are drawn after shading. */
 static void draw_edges(struct rendition *r, size_t first, size_t end, const struct shading *s)
 {
     struct edges edges;
@@ -374,7 +375,7 @@ struct sharing {
     struct team *team;
 };
 
-/* The tile after the first `stale` ones that are. */
+/* Return the tile after the first `stale` stale ones. */
 static size_t tile_after(const struct rendition *r, size_t stale)
 {
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
@@ -384,8 +385,8 @@ static size_t tile_after(const struct rendition *r, size_t stale)
     return tile;
 }
 
-/* Labels of all tiles come first, since those of pixels around are looked at; then each thread has
- * as many tiles that show something as any other. */
+/* Set the labels of all tiles first, since they are read across tiles; then divide the non-empty
+ * tiles equally among threads. */
 static void shade_share(void *context, unsigned thread)
 {
     const struct sharing *sharing = context;
@@ -405,7 +406,7 @@ static void shade_share(void *context, unsigned thread)
     draw_edges(r, first, end, s);
 }
 
-/* To wake a thread takes as long as to shade some tiles. */
+/* Waking a thread costs as much as shading some tiles. */
 enum { TILES_SHARED = 128 };
 
 enum err shade(struct rendition *r, const struct camera *camera, const struct mesh *mesh,

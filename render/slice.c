@@ -8,9 +8,9 @@
 #include "engine/labels.h"
 
 enum {
-    PART = 256, /* parts of the way from one voxel to the next */
+    PART = 256, /* parts of the distance between two voxels */
     HALF = PART * PART / 2,
-    HAIRLINE_DIMS = 4, /* to this part of the grey */
+    HAIRLINE_DIMS = 4, /* divisor of the grey */
 };
 
 void slice_window(uint8_t grey[UINT16_MAX + 1], int32_t low, int32_t high)
@@ -26,14 +26,14 @@ void slice_window(uint8_t grey[UINT16_MAX + 1], int32_t low, int32_t high)
 
 /* ---- columns ---- */
 
-/* What a pixel column takes from a row of voxels: those two in the list of columns to be read, the
- * second one's part, and which of the two its centre falls in. */
+/* The voxels that a pixel column reads in a row of voxels: two positions in the list of columns,
+ * the weight of the second, and the one that contains its centre. */
 struct sample {
     uint32_t low, high, near;
     uint32_t part;
 };
 
-/* A slice in the making. Columns are counted from the first that shows something. */
+/* A slice in progress. Columns are counted from the first that shows something. */
 struct work {
     const struct canvas *canvas;
     const struct scene *scene;
@@ -41,23 +41,23 @@ struct work {
     const struct slice_style *style;
     struct slice_plan plan;
     struct labels labels;
-    uint8_t shown[256]; /* a label, or 0 where it is hidden */
+    uint8_t shown[256]; /* a label, or 0 if it is hidden */
     struct sample *sample;
-    uint32_t *voxel;  /* [columns], in which the centre of each lies */
-    ptrdiff_t *reads; /* voxels to be read, as cells from the row's first */
+    uint32_t *voxel;  /* [columns], the voxel that contains each centre */
+    ptrdiff_t *reads; /* voxels to read, as cells from the row's first */
     size_t columns, count;
     uint8_t *label; /* [rows][columns] of the picture */
 
     uint16_t *intensity; /* [count] of a row of voxels */
     uint8_t *of_voxel;   /* [count], their labels */
     struct row {
-        int64_t voxel;  /* which row of voxels this is, -1 for none */
+        int64_t voxel;  /* number of the row of voxels, -1 for none */
         uint32_t *grey; /* [columns], intensities times PART */
         uint8_t *label; /* [columns] */
-    } row[2];           /* even and odd ones: neighbours are there at the same time */
+    } row[2];           /* even and odd rows, so that neighbours are available at the same time */
 };
 
-/* Between which voxels of a side a pixel lies; `part` is 0 where only the first one counts. */
+/* Return the voxel before a pixel on a side; `part` is 0 if only that voxel counts. */
 static int64_t between(const struct slice_side *side, int64_t pixel, bool smooth, uint32_t *part)
 {
     const int64_t last = side->voxels - 1;
@@ -67,12 +67,12 @@ static int64_t between(const struct slice_side *side, int64_t pixel, bool smooth
     return voxel < 0 ? 0 : voxel > last ? last : voxel;
 }
 
-/* Voxels rise from column to column, so each is listed once. */
+/* Voxels increase from column to column, so each is listed once. */
 static void list_columns(struct work *work, bool smooth)
 {
     const struct slice_side *side = &work->plan.side[0];
     const ptrdiff_t step = work->plan.step[0];
-    int64_t last = -1; /* the voxel listed last */
+    int64_t last = -1; /* the last voxel listed */
     for (size_t x = 0; x < work->columns; x++) {
         struct sample *s = &work->sample[x];
         const int64_t pixel = side->first + (int64_t)x;
@@ -91,8 +91,8 @@ static void list_columns(struct work *work, bool smooth)
 
 /* ---- rows ---- */
 
-/* A row of voxels, interpolated along the columns. Read once: cells of a sagittal slice lie further
- * apart than caches reach. */
+/* Return a row of voxels, interpolated along the columns. Each cell is read once: in sagittal
+ * slices they are too far apart for caches. */
 static const struct row *row_of(struct work *work, int64_t voxel)
 {
     struct row *row = &work->row[voxel & 1];
@@ -140,7 +140,8 @@ static void paint_grey(struct work *work)
 
 /* ---- labels ---- */
 
-/* The label of a pixel: 0 beside the scene, `own` beside the picture, whose edge is no contour. */
+/* Return the label of a pixel: 0 outside the scene, `own` outside the picture, whose edge is no
+ * contour. */
 static uint8_t label_at(const struct work *work, int64_t x, int64_t y, uint8_t own)
 {
     const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
@@ -151,7 +152,8 @@ static uint8_t label_at(const struct work *work, int64_t x, int64_t y, uint8_t o
     return work->label[(size_t)(y - row->first) * work->columns + (size_t)(x - column->first)];
 }
 
-/* How far the nearest other label is beside, above or below, at most `reach`; 0 for none. */
+/* Return the distance to the nearest other label left, right, above or below, up to `reach`, or
+ * 0. */
 static int64_t edge_near(const struct work *work, int64_t x, int64_t y, uint8_t own, int64_t reach)
 {
     for (int64_t d = 1; d <= reach; d++)
@@ -161,7 +163,7 @@ static int64_t edge_near(const struct work *work, int64_t x, int64_t y, uint8_t 
     return 0;
 }
 
-/* The same where all those are pixels of the scene, as nearly everywhere. */
+/* The same if all those pixels are in the scene, as nearly everywhere. */
 static int64_t edge_near_inside(const uint8_t *label, ptrdiff_t columns, int64_t reach)
 {
     for (ptrdiff_t d = 1; d <= reach; d++)
@@ -171,7 +173,7 @@ static int64_t edge_near_inside(const uint8_t *label, ptrdiff_t columns, int64_t
     return 0;
 }
 
-/* Whether eight of them side by side have no other label that near. */
+/* Return true if eight adjacent pixels have no other label within reach. */
 static bool is_plain(const uint8_t *label, ptrdiff_t columns, int64_t reach)
 {
     uint64_t own, other, differs = 0;
@@ -186,8 +188,8 @@ static bool is_plain(const uint8_t *label, ptrdiff_t columns, int64_t reach)
     return !differs;
 }
 
-/* A line of the label's colour along the edge of a region, between two hairlines that darken what
- * they lie on: outside where no label is, and, where there is room, inside. */
+/* Draw a line of the label's colour along the edge of a region, between two hairlines that darken
+ * the picture: outside if there is no label, and, if there is room, inside. */
 static void outline_row(const struct work *work, int64_t y, const struct palette *palette)
 {
     const struct slice_side *column = &work->plan.side[0], *row = &work->plan.side[1];
@@ -243,10 +245,10 @@ static void add_mark(struct marks *marks, const struct slice_plan *plan, int64_t
                                    mark->label, mark->eliminates, mark->waits});
 }
 
-/* The runs that pixels show, with `margin` pixels around that show none. */
+/* The runs at pixels, with a margin of `margin` empty pixels. */
 struct run_map {
     const struct work *work;
-    uint16_t *run; /* [rows][columns], those of the margin too; 0 for none */
+    uint16_t *run; /* [rows][columns] including the margin; 0 for none */
     ptrdiff_t columns;
     int64_t margin;
 };
@@ -257,7 +259,7 @@ static const uint16_t *run_at(const struct run_map *map, size_t x, int64_t y)
     return map->run + row * map->columns + map->margin + (ptrdiff_t)x;
 }
 
-/* Another run beside, above or below, within a reach; the same where there is none. */
+/* Return another run left, right, above or below, within a reach; otherwise the same run. */
 static uint16_t other_near(const uint16_t *run, ptrdiff_t columns, int64_t reach)
 {
     for (ptrdiff_t d = 1; d <= reach; d++) {
@@ -269,7 +271,8 @@ static uint16_t other_near(const uint16_t *run, ptrdiff_t columns, int64_t reach
     return *run;
 }
 
-/* A line of the label's colour within the rim, as thin as contours are, and a hairline outside. */
+/* Draw a line of the label's colour inside the rim, as thin as contours are, and a hairline
+ * outside. */
 static void draw_rim(const struct run_map *map, size_t x, int64_t y)
 {
     const struct work *work = map->work;
@@ -288,14 +291,14 @@ static void draw_rim(const struct run_map *map, size_t x, int64_t y)
     else if (own && filled->shows(filled->of, (uint32_t)cell))
         for (int k = 0; k < 3; k++)
             pixel[k] = (uint8_t)((pixel[k] + rgb[k] + 1) / 2);
-    else if (!own && other > 256) /* it waits */
+    else if (!own && other > 256) /* it waits for a run */
         memset(pixel, 255, 3);
     else if (!own && other)
         for (int k = 0; k < 3; k++)
             pixel[k] /= HAIRLINE_DIMS;
 }
 
-/* Rows of pixels that show no run, nor lie beside one, cost no more than a look at their voxels. */
+/* Rows of pixels without runs within reach are skipped. */
 static bool draw_rims(const struct work *work, const struct mark_runs *runs)
 {
     const struct slice_side *row = &work->plan.side[1];
@@ -303,7 +306,7 @@ static bool draw_rims(const struct work *work, const struct mark_runs *runs)
     const size_t columns = work->columns + 2 * (size_t)margin;
     struct run_map map = {work, NULL, (ptrdiff_t)columns, margin};
     map.run = mem_new(columns * (size_t)rows * sizeof *map.run);
-    uint8_t *is_used = mem_new((size_t)rows); /* that have runs within reach */
+    uint8_t *is_used = mem_new((size_t)rows); /* rows with runs within reach */
     const bool fine = map.run && is_used;
     for (int64_t y = row->first; y < row->end && fine; y++) {
         const uint16_t *of = runs->run + (size_t)slice_side_voxel(row, y) * runs->columns;
@@ -321,12 +324,12 @@ static bool draw_rims(const struct work *work, const struct mark_runs *runs)
     return fine;
 }
 
-/* False when out of memory. */
+/* Draw seeds and eliminators. False if memory runs out. */
 static bool draw_marks(const struct work *work)
 {
     struct marks marks = {0};
     if (work->style->marks_seeds) {
-        /* Every voxel of the slice counts, also those that no pixel shows. */
+        /* Collect every voxel of the slice, also those without pixels. */
         const struct slice_plan *plan = &work->plan;
         for (int64_t y = 0; y < plan->side[1].voxels; y++) {
             const int64_t row = (int64_t)plan->corner + y * plan->step[1];
@@ -347,7 +350,7 @@ static bool draw_marks(const struct work *work)
         }
     }
     if (marks.count) {
-        /* Dots side by side would hide what is segmented. */
+        /* Adjacent dots would hide the object. */
         struct mark_runs runs = {.columns = (size_t)work->plan.side[0].voxels,
                                  .rows = (size_t)work->plan.side[1].voxels,
                                  .step = 1};
@@ -369,7 +372,7 @@ static bool draw_marks(const struct work *work)
 
 /* ---- the cross-hair ---- */
 
-/* A line along one side through `at` of the other, which leaves the middle free. */
+/* Draw a line along one side through `at` of the other, with a gap in the middle. */
 static void draw_line(const struct canvas *canvas, bool upright, int64_t at, int64_t middle,
                       int64_t gap)
 {
@@ -403,7 +406,7 @@ static void draw_cross(const struct work *work)
 
 /* ---- letters and bars ---- */
 
-/* Bottom right, with the values left of its ends. */
+/* Draw the bar of greys at the bottom right, with values left of its ends. */
 static void draw_greys(const struct canvas *canvas, uint32_t tall, const struct slice_style *style)
 {
     const int64_t wide = 2 * tall / 3, high = canvas->height / 4, frame = text_halo(tall);
@@ -436,7 +439,7 @@ static void draw_notes(const struct work *work)
         notes_draw_sides(work->canvas, work->plan.size, word, &notes_light);
     }
     if (choice->notes & SLICE_SCALE && side >= NOTES_BARS_FROM && !scene->spacing_unknown) {
-        /* About a fifth of the picture's width. */
+        /* At most a quarter of the picture's width. */
         const int64_t pixel_pm = work->plan.side[0].pixel_pm;
         const uint64_t most = (uint64_t)pixel_pm * work->canvas->width / 4 + 1;
         const uint64_t length = slice_round_length(most);
@@ -482,7 +485,7 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
     bool fine = mem_parts(parts, sizeof parts / sizeof *parts);
     if (fine) {
         list_columns(&work, work.choice->smooth);
-        /* Black beyond the scene. */
+        /* Fill the surroundings of the scene with black. */
         static const uint8_t black[3];
         const struct slice_side *column = &work.plan.side[0], *row = &work.plan.side[1];
         canvas_box(canvas, 0, 0, column->pixels, row->first, black);

@@ -7,21 +7,22 @@
 #include "base/least.h"
 #include "render/view.h"
 
-/* The patient's axes of each plane. In the picture, both of them run downwards: columns from the
- * right (or the front) of the patient on, rows from his front (or top) on. */
+/* The patient's axes of each plane. In the picture both run downwards: columns from the patient's
+ * right (or front), rows from the front (or top). */
 enum { COLUMN, ROW, ACROSS };
 static const int8_t world_axis_of[3][3] = {
     [SLICE_AXIAL] = {0, 1, 2}, [SLICE_CORONAL] = {0, 2, 1}, [SLICE_SAGITTAL] = {1, 2, 0}};
 
 enum {
-    EDGE_PARTS = 8,    /* of the picture, one on each side where its place does not come to lie */
-    UNIT_PIXELS = 400, /* so many of its shorter side more make lines a pixel thicker */
+    EDGE_PARTS = 8,    /* divisor of the picture: width of the rim on each side that the place
+                          avoids */
+    UNIT_PIXELS = 400, /* lines are a pixel thicker for each of these on the shorter side */
 };
 
-/* Wide enough for any scene that there is, and small enough for 64 bits in all that follows. */
+/* Large enough for any scene, and small enough for 64-bit arithmetic below. */
 static const uint64_t PIXEL_PM_MOST = INT64_MAX / (INT64_C(8) * VIEW_SIDE_MOST);
 
-/* The axis of the scene that runs along an axis of the patient. */
+/* Return the axis of the scene along an axis of the patient. */
 static int scene_axis(const struct scene *scene, int world)
 {
     int axis = 0;
@@ -42,7 +43,7 @@ uint32_t slice_count(const struct scene *scene, enum slice_plane plane)
     return scene->grid.size[slice_axis(scene, plane)];
 }
 
-/* From the patient's index to the scene's, and back. */
+/* Convert the patient's index to the scene's, or back. */
 static uint32_t turned(const struct scene *scene, int axis, uint32_t index)
 {
     return scene->world_sign[axis] < 0 ? scene->grid.size[axis] - 1 - index : index;
@@ -139,9 +140,9 @@ static int64_t within(int64_t value, int64_t least, int64_t most)
     return value < least ? least : value > most ? most : value;
 }
 
-/* Where the picture begins: the slice in the middle where it fits, else the voxel that is wanted
- * there, as near to it as keeps the place off the edge and leaves nothing empty. What is thinner
- * than a pixel has the middle of one, or no pixel would show it. */
+/* Return the origin of the picture: the slice is centred if it fits; otherwise `middle` is in the
+ * centre, as far as the place stays off the edge and nothing is empty. A slice thinner than a pixel
+ * is centred on a pixel, so that one shows it. */
 static int64_t origin2(const struct slice_side *side, int64_t place, int64_t middle)
 {
     const int64_t length2 = 2 * side->voxels * side->spacing_pm;
@@ -237,7 +238,7 @@ void slice_length_words(char out[32], uint64_t pm)
     snprintf(out + n, 32 - (size_t)n, " mm");
 }
 
-/* ---- going on ---- */
+/* ---- panning ---- */
 
 static uint32_t index_of(const struct slice_side *side, int64_t counted)
 {
@@ -249,7 +250,7 @@ static int64_t voxel_at2(const struct slice_side *side, int64_t point2)
     return within(divided_down(point2, 2 * side->spacing_pm), 0, side->voxels - 1);
 }
 
-/* The voxel that is in the middle after so many eighths. */
+/* Return the voxel in the centre after panning by eighths. */
 static int64_t middle_after(const struct slice_side *side, int by)
 {
     const int64_t half2 = side->pixels * side->pixel_pm;
@@ -262,7 +263,7 @@ static int64_t middle_after(const struct slice_side *side, int by)
     return next != now ? next : within(now + (by > 0) - (by < 0), 0, side->voxels - 1);
 }
 
-/* The voxel nearest to `place` that does not push the picture away from where it would begin. */
+/* Return the voxel nearest to `place` that does not shift the picture. */
 static int64_t place_after(const struct slice_side *side, int64_t place, int64_t middle)
 {
     const int64_t picture2 = 2 * side->pixels * side->pixel_pm, rim2 = picture2 / EDGE_PARTS;

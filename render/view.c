@@ -8,14 +8,14 @@
 
 enum {
     CORDIC_STEPS = 32,
-    RELATIVE_BITS = 20,     /* of a voxel's side in pixels */
-    CROSSING_BITS = 24,     /* of t */
+    RELATIVE_BITS = 20,     /* fraction bits of a voxel's side in pixels */
+    CROSSING_BITS = 24,     /* fraction bits of t */
     COSINE_LEAST = 1 << 18, /* 2^-12: the tiny direction cosine */
 };
 #define ONE30       (INT64_C(1) << 30)
-#define SIDE_LIMIT  (INT64_C(1) << 28) /* a voxel of 256 pixels */
-#define RANGE_LIMIT (INT64_C(1) << 61) /* of a crossing times 4 */
-#define MARGIN      (ONE30 >> 6)       /* over all rounding of T, A, B, C, and of cosines */
+#define SIDE_LIMIT  (INT64_C(1) << 28) /* side of a voxel: 256 pixels */
+#define RANGE_LIMIT (INT64_C(1) << 61) /* limit of a crossing times 4 */
+#define MARGIN      (ONE30 >> 6)       /* covers all rounding of T, A, B, C, and of cosines */
 
 /* ---- sines ---- */
 
@@ -29,8 +29,8 @@ static const int64_t cordic_angle[CORDIC_STEPS] = {
 /* The product of cos(atan(2^-i)), times 2^30. */
 static const int64_t cordic_gain = 652032874;
 
-/* Sine of an angle within the first quarter turn, by rotating (gain, 0) step by step (Volder 1959).
- * 16 guard bits make the shifts invisible in 30. */
+/* Compute the sine of an angle in the first quarter turn by rotating (gain, 0) step by step (Volder
+ * 1959). 16 guard bits keep the error of the shifts below 30 bits. */
 static int32_t sine_first_quarter(int32_t angle)
 {
     int64_t x = cordic_gain << 16, y = 0, left = (int64_t)angle << 20;
@@ -71,8 +71,7 @@ static int32_t cosine(int32_t angle)
 
 /* ---- names ---- */
 
-/* Feet-to-head up except from above and below, where the front is up (radiological habit for
- * slices has it so, too). */
+/* The head is up, except from above and below, where the front is up, as in radiological slices. */
 static const struct {
     const char *name;
     int32_t angle[3];
@@ -110,7 +109,7 @@ uint32_t view_unit(const struct scene *scene)
     return least;
 }
 
-/* The side of a voxel along axis a in pixels, times 2^20. */
+/* Return the side of a voxel along axis a in pixels, times 2^20. */
 static int64_t side_in_pixels(const struct scene *scene, int a, uint32_t zoom)
 {
     const uint64_t most = (uint64_t)SIDE_LIMIT * VIEW_ZOOM_ONE / VIEW_ZOOM_LEAST;
@@ -118,7 +117,7 @@ static int64_t side_in_pixels(const struct scene *scene, int a, uint32_t zoom)
     return (int64_t)((ratio < most ? ratio : most) * zoom / VIEW_ZOOM_ONE);
 }
 
-/* A voxel much longer than wide is not to be larger than a picture can hold. */
+/* Limit the zoom so that a very anisotropic voxel is not larger than a picture can hold. */
 static uint32_t zoom_within(const struct scene *scene, uint32_t samples, uint64_t zoom)
 {
     uint64_t most = zoom < VIEW_ZOOM_MOST ? zoom : VIEW_ZOOM_MOST;
@@ -192,14 +191,14 @@ void view_pan(struct view *view, const struct camera *camera, int64_t right, int
     }
 }
 
-/* A focus along one axis times a length per voxel, without what 64 bits do not hold. */
+/* Multiply a focus along one axis by a length per voxel, without overflow. */
 static int64_t focus_times(int64_t focus, int64_t length)
 {
     return (focus >> VIEW_FOCUS_BITS) * length +
            ((focus & (FOCUS_ONE - 1)) * length >> VIEW_FOCUS_BITS);
 }
 
-/* No place of the scene is further from its middle than half its sides together. */
+/* No place of the scene is further from its middle than half the sum of its sides. */
 static bool focus_is_near(const struct view *view, const struct scene *scene)
 {
     uint64_t pixels = 0;
@@ -251,17 +250,17 @@ static void cross(int64_t out[3], const int64_t a[3], const int64_t b[3])
     }
 }
 
-/* The picture's vectors along flipped axes, and the direction with its zeros made tiny. */
+/* The picture's vectors along flipped axes; zeros of the direction are replaced by tiny values. */
 struct basis {
     int64_t right[3], down[3], ahead[3];
-    int64_t side[3];  /* of a voxel, in pixels times 2^20 */
+    int64_t side[3];  /* side of a voxel, in pixels times 2^20 */
     int64_t focus[3]; /* as view.focus */
 };
 
 static enum err set_crossings(struct camera *camera, const struct basis *b, struct fault *fault)
 {
     const struct view *view = &camera->view;
-    /* How far the focus lies beyond the scene's middle, as crossings count. */
+    /* The distance of the focus beyond the scene's middle, in units of crossings. */
     int64_t behind = 0;
     for (int a = 0; a < 3; a++) {
         int64_t t = focus_times(b->focus[a], b->side[a]) * (1 << (CROSSING_BITS - RELATIVE_BITS));
@@ -314,8 +313,8 @@ enum err camera_init(struct camera *camera, const struct scene *scene, const str
         return fault_set(fault, ERR_LIMIT,
                          "the picture would show a place too far from the scene; the view is "
                          "unchanged");
-    /* Where the centre of a cube falls: the dual of (right, down, ahead), so that it agrees with
-     * the rays even where `ahead` was made a little oblique. */
+    /* The position of a cube's centre uses the dual of (right, down, ahead), so that it agrees with
+     * the rays even if `ahead` was made slightly oblique. */
     int64_t dual[3][3];
     cross(dual[0], b.down, b.ahead);
     cross(dual[1], b.ahead, b.right);
