@@ -40,8 +40,10 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
         border->visible[label] = true;
     memset(border->opacity, BORDER_OPAQUE, sizeof border->opacity);
     border->shown = mem_pages(pages_of(border));
-    if (!border->shown)
+    if (!border->shown) {
+        *border = (struct border){0};
         return fault_memory(fault, "the border");
+    }
     border->border = border->shown + words;
     border->marked = border->border + words;
     border->stale = (uint32_t *)(border->marked + words / 64 + 1);

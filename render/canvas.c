@@ -33,8 +33,10 @@ enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, uns
                                      {&canvas->cell, cells, sizeof *canvas->cell},
                                      {&canvas->words, notes, sizeof *canvas->words},
                                      {&canvas->below, notes, sizeof *canvas->below}};
-    if (!mem_parts(parts, sizeof parts / sizeof *parts))
+    if (!mem_parts(parts, sizeof parts / sizeof *parts)) {
+        canvas_release(canvas);
         return fault_memory(fault, "a picture");
+    }
     canvas->cell = cells ? canvas->cell : NULL;
     canvas->words = notes ? canvas->words : NULL;
     canvas->below = notes ? canvas->below : NULL;

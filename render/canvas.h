@@ -34,12 +34,12 @@ struct canvas {
 enum { CANVAS_CELLS = 1, CANVAS_NOTES = 2 };
 
 /* Make a black canvas of 1..VIEW_SIDE_MOST pixels a side with these maps, released by the caller.
- * ERR_MEMORY: without any. */
+ * ERR_MEMORY: it is {0}. */
 enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, unsigned maps,
                      struct fault *fault);
 
 /* Replace a canvas, or {0}, by a black one with all maps, for successive pictures. The memory of a
- * canvas of the same size is reused. ERR_MEMORY: it has no maps. */
+ * canvas of the same size is reused. ERR_MEMORY: it is {0}. */
 enum err canvas_renew(struct canvas *canvas, uint32_t width, uint32_t height, struct fault *fault);
 void canvas_release(struct canvas *canvas);
 

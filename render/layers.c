@@ -23,39 +23,30 @@ size_t layers_bytes(const struct layers *l)
     return (size_t)l->width * l->height * a_pixel + (l->root ? SQUARES : 0);
 }
 
-static enum err make_room(struct layers *l, uint32_t width, uint32_t height, struct fault *fault)
-{
-    const size_t pixels = (size_t)width * height;
-    if (l->width == width && l->height == height)
-        return OK;
-    layers_release(l);
-    const struct mem_part parts[] = {{&l->last, pixels, sizeof *l->last},
-                                     {&l->layer, pixels, LAYERS_MOST * sizeof *l->layer},
-                                     {&l->count, pixels, sizeof *l->count},
-                                     {&l->root, SQUARES, sizeof *l->root}};
-    if (!mem_parts(parts, sizeof parts / sizeof *parts))
-        return fault_memory(fault, "translucent objects");
-    l->width = width;
-    l->height = height;
-    l->plane = pixels;
-    /* Squares from level^2 - level + 1 to level^2 + level are nearest to the level. */
-    for (uint32_t square = 0, level = 0; square < SQUARES; square++) {
-        level += square > level * level + level;
-        l->root[square] = (uint8_t)level;
-    }
-    return OK;
-}
-
 enum err layers_take(struct layers *l, struct rendition *r, const struct border *border,
                      struct fault *fault)
 {
     r->layers = NULL;
     if (!border_is_translucent(border))
         return OK;
-    const enum err err = make_room(l, r->width, r->height, fault);
-    if (!err)
-        r->layers = l;
-    return err;
+    if (l->width != r->width || l->height != r->height) {
+        const size_t pixels = (size_t)r->width * r->height;
+        layers_release(l);
+        const struct mem_part parts[] = {{&l->last, pixels, sizeof *l->last},
+                                         {&l->layer, pixels, LAYERS_MOST * sizeof *l->layer},
+                                         {&l->count, pixels, sizeof *l->count},
+                                         {&l->root, SQUARES, sizeof *l->root}};
+        if (!mem_parts(parts, sizeof parts / sizeof *parts))
+            return fault_memory(fault, "translucent objects");
+        *l = (struct layers){r->width, r->height, pixels, l->last, l->layer, l->count, l->root};
+        /* Squares from level^2 - level + 1 to level^2 + level are nearest to the level. */
+        for (uint32_t square = 0, level = 0; square < SQUARES; square++) {
+            level += square > level * level + level;
+            l->root[square] = (uint8_t)level;
+        }
+    }
+    r->layers = l;
+    return OK;
 }
 
 struct layers layers_rows(const struct layers *l, uint32_t top)
@@ -112,13 +103,6 @@ void layers_put(struct layers *l, size_t pixel, struct layer layer, bool is_opaq
 /* ---- shares ---- */
 
 enum { LIGHT_ALL = 1 << 16, LIGHT_LEAST = LIGHT_ALL / 256 };
-
-/* Return the share of a layer in the remaining light; a rest below LIGHT_LEAST is added to it. */
-static uint32_t share_of(uint32_t left, unsigned opacity)
-{
-    const uint32_t share = left * opacity / BORDER_OPAQUE;
-    return left - share < LIGHT_LEAST ? left : share;
-}
 
 bool layers_are_none(const struct layers *l, struct tile_bounds tile)
 {
@@ -180,7 +164,9 @@ bool blend_take(struct blend *blend, struct rendition *r, struct tile_pixels *p)
             next_pixel(blend);
             continue;
         }
-        const uint32_t share = share_of(blend->left, blend->border->opacity[layer.label]);
+        uint32_t share = blend->left * blend->border->opacity[layer.label] / BORDER_OPAQUE;
+        if (blend->left - share < LIGHT_LEAST) /* leave no smaller rest */
+            share = blend->left;
         const bool is_seen = share > blend->most;
         const unsigned i = p->count++;
         blend->taken[i].of = blend->at;

@@ -249,29 +249,21 @@ static void walk_share(void *context, unsigned thread)
     }
 }
 
-static enum err take_view(struct drawing *d, struct fault *fault)
-{
-    struct mip *mip = d->mip;
-    const struct view *view = &d->camera->view;
-    if (memcmp(&mip->view, view, sizeof *view) == 0)
-        return OK;
-    free(mip->brightness);
-    mip->view = (struct view){0};
-    mip->brightness = mem_array((size_t)view->width * view->height, 1);
-    if (!mip->brightness)
-        return fault_memory(fault, "a projection");
-    team_run(d->team, walk_share, d);
-    mip->view = *view;
-    return watch_fault(mip->of.scene->watch, fault);
-}
-
 enum err mip_draw(struct mip *mip, const struct mip_source *source, const struct camera *camera,
                   struct team *team, struct fault *fault)
 {
     struct drawing d = {.mip = mip, .camera = camera, .team = team};
+    const struct view *view = &camera->view;
     enum err err = take_source(&d, source, fault);
-    if (!err)
-        err = take_view(&d, fault);
+    if (!err && memcmp(&mip->view, view, sizeof *view) != 0) {
+        free(mip->brightness);
+        mip->brightness = mem_array((size_t)view->width * view->height, 1);
+        if (mip->brightness)
+            team_run(team, walk_share, &d);
+        mip->view = *view;
+        err = mip->brightness ? watch_fault(source->scene->watch, fault)
+                              : fault_memory(fault, "a projection");
+    }
     if (err)
         mip_release(mip);
     return err;

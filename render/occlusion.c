@@ -61,8 +61,10 @@ static enum err make_room(struct bricks *bricks, const struct border *border, st
                                      {&bricks->room, 2 * plane, sizeof *bricks->room},
                                      {&bricks->count, all, sizeof *bricks->count},
                                      {&bricks->stale, bricks->size[2], sizeof *bricks->stale}};
-    if (!mem_parts(parts, sizeof parts / sizeof *parts))
+    if (!mem_parts(parts, sizeof parts / sizeof *parts)) {
+        bricks_release(bricks);
         return fault_memory(fault, "ambient occlusion");
+    }
     memset(bricks->full, 0, all * sizeof *bricks->full);
     memset(bricks->room, 0, 2 * plane * sizeof *bricks->room);
     memset(bricks->count, 0, all * sizeof *bricks->count);

@@ -19,8 +19,10 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
         {&r->normal, pixels, 4 * sizeof *r->normal}, {&r->stale, tiles, sizeof *r->stale},
         {&r->blank, tiles, sizeof *r->blank},        {&r->far, tiles, sizeof *r->far},
         {&r->is_drawn, tiles, sizeof *r->is_drawn}};
-    if (!mem_parts(parts, sizeof parts / sizeof *parts))
+    if (!mem_parts(parts, sizeof parts / sizeof *parts)) {
+        rendition_release(r);
         return fault_memory(fault, "a rendition");
+    }
     memset(r->blank, false, tiles * sizeof *r->blank);
     rendition_clear(r);
     return OK;

@@ -244,21 +244,6 @@ static bool is_one(const struct rendition *r, size_t first, uint32_t samples)
     return (far - near) >> CROSSING_PIXEL_BITS < 4 * (int64_t)samples;
 }
 
-/* Copy the colour and normal of a sample to all samples of its pixel. */
-static void spread_pixel(struct rendition *r, size_t first, size_t from, uint32_t samples)
-{
-    uint8_t rgba[4];
-    int16_t normal[4];
-    memcpy(rgba, r->rgba + 4 * from, sizeof rgba);
-    memcpy(normal, r->normal + 4 * from, sizeof normal);
-    for (uint32_t y = 0; y < samples; y++)
-        for (uint32_t x = 0; x < samples; x++) {
-            const size_t at = first + (size_t)y * r->width + x;
-            memcpy(r->rgba + 4 * at, rgba, sizeof rgba);
-            memcpy(r->normal + 4 * at, normal, sizeof normal);
-        }
-}
-
 /* Shade a tile of samples; for pixels that show one surface, only the sample after the middle. Cut
  * faces show voxels, which are no smaller than pixels here. */
 static void shade_samples(struct rendition *r, struct tile_shading *t, struct tile_bounds tile)
@@ -281,8 +266,19 @@ static void shade_samples(struct rendition *r, struct tile_shading *t, struct ti
     for (; one; one &= one - 1) {
         const unsigned bit = (unsigned)__builtin_ctzll(one);
         const uint32_t x = tile.left + bit % TILE, y = tile.top + bit / TILE;
+        /* Copy the colour and normal of the sample to all samples of its pixel. */
         const size_t from = (size_t)y * r->width + x;
-        spread_pixel(r, from - half * ((size_t)r->width + 1), from, samples);
+        const size_t first = from - half * ((size_t)r->width + 1);
+        uint8_t rgba[4];
+        int16_t normal[4];
+        memcpy(rgba, r->rgba + 4 * from, sizeof rgba);
+        memcpy(normal, r->normal + 4 * from, sizeof normal);
+        for (uint32_t j = 0; j < samples; j++)
+            for (uint32_t i = 0; i < samples; i++) {
+                const size_t at = first + (size_t)j * r->width + i;
+                memcpy(r->rgba + 4 * at, rgba, sizeof rgba);
+                memcpy(r->normal + 4 * at, normal, sizeof normal);
+            }
     }
 }
 
