@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a hand paints, by models that look at every voxel: balls by their distance, strokes by the
- * voxel nearest to each step, polygons by the winding number around each centre, rings by the
- * distance from each voxel inside. They know nothing of how session/paint.c does it. Each sets
- * covers[cell] where it paints.
+ * Models of painting that examine every voxel: balls by distance, strokes by the voxel nearest to
+ * each step, polygons by the winding number around each centre, rings by the distance from each
+ * voxel inside. They are independent of session/paint.c. Each sets covers[cell] where it paints.
  */
 #ifndef TESTS_PAINT_MODEL_H
 #define TESTS_PAINT_MODEL_H
@@ -16,7 +15,7 @@
 
 typedef const uint32_t (*corners_of)[3];
 
-/* Sets covers[cell] of all voxels of which what follows, by their place x, y, z, is true. */
+/* Set covers[cell] of all voxels for which the expression, in their place x, y, z, is true. */
 #define EACH_VOXEL(grid, ...)                                                                      \
     for (uint32_t z = 0; z < (grid)->size[2]; z++)                                                 \
         for (uint32_t y = 0; y < (grid)->size[1]; y++)                                             \
@@ -47,8 +46,8 @@ static inline void model_ball(bool *covers, const struct grid *grid, const int64
     EACH_VOXEL(grid, distance_2((const int64_t[]){x, y, z}, middle, unit) <= radius * radius);
 }
 
-/* The voxel nearest to part/parts of the way from a to b, looked for one by one from a on; of two
- * the farther one. */
+/* Return the voxel nearest to part/parts of the way from a to b, found by trying all from a on; of
+ * two, the farther one. */
 static inline int64_t nearest(int64_t a, int64_t b, int64_t part, int64_t parts)
 {
     int64_t best = a;
@@ -83,7 +82,7 @@ static inline void model_box(bool *covers, const struct grid *grid, const uint32
                is_between(a[0], x, b[0]) && is_between(a[1], y, b[1]) && is_between(a[2], z, b[2]));
 }
 
-/* On which side of the line through a and b: above 0 for the left. */
+/* Return the side of the line through a and b: positive for the left. */
 static inline int64_t side_of(const int64_t a[2], const int64_t b[2], const int64_t p[2])
 {
     return (b[0] - a[0]) * (p[1] - a[1]) - (p[0] - a[0]) * (b[1] - a[1]);
@@ -105,7 +104,7 @@ static inline bool is_filled(corners_of corner, size_t corners, int axis, const 
     return winds != 0;
 }
 
-/* All corners lie at the same place along `axis`. */
+/* All corners have the same place along `axis`. */
 static inline void model_polygon(bool *covers, const struct grid *grid, corners_of corner,
                                  size_t corners, int axis)
 {
@@ -113,7 +112,8 @@ static inline void model_polygon(bool *covers, const struct grid *grid, corners_
                          is_filled(corner, corners, axis, (const int64_t[]){x, y, z}));
 }
 
-/* In the slice of that polygon, along the first axis where all corners lie at the same place. */
+/* Paint in the slice of that polygon, along the first axis where all corners have the same place.
+ * */
 static inline void model_ring(bool *covers, const struct grid *grid, corners_of corner,
                               size_t corners, int width)
 {

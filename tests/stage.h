@@ -46,7 +46,7 @@ static inline enum err stage_take(struct stage *s, struct scene *scene, unsigned
     return err ? err : border_init(&s->border, scene, why);
 }
 
-/* The same for a new scene, all of it zero. */
+/* The same for a new scene of zeros. */
 static inline enum err stage_init(struct stage *s, const uint32_t size[3], unsigned adjacency,
                                   struct fault *why)
 {
@@ -56,7 +56,64 @@ static inline enum err stage_init(struct stage *s, const uint32_t size[3], unsig
     return err ? err : stage_take(s, scene, adjacency, why);
 }
 
-/* Edits the forest; the border follows. */
+/* Give the scene's axes one of the six orders, and the directions of three bits: 0 is +1. */
+static inline void stage_turn(struct stage *s, unsigned order, unsigned backwards)
+{
+    static const int8_t axes[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                      {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (int a = 0; a < 3; a++) {
+        s->scene->world_axis[a] = axes[order % 6][a];
+        s->scene->world_sign[a] = backwards >> a & 1 ? -1 : 1;
+    }
+}
+
+/* The same at random, with spacings of 0.3 to 2.3 mm along half of the axes. */
+static inline void stage_turn_at_random(struct stage *s, uint64_t *random)
+{
+    stage_turn(s, check_below(random, 6), check_below(random, 8));
+    for (int a = 0; a < 3; a++)
+        s->scene->spacing_nm[a] =
+            check_below(random, 2) ? 1000000 : 300000 + check_below(random, 2000000);
+}
+
+/* Set label 1 where `holds` is true of the place, relative to the middle of the scene, in voxels; 0
+ * elsewhere. */
+typedef bool stage_shape(const double at[3]);
+static inline void stage_put(struct stage *s, stage_shape *holds)
+{
+    const struct grid *grid = &s->scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++) {
+                const double at[3] = {x - (grid->size[0] - 1) / 2.0, y - (grid->size[1] - 1) / 2.0,
+                                      z - (grid->size[2] - 1) / 2.0};
+                s->scene->cell[grid_cell(grid, x, y, z)].label = holds(at);
+            }
+    border_recount(&s->border);
+}
+
+/* Return the point that a pixel of the stage's picture shows, relative to the middle of the scene,
+ * in mm. */
+static inline void stage_point(const struct stage *s, size_t pixel, double out[3])
+{
+    const struct rendition *r = &s->rendition;
+    for (int a = 0; a < 3; a++) {
+        const int64_t x = (int64_t)(pixel % r->width), y = (int64_t)(pixel / r->width);
+        const int64_t first = camera_crossing(&s->camera, a, 0, x, y);
+        const double beyond =
+            (double)((r->depth[pixel] & ~(int64_t)NUMBER_MASK) - first) / (double)s->camera.T[a];
+        const double from_middle = beyond - s->scene->grid.size[a] / 2.0;
+        out[a] = (s->camera.flip[a] ? -from_middle : from_middle) * s->scene->spacing_nm[a] / 1e6;
+    }
+}
+
+static inline int stage_by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Edit the forest and update the border. */
 static inline struct changes stage_edit(struct stage *s, const struct edit *batch, size_t count)
 {
     CHECK(forest_edit(s->forest, batch, count, NULL) == OK);
@@ -65,7 +122,7 @@ static inline struct changes stage_edit(struct stage *s, const struct edit *batc
     return changes;
 }
 
-/* Plants one seed of background or of three labels. */
+/* Plant one seed, of background or of three labels. */
 static inline struct changes stage_seed_at_random(struct stage *s, uint64_t *random)
 {
     const struct edit seed = {random_voxel(&s->scene->grid, random),
@@ -73,7 +130,7 @@ static inline struct changes stage_seed_at_random(struct stage *s, uint64_t *ran
     return stage_edit(s, &seed, 1);
 }
 
-/* Plants seeds, and erases those whose trees hold a voxel: three edits at once. */
+/* Plant seeds, and erase those whose trees contain a voxel: three edits at once. */
 static inline struct changes stage_edit_at_random(struct stage *s, uint64_t *random)
 {
     struct edit batch[3];
@@ -86,7 +143,7 @@ static inline struct changes stage_edit_at_random(struct stage *s, uint64_t *ran
     return stage_edit(s, batch, 3);
 }
 
-/* Half of the time, some of the labels are translucent. */
+/* Make some of the labels translucent, half of the time. */
 static inline void stage_opacities(struct stage *s, uint64_t *random)
 {
     const bool translucent = check_below(random, 2);
@@ -106,13 +163,13 @@ static inline struct cut_plane stage_plane_through(const struct scene *scene,
     return cut_plane_at(into, place, 0);
 }
 
-/* Half of the time, none. */
+/* Return a strength of occlusion, 0 half of the time. */
 static inline uint32_t stage_occlusion(uint64_t *random)
 {
     return check_below(random, 2) ? 1 + check_below(random, 100) : 0;
 }
 
-/* Any look, any angles. */
+/* Choose any look and any angles. */
 static inline void stage_look_at_random(struct stage *s, uint64_t *random)
 {
     s->look.mode = check_below(random, 4) == 1 ? SHADE_CUBES : SHADE_SURFACE;
@@ -125,7 +182,7 @@ static inline void stage_look_at_random(struct stage *s, uint64_t *random)
         s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
 }
 
-/* All samples of tiles that show nothing, which shading leaves out where it is to be reduced. */
+/* Fill the samples of empty tiles, which shading leaves to rendition_reduce. */
 static inline void stage_fill(struct rendition *r)
 {
     for (uint32_t y = 0; y < r->height; y++)
@@ -156,7 +213,7 @@ static inline void stage_render(struct stage *s, struct rendition *rendition, pr
     stage_shade(s, rendition);
 }
 
-/* Renditions of samples and of the picture that they are reduced to, by the stage's view. */
+/* Initialise renditions of samples and of the reduced picture, for the stage's view. */
 static inline void stage_samples_init(struct stage *s, struct rendition *fine,
                                       struct rendition *out)
 {
@@ -172,7 +229,7 @@ static inline void stage_reduce(struct stage *s, struct rendition *fine, struct 
     rendition_reduce(out, fine, s->look.samples, s->shader.team);
 }
 
-/* After an edit, which the border has followed: the mesh and the pixels do. */
+/* Update the mesh and the pixels after an edit; the border is up to date. */
 static inline void stage_follow(struct stage *s, struct rendition *rendition,
                                 const struct changes *changes)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What engine/surface.h promises of any surface. */
+/* Check the promises of engine/surface.h for any surface. */
 #ifndef TESTS_SURFACE_CHECK_H
 #define TESTS_SURFACE_CHECK_H
 
@@ -37,15 +37,16 @@ static inline bool surface_is_closed(const struct surface *s)
     return holds;
 }
 
-/* The triangles around each point are one fan: as many as points are linked one after another. */
+/* The triangles around each point are one fan if linking them from one to the next meets all of
+ * them. */
 static inline bool surface_is_manifold(const struct surface *s)
 {
-    uint32_t *next = calloc(3 * s->triangles + 1, sizeof *next); /* corner after this, around it */
+    uint32_t *next = calloc(3 * s->triangles + 1, sizeof *next); /* next corner around the point */
     uint64_t *ahead = calloc(3 * s->triangles + 1, sizeof *ahead);
     uint32_t *fans = calloc(s->points + 1, sizeof *fans);
     uint8_t *seen = calloc(3 * s->triangles + 1, 1);
     bool holds = true;
-    /* Corners by the edge that leaves them, to find the one whose edge comes in. */
+    /* Index corners by the edge that leaves them, to find the one whose edge comes in. */
     uint32_t *first = calloc(s->points + 2, sizeof *first),
              *corner = calloc(3 * s->triangles + 1, 4);
     for (size_t i = 0; i < 3 * s->triangles; i++)
@@ -89,8 +90,8 @@ static inline bool surface_check(const struct surface *s)
     return surface_is_closed(s) && surface_is_manifold(s);
 }
 
-/* Six times the enclosed volume, in 2^-30 voxels; below 0 where triangles face inwards. By the flow
- * of z through them; sums mod 2^64, which hold what they come to. */
+/* Return six times the enclosed volume, in 2^-30 voxels, negative if triangles face inwards: the
+ * flow of z through them. Sums mod 2^64 hold the result. */
 static inline int64_t surface_volume(const struct surface *surface, const struct surface_part *part)
 {
     uint64_t sum = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Creases: where two objects touch, each is shaded as if it were alone. */
-#include "interpreting.h"
+#include "check.h"
 
 #include "tests/check_main.h"
 #include "tests/stage.h"
@@ -19,7 +19,7 @@ static const int16_t *normal_at(const struct rendition *r, size_t pixel)
 
 /* ---- each object by itself ---- */
 
-/* Blocks of four labels side by side, some of them cut open. */
+/* Adjacent blocks of four labels, some of them cut open. */
 static void stage_at_random(struct stage *s, uint64_t *random)
 {
     uint32_t size[3];
@@ -49,7 +49,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     memset(s->border.opacity, BORDER_OPAQUE, sizeof s->border.opacity);
     s->look.mode = check_below(random, 3) < 2 ? SHADE_SURFACE : SHADE_CUBES;
     s->look.creases = 1;
-    s->look.samples = 1; /* where others meet it in a pixel, no sample stands for all of them */
+    s->look.samples = 1; /* where other objects share a pixel, no sample represents them all */
     s->view.width = s->view.height = 90;
     s->view.zoom = 1000 + check_below(random, 2000);
 }
@@ -61,8 +61,8 @@ static void show_alone(struct stage *s, int label)
     border_recount(&s->border);
 }
 
-/* A pixel that shows the same point in both has the same normal, and none shows what lies after
- * what an object shows there alone. How many are the same. */
+/* Check that a pixel that shows the same point in both has the same normal, and that none is behind
+ * the point that the object shows alone. Return the number of equal pixels. */
 static size_t compare(const struct rendition *all, const struct rendition *alone, bool *agree)
 {
     size_t same = 0;
@@ -138,38 +138,10 @@ STORY(there_is_a_crease_where_two_objects_touch_and_nowhere_else)
             CHECK(smooth.depth[pixel] == creased.depth[pixel]);
             CHECK_INT(across, 0);
         }
-        if (far < 2) /* it looks at the other one */
+        if (far < 2) /* it faces the other one */
             CHECK(creased.label[pixel] == 1 ? across > 4000 : across < -4000);
     }
     rendition_release(&smooth);
     rendition_release(&creased);
     stage_release(&s);
-}
-
-/* ---- in a session ---- */
-
-static uint64_t digest_after(struct interpreter *interp, const char *line)
-{
-    must(interp, line);
-    return rendition_digest(session_frame(interp->session));
-}
-
-STORY(creases_follow_each_edit_of_a_session)
-{
-    struct interpreter interp;
-    uint64_t random = 3;
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x40x40; auto on; size 90 90; zoom 2; view 30 20; "
-                  "shade surface creases=yes ao=50");
-    for (int i = 0; i < 40 && check_failures == 0; i++) {
-        char line[80];
-        snprintf(line, sizeof line, "seed %u,%u,%u %u radius=3", check_below(&random, 40),
-                 check_below(&random, 40), check_below(&random, 40), check_below(&random, 5));
-        must(&interp, i % 5 == 4 ? "undo" : line);
-        if (i % 10 == 6)
-            must(&interp, i % 20 == 6 ? "clip axial 0-20" : "clip none");
-        const uint64_t repaired = digest_after(&interp, "render mode=ii");
-        CHECK_INT(digest_after(&interp, i % 2 ? "render mode=ray" : "render mode=sp"), repaired);
-    }
-    interpreter_release(&interp);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Decorations: letters that are never wrong, a bar that is as long as it says, what is seen alone;
- * and only colours change, in every way of drawing.
+ * Decorations: letters are never wrong, the bar has the length it states, hidden seeds have no
+ * marks, and only colours change, in every way of drawing.
  */
 #include <stdlib.h>
 
@@ -19,13 +19,9 @@ enum { SIDE = 41 };
 
 static void begin(struct stage *s, uint64_t *random)
 {
-    static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
-                                       {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-    const int8_t *axis = order[check_below(random, 6)];
     CHECK(stage_init(s, (uint32_t[]){SIDE, SIDE, SIDE}, 6, NULL) == OK);
+    stage_turn(s, check_below(random, 6), check_below(random, 8));
     for (int a = 0; a < 3; a++) {
-        s->scene->world_axis[a] = axis[a];
-        s->scene->world_sign[a] = check_below(random, 2) ? 1 : -1;
         s->view.angle[a] = (int32_t)check_below(random, check_below(random, 2) ? 360000 : 4);
         s->view.angle[a] *= s->view.angle[a] < 4 ? 90000 : 1;
     }
@@ -33,7 +29,7 @@ static void begin(struct stage *s, uint64_t *random)
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
 }
 
-/* The voxel ten steps from the middle towards a side of the patient: R L A P S I. */
+/* Return the voxel ten steps from the middle towards a side of the patient: R L A P S I. */
 static uint32_t towards(const struct stage *s, char side)
 {
     uint32_t at[3] = {SIDE / 2, SIDE / 2, SIDE / 2};
@@ -44,7 +40,7 @@ static uint32_t towards(const struct stage *s, char side)
     return grid_cell(&s->scene->grid, at[0], at[1], at[2]);
 }
 
-/* How far to the right and down a voxel lies from the middle, in pixels. */
+/* Return the offset of a voxel from the middle, to the right and down, in pixels. */
 static void from_middle(const struct stage *s, uint32_t cell, double along[2])
 {
     const struct grid *grid = &s->scene->grid;
@@ -56,8 +52,8 @@ static void from_middle(const struct stage *s, uint32_t cell, double along[2])
         along[i] = (double)(to[i] - from[i]) / (1 << 30);
 }
 
-/* All that letters name lies there, by more than the letters that follow, and what lies there by
- * more than 3.9 of ten pixels is named. */
+/* Every named side is at its edge, further than the sides named after it, and every side further
+ * than 3.9 of ten pixels is named. */
 STORY(letters_name_the_sides_that_lie_there)
 {
     uint64_t random = 5;
@@ -104,7 +100,7 @@ STORY(of_unknown_orientation_the_axes_are_named)
     stage_release(&s);
 }
 
-/* From the front, with samples: so many pixels to a voxel of 0.7 mm. */
+/* From the front, with samples, for voxels of 0.7 mm. */
 STORY(the_bar_is_as_long_as_it_says)
 {
     struct stage s;
@@ -129,14 +125,14 @@ STORY(the_bar_is_as_long_as_it_says)
                 CHECK(llabs(pixels - (int64_t)(voxels * zoom / 1000 + 0.5)) <= 1);
                 CHECK_TEXT(end, !unknown ? " mm" : length == 1 ? " voxel" : " voxels");
             }
-    s.scene->spacing_nm[1] = 900000; /* unknown, and not the same: there is no bar */
+    s.scene->spacing_nm[1] = 900000; /* unknown and anisotropic: no bar */
     CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     char words[32];
     CHECK_INT(decoration_scale(words, &s.camera, 1, 300), 0);
     stage_release(&s);
 }
 
-/* However large or small the picture, and however many labels: within it. */
+/* Pictures of any size, with any number of labels. */
 STORY(every_size_has_what_fits)
 {
     static const uint32_t side[] = {1, 47, 48, 128, 191, 512, 2048};
@@ -190,7 +186,7 @@ static void begin_with_object(struct interpreter *interp)
                  "label 1 ball; size 140 130; zoom 3; run");
 }
 
-/* `picture=` of a rendition. */
+/* Return `picture=` of a rendition. */
 static uint64_t digest_of(struct interpreter *interp, const char *line)
 {
     must(interp, line);
@@ -213,7 +209,7 @@ STORY(every_way_of_drawing_has_the_same_and_none_takes_all_away)
         CHECK(decorated != plain);
         for (size_t i = 0; i < sizeof mode / sizeof *mode; i++)
             CHECK(digest_of(&interp, mode[i]) == decorated);
-        must(&interp, "seed 30,20,10 1 radius=2"); /* nothing is drawn twice */
+        must(&interp, "seed 30,20,10 1 radius=2"); /* nothing must be drawn twice */
         const uint64_t after = digest_of(&interp, "render");
         CHECK(digest_of(&interp, "render mode=bp") == after);
         must(&interp, "undo");
@@ -241,7 +237,7 @@ STORY(what_is_below_stays_what_it_is)
     interpreter_release(&interp);
 }
 
-/* Seeds and the cross-hair lie inside, until the object is cut open before them. */
+/* Seeds and cross-hair are inside, until the object is cut open in front of them. */
 STORY(what_no_pixel_shows_has_no_mark)
 {
     static const char *const part[] = {"decorate seeds", "decorate cross"};
@@ -262,8 +258,8 @@ STORY(what_no_pixel_shows_has_no_mark)
     interpreter_release(&interp);
 }
 
-/* All that is seen of a piece of a file are its seeds: marked, they would be a rope around its
- * silhouette, and in slices around its contour. */
+/* Only the seeds of a piece of a file are visible: marks would surround its silhouette, and in
+ * slices its contour. */
 STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
 {
     char save[FILE_LENGTH + 16], labels[FILE_LENGTH + 16];
@@ -286,7 +282,7 @@ STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
         CHECK((digest_of(&interp, "slice axial 10") != slice) == placed);
         const uint32_t at = grid_cell(&interp.session->scene->grid, 20, 20, 10);
         CHECK(!(interp.session->scene->cell[at].flags & CELL_SEED) == !placed);
-        must(&interp, "seed 20,20,10 1 radius=12"); /* comes out at the surface */
+        must(&interp, "seed 20,20,10 1 radius=12"); /* reaches the surface */
         must(&interp, "run");
     }
     interpreter_release(&interp);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Layers of translucent objects: which there are, what they come to, and what of them counts. */
+/* Layers of translucent objects: their number, their blending, and the layer that a pixel reports.
+ * */
 #include "tests/check_main.h"
 
 #include <math.h>
@@ -24,7 +25,7 @@ static void draw(struct stage *s, uint32_t side)
 
 /* ---- which there are ---- */
 
-/* What a ray goes through, the nearest first, with the labels of what is shown. */
+/* Find the voxels on a ray, the nearest first, with the labels of visible ones. */
 static size_t pass(struct passed *out, const struct stage *s, uint32_t column, uint32_t row)
 {
     const size_t count = ray_search(out, &s->camera, column, row);
@@ -37,8 +38,8 @@ static size_t pass(struct passed *out, const struct stage *s, uint32_t column, u
     return count;
 }
 
-/* Of what a ray passes, the layers: where it comes into a translucent object, up to the first
- * opaque one, which *last is. */
+/* Select the layers among them: entries into translucent objects, up to the first opaque one, which
+ * *last is. */
 static size_t pick_layers(struct passed *passed, size_t count, const struct stage *s,
                           struct passed *last)
 {
@@ -60,7 +61,7 @@ static size_t pick_layers(struct passed *passed, size_t count, const struct stag
     return layers < LAYERS_MOST ? layers : LAYERS_MOST;
 }
 
-/* Depths are right to a quarter of a pixel, where faces are not too steep. */
+/* Depths must agree within a quarter of a pixel, where faces are not too steep. */
 static bool is_at(int64_t depth, uint32_t cell, uint8_t label, const struct passed *expected)
 {
     const int64_t apart = depth - expected->depth;
@@ -100,8 +101,8 @@ static void random_scene(struct stage *s, uint64_t *random)
     s->view.zoom = 300 + check_below(random, 3000);
 }
 
-/* Of cubes, whose faces are known. Where a ray passes by an edge within a 256th of a pixel, the two
- * may differ. */
+/* Cubes, whose faces are known. Where a ray passes an edge within a 256th of a pixel, the two may
+ * differ. */
 STORY(each_pixel_has_the_layers_that_its_ray_passes)
 {
     uint64_t random = 5;
@@ -130,7 +131,7 @@ STORY(each_pixel_has_the_layers_that_its_ray_passes)
         printf("# %zu of %zu pixels differ, of %zu layers\n", others, pixels, layers);
 }
 
-/* Of few depths and voxels, so that many are as near as others, and some are put twice. */
+/* Few depths and voxels, so that many are equally near, and some are inserted twice. */
 STORY(in_whatever_order_layers_are_put_they_are_the_same)
 {
     enum { PUTS = 24 };
@@ -172,8 +173,8 @@ STORY(in_whatever_order_layers_are_put_they_are_the_same)
 
 enum { SIDE = 21, MIDDLE = 10 };
 
-/* Plates across the view from the front, the first one nearest, of labels 1, 2, ..., each far
- * enough behind the one before, and as they look in the middle of the picture. */
+/* Draw plates across the view from the front, the first one nearest, of labels 1, 2, ..., each far
+ * behind the one before, and return the pixel in the middle of the picture. */
 static const uint8_t *see_plates(struct stage *s, int plates, const uint8_t *opacity)
 {
     stage_release(s);
@@ -217,7 +218,7 @@ STORY(shares_of_squares_add_up_from_the_front)
             const int square =
                 (percent * front[k] * front[k] + (100 - percent) * back[k] * back[k]);
             const int twice = 200 * seen[k] * seen[k];
-            /* The nearest level, but for the last bits of shares. */
+            /* The nearest level, except for the last bits of shares. */
             CHECK(twice - 200 * seen[k] <= 2 * square + 60 &&
                   2 * square - 60 <= twice + 200 * seen[k] + 100);
         }
@@ -263,7 +264,7 @@ STORY(an_opaque_object_is_seen_however_many_are_before_it)
     stage_release(&s);
 }
 
-/* A ball of this radius in the middle of a scene of 61x61x61. */
+/* Set a ball of this radius in the middle of a scene of 61x61x61. */
 static void put_ball(struct stage *s, int radius, uint8_t label)
 {
     for (int z = -30; z <= 30; z++)
@@ -273,8 +274,8 @@ static void put_ball(struct stage *s, int radius, uint8_t label)
                     set_label(s, (uint32_t)(x + 30), (uint32_t)(y + 30), (uint32_t)(z + 30), label);
 }
 
-/* A tumour in a brain in a head, as cubes and with smooth surfaces. A ray through the brain comes
- * into the head a second time. */
+/* A tumour in a brain in a head, as cubes and with smooth surfaces. A ray through the brain enters
+ * the head a second time. */
 STORY(each_of_three_balls_within_each_other_is_seen)
 {
     struct stage s;
@@ -301,7 +302,7 @@ STORY(each_of_three_balls_within_each_other_is_seen)
 
 /* ---- smooth ---- */
 
-/* As wide as a disc of as many pixels, in voxels. */
+/* Return the radius of a disc with the same number of pixels, in voxels. */
 static double radius_seen(const struct stage *s, uint32_t times)
 {
     size_t pixels = 0;
@@ -332,7 +333,7 @@ STORY(a_translucent_ball_is_as_wide_as_its_surface)
     stage_release(&s);
 }
 
-/* Two plates of one label are two layers, however near they lie: each has its own front. */
+/* Two plates of one label are two layers, however close: each has its own front. */
 STORY(each_front_of_an_object_is_a_layer)
 {
     struct stage s;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The mesh: whatever it has gone through, it is the one that is made from nothing. */
+/* The mesh: after any sequence of changes it equals the mesh computed from scratch. */
 #include "tests/check_main.h"
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static bool is_same_vertex(const struct mesh_brick *a, const struct mesh_quad *p
     return true;
 }
 
-/* Quad by quad; a brick without quads is as good as none. */
+/* Compare quad by quad; a brick without quads equals a missing one. */
 static bool is_same_brick(const struct mesh_brick *a, const struct mesh_brick *b)
 {
     const uint32_t count = a ? a->quads : 0;
@@ -47,8 +47,8 @@ static bool is_same_mesh(const struct mesh *a, const struct mesh *b)
     return true;
 }
 
-/* What render/mesh.h says of vertices and of the order of quads; and each is of a voxel that is
- * shown. */
+/* Check the promises of render/mesh.h for vertices and the order of quads, and that each quad
+ * belongs to a visible voxel. */
 static bool holds(const struct mesh *mesh)
 {
     size_t bytes = 0;
@@ -80,7 +80,7 @@ static bool holds(const struct mesh *mesh)
     return bytes <= mesh_bytes(mesh);
 }
 
-/* The mesh is that from nothing, and the fault is named. */
+/* Compare with a mesh computed from scratch, and check its promises. */
 static bool is_right(const struct mesh *mesh, const struct border *border, enum mesh_kind kind)
 {
     struct mesh whole = {0};
@@ -92,7 +92,7 @@ static bool is_right(const struct mesh *mesh, const struct border *border, enum 
 
 /* ---- at random ---- */
 
-/* Nothing, or a block, in a scene of several bricks and regions. */
+/* An empty or full scene of several bricks and regions. */
 static void stage_at_random(struct stage *s, uint64_t *random)
 {
     uint32_t size[3];
@@ -110,8 +110,8 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     border_recount(&s->border);
 }
 
-/* A label goes where it likes, without the forest: one voxel, or a box of them. Some of these lists
- * of changes come as "everything". */
+/* Change labels at random, without the forest: of one voxel, or of a box. Some of these lists of
+ * changes come as "everything". */
 static struct changes change_labels(struct stage *s, struct change *item, uint64_t *random)
 {
     enum { ITEMS = 9000 };
@@ -171,7 +171,7 @@ static void change_cut_or_labels(struct stage *s, uint64_t *random)
     }
 }
 
-/* Several at once, as a command may. */
+/* Make several changes at once, as a command may. */
 static void change_what_is_shown(struct stage *s, uint64_t *random)
 {
     for (uint32_t i = 1 + check_below(random, 4); i > 0; i--)
@@ -185,7 +185,7 @@ static void change_opacity(struct stage *s, uint64_t *random)
         (uint8_t)(check_below(random, 2) ? 100 : 1 + check_below(random, 99));
 }
 
-/* Anything that a mesh is to follow; edits with a note, mostly. */
+/* Make any change that a mesh must follow, mostly edits with a note. */
 static void happens(struct stage *s, enum mesh_kind *kind, uint64_t *random)
 {
     static struct change item[9000];
@@ -223,7 +223,7 @@ STORY(a_mesh_that_follows_is_the_one_from_nothing)
         for (int step = 0; step < 25 && check_failures == 0; step++) {
             happens(&s, &kind, &random);
             if (check_below(&random, 3) == 0)
-                continue; /* several before the next update */
+                continue; /* several changes before the next update */
             CHECK(mesh_update(&s.mesh, &s.border, kind, NULL, NULL, NULL) == OK);
             if (!is_right(&s.mesh, &s.border, kind))
                 printf("# number %u step %d kind %d\n", number, step, (int)kind);
@@ -232,7 +232,8 @@ STORY(a_mesh_that_follows_is_the_one_from_nothing)
     }
 }
 
-/* Of two halves of a ball, one voxel after the other changes sides: its shape stays. */
+/* The voxels of two halves of a ball change sides one after the other, without a change of shape.
+ * */
 STORY(a_voxel_that_is_repainted_changes_what_is_around_it)
 {
     enum { SIDE = 24, MIDDLE = SIDE / 2, RADIUS = 8 };
@@ -272,7 +273,7 @@ STORY(a_voxel_that_is_repainted_changes_what_is_around_it)
     stage_release(&s);
 }
 
-/* No voxel is shown or hidden by it, and yet a face is closed no more. */
+/* No voxel becomes visible or hidden, and yet a face is no longer closed. */
 STORY(what_was_cut_away_and_is_hidden_now_leaves_an_open_face)
 {
     struct stage s;
@@ -314,7 +315,7 @@ STORY(any_number_of_threads_makes_the_same_mesh)
     }
 }
 
-/* Noise has as many faces as a scene can have. */
+/* Noise has the largest number of faces. */
 STORY(a_mesh_keeps_little_of_what_making_it_takes)
 {
     enum { SIDE = 70, TABLES = 1 << 20 };
@@ -338,7 +339,7 @@ STORY(a_mesh_keeps_little_of_what_making_it_takes)
 
 /* ---- updates that fail ---- */
 
-/* A mesh with the same quads, to see later that they are as they were. */
+/* Copy the quads of a mesh, to check later that they are unchanged. */
 static void make_copy(struct mesh *copy, const struct mesh *mesh)
 {
     *copy = (struct mesh){.bricks = mesh->bricks, .border = mesh->border, .kind = mesh->kind};
@@ -361,7 +362,7 @@ static void make_copy(struct mesh *copy, const struct mesh *mesh)
     }
 }
 
-/* After a failure nothing is another, and more may happen before it comes right. */
+/* A failure changes nothing, and more changes may follow before an update succeeds. */
 static void fails_and_comes_right(unsigned number, bool is_stopped)
 {
     uint64_t random = 1000 + number;
@@ -426,7 +427,7 @@ static struct heard {
 static void hear(void *context, const struct mesh *mesh, uint32_t number,
                  const struct mesh_brick *next)
 {
-    struct mesh *copy = context; /* becomes the mesh */
+    struct mesh *copy = context; /* is updated to equal the mesh */
     struct mesh from = {.bricks = 1, .brick = (struct mesh_brick *[]){(struct mesh_brick *)next}};
     struct mesh taken;
     heard.bricks++;

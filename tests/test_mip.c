@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The maximum intensity projection: by a search of every voxel; and what it looks like. */
+/* The maximum intensity projection, against a search of every voxel; and its look. */
 #include "tests/check_main.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 #include "tests/ray_search.h"
 #include "tests/stage.h"
 
-/* Intensities below 1000 in a small scene that is seen from anywhere, and may be cut. */
+/* A small scene with intensities below 1000, perhaps cut. */
 static void stage_at_random(struct stage *s, uint64_t *random)
 {
     uint32_t size[3];
@@ -39,7 +39,8 @@ static void look_at_random(struct stage *s, uint64_t *random)
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
 }
 
-/* Within the window; one whose white is the smaller intensity has the lowest for its maximum. */
+/* Return the brightest voxel within the window; if white is the smaller intensity, the lowest one.
+ * */
 static int search(const struct stage *s, const struct mip_source *of, struct passed *room,
                   uint32_t x, uint32_t y)
 {
@@ -83,7 +84,7 @@ STORY(a_pixel_is_as_bright_as_the_brightest_voxel_on_its_ray)
             look_at_random(&s, &random);
             CHECK(mip_draw(&mip, &of, &s.camera, team[i % 4], NULL) == OK);
             is_right(&s, &mip, &of);
-            s.border.cut = cut_none(); /* another cut with another view, the scene as it was */
+            s.border.cut = cut_none(); /* change cut and view, but not the scene */
         }
         mip_release(&mip);
         stage_release(&s);

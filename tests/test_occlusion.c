@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Ambient occlusion: bricks are what is counted, what is flat or convex stays as it is, a groove is
- * darker, and every way to a picture gives the same one. */
+/* Ambient occlusion: bricks equal a plain count, flat and convex surfaces are unchanged, a groove
+ * is darker, and all ways of drawing agree. */
 #include "tests/check_main.h"
 
 #include <math.h>
@@ -14,7 +14,8 @@
 
 /* ---- bricks ---- */
 
-/* How many voxels are shown of a brick, by its number from the scene's first on, of 64. */
+/* Return the number of shown voxels of a brick, scaled to 64; bricks are numbered from the scene's
+ * first. */
 static int64_t shown_in_brick(const struct stage *s, const struct bricks *bricks,
                               const int64_t number[3])
 {
@@ -45,7 +46,7 @@ static int64_t smoothed(const struct stage *s, const struct bricks *bricks, cons
     return sum;
 }
 
-/* Between the centres of eight bricks, of BRICK_FULL. */
+/* Interpolate between the centres of eight bricks, in units of BRICK_FULL. */
 static double expected_around(const struct stage *s, const struct bricks *bricks,
                               const int32_t point[3])
 {
@@ -68,7 +69,7 @@ static double expected_around(const struct stage *s, const struct bricks *bricks
     return sum;
 }
 
-/* At points that lie at whole 256ths between the centres of bricks. */
+/* Compare at points that are whole 256ths between the centres of bricks. */
 static void compare_bricks(const struct stage *s, const struct bricks *bricks, uint64_t *random)
 {
     for (int i = 0; i < 12; i++) {
@@ -93,7 +94,7 @@ static void stage_at_random(struct stage *s, uint32_t least, uint32_t most, uint
     s->shader.window[1] = 4000;
 }
 
-/* What is hidden, or cut away. */
+/* Hide labels or cut the scene. */
 static void show_at_random(struct stage *s, uint64_t *random)
 {
     const uint32_t a = check_below(random, 3);
@@ -127,7 +128,7 @@ STORY(bricks_are_what_is_counted_and_follow_edits_cuts_and_what_is_hidden)
     }
 }
 
-/* All is shown that is further than `reach` steps from a voxel along an axis. */
+/* Show all voxels further than `reach` steps from a voxel along an axis. */
 static void show_beyond(struct stage *s, const uint32_t voxel[3], int reach)
 {
     const struct grid *grid = &s->scene->grid;
@@ -143,7 +144,7 @@ static void show_beyond(struct stage *s, const uint32_t voxel[3], int reach)
     border_recount(&s->border);
 }
 
-/* What a point in the cube of a voxel is occluded by: the most of all normals. */
+/* Return the largest fullness at the points of any normal, around points in the cube of a voxel. */
 static uint32_t most_around(const struct stage *s, const uint32_t voxel[3], uint64_t *random)
 {
     struct bricks bricks = {0};
@@ -194,7 +195,7 @@ STORY(nothing_counts_that_is_beyond_the_reach)
 
 /* ---- known shapes ---- */
 
-/* The picture of what a stage holds, and how bright it is without occlusion and with all of it. */
+/* The red of the stage's picture, without occlusion and with all of it. */
 struct brightness {
     uint32_t width;
     uint8_t none[120 * 120], all[120 * 120];
@@ -217,7 +218,7 @@ static void measure(struct brightness *b, struct stage *s)
     draw(s, 100, b->all);
 }
 
-/* How much of 1000 is lost at a pixel. */
+/* Return the loss of a pixel, of 1000. */
 static int lost_at(const struct brightness *b, uint32_t x, uint32_t y)
 {
     const int none = b->none[y * b->width + x], all = b->all[y * b->width + x];
@@ -234,42 +235,29 @@ static int most_lost(const struct brightness *b)
     return most;
 }
 
-typedef bool shape(const int at[3]);
-
-static void put(struct stage *s, shape *holds)
-{
-    const struct grid *grid = &s->scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++)
-            for (uint32_t x = 0; x < grid->size[0]; x++) {
-                const int at[3] = {(int)x, (int)y, (int)z};
-                s->scene->cell[grid_cell(grid, x, y, z)].label = holds(at);
-            }
-    border_recount(&s->border);
-}
-
+/* Scenes have 60 voxels a side. */
 static int box_from[3], box_end[3];
-static bool is_in_box(const int at[3])
+static bool is_in_box(const double at[3])
 {
     bool is_in = true;
     for (int a = 0; a < 3; a++)
-        is_in = is_in && at[a] >= box_from[a] && at[a] < box_end[a];
+        is_in = is_in && at[a] + 29.5 >= box_from[a] && at[a] + 29.5 < box_end[a];
     return is_in;
 }
-static bool is_in_ball(const int at[3])
+static bool is_in_ball(const double at[3])
 {
-    return pow(at[0] - 30, 2) + pow(at[1] - 30, 2) + pow(at[2] - 30, 2) <= 24 * 24;
+    return pow(at[0] - 0.5, 2) + pow(at[1] - 0.5, 2) + pow(at[2] - 0.5, 2) <= 24 * 24;
 }
 
 /* A block, its front at y = 40, with a groove of 4 voxels across x = 30, 14 deep. */
-static bool is_in_block(const int at[3])
+static bool is_in_block(const double at[3])
 {
-    const bool is_in_groove = at[0] >= 28 && at[0] < 32 && at[1] > 26;
-    return at[1] > 5 && at[1] <= 40 && at[2] > 5 && at[2] < 55 && at[0] > 2 && at[0] < 58 &&
-           !is_in_groove;
+    const double x = at[0] + 29.5, y = at[1] + 29.5, z = at[2] + 29.5;
+    const bool is_in_groove = x >= 28 && x < 32 && y > 26;
+    return y > 5 && y <= 40 && z > 5 && z < 55 && x > 2 && x < 58 && !is_in_groove;
 }
 
-/* Where voxels are long, smooth surfaces round the corners of a box off, far inside of it. */
+/* Where voxels are long, smooth surfaces round off the corners of a box. */
 STORY(what_is_flat_or_convex_stays_as_it_is)
 {
     static const uint32_t spacing[][3] = {{1, 1, 1}, {1, 1, 3}, {5, 1, 1}, {2, 3, 2}, {1, 2, 4}};
@@ -288,10 +276,10 @@ STORY(what_is_flat_or_convex_stays_as_it_is)
         }
         const bool is_smooth = number % SPACINGS == 0 && number % 2;
         s.look.mode = is_smooth ? SHADE_SURFACE : SHADE_CUBES;
-        put(&s, is_in_box);
+        stage_put(&s, is_in_box);
         measure(&b, &s);
         const int of_box = most_lost(&b);
-        put(&s, is_in_ball);
+        stage_put(&s, is_in_ball);
         measure(&b, &s);
         const int of_ball = is_smooth ? most_lost(&b) : 0; /* cubes are stairs */
         if (!CHECK(of_box <= 10 && of_ball <= 10))
@@ -307,7 +295,7 @@ STORY(a_groove_is_darker_than_its_rim_and_no_darker_than_the_look_says)
     CHECK(stage_init(&s, (uint32_t[]){60, 60, 60}, 6, NULL) == OK);
     CHECK(view_by_name("front", s.view.angle));
     s.view.zoom = 2000;
-    put(&s, is_in_block);
+    stage_put(&s, is_in_block);
     measure(&b, &s);
     const int floor = lost_at(&b, 60, 60), rim = lost_at(&b, 67, 60), flat = lost_at(&b, 90, 60);
     printf("# of 1000: %d on the floor of a groove, %d on its rim, %d aside\n", floor, rim, flat);
@@ -325,7 +313,7 @@ static void colour(struct stage *s, struct rendition *r, struct shader *shader)
     stage_fill(r);
 }
 
-/* From nothing, in three ways, by a shader that knows nothing yet. */
+/* Compare with pictures drawn from scratch in three ways, by an empty shader. */
 static bool agrees(struct stage *s, const struct rendition *kept)
 {
     static projection *const ways[] = {project_border, project_scene, project_rays};
@@ -343,7 +331,7 @@ static bool agrees(struct stage *s, const struct rendition *kept)
     return fine;
 }
 
-/* Each label is one half of the scene and what is planted in it, so that edits change little. */
+/* Each label is one half of the scene and the seeds planted in it, so that edits change little. */
 static void begin_halves(struct stage *s)
 {
     const struct grid *g = &s->scene->grid;
@@ -355,8 +343,8 @@ static void begin_halves(struct stage *s)
     border_update(&s->border, &changes);
 }
 
-/* Scenes are larger than an edit reaches, and weights high along some planes, so that objects have
- * sides there. */
+/* Scenes are larger than the reach of an edit, and weights high along some planes, so that objects
+ * have sides there. */
 static void sitting(unsigned number, struct team *team)
 {
     uint64_t random = number;
@@ -407,7 +395,7 @@ STORY(translucent_objects_let_the_light_in)
     CHECK(stage_init(&s, (uint32_t[]){60, 60, 60}, 6, NULL) == OK);
     CHECK(view_by_name("front", s.view.angle));
     s.view.width = s.view.height = 60;
-    put(&s, is_in_block);
+    stage_put(&s, is_in_block);
     s.border.opacity[2] = 50;
     draw(&s, 0, none);
     const size_t bytes = shader_bytes(&s.shader);
@@ -429,7 +417,7 @@ STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
     size_t failed = 0;
     CHECK(stage_init(&s, (uint32_t[]){60, 60, 60}, 6, NULL) == OK);
     s.view.width = s.view.height = 60;
-    put(&s, is_in_block);
+    stage_put(&s, is_in_block);
     s.look.ao_percent = 100;
     s.look.creases = 1;
     stage_draw(&s);
@@ -451,6 +439,6 @@ STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
         if (!err)
             break;
     }
-    CHECK(failed > 1); /* of the bricks alone */
+    CHECK(failed > 1); /* allocations of the bricks */
     stage_release(&s);
 }

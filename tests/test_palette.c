@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Colours of labels: distinct, and well apart, off grey and off what is drawn over slices, also for
- * eyes that lack one kind of cone. render/palette.h says how distances are measured.
+ * Colours of labels: distinct, far apart, and different from grey and from the marks drawn over
+ * slices, also for people without one kind of cone. render/palette.h defines the measure of
+ * distances.
  */
 #include "tests/check_main.h"
 
@@ -77,13 +78,14 @@ static int64_t apart_for(int eye, const struct seen *a, const struct seen *b)
     return squared;
 }
 
-/* From the nearest grey, of any lightness. */
+/* Return the squared distance from the nearest grey of any lightness. */
 static int64_t off_grey(int eye, const struct seen *a)
 {
     return a->lab[eye][1] * a->lab[eye][1] + a->lab[eye][2] * a->lab[eye][2];
 }
 
-/* From the yellows of the cross-hair, and of the pilot's frames (src/program/panes.c). */
+/* Return that from the yellows of the cross-hair and of the pilot's frames (src/program/panes.c).
+ * */
 static int64_t off_marks(int eye, const struct seen *a)
 {
     static const uint8_t frame[3] = {230, 200, 90};
@@ -92,8 +94,8 @@ static int64_t off_marks(int eye, const struct seen *a)
     return d[0] < d[1] ? d[0] : d[1];
 }
 
-/* The square of a distance. Eyes with all cones distinguish more: for them it is to be twice as
- * large. */
+/* Return the squared distance for all eyes. Eyes with all cones distinguish more: for them it must
+ * be twice as large. */
 static int64_t apart(const struct seen *a, const struct seen *b)
 {
     int64_t least = apart_for(0, a, b) / 4;
@@ -106,9 +108,9 @@ static int64_t apart(const struct seen *a, const struct seen *b)
 
 /* ---- what is promised ---- */
 
-enum { PALETTE_CHOSEN = 16 }; /* labels whose colours were searched for together */
+enum { PALETTE_CHOSEN = 16 }; /* labels whose colours were optimised together */
 
-/* No distance is less. */
+/* Lower limits of distances. */
 enum least {
     APART_4,
     APART_8,
@@ -123,15 +125,15 @@ enum least {
 };
 static const int64_t promised[LEASTS][2] = {
     /* for eyes with all cones, and for each of the others */
-    [APART_4] = {2890, 1220},     /* of labels 1 to 4 from one another, */
-    [APART_8] = {1680, 885},      /* of labels 1 to 8, */
-    [APART_16] = {1090, 610},     /* of labels 1 to 16, */
-    [NEAR] = {890, 440},          /* from 17 on, of the twelve before it, */
-    [ALL] = {220, 100},           /* of any two, */
-    [OFF_GREY] = {1230, 530},     /* of labels 1 to 16 from the nearest grey, */
-    [OFF_GREY_ALL] = {700, 200},  /* of any, */
-    [OFF_MARKS] = {1150, 670},    /* of labels 1 to 16 from those yellows, */
-    [OFF_MARKS_ALL] = {500, 250}, /* and of any */
+    [APART_4] = {2890, 1220},     /* between labels 1 to 4 */
+    [APART_8] = {1680, 885},      /* between labels 1 to 8 */
+    [APART_16] = {1090, 610},     /* between labels 1 to 16 */
+    [NEAR] = {890, 440},          /* from 17 on, from the twelve labels before */
+    [ALL] = {220, 100},           /* between any two labels */
+    [OFF_GREY] = {1230, 530},     /* of labels 1 to 16 from the nearest grey */
+    [OFF_GREY_ALL] = {700, 200},  /* of any label from grey */
+    [OFF_MARKS] = {1150, 670},    /* of labels 1 to 16 from those yellows */
+    [OFF_MARKS_ALL] = {500, 250}, /* of any label from them */
 };
 
 /* ---- the rule ---- */
@@ -145,7 +147,7 @@ static struct candidate {
 } candidate[CANDIDATES];
 static int candidates;
 
-/* Off grey and off marks, and neither too dark nor too bright to be shaded. */
+/* Different from grey and marks, and neither too dark nor too bright for shading. */
 static bool is_fit(const struct seen *seen)
 {
     const int64_t *grey = promised[OFF_GREY_ALL], *marks = promised[OFF_MARKS_ALL];
@@ -169,9 +171,9 @@ static void list_candidates(void)
     }
 }
 
-/* The squared distance to the nearest of the twelve labels before it, or, if that is less, some
- * times that to the nearest of all: of few labels all are as far apart as can be, of many those
- * with near numbers. */
+/* Return the squared distance to the nearest of the twelve labels before it, or, if that is less, a
+ * multiple of that to the nearest of all: few labels are as far apart as possible, of many labels
+ * those with near numbers. */
 static int64_t score(const struct candidate *c, const struct seen *label, int number)
 {
     const int64_t times = number < 72 ? 1 + number / 24 : 4;
@@ -183,7 +185,7 @@ static int64_t score(const struct candidate *c, const struct seen *label, int nu
     return least;
 }
 
-/* The first are given. */
+/* Recompute all labels but the first 16. */
 static void follow_rule(struct palette *palette)
 {
     struct seen label[256];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is under a pixel: the voxel, its label and where it lies, and how far the border of its
- * object is, against a search of the whole scene.
+ * Picking a pixel: its voxel, label and position, and the distance from the border of its object,
+ * against a search of the whole scene.
  */
 #include "tests/check_main.h"
 #include "interpreting.h"
@@ -35,7 +35,7 @@ static uint8_t label_of(const struct scene *scene, int64_t x, int64_t y, int64_t
                : 0;
 }
 
-/* By the words of measure.h: through the whole scene. */
+/* The definition in measure.h, by a search of the whole scene. */
 static struct border_distance slow_distance(const struct scene *scene, struct place from)
 {
     static const int face[6][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
@@ -172,7 +172,7 @@ STORY(a_cut_shows_how_deep_a_voxel_lies)
     must(&interp, "render");
     MUST_MENTION(&interp, "pick 20 20", "voxel 20,20,20 ");
     CHECK_HAS(buf_text(&reply.text), "20.00 mm from the border of label 1, at 20,20,0\n");
-    must(&interp, "pick 17 20"); /* from the front, his right is on the left */
+    must(&interp, "pick 17 20"); /* from the front, the right side is on the left */
     CHECK_HAS(buf_text(&reply.text), "voxel 23,20,20 ");
     CHECK_HAS(buf_text(&reply.text), "17.00 mm from the border of label 1, at 40,20,20\n");
     interpreter_release(&interp);

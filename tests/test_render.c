@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The rendition: four ways of making it, pixel for pixel the same. */
+/* The rendition: four ways to draw it, equal pixel for pixel. */
 #include "tests/check_main.h"
 #include <stdlib.h>
 
 #include "tests/stage.h"
 
-/* Of renditions that have them: what counts of each pixel's, to the opaque one. */
+/* Compare the layers of each pixel, up to the opaque one. */
 static bool same_layers(const struct rendition *r, const struct layers *a, const struct layers *b)
 {
     for (size_t pixel = 0; r->layers && pixel < (size_t)r->width * r->height; pixel++)
@@ -19,7 +19,7 @@ static bool same_layers(const struct rendition *r, const struct layers *a, const
     return true;
 }
 
-/* Whatever the surface, what is seen is a voxel that is shown, of the label that the pixel has. */
+/* Check that every visible voxel is shown, with the label of the pixel. */
 static bool shows_voxels(const struct stage *s, const struct rendition *r)
 {
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
@@ -31,8 +31,8 @@ static bool shows_voxels(const struct stage *s, const struct rendition *r)
     return true;
 }
 
-/* `kept` has gone through every edit as an incremental image, and so has what its shader keeps; the
- * others are shaded from nothing. */
+/* `kept` has been updated incrementally through all edits, with its shader; the others are drawn
+ * from scratch. */
 static bool modes_agree(struct stage *s, struct rendition *kept)
 {
     struct rendition bp, other;
@@ -84,6 +84,18 @@ static void random_view(struct stage *s, uint64_t *random)
     s->view.height = 1 + check_below(random, 80);
     s->view.zoom = check_below(random, 3) ? 500 + check_below(random, 5000) : 1000;
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    const struct view centred = s->view;
+    uint32_t place[3];
+    if (check_below(random, 2)) { /* any focus, even outside the scene */
+        random_place(&s->scene->grid, random, place);
+        view_focus_on(&s->view, s->scene, place);
+        view_pan(&s->view, &s->camera, check_below(random, 20001) - (int64_t)10000,
+                 check_below(random, 20001) - (int64_t)10000);
+    }
+    if (camera_init(&s->camera, s->scene, &s->view, NULL) != OK) {
+        s->view = centred;
+        CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    }
 }
 
 static void random_look(struct stage *s, uint64_t *random)
@@ -95,7 +107,7 @@ static void random_look(struct stage *s, uint64_t *random)
     s->look.ao_percent = stage_occlusion(random);
     s->look.creases = check_below(random, 2);
     s->look.edges = check_below(random, 2);
-    s->look.samples = 1u << check_below(random, 3); /* so wide are edges */
+    s->look.samples = 1u << check_below(random, 3); /* width of edges */
     stage_opacities(s, random);
 }
 
@@ -110,14 +122,7 @@ static void random_sitting(uint64_t seed)
     CHECK(stage_init(&s, size, check_below(&random, 2) ? 26 : 6, NULL) == OK);
     const uint32_t brightest = 1 + check_below(&random, UINT16_MAX);
     random_values(s.scene, brightest, &random);
-    for (int a = 0; a < 3; a++) {
-        static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
-                                           {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-        s.scene->spacing_nm[a] =
-            check_below(&random, 2) ? 1000000 : 300000 + check_below(&random, 2000000);
-        s.scene->world_sign[a] = check_below(&random, 2) ? 1 : -1;
-        s.scene->world_axis[a] = order[seed % 6][a];
-    }
+    stage_turn_at_random(&s, &random);
     for (int i = 0; i < 4; i++)
         stage_edit_at_random(&s, &random);
     for (int look = 0; look < 3 && check_failures == 0; look++) {
@@ -190,8 +195,7 @@ STORY(named_views_show_the_patient_from_the_side_they_name)
     for (size_t i = 0; i < s.scene->grid.cells; i++)
         if (!(s.scene->cell[i].flags & CELL_RIM))
             s.scene->cell[i].weight = 9;
-    /* Background everywhere but single voxels: 1 right, 2 left, 3 front, 4 back, 5 top, 6 bottom.
-     */
+    /* Only single voxels have labels: 1 right, 2 left, 3 front, 4 back, 5 top, 6 bottom. */
     static const int end[6][3] = {{20, 10, 10}, {0, 10, 10},  {10, 20, 10},
                                   {10, 0, 10},  {10, 10, 20}, {10, 10, 0}};
     for (size_t i = 0; i < s.scene->grid.cells; i++)
@@ -227,7 +231,7 @@ STORY(named_views_show_the_patient_from_the_side_they_name)
     stage_release(&s);
 }
 
-/* What a footprint loses in rounding one voxel must not add up over a long row of them. */
+/* Rounding errors of one voxel must not add up over a long row. */
 STORY(a_long_row_of_voxels_is_seen_whole)
 {
     static const uint32_t zoom[] = {10, 97, 999};
@@ -257,8 +261,8 @@ STORY(a_long_row_of_voxels_is_seen_whole)
     }
 }
 
-/* A voxel of a wall becomes another object: nothing moves, and lines around it are in tiles beside
- * its own. */
+/* A voxel of a wall gets another label: nothing moves, and the lines around it are in neighbouring
+ * tiles. */
 STORY(lines_around_what_changes_are_drawn_anew)
 {
     struct stage s;
@@ -288,8 +292,8 @@ STORY(lines_around_what_changes_are_drawn_anew)
     stage_release(&s);
 }
 
-/* Whatever a camera takes: voxels far smaller than a pixel or as large as the picture, long rows of
- * them, and spacings that differ by far. */
+/* Anything that a camera accepts: voxels far smaller than a pixel or as large as the picture, long
+ * rows, and very different spacings. */
 STORY(the_four_modes_agree_however_large_or_long_voxels_are)
 {
     unsigned drawn = 0;

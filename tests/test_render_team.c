@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Renditions by a team: however many threads draw them, the same bits come out. Run under
- * ThreadSanitizer as well (test_render_team_racing). */
+/* Renditions by a team: any number of threads draws the same bits. Also run under ThreadSanitizer
+ * (test_render_team_racing). */
 #include "tests/check_main.h"
 #include "stopping.h"
 
@@ -9,14 +9,14 @@
 
 enum { THREADS_MOST = 3 };
 
-/* ThreadSanitizer, which takes ten times as long, has fewer scenes, and its own. */
+/* ThreadSanitizer takes ten times as long, so it has fewer scenes, and its own. */
 #ifdef __SANITIZE_THREAD__
 enum { FIRST = 101, SCENES = 4, STOPS = 14 };
 #else
 enum { FIRST = 0, SCENES = 10, STOPS = 40 };
 #endif
 
-/* A few objects of any shape, seen from anywhere, large enough that the work is shared. */
+/* A few objects of any shape and view, large enough for the work to be shared. */
 static void stage_at_random(struct stage *s, uint64_t *random)
 {
     const uint32_t size[3] = {20 + check_below(random, 30), 20 + check_below(random, 30),
@@ -37,7 +37,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
 }
 
-/* The digest of the picture, and of the one after an edit that takes a ball out. */
+/* Compute the digests of the picture, and of the one after an edit that removes a ball. */
 static void draw(struct stage *s, struct team *team, uint64_t digest[3])
 {
     struct rendition fine, out;
@@ -94,7 +94,7 @@ STORY(one_to_three_threads_draw_the_same_picture)
         team_free(team[threads]);
 }
 
-/* As forests are: whenever it is stopped, every thread comes to its end. */
+/* As for forests: every thread ends whenever it is stopped. */
 STORY(a_picture_may_be_stopped_at_any_time)
 {
     struct team *team;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Shading: what normals say of known shapes, and what a look changes. */
+/* Shading: normals of known shapes, and the effects of a look. */
 #include "tests/check_main.h"
 
 #include <math.h>
@@ -18,22 +18,16 @@ static void put(struct stage *s, int x, int y, int z, uint8_t label)
     s->scene->cell[grid_cell(&s->scene->grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)].label = label;
 }
 
-/* A ball in the middle of the scene; inside it the intensity falls outward. */
-static void put_ball(struct stage *s, double radius, uint8_t label)
+/* A ball in the middle of the scene. */
+static double ball_radius;
+static bool is_ball(const double at[3])
 {
-    const int n = (int)s->scene->grid.size[0];
-    const double middle = (n - 1) / 2.0;
-    for (int z = 0; z < n; z++)
-        for (int y = 0; y < n; y++)
-            for (int x = 0; x < n; x++) {
-                const double r = sqrt(pow(x - middle, 2) + pow(y - middle, 2) + pow(z - middle, 2));
-                if (r > radius)
-                    continue;
-                put(s, x, y, z, label);
-                s->scene->cell[grid_cell(&s->scene->grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)]
-                    .intensity = (uint16_t)(40 * (radius + 1 - r));
-            }
-    border_recount(&s->border);
+    return at[0] * at[0] + at[1] * at[1] + at[2] * at[2] <= ball_radius * ball_radius;
+}
+static void put_ball(struct stage *s, double radius)
+{
+    ball_radius = radius;
+    stage_put(s, is_ball);
 }
 
 static void draw(struct stage *s, uint32_t side, uint32_t zoom, int32_t yaw, int32_t pitch)
@@ -47,32 +41,18 @@ static void draw(struct stage *s, uint32_t side, uint32_t zoom, int32_t yaw, int
 
 /* ---- known shapes ---- */
 
-/* Where the point that a pixel shows lies from the scene's middle, in millimetres. */
-static void point_of(const struct stage *s, size_t pixel, double out[3])
-{
-    const struct rendition *r = &s->rendition;
-    for (int a = 0; a < 3; a++) {
-        const int64_t x = (int64_t)(pixel % r->width), y = (int64_t)(pixel / r->width);
-        const int64_t first = camera_crossing(&s->camera, a, 0, x, y);
-        const double beyond =
-            (double)((r->depth[pixel] & ~(int64_t)NUMBER_MASK) - first) / (double)s->camera.T[a];
-        const double from_middle = beyond - s->scene->grid.size[a] / 2.0;
-        out[a] = (s->camera.flip[a] ? -from_middle : from_middle) * s->scene->spacing_nm[a] / 1e6;
-    }
-}
-
-/* Angles in degrees between normals and radii, of pixels of one or several pictures. */
+/* Angles in degrees between normals and radii, for pixels of one or several pictures. */
 static struct angles {
     double of[800000];
-    size_t count, away; /* away: normals that face away from the viewer */
+    size_t count, away; /* away: number of normals that face away from the viewer */
 } angles;
 
-/* A ray may enter a shell between two voxels, and show it from within. */
+/* A ray may enter a shell between two voxels, and show it from inside. */
 static void add_angle(const struct stage *s, size_t pixel)
 {
     const int16_t *n = s->rendition.normal + 4 * pixel;
     double point[3], along = 0, length = 0, size = 0, toward = 0;
-    point_of(s, pixel, point);
+    stage_point(s, pixel, point);
     for (int a = 0; a < 3; a++) {
         along += point[a] * n[a];
         length += point[a] * point[a];
@@ -85,21 +65,16 @@ static void add_angle(const struct stage *s, size_t pixel)
         acos(fmin(1, fabs(along) / sqrt(length * size))) * 180 / 3.14159265358979;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void add_angles(const struct stage *s)
 {
     for (size_t pixel = 0; pixel < (size_t)s->view.width * s->view.height; pixel++)
         if (s->rendition.cell[pixel] != CELL_NONE)
             add_angle(s, pixel);
-    qsort(angles.of, angles.count, sizeof *angles.of, by_size);
+    qsort(angles.of, angles.count, sizeof *angles.of, stage_by_size);
 }
 
-/* Of normals and the radius of a ball in the middle. */
+/* Return the largest angle between a normal and the radius of a ball in the middle, and the mean.
+ * */
 static double worst_angle(const struct stage *s, double *mean)
 {
     angles.count = angles.away = 0;
@@ -115,7 +90,7 @@ STORY(a_ball_is_round_from_every_side)
     struct stage s;
     double mean;
     stage_cube(&s, 61);
-    put_ball(&s, 25, 1);
+    put_ball(&s, 25);
     for (int i = 0; i < 8; i++) {
         draw(&s, 128, 1000 + 300 * (uint32_t)i, i * 41000, i * 27000);
         const double worst = worst_angle(&s, &mean);
@@ -129,26 +104,7 @@ STORY(a_ball_is_round_from_every_side)
 
 enum { SHELL_RADIUS = 40 }; /* millimetres */
 
-/* A ball around the scene's middle without another in its middle, by the centres of voxels. */
-static void put_shell(struct stage *s, double thickness)
-{
-    const struct scene *scene = s->scene;
-    const struct grid *grid = &scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++)
-            for (uint32_t x = 0; x < grid->size[0]; x++) {
-                const uint32_t at[3] = {x, y, z};
-                double squares = 0;
-                for (int a = 0; a < 3; a++)
-                    squares +=
-                        pow((at[a] - (grid->size[a] - 1) / 2.0) * scene->spacing_nm[a] / 1e6, 2);
-                const double r = sqrt(squares);
-                put(s, (int)x, (int)y, (int)z, r <= SHELL_RADIUS && r > SHELL_RADIUS - thickness);
-            }
-    border_recount(&s->border);
-}
-
-/* What normals of shells may be off, in degrees. */
+/* Limits of the errors of normals of shells, in degrees. */
 static const struct shell {
     double thickness, spacing; /* in millimetres, spacing along z */
     double median, most_of_95_percent;
@@ -156,6 +112,13 @@ static const struct shell {
     {40, 1, 1.2, 3}, {1, 1, 3, 8},    {2, 1, 2, 4},
     {3, 1, 1.4, 3},  {40, 2, 1.3, 6}, {2.5, 2, 1.8, 10.5},
 };
+
+static const struct shell *current;
+static bool is_in_shell(const double at[3])
+{
+    const double r = sqrt(at[0] * at[0] + at[1] * at[1] + pow(at[2] * current->spacing, 2));
+    return r <= SHELL_RADIUS && r > SHELL_RADIUS - current->thickness;
+}
 
 STORY(normals_of_thin_shells_are_as_true_as_those_of_solid_balls)
 {
@@ -166,7 +129,8 @@ STORY(normals_of_thin_shells_are_as_true_as_those_of_solid_balls)
         struct stage s;
         CHECK(stage_init(&s, (uint32_t[]){91, 91, across}, 6, NULL) == OK);
         s.scene->spacing_nm[2] = (uint32_t)(1e6 * shell[i].spacing);
-        put_shell(&s, shell[i].thickness);
+        current = &shell[i];
+        stage_put(&s, is_in_shell);
         angles.count = angles.away = 0;
         for (uint32_t v = 0; v < 12; v++) {
             const uint32_t zoom = v < 6 ? 1000 : 3000;
@@ -189,13 +153,13 @@ STORY(normals_of_thin_shells_are_as_true_as_those_of_solid_balls)
     }
 }
 
-/* At zoom 1 and above: within the outline every pixel shows the ball, and neighbours on the side
- * that is lit have nearly the same colour. */
+/* At zoom 1 and above every pixel within the outline shows the ball, and neighbours on the lit side
+ * have nearly the same colour. */
 STORY(a_ball_has_no_hole_no_speckle_and_no_staircase)
 {
     struct stage s;
     stage_cube(&s, 81);
-    put_ball(&s, 36, 1);
+    put_ball(&s, 36);
     for (uint32_t zoom = 1000; zoom <= 5000; zoom += 1000) {
         draw(&s, 100 * zoom / 1000, zoom, 33000, 21000);
         const struct rendition *r = &s.rendition;
@@ -219,18 +183,18 @@ STORY(a_ball_has_no_hole_no_speckle_and_no_staircase)
     stage_release(&s);
 }
 
-/* A quad may change with a voxel NET_MARGIN steps away, and reaches over its own voxel by less than
- * a voxel and a half. */
+/* A quad may change with a voxel NET_MARGIN steps away, and extends beyond its own voxel by less
+ * than a voxel and a half. */
 STORY(an_edit_makes_no_more_than_its_surroundings_stale)
 {
     struct stage s;
     stage_cube(&s, 81);
-    put_ball(&s, 36, 1);
+    put_ball(&s, 36);
     for (int mode = SHADE_SURFACE; mode <= SHADE_CUBES; mode++) {
         s.look.mode = (enum shade_mode)mode;
         s.look.edges = true;
         draw(&s, 512, 2000, 0, 0);
-        /* A voxel on the side towards us goes. */
+        /* Remove a voxel on the front side. */
         const struct grid *grid = &s.scene->grid;
         struct change change = {grid_cell(grid, 40, 76, 40), 1, 0};
         const struct changes changes = {.item = &change, .count = 1};
@@ -269,7 +233,7 @@ STORY(the_light_comes_from_where_it_is_said_to)
                {{0, -90000}, {50, 75}, {50, 25}}};
     struct stage s;
     stage_cube(&s, 81);
-    put_ball(&s, 36, 1);
+    put_ball(&s, 36);
     for (size_t i = 0; i < sizeof lit / sizeof lit[0]; i++)
         for (int view = 0; view < 4; view++) {
             s.look.light[0] = lit[i].light[0], s.look.light[1] = lit[i].light[1];

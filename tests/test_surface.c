@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Surfaces of labels: closed for any labels, the nets of pictures point by point, as large as their
- * voxels, outside out. */
+/* Surfaces of labels: closed for any labels, equal to the nets of pictures point by point, with the
+ * volume of their voxels, facing outwards. */
 #include <errno.h>
 #include <math.h>
 
@@ -39,7 +39,7 @@ static uint8_t *box_at(int64_t x, int64_t y, int64_t z)
     return &box.label[(size_t)((z * box.size[1] + y) * box.size[0] + x)];
 }
 
-/* 0 outside. */
+/* Return the label, 0 outside. */
 static uint8_t box_label(int64_t x, int64_t y, int64_t z)
 {
     const bool inside =
@@ -66,7 +66,7 @@ static struct surface *surface_of_box(enum kind kind)
     return surface;
 }
 
-/* A ball of label 1, of a radius in millimetres. */
+/* Fill the box with a ball of label 1, of a radius in millimetres. */
 static void box_of_ball(int32_t radius, const double size_mm[3])
 {
     int64_t half[3];
@@ -98,7 +98,7 @@ static double volume_of(const struct surface *s, unsigned part)
     return (double)surface_volume(s, &s->part[part]) / 6 / (1 << 30);
 }
 
-/* Points less edges plus triangles, where each edge has two triangles. */
+/* Return points - edges + triangles, where each edge has two triangles. */
 static int64_t euler_number(const struct surface_part *part)
 {
     return (int64_t)part->points - (int64_t)part->triangles / 2;
@@ -155,7 +155,7 @@ static void net_row_of_box(void *context, int32_t x, int32_t y, int32_t z, uint3
     }
 }
 
-/* Those of the net of all that is not air, made in one piece. */
+/* Make the triangles of the net of all labelled voxels, in one piece. */
 static struct triangles triangles_of_net(bool is_cubes)
 {
     const struct net_source source = {net_row_of_box, NULL, {4096, 4096, 4096}, is_cubes, NULL};
@@ -213,7 +213,7 @@ STORY(labels_of_any_kind_have_closed_surfaces)
     }
 }
 
-/* What is printed is what is seen, also where it is sewn together from boxes. */
+/* A printed surface is the visible one, even if it is assembled from several boxes. */
 STORY(a_surface_has_the_triangles_of_the_net)
 {
     uint64_t random = 3;
@@ -252,7 +252,7 @@ STORY(a_surface_has_the_volume_of_its_voxels)
         }
 }
 
-/* Every point of a ball's surface is near the sphere: steps are smoothed away, the ball is not. */
+/* Every point of a ball's surface is near the sphere: steps are smoothed, the size is kept. */
 STORY(a_net_leaves_a_ball_round)
 {
     box_of_ball(30, (const double[]){1, 1, 1});
@@ -286,15 +286,15 @@ STORY(a_ring_and_a_hollow_ball_have_their_euler_numbers)
     CHECK_INT(euler_number(&s->part[0]), 4); /* two spheres */
     CHECK(surface_check(s) && fabs(volume_of(s, 0) - 124) < 0.5);
     surface_free(s);
-    box_init(2, 2, 2); /* the corners at a diagonal are apart */
+    box_init(2, 2, 2); /* diagonal corners are separate */
     *box_at(0, 0, 0) = *box_at(1, 1, 1) = *box_at(0, 1, 1) = 1;
     s = surface_of_box(NET);
     CHECK_INT(euler_number(&s->part[0]), 4);
     surface_free(s);
 }
 
-/* Walls have the same triangles from both sides, and what is around all labels is the surface of
- * all together. */
+/* Walls have the same triangles from both sides, and the outer surface of all labels is that of
+ * their union. */
 STORY(surfaces_of_labels_fit_one_another_and_the_whole)
 {
     uint64_t random = 5;
@@ -336,7 +336,7 @@ STORY(surfaces_of_labels_fit_one_another_and_the_whole)
             }
         }
         CHECK(ahead.count == net.count + 4 * walls);
-        /* Noise has cubes where a vertex of a label is that of two parts of air. */
+        /* In noise, some cubes have one vertex of a label for two parts of air. */
         CHECK(outside == net.count ||
               (round % 4 && !is_ball && outside * 100 > net.count * (is_long ? 99 : 70)));
         free(ahead.item);
@@ -375,7 +375,7 @@ static const struct volume_label *nameless(void)
     return label;
 }
 
-/* What a reader makes of an STL, points being the same where their places are. */
+/* Read an STL file, identifying points by their coordinates. */
 static struct surface *read_stl(const char *path)
 {
     struct buf bytes = {0};
@@ -420,7 +420,7 @@ static double volume_of_file(const struct surface *s)
     return sum / 6;
 }
 
-/* A reader of STL knows points by their places alone: no two of a surface have the same. */
+/* Readers of STL identify points by coordinates: no two points of a surface may have the same. */
 STORY(files_without_numbers_of_points_are_closed_too)
 {
     struct geometry geometry = {.spacing_nm = {700000, 1000000, 1500000}};
@@ -476,7 +476,7 @@ STORY(fewer_triangles_are_closed_too)
     CHECK(s->triangles == most || s->triangles + 1 == most);
     CHECK(surface_check(s) && fabs(volume_of(s, 0) / voxels - 1) < 0.01);
     CHECK_INT(euler_number(&s->part[0]), 2);
-    CHECK(surface_reduce(s, 0, NULL, NULL) == OK); /* no further than a tetrahedron */
+    CHECK(surface_reduce(s, 0, NULL, NULL) == OK); /* down to a tetrahedron at most */
     CHECK_INT(s->triangles, 4);
     CHECK(surface_check(s));
     surface_free(s);
@@ -529,7 +529,7 @@ static int fails_later(enum file_step step, const char *path)
     return steps_left-- == 0 ? ENOSPC : 0;
 }
 
-/* D2: a step of writing that fails leaves the file that was there. */
+/* D2: a failed write leaves the former file. */
 STORY(a_disk_that_is_full_leaves_the_former_file)
 {
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
@@ -549,7 +549,7 @@ STORY(a_disk_that_is_full_leaves_the_former_file)
         file_step_hook = NULL;
         CHECK(err == OK || err == ERR_IO);
         CHECK(file_read(&now, path, 1 << 20, NULL) == OK);
-        CHECK(err == OK || now.length == 6 || steps > 4); /* the last is to sync its folder */
+        CHECK(err == OK || now.length == 6 || steps > 4); /* the last step syncs its folder */
     }
     CHECK(now.length > 1000);
     buf_release(&now);
@@ -594,7 +594,7 @@ STORY(commands_say_what_they_wrote_and_what_is_wrong)
     CHECK(strstr(buf_text(&reply.text), "label 2") == NULL);
     snprintf(line, sizeof line, "save surface %s", file_in(folder, "a.stl"));
     MUST_MENTION(&interp, line, "all labels: ");
-    strcat(line, " label=7"); /* said before what keeps the file */
+    strcat(line, " label=7"); /* reported before the existing file */
     CHECK_INT(execute(&interp, line), ERR_INPUT);
     CHECK_HAS(fault.text, "no voxel has label 7; nothing was written");
     CHECK_INT(execute(&interp, "save labels x.nii label=1"), ERR_USAGE);

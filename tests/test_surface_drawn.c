@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is seen of known shapes: as large as they are, without holes, at the depth where they lie,
- * flat where they are cut.
+ * Pictures of known shapes: the right size, no holes, the right depth, flat where cut.
  */
 #include "tests/check_main.h"
 
@@ -10,20 +9,10 @@
 
 #include "tests/stage.h"
 
-/* Whether the voxel at this place from the middle of the scene is part of a shape. */
-typedef bool shape(const double at[3]);
-
-static void stage_shape(struct stage *s, uint32_t side, shape *holds)
+static void begin_shape(struct stage *s, uint32_t side, stage_shape *holds)
 {
     CHECK(stage_init(s, (uint32_t[]){side, side, side}, 6, NULL) == OK);
-    for (uint32_t z = 0; z < side; z++)
-        for (uint32_t y = 0; y < side; y++)
-            for (uint32_t x = 0; x < side; x++) {
-                const double middle = (side - 1) / 2.0;
-                const double at[3] = {x - middle, y - middle, z - middle};
-                s->scene->cell[grid_cell(&s->scene->grid, x, y, z)].label = holds(at);
-            }
-    border_recount(&s->border);
+    stage_put(s, holds);
 }
 
 static void draw(struct stage *s, uint32_t zoom, const int32_t angle[2])
@@ -49,7 +38,8 @@ enum { SIDES = sizeof side / sizeof side[0] };
 
 /* ---- shapes ---- */
 
-static double radius, off[3], tilt[3]; /* of the shape at hand, from the middle of the scene */
+static double radius, off[3], tilt[3]; /* parameters of the shape, relative to the middle of the
+                                          scene */
 
 static double distance_of(const double at[3])
 {
@@ -59,7 +49,7 @@ static bool is_ball(const double at[3])
 {
     return distance_of(at) <= radius;
 }
-/* Along `tilt`, which has length 1. */
+/* Return the distance along `tilt`, which has length 1. */
 static double height_of(const double at[3])
 {
     return (at[0] - off[0]) * tilt[0] + (at[1] - off[1]) * tilt[1] + (at[2] - off[2]) * tilt[2];
@@ -109,7 +99,7 @@ THIN_SHAPES(THIN_FUNCTION)
 
 static const struct thing {
     const char *name;
-    shape *holds;
+    stage_shape *holds;
 } thing[] = {THIN_SHAPES(THIN_ROW)};
 enum { THINGS = sizeof thing / sizeof thing[0] };
 
@@ -124,7 +114,7 @@ STORY(the_silhouette_of_a_ball_is_as_large_as_the_ball)
 {
     struct stage s;
     radius = 40;
-    stage_shape(&s, 85, is_ball);
+    begin_shape(&s, 85, is_ball);
     for (int i = 0; i < SIDES; i++)
         for (uint32_t zoom = 1000; zoom <= 4000; zoom *= 2) {
             draw(&s, zoom, side[i]);
@@ -150,7 +140,7 @@ static void place_at_random(uint64_t *random)
         tilt[a] /= sqrt(squares);
 }
 
-/* The mean radius of balls at random places. */
+/* Return the mean radius of balls at random places. */
 static double mean_ball(double of, uint64_t *random)
 {
     double sum = 0;
@@ -158,7 +148,7 @@ static double mean_ball(double of, uint64_t *random)
         struct stage s;
         place_at_random(random);
         radius = of;
-        stage_shape(&s, 2 * (uint32_t)of + 9, is_ball);
+        begin_shape(&s, 2 * (uint32_t)of + 9, is_ball);
         for (int i = 0; i < 3; i++) {
             draw(&s, 8000, side[(ball * 3 + i) % SIDES]);
             sum += radius_seen(&s, 8000) / 36;
@@ -169,7 +159,7 @@ static double mean_ball(double of, uint64_t *random)
     return sum;
 }
 
-/* The mean radius of rods of 40 voxels, from aside: half of what they cover of their length. */
+/* Return the mean radius of rods of 40 voxels, seen from the side: half of their covered width. */
 static double mean_rod(double of, uint64_t *random)
 {
     enum { RODS = 8 };
@@ -180,7 +170,7 @@ static double mean_rod(double of, uint64_t *random)
         const double turn = 2 * M_PI * rod / RODS + check_below(random, 1000) / 1000.0;
         tilt[0] = cos(turn), tilt[1] = 0, tilt[2] = sin(turn); /* across the view from the front */
         radius = of;
-        stage_shape(&s, 55, is_rod);
+        begin_shape(&s, 55, is_rod);
         draw(&s, 4000, side[0]);
         sum += (double)seen(&s.rendition) / 16 / 41 / 2 / RODS;
         stage_release(&s);
@@ -189,7 +179,7 @@ static double mean_rod(double of, uint64_t *random)
     return sum;
 }
 
-/* Half of each: what is 10 % larger by itself is seen to be larger. */
+/* Objects that are 10 % larger must look larger. */
 STORY(small_balls_and_rods_keep_their_sizes_and_their_order)
 {
     static const double of[] = {1.47, 1.97, 2.37, 2.7, 3.19, 3.6, 4.06, 5.09, 7};
@@ -206,13 +196,13 @@ STORY(small_balls_and_rods_keep_their_sizes_and_their_order)
     }
 }
 
-/* Of a round silhouette at zoom 8, the distances from the middle are nearly the same; of cubes they
- * differ by up to a voxel. */
+/* At zoom 8 the points of a round silhouette are at nearly the same distance from the middle; those
+ * of cubes differ by up to a voxel. */
 STORY(a_silhouette_is_curved)
 {
     struct stage s;
     radius = 40;
-    stage_shape(&s, 85, is_ball);
+    begin_shape(&s, 85, is_ball);
     for (int i = 0; i < SIDES; i++) {
         double least = 100, most = 0;
         draw(&s, 8000, side[i]);
@@ -238,7 +228,7 @@ STORY(a_silhouette_is_curved)
 
 /* ---- what is thin ---- */
 
-/* Whether all pixels up to `reach` around one show something. */
+/* Return true if all pixels up to `reach` around one show something. */
 static bool is_within(const struct rendition *r, uint32_t x, uint32_t y, uint32_t reach)
 {
     if (x < reach || y < reach || x + reach >= r->width || y + reach >= r->height)
@@ -250,7 +240,7 @@ static bool is_within(const struct rendition *r, uint32_t x, uint32_t y, uint32_
     return true;
 }
 
-/* Pixels so far within the silhouette of cubes that show nothing. */
+/* Count the empty pixels at least `reach` inside the silhouette of cubes. */
 static size_t holes_of(const struct rendition *r, const struct rendition *cubes, uint32_t reach)
 {
     size_t holes = 0;
@@ -261,14 +251,14 @@ static size_t holes_of(const struct rendition *r, const struct rendition *cubes,
     return holes;
 }
 
-/* Corners are round, and lines too: nearer to a silhouette than the rim there may be anything, but
- * no shape becomes much smaller or larger than its cubes. */
+/* Corners and lines are rounded: within the rim of a silhouette anything is allowed, but no shape
+ * becomes much smaller or larger than its cubes. */
 STORY(what_is_thin_has_no_holes_and_does_not_vanish)
 {
     for (int t = 0; t < THINGS; t++) {
         struct stage s;
         struct mesh mesh = {0};
-        stage_shape(&s, 35, thing[t].holds);
+        begin_shape(&s, 35, thing[t].holds);
         CHECK(mesh_update(&mesh, &s.border, MESH_CUBES, NULL, NULL, NULL) == OK);
         for (int i = 0; i < SIDES; i++)
             for (uint32_t zoom = 1000; zoom <= 8000; zoom *= zoom < 2000 ? 2 : 4) {
@@ -290,8 +280,8 @@ STORY(what_is_thin_has_no_holes_and_does_not_vanish)
     }
 }
 
-/* Sheets of any direction, one voxel thick, whose voxels hang together by faces, as slices of a
- * wall are. */
+/* Sheets of any direction, one voxel thick, whose voxels are connected by faces, as in slices of a
+ * wall. */
 static bool is_sheet_of_faces(const double at[3])
 {
     const double h = height_of(at), most = fabs(tilt[0]) + fabs(tilt[1]) + fabs(tilt[2]);
@@ -305,12 +295,12 @@ STORY(a_sheet_of_one_voxel_has_no_hole_from_any_side)
     for (int i = 0; i < 25; i++) {
         struct stage s;
         place_at_random(&random);
-        stage_shape(&s, 31, is_sheet_of_faces);
+        begin_shape(&s, 31, is_sheet_of_faces);
         for (int view = 0; view < 3; view++) {
             const int32_t angle[2] = {(int32_t)check_below(&random, 360000),
                                       (int32_t)check_below(&random, 360000)};
             draw(&s, view % 2 ? 1000 : 4000, angle);
-            /* Where the ray comes through the sheet, well within the scene. */
+            /* Find pixels whose ray meets the sheet, well inside the scene. */
             const struct rendition *r = &s.rendition;
             const double scale = (double)s.view.zoom / VIEW_ZOOM_ONE;
             size_t holes = 0;
@@ -339,7 +329,7 @@ STORY(a_sheet_of_one_voxel_has_no_hole_from_any_side)
     memset(off, 0, sizeof off);
 }
 
-/* How many of the voxels of a layer of such that lie apart are seen; none hides another. */
+/* Count the visible voxels of a layer of separate voxels; none hides another. */
 static size_t voxels_seen(struct stage *s, uint32_t z, uint32_t zoom, const int32_t angle[2])
 {
     size_t count = 0;
@@ -354,8 +344,8 @@ static size_t voxels_seen(struct stage *s, uint32_t z, uint32_t zoom, const int3
     return count;
 }
 
-/* A ball of the volume of a voxel covers a pixel from zoom 1.15 on, wherever it lies. Below that
- * some fall between pixels, and so do some cubes. */
+/* A ball with the volume of a voxel covers a pixel from zoom 1.15 on, wherever it is. Below that
+ * some fall between pixels, as some cubes do. */
 STORY(a_single_voxel_does_not_vanish)
 {
     uint64_t random = 4;
@@ -380,28 +370,10 @@ STORY(a_single_voxel_does_not_vanish)
 
 /* ---- where they lie ---- */
 
-/* The point that a pixel shows, from the middle of a scene of voxels of 1 mm. */
-static void point_of(const struct stage *s, size_t pixel, double out[3])
-{
-    const struct rendition *r = &s->rendition;
-    for (int a = 0; a < 3; a++) {
-        const int64_t x = (int64_t)(pixel % r->width), y = (int64_t)(pixel / r->width);
-        const int64_t first = camera_crossing(&s->camera, a, 0, x, y);
-        const double beyond = (double)(r->depth[pixel] - first) / (double)s->camera.T[a];
-        out[a] = (beyond - s->scene->grid.size[a] / 2.0) * (s->camera.flip[a] ? -1 : 1);
-    }
-}
-
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double apart[400000];
 
-/* The 95 % of distances of a picture's points from where a shape is; what is near the scene's edge
- * does not count. `mean` is signed. */
+/* Return the 95th percentile of the distances of a picture's points from a shape, except near the
+ * scene's edge. `mean` is signed. */
 static double most_apart(const struct stage *s, double (*distance)(const double at[3]),
                          double *mean)
 {
@@ -411,7 +383,7 @@ static double most_apart(const struct stage *s, double (*distance)(const double 
         double at[3];
         if (s->rendition.cell[p] == CELL_NONE)
             continue;
-        point_of(s, p, at);
+        stage_point(s, p, at);
         const double most = (s->scene->grid.size[0] - 1) / 2.0 - 8;
         if (fabs(at[0]) > most || fabs(at[1]) > most || fabs(at[2]) > most)
             continue;
@@ -419,7 +391,7 @@ static double most_apart(const struct stage *s, double (*distance)(const double 
         apart[count++] = fabs(distance(at));
     }
     CHECK(count > 500);
-    qsort(apart, count, sizeof *apart, by_size);
+    qsort(apart, count, sizeof *apart, stage_by_size);
     *mean = sum / (double)count;
     return apart[count * 95 / 100];
 }
@@ -429,7 +401,7 @@ static double above_ball(const double at[3])
     return distance_of(at) - radius;
 }
 
-/* Voxels as they are taken or not leave a plane uncertain by some tenths; the mean is not. */
+/* The choice of voxels makes a plane uncertain by some tenths, but not its mean. */
 STORY(depths_are_those_of_planes_and_balls)
 {
     uint64_t random = 8;
@@ -438,8 +410,8 @@ STORY(depths_are_those_of_planes_and_balls)
         struct stage s;
         double mean;
         place_at_random(&random);
-        stage_shape(&s, 61, is_below_plane);
-        /* From the side that the plane faces, more or less. */
+        begin_shape(&s, 61, is_below_plane);
+        /* Look at the front side of the plane, approximately. */
         const int32_t yaw = (int32_t)(atan2(tilt[0], tilt[1]) * 180000 / M_PI);
         const int32_t pitch = (int32_t)(asin(tilt[2]) * 180000 / M_PI);
         double most = 100;
@@ -465,7 +437,7 @@ STORY(depths_are_those_of_planes_and_balls)
         double mean;
         place_at_random(&random);
         radius = 20;
-        stage_shape(&s, 61, is_ball);
+        begin_shape(&s, 61, is_ball);
         draw(&s, 3000, side[i]);
         const double most = most_apart(&s, above_ball, &mean);
         if (!CHECK(most < 0.3 && fabs(mean) < 0.1))
@@ -475,26 +447,21 @@ STORY(depths_are_those_of_planes_and_balls)
     memset(off, 0, sizeof off);
 }
 
-/* Whatever the order and direction of its axes, a scene shows its objects from outside. */
+/* A scene shows its objects from outside, whatever the order and direction of its axes. */
 STORY(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation)
 {
-    static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
-                                       {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     for (int i = 0; i < 48; i++) {
         struct stage s;
         radius = 12;
-        stage_shape(&s, 31, is_ball);
-        for (int a = 0; a < 3; a++) {
-            s.scene->world_axis[a] = order[i / 8][a];
-            s.scene->world_sign[a] = i >> a & 1 ? -1 : 1;
-        }
+        begin_shape(&s, 31, is_ball);
+        stage_turn(&s, (unsigned)i / 8, (unsigned)i);
         draw(&s, 2000, side[i % SIDES]);
         CHECK(fabs(radius_seen(&s, 2000) - 12) < 0.2);
         for (size_t p = 0; p < (size_t)s.view.width * s.view.height; p++) {
             double at[3], behind = 0;
             if (s.rendition.cell[p] == CELL_NONE)
                 continue;
-            point_of(&s, p, at);
+            stage_point(&s, p, at);
             for (int a = 0; a < 3; a++)
                 behind += at[a] * s.camera.ahead[a] / (1 << 30);
             CHECK(behind < 1.1 && fabs(above_ball(at)) < 1);
@@ -505,14 +472,14 @@ STORY(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation)
 
 /* ---- cuts and the scene's edge ---- */
 
-/* Where a ball is cut open, 12.5 voxels above its middle, the scene is shown in a circle, as wide
- * as the last layer of voxels in its middle, and flat. */
+/* Where a ball is cut open, 12.5 voxels above its middle, the scene appears in a circle, as wide as
+ * the middle of the last layer of voxels, and flat. */
 STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
 {
     struct stage s;
     size_t open = 0;
     radius = 40;
-    stage_shape(&s, 85, is_ball);
+    begin_shape(&s, 85, is_ball);
     for (size_t i = 0; i < s.scene->grid.cells; i++)
         s.scene->cell[i].intensity = 77;
     s.border.cut.last[2] = 54;
@@ -525,7 +492,7 @@ STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
         double at[3];
         if (r->cell[i] == CELL_NONE || r->normal[4 * i] || r->normal[4 * i + 1])
             continue;
-        point_of(&s, i, at);
+        stage_point(&s, i, at);
         open++;
         CHECK(fabs(at[2] - 12.5) < 0.001);
         CHECK(r->normal[4 * i + 2] > 16380);
@@ -537,7 +504,7 @@ STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
     stage_release(&s);
 }
 
-/* The first row of a column that shows something. */
+/* Return the first row of a column that shows something. */
 static uint32_t top_of(const struct rendition *r, uint32_t x)
 {
     uint32_t y = 0;
@@ -546,7 +513,7 @@ static uint32_t top_of(const struct rendition *r, uint32_t x)
     return y;
 }
 
-/* Columns whose top lies more than a pixel off the middle of those beside it. */
+/* Count the columns whose top is more than a pixel off the mean of its neighbours. */
 static unsigned count_teeth(const struct rendition *r)
 {
     unsigned teeth = 0;
@@ -562,7 +529,7 @@ STORY(the_rim_of_a_cut_is_a_line)
 {
     struct stage s;
     radius = 40;
-    stage_shape(&s, 85, is_ball);
+    begin_shape(&s, 85, is_ball);
     s.border.cut.last[2] = 42;
     border_recount(&s.border);
     for (int32_t pitch = -70000; pitch <= 70000; pitch += 20000) {
@@ -573,12 +540,12 @@ STORY(the_rim_of_a_cut_is_a_line)
     stage_release(&s);
 }
 
-/* A scene that is all one object is a box with sharp edges, and none of its faces was cut open. */
+/* A scene that is one object is a box with sharp edges, without cut faces. */
 STORY(the_edge_of_the_scene_is_flat)
 {
     static const int32_t angle[][2] = {{0, 0}, {90000, 0}, {0, 90000}, {180000, 0}, {0, 270000}};
     struct stage s;
-    stage_shape(&s, 21, is_block);
+    begin_shape(&s, 21, is_block);
     for (size_t i = 0; i < sizeof angle / sizeof angle[0]; i++) {
         draw(&s, 4000, angle[i]);
         CHECK_INT(seen(&s.rendition), 84 * 84);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The team: however many workers grow a forest, the same bits come out. Run under ThreadSanitizer
- * as well (test_team_racing). */
+/* The team: any number of workers grows the same forest, bit for bit. Also run under
+ * ThreadSanitizer (test_team_racing). */
 #include "tests/check_main.h"
 #include "scarce_memory.h"
 #include "stopping.h"
@@ -10,7 +10,7 @@
 
 enum { WORKERS = 8 };
 
-/* ThreadSanitizer has worlds of its own. Each world is grown by one in SHARE of the teams. */
+/* ThreadSanitizer has its own worlds. Each world is grown by one in SHARE of the teams. */
 #ifdef __SANITIZE_THREAD__
 enum { FIRST = 101 };
 #else
@@ -26,7 +26,7 @@ struct sums {
     bool fine[TEAM_MOST];
 };
 
-/* Everyone writes, all meet, everyone reads what all have written, all meet again. */
+/* All write, meet, read what all have written, and meet again. */
 static void count_rounds(void *context, unsigned worker)
 {
     struct sums *sums = context;
@@ -75,7 +75,7 @@ STORY(shares_cover_everything_once)
 
 /* ---- forests ---- */
 
-/* The same world for the same number, whatever the team. */
+/* Return the same world for the same number, whatever the team. */
 static struct world random_world(uint64_t number, struct team *team)
 {
     uint64_t random = number;
@@ -109,7 +109,7 @@ static size_t random_batch(const struct world *w, struct edit *batch, uint64_t *
     return count;
 }
 
-/* From scratch, an edit on top, and everything again. */
+/* Grow from scratch, edit, and recompute everything. */
 static void grow(struct world *w, uint64_t number)
 {
     uint64_t random = number * 31;
