@@ -119,7 +119,7 @@ static enum err make_room(struct drawing *d, struct fault *fault)
         if (!err && !d->out && d->is_reduced)
             err = rendition_init(&room->pixels, view->width / samples, d->most / samples, fault);
         if (!err)
-            err = layers_take(&room->layers, &room->drawn, bands->mesh->border, fault);
+            err = layers_attach(&room->layers, &room->drawn, bands->mesh->border, fault);
     }
     return err;
 }

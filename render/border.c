@@ -169,7 +169,7 @@ void border_update(struct border *border, const struct changes *changes)
         const uint32_t at = change->cell;
         if (border->visible[change->label] == border->visible[change->former_label])
             continue;
-        if (cut_takes(&border->cut, grid, at))
+        if (cut_removes(&border->cut, grid, at))
             continue;
         border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
         border->changed[at >> 6] = border->version;

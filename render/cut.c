@@ -24,7 +24,7 @@ static bool lies_within(const uint32_t first[3], const uint32_t last[3], const u
     return true;
 }
 
-bool cut_takes(const struct cut *cut, const struct grid *grid, uint32_t cell)
+bool cut_removes(const struct cut *cut, const struct grid *grid, uint32_t cell)
 {
     if (cut_is_none(cut))
         return false;

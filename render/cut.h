@@ -47,7 +47,7 @@ struct cut cut_none(void);
 bool cut_is_none(const struct cut *cut);
 
 /* Return true if the voxel of a cell is cut away. */
-bool cut_takes(const struct cut *cut, const struct grid *grid, uint32_t cell);
+bool cut_removes(const struct cut *cut, const struct grid *grid, uint32_t cell);
 
 /* Return the plane that keeps the voxels whose centres are ahead of that of `place` in the
  * direction `into`, or at most `behind` behind it. `into` is the progress in that direction of one

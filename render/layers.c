@@ -23,8 +23,8 @@ size_t layers_bytes(const struct layers *l)
     return (size_t)l->width * l->height * a_pixel + (l->root ? SQUARES : 0);
 }
 
-enum err layers_take(struct layers *l, struct rendition *r, const struct border *border,
-                     struct fault *fault)
+enum err layers_attach(struct layers *l, struct rendition *r, const struct border *border,
+                       struct fault *fault)
 {
     r->layers = NULL;
     if (!border_is_translucent(border))
@@ -151,7 +151,7 @@ void blend_begin(struct blend *blend, const struct rendition *r, const struct bo
         }
 }
 
-bool blend_take(struct blend *blend, struct rendition *r, struct tile_pixels *p)
+bool blend_next(struct blend *blend, struct rendition *r, struct tile_pixels *p)
 {
     const unsigned end = (blend->tile.bottom - blend->tile.top) * TILE;
     p->count = 0;

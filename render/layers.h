@@ -52,8 +52,8 @@ size_t layers_bytes(const struct layers *layers);
 
 /* Call before a rendition of a border's voxels is made: if an object is translucent, attach these
  * layers, which must outlive the rendition; otherwise detach them. ERR_MEMORY. */
-enum err layers_take(struct layers *layers, struct rendition *rendition,
-                     const struct border *border, struct fault *fault);
+enum err layers_attach(struct layers *layers, struct rendition *rendition,
+                       const struct border *border, struct fault *fault);
 
 /* Return the layers of the rows of the rendition from `top` on, to draw into; borrows the maps. */
 struct layers layers_rows(const struct layers *layers, uint32_t top);
@@ -97,7 +97,7 @@ void blend_begin(struct blend *blend, const struct rendition *rendition,
                  const struct border *border, struct tile_bounds tile);
 /* Collect the next layers to be shaded: pixel by pixel, each from the nearest on. False after the
  * last. */
-bool blend_take(struct blend *blend, struct rendition *rendition, struct tile_pixels *pixels);
+bool blend_next(struct blend *blend, struct rendition *rendition, struct tile_pixels *pixels);
 /* Add the shaded colour of a layer. True if the pixel gets its normal, unless a later layer returns
  * true too. */
 bool blend_add(struct blend *blend, unsigned which, const uint8_t rgb[3]);

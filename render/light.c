@@ -188,7 +188,7 @@ void normals_of(struct directions *out, uint8_t open[NORMALISED], const struct n
         const uint32_t mixed = cell * (NUMBER_MASK + 1) + number;
         struct seen *seen = &triangles->seen[mixed * UINT32_C(2654435769) >> (32 - TRIANGLES_BITS)];
         if (seen->cell != cell || seen->number != number)
-            drawer_see(&normals->drawer, seen, number, cell);
+            drawer_triangle(&normals->drawer, seen, number, cell);
         open[i] = seen->open;
         if (!open[i]) {
             blend_normals(&outward, i, seen, pixels->x[i], pixels->y[i]);

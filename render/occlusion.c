@@ -142,7 +142,7 @@ static void smooth_plane(struct bricks *bricks, uint32_t z)
         out[i] = (uint16_t)(along_x[i - row] + 2 * along_x[i] + along_x[i + row]);
 }
 
-enum err bricks_take(struct bricks *bricks, const struct border *border, struct fault *fault)
+enum err bricks_update(struct bricks *bricks, const struct border *border, struct fault *fault)
 {
     if (bricks->border != border) {
         const enum err err = make_room(bricks, border, fault);
@@ -225,8 +225,8 @@ void occluder_init(struct occluder *occluder, const struct bricks *bricks,
     }
 }
 
-uint16_t occluder_leaves(const struct occluder *occluder, const int16_t normal[3], int64_t depth,
-                         uint32_t x, uint32_t y)
+uint16_t occluder_light(const struct occluder *occluder, const int16_t normal[3], int64_t depth,
+                        uint32_t x, uint32_t y)
 {
     int32_t point[3];
     int64_t sum = 0;

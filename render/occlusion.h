@@ -42,7 +42,7 @@ size_t bricks_bytes(const struct bricks *bricks);
 
 /* Bring them up to date with a border, which must outlive them. ERR_MEMORY: they are not computed.
  * */
-enum err bricks_take(struct bricks *bricks, const struct border *border, struct fault *fault);
+enum err bricks_update(struct bricks *bricks, const struct border *border, struct fault *fault);
 
 /* Return the fullness around a point, 0..BRICK_FULL, given in 1/256 voxels from the centre of voxel
  * 0, as locator_point returns it; it may be anywhere. */
@@ -62,8 +62,8 @@ void occluder_init(struct occluder *occluder, const struct bricks *bricks,
 
 /* Return the part of the ambient and diffuse light, 0..LIGHT_UNIT, that reaches a surface with this
  * normal (render/light.h) at the point that a pixel shows at a depth. */
-uint16_t occluder_leaves(const struct occluder *occluder, const int16_t normal[3], int64_t depth,
-                         uint32_t x, uint32_t y);
+uint16_t occluder_light(const struct occluder *occluder, const int16_t normal[3], int64_t depth,
+                        uint32_t x, uint32_t y);
 
 /* Return the number of steps along each axis within which voxels influence the occlusion of a
  * point. */

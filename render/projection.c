@@ -575,7 +575,7 @@ struct footprint project_around(const struct camera *camera, uint32_t cell, int 
                                      (2 * around + 1) * camera->reach[1]});
 }
 
-void drawer_see(const struct drawer *d, struct seen *seen, unsigned number, uint32_t cell)
+void drawer_triangle(const struct drawer *d, struct seen *seen, unsigned number, uint32_t cell)
 {
     const struct place place = grid_place(&d->camera->scene->grid, cell);
     const struct mesh_brick *brick;

@@ -91,6 +91,7 @@ struct seen {
     struct edge_function share[2]; /* weights of the first two corners, at pixel 0, 0 */
     int64_t all;                   /* sum of all three weights, positive */
 };
-void drawer_see(const struct drawer *drawer, struct seen *seen, unsigned number, uint32_t cell);
+void drawer_triangle(const struct drawer *drawer, struct seen *seen, unsigned number,
+                     uint32_t cell);
 
 #endif

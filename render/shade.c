@@ -43,7 +43,7 @@ enum err shader_prepare(struct shader *shader, const struct border *border, cons
         return OK;
     if (!shader->bricks)
         shader->bricks = mem_new(sizeof *shader->bricks);
-    return shader->bricks ? bricks_take(shader->bricks, border, fault)
+    return shader->bricks ? bricks_update(shader->bricks, border, fault)
                           : fault_memory(fault, "shading");
 }
 
@@ -116,7 +116,7 @@ static void shade_pixels(struct tile_shading *t)
                                    normals->along[2][i]};
         lit->cue[i] = (uint16_t)light_cue(&s->light, p->depth[i]);
         lit->open[i] = s->occludes
-                           ? occluder_leaves(&s->occluder, normal, p->depth[i], p->x[i], p->y[i])
+                           ? occluder_light(&s->occluder, normal, p->depth[i], p->x[i], p->y[i])
                            : LIGHT_UNIT;
         for (int k = 0; k < 3; k++)
             lit->colour[k][i] = s->palette->rgb[p->label[i]][k];
@@ -289,7 +289,7 @@ static void blend_tile(struct rendition *r, struct tile_shading *t, struct tile_
     const struct lit *lit = &t->lit;
     struct blend blend;
     blend_begin(&blend, r, t->s->border, tile);
-    while (blend_take(&blend, r, &t->pixels)) {
+    while (blend_next(&blend, r, &t->pixels)) {
         shade_pixels(t);
         for (unsigned i = 0; i < p->count; i++) {
             const size_t pixel = (size_t)p->y[i] * r->width + p->x[i];

@@ -9,7 +9,7 @@ static inline bool border_should_show(const struct border *border, uint32_t cell
 {
     const struct scene *scene = border->scene;
     return border->visible[labels_at(&border->labels, cell)] && /* no cell of the rim */
-           !cut_takes(&border->cut, &scene->grid, cell);
+           !cut_removes(&border->cut, &scene->grid, cell);
 }
 
 static inline bool border_check_block(const struct border *border, uint32_t x, uint32_t y,

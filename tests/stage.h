@@ -195,7 +195,7 @@ static inline void stage_fill(struct rendition *r)
 static inline void stage_fit(struct stage *s, struct rendition *rendition)
 {
     CHECK(mesh_update(&s->mesh, &s->border, shade_kind(&s->look), NULL, NULL, NULL) == OK);
-    CHECK(layers_take(&s->layers, rendition, &s->border, NULL) == OK);
+    CHECK(layers_attach(&s->layers, rendition, &s->border, NULL) == OK);
 }
 
 /* Shade a rendition. */

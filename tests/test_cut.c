@@ -424,7 +424,8 @@ STORY(a_plane_with_a_normal_is_the_same_from_everywhere)
     must(&interp, "view top; plane none; plane 20,15,10 normal=left offset=1");
     for (uint32_t x = 0; x < 40; x++) {
         const uint32_t cell = grid_cell(&interp.session->scene->grid, x, 3, 3);
-        CHECK(cut_takes(&seen, &interp.session->scene->grid, cell) == !is_shown(&interp, x, 3, 3));
+        CHECK(cut_removes(&seen, &interp.session->scene->grid, cell) ==
+              !is_shown(&interp, x, 3, 3));
         CHECK(is_shown(&interp, x, 3, 3) == (x >= 19));
     }
     CHECK(execute(&interp, "plane none normal=left") == ERR_USAGE);

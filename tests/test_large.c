@@ -90,7 +90,7 @@ STORY(what_lies_free_between_what_is_used_is_given_back)
     for (int i = 0; i < BLOCKS && block; i++)
         if (i % USED)
             free(block[i]);
-    mem_give_back();
+    mem_trim();
     if (!MEM_MAY_BE_LIMITED)
         SKIP("a sanitiser takes more memory than a replay leaves");
     else

@@ -32,7 +32,7 @@ static size_t pass(struct passed *out, const struct stage *s, uint32_t column, u
     for (size_t i = 0; i < count; i++) {
         const uint8_t label = s->scene->cell[out[i].cell].label;
         const bool shown =
-            s->border.visible[label] && !cut_takes(&s->border.cut, &s->scene->grid, out[i].cell);
+            s->border.visible[label] && !cut_removes(&s->border.cut, &s->scene->grid, out[i].cell);
         out[i].label = shown ? label : 0;
     }
     return count;
@@ -142,8 +142,8 @@ STORY(in_whatever_order_layers_are_put_they_are_the_same)
     CHECK(stage_init(&s, (uint32_t[]){2, 2, 2}, 6, NULL) == OK);
     s.border.opacity[1] = 50;
     CHECK(rendition_init(&r, 8, 8, NULL) == OK);
-    CHECK(layers_take(&one, &r, &s.border, NULL) == OK);
-    CHECK(layers_take(&other, &r, &s.border, NULL) == OK);
+    CHECK(layers_attach(&one, &r, &s.border, NULL) == OK);
+    CHECK(layers_attach(&other, &r, &s.border, NULL) == OK);
     for (int round = 0; round < 2000; round++) {
         struct layer put[PUTS];
         layers_put_none(&one, 0);

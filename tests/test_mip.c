@@ -47,7 +47,7 @@ static int search(const struct stage *s, const struct mip_source *of, struct pas
     const size_t count = ray_search(room, &s->camera, x, y);
     int most = 0;
     for (size_t i = 0; i < count; i++) {
-        if (cut_takes(&of->cut, &s->scene->grid, room[i].cell))
+        if (cut_removes(&of->cut, &s->scene->grid, room[i].cell))
             continue;
         const int above = s->scene->cell[room[i].cell].intensity - of->window[0];
         const int grey = above * 255 / (of->window[1] - of->window[0]);

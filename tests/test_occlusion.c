@@ -118,7 +118,7 @@ STORY(bricks_are_what_is_counted_and_follow_edits_cuts_and_what_is_hidden)
                 show_at_random(&s, &random);
             else
                 stage_seed_at_random(&s, &random);
-            CHECK(bricks_take(&bricks, &s.border, NULL) == OK);
+            CHECK(bricks_update(&bricks, &s.border, NULL) == OK);
             compare_bricks(&s, &bricks, &random);
         }
         CHECK(bricks_bytes(&bricks) > 0);
@@ -150,7 +150,7 @@ static uint32_t most_around(const struct stage *s, const uint32_t voxel[3], uint
     struct bricks bricks = {0};
     struct occluder occluder;
     uint32_t most = 0;
-    CHECK(bricks_take(&bricks, &s->border, NULL) == OK);
+    CHECK(bricks_update(&bricks, &s->border, NULL) == OK);
     occluder_init(&occluder, &bricks, &s->camera, 100);
     for (int i = 0; i < 300; i++) {
         int64_t way[3];

@@ -164,7 +164,7 @@ STORY(drafts_of_processes_that_have_ended_go_and_others_stay)
 static void leave_folder(struct buf *path)
 {
     struct buf within = {0};
-    const bool fine = folder_passing(path, folder, NULL) == OK;
+    const bool fine = folder_temporary(path, folder, NULL) == OK;
     buf_printf(&within, "%s/deep", buf_text(path));
     const bool fits = fine && mkdir(buf_text(&within), 0700) == 0;
     buf_add_text(&within, "/a");
@@ -184,7 +184,7 @@ STORY(folders_of_processes_that_have_ended_go_with_what_is_in_them)
     if (child == 0)
         leave_folder(&dead);
     CHECK(waitpid(child, &status, 0) == child && status == 0);
-    CHECK(folder_passing(&live, folder, NULL) == OK && folder_fresh(&fresh, folder, NULL) == OK);
+    CHECK(folder_temporary(&live, folder, NULL) == OK && folder_fresh(&fresh, folder, NULL) == OK);
     CHECK_INT(files_in_folder(), 4);
     file_sweep(folder);
     CHECK_INT(files_in_folder(), 3);

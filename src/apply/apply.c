@@ -99,7 +99,7 @@ struct file_place {
 static void take_file_place(struct file_place *place, const char *name)
 {
     *place = (struct file_place){.name = name};
-    file_settle(&place->settled, name);
+    file_absolute(&place->settled, name);
     place->is_there = stat(name, &place->status) == 0;
 }
 

@@ -2,9 +2,9 @@
 /*
  * Errors: one list of codes, and one line of text that a user can act on.
  *
- * A fallible function returns `enum err` and may fill a `struct fault`: the mistake, the
- * expected value, the state that is unchanged. Callers prepend their context (fault_prefix). No code
- * below main prints to the terminal or exits.
+ * A fallible function returns `enum err` and may fill a `struct fault`: the mistake, the expected
+ * value, the state that is unchanged. Callers prepend their context (fault_prefix). No code below
+ * main prints to the terminal or exits.
  */
 #ifndef BASE_ERR_H
 #define BASE_ERR_H

@@ -366,7 +366,7 @@ static void settle(struct buf *out, const char *path, unsigned links)
     free(real);
 }
 
-void file_settle(struct buf *out, const char *path)
+void file_absolute(struct buf *out, const char *path)
 {
     buf_clear(out);
     settle(out, path, LINKS_MOST);
@@ -786,7 +786,7 @@ enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
     return err;
 }
 
-enum err folder_passing(struct buf *path, const char *below, struct fault *fault)
+enum err folder_temporary(struct buf *path, const char *below, struct fault *fault)
 {
     below = usual_place(below);
     sweep_once(below);

@@ -82,7 +82,7 @@ bool file_holds_same(const char *a, const char *b);
 void file_real(struct buf *out, const char *path);
 
 /* out = the absolute path without links that `path` leads to, even if no file exists there. */
-void file_settle(struct buf *out, const char *path);
+void file_absolute(struct buf *out, const char *path);
 
 /* Return the folder of the running program. */
 enum err file_program_folder(struct buf *out, struct fault *fault);
@@ -134,7 +134,7 @@ enum err folder_fresh(struct buf *path, const char *below, struct fault *fault);
 
 /* The same for a temporary folder, which the caller removes: if this process is killed before, a
  * later process that makes such a folder there removes it (D3). */
-enum err folder_passing(struct buf *path, const char *below, struct fault *fault);
+enum err folder_temporary(struct buf *path, const char *below, struct fault *fault);
 
 /* The same for a folder that is kept if it is not empty when folder_release is called: until then
  * an empty file in it names the process that holds it. If that process is killed, a later one that

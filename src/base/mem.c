@@ -29,7 +29,7 @@ static bool is_allowed(size_t bytes)
 }
 
 /* The kernel hands out addresses without memory behind them, and kills processes that use them. */
-bool mem_is_there(size_t bytes)
+bool mem_has_room(size_t bytes)
 {
     const size_t from = limit == SIZE_MAX ? LARGE_FROM : COUNTED_FROM;
     return bytes < from || bytes <= mem_available();
@@ -52,7 +52,7 @@ bool size_multiply(size_t a, size_t b, size_t *out)
 void *mem_array(size_t count, size_t size)
 {
     size_t bytes;
-    if (!size_multiply(count, size, &bytes) || !is_allowed(bytes) || !mem_is_there(bytes))
+    if (!size_multiply(count, size, &bytes) || !is_allowed(bytes) || !mem_has_room(bytes))
         return NULL;
     return malloc(bytes ? bytes : 1);
 }
@@ -87,9 +87,9 @@ bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size)
     memcpy(&former, array, sizeof former);
     if (!size_multiply(wanted, size, &bytes) || !is_allowed(bytes))
         return false;
-    if (!mem_is_there(bytes - *capacity * size)) { /* an eighth more than needed may still fit */
+    if (!mem_has_room(bytes - *capacity * size)) { /* an eighth more than needed may still fit */
         wanted = needed + needed / 8;
-        if (!size_multiply(wanted, size, &bytes) || !mem_is_there(bytes - *capacity * size))
+        if (!size_multiply(wanted, size, &bytes) || !mem_has_room(bytes - *capacity * size))
             return false;
     }
     void *larger = realloc(former, bytes);
@@ -136,7 +136,7 @@ void mem_begin(void)
 #endif
 }
 
-void mem_give_back(void)
+void mem_trim(void)
 {
 #ifdef __GLIBC__
     static _Atomic uint64_t due;

@@ -34,7 +34,7 @@ bool mem_parts(const struct mem_part *part, size_t parts);
 
 /* Return true if the machine has the memory for this many bytes in total, not allocated yet. Small
  * amounts are not checked, as above. */
-bool mem_is_there(size_t bytes);
+bool mem_has_room(size_t bytes);
 
 /* Grow `array` (NULL at first) to hold at least `needed` items, at least doubling it if the machine
  * has the memory. False on failure, with array and capacity unchanged. `array` is the address of
@@ -60,7 +60,7 @@ void mem_begin(void);
 
 /* Return freed memory between used blocks to the system, if the C library keeps it: at most once in
  * 10 seconds, since it costs some milliseconds. */
-void mem_give_back(void);
+void mem_trim(void);
 
 /* Return the bytes of physical memory available without swapping, as the kernel estimates them, or
  * SIZE_MAX if unknown; at most the rest of the limit. */

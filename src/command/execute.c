@@ -369,7 +369,7 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
         interp->acknowledged = recorded ? interp->history.records : 0;
     interp->unrecorded += !err && recorded && !interp->journal;
     call_release(&call);
-    mem_give_back();
+    mem_trim();
     return err;
 }
 

@@ -19,7 +19,7 @@ enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, 
     size_t pixel_bytes = 4 * (1 + (size_t)__builtin_popcount(planes & ~(unsigned)PICTURE_NORMAL));
     if (planes & PICTURE_NORMAL)
         pixel_bytes += 3 * sizeof *picture->normal;
-    if (pixels > SIZE_MAX / pixel_bytes || !mem_is_there(pixels * pixel_bytes))
+    if (pixels > SIZE_MAX / pixel_bytes || !mem_has_room(pixels * pixel_bytes))
         return fault_memory(fault, "a picture");
     picture->width = width;
     picture->height = height;

@@ -182,7 +182,7 @@ static enum err start_helper(struct volume_source *source, struct fault *fault)
     if (err || source_peek(source, first, sizeof first) < sizeof first ||
         memcmp(first, "CDF", sizeof first) != 0)
         return err;
-    err = folder_passing(&helper->room, NULL, fault);
+    err = folder_temporary(&helper->room, NULL, fault);
     return err ? fault_prefix(fault, err,
                               "it is MINC 1, which needs room in $TMPDIR to read; `mincconvert "
                               "-2` converts it to MINC 2")

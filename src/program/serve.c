@@ -95,7 +95,7 @@ static bool holds_path(const struct exchange *exchange, const char *name)
     const size_t length = exchange->path.length;
     struct buf path = {0}, settled = {0};
     file_from_home(&path, name);
-    file_settle(&settled, buf_text(&path));
+    file_absolute(&settled, buf_text(&path));
     const char *end = buf_text(&settled) + (settled.length < length ? settled.length : length);
     const bool is_in = path.failed || settled.failed ||
                        (strncmp(buf_text(&settled), buf_text(&exchange->path), length) == 0 &&

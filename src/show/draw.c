@@ -318,7 +318,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
         return err;
     const uint64_t begin_ns = clock_ns();
     if (!p->take && p->rendition.depth) {
-        err = layers_take(&p->layers, &p->rendition, border, fault);
+        err = layers_attach(&p->layers, &p->rendition, border, fault);
         if (err)
             return err;
         if (project == project_border)
@@ -380,7 +380,7 @@ static enum err draw_coarse(struct pictures *p, const struct view *view,
     if (!err && !coarse->rendition.depth)
         err = rendition_init(&coarse->rendition, outlook.view.width, outlook.view.height, fault);
     if (!err)
-        err = layers_take(&coarse->layers, &coarse->rendition, border, fault);
+        err = layers_attach(&coarse->layers, &coarse->rendition, border, fault);
     if (err)
         return err;
     project_border_shared(&coarse->rendition, &camera, &p->mesh, p->session->team);

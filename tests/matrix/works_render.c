@@ -62,7 +62,7 @@ static void begin_picture(struct stage *s)
     mesh_release(&s->mesh);
     must(mesh_update(&s->mesh, &s->border, shade_kind(&s->look), NULL, NULL, NULL),
          &(struct fault){0}, "a mesh");
-    must(layers_take(&s->layers, &s->rendition, &s->border, NULL), &(struct fault){0}, "layers");
+    must(layers_attach(&s->layers, &s->rendition, &s->border, NULL), &(struct fault){0}, "layers");
 }
 
 /* The one digest that all ways of making the picture have. */
