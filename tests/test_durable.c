@@ -399,7 +399,7 @@ STORY(where_there_are_no_locks_a_file_stands_for_one)
     CHECK_TEXT(journal_lock_file(journal), lock);
     CHECK(open_again(&second, path, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "is being written by another session, by process ");
-    CHECK_HAS(fault.text, ".lock stands for one");
+    CHECK_HAS(fault.text, ".lock serves as one");
     CHECK(append(journal, 3, NULL) == OK);
     journal_close(journal);
     CHECK(!file_exists(lock));
@@ -415,7 +415,7 @@ STORY(where_there_are_no_locks_a_file_stands_for_one)
     journal_close(journal);
     put(lock, "somebody\n", 9); /* what cannot be read is left */
     CHECK(open_again(&second, path, &fault) == ERR_IO);
-    CHECK_HAS(fault.text, ".lock stands for one");
+    CHECK_HAS(fault.text, ".lock serves as one");
     CHECK(file_exists(lock));
     file_step_hook = NULL;
     unlink(lock);
