@@ -67,7 +67,7 @@ static void net_cube_init(struct net_cube *cube, uint8_t air, uint8_t closed)
             /* Halves away from 0: a mirrored cube has the mirrored mean. */
             const int32_t half = sum[k] < 0 ? -crossings : crossings;
             const bool is_locked = part->lock >> k & 1;
-            part->start[k] = is_locked ? 0 : (int16_t)((2 * sum[k] + half) / (2 * crossings));
+            part->start[k] = (int16_t)(is_locked ? 0 : (2 * sum[k] + half) / (2 * crossings));
         }
         for (int a = 0; a < 3; a++)
             find_links(part, a, air, closed);
