@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The JSON writer, compared with texts written by hand.
+ * The JSON writer, compared with texts written by hand; and arenas of buffers.
  */
 #include <math.h>
 
+#include "base/file.h"
 #include "base/json.h"
 #include "tests/check_main.h"
+#include "tests/scarce_memory.h"
 
 static struct buf text;
 
@@ -134,4 +136,22 @@ STORY(a_failed_buffer_stays_failed)
     json_end(&json);
     CHECK(text.failed);
     CHECK_TEXT(buf_text(&text), "{");
+}
+
+STORY(an_arena_without_memory_for_a_buffer_has_failed_even_if_memory_returns)
+{
+    struct arena arena = {0};
+    buf_add_text(arena_buf(&arena), "one");
+    CHECK(!arena_failed(&arena));
+    allow_allocations(0);
+    struct buf *first = arena_buf(&arena), *second = arena_buf(&arena);
+    mem_allows = NULL;
+    file_folder(first, "x/y"); /* clears it first */
+    CHECK(first->failed && arena_failed(&arena));
+    buf_clear(second);
+    buf_add_text(second, "two");
+    CHECK_TEXT(buf_text(first), "");
+    CHECK_TEXT(buf_text(second), "");
+    arena_release(&arena);
+    CHECK(!arena_failed(&arena));
 }

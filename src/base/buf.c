@@ -132,10 +132,13 @@ void buf_add_base64(struct buf *b, const void *bytes, size_t length)
     *place = '\0';
 }
 
+/* Capacity of a buffer that stays failed. */
+#define NEVER SIZE_MAX
+
 void buf_clear(struct buf *b)
 {
     b->length = 0;
-    b->failed = false;
+    b->failed = b->capacity == NEVER;
     if (b->data)
         b->data[0] = '\0';
 }
@@ -170,7 +173,8 @@ struct buf *arena_buf(struct arena *arena)
 {
     struct arena_item *item = mem_new(sizeof *item);
     if (!item) {
-        arena->none.failed = true;
+        arena->failed = true;
+        arena->none = (struct buf){.capacity = NEVER, .failed = true};
         return &arena->none;
     }
     item->before = arena->last;
@@ -180,7 +184,7 @@ struct buf *arena_buf(struct arena *arena)
 
 bool arena_failed(const struct arena *arena)
 {
-    bool failed = arena->none.failed;
+    bool failed = arena->failed;
     for (const struct arena_item *item = arena->last; item; item = item->before)
         failed |= item->buf.failed;
     return failed;

@@ -63,9 +63,6 @@ void buf_release(struct buf *b);
 /* Return the content as a string, never NULL. */
 const char *buf_text(const struct buf *b);
 
-/* True if the content, a list of texts each ended by NUL, has this one. */
-bool buf_lists(const struct buf *b, const char *text, size_t length);
-
 /* True if the content, texts each ended by NUL, contains this text. */
 bool buf_lists(const struct buf *b, const char *text, size_t length);
 
@@ -75,7 +72,8 @@ bool buf_lists(const struct buf *b, const char *text, size_t length);
  */
 struct arena {
     struct arena_item *last;
-    struct buf none; /* in place of a buffer for which there is no memory: it has failed */
+    struct buf none; /* replaces each buffer without memory: empty and failed, even if cleared */
+    bool failed;     /* `none` was handed out */
 };
 
 /* An empty buffer; never NULL. The caller does not release it. */
