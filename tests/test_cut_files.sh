@@ -91,6 +91,10 @@ begin "voxels that never came: after LOCAL, in a file that is empty, none or in 
 sed '/^ElementDataFile/q' itk.mha >empty.mha
 expect 3 "$iftty" -c "open empty.mha"
 err_has "empty.mha: cut short: it has $(file_bytes empty.mha) bytes, and its header promises"
+printf '%s\n' 'ObjectType = Image' 'NDims = 3' 'DimSize = 4 4 4' 'ElementType = MET_UCHAR' \
+    'DataFile = x' >within.mha
+expect 3 "$iftty" -c "open within.mha"
+err_has "within.mha: cut short: it has $(file_bytes within.mha) bytes, and ends within its header"
 : >itk.raw
 expect 3 "$iftty" -c "open itk.mhd"
 err_has "itk.raw, which is cut short: it has 0 bytes, and its header promises 16016; fetch"

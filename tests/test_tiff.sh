@@ -141,6 +141,10 @@ refused "cut short: it has $(file_bytes no-offsets.tif) bytes, and its header pr
 refused "cut short or false: a page has 542 bytes of pixels, and its size promises 572" \
     few-bytes.tif
 refused "it needs more memory than is allowed" wide-tile.tif
+refused "cut short or false: a page has 100 bytes of pixels, and its size promises 4096" \
+    tile-offset.tif tiles-before.tif twice.tif
+expect 0 "$iftty" -c "open tiles-after.tif; why 63,63,0"
+out_has "intensity 2"
 close_story
 
 begin "ImageJ: channels and frames are volumes, also without directories; tifffile's shapes"

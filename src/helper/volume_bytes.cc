@@ -164,7 +164,7 @@ enum PageTag : uint64_t {
     STRIPS_AT = 273,
     SAMPLES = 277,
     STRIPS_LENGTH = 279,
-    TILES_AT = 324,
+    TILES_AT = 324, /* kept as STRIPS_AT */
     TILES_LENGTH = 325
 };
 
@@ -183,9 +183,7 @@ uint64_t first_of(Counted &file, const PageFields &field, PageTag tag, uint64_t 
 void count_page(Counted &file, PageFields &field, uint64_t &counted)
 {
     constexpr uint64_t none = 1, subsampled = 6;
-    const bool is_tiled = field.count(TILES_AT) > 0;
-    const Numbers place = field[is_tiled ? TILES_AT : STRIPS_AT];
-    const Numbers length = field[is_tiled ? TILES_LENGTH : STRIPS_LENGTH];
+    const Numbers place = field[STRIPS_AT], length = field[STRIPS_LENGTH];
     const uint64_t count = std::min(place.count, length.count);
     counted = sum_of(counted, count);
     if (counted > file.bytes())
@@ -224,6 +222,7 @@ void count_tiff(Counted &file)
         const uint64_t entries = file.number(page, head);
         const uint64_t end = sum_of(sum_of(page, head), product_of(entries, entry));
         PageFields field;
+        std::set<uint64_t> met; /* libtiff reads the first entry of each tag */
         counted = sum_of(counted, entries);
         file.need(sum_of(end, wide_bytes));
         for (uint64_t at = page + head; at < end; at += entry) {
@@ -232,13 +231,18 @@ void count_tiff(Counted &file)
             numbers.count = file.number(at + 4, wide_bytes);
             numbers.width = type < sizeof type_bytes / sizeof *type_bytes ? type_bytes[type] : 0;
             const bool is_here = product_of(numbers.count, numbers.width) <= wide_bytes;
+            const bool is_first = met.insert(tag).second;
             numbers.at = at + 4 + wide_bytes;
             if (numbers.width == 0 || numbers.width > 8)
                 continue;
             if (!is_here)
                 numbers.at = file.number(numbers.at, wide_bytes);
             file.need(sum_of(numbers.at, product_of(numbers.count, numbers.width)));
-            field[tag] = numbers;
+            /* libtiff reads the later entry of strips and tiles, not the one of the page's kind. */
+            if (is_first)
+                field[tag == TILES_AT       ? STRIPS_AT
+                      : tag == TILES_LENGTH ? STRIPS_LENGTH
+                                            : tag] = numbers;
         }
         count_page(file, field, counted);
         page = file.number(end, wide_bytes);
@@ -486,7 +490,8 @@ void count_parts(const std::string &kind, const std::string &path, const std::st
     if (kind != "nrrd" && kind != "meta")
         return;
     const Header header = header_of(kind, path);
-    if (header.end == 0 && !header.names_files()) /* otherwise the header may end with its file */
+    /* The header of a NRRD that names files may end with its file. */
+    if (header.end == 0 && !(kind == "nrrd" && header.names_files()))
         refuse("%scut short: it has %llu bytes, and ends within its header; fetch it again",
                what.c_str(), wide(file.bytes()));
 }

@@ -104,6 +104,17 @@ def write(name, pages, order="<", gap=b""):
         file.write(out)
 
 
+def directory(name, entries):
+    """A page of 64x64 bytes by these entries, (tag, type, value) in this order: at 512 are 100
+    bytes of 1 and then others, at 4608 is a whole page."""
+    out = b"II*\0" + struct.pack("<IH", 8, len(entries))
+    for tag, kind, value in entries:
+        out += struct.pack("<HHII", tag, kind, 1, value)
+    out = (out + bytes(4)).ljust(512, b"\0")
+    with open(name, "wb") as file:
+        file.write((out + b"\1" * 100).ljust(4608, b"\xee") + b"\2" * 4096)
+
+
 def page(data, bits=None, packed=None, order="<", **more):
     """A page of data[y][x], one strip."""
     kind = {"u": 1, "i": 2, "f": 3, "b": 1}[data.dtype.kind]
@@ -325,6 +336,17 @@ def make_refused():
     write("scanimage.tif", [page(one, _270=(2, b"state.configPath = 'x'\0")), page(one)])
     # Lies.
     write("huge.tif", [page(one, _256=(4, 60000), _257=(4, 60000), _278=(4, 60000))])
+    # Strips and tiles on one page: libtiff reads the later entry of each pair.
+    base = [(WIDTH, 4, 64), (HEIGHT, 4, 64), (BITS, 3, 8), (PACKING, 3, 1), (COLOURS, 3, 1)]
+    rows = [(SAMPLES, 3, 1), (ROWS, 4, 64)]
+    directory("tile-offset.tif", base + [(OFFSETS, 4, 4608)] + rows +
+              [(LENGTHS, 4, 100), (324, 4, 512)])
+    directory("tiles-before.tif", [(324, 4, 4608), (325, 4, 4096)] + base +
+              [(OFFSETS, 4, 512)] + rows + [(LENGTHS, 4, 100)])
+    directory("tiles-after.tif", base + [(OFFSETS, 4, 512)] + rows +
+              [(LENGTHS, 4, 100), (324, 4, 4608), (325, 4, 4096)])
+    directory("twice.tif", base + [(OFFSETS, 4, 512), (OFFSETS, 4, 4608)] + rows +
+              [(LENGTHS, 4, 100), (LENGTHS, 4, 4096)])
     few = zlib.compress(one.tobytes())
     write("huge-packed.tif", [page(one, packed=few, _259=(3, 8), _256=(4, 60000), _257=(4, 60000),
                                    _278=(4, 60000))])
