@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/scan.h"
+#include "image/volume_format.h"
 
 enum {
     NUMBERS_MOST = 16, /* parameters */
@@ -244,28 +245,15 @@ struct matrix {
 
 enum { HEADER = 20, BIG_ENDIAN_TYPE = 1000, SINGLE_TYPE = 10, ROWS_TYPE = 100 };
 
-static uint64_t bits_at(const char *bytes, int width, bool is_big)
-{
-    uint64_t bits = 0;
-    for (int i = 0; i < width; i++)
-        bits |= (uint64_t)(uint8_t)bytes[is_big ? width - 1 - i : i] << 8 * i;
-    return bits;
-}
-
 static uint32_t word_at(const char *bytes, bool is_big)
 {
-    return (uint32_t)bits_at(bytes, 4, is_big);
+    return (uint32_t)bits_get((const uint8_t *)bytes, 4, is_big);
 }
 
 static double number_at(const char *bytes, bool is_big, bool is_single)
 {
-    const uint64_t bits = bits_at(bytes, is_single ? 4 : 8, is_big);
-    const uint32_t low = (uint32_t)bits;
-    float single;
-    double value;
-    memcpy(&single, &low, sizeof single);
-    memcpy(&value, &bits, sizeof value);
-    return is_single ? single : value;
+    const unsigned width = is_single ? 4 : 8;
+    return real_of_bits(bits_get((const uint8_t *)bytes, width, is_big), width);
 }
 
 /* Parse the next matrix, a row or a column, and return its length; 0 on failure. */

@@ -156,7 +156,6 @@ Picture open_png(const std::string &path, size_t number, size_t all)
     picture.rows = io->GetDimensions(1);
     picture.type = type_of(*io);
     picture.values = io->GetNumberOfComponents();
-    png_resolution(path, picture.mm); /* ITK 5.2 ignores it */
     picture.read = [io](std::vector<char> &to) {
         itk::ImageIORegion region(2);
         region.SetSize(0, io->GetDimensions(0));
@@ -243,7 +242,7 @@ void stack_pictures(Volume &volume, std::vector<std::string> path, const std::st
     const bool is_bmp = kind == "bmp";
     const auto open = is_bmp ? open_bmp : open_png;
     std::sort(path.begin(), path.end(), is_before);
-    for (size_t z = 0; z < path.size(); z++)
+    for (size_t z = 0; z < path.size() && !is_bmp; z++) /* open_bmp checks its file itself */
         count_parts(
             kind, path[z],
             words_of("slice %zu of %zu, %s, is ", z + 1, path.size(), last_name(path[z]).c_str()));
@@ -264,7 +263,10 @@ void stack_pictures(Volume &volume, std::vector<std::string> path, const std::st
     volume.size[1] = first.rows;
     volume.size[2] = path.size();
     note_gaps(volume, path);
-    note_pixels(volume, first.mm[0], first.mm[1]);
+    double mm[2] = {first.mm[0], first.mm[1]};
+    if (!is_bmp)
+        png_resolution(path[0], mm); /* ITK 5.2 ignores it */
+    note_pixels(volume, mm[0], mm[1]);
     volume.send = [&volume, path, open]() {
         std::vector<char> bytes(bytes_in(volume, 1) / volume.size[2]);
         for (size_t z = 0; z < path.size(); z++) {

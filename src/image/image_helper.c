@@ -290,9 +290,10 @@ enum err image_helper_read(struct image_helper *helper, const char *path, struct
     enum err err = send_request(helper, "read", path, line, fault);
     if (err)
         return err;
-    if (!scan_text(&at, "picture ") || !coprocess_numbers(at, 3, most, number) || number[0] < 1 ||
-        number[1] < 1)
-        err = coprocess_odd(&helper->process) ? OK : ERR_IO;
+    if ((!scan_text(&at, "picture ") || !coprocess_numbers(at, 3, most, number) || number[0] < 1 ||
+         number[1] < 1) &&
+        !coprocess_odd(&helper->process))
+        err = ERR_IO;
     if (!err)
         err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], 0, fault);
     for (int64_t i = 0; !err && i < number[2]; i++)
@@ -319,9 +320,10 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
     enum err err = send_request(helper, "about", path, line, fault);
     if (err)
         return err;
-    if (!scan_text(&at, "about ") || !coprocess_numbers(at, 7, most, number) || number[0] < 1 ||
-        number[1] < 1)
-        err = coprocess_odd(&helper->process) ? OK : ERR_IO;
+    if ((!scan_text(&at, "about ") || !coprocess_numbers(at, 7, most, number) || number[0] < 1 ||
+         number[1] < 1) &&
+        !coprocess_odd(&helper->process))
+        err = ERR_IO;
     for (int i = 0; i < 3 && !err; i++) {
         const size_t length = (size_t)number[4 + i];
         *word[i] = calloc(length + 1, 1);
