@@ -173,18 +173,18 @@ enum err act_golden(const struct act *act)
     enum err err = take_golden(act, &picture);
     if (err)
         return err;
-    const bool has_place = interp->home.length || !is_new;
-    if (!has_place)
+    if (is_new && !interp->home.length) {
         buf_add_text(&act->reply->text, "not stored: there is no journal; `--journal FILE` "
                                         "records one from the beginning\n");
-    else
+    } else if (is_new || interp->judge) {
         err = golden_path(path, buf_text(&interp->home), name, act->fault);
-    if (!err && has_place && is_new)
-        err = write_golden(interp, name, buf_text(path), &picture, act->fault);
-    else if (!err && !is_new && interp->judge)
-        err = compare_golden(interp, name, buf_text(path), &picture, act->fault);
-    if (!err && has_place && is_new)
-        act_write_file_line("stored as ", buf_text(path), act->reply);
+        if (!err && is_new)
+            err = write_golden(interp, name, buf_text(path), &picture, act->fault);
+        else if (!err)
+            err = compare_golden(interp, name, buf_text(path), &picture, act->fault);
+        if (!err && is_new)
+            act_write_file_line("stored as ", buf_text(path), act->reply);
+    }
     picture_release(&picture);
     return err;
 }

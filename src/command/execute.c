@@ -63,11 +63,11 @@ static enum err take_semantics(void *context, unsigned semantics, struct fault *
 static void look_for_last(void *context, const struct record *record)
 {
     struct resume *resume = context;
-    struct buf words = {0};
-    add_forest_words(&words, record->result);
-    if (words.length)
-        resume->last = record->number;
-    buf_release(&words);
+    struct record_word word;
+    struct choice key;
+    for (const char *at = FOREST_WORDS; choice_next(&key, &at);)
+        if (record_word_find(record->result, key.word, key.length, &word))
+            resume->last = record->number;
 }
 
 /* When the session catches up, compare the words with the forest of all commands so far. */
