@@ -62,7 +62,8 @@ bool mem_parts(const struct mem_part *part, size_t parts)
     const size_t aligned = _Alignof(max_align_t);
     size_t end = 0, bytes;
     for (size_t i = 0; i < parts; i++)
-        if (!size_multiply(part[i].count, part[i].size, &bytes) || bytes > SIZE_MAX / 2 - end)
+        if (!size_multiply(part[i].count, part[i].size, &bytes) || bytes > SIZE_MAX / 4 ||
+            end > SIZE_MAX / 4)
             return false;
         else
             end += (bytes + aligned - 1) / aligned * aligned;

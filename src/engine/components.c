@@ -99,11 +99,13 @@ static enum err count(struct finding *f, struct watch *watch, struct fault *faul
                 (struct component){0, RUN_NONE, f->label[run->first], false};
         }
         struct component *item = found->item + run->component;
-        const struct place p = grid_place(f->grid, run->first);
         const uint32_t voxels = run->end - run->first;
         item->voxels += voxels;
-        item->at_edge |= p.x == 0 || p.x + voxels == size[0] || p.y == 0 || p.y + 1 == size[1] ||
-                         p.z == 0 || p.z + 1 == size[2];
+        if (!item->at_edge) {
+            const struct place p = grid_place(f->grid, run->first);
+            item->at_edge = p.x == 0 || p.x + voxels == size[0] || p.y == 0 || p.y + 1 == size[1] ||
+                            p.z == 0 || p.z + 1 == size[2];
+        }
     }
     for (size_t i = found->runs; i-- > 0 && task_advance(&task, 1);) {
         struct component *item = found->item + found->run[i].component;

@@ -246,7 +246,7 @@ static void weigh(struct scene *scene, const struct adjacency *adjacency, uint32
     const uint64_t side = 2 * (uint64_t)radius + 1, merged = side * side; /* rows, at the most */
     struct grid_walk w = grid_walk(&scene->grid, scene->watch, "weights", slab, slab.first);
     w.task.total *= merged;
-    while (task_advance(&w.task, (merged - 1) * width) && grid_walk_next(&w)) {
+    while (grid_walk_next(&w) && task_advance(&w.task, (merged - 1) * width)) {
         memset(work, 0, 2 * lane_values * sizeof(uint16_t));
         merge_around(&lanes, scene, adjacency->count == 6, (int32_t)radius, w.y, w.z);
         for (size_t lane = radius; lane > 0; lane--) {

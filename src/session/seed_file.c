@@ -452,12 +452,11 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
     if (!reserve_seeds(seeds, total))
         return fault_memory(fault, "the seeds of a label map");
     const uint16_t *at = map->intensity;
-    struct task task = task_begin(watch, "drawing seeds", grid->voxels);
-    for (uint32_t z = 0; z < map->size[2]; z++)
-        for (uint32_t y = 0; y < map->size[1] && task_advance(&task, map->size[0]); y++)
-            for (uint32_t x = 0; x < map->size[0]; x++, at++)
-                if (*at != REGION_NONE && is_drawn(&stock[*at], *at, choice->generator))
-                    add_seed(seeds, grid_cell(grid, x, y, z), (int)region_label(choice, *at), *at);
+    struct grid_walk w = grid_walk(grid, watch, "drawing seeds", grid_slab(grid, 0, 1), 0);
+    while (grid_walk_next(&w))
+        for (uint32_t c = w.row.first; c < w.row.end; c++, at++)
+            if (*at != REGION_NONE && is_drawn(&stock[*at], *at, choice->generator))
+                add_seed(seeds, c, (int)region_label(choice, *at), *at);
     return watch_fault(watch, fault);
 }
 
@@ -547,18 +546,16 @@ static enum err take_labels(struct work *w, const uint16_t *region, struct fault
         w->choice->rest == REGION_NONE ? find_spare(region, grid->voxels, w->watch) : 256;
     memset(w->label, 0, grid->cells);
     w->spare = spare;
-    struct task task = task_begin(w->watch, "labels of the map", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++, region++) {
-                const uint16_t label = *region == REGION_NONE ? w->choice->rest : *region;
-                if (label == REGION_NONE && spare > 255)
-                    return fault_set(fault, ERR_INPUT,
-                                     "the map has all labels 0..255 and further regions; "
-                                     "choose fewer with regions=; nothing was planted");
-                w->label[c] = (uint8_t)(label == REGION_NONE ? spare : label);
-            }
+    struct grid_walk rows =
+        grid_walk(grid, w->watch, "labels of the map", grid_slab(grid, 0, 1), 0);
+    while (grid_walk_next(&rows))
+        for (uint32_t c = rows.row.first; c < rows.row.end; c++, region++) {
+            const uint16_t label = *region == REGION_NONE ? w->choice->rest : *region;
+            if (label == REGION_NONE && spare > 255)
+                return fault_set(fault, ERR_INPUT,
+                                 "the map has all labels 0..255 and further regions; "
+                                 "choose fewer with regions=; nothing was planted");
+            w->label[c] = (uint8_t)(label == REGION_NONE ? spare : label);
         }
     return OK;
 }

@@ -352,13 +352,12 @@ enum err comparison_classify(uint8_t *class, const struct grid *grid,
         for (uint32_t y = 0; y < w.box.size[1]; y++) {
             uint8_t *row = class + grid_cell(grid, w.first[0], w.first[1] + y, w.first[2] + z);
             for (uint32_t x = 0; x < w.box.size[0]; x++, voxel++) {
+                row[x] = 0;
+                if (!(w.set[voxel] & IN_A))
+                    continue;
                 const double part = fmin(in_mm(&w, w.squared[voxel]) / most_mm, 1);
                 const int steps = (int)lround(part * COMPARISON_CLASS_STEPS);
-                if (w.set[voxel] & IN_A)
-                    row[x] =
-                        (uint8_t)(COMPARISON_CLASS_ON + (w.set[voxel] & IN_B ? -steps : steps));
-                else
-                    row[x] = 0;
+                row[x] = (uint8_t)(COMPARISON_CLASS_ON + (w.set[voxel] & IN_B ? -steps : steps));
             }
         }
     work_release(&w);

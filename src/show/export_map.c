@@ -143,9 +143,9 @@ enum err export_seeds(struct buf *out, const struct session *session, struct fau
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
-                const struct reach *reach = forest_reach(session->forest, c);
                 if (!(session->scene->cell[c].flags & CELL_SEED))
                     continue;
+                const struct reach *reach = forest_reach(session->forest, c);
                 buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z, session->scene->cell[c].label);
                 if (reach && reach->unit[0] == 1)
                     buf_printf(out, ",%lld", (long long)reach->radius);

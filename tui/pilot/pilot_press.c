@@ -116,6 +116,10 @@ void setup_say(struct buf *out, const struct pilot_setup *setup, const char *for
         sscanf(at, "{%31[a-z-]:%c}%n", name, &character, &bytes);
         if (!character)
             sscanf(at, "{%31[a-z-]}%n", name, &bytes);
+        if (bytes == 0) { /* a brace of a value */
+            buf_add_char(out, *at);
+            continue;
+        }
         setup_add_keys(out, setup, setup_row(setup, name), 1);
         const char *range = out->length > before + 3 ? out->data + out->length - 3 : "";
         if (character && (strcmp(range, "a-z") == 0 || strcmp(range, "0-9") == 0)) {
