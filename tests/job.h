@@ -106,14 +106,14 @@ static inline bool job_see(struct job *j, const char *text, int ms)
     for (;;) {
         char piece[4096];
         struct pollfd ready = {.fd = j->master, .events = POLLIN};
+        if (j->answer) /* before the next keys of the story */
+            j->answer(j);
         const char *found = text ? strstr(buf_text(&j->seen) + j->mark, text) : NULL;
         const uint64_t now = clock_ns();
         if (found)
             j->mark = (size_t)(found - j->seen.data) + strlen(text);
         if (found || now >= end)
             return found != NULL;
-        if (j->answer)
-            j->answer(j);
         if (poll(&ready, 1, j->is_late ? 2 : (int)((end - now) / 1000000) + 1) == 0)
             continue;
         const ssize_t n = read(j->master, piece, sizeof piece);

@@ -55,11 +55,11 @@ static inline struct journal *make_journal(const char *path, size_t records)
 }
 
 /*
- *   J2 the journal is sound;
- *   J3 its file holds every byte that was acknowledged and nothing else. Other bytes may follow
- *      after an append that failed (`is_ragged`).
+ *   J2 the journal is sound, and has no torn record;
+ *   J3 its file holds every byte that was acknowledged and nothing else, also after an append that
+ *      failed and was cut off.
  */
-static inline bool journal_audit(const struct journal *journal, bool is_ragged)
+static inline bool journal_audit(const struct journal *journal)
 {
     int (*const hook)(enum file_step step, const char *path) = file_step_hook;
     const struct buf *kept = journal_bytes(journal);
@@ -68,11 +68,10 @@ static inline bool journal_audit(const struct journal *journal, bool is_ragged)
     file_step_hook = NULL;
     const bool is_fine =
         journal_check(&condition, buf_text(kept), kept->length, NULL) == OK &&
-        condition.records == journal_count(journal) &&
+        condition.state == JOURNAL_INTACT && condition.records == journal_count(journal) &&
         strcmp(condition.chain.hex, journal_chain(journal)) == 0 &&
         file_read(&found, journal_path(journal), JOURNAL_BYTES_MAX, NULL) == OK &&
-        (found.length == kept->length || (is_ragged && found.length > kept->length)) &&
-        memcmp(found.data, kept->data, kept->length) == 0;
+        found.length == kept->length && memcmp(found.data, kept->data, kept->length) == 0;
     file_step_hook = hook;
     buf_release(&found);
     return is_fine;

@@ -28,6 +28,22 @@ static inline void allow_allocations(size_t count)
     mem_allows = takes_one_allocation;
 }
 
+/* Lets all allocations succeed and counts them in `allocations_made`. */
+static atomic_size_t allocations_made;
+
+static inline bool counts_allocation(size_t bytes)
+{
+    (void)bytes;
+    allocations_made++;
+    return true;
+}
+
+static inline void count_allocations(void)
+{
+    allocations_made = 0;
+    mem_allows = counts_allocation;
+}
+
 /* Lets the next allocations succeed until they add up to so many bytes; for one thread. */
 static size_t bytes_left;
 

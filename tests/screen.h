@@ -30,6 +30,7 @@ struct screen {
     unsigned rows, columns, row, column;
     bool wraps; /* the last column is written: the next character goes to the next row */
     bool grey;
+    unsigned scrolled;       /* rows */
     unsigned questions;      /* DA1, asked so far */
     unsigned bells, colours; /* CSI .. m, other than the plain one */
     struct screen_cell cell[SCREEN_ROWS][SCREEN_COLUMNS];
@@ -61,6 +62,7 @@ static inline void screen_line_feed(struct screen *s)
     }
     memmove(s->cell[0], s->cell[1], sizeof s->cell[0] * (s->rows - 1));
     memset(s->cell[s->rows - 1], 0, sizeof s->cell[0]);
+    s->scrolled++;
 }
 
 static inline void screen_put(struct screen *s, const char *text, size_t length, unsigned width)

@@ -57,17 +57,17 @@ static struct affine anything(void)
     return out;
 }
 
-/* Upper bound of the distance, in each coordinate, for places up to 100 mm from the origin. */
+/* Upper bound of the distance, for places with coordinates up to 100 mm. */
 static double difference(const struct affine *a, const struct affine *b)
 {
-    double most = 0;
+    double distance = 0;
     for (int i = 0; i < 3; i++) {
         double apart = fabs(a->m[i][3] - b->m[i][3]);
         for (int j = 0; j < 3; j++)
             apart += 100 * fabs(a->m[i][j] - b->m[i][j]);
-        most = fmax(most, apart);
+        distance = hypot(distance, apart);
     }
-    return most;
+    return distance;
 }
 
 enum { PLACES = 12 };

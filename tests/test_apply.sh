@@ -140,7 +140,7 @@ sed 's/A /A x/' marks.txt >bad.txt
 expect 3 "$iftty" apply p.iftty other.nii --by landmarks --landmarks bad.txt --out o2
 err_has "bad.txt, line 1: expected NAME X,Y,Z in millimetres, each name once"
 expect 2 "$iftty" apply p.iftty other.nii --by landmarks --out o2
-err_has "--landmarks FILE"
+err_has "--by landmarks: name the subject's landmarks by --landmarks FILE: lines NAME X,Y,Z in"
 close_story
 
 begin "the subject's landmarks may come from a journal"
@@ -296,7 +296,8 @@ close_story
 begin "unknown geometry is not guessed"
 $phantom make silent.nii moved silent
 expect 3 "$iftty" apply p.iftty silent.nii --by world --out o
-err_has "does not say to which sides of the patient its axes run, and iftty does not guess it; if"
+err_has "does not say to which sides of the patient its axes run, and iftty does not guess it; " \
+    "if you know the orientation for sure, give it, for example by --orient RAS"
 expect 3 "$iftty" apply p.iftty silent.nii --by world --orient RAS --out o
 err_has "its file does not say where it is in the world; --by landmarks needs only"
 printf 'A 33,26,27\nB 53,31,27\nC 33,40,33\n' >told.txt

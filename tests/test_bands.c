@@ -179,10 +179,10 @@ static bool takes_small_arrays(size_t bytes)
     return bytes < most_bytes;
 }
 
-/* Room for the samples of a band, but not for the colours of all pixels, nor for their maps. */
+/* Room for the samples of a band, but not for a map of all pixels, not even of a byte each. */
 static enum err spin_without_maps(struct interpreter *interp, const char *line)
 {
-    most_bytes = (size_t)2 * 256 * 4096;
+    most_bytes = (size_t)256 * 8192;
     mem_allows = takes_small_arrays;
     const enum err err = execute(interp, line);
     mem_allows = NULL;
@@ -199,7 +199,7 @@ STORY(a_turntable_stores_no_map_of_its_pictures)
                   "decorate letters scale legend");
     for (int samples = 1; samples <= 4; samples *= 2) {
         must(&interp, samples == 1 ? "samples 1" : samples == 2 ? "samples 2" : "samples 4");
-        must(&interp, "size 256 4096");
+        must(&interp, "size 256 8192");
         CHECK_INT(spin_without_maps(&interp, "spin 2 turn%d.png"), OK);
         buf_add(&told.words, buf_text(&reply.words), reply.words.length);
         CHECK_INT(spin_without_maps(&interp, "spin 2 turn%d.exr"), OK); /* shows the same */

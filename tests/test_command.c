@@ -1097,7 +1097,7 @@ static void fails_then_works(struct interpreter *interp, const struct deed *deed
     if (file)
         CHECK(file_exists(place(file)));
     CHECK(interp->session->has_scene ? forest_check(interp->session->forest, NULL) : true);
-    CHECK(journal_audit(interp->journal, false));
+    CHECK(journal_audit(interp->journal));
 }
 
 static void all_fail_then_work(struct interpreter *interp, const char *deeds)
@@ -1514,7 +1514,7 @@ STORY(random_edits_fail_at_random)
             is_as_before(&before, &interp, line);
     }
     CHECK(undone > 90);
-    CHECK(journal_audit(interp.journal, false));
+    CHECK(journal_audit(interp.journal));
     interpreter_release(&interp);
     journal_verifies();
 }

@@ -105,6 +105,14 @@ same "$(cat t.iftty.torn-1)" occupied
 cat t.iftty t.iftty.torn-2 | cmp -s - t.kept || fail "bytes are lost"
 close_story
 
+begin "an empty journal begins anew"
+: >e.iftty # as it is if its writer was killed before it wrote the header
+expect 0 "$iftty" verify e.iftty
+expect 1 "$iftty" verify --strict e.iftty
+expect 0 "$iftty" run script --journal e.iftty
+same_files e.iftty whole.iftty
+close_story
+
 begin "the reader of the acknowledgements goes away"
 { commands; } | "$iftty" run - --journal p.iftty 2>errors | head -n 3 >/dev/null
 resumes p.iftty

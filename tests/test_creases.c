@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Creases: where two objects touch, each is shaded as if it were alone. */
-#include "check.h"
+#include "interpreting.h"
 
 #include "tests/check_main.h"
+#include "tests/random_commands.h"
 #include "tests/stage.h"
 
 static void draw(struct stage *s, struct rendition *out)
@@ -144,4 +145,32 @@ STORY(there_is_a_crease_where_two_objects_touch_and_nowhere_else)
     rendition_release(&smooth);
     rendition_release(&creased);
     stage_release(&s);
+}
+
+/* ---- in a session ---- */
+
+static uint64_t digest_after(struct interpreter *interp, const char *lines)
+{
+    must(interp, lines);
+    return rendition_digest(session_frame(interp->session));
+}
+
+STORY(creases_follow_each_edit_of_a_session)
+{
+    struct interpreter interp;
+    uint64_t random = 3;
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:40x40x40; auto on; size 90 90; zoom 2; view 30 20; "
+                  "shade surface creases=yes ao=50");
+    for (int i = 0; i < 40 && check_failures == 0; i++) {
+        char line[80];
+        random_command(line, sizeof line, "seed X,Y,Z <5> radius=3", (const uint32_t[]){40, 40, 40},
+                       &random);
+        must(&interp, i % 5 == 4 ? "undo" : line);
+        if (i % 10 == 6)
+            must(&interp, i % 20 == 6 ? "clip axial 0-20" : "clip none");
+        const uint64_t updated = digest_after(&interp, "render mode=ii");
+        CHECK_INT(digest_after(&interp, i % 2 ? "render mode=ray" : "render mode=sp"), updated);
+    }
+    interpreter_release(&interp);
 }

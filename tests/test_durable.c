@@ -34,7 +34,7 @@ static void holds(const char *path, size_t records)
     if (!CHECK(open_again(&journal, path, NULL) == OK))
         return;
     CHECK_INT(journal_count(journal), records);
-    CHECK(journal_audit(journal, false));
+    CHECK(journal_audit(journal));
     journal_close(journal);
 }
 
@@ -170,7 +170,7 @@ STORY(going_on_elsewhere_is_all_or_nothing)
         }
         CHECK_TEXT(journal_path(journal), err ? path : other);
         CHECK(append(journal, 4, NULL) == OK);
-        CHECK(journal_audit(journal, false));
+        CHECK(journal_audit(journal));
         journal_close(journal);
         holds(path, err ? 4 : 3);
         if (!err)
@@ -257,7 +257,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     CHECK_INT(journal_count(journal), 6);
     CHECK(append(journal, 7, NULL) == OK);
     file_step_hook = NULL;
-    CHECK(journal_audit(journal, false));
+    CHECK(journal_audit(journal));
     journal_close(journal);
     holds(path, 7);
     buf_release(&bytes);
@@ -294,7 +294,7 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     fclose(file);
     CHECK(append(journal, 10, NULL) == OK);
     file_step_hook = NULL;
-    CHECK(journal_audit(journal, false));
+    CHECK(journal_audit(journal));
     journal_close(journal);
     buf_release(&synced);
     buf_release(&bytes);

@@ -457,7 +457,7 @@ STORY(what_is_shown_on_the_way_changes_nothing)
     const char *at = deeds;
     for (size_t i = 0; i < 2 * DEEDS; i++) {
         if (i % 2 == 0)
-            next_line(&deed, &at);
+            CHECK(next_line(&deed, &at));
         const char *line = i % 2 ? "render" : buf_text(&deed);
         const unsigned failures = check_failures;
         stopping.left = UINT_MAX;
@@ -476,6 +476,7 @@ STORY(what_is_shown_on_the_way_changes_nothing)
         if (check_failures > failures)
             printf("#   %s\n", line);
     }
+    CHECK(!*at);
     buf_release(&deed);
     CHECK(stopping.shows > 100);
     interpreter_release(&interp);

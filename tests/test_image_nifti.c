@@ -163,65 +163,69 @@ static void put_voxel(struct made *m, int datatype, size_t begin, unsigned i, do
 
 /* ---- voxels ---- */
 
-/* In both byte orders: the first four voxels, and `rest` for the others. */
+/* In both byte orders: the first four voxels; from the fourth on each has `rise` more intensity. */
 STORY(numbers_of_each_type_become_intensities_and_keep_their_values)
 {
     static const struct {
         int datatype;
         struct edit edit[4];
-        double value[4], rest;
-        int intensity[4];
+        double value[4];
+        int rise, intensity[4];
         double slope, intercept;
         const char *note;
     } row[] = {
-        {2, {{0}}, {250, 255, 0, 7}, 1, {250, 255, 0, 7}, 1, 0, ""},
-        {512, {{0}}, {65535, 4711, 0, 7}, 1, {65535, 4711, 0, 7}, 1, 0, ""},
+        {2, {{0}}, {250, 255, 0, 7}, 12, {250, 255, 0, 7}, 1, 0, ""},
+        {512, {{0}}, {65535, 4711, 0, 7}, 3001, {65535, 4711, 0, 7}, 1, 0, ""},
         /* signed words are shifted only if some are negative, signed bytes too */
-        {4, {{0}}, {-32768, 7, 13, 0}, 7, {0, 32775, 32781, 32768}, 1, -32768, ""},
-        {4, {{0}}, {7, 13, 32767, 0}, 7, {7, 13, 32767, 0}, 1, 0, ""},
-        {256, {{0}}, {-128, 106, 127, 0}, 0, {0, 234, 255, 128}, 1, -128, ""},
-        {256, {{0}}, {-64, 106, 127, 0}, 0, {0, 170, 191, 64}, 1, -64, ""},
-        {256, {{0}}, {0, 106, 127, 0}, 0, {0, 106, 127, 0}, 1, 0, ""},
+        {4, {{0}}, {-32768, 7, 13, 0}, 1501, {0, 32775, 32781, 32768}, 1, -32768, ""},
+        {4, {{0}}, {7, 13, 32767, 0}, 1501, {7, 13, 32767, 0}, 1, 0, ""},
+        {256, {{0}}, {-128, 106, 127, 0}, -6, {0, 234, 255, 128}, 1, -128, ""},
+        {256, {{0}}, {-64, 106, 127, 0}, 6, {0, 170, 191, 64}, 1, -64, ""},
+        {256, {{0}}, {0, 106, 127, 0}, 6, {0, 106, 127, 0}, 1, 0, ""},
         /* floats are spread over 16 bits, and halves round up */
-        {16, {{0}}, {0, 131070, 1, 131069}, 0, {0, 65535, 1, 65535}, 2, 0, ""},
-        {16, {{0}}, {-2.5, 2.5, 0, -2.5}, -2.5, {0, 65535, 32768, 0}, 5.0 / 65535, -2.5, ""},
-        {16, {{0}}, {7.5, 7.5, 7.5, 7.5}, 7.5, {0, 0, 0, 0}, 1, 7.5, ""},
+        {16, {{0}}, {0, 131070, 1, 131069}, -3001, {0, 65535, 1, 65535}, 2, 0, ""},
+        {16, {{0}}, {-2.5, 2.5, 0, -2.5}, 3001, {0, 65535, 32768, 0}, 5.0 / 65535, -2.5, ""},
+        {16, {{0}}, {7.5, 7.5, 7.5, 7.5}, 0, {0, 0, 0, 0}, 1, 7.5, ""},
         {16, {{0}}, {-3.4e38, 3.4e38, 0, 0}, 0, {0, 65535, 32768, 32768}, NAN, NAN, ""},
         {64, {{0}}, {-1.7e308, 1.7e308, 0, 0}, 0, {0, 65535, 32768, 32768}, NAN, NAN, ""},
         /* the scale of the file; slope 0 and no numbers are no scale */
-        {4, {{F32, SLOPE, 0.5}, {F32, INTER, 100}}, {-10, 0}, 0, {0, 10, 10, 10}, 0.5, 95, ""},
-        {4, {{F32, SLOPE, 0}, {F32, INTER, 100}}, {-10, 0}, 0, {0, 10, 10, 10}, 1, -10, ""},
+        {4, {{F32, SLOPE, 0.5}, {F32, INTER, 100}}, {-10, 0}, 1, {0, 10, 10, 10}, 0.5, 95, ""},
+        {4, {{F32, SLOPE, 0}, {F32, INTER, 100}}, {-10, 0}, 1, {0, 10, 10, 10}, 1, -10, ""},
         {2,
          {{F32, SLOPE, NAN}, {F32, INTER, 5}},
          {1},
-         0,
+         1,
          {1},
          1,
          0,
          "scl_slope is nan and scl_inter 5: values are not scaled\n"},
-        {2, {{F32, SLOPE, INFINITY}, {F32, INTER, 5}}, {1}, 0, {1}, 1, 0, "inf"},
-        {2, {{F32, SLOPE, 2}, {F32, INTER, -INFINITY}}, {1}, 0, {1}, 1, 0, "inf"},
+        {2, {{F32, SLOPE, INFINITY}, {F32, INTER, 5}}, {1}, 1, {1}, 1, 0, "inf"},
+        {2, {{F32, SLOPE, 2}, {F32, INTER, -INFINITY}}, {1}, 1, {1}, 1, 0, "inf"},
         /* extensions are skipped, two dimensions are a slice, further ones of one voxel pass */
-        {2, {{U16, DIM, 2}, {U16, DIM + 6, 0}, {F32, OFFSET, 416}}, {99}, 3, {99}, 1, 0, ""},
-        {2, {{U16, DIM, 5}}, {99}, 3, {99}, 1, 0, ""},
-        {2, {{F32, OFFSET, 0}}, {99}, 3, {99}, 1, 0, ""}, /* some writers leave it out */
+        {2, {{U16, DIM, 2}, {U16, DIM + 6, 0}, {F32, OFFSET, 416}}, {99}, 1, {99}, 1, 0, ""},
+        {2, {{U16, DIM, 5}}, {99}, 1, {99}, 1, 0, ""},
+        {2, {{F32, OFFSET, 0}}, {99}, 1, {99}, 1, 0, ""}, /* some writers leave it out */
     };
     for (size_t i = 0; i < 2 * sizeof row / sizeof *row; i++) {
         const size_t k = i / 2;
         struct made m = make(row[k].datatype, i % 2);
         apply_edits(&m, row[k].edit, 4);
-        const unsigned begin = row[k].edit[2].kind == F32 ? 416 : DATA;
-        for (unsigned v = 0; v < VOXELS; v++)
-            put_voxel(&m, row[k].datatype, begin, v, v < 4 ? row[k].value[v] : row[k].rest);
-        m.length = begin + VOXELS * width_of(row[k].datatype);
+        const bool is_slice = row[k].edit[2].kind == F32;
+        const unsigned begin = is_slice ? 416 : DATA, voxels = is_slice ? NX * NY : VOXELS;
+        const double step = row[k].datatype == 16 && row[k].rise ? row[k].slope : 1;
+        for (unsigned n = 0; n < voxels; n++)
+            put_voxel(&m, row[k].datatype, begin, n,
+                      row[k].value[n < 4 ? n : 3] + (n < 4 ? 0 : (n - 3.0) * row[k].rise * step));
+        m.length = begin + voxels * width_of(row[k].datatype);
         struct volume v = read_made(&m);
-        for (int n = 0; n < 4; n++)
-            CHECK_INT(v.intensity[n], row[k].intensity[n]);
+        for (int n = 0; n < (int)voxels; n++)
+            CHECK_INT(v.intensity[n],
+                      row[k].intensity[n < 4 ? n : 3] + (n < 4 ? 0 : (n - 3) * row[k].rise));
         CHECK(isnan(row[k].slope) ? isfinite(v.geometry.slope)
                                   : fabs(v.geometry.slope - row[k].slope) < 1e-12);
         CHECK(isnan(row[k].intercept) ? isfinite(v.geometry.intercept)
                                       : v.geometry.intercept == row[k].intercept);
-        CHECK(v.size[0] == NX && v.size[1] == NY && v.size[2] == (begin == DATA ? NZ : 1));
+        CHECK(v.size[0] == NX && v.size[1] == NY && v.size[2] == (is_slice ? 1 : NZ));
         CHECK_HAS(v.notes, row[k].note);
         volume_release(&v);
     }
@@ -587,15 +591,20 @@ STORY(a_format_is_known_by_content_or_by_name)
     char other[sizeof folder + 16];
     struct made m = make(2, false);
     struct volume v;
+    m.bytes[DATA + 7] = 47;
     snprintf(other, sizeof other, "%s/a.scene", folder);
     save(other, m.bytes, m.length);
     CHECK_INT(volume_read(&v, other, NULL, NULL, NULL), OK);
+    CHECK(v.intensity && v.intensity[7] == 47);
     volume_release(&v);
     save_packed(other, m.bytes, m.length);
     CHECK_INT(volume_read(&v, other, NULL, NULL, NULL), OK);
+    CHECK(v.intensity && v.intensity[7] == 47);
     volume_release(&v);
+    m.bytes[DATA + 7] = 47;
     save_packed(plain, m.bytes, m.length);
     CHECK_INT(volume_read(&v, plain, NULL, NULL, NULL), OK);
+    CHECK(v.intensity && v.intensity[7] == 47);
     volume_release(&v);
     save(other, "x,y,z,label\n", 12);
     CHECK_HAS(refusal_of(other), "a.scene: not a volume; expected NIfTI (.nii or .nii.gz)");

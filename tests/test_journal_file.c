@@ -53,7 +53,7 @@ static struct journal *reopen(const char *path, size_t records, struct buf *noti
     }
     CHECK_INT(count, records);
     CHECK_INT(journal_count(journal), records);
-    CHECK(journal_audit(journal, false));
+    CHECK(journal_audit(journal));
     return journal;
 }
 
@@ -103,7 +103,7 @@ STORY(comments_become_part_of_the_next_record)
     CHECK(journal_append(journal, "run", "", NULL) == OK);
     CHECK(journal_append(journal, "undo", "", NULL) == OK);
     CHECK(journal_comment(journal, "# lost: nothing follows", NULL) == OK);
-    CHECK(journal_audit(journal, false));
+    CHECK(journal_audit(journal));
     journal_close(journal);
     content(&bytes, path);
     static const char first[] = "# iftty journal 1 semantics 1\n# first\n\nrun\n= 1 chain=";
@@ -127,7 +127,7 @@ STORY(a_refused_command_changes_nothing)
     CHECK(strchr(fault.text, '\x1b') == NULL);
     CHECK(journal_append(journal, "run", "not words", NULL) == ERR_INPUT);
     CHECK(journal_comment(journal, "no comment", NULL) == ERR_INPUT);
-    CHECK(journal_audit(journal, false));
+    CHECK(journal_audit(journal));
     CHECK(append(journal, 3, NULL) == OK);
     journal_close(journal);
     journal_close(reopen(path, 3, NULL));
@@ -352,7 +352,7 @@ static bool run_failing_session(unsigned steps, bool stay_failed, int number)
         }
         CHECK_INT(journal_count(journal), acknowledged);
         if (!cut_failed)
-            CHECK(journal_audit(journal, true)); /* J2, J3 at every moment */
+            CHECK(journal_audit(journal)); /* J2, J3 at every moment */
     }
     journal_close(journal);
     file_step_hook = NULL;
@@ -427,7 +427,7 @@ STORY(nothing_follows_an_append_that_could_not_be_taken_back)
     CHECK_INT(journal_count(journal), 1);
     file_step_hook = NULL;
     CHECK(append(journal, 2, &fault) == OK);
-    CHECK(journal_audit(journal, false));
+    CHECK(journal_audit(journal));
     journal_close(journal);
     journal_close(reopen(path, 2, NULL));
 }
@@ -452,7 +452,7 @@ STORY(a_short_write_is_taken_back)
         CHECK_HAS(fault.text, strerror(EFBIG));
         setrlimit(RLIMIT_FSIZE, &former);
         CHECK(is_file_of(path, before.data, before.length));
-        CHECK(journal_audit(journal, false));
+        CHECK(journal_audit(journal));
     }
     signal(SIGXFSZ, handler);
     CHECK(append(journal, 3, NULL) == OK);

@@ -350,7 +350,7 @@ static void draw_command(char line[LINE])
         "range <60-159> <160-310>; range <160> <190-340>; range none; mask mask.nii[ regions=1|]; "
         "mask mask.nii[ regions=1|]; mask none; box X,Y,Z U,V,W <3>; "
         "outline X,Y,Z <3> to=U,Y,Z to=X,V,Z; remove X,Y,Z[|| of=tree]; undo <1-4>; redo <1-3>; "
-        "[run|auto on|run|auto off]; goto <44>; seed X,Y,Z <3> radius=<4>[||| within=4]; "
+        "[run|auto on|run|auto off]; goto; seed X,Y,Z <3> radius=<4>[||| within=4]; "
         "seed X,Y,Z <3> radius=<4>[||| within=4]; seed X,Y,Z <3> radius=<4>[||| within=4]";
     /* Commands that the model above lacks, and changes of weights or adjacency. */
     static const char more[] =
@@ -361,7 +361,10 @@ static void draw_command(char line[LINE])
         "seed-file regions.nii each=<1-9> generator=<9>[ erode=1| label=2]; adjacency [6|26]; "
         "[weight polarity|weight morph|polarity 1 50]";
     const char *form = below(5) ? random_form(forms, &seed) : random_form(more, &seed);
-    random_command(line, LINE, form, size, &seed);
+    if (strcmp(form, "goto") == 0) /* any record, up to the last */
+        snprintf(line, LINE, "goto %u", below((uint32_t)interp.history.records + 1));
+    else
+        random_command(line, LINE, form, size, &seed);
 }
 
 STORY(maps_regions_and_corrections_come_in_any_order)

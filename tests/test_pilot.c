@@ -291,6 +291,8 @@ static void check_pressed(const char *const *row, bool walks, int at)
         press_all(part[0], walks);
         for (const char *c = buf_text(&line); *c; c++)
             buf_add_text(&got, *c != '\n' ? (char[]){*c, '\0'} : c[1] ? " / " : "");
+        if (line.length && line.data[line.length - 1] != '\n')
+            buf_add_text(&got, " without a line feed");
         const char *said = buf_text(&message), *mode = mode_name[state.mode];
         const bool fine =
             (*part[1] == '*' || strcmp(buf_text(&got), part[1]) == 0) &&

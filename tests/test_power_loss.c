@@ -281,7 +281,7 @@ static void open_acknowledged(void)
     read_all(&before, path);
     if (CHECK(journal_open(&journal, path, &how, NULL, &why) == OK)) {
         CHECK(count == acknowledged || count == acknowledged + 1);
-        CHECK(journal_audit(journal, false));
+        CHECK(journal_audit(journal));
         journal_close(journal);
     } else {
         printf("#   %zu acknowledged: %s\n", acknowledged, why.text);
@@ -467,7 +467,7 @@ STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
     append_long(journal, 4);
     lose_power();
     file_step_hook = NULL;
-    CHECK(journal_audit(journal, false));
+    CHECK(journal_audit(journal));
     journal_close(journal);
 }
 
@@ -516,7 +516,7 @@ STORY(without_syncs_what_was_synced_last_is_there)
         }
         CHECK(losses_of_bytes > 100);
         CHECK(journal_sync(journal, NULL) == OK);
-        CHECK(journal_audit(journal, false));
+        CHECK(journal_audit(journal));
         journal_close(journal);
     }
 }

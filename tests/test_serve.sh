@@ -332,7 +332,7 @@ same "$(grep -c '^[a-z]' stays.iftty)" "$(grep -c '^[a-z]' kept.iftty)"
 same "$(ls passing)" ''
 close_story
 
-begin "an outline is in the labels at once, and takes the place of another; what is wrong is named"
+begin "an outline is in the labels at once, and takes the place of another, as at the prompt"
 voxel() { # ANSWER X,Y,Z: of the labels, a byte each
     set -- "$(field "$1" file)" $(($(field "$1" offset) + $(echo "$2" |
         sed 's/\(.*\),\(.*\),\(.*\)/\1 + 24 * (\2 + 20 * \3)/')))
@@ -343,17 +343,32 @@ square() { # RIGHT: one of label 2 in an axial slice, 8 voxels high
 }
 start s.nii --journal outline.iftty
 ask "{\"id\": 1, \"do\": \"$(square 14)\"}"
-ask "{\"id\": 2, \"do\": \"$(square 11) instead=1\"}"
-ask '{"id": 3, "array": "labels"}'
-ask "{\"id\": 4, \"do\": \"$(square 11) instead=77\"}"
-asked 5 '{"id": 5, "do": "outline 6,5,8 2 to=14,5,8 to=14,99,8"}'
+asked 2 '{"id": 2, "array": "labels"}'
+has "$(answer 1)" "\"command\": \"$(square 14)\""
 has "$(answer 1)" '"words": {"marker": "1-2", "forest": "'
-has "$(answer 2)" '"words": {"removed": 1, "marker": "3-4", "forest": "'
-same "$(for at in 10,9,8 13,9,8 14,13,8; do voxel "$(answer 3)" $at; done | xargs)" "2 0 0"
-has "$(answer 4)" '"why": "instead: there is no marker 77'
-has "$(answer 5)" '"why": "14,99,8 is outside the scene'
-has "$(answer 5)" '"column": 27'
+same "$(for at in 10,9,8 14,13,8 16,9,8 10,2,8; do voxel "$(answer 2)" $at; done | xargs)" "2 2 0 0"
+ask "{\"id\": 3, \"do\": \"$(square 11) instead=1\"}"
+asked 4 '{"id": 4, "array": "labels"}'
+has "$(answer 3)" '"words": {"removed": 1, "marker": "3-4", "forest": "'
+same "$(for at in 10,9,8 13,9,8 14,13,8; do voxel "$(answer 4)" $at; done | xargs)" "2 0 0"
+ask '{"id": 5, "do": "undo"}' # of both at once
+ask '{"id": 6, "do": "outline 6,5,8 2 to=14,5,9 to=14,13,7"}'
+ask '{"id": 7, "do": "outline 6,5,8 2 to=14,5,8"}'
+ask "{\"id\": 8, \"do\": \"$(square 11) instead=77\"}"
+ask '{"id": 9, "do": "outline 6,5,8 2 to=14,5,8 to=14,99,8"}'
+asked 10 '{"id": 10, "do": "hints slice label=2"}'
+same "$(field "$(answer 5)" labels)" "$(field "$(answer 1)" labels)"
+has "$(answer 6)" '"kind": "bad input", "why": "the corners of a polygon must be in one slice'
+has "$(answer 7)" '"kind": "bad usage", "why": "a polygon has three corners or more'
+has "$(answer 8)" '"why": "instead: there is no marker 77'
+has "$(answer 9)" '"why": "14,99,8 is outside the scene'
+has "$(answer 9)" '"column": 27'
+has "$(answer 10)" 'mm3 in doubt, at '
+has "$(answer 10)" "\"chain\": \"$(field "$(answer 5)" chain)\"" # no refused line is recorded
 stop 0
+{ sed -n 's/^\(outline .*\|undo\)$/\1/p' outline.iftty; echo quit; } |
+    expect 0 "$iftty" s.nii --journal prompt.iftty
+same_files outline.iftty prompt.iftty
 close_story
 
 begin "a journal is looked at without being written to"

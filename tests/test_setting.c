@@ -20,6 +20,37 @@ STORY(each_member_that_is_kept_is_a_setting_or_has_a_row)
     }
 }
 
+/* The members of a view that other commands set: `view`, `zoom`, `cross`, `window` and so on. */
+static const struct {
+    size_t at, bytes;
+} other_members[] = {
+#define MEMBER(name)                                                                               \
+    {                                                                                              \
+        offsetof(struct outlook, name), sizeof(((struct outlook *)NULL)->name)                     \
+    }
+    MEMBER(view.angle),        MEMBER(view.zoom),     MEMBER(view.focus),
+    MEMBER(slices.cross),      MEMBER(slices.zoom),   MEMBER(slices.times),
+    MEMBER(slices.has_middle), MEMBER(slices.middle), MEMBER(slices.has_window),
+    MEMBER(slices.window),
+};
+
+/* No byte is padding, and none belongs to two members. */
+STORY(each_member_of_an_outlook_is_a_setting_or_is_listed_here)
+{
+    enum { BYTES = offsetof(struct outlook, shows_finished) + sizeof(uint32_t) };
+    unsigned members[sizeof(struct outlook)] = {0};
+    for (const struct command *setting = setting_table; setting->name; setting++)
+        for (const struct parameter *p = setting->parameter; p->type; p++)
+            for (size_t i = 0; i < p->sets.bytes && p->sets.at >= sizeof(struct kept); i++)
+                members[p->sets.at - offsetof(struct state, outlook) + i]++;
+    for (size_t m = 0; m < sizeof other_members / sizeof *other_members; m++)
+        for (size_t i = 0; i < other_members[m].bytes; i++)
+            members[other_members[m].at + i]++;
+    for (size_t i = 0; i < BYTES; i++)
+        if (!CHECK(members[i] == 1))
+            printf("#   byte %zu of an outlook belongs to %u members\n", i, members[i]);
+}
+
 static uint64_t seed = 1;
 
 static void add_value(struct buf *out, const struct parameter *p)

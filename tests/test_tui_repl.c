@@ -261,7 +261,7 @@ STORY(a_line_is_edited_and_run_and_ctrl_d_restores_everything)
 STORY(a_sixel_terminal_gets_sixels_and_each_is_waited_for)
 {
     uint64_t took_least = UINT64_MAX;
-    for (int i = 0; i < 20 && took_least > UINT64_C(1500000000); i++) { /* others may be busy */
+    for (int i = 0; i < 5 && took_least > UINT64_C(1500000000); i++) { /* others may be busy */
         struct terminal t;
         start_at_prompt(&t, &vt340);
         SEE_AFTER(&t, "picture\r", "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40");
@@ -269,10 +269,13 @@ STORY(a_sixel_terminal_gets_sixels_and_each_is_waited_for)
         SEE(&t, "ch2> ");
         const uint64_t begin = clock_ns();
         SEE_AFTER(&t, "picture\rquit\r", "\033P0;1q");
+        SEE(&t, "\033\\\0338\033[2B\r\033[c");
         CHECK_INT(job_report(&t.job), 0);
         CHECK(job_has_modes_as_found(&t.job));
         const uint64_t took = clock_ns() - begin;
         took_least = took < took_least ? took : took_least;
+        const char *asked = strstr(t.job.seen.data + t.job.mark, "\033[c"); /* on leaving */
+        CHECK(!asked || !strstr(asked + 1, "\033[c")); /* no question is asked twice */
         end(&t);
     }
     CHECK(took_least < UINT64_C(1500000000)); /* no answer is waited for twice */
@@ -292,6 +295,16 @@ STORY(kitty_gets_its_own_graphics_and_a_picture_that_nobody_confirms_is_recovere
     SEE(&t, "\033_Ga=T");
     SEE(&t, "ch2> ");
     quit(&t);
+}
+
+STORY(a_terminal_without_graphics_gets_blocks)
+{
+    struct terminal t;
+    start_at_prompt(&t, &xterm);
+    SEE_AFTER(&t, "picture\rquit\r", "\033[48;5;");
+    CHECK_INT(job_report(&t.job), 0);
+    CHECK(!strstr(t.job.seen.data, "\033P") && !strstr(t.job.seen.data, "\033_G"));
+    end(&t);
 }
 
 STORY(without_colours_one_question_is_asked_and_nothing_coloured)

@@ -102,6 +102,15 @@ sane
 same "$(left_behind)" "config tutorial-1.iftty tutorial-2.iftty "
 "$iftty" log --script tutorial-2.iftty | grep -qx 'finish relax' || fail "labels do not settle"
 expect 0 "$iftty" verify tutorial-2.iftty
+enter_anew "$iftty tutorial"
+see '^step 1 of 5, in the object: there is no seed of label 1 yet$'
+enter "seed 20,108,90 1"
+see '^step 1 of 5, in the object: 1 of its 1 seed is outside the brain$'
+enter "interpolate 1 1 2" # on another grid nothing is counted
+see 'ch2> interpolate 1 1 2'
+see '^step 1 of 5, in the object: there is no seed of label 1 yet$'
+enter "quit"
+see '^journal: tutorial-3\.iftty '
 close_story
 
 finish

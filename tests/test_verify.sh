@@ -449,4 +449,14 @@ expect 2 "$iftty" verify --bisect b1.iftty b2.iftty b3.iftty
 expect 3 "$iftty" verify --bisect b1.iftty missing
 close_story
 
+begin "the first of many records that differs is found"
+{ echo 'open s.nii'; for _ in $(seq 59); do echo 'turn 1'; done; } >many
+sed '42s/turn 1/turn 2/' many >many2
+expect 0 "$iftty" run many --journal m1.iftty
+expect 0 "$iftty" run many2 --journal m2.iftty
+expect 1 "$iftty" verify --bisect m1.iftty m2.iftty
+out_has "# record 42 is the first that differs: the commands differ" \
+    "not ok 1 - m1.iftty and m2.iftty (41 records the same)"
+close_story
+
 finish

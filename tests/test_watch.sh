@@ -126,10 +126,11 @@ type_letters "5G"
 see 'expected a step 0\.\.4$'
 type_letters "q"
 see '^ends 0$'
-for wrong in '--from 7' '--from 4 --until 3'; do
-    enter_anew "$iftty watch e.iftty $wrong; echo ends \$?"
-    see '^ends 2$'
-done
+enter_anew "$iftty watch e.iftty --from 7; echo ends \$?"
+see 'expected a step 1\.\.6'
+see '^ends 2$'
+enter_anew "$iftty watch e.iftty --from 4 --until 3; echo ends \$?"
+see '^ends 2$'
 close_story
 
 # at_terminal WORDS STATUS TEXT: run the program at a terminal; check its status and its output.

@@ -9,9 +9,9 @@ open='open synth:geom:40x40x40'
 begin "a tree ends where its seed reaches, and what no tree may hold is counted"
 asks='info; why 20,20,26; why 20,20,27'
 expect 0 "$iftty" -c "$open; seed 20,20,20 1 radius=2 within=6; run; $asks" --journal j.iftty
-out_has "reach     33 seeds with \`within\`; 63075 voxels without a tree, since all"
+out_has "reach     33 seeds with \`within\`; 63075 voxels without a tree, since all seeds"
 out_has "of the seed at 20,20,22, within 6 voxels of 20,20,20"
-out_has "it is out of reach of the seed at 20,20,22, within 6 voxels of 20,20,20, of label 1, "
+out_has "it is out of reach of the seed at 20,20,22, within 6 voxels of 20,20,20, of label 1, whose"
 grep -qx 'seed 20,20,20 1 radius=2 within=6' j.iftty || fail "$(cat j.iftty)"
 expect 0 "$iftty" verify j.iftty
 close_story

@@ -22,6 +22,7 @@ enum {
 };
 
 #define PATIENCE_NS UINT64_C(60000000000) /* without a byte */
+#define IDLE_NS     UINT64_C(10000000000) /* without a byte, and without processor time */
 #define STILL_NS    UINT64_C(250000000)   /* nothing came for so long, and the line's round trip */
 #define POLL_NS     UINT64_C(5000000)
 
@@ -247,14 +248,22 @@ static void begin(struct far_end *e, const char *keys, const char *const *awaite
 static enum err rest(struct far_end *e, struct fault *fault)
 {
     const uint64_t still_ns = STILL_NS + 2 * e->one_way_ns;
+    uint64_t worked = 0, busy_ns = 0;
     for (;;) {
         const uint64_t now_ns = clock_ns(), last_ns = e->result->last_ns;
         if (!*e->awaited && (e->here.packets == 0 || e->is_ahead) && now_ns > last_ns + still_ns) {
             e->result->processor_ns = worked_ns(e) - e->worked_ns;
             return OK;
         }
-        if (now_ns > last_ns + PATIENCE_NS || !pass(e, now_ns + POLL_NS))
-            return fault_set(fault, ERR_IO, "the program showed nothing for a minute");
+        const uint64_t work = worked_ns(e);
+        busy_ns = work != worked ? now_ns : busy_ns;
+        worked = work;
+        if (now_ns > last_ns + PATIENCE_NS ||
+            (now_ns > last_ns + IDLE_NS && now_ns > busy_ns + IDLE_NS))
+            return fault_set(fault, ERR_IO, "the program showed nothing for %u s",
+                             (unsigned)((now_ns - last_ns) / 1000000000));
+        if (!pass(e, now_ns + POLL_NS))
+            return fault_set(fault, ERR_IO, "the program is gone");
     }
 }
 

@@ -52,7 +52,8 @@ struct far_result {
 };
 
 /* Press keys, and wait until the texts of `awaited`, ended by NULL, have arrived in turn and the
- * terminal rests. ERR_IO after ten seconds without a byte. */
+ * terminal rests. ERR_IO after a minute without a byte, or after ten seconds in which the program
+ * used no processor time either. */
 enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
                        struct far_result *out, struct fault *fault);
 
