@@ -127,7 +127,8 @@ static enum err add_gesture(struct procedure *p, const struct session *session,
                             const struct call *call, struct fault *fault)
 {
     const struct geometry *geometry = &session->geometry;
-    const struct value *to = call_value(call, "to"), *place = call_value(call, "PLACE");
+    const struct value *to = call_value(call, "to"), *place = call_value(call, "PLACE"),
+                       *within = call_value(call, "within");
     const double voxel_mm = cbrt(procedure_voxel_mm3(p));
     const uint32_t(*corner)[3] =
         (const uint32_t(*)[3])(to->given ? to->line->corner[0] : place->place);
@@ -136,7 +137,7 @@ static enum err add_gesture(struct procedure *p, const struct session *session,
     const struct procedure_gesture gesture = {
         .label = (uint8_t)call_value(call, "LABEL")->number,
         .radius_mm = length_mm(call_value(call, "radius"), voxel_mm),
-        .within_mm = length_mm(call_value(call, "within"), voxel_mm),
+        .within_mm = within->given && !within->number ? GESTURE_EXACT : length_mm(within, voxel_mm),
         .intensity = percentiles_value(session, first)};
     enum err err = procedure_add_gesture(p, &gesture, fault);
     for (size_t i = 0; !err && i < (to->given ? to->line->count : 1); i++) {
@@ -654,7 +655,7 @@ static enum err read_gestures(struct reader *r, struct procedure *p)
         double mm[3];
         if (!take_number(r, 0, 255, &label) || !take_real(r, &g.radius_mm) ||
             !take_real(r, &g.within_mm) || !take_real(r, &g.intensity) || g.radius_mm < 0 ||
-            g.within_mm < 0)
+            (g.within_mm < 0 && g.within_mm != GESTURE_EXACT))
             return refuse_line(r, "gesture LABEL RADIUS REACH INTENSITY X Y Z ...");
         g.label = (uint8_t)label;
         enum err err = procedure_add_gesture(p, &g, r->fault);

@@ -66,11 +66,13 @@ struct procedure_landmark {
 };
 
 /* A ball or a stroke of seeds. */
+enum { GESTURE_EXACT = -1 };
 struct procedure_gesture {
     uint8_t label;
-    double radius_mm, within_mm; /* 0: none */
-    double intensity;            /* real value, at the centre of the first ball */
-    size_t corner, corners;      /* in `corner` */
+    double radius_mm;
+    double within_mm;       /* 0: none; GESTURE_EXACT: no tree grows from its seeds */
+    double intensity;       /* real value, at the centre of the first ball */
+    size_t corner, corners; /* in `corner` */
 };
 
 /* Parts of the procedure that belong to its scene and are not carried over: a map of weights, a

@@ -330,7 +330,9 @@ static enum err prepare_gesture(struct making *m, const struct procedure_gesture
     }
     for (size_t i = 1; i < g->corners; i++)
         buf_printf(&m->seeds, " to=%u,%u,%u", corner[i][0], corner[i][1], corner[i][2]);
-    if (within_nm) {
+    if (g->within_mm == GESTURE_EXACT) {
+        buf_add_text(&m->seeds, " within=0");
+    } else if (within_nm) {
         buf_add_text(&m->seeds, " within=");
         write_mm(&m->seeds, within_nm);
     }

@@ -223,6 +223,9 @@ struct planting {
 /* `range` is the value of that parameter, or NULL. */
 struct planting act_begin_planting(const struct session *session, const struct value *range);
 
+/* Give the planting the reach that holds no voxel if the command has within=0. */
+enum err act_find_exact(struct planting *planting, const struct act *act);
+
 /* Plant one marker on those of the cells that are allowed; they are moved to the front of
  * `cell`. */
 enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,

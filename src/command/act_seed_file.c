@@ -120,25 +120,32 @@ static void write_regions(const struct act *act, const char *atlas, const uint16
     label_table_release(&table);
 }
 
-/* Plant a region; a group of a list may have a reach. */
+/* Plant a region; a group of a list may have a reach, which `within` replaces. */
 static enum err plant_region(const struct act *act, struct planting *planting,
                              const struct seeds *seeds, const struct region_choice *choice,
                              uint32_t region, const struct voxels *at)
 {
     struct session *session = act->session;
+    const bool is_group =
+        region >= SEED_GROUPS_FROM && region - SEED_GROUPS_FROM < seeds->groups;
+    int16_t label = (uint8_t)region_label(choice, region);
+    enum err err = OK;
     planting->reach = 0;
-    if (region < SEED_GROUPS_FROM || region - SEED_GROUPS_FROM >= seeds->groups)
-        return act_plant(act, planting, at->cell, at->count, (uint8_t)region_label(choice, region));
-    const struct seed_group *group = &seeds->group[region - SEED_GROUPS_FROM];
-    struct reach reach = group->reach;
-    if (!reach.unit[0] && session->geometry.spacing_unknown)
-        return fault_set(
-            act->fault, ERR_INPUT,
-            "it has a distance in millimetres, but voxel size is unknown; nothing was planted");
-    for (int a = 0; a < 3; a++)
-        reach.unit[a] = reach.unit[a] ? reach.unit[a] : session->scene->spacing_nm[a];
-    const enum err err = session_add_reach(session, &reach, &planting->reach, act->fault);
-    return err ? err : act_plant(act, planting, at->cell, at->count, group->label);
+    if (is_group) {
+        const struct seed_group *group = &seeds->group[region - SEED_GROUPS_FROM];
+        struct reach reach = group->reach;
+        if (!reach.unit[0] && session->geometry.spacing_unknown)
+            return fault_set(act->fault, ERR_INPUT,
+                             "it has a distance in millimetres, but voxel size is unknown; nothing "
+                             "was planted");
+        for (int a = 0; a < 3; a++)
+            reach.unit[a] = reach.unit[a] ? reach.unit[a] : session->scene->spacing_nm[a];
+        err = session_add_reach(session, &reach, &planting->reach, act->fault);
+        label = group->label;
+    }
+    if (!err)
+        err = act_find_exact(planting, act);
+    return err ? err : act_plant(act, planting, at->cell, at->count, label);
 }
 
 /* Plant each region as a marker. */

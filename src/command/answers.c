@@ -41,6 +41,10 @@ static void write_reach(struct buf *out, const struct session *session, uint32_t
     const struct reach *reach = forest_reach(session->forest, seed);
     if (!reach)
         return;
+    if (reach->radius == REACH_EXACT) {
+        buf_add_text(out, ", within=0");
+        return;
+    }
     if (reach->unit[0] == 1)
         buf_printf(out, ", within %lld voxel%s of ", (long long)reach->radius,
                    plural((uint64_t)reach->radius));

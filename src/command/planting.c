@@ -29,6 +29,20 @@ struct planting act_begin_planting(const struct session *session, const struct v
                       : all};
 }
 
+enum err act_find_exact(struct planting *planting, const struct act *act)
+{
+    static const struct reach none = {.unit = {1, 1, 1}, .radius = REACH_EXACT};
+    const struct value *within = act_value(act, "within");
+    return within->given && within->number == 0
+               ? session_add_reach(act->session, &none, &planting->reach, act->fault)
+               : OK;
+}
+
+static bool is_exact(const struct act *act, const struct planting *planting)
+{
+    return forest_is_exact(act->session->forest, planting->reach);
+}
+
 /* A shell cuts no object other than the enclosed one. Letting shells cross other objects, with
  * trees refused by label, did not reduce the corrections in scenes of three and four objects. */
 static bool is_of_another(const struct planting *planting, const struct cell *at, int16_t label)
@@ -57,10 +71,14 @@ enum err act_plant(const struct act *act, struct planting *planting, uint32_t *c
     planting->planted += kept;
     if (!kept)
         return OK;
-    return planting->yields
-               ? session_plant_piece(act->session, cell, kept, label, planting->run, planting->runs,
-                                     act->fault)
-               : session_plant(act->session, cell, kept, label, planting->reach, act->fault);
+    if (planting->yields)
+        return session_plant_piece(act->session, cell, kept, label, planting->run, planting->runs,
+                                   act->fault);
+    const enum err err =
+        session_plant(act->session, cell, kept, label, planting->reach, act->fault);
+    return err || !is_exact(act, planting)
+               ? err
+               : session_free_voxels(act->session, cell, kept, act->fault);
 }
 
 static void write_left_out(struct buf *out, const char *why, size_t count)
@@ -130,12 +148,6 @@ static enum err plant_all(const struct act *act, struct planting *planting, stru
     if (!err)
         act_add_markers(act);
     return err ? err : act_write_planting(act, planting);
-}
-
-static enum err plant_voxels(const struct act *act, struct voxels *voxels)
-{
-    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
-    return plant_all(act, &planting, voxels, (int16_t)act_number(act, "LABEL"));
 }
 
 /* ---- voxels freed by a gesture ---- */
@@ -246,7 +258,7 @@ static enum err plant_in_slice(const struct act *act, struct planting *planting,
     struct brush brush = {0};
     struct voxels around = {0};
     enum err err = OK;
-    if (act->session->markers.yields)
+    if (act->session->markers.yields && !is_exact(act, planting))
         err = brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault);
     for (size_t i = 0, next; !err && brush.rows && i < voxels->count; i = next) {
         for (next = i + 1;
@@ -337,6 +349,8 @@ static enum err plant_shell(const struct act *act, struct voxels *voxels, const 
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     bool is_reached = false;
     enum err err = look_inside(act, middle, &planting.inside, &is_reached);
+    if (!err)
+        err = act_find_exact(&planting, act);
     planting.is_shell = true;
     planting.inside = (uint8_t)act_number_or(act, "around", planting.inside);
     if (!err && !voxels->count)
@@ -448,10 +462,11 @@ enum err act_seed(const struct act *act)
     const bool is_shell = act_is_yes(act, "shell");
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     struct voxels voxels = {0};
-    if (act_has(act, "within") && (is_shell || act_has(act, "to|joined")))
+    const bool is_confined = act_has(act, "within") && act_value(act, "within")->number > 0;
+    if (is_confined && (is_shell || act_has(act, "to|joined")))
         return fault_set(act->fault, ERR_USAGE,
-                         "within: only for one ball, not for strokes and shells; nothing was "
-                         "planted");
+                         "within: above 0 only for one ball, not for strokes and shells; nothing "
+                         "was planted");
     if (is_shell && act_has(act, "to|joined"))
         return refuse_shell(act, "only for one ball, not for strokes");
     if (act_has(act, "around|through") && !is_shell)
@@ -465,20 +480,22 @@ enum err act_seed(const struct act *act)
                          "was planted",
                          (long long)act_number(act, "LABEL"));
     enum err err = act_find_voxels(act, act_value(act, "to"), &voxels);
-    if (!err && act_has(act, "within"))
-        err = find_reach(&planting.reach, act, &voxels);
+    if (!err)
+        err = is_confined ? find_reach(&planting.reach, act, &voxels)
+                          : act_find_exact(&planting, act);
     if (!err)
         err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
     voxels_release(&voxels);
     if (!err && act_has(act, "joined"))
         session_join(act->session);
-    return err ? err : free_around_way(act);
+    return err || is_exact(act, &planting) ? err : free_around_way(act);
 }
 
 /* ---- `box` ---- */
 
 enum err act_box(const struct act *act)
 {
+    struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     struct voxels voxels = {0};
     if (act_has(act, "around") && !act_is_yes(act, "shell"))
         return fault_set(act->fault, ERR_USAGE, "around: only with shell=yes; nothing was planted");
@@ -486,8 +503,12 @@ enum err act_box(const struct act *act)
         return plant_hollow_box(act);
     enum err err = paint_box(&voxels, &act->session->scene->grid, act_place(act, "CORNER"),
                              act_place(act, "OPPOSITE"), act->session->watch, act->fault);
-    err = err ? err : plant_voxels(act, &voxels);
-    return err ? err : free_around_box(act);
+    if (!err)
+        err = act_find_exact(&planting, act);
+    if (!err)
+        err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
+    voxels_release(&voxels);
+    return err || is_exact(act, &planting) ? err : free_around_box(act);
 }
 
 /* ---- `fill`, `outline` ---- */
@@ -567,6 +588,8 @@ static enum err plant_ring(const struct act *act, struct voxels *ring, int16_t l
     enum err err = spare_others(act, ring, label);
     *others = all - ring->count;
     if (!err)
+        err = act_find_exact(&planting, act);
+    if (!err)
         err = plant_in_slice(act, &planting, ring, 0);
     if (!err && planting.planted)
         session_join(act->session);
@@ -587,6 +610,8 @@ static enum err plant_polygon(const struct act *act, int ring)
                          "fills a rectangle); nothing was planted");
     const uint32_t(*corner)[3] = (const uint32_t(*)[3])line->corner;
     enum err err = paint_polygon(&inside, grid, corner, line->count, watch, act->fault);
+    if (!err)
+        err = act_find_exact(&planting, act);
     if (!err && ring)
         err = paint_ring(&around, grid, &inside, corner, line->count, ring, watch, act->fault);
     if (!err)
@@ -626,7 +651,8 @@ static enum err remove_former(const struct act *act)
 enum err act_outline(const struct act *act)
 {
     const bool is_object = act_number(act, "LABEL") != 0;
-    const int64_t ring = act_number_or(act, "ring", is_object ? OUTLINE_RING : 0);
+    const int64_t ring =
+        act_number_or(act, "ring", is_object && !act_has(act, "within") ? OUTLINE_RING : 0);
     if (ring && !is_object)
         return fault_set(act->fault, ERR_USAGE,
                          "ring: a ring of background is only for objects; nothing was "
@@ -760,7 +786,9 @@ static enum err plant_object(struct search *s)
             "no seed of label %d is in a voxel of this range; plant one there, or name a "
             "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
             s->label);
-    const enum err err = act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label);
+    enum err err = act_find_exact(&s->planting, act);
+    if (!err)
+        err = act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label);
     if (err)
         return err;
     buf_printf(&act->reply->text, "%zu voxel%s of label ", s->planting.planted,

@@ -86,6 +86,10 @@ enum { VOLUMES_MOST = 65535 };
 #define WITHIN      KEYED("range", VALUE_INTERVAL)
 #define WITHIN_NOTE "\nrange: only voxels with intensities LOW to HIGH, as printed by `why`."
 
+/* Parameters of exact gestures. */
+#define EXACT      KEYED("within", VALUE_NUMBER, .most = 0)
+#define EXACT_NOTE "\nwithin=0: exact: these voxels get the label, and nothing grows from them."
+
 /* Parameters of shells. */
 #define HOLLOW                                                                                     \
     KEYED("shell", VALUE_CHOICE, .choices = "yes"), KEYED("around", VALUE_LABEL, .most = 255)
@@ -260,8 +264,7 @@ static const struct command command_table[] = {
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
       KEYED("radius", VALUE_RADIUS, .most = BRUSH_HOLLOW_REACH_MOST), WITHIN,
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
-      KEYED("through", VALUE_POSITION),
-      KEYED("within", VALUE_RADIUS, .least = 1, .most = REACH_MOST)},
+      KEYED("through", VALUE_POSITION), KEYED("within", VALUE_RADIUS, .most = REACH_MOST)},
      "plant a seed, a ball of seeds, or a stroke",
      "A voxel that has a seed gets the new label.\n"
      "radius: in voxels, or in millimetres as in 2.5mm, for a ball in the world independent of the "
@@ -275,44 +278,44 @@ static const struct command command_table[] = {
      "through: of a shell, a voxel on it, in place of its radius.\n"
      "within: of a ball, the reach of its trees from PLACE, in the units of radius: a correction "
      "changes nothing beyond. About three times the depth of the error is a good choice; a voxel "
-     "out of reach of all trees around it has label 0, and `info` counts these.",
+     "out of reach of all trees around it has label 0, and `info` counts these." EXACT_NOTE,
      "seed 100,100,50 1 radius=2"},
     {COMMAND("box", act_box, GROUP_SEEDS, R | S | E | P),
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),
-      NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN, HOLLOW},
+      NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN, HOLLOW, EXACT},
      "plant a box, or a rectangle in a slice",
      "Between two corners, both included." WITHIN_NOTE "\n"
      "shell=yes: only its six faces, as in `seed`.\n"
-     "around: the label of the enclosed object; by default that of its middle.",
+     "around: the label of the enclosed object; by default that of its middle." EXACT_NOTE,
      "box 80,90,50 120,110,50 2"},
     {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
-      NEED("to", VALUE_LINE, .keyed = true)},
+      NEED("to", VALUE_LINE, .keyed = true), EXACT},
      "plant the inside of a polygon in a slice",
      "The voxels that the outline from PLACE over the other corners and back winds around, and the "
      "voxels whose centre it passes through. All corners are in one slice of any plane." WITHIN_NOTE
-     "\nto: the other corners, at least two.",
+     "\nto: the other corners, at least two." EXACT_NOTE,
      "fill 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("outline", act_outline, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
       NEED("to", VALUE_LINE, .keyed = true), KEYED("ring", VALUE_NUMBER, .most = RING_MOST),
-      KEYED("instead", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N")},
+      KEYED("instead", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N"), EXACT},
      "outline an object in a slice, with background",
      "`fill`, and a ring of background around it in the same slice: one marker for both sides of "
      "the border. Voxels of other objects are left out of the ring." WITHIN_NOTE
      " The ring is of all intensities.\n"
      "to: the other corners, at least two. A line of the journal has room for 3000.\n"
      "ring: its width in voxels, from centre to centre; 3 unless given, 0 for no ring, as for a "
-     "polygon of background.\n"
+     "polygon of background and with within=0.\n"
      "instead: the number of a marker, `marker=` of its record, to remove in the same undo step: "
-     "an outline that was dragged.",
+     "an outline that was dragged." EXACT_NOTE,
      "outline 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
       KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = 9),
       KEYED("each", VALUE_NUMBER, .least = 1, .most = 100000),
-      KEYED("generator", VALUE_NUMBER, .most = 99999), OF_MAP},
+      KEYED("generator", VALUE_NUMBER, .most = 99999), OF_MAP, EXACT},
      "plant the seeds of a .csv list or a label map",
      "A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is a "
      "volume on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
@@ -322,7 +325,7 @@ static const struct command command_table[] = {
      "whose values are not labels.\n"
      "erode: rounds; each removes the voxels that have a face neighbour outside their region.\n"
      "each: the number of seeds drawn at random from each region after erosion; all unless given.\n"
-     "generator: the number that the drawing starts from; 1 unless given." MAP_NOTE,
+     "generator: the number that the drawing starts from; 1 unless given." MAP_NOTE EXACT_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
@@ -354,14 +357,14 @@ static const struct command command_table[] = {
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
-      NEED("RANGE", VALUE_INTERVAL), KEYED("from", VALUE_POSITION)},
+      NEED("RANGE", VALUE_INTERVAL), KEYED("from", VALUE_POSITION), EXACT},
      "plant the connected voxels within a range",
      "One marker of all voxels whose intensity, as printed by `why`, is in the range, and that are "
      "connected by faces to a seed of the label inside the range. Voxels with seeds of other "
      "labels are left out and block connections: a stroke of background cuts off a leak. Each "
      "object may have its own range. Its trees grow beyond the range, until they meet trees of "
      "other labels.\n"
-     "from: begin with this voxel instead of the label's seeds.",
+     "from: begin with this voxel instead of the label's seeds." EXACT_NOTE,
      "object 2 threshold 226..3071"},
     {CALLED("remove", "delete|erase|eliminate|rm", act_remove, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},

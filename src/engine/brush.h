@@ -63,9 +63,13 @@ void brush_release(struct brush *brush);
  */
 enum { REACH_MOST = 512 }; /* largest reach in voxels that a user can set */
 
+/* Radius of a reach that holds no voxel: its seeds make no offer, so that planting them changes
+ * their own voxels, and others only where trees passed through these. */
+enum { REACH_EXACT = -1 };
+
 /* A ball of voxels with (dx unit[0])^2 + (dy unit[1])^2 + (dz unit[2])^2 <= radius^2 around the
  * centre: in voxels with units of 1, in nanometres with the spacing as units. The radius is
- * 0..10^9. */
+ * 0..10^9, or REACH_EXACT. */
 struct reach {
     uint32_t centre[3], unit[3];
     int64_t radius;

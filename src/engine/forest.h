@@ -147,11 +147,14 @@ size_t forest_memory(const struct forest *forest); /* bytes, without the scene *
 
 /* ---- reaches of seeds ---- */
 
-/* Add a reach and return its number, which stays valid and is used in edits. ERR_MEMORY; ERR_LIMIT
- * beyond 65535 reaches. The first one reserves two bytes of address space a cell; memory is used
+/* Add a reach and return its number, which stays valid and is used in edits; all exact reaches have
+ * the same one. ERR_MEMORY; ERR_LIMIT beyond 65535 reaches. The first one reserves two bytes of address space a cell; memory is used
  * only for pages that contain roots. */
 enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
                           struct fault *fault);
+
+/* True if no tree grows from seeds with a reach of this number. */
+bool forest_is_exact(const struct forest *forest, uint16_t reach);
 
 /* Reach of a planted seed (NULL for none), and its number (0 for none). */
 const struct reach *forest_reach(const struct forest *forest, uint32_t seed);

@@ -89,6 +89,11 @@ enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint
                           struct fault *fault)
 {
     struct reaches *all = &forest->reaches;
+    const bool is_exact = reach->radius == REACH_EXACT;
+    if (is_exact && all->exact) {
+        *number = all->exact;
+        return OK;
+    }
     if (all->count == UINT16_MAX)
         return fault_set(fault, ERR_LIMIT,
                          "%d markers of this session end within a distance already, and no more "
@@ -100,7 +105,13 @@ enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint
         return fault_memory(fault, "the reach of a marker");
     all->item[all->count++] = *reach;
     *number = (uint16_t)all->count;
+    all->exact = is_exact ? *number : all->exact;
     return OK;
+}
+
+bool forest_is_exact(const struct forest *forest, uint16_t reach)
+{
+    return reach && reach == forest->reaches.exact;
 }
 
 const struct reach *forest_reach(const struct forest *forest, uint32_t seed)

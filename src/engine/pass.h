@@ -50,6 +50,7 @@ struct worker {
 struct reaches {
     struct reach *item; /* item[n - 1] has number n */
     size_t count, capacity;
+    uint16_t exact; /* number of the exact reach, or 0 */
     uint16_t *of; /* [grid.cells], number of the seed's reach, or 0; NULL before the first reach */
     size_t seeds; /* seeds that have a reach */
 };

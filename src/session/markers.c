@@ -187,7 +187,8 @@ static bool pieces_meet(const struct markers *markers, const struct marker *a,
 static bool gives_way(const struct markers *markers, const struct marker *marker)
 {
     const struct marker *last = markers->marker + markers->count - 1;
-    return marker->yields && marker->label != last->label && pieces_meet(markers, marker, last);
+    return marker->yields && (last->is_exact || marker->label != last->label) &&
+           pieces_meet(markers, marker, last);
 }
 
 /* Freed cells and their neighbours, a bit each; and which of them have a cover. */
@@ -245,7 +246,8 @@ static enum err cover_once(struct markers *markers, uint32_t number, struct free
 {
     const uint64_t bit = bit_of(freed, cell);
     const bool is_beside = !has_bit(freed->within, bit);
-    if (is_beside && freed->cells[cell].flags & CELL_OUTSIDE)
+    if (is_beside ? freed->cells[cell].flags & CELL_OUTSIDE
+                  : markers->marker[markers->count - 1].is_exact)
         return OK;
     if (has_bit(freed->covered, bit) || !has_cell(markers, markers->marker + number - 1, cell))
         return OK;

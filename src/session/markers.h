@@ -31,6 +31,10 @@
  * A marker yields to a later one of another label with a voxel in its piece, and to no other:
  * third labels are unchanged.
  *
+ * An *exact* marker changes its own voxels and no others: no tree grows from its seeds. It frees
+ * its own voxels alone, from markers of every label, its own too: so that the voxels of a piece
+ * next to it have seeds, and no part of the piece loses its tree.
+ *
  * The set of valid markers is part of a session's state (session/state.h). Here are the voxels of
  * all markers ever made, on every branch of the history.
  *
@@ -71,6 +75,7 @@ struct marker {
     bool is_valid;
     bool joined; /* part of the same stroke or outline as the marker before (M3) */
     bool yields;
+    bool is_exact; /* no tree grows from its seeds (REACH_EXACT) */
 };
 
 /* One voxel of a marker: covered by it, freed by it from a yielding marker, or next to a freed
@@ -114,7 +119,7 @@ enum err markers_yield(struct markers *markers, const struct marker_run *run, si
                        struct fault *fault);
 
 /* The last marker, which covers its voxels in order, frees those of `cell` in which a marker
- * yields to it; `around` are the neighbours of a voxel. On errors, those of markers_add, drop the
+ * yields to it; an exact marker decides there anyway, and they need no covers; `around` are the neighbours of a voxel. On errors, those of markers_add, drop the
  * marker: it frees only a part. */
 enum err markers_free(struct markers *markers, const struct cell *cells,
                       const struct adjacency *around, const uint32_t *cell, size_t count,

@@ -114,7 +114,7 @@ static bool is_header(const char *at, const char *end)
     return fields == 4 || fields == 8;
 }
 
-/* ",12,70,110,95" or ",2.5mm,70,110,95". */
+/* ",12,70,110,95", ",2.5mm,70,110,95", or ",0,0,0,0" for an exact seed. */
 static bool scan_reach(const char **at, struct reach *reach)
 {
     static const int64_t most_nm = 1000000000;
@@ -125,7 +125,7 @@ static bool scan_reach(const char **at, struct reach *reach)
     const char *number = from;
     if (scan_decimal(&from, 6, 1, most_nm, &found.radius) && scan_text(&from, "mm"))
         found.unit[0] = found.unit[1] = found.unit[2] = 0;
-    else if (from = number, !scan_integer(&from, 1, REACH_MOST, &found.radius))
+    else if (from = number, !scan_integer(&from, 0, REACH_MOST, &found.radius))
         return false;
     for (int a = 0; a < 3; a++) {
         int64_t place;
@@ -135,6 +135,8 @@ static bool scan_reach(const char **at, struct reach *reach)
     }
     if (from != *at + strcspn(*at, " \t\r\n"))
         return false;
+    if (found.radius == 0)
+        found = (struct reach){.unit = {1, 1, 1}, .radius = REACH_EXACT};
     *reach = found;
     *at = from;
     return true;
@@ -250,13 +252,13 @@ static enum err group_rows(struct seeds *seeds, struct list *list, struct fault 
 {
     size_t capacity = 0, limited = 0;
     for (size_t i = 0; i < list->rows; i++)
-        limited += list->row[i].reach.radius > 0;
+        limited += list->row[i].reach.radius != 0;
     if (limited == 0)
         return OK;
     struct row **row = mem_array(limited, sizeof(struct row *));
     enum err err = row ? OK : fault_memory(fault, "a list of seeds");
     for (size_t i = 0, n = 0; !err && i < list->rows; i++)
-        if (list->row[i].reach.radius > 0)
+        if (list->row[i].reach.radius != 0)
             row[n++] = &list->row[i];
     if (!err)
         qsort(row, limited, sizeof *row, compare_groups);

@@ -9,6 +9,7 @@
  *     70,110,95,brain
  *     10,10,10,0
  *     70,112,95,1,12,70,110,95     # within 12 voxels of 70,110,95, after a number only; or 2.5mm
+ *     70,113,95,1,0,0,0,0          # within=0: no tree grows from it
  *
  * In a map, every voxel of a chosen region is a seed. Erosion keeps seeds away from the borders of
  * regions, where a map of another head is least reliable; drawing limits their number. Drawing uses

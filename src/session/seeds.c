@@ -51,6 +51,7 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
     const size_t number = session->markers.count;
     err = edits_go_on(&session->now.lists.markers, (struct edit){(uint32_t)number, 1, 0}, fault);
     session->markers.marker[number - 1].reach = reach;
+    session->markers.marker[number - 1].is_exact = forest_is_exact(session->forest, reach);
     session->markers.marker[number - 1].is_valid = err == OK;
     for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++)
         err = add_pending(session, (struct edit){cell[i], label, reach}, fault);

@@ -148,7 +148,8 @@ enum err export_seeds(struct buf *out, const struct session *session, struct fau
                 const struct reach *reach = forest_reach(session->forest, c);
                 buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z, session->scene->cell[c].label);
                 if (reach && reach->unit[0] == 1)
-                    buf_printf(out, ",%lld", (long long)reach->radius);
+                    buf_printf(out, ",%lld",
+                               reach->radius == REACH_EXACT ? 0 : (long long)reach->radius);
                 else if (reach)
                     buf_printf(out, ",%lld.%06lldmm", (long long)(reach->radius / 1000000),
                                (long long)(reach->radius % 1000000));
