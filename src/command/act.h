@@ -217,6 +217,7 @@ struct planting {
     const struct marker_run *run;
     size_t runs;
     size_t planted, outside, beyond, others;
+    size_t spared; /* by `over` and `keep` */
     size_t unsure; /* voxels of levels that contain an end of the range */
 };
 
@@ -225,6 +226,12 @@ struct planting act_begin_planting(const struct session *session, const struct v
 
 /* Give the planting the reach that holds no voxel if the command has within=0. */
 enum err act_find_exact(struct planting *planting, const struct act *act);
+
+/* The same; and leave out voxels by `over` and `keep`, by their labels after waiting edits. With the
+ * voxels of several markers, those before end[i] stay before it, for each of `ends`. */
+struct voxels;
+enum err act_begin_exact(struct planting *planting, const struct act *act, struct voxels *voxels,
+                         size_t *end, size_t ends);
 
 /* Plant one marker on those of the cells that are allowed; they are moved to the front of
  * `cell`. */

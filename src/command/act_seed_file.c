@@ -126,8 +126,7 @@ static enum err plant_region(const struct act *act, struct planting *planting,
                              uint32_t region, const struct voxels *at)
 {
     struct session *session = act->session;
-    const bool is_group =
-        region >= SEED_GROUPS_FROM && region - SEED_GROUPS_FROM < seeds->groups;
+    const bool is_group = region >= SEED_GROUPS_FROM && region - SEED_GROUPS_FROM < seeds->groups;
     int16_t label = (uint8_t)region_label(choice, region);
     enum err err = OK;
     planting->reach = 0;
@@ -157,6 +156,9 @@ static enum err plant_regions(const struct act *act, const struct seeds *seeds, 
     size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
     enum err err = end ? seeds_by_region(seeds, &cell, end, session->watch, act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
+    struct voxels all = {.cell = cell, .count = seeds->count};
+    if (!err)
+        err = act_begin_exact(planting, act, &all, end, REGION_MOST + 1);
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++]) {
         const struct voxels at = {.cell = cell + begin, .count = end[r] - begin};
         err = plant_region(act, planting, seeds, choice, r, &at);

@@ -36,6 +36,7 @@ struct value {
     bool in_mm;             /* RADIUS: it is in millimetres */
     const char *text;       /* the word, if it is a choice or the type is a word */
     uint32_t place[3];      /* POSITION, in the scene; RANGE: first and last */
+    struct label_set set;   /* LABELS */
     const struct polyline
         *line; /* LINE: all of it, with its first corner; not given if it is a single place */
 };

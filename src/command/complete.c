@@ -41,9 +41,9 @@ static bool is_choice(const struct parameter *p)
 static void add_form(struct buf *out, const struct parameter *p)
 {
     static const char *const form[VALUE_WORD + 1] = {
-        [VALUE_POSITION] = "X,Y,Z",     [VALUE_LINE] = "X,Y,Z",  [VALUE_RANGE] = "A-B",
-        [VALUE_LIST] = "A-B,C",         [VALUE_LABEL] = "LABEL", [VALUE_COLOUR] = "#rrggbb",
-        [VALUE_INTERVAL] = "LOW..HIGH",
+        [VALUE_POSITION] = "X,Y,Z",     [VALUE_LINE] = "X,Y,Z",      [VALUE_RANGE] = "A-B",
+        [VALUE_LIST] = "A-B,C",         [VALUE_LABEL] = "LABEL",     [VALUE_COLOUR] = "#rrggbb",
+        [VALUE_INTERVAL] = "LOW..HIGH", [VALUE_LABELS] = "A-B,NAME",
     };
     const double unit = p->type == VALUE_DECIMAL ? 1000 : 1;
     const bool is_number = p->type == VALUE_DECIMAL || p->type == VALUE_NUMBER;
@@ -512,6 +512,7 @@ static void offer_values(const struct offers *o, const struct command *command,
         offer_commands(o);
         break;
     case VALUE_LABEL:
+    case VALUE_LABELS:
         offer_labels(o, p);
         break;
     case VALUE_FILE:

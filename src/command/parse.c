@@ -201,6 +201,46 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     return ERR_USAGE;
 }
 
+/* Read labels with commas between them, each a number, a range A-B or a name. */
+static enum err read_labels(struct value *value, const struct parameter *p, const char *word,
+                            const struct known *known, struct fault *fault)
+{
+    struct buf item = {0};
+    enum err err = *word ? OK : read_label(value, p, word, known, fault);
+    for (const char *at = word; !err && *at; at += *at == ',') {
+        const size_t length = strcspn(at, ",");
+        const char *number;
+        int64_t first, last;
+        buf_clear(&item);
+        buf_add(&item, at, length);
+        number = buf_text(&item);
+        if (!scan_range(&number, 0, 255, &first, &last) || *number) {
+            err = read_label(value, p, buf_text(&item), known, fault);
+            first = last = value->number;
+        }
+        for (; !err && first <= last; first++)
+            label_set_add(&value->set, (uint8_t)first);
+        at += length;
+    }
+    buf_release(&item);
+    return err;
+}
+
+/* "0,3-7" */
+static void write_labels(struct buf *out, const struct label_set *set)
+{
+    const char *comma = "";
+    for (unsigned first = 0, last; first < 256; first = last + 1) {
+        for (last = first; last < 255 && label_set_has(set, (uint8_t)first) &&
+                           label_set_has(set, (uint8_t)(last + 1));)
+            last++;
+        if (!label_set_has(set, (uint8_t)first))
+            continue;
+        buf_printf(out, last > first ? "%s%u-%u" : "%s%u", comma, first, last);
+        comma = ",";
+    }
+}
+
 /* `value` in units of 10^-places. */
 static void write_decimal(struct buf *out, int64_t value, unsigned places)
 {
@@ -342,6 +382,8 @@ static enum err read_value(struct value *value, const struct parameter *p, const
             return read_position(value, p, word, known, fault);
         case VALUE_LABEL:
             return read_label(value, p, word, known, fault);
+        case VALUE_LABELS:
+            return read_labels(value, p, word, known, fault);
         case VALUE_NUMBER:
             return read_number(value, p, word, 0, fault);
         case VALUE_RADIUS:
@@ -678,6 +720,8 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
         command_write_word(out, value->text);
     else if (p->type == VALUE_PARTS)
         setting_write_parts(out, p->choices, value->number);
+    else if (p->type == VALUE_LABELS)
+        write_labels(out, &value->set);
     else if (p->type == VALUE_POSITION)
         buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
     else if (p->type == VALUE_RANGE && value->place[0] == value->place[1])

@@ -50,8 +50,9 @@ static bool is_of_another(const struct planting *planting, const struct cell *at
     return planting->is_shell && at->label && at->label != planting->inside && at->label != label;
 }
 
-enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
-                   int16_t label)
+/* Move the cells that are allowed to the front, and return their number. */
+static size_t keep_allowed(const struct act *act, struct planting *planting, uint32_t *cell,
+                           size_t count, int16_t label)
 {
     const struct cell *cells = act->session->scene->cell;
     struct task task = task_begin(act->session->watch, "seeds", count);
@@ -68,17 +69,28 @@ enum err act_plant(const struct act *act, struct planting *planting, uint32_t *c
         else
             cell[kept++] = cell[i];
     }
-    planting->planted += kept;
-    if (!kept)
+    return kept;
+}
+
+static enum err plant_cells(const struct act *act, struct planting *planting, const uint32_t *cell,
+                            size_t count, int16_t label)
+{
+    struct session *session = act->session;
+    if (!count)
         return OK;
-    if (planting->yields)
-        return session_plant_piece(act->session, cell, kept, label, planting->run, planting->runs,
-                                   act->fault);
-    const enum err err =
-        session_plant(act->session, cell, kept, label, planting->reach, act->fault);
-    return err || !is_exact(act, planting)
-               ? err
-               : session_free_voxels(act->session, cell, kept, act->fault);
+    planting->planted += count;
+    enum err err = planting->yields
+                       ? session_plant_piece(session, cell, count, label, planting->reach,
+                                             planting->run, planting->runs, act->fault)
+                       : session_plant(session, cell, count, label, planting->reach, act->fault);
+    return err || !is_exact(act, planting) ? err
+                                           : session_free_voxels(session, cell, count, act->fault);
+}
+
+enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
+                   int16_t label)
+{
+    return plant_cells(act, planting, cell, keep_allowed(act, planting, cell, count, label), label);
 }
 
 static void write_left_out(struct buf *out, const char *why, size_t count)
@@ -103,7 +115,12 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
                          "all of the shell is in objects other than the one inside, label %u; "
                          "around=LABEL names the object; nothing was planted",
                          planting->inside);
+    if (!planting->planted && planting->spared)
+        return fault_set(act->fault, ERR_INPUT,
+                         "over, keep: no voxel of it has a label that may change; nothing was "
+                         "planted");
     write_left_out(&act->reply->text, "in another object", planting->others);
+    write_left_out(&act->reply->text, "of labels that stay", planting->spared);
     write_left_out(&act->reply->text, "outside the region of interest", planting->outside);
     write_left_out(&act->reply->text, "intensities beyond the range", planting->beyond);
     act_write_unsure(act, planting->unsure);
@@ -137,6 +154,110 @@ bool act_find_recorded(const struct act *act, const char *key, struct record_wor
 {
     const char *recorded = act->interp->recorded_words;
     return act->session->skims && recorded && record_word_find(recorded, key, strlen(key), word);
+}
+
+/* ---- voxels that a gesture leaves alone ---- */
+
+/* Runs in the word of a record; with more, nothing is recorded. */
+enum { SPARED_MOST = 256 };
+
+/* The runs of a record, "spared=1-7,12", by the order of the voxels from 1; "0" for none. */
+struct spared_runs {
+    const char *at, *end;
+    int64_t first, last; /* the current one */
+    bool fits;
+};
+
+static bool is_in_runs(struct spared_runs *runs, int64_t number, int64_t all)
+{
+    while (runs->fits && runs->last < number && runs->at < runs->end) {
+        const int64_t before = runs->last;
+        runs->fits = (!before || scan_text(&runs->at, ",")) &&
+                     scan_range(&runs->at, 0, all, &runs->first, &runs->last) &&
+                     (runs->first > before || (!runs->last && runs->at == runs->end));
+    }
+    return runs->fits && runs->first <= number && number <= runs->last;
+}
+
+/* Label of a voxel, of its seed if one waits for the next run. */
+static uint8_t label_now(const struct session *session, uint32_t cell)
+{
+    const int16_t seed = markers_seed(&session->markers, cell);
+    return seed == EDIT_ERASE ? session->scene->cell[cell].label : (uint8_t)seed;
+}
+
+/* Leave out voxels that do not take part, and record their runs. With `grown`, a voxel takes part
+ * if it is among these; else if its label is in the set. The voxels before `end[i]` stay before
+ * it, for each of `ends`. */
+static enum err leave_out(const struct act *act, struct voxels *voxels,
+                          const struct label_set *takes, const struct voxels *grown, size_t *end,
+                          size_t ends)
+{
+    struct session *session = act->session;
+    const size_t all = voxels->count;
+    struct record_word word = {0};
+    struct buf *spared = act_buf(act);
+    size_t kept = 0, count = 0, begin = 0, next = 0, e = 0;
+    const bool is_recorded = act_find_recorded(act, "spared", &word);
+    struct spared_runs runs = {word.value, word.value + word.value_length, 0, 0, true};
+    enum err err = is_recorded ? OK : session_catch_up(session, act->fault);
+    for (size_t i = 0; !err && i <= all; i++) {
+        for (; e < ends && end[e] == i; e++)
+            end[e] = kept;
+        bool is_spared = false;
+        if (i < all && is_recorded)
+            is_spared = is_in_runs(&runs, (int64_t)i + 1, (int64_t)all);
+        else if (i < all && grown)
+            is_spared = next == grown->count || voxels->cell[i] != grown->cell[next];
+        else if (i < all)
+            is_spared = !label_set_has(takes, label_now(session, voxels->cell[i]));
+        if (is_spared)
+            continue;
+        if (begin < i && count++ < SPARED_MOST)
+            buf_printf(spared, begin + 1 < i ? "%s%zu-%zu" : "%s%zu", count > 1 ? "," : "",
+                       begin + 1, i);
+        begin = i + 1;
+        next += grown != NULL;
+        if (i < all)
+            voxels->cell[kept++] = voxels->cell[i];
+    }
+    voxels->count = kept;
+    if (!err && is_recorded && (!runs.fits || runs.at != runs.end))
+        err = fault_set(act->fault, ERR_CHECK, "spared: expected N,N-N");
+    if (!err && count <= SPARED_MOST) {
+        buf_add_blank(&act->reply->words);
+        buf_printf(&act->reply->words, "spared=%s", count ? buf_text(spared) : "0");
+    }
+    return err;
+}
+
+/* Find the labels that `over` and `keep` let a gesture change. */
+static struct label_set find_takes(const struct act *act)
+{
+    const struct value *over = act_value(act, "over"), *keep = act_value(act, "keep");
+    struct label_set takes;
+    for (int i = 0; i < 4; i++)
+        takes.word[i] = (over->given ? over->set.word[i] : UINT64_MAX) & ~keep->set.word[i];
+    return takes;
+}
+
+enum err act_begin_exact(struct planting *planting, const struct act *act, struct voxels *voxels,
+                         size_t *end, size_t ends)
+{
+    const size_t all = voxels->count;
+    const struct label_set takes = find_takes(act);
+    enum err err = act_find_exact(planting, act);
+    if (err || !act_has(act, "over|keep"))
+        return err;
+    if (!is_exact(act, planting))
+        return fault_set(act->fault, ERR_USAGE,
+                         "over, keep: only with within=0, or for one ball of radius 1 or more or "
+                         "with `within`; nothing was planted");
+    err = session_run(act->session, act->fault);
+    if (!err)
+        err = leave_out(act, voxels, &takes, NULL, end, ends);
+    planting->spared = all - voxels->count;
+    return err;
 }
 
 /* Plant one marker on the voxels and release them. */
@@ -186,8 +307,8 @@ static int64_t freed_radius(int64_t radius, int64_t voxel)
 
 static const uint32_t ones[3] = {1, 1, 1};
 
-/* Free balls at each step of a way. */
-static enum err free_around_way(const struct act *act)
+/* Find the balls at each step of a way in which a gesture frees voxels. */
+static enum err find_around_way(struct voxels *voxels, const struct act *act)
 {
     const struct session *session = act->session;
     const struct value *radius = act_value(act, "radius"), *to = act_value(act, "to"),
@@ -200,14 +321,20 @@ static enum err free_around_way(const struct act *act)
         within->given ? within->number : freed_radius(radius->number, shortest(unit));
     const int64_t most = FREES_MOST * shortest(unit);
     struct brush brush = {0};
-    struct voxels voxels = {0};
-    if (!session->markers.yields)
-        return OK;
     enum err err = brush_init(&brush, unit, freed < most ? freed : most, FREES_MOST, act->fault);
     if (!err)
-        err = paint_stroke(&voxels, &session->scene->grid, &brush, corner,
+        err = paint_stroke(voxels, &session->scene->grid, &brush, corner,
                            to->given ? to->line->count : 1, session->watch, act->fault);
     brush_release(&brush);
+    return err;
+}
+
+static enum err free_around_way(const struct act *act)
+{
+    struct voxels voxels = {0};
+    if (!act->session->markers.yields)
+        return OK;
+    const enum err err = find_around_way(&voxels, act);
     return free_voxels(act, &voxels, err);
 }
 
@@ -350,7 +477,7 @@ static enum err plant_shell(const struct act *act, struct voxels *voxels, const 
     bool is_reached = false;
     enum err err = look_inside(act, middle, &planting.inside, &is_reached);
     if (!err)
-        err = act_find_exact(&planting, act);
+        err = act_begin_exact(&planting, act, voxels, NULL, 0);
     planting.is_shell = true;
     planting.inside = (uint8_t)act_number_or(act, "around", planting.inside);
     if (!err && !voxels->count)
@@ -435,7 +562,7 @@ static enum err plant_hollow_box(const struct act *act)
 
 /* ---- `seed` ---- */
 
-/* Find the number of the reach of a ball's seeds; all of them must be inside. */
+/* Find the number of the reach of a ball's seeds, if not NULL; all of them must be inside. */
 static enum err find_reach(uint16_t *number, const struct act *act, const struct voxels *voxels)
 {
     struct session *session = act->session;
@@ -454,7 +581,56 @@ static enum err find_reach(uint16_t *number, const struct act *act, const struct
                             "within: less than the radius; expected at least the radius; "
                             "nothing was planted");
     }
-    return err ? err : session_add_reach(session, &reach, number, act->fault);
+    return err || !number ? err : session_add_reach(session, &reach, number, act->fault);
+}
+
+/* Plant a ball, and what its tree takes of the labels that `over` and `keep` let it change: as
+ * exact markers, the second of which yields to later growth. */
+static enum err plant_confined(const struct act *act, struct planting *planting,
+                               struct voxels *seeds)
+{
+    static const struct reach none = {.unit = {1, 1, 1}, .radius = REACH_EXACT};
+    const int16_t label = (int16_t)act_number(act, "LABEL");
+    const struct label_set takes = find_takes(act);
+    struct session *session = act->session;
+    struct voxels around = {0}, grown = {0};
+    struct record_word word;
+    size_t taken = 0, others = 0;
+    enum err err = session_run(session, act->fault);
+    seeds->count = keep_allowed(act, planting, seeds->cell, seeds->count, label);
+    if (!err)
+        err = find_around_way(&around, act);
+    if (!err && !act_find_recorded(act, "spared", &word)) {
+        err = session_catch_up(session, act->fault);
+        if (!err)
+            err = session_grow_confined(session, &takes, label, seeds, &around, &grown, act->fault);
+    }
+    if (!err)
+        err = leave_out(act, &around, NULL, &grown, NULL, 0);
+    if (!err)
+        err = session_add_reach(session, &none, &planting->reach, act->fault);
+    for (size_t i = 0, next = 0; !err && i < around.count; i++) {
+        for (; next < seeds->count && seeds->cell[next] < around.cell[i]; next++)
+            ;
+        if (next < seeds->count && seeds->cell[next] == around.cell[i])
+            seeds->cell[taken++] = around.cell[i];
+        else
+            around.cell[others++] = around.cell[i];
+    }
+    planting->spared = seeds->count - taken;
+    if (!err)
+        err = plant_cells(act, planting, seeds->cell, taken, label);
+    if (!err && taken && others) {
+        planting->yields = true;
+        err = plant_cells(act, planting, around.cell, others, label);
+        session_join(session);
+        buf_printf(&act->reply->text, "grown: %zu voxel%s\n", others, plural(others));
+    }
+    voxels_release(&around);
+    voxels_release(&grown);
+    if (!err)
+        act_add_markers(act);
+    return err ? err : act_write_planting(act, planting);
 }
 
 enum err act_seed(const struct act *act)
@@ -479,11 +655,17 @@ enum err act_seed(const struct act *act)
                          "joined: the previous command did not plant seeds of label %lld; nothing "
                          "was planted",
                          (long long)act_number(act, "LABEL"));
+    const bool is_ball = !act_has(act, "to|joined") && act_value(act, "radius")->number > 0;
+    const bool grows =
+        act_has(act, "over|keep") && (is_confined || (is_ball && !act_has(act, "within")));
     enum err err = act_find_voxels(act, act_value(act, "to"), &voxels);
-    if (!err)
-        err = is_confined ? find_reach(&planting.reach, act, &voxels)
-                          : act_find_exact(&planting, act);
-    if (!err)
+    if (!err && is_confined)
+        err = find_reach(grows ? NULL : &planting.reach, act, &voxels);
+    if (!err && !is_confined && !grows)
+        err = act_begin_exact(&planting, act, &voxels, NULL, 0);
+    if (!err && grows)
+        err = plant_confined(act, &planting, &voxels);
+    else if (!err)
         err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
     voxels_release(&voxels);
     if (!err && act_has(act, "joined"))
@@ -504,7 +686,7 @@ enum err act_box(const struct act *act)
     enum err err = paint_box(&voxels, &act->session->scene->grid, act_place(act, "CORNER"),
                              act_place(act, "OPPOSITE"), act->session->watch, act->fault);
     if (!err)
-        err = act_find_exact(&planting, act);
+        err = act_begin_exact(&planting, act, &voxels, NULL, 0);
     if (!err)
         err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
     voxels_release(&voxels);
@@ -515,77 +697,21 @@ enum err act_box(const struct act *act)
 
 enum { OUTLINE_RING = 3 }; /* as good as the whole outside in the effort benchmark */
 
-/* Leave out the recorded voxels: "spared=1-7,12", by their order in the ring, or "spared=0". */
-static enum err leave_out_recorded(struct voxels *ring, const struct record_word *word,
-                                   struct fault *fault)
-{
-    const char *at = word->value, *end = word->value + word->value_length;
-    const int64_t all = (int64_t)ring->count;
-    int64_t next = 0, first, last; /* the first `next` are done */
-    bool fits = true;
-    ring->count = 0;
-    do {
-        fits = scan_range(&at, 0, all, &first, &last) && (first > next || last == 0);
-        for (; fits && next + 1 < first; next++)
-            ring->cell[ring->count++] = ring->cell[next];
-        next = last;
-    } while (fits && scan_text(&at, ","));
-    for (; fits && next < all; next++)
-        ring->cell[ring->count++] = ring->cell[next];
-    return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "spared: expected N,N-N");
-}
-
-/* Runs in the word of a record; with more, nothing is recorded. */
-enum { SPARED_MOST = 256 };
-
-/* Leave out voxels of other objects, by their seeds or the last run: their own seeds hold the label
- * back, and a ring of background would cut into them. */
-static enum err spare_others(const struct act *act, struct voxels *ring, int16_t label)
-{
-    struct session *session = act->session;
-    const struct markers *markers = &session->markers;
-    const size_t all = ring->count;
-    struct record_word word;
-    struct buf *spared = act_buf(act);
-    size_t kept = 0, runs = 0;
-    bool has_another = false;
-    for (size_t m = 0; m < markers->count; m++)
-        has_another |= markers->marker[m].label > 0 && markers->marker[m].label != label;
-    if (!has_another)
-        return OK;
-    if (act_find_recorded(act, "spared", &word)) {
-        buf_add_blank(&act->reply->words);
-        buf_printf(&act->reply->words, "spared=%.*s", (int)word.value_length, word.value);
-        return leave_out_recorded(ring, &word, act->fault);
-    }
-    enum err err = session_catch_up(session, act->fault);
-    for (size_t i = 0, first = 0; !err && i <= all; i++) {
-        const int16_t seed = i < all ? markers_seed(markers, ring->cell[i]) : 0,
-                      holds = seed == EDIT_ERASE ? session->scene->cell[ring->cell[i]].label : seed;
-        if (holds != 0 && holds != label)
-            continue;
-        if (first < i && runs++ < SPARED_MOST)
-            buf_printf(spared, first + 1 < i ? "%s%zu-%zu" : "%s%zu", runs > 1 ? "," : "",
-                       first + 1, i);
-        first = i + 1;
-        if (i < all)
-            ring->cell[kept++] = ring->cell[i];
-    }
-    ring->count = kept;
-    if (!err && runs <= SPARED_MOST) {
-        buf_add_blank(&act->reply->words);
-        buf_printf(&act->reply->words, "spared=%s", runs ? buf_text(spared) : "0");
-    }
-    return err;
-}
-
-/* Add a ring of background to the marker of the inside. */
+/* Add a ring of background to the marker of the inside, without voxels of other objects, by their
+ * seeds or the last run: their own seeds hold the label back, and a ring of background would cut
+ * into them. */
 static enum err plant_ring(const struct act *act, struct voxels *ring, int16_t label,
                            size_t *others)
 {
     struct planting planting = act_begin_planting(act->session, NULL);
+    const struct markers *markers = &act->session->markers;
     const size_t all = ring->count;
-    enum err err = spare_others(act, ring, label);
+    struct label_set takes = {{1}};
+    bool has_another = false;
+    for (size_t m = 0; m < markers->count; m++)
+        has_another |= markers->marker[m].label > 0 && markers->marker[m].label != label;
+    label_set_add(&takes, (uint8_t)label);
+    enum err err = has_another ? leave_out(act, ring, &takes, NULL, NULL, 0) : OK;
     *others = all - ring->count;
     if (!err)
         err = act_find_exact(&planting, act);
@@ -610,10 +736,10 @@ static enum err plant_polygon(const struct act *act, int ring)
                          "fills a rectangle); nothing was planted");
     const uint32_t(*corner)[3] = (const uint32_t(*)[3])line->corner;
     enum err err = paint_polygon(&inside, grid, corner, line->count, watch, act->fault);
-    if (!err)
-        err = act_find_exact(&planting, act);
     if (!err && ring)
         err = paint_ring(&around, grid, &inside, corner, line->count, ring, watch, act->fault);
+    if (!err)
+        err = act_begin_exact(&planting, act, &inside, NULL, 0);
     if (!err)
         err = plant_in_slice(act, &planting, &inside, label);
     if (!err && planting.planted && ring)
@@ -653,10 +779,10 @@ enum err act_outline(const struct act *act)
     const bool is_object = act_number(act, "LABEL") != 0;
     const int64_t ring =
         act_number_or(act, "ring", is_object && !act_has(act, "within") ? OUTLINE_RING : 0);
-    if (ring && !is_object)
+    if (ring && (!is_object || act_has(act, "over|keep")))
         return fault_set(act->fault, ERR_USAGE,
-                         "ring: a ring of background is only for objects; nothing was "
-                         "planted");
+                         "ring: a ring of background is only for objects, without `over` and "
+                         "`keep`; nothing was planted");
     const enum err err = act_has(act, "instead") ? remove_former(act) : OK;
     return err ? err : plant_polygon(act, (int)ring);
 }
@@ -786,9 +912,12 @@ static enum err plant_object(struct search *s)
             "no seed of label %d is in a voxel of this range; plant one there, or name a "
             "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
             s->label);
-    enum err err = act_find_exact(&s->planting, act);
+    enum err err = act_begin_exact(&s->planting, act, &s->voxels, NULL, 0);
     if (!err)
         err = act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label);
+    s->planting.unsure = 0; /* s->unsure counts them */
+    if (!err)
+        err = act_write_planting(act, &s->planting);
     if (err)
         return err;
     buf_printf(&act->reply->text, "%zu voxel%s of label ", s->planting.planted,

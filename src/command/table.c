@@ -87,8 +87,14 @@ enum { VOLUMES_MOST = 65535 };
 #define WITHIN_NOTE "\nrange: only voxels with intensities LOW to HIGH, as printed by `why`."
 
 /* Parameters of exact gestures. */
-#define EXACT      KEYED("within", VALUE_NUMBER, .most = 0)
-#define EXACT_NOTE "\nwithin=0: exact: these voxels get the label, and nothing grows from them."
+#define OVER  KEYED("over", VALUE_LABELS), KEYED("keep", VALUE_LABELS)
+#define EXACT KEYED("within", VALUE_NUMBER, .most = 0), OVER
+#define EXACT_NOTE                                                                                 \
+    "\nwithin=0: exact: these voxels get the label, and nothing grows from them."                  \
+    "\nover, keep: with within=0, only voxels whose label now is in the list, or is not: "         \
+    "numbers, "                                                                                    \
+    "ranges or names, as in 0,3-7,spleen, before `finish`. A marker keeps these voxels when an "   \
+    "earlier one is removed."
 
 /* Parameters of shells. */
 #define HOLLOW                                                                                     \
@@ -264,7 +270,7 @@ static const struct command command_table[] = {
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
       KEYED("radius", VALUE_RADIUS, .most = BRUSH_HOLLOW_REACH_MOST), WITHIN,
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
-      KEYED("through", VALUE_POSITION), KEYED("within", VALUE_RADIUS, .most = REACH_MOST)},
+      KEYED("through", VALUE_POSITION), KEYED("within", VALUE_RADIUS, .most = REACH_MOST), OVER},
      "plant a seed, a ball of seeds, or a stroke",
      "A voxel that has a seed gets the new label.\n"
      "radius: in voxels, or in millimetres as in 2.5mm, for a ball in the world independent of the "

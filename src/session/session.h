@@ -272,8 +272,19 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
 /* The same for a piece of a segmentation, which yields (session/markers.h), with its runs; no
  * runs if all of it is planted. */
 enum err session_plant_piece(struct session *session, const uint32_t *cell, size_t count,
-                             int16_t label, const struct marker_run *run, size_t runs,
-                             struct fault *fault);
+                             int16_t label, uint16_t reach, const struct marker_run *run,
+                             size_t runs, struct fault *fault);
+
+/* Find the voxels of `within` that a tree from the seeds takes if it may enter voxels of the labels
+ * `takes` alone: the seeds that have such labels, and voxels that get another label. Seeds that were
+ * planted in such voxels hold it back, and so do voxels of such labels around `within`; the session
+ * is unchanged. All lists are in the order of cells; the caller releases `grown`. */
+struct label_set;
+struct voxels;
+enum err session_grow_confined(const struct session *session, const struct label_set *takes,
+                               int16_t label, const struct voxels *seeds,
+                               const struct voxels *within, struct voxels *grown,
+                               struct fault *fault);
 
 /* Let the last marker free voxels of `cell`, where older markers give way to it: their seeds are
  * removed while it is valid. */

@@ -32,6 +32,7 @@ enum value_type {
     VALUE_END,      /* no parameter: the end of the list */
     VALUE_POSITION, /* X,Y,Z as indices, or X,Y,Zmm in the world */
     VALUE_LABEL,    /* a label's number or name; least..255 */
+    VALUE_LABELS,   /* labels, "0,3-7,NAME" */
     VALUE_NUMBER,   /* an integer, least..most */
     VALUE_LINE,     /* further corners of a line from the first parameter; keyed, may be repeated */
     VALUE_RADIUS,   /* voxels, least..most; or millimetres, "2.5mm", of 1 nm to 1 m */
@@ -94,6 +95,19 @@ struct parameter {
     const char *form;    /* form in usage; NULL for that of its type */
     struct setting_member sets;
 };
+
+/* A set of labels. */
+struct label_set {
+    uint64_t word[4];
+};
+static inline bool label_set_has(const struct label_set *set, uint8_t label)
+{
+    return set->word[label >> 6] >> (label & 63) & 1;
+}
+static inline void label_set_add(struct label_set *set, uint8_t label)
+{
+    set->word[label >> 6] |= UINT64_C(1) << (label & 63);
+}
 
 enum { PARAMETERS_MOST = 18 };
 
