@@ -463,6 +463,135 @@ STORY(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated)
     CHECK(after.seeds == plain.seeds && after.pendings == plain.pendings);
 }
 
+/* ---- exact gestures ---- */
+
+static uint8_t region_at[CELLS];
+
+/* A map of random boxes of the labels 0 to 5. */
+static void write_random_map(void)
+{
+    memset(region_at, 0, sizeof region_at);
+    for (int i = 0; i < 12; i++) {
+        const uint32_t a[3] = {below(size[0]), below(size[1]), below(size[2])},
+                       b[3] = {below(size[0]), below(size[1]), below(size[2])};
+        bool covers[CELLS] = {false};
+        const uint8_t label = (uint8_t)below(6);
+        struct grid grid;
+        CHECK(grid_init(&grid, size, NULL) == OK);
+        model_box(covers, &grid, a, b);
+        for (size_t c = 0; c < CELLS; c++)
+            region_at[c] = covers[c] ? label : region_at[c];
+    }
+}
+
+static void map_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    uint8_t *at = values;
+    struct grid grid;
+    (void)context;
+    CHECK(grid_init(&grid, size, NULL) == OK);
+    for (uint32_t x = 0; x < size[0]; x++)
+        *at++ = region_at[grid_cell(&grid, x, y, z)];
+}
+
+static void copy_labels(uint8_t label[CELLS])
+{
+    for (size_t c = 0; c < CELLS; c++)
+        label[c] = interp.session->scene->cell[c].label;
+}
+
+/* The gesture of the last line changed the voxels of its markers to their label, and no others. */
+static void changes_its_voxels(const char *line, const uint8_t before[CELLS])
+{
+    const struct session *session = interp.session;
+    const struct markers *markers = &session->markers;
+    const char *over = strstr(line, "over="), *keep = strstr(line, "keep=");
+    uint8_t expected[CELLS];
+    bool fits = true;
+    memcpy(expected, before, CELLS);
+    for (size_t m = session->former_markers; m < markers->count; m++)
+        for (size_t i = 0; i < markers->marker[m].voxels; i++) {
+            const uint32_t cell = markers->cover[markers->marker[m].first + i].cell;
+            expected[cell] = (uint8_t)markers->marker[m].label;
+            fits &= !over || strchr(over, '0' + before[cell]);
+            fits &= !keep || !strchr(keep, '0' + before[cell]);
+        }
+    for (size_t c = 0; c < CELLS; c++)
+        fits &= session->scene->cell[c].label == expected[c];
+    if (!CHECK(fits))
+        printf("#   after %s\n", line);
+}
+
+STORY(exact_gestures_change_only_voxels_that_they_name)
+{
+    static uint8_t after[RECORDS_MOST][CELLS];
+    static const char forms[] =
+        "seed X,Y,Z <6> radius=<4> within=0[| over=0,1,2| keep=3,4]; "
+        "seed X,Y,Z <6> radius=<2> to=U,V,W within=0[| keep=2]; box X,Y,Z U,V,W <6> within=0; "
+        "box X,Y,Z U,V,W <6> within=0[ over=1,5| keep=0]; "
+        "seed X,Y,Z <6> shell=yes radius=<1-4> within=0; "
+        "outline X,Y,Z <6> to=U,Y,Z to=X,V,Z within=0[| over=0,2| ring=1]; "
+        "fill X,Y,Z <6> to=X,V,Z to=X,Y,W within=0; "
+        "object <6> threshold <80>..<80-240> from=X,Y,Z within=0[| over=0,1,4]; "
+        "seed-file regions.nii[ within=0 over=0,3| within=0 each=5]; "
+        "seed X,Y,Z <6> radius=<1-3> over=[0,1|2,3,4|5]; seed X,Y,Z <6> over=[0|1,2] within=<6>; "
+        "seed X,Y,Z <6> radius=<1-3> keep=[0|1,2,3]; undo <1-4>; redo <1-3>; goto; run; "
+        "finish [relax|none]; adjacency [6|26]";
+    const int rounds = (int)check_scaled(60);
+    unsigned gestures = 0;
+    struct record_word word;
+    char line[LINE], threads[2] = "1";
+    const char *journal = place("exact.iftty");
+    make_regions("regions.nii", size[0], 0);
+    CHECK(chdir(folder) == 0);
+    for (int i = 0; i < rounds && check_failures < 5; i++) {
+        struct snapshot whole, resumed;
+        threads[0] = (char)('1' + i % 3);
+        setenv("IFTTY_THREADS", threads, 1);
+        write_random_map();
+        write_map("map.nii", size, VOXEL_UINT8, map_row, NULL);
+        begin_with_journal(&interp, "exact.iftty");
+        must(&interp, i % 2 ? "auto on; labels map.nii erode=0" : "auto on; labels map.nii");
+        const size_t first = interp.history.records;
+        copy_labels(after[first]);
+        for (int n = 0; n < 60 && check_failures < 5; n++) {
+            uint8_t before[CELLS];
+            const char *form = random_form(forms, &seed);
+            if (strcmp(form, "goto") == 0)
+                snprintf(line, LINE, "goto %zu",
+                         first + below((uint32_t)(interp.history.records - first)));
+            else
+                random_command(line, LINE, form, size, &seed);
+            copy_labels(before);
+            if (execute(&interp, line) != OK)
+                continue;
+            if (record_word_find(buf_text(&reply.words), "at", 2, &word)) {
+                copy_labels(after[interp.history.records]);
+                CHECK(memcmp(after[interp.history.records], after[strtoul(word.value, NULL, 10)],
+                             CELLS) == 0);
+            } else {
+                changes_its_voxels(line, before);
+                gestures++;
+            }
+            copy_labels(after[interp.history.records]);
+            if (check_failures)
+                printf("#   round %d, after %s\n", i, line);
+        }
+        CHECK(forest_check(interp.session->forest, NULL));
+        take_snapshot(&whole, &interp);
+        interpreter_release(&interp);
+        begin_interpreter(&interp);
+        CHECK(interpreter_resume_journal(&interp, journal, NULL, &fault) == OK);
+        take_snapshot(&resumed, &interp);
+        is_same_segmentation(&whole, &resumed);
+        interpreter_release(&interp);
+        verifies(journal);
+    }
+    unsetenv("IFTTY_THREADS");
+    printf("# %u exact gestures\n", gestures);
+    CHECK(gestures > 20 * (unsigned)rounds);
+}
+
 int main(void)
 {
     if (!make_folder(folder, "markers"))
