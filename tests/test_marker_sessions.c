@@ -467,11 +467,11 @@ STORY(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated)
 
 static uint8_t region_at[CELLS];
 
-/* A map of random boxes of the labels 0 to 5. */
+/* A map of random boxes in one of the labels 0 to 5: few and large ones have voxels that are no seeds. */
 static void write_random_map(void)
 {
-    memset(region_at, 0, sizeof region_at);
-    for (int i = 0; i < 12; i++) {
+    memset(region_at, (int)below(6), sizeof region_at);
+    for (uint32_t left = below(2) ? 2 : 12; left > 0; left--) {
         const uint32_t a[3] = {below(size[0]), below(size[1]), below(size[2])},
                        b[3] = {below(size[0]), below(size[1]), below(size[2])};
         bool covers[CELLS] = {false};
@@ -529,7 +529,8 @@ STORY(exact_gestures_change_only_voxels_that_they_name)
         "seed X,Y,Z <6> radius=<4> within=0[| over=0,1,2| keep=3,4]; "
         "seed X,Y,Z <6> radius=<2> to=U,V,W within=0[| keep=2]; box X,Y,Z U,V,W <6> within=0; "
         "box X,Y,Z U,V,W <6> within=0[ over=1,5| keep=0]; "
-        "seed X,Y,Z <6> shell=yes radius=<1-4> within=0; "
+        "seed X,Y,Z <6> shell=yes radius=<1-4> within=0[| around=<6>]; "
+        "box X,Y,Z U,V,W <6> shell=yes around=<6> within=0; "
         "outline X,Y,Z <6> to=U,Y,Z to=X,V,Z within=0[| over=0,2| ring=1]; "
         "fill X,Y,Z <6> to=X,V,Z to=X,Y,W within=0; "
         "object <6> threshold <80>..<80-240> from=X,Y,Z within=0[| over=0,1,4]; "
