@@ -307,6 +307,54 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
     return err;
 }
 
+static bool is_here(const struct act *act)
+{
+    return act_number(act, "FILE") == 0;
+}
+
+/* Take the present labels as the map. */
+static enum err read_here(struct volume *map, const struct act *act)
+{
+    struct session *session = act->session;
+    const struct grid *grid = &session->scene->grid;
+    struct labels labels = labels_of_forest(session->scene);
+    uint16_t *to = map->intensity = mem_array(grid->voxels, sizeof *map->intensity);
+    memcpy(map->size, grid->size, sizeof map->size);
+    map->geometry = session->geometry;
+    enum err err =
+        to ? session_catch_up(session, act->fault) : fault_memory(act->fault, "the present labels");
+    if (!err && act_is_yes(act, "finished"))
+        err = session_labels(session, true, &labels, act->fault);
+    for (struct grid_walk w = scene_walk(session->scene, "labels", NULL, 0);
+         !err && grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++)
+            *to++ = labels_at(&labels, c);
+    return err ? err : watch_fault(session->watch, act->fault);
+}
+
+/* Remove all seeds that belong to no piece: the pieces take their place. */
+static enum err erase_seeds(const struct act *act)
+{
+    struct session *session = act->session;
+    struct voxels seeds = {0};
+    enum err err = OK;
+    for (struct grid_walk w = scene_walk(session->scene, "seeds", NULL, 0);
+         !err && grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; !err && c < w.row.end; c++) {
+            if (!(session->scene->cell[c].flags & CELL_SEED) || !markers_show(&session->markers, c))
+                continue;
+            if (!mem_grow(&seeds.cell, &seeds.capacity, seeds.count + 1, sizeof *seeds.cell))
+                err = fault_memory(act->fault, "seeds");
+            else
+                seeds.cell[seeds.count++] = c;
+        }
+    err = err ? err : watch_fault(session->watch, act->fault);
+    if (!err && seeds.count)
+        err = session_plant(session, seeds.cell, seeds.count, EDIT_ERASE, 0, act->fault);
+    voxels_release(&seeds);
+    return err;
+}
+
 /* Read a copy on the scene's grid; its digest is checked by the caller. */
 static enum err read_copy(struct volume *map, const struct act *act, const char *path)
 {
@@ -337,7 +385,9 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
     enum err err = find_copy(path, act, recorded);
     const bool has_copy = !err && path->length && file_exists(buf_text(path));
     if (!err)
-        err = has_copy ? read_copy(map, act, buf_text(path)) : read_original(map, act, numbers);
+        err = has_copy       ? read_copy(map, act, buf_text(path))
+              : is_here(act) ? read_here(map, act)
+                             : read_original(map, act, numbers);
     if (!err && has_copy && numbered->given)
         err = apply_numbers(act, numbered->text);
     if (err && !has_copy && path->length)
@@ -363,7 +413,7 @@ static enum err read_new(struct volume *map, const struct act *act, char digest[
     if (act_has(act, "numbers"))
         return fault_set(act->fault, ERR_USAGE,
                          "numbers: only in journals, with copy=DIGEST; regions= chooses regions");
-    enum err err = read_original(map, act, numbers);
+    enum err err = is_here(act) ? read_here(map, act) : read_original(map, act, numbers);
     if (!err)
         err = label_copy_digest(digest, map, act->session->watch, act->fault);
     if (!err && numbers->length)
@@ -526,7 +576,7 @@ static void warn_of_noise(const struct act *act, const struct piece_seeds *seeds
                    (double)seeds->count * SEED_BYTES / 1e6);
 }
 
-enum err act_labels(const struct act *act)
+static enum err plant_labels(const struct act *act)
 {
     const struct session *session = act->session;
     const struct value *erode = act_value(act, "erode");
@@ -559,9 +609,35 @@ enum err act_labels(const struct act *act)
                         choice.least);
     if (!err)
         warn_of_noise(act, &seeds);
+    if (!err && is_here(act))
+        err = erase_seeds(act);
     if (!err)
         err = plant_pieces(act, &seeds, &map);
     piece_seeds_release(&seeds);
     volume_release(&map);
     return err;
+}
+
+/* The record of `labels here` says whether the labels are finished. */
+enum err act_labels(const struct act *act)
+{
+    struct call said = *act->call;
+    struct act with = *act;
+    if (!is_here(act))
+        return act_has(act, "finished") ? fault_set(act->fault, ERR_USAGE,
+                                                    "finished: only with `labels here`; nothing "
+                                                    "was planted")
+                                        : plant_labels(act);
+    if (act_has(act, "regions|as|label|rest|resample|volume|data|numbers"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "here: only with finished, erode and least; nothing was planted");
+    if (!act_has(act, "finished")) {
+        const bool finished = act->interp->has_pilot && session_shows_finished(act->session);
+        call_set(&said, "finished", !finished, finished ? "yes" : "no");
+        buf_clear(&act->reply->canonical);
+        command_write(&act->reply->canonical, &said);
+        with.call = &said;
+    }
+    const enum err err = session_run(act->session, act->fault);
+    return err ? err : plant_labels(&with);
 }

@@ -334,8 +334,9 @@ static const struct command command_table[] = {
      "generator: the number that the drawing starts from; 1 unless given." MAP_NOTE EXACT_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
-     {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
-      KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
+     {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "here"),
+      KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),
+      KEYED("label", VALUE_LABEL, .least = 1, .most = 255), FINISHED,
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST, .added = true),
       KEYED("copy", VALUE_WORD, .is_kept = true, .form = "DIGEST", .added = true), OF_MAP,
       KEYED("numbers", VALUE_LIST, .least = 1, .most = REGION_MOST, .added = true),
@@ -348,6 +349,9 @@ static const struct command command_table[] = {
      "boxes and polygons of another label that are planted in a piece correct it: within three "
      "times their radius, or their `within`, its seeds are removed and the border is recomputed; "
      "beyond, the piece does not change.\n"
+     "here: the present labels instead of a file, as if they had been saved and read, for exact "
+     "corrections of objects that were grown. finished=yes: those after `finish`, at a prompt as "
+     "shown unless given.\n"
      "regions: the values of the map; all unless given. Other voxels are background.\n"
      "as: their labels, one for each of `regions`. Without it, if some of up to 255 regions are "
      "not labels 1..255, all become labels in rising order; `label-file` and `save labels` use "
