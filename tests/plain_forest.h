@@ -46,7 +46,7 @@ static inline bool plainly_allowed(const struct planted *planted, uint32_t root,
         const double way = ((double)at[a] - reach->centre[a]) * reach->unit[a];
         sum += way * way;
     }
-    return sum <= (double)reach->radius * (double)reach->radius;
+    return reach->radius >= 0 && sum <= (double)reach->radius * (double)reach->radius;
 }
 
 static inline uint32_t plain_weight(const struct world *w, uint32_t s, uint32_t t, int label)

@@ -117,12 +117,13 @@ STORY(a_seed_of_a_list_may_end_within_a_distance)
 {
     const struct grid grid = grid_of(10, 9, 8);
     CHECK(list("x,y,z,label,within,of x,of y,of z\n1,1,1,2,4,1,2,3\n3,3,3,2\n2,1,1,2,4,1,2,3 # a\n"
-               "4,1,1,2,2.5mm,1,2,3\n5,1,1,9,4,1,2,3\n",
+               "4,1,1,2,2.5mm,1,2,3\n5,1,1,9,4,1,2,3\n6,1,1,2,0,0,0,0\n",
                LABEL_OWN) == OK);
-    CHECK_INT(seeds.groups, 3);
+    CHECK_INT(seeds.groups, 4);
     const uint16_t *region = seeds.region; /* in the order of voxels */
     CHECK(region[0] >= SEED_GROUPS_FROM && region[0] == region[1] && region[2] != region[3]);
-    CHECK_INT(region[4], 2);
+    CHECK_INT(seeds.group[region[4] - SEED_GROUPS_FROM].reach.radius, REACH_EXACT);
+    CHECK_INT(region[5], 2);
     const struct seed_group *first = &seeds.group[region[0] - SEED_GROUPS_FROM];
     const struct seed_group *in_mm = &seeds.group[region[2] - SEED_GROUPS_FROM];
     CHECK(first->label == 2 && first->reach.radius == 4 && first->reach.unit[1] == 1);
@@ -130,7 +131,7 @@ STORY(a_seed_of_a_list_may_end_within_a_distance)
     CHECK(in_mm->reach.radius == 2500000 && in_mm->reach.unit[1] == 0);
     CHECK_INT(seeds.group[region[3] - SEED_GROUPS_FROM].label, 9);
     const uint64_t digest = seeds_digest(&seeds);
-    CHECK_TEXT(told(&grid), "1,1,1:2 2,1,1:2 4,1,1:2 5,1,1:9 3,3,3:2");
+    CHECK_TEXT(told(&grid), "1,1,1:2 2,1,1:2 4,1,1:2 5,1,1:9 6,1,1:2 3,3,3:2");
     CHECK(list("1,1,1,2,5,1,2,3\n3,3,3,2\n2,1,1,2,4,1,2,3\n4,1,1,2,2.5mm,1,2,3\n"
                "5,1,1,9,4,1,2,3\n",
                LABEL_OWN) == OK);

@@ -204,6 +204,8 @@ static struct world random_world(uint64_t *random)
     for (plain_reaches = 0; plain_reaches < reaches; plain_reaches++) {
         struct reach *reach = &plain_reach[plain_reaches];
         *reach = (struct reach){.radius = check_below(random, 7)};
+        if (plain_reaches == 0 && check_below(random, 3) == 0)
+            reach->radius = REACH_EXACT;
         for (int a = 0; a < 3; a++) {
             reach->centre[a] = check_below(random, g->size[a]);
             reach->unit[a] = 1 + (check_below(random, 4) == 0);

@@ -138,6 +138,8 @@ static enum err add_gesture(struct procedure *p, const struct session *session,
         .label = (uint8_t)call_value(call, "LABEL")->number,
         .radius_mm = length_mm(call_value(call, "radius"), voxel_mm),
         .within_mm = within->given && !within->number ? GESTURE_EXACT : length_mm(within, voxel_mm),
+        .has_over = call_has(call, "over|keep"),
+        .over = call_takes(call),
         .intensity = percentiles_value(session, first)};
     enum err err = procedure_add_gesture(p, &gesture, fault);
     for (size_t i = 0; !err && i < (to->given ? to->line->count : 1); i++) {
@@ -171,8 +173,9 @@ static enum err take_gestures(struct procedure *p, const struct noting *noting,
             stands = still_stands(markers, &markers->marker[m - 1]);
         if (!stands)
             continue;
-        if (planted->first == planted->last && !command_parse(&call, line, interp->session, NULL) &&
-            call.command && call.command->flags & COMMAND_CARRIED && !call_has(&call, "shell"))
+        if (!command_parse(&call, line, interp->session, NULL) && call.command &&
+            call.command->flags & COMMAND_CARRIED && !call_has(&call, "shell") &&
+            (planted->first == planted->last || call_has(&call, "over|keep")))
             err = add_gesture(p, interp->session, &call, fault);
         else
             p->left[LEFT_GESTURES]++;
@@ -476,6 +479,10 @@ void procedure_write(struct buf *out, const struct procedure *p)
         const struct procedure_gesture *g = &p->gesture[i];
         buf_printf(out, "gesture %u", g->label);
         write_reals(out, (const double[]){g->radius_mm, g->within_mm, g->intensity}, 3);
+        if (g->has_over) {
+            buf_add_text(out, " over=");
+            label_set_write(out, &g->over);
+        }
         write_reals(out, p->corner[g->corner], 3 * g->corners);
         buf_add_char(out, '\n');
     }
@@ -658,6 +665,9 @@ static enum err read_gestures(struct reader *r, struct procedure *p)
             (g.within_mm < 0 && g.within_mm != GESTURE_EXACT))
             return refuse_line(r, "gesture LABEL RADIUS REACH INTENSITY X Y Z ...");
         g.label = (uint8_t)label;
+        g.has_over = scan_text(&r->at, " over=");
+        if (g.has_over && !label_set_scan(&g.over, &r->at))
+            return refuse_line(r, "over=, and labels as in 0,3-7");
         enum err err = procedure_add_gesture(p, &g, r->fault);
         while (!err && *r->at == ' ')
             err = take_reals(r, mm, 3) ? procedure_add_corner(p, mm, r->fault)

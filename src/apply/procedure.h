@@ -19,7 +19,8 @@
  *     setting weight gauss 1.5          a command each
  *     label 2 #56b4e9 0 40.5 90 cerebellum    colour, own number, percentiles 10 and 90, name
  *     landmark AC 0.5 3 -4              millimetres of the world
- *     gesture 2 3 0 75 X Y Z ...        label, radius and reach in mm (0: none), intensity, corners
+ *     gesture 2 3 0 75 X Y Z ...        label, radius and reach in mm (0: none; -1: exact),
+ *                                       intensity, over=LABELS unless all, corners
  *     voxels
  *     0*345 1*17 0*4 ...                labels by rows, x fastest; one for each voxel
  *     digest SHA256                     of all bytes before this line
@@ -37,6 +38,7 @@
 #include "base/hash.h"
 #include "journal/record.h"
 #include "session/session.h"
+#include "session/setting.h"
 #include "verify/side.h"
 
 #define PROCEDURE_BEGINS "iftty procedure "
@@ -70,7 +72,9 @@ enum { GESTURE_EXACT = -1 };
 struct procedure_gesture {
     uint8_t label;
     double radius_mm;
-    double within_mm;       /* 0: none; GESTURE_EXACT: no tree grows from its seeds */
+    double within_mm; /* 0: none; GESTURE_EXACT: no tree grows from its seeds */
+    bool has_over;    /* only voxels of these labels take part: */
+    struct label_set over;
     double intensity;       /* real value, at the centre of the first ball */
     size_t corner, corners; /* in `corner` */
 };

@@ -336,6 +336,10 @@ static enum err prepare_gesture(struct making *m, const struct procedure_gesture
         buf_add_text(&m->seeds, " within=");
         write_mm(&m->seeds, within_nm);
     }
+    if (g->has_over) {
+        buf_add_text(&m->seeds, " over=");
+        label_set_write(&m->seeds, &g->over);
+    }
     buf_add_char(&m->seeds, '\n');
     return OK;
 }

@@ -82,6 +82,9 @@ void call_set(struct call *call, const char *name, int64_t number, const char *w
 /* True if one of these parameters, "a|b|c", which the command has, is given. */
 bool call_has(const struct call *call, const char *names);
 
+/* Return the labels that `over` and `keep` of a command that has them let a gesture change. */
+struct label_set call_takes(const struct call *call);
+
 /* Set fault->at of an error of a parsed command: the position of the word of the line, a file name
  * say, that the words of the error contain. */
 void command_point_at(const struct call *call, const char *line, struct fault *fault);

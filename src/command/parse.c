@@ -226,21 +226,6 @@ static enum err read_labels(struct value *value, const struct parameter *p, cons
     return err;
 }
 
-/* "0,3-7" */
-static void write_labels(struct buf *out, const struct label_set *set)
-{
-    const char *comma = "";
-    for (unsigned first = 0, last; first < 256; first = last + 1) {
-        for (last = first; last < 255 && label_set_has(set, (uint8_t)first) &&
-                           label_set_has(set, (uint8_t)(last + 1));)
-            last++;
-        if (!label_set_has(set, (uint8_t)first))
-            continue;
-        buf_printf(out, last > first ? "%s%u-%u" : "%s%u", comma, first, last);
-        comma = ",";
-    }
-}
-
 /* `value` in units of 10^-places. */
 static void write_decimal(struct buf *out, int64_t value, unsigned places)
 {
@@ -649,6 +634,15 @@ bool call_has(const struct call *call, const char *names)
     return has;
 }
 
+struct label_set call_takes(const struct call *call)
+{
+    const struct value *over = call_value(call, "over"), *keep = call_value(call, "keep");
+    struct label_set takes;
+    for (int i = 0; i < 4; i++)
+        takes.word[i] = (over->given ? over->set.word[i] : UINT64_MAX) & ~keep->set.word[i];
+    return takes;
+}
+
 /* ---- comparing lines ---- */
 
 bool command_opens(struct buf *name, const char *line)
@@ -721,7 +715,7 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
     else if (p->type == VALUE_PARTS)
         setting_write_parts(out, p->choices, value->number);
     else if (p->type == VALUE_LABELS)
-        write_labels(out, &value->set);
+        label_set_write(out, &value->set);
     else if (p->type == VALUE_POSITION)
         buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
     else if (p->type == VALUE_RANGE && value->place[0] == value->place[1])

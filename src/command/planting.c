@@ -99,6 +99,25 @@ static void write_left_out(struct buf *out, const char *why, size_t count)
         buf_printf(out, "left out, %s: %zu voxel%s\n", why, count, plural(count));
 }
 
+/* Warn at the first exact gesture among objects that were grown. */
+static void warn_of_grown(const struct act *act)
+{
+    const struct session *session = act->session;
+    const struct markers *markers = &session->markers;
+    bool has_grown = false;
+    for (size_t m = 0; m < session->former_markers; m++) {
+        const struct marker *marker = &markers->marker[m];
+        if (marker->is_exact && marker->is_valid)
+            return;
+        has_grown |= marker->is_valid && !marker->yields && marker->label != EDIT_ERASE;
+    }
+    if (has_grown)
+        buf_add_text(&act->reply->text,
+                     "objects of this session were grown from seeds: voxels whose trees passed "
+                     "through these can change too; `undo`, then `labels here` keeps them as they "
+                     "are\n");
+}
+
 enum err act_write_planting(const struct act *act, const struct planting *planting)
 {
     if (!planting->planted && planting->outside)
@@ -119,6 +138,8 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
         return fault_set(act->fault, ERR_INPUT,
                          "over, keep: no voxel of it has a label that may change; nothing was "
                          "planted");
+    if (is_exact(act, planting))
+        warn_of_grown(act);
     write_left_out(&act->reply->text, "in another object", planting->others);
     write_left_out(&act->reply->text, "of labels that stay", planting->spared);
     write_left_out(&act->reply->text, "outside the region of interest", planting->outside);
@@ -231,21 +252,11 @@ static enum err leave_out(const struct act *act, struct voxels *voxels,
     return err;
 }
 
-/* Find the labels that `over` and `keep` let a gesture change. */
-static struct label_set find_takes(const struct act *act)
-{
-    const struct value *over = act_value(act, "over"), *keep = act_value(act, "keep");
-    struct label_set takes;
-    for (int i = 0; i < 4; i++)
-        takes.word[i] = (over->given ? over->set.word[i] : UINT64_MAX) & ~keep->set.word[i];
-    return takes;
-}
-
 enum err act_begin_exact(struct planting *planting, const struct act *act, struct voxels *voxels,
                          size_t *end, size_t ends)
 {
     const size_t all = voxels->count;
-    const struct label_set takes = find_takes(act);
+    const struct label_set takes = call_takes(act->call);
     enum err err = act_find_exact(planting, act);
     if (err || !act_has(act, "over|keep"))
         return err;
@@ -591,7 +602,7 @@ static enum err plant_confined(const struct act *act, struct planting *planting,
 {
     static const struct reach none = {.unit = {1, 1, 1}, .radius = REACH_EXACT};
     const int16_t label = (int16_t)act_number(act, "LABEL");
-    const struct label_set takes = find_takes(act);
+    const struct label_set takes = call_takes(act->call);
     struct session *session = act->session;
     struct voxels around = {0}, grown = {0};
     struct record_word word;

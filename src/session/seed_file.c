@@ -135,6 +135,8 @@ static bool scan_reach(const char **at, struct reach *reach)
     }
     if (from != *at + strcspn(*at, " \t\r\n"))
         return false;
+    if (found.radius == 0 && (found.centre[0] || found.centre[1] || found.centre[2]))
+        return false;
     if (found.radius == 0)
         found = (struct reach){.unit = {1, 1, 1}, .radius = REACH_EXACT};
     *reach = found;

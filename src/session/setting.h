@@ -109,6 +109,10 @@ static inline void label_set_add(struct label_set *set, uint8_t label)
     set->word[label >> 6] |= UINT64_C(1) << (label & 63);
 }
 
+/* "0,3-7": append a set, or add such labels to one and advance *at; false for another text. */
+void label_set_write(struct buf *out, const struct label_set *set);
+bool label_set_scan(struct label_set *set, const char **at);
+
 enum { PARAMETERS_MOST = 18 };
 
 enum command_flag {
