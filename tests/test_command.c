@@ -267,8 +267,12 @@ static void add_value(struct buf *out, const struct parameter *p)
         add_range(out, p);
         break;
     case VALUE_LIST:
+    case VALUE_LABELS:
         for (uint32_t n = below(3);; n--) {
-            add_range(out, p);
+            if (p->type == VALUE_LABELS && below(3) == 0)
+                buf_add_text(out, "cerebellum");
+            else
+                add_range(out, p->type == VALUE_LIST ? p : &(struct parameter){.most = 255});
             if (n == 0)
                 break;
             buf_add_char(out, ',');
@@ -972,7 +976,8 @@ STORY(goldens_branches_and_records_are_offered)
 
 /* ---- hints ---- */
 
-#define SHELL_KEYS "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]"
+#define SHELL_KEYS "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=0..512|Rmm] " OVER_KEYS
+#define OVER_KEYS  "[over=A-B,NAME] [keep=A-B,NAME]"
 #define SEED_TO    "[to=X,Y,Z ...] [joined=yes] " SHELL_KEYS
 #define SEED_RANGE "[range=LOW..HIGH] " SEED_TO
 #define SEED_KEYS  "[radius=0..512|Rmm] " SEED_RANGE
@@ -1954,6 +1959,10 @@ SCENE_STORY(edits_without_memory_leave_everything_as_it_was)
         "seed 5,5,5 2 within=2",
         "remove 3,3,3",
         "seed 4,4,4 0 radius=3 shell=yes",
+        "seed 6,6,6 2 radius=2 within=0 over=0,1",
+        "seed 8,8,8 1 radius=2 over=0-2",
+        "labels here",
+        "seed 7,7,7 2 radius=2 keep=3",
         "box 1,1,1 6,6,6 0",
         "undo 2",
         "redo",
@@ -1961,6 +1970,47 @@ SCENE_STORY(edits_without_memory_leave_everything_as_it_was)
     must(interp, "auto on; seed 0,0,0 0");
     for (size_t i = 0; i < sizeof line / sizeof line[0] && !check_failures; i++)
         grows_anew_after_every_failure(interp, line[i]);
+}
+
+SCENE_STORY(exact_gestures_say_what_they_leave_out_and_refuse_what_would_not_be_exact)
+{
+    static const struct {
+        const char *line, *part;
+    } refused[] = {
+        {"seed 3,3,3 2 over=1", "over, keep: only with within=0, or for one ball"},
+        {"seed 3,3,3 2 radius=2 to=5,5,5 keep=1", "over, keep: only with within=0, or for one"},
+        {"box 1,1,1 3,3,3 2 over=1", "over, keep: only with within=0"},
+        {"seed 9,3,3 2 radius=1 within=0 over=1", "no voxel of it has a label that may change"},
+        {"seed 9,3,3 2 radius=1 over=1", "no voxel of it has a label that may change"},
+        {"seed 3,3,3 2 radius=3 within=2 over=1", "within: less than the radius"},
+        {"outline 2,2,2 1 to=6,2,2 to=2,6,2 within=0 over=0 ring=2", "without `over` and `keep`"},
+        {"seed 3,3,3 2 radius=1 within=0 over=cerebelum", "did you mean cerebellum?"},
+        {"seed 3,3,3 2 radius=1 within=0 over=0-256", "over: expected a label 0..255"},
+        {"seed 3,3,3 2 radius=1 within=0 over=", "over: expected a label 0..255"},
+        {"labels here regions=1", "here: only with finished, erode and least"},
+        {"labels regions.nii finished=yes", "finished: only with `labels here`"},
+        {"box 1,1,1 3,3,3 2 within=1", "within: expected a number 0..0, not 1"},
+    };
+    make_regions("regions.nii", size[0], 0);
+    CHECK(chdir(folder) == 0);
+    must(interp, "auto on; labels regions.nii"); /* x below 4: label 1; from 8 on: label 2 */
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
+        is_refused(interp, refused[i].line, refused[i].part);
+    MUST_MENTION(interp, "box 0,0,0 7,0,0 2 within=0 over=1",
+                 "left out, of labels that stay: 4 voxels\n4 voxels changed, "
+                 "label 2 cerebellum: 1.31 ml (+11.8 mm3), label 1: 1.29 ml (-11.8 mm3), ");
+    MUST_RECORD(interp, "box 0,2,0 7,2,0 cerebellum within=0 keep=0,3", "spared=5-8");
+    MUST_MENTION(interp, "why 0,2,0", "label 2 cerebellum, of the seed at 0,2,0, within=0");
+    MUST_MENTION(interp, "undo 3; seed 3,3,3 1; seed 9,9,9 2; box 0,0,0 1,1,1 2 within=0",
+                 "`labels here` keeps them as they are");
+    must(interp, "box 0,3,0 1,3,1 2 within=0"); /* once is enough */
+    CHECK(!strstr(buf_text(&reply.text), "labels here"));
+    must(interp, "undo 2; finish open radius=1");
+    interp->has_pilot = true;
+    must(interp, "finished on; labels here");
+    CHECK_HAS(buf_text(&reply.canonical), "labels here finished=yes erode=0 copy=");
+    must(interp, "undo; finished off; labels here");
+    CHECK_HAS(buf_text(&reply.canonical), "labels here finished=no erode=0 copy=");
 }
 
 SCENE_STORY(the_context_lies_behind_objects_and_goes_by_the_window)

@@ -214,7 +214,9 @@ static enum err read_labels(struct value *value, const struct parameter *p, cons
         buf_clear(&item);
         buf_add(&item, at, length);
         number = buf_text(&item);
-        if (!scan_range(&number, 0, 255, &first, &last) || *number) {
+        if (item.failed)
+            err = fault_memory(fault, "a command");
+        else if (!scan_range(&number, 0, 255, &first, &last) || *number) {
             err = read_label(value, p, buf_text(&item), known, fault);
             first = last = value->number;
         }
@@ -222,6 +224,7 @@ static enum err read_labels(struct value *value, const struct parameter *p, cons
             label_set_add(&value->set, (uint8_t)first);
         at += length;
     }
+    value->number = 0;
     buf_release(&item);
     return err;
 }
