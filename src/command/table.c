@@ -88,7 +88,7 @@ enum { VOLUMES_MOST = 65535 };
 
 /* Parameters of exact gestures. */
 #define OVER  KEYED("over", VALUE_LABELS), KEYED("keep", VALUE_LABELS)
-#define EXACT KEYED("within", VALUE_NUMBER, .most = 0), OVER
+#define EXACT KEYED("within", VALUE_NUMBER, .most = 0, .form = "0"), OVER
 #define EXACT_NOTE                                                                                 \
     "\nwithin=0: exact: these voxels get the label, and nothing grows from them."                  \
     "\nover, keep: with within=0, only voxels whose label now is in the list, or is not: "         \
