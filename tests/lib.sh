@@ -2,12 +2,12 @@
 # Helpers for the tests in shell: TAP, a folder that goes away, the program. Source it, with the
 # working folder at the top of the source: . tests/lib.sh
 #
-#     begin "name of the story"       starts a story
+#     begin "name of the story"       starts a story, and ends the one before: it prints "ok N - name"
+#                                     or "not ok N - name", or, where a part of it could not be done,
+#                                     "ok N - name # SKIP why"
 #     fail "what is wrong"            notes a failure of it
 #     needs TOOL && ...               a part of it that cannot be without a tool
-#     close_story                     prints "ok N - name" or "not ok N - name", or, where a part of
-#                                     it could not be done, "ok N - name # SKIP why"
-#     finish                          prints the plan and exits
+#     finish                          ends the last story, prints the plan and exits
 #
 # With IFTTY_TEST_BUSY=1 each story says what all so far have had of the processor.
 #
@@ -30,17 +30,11 @@ trap 'exit 1' HUP INT TERM
 
 story='' stories=0 bad_stories=0 failures=0 lacks=''
 
-begin() {
-    story=$1 failures=0 lacks=''
-}
-fail() {
-    failures=$((failures + 1))
-    printf '%s\n' "$*" | sed 's/^/# /'
-}
 before_close() { # replaced where a story has checks that are made once, at its end
     :
 }
-close_story() {
+close_story() { # of begin and finish
+    [ -n "$story" ] || return
     before_close
     stories=$((stories + 1))
     if [ "$failures" = 0 ]; then
@@ -50,6 +44,14 @@ close_story() {
         printf 'not ok %d - %s\n' "$stories" "$story"
     fi
     [ -z "$IFTTY_TEST_BUSY" ] || { echo '# busy until here, this shell and what it ran:'; times; }
+}
+begin() {
+    close_story
+    story=$1 failures=0 lacks=''
+}
+fail() {
+    failures=$((failures + 1))
+    printf '%s\n' "$*" | sed 's/^/# /'
 }
 skip() { # WHY: the story, or a part of it, cannot be done here
     lacks=${lacks:-$1}
@@ -73,6 +75,7 @@ can_limit_memory() {
     ! is_sanitised || { skip "a sanitiser takes more memory than a replay leaves"; return 1; }
 }
 finish() {
+    close_story
     printf '1..%d\n' "$stories"
     [ "$bad_stories" = 0 ]
     exit

@@ -55,7 +55,6 @@ same "$(cd "$work/bundle/rootfs" && find . -type f -perm /6000)" ""
 [ -s "$work/bundle/rootfs/usr/share/doc/iftty/iftty.spdx.json" ] || fail "no bill of materials"
 grep -q '"org.opencontainers.image.version": *"'"$("$iftty" --version | sed -n 's/^iftty //p')"'"' \
     "$work/config.json" || fail "no label of the version: $(cat "$work/config.json")"
-close_story
 
 begin "what a user of no name makes there is what the checkout's program makes"
 script='open scene.nii weight=morph; seed 6,10,8 1; seed 20,4,3 0; run; finish relax; golden left;'\
@@ -71,6 +70,5 @@ contained 4321 0 verify --strict a.iftty
 out_has "# 1 verified, 0 failed"
 contained 4321 1 verify --strict --expect 00000000000000000000000000000000 a.iftty
 contained 4321 3 verify missing.iftty
-close_story
 
 finish

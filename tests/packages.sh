@@ -40,7 +40,6 @@ there somebody "iftty --version"
 same "$(sed 1q "$work/out")" "iftty $(.package/version)"
 there somebody "iftty info /debs/tests/control 2>&1 | grep 'the package iftty-'"
 there root "$apt install $(printf '/debs/%s_*.deb ' $packages) mricron-data"
-close_story
 
 begin "their own test passes, as root and as a user"
 for user in root somebody; do
@@ -48,7 +47,6 @@ for user in root somebody; do
     out_has "# 2 verified, 0 failed"
     out_has "# 1 verified, 0 failed"
 done
-close_story
 
 begin "the manual, completions and papers are where Debian has them"
 there somebody "man -w iftty iftty-verify iftty-journal"
@@ -57,7 +55,6 @@ there somebody "man iftty-journal"
 out_has "THE SCENE"
 there somebody "cd /usr/share && ls bash-completion/completions/iftty zsh/vendor-completions/_iftty
     cd /usr/share/doc/iftty && ls README.md.gz FORMAT.md.gz PROMISES.md SECURITY.md changelog.gz"
-close_story
 
 begin "removed packages leave nothing"
 there root "$apt purge $(echo $packages) mricron-data"
@@ -70,7 +67,6 @@ LC_ALL=C comm -23 "$work/before" "$work/after" >"$work/lost"
 [ "$(wc -l <"$work/before")" -gt 1000 ] || fail "few files: $(wc -l <"$work/before")"
 there root 'find / -xdev -name "*iftty*" ! -path "/debs/*" ! -path "/proc/*"'
 same "$(cat "$work/out")" ""
-close_story
 
 begin "autopkgtest installs them again, and runs their test"
 mkdir "$work/tree" && cp -R .package/debian "$work/tree/debian"
@@ -80,6 +76,5 @@ mount -t proc proc "$root/proc"
 # shellcheck disable=SC2046
 expect 0 autopkgtest -B $(printf "$debs/%s_*.deb " $packages) "$work/tree/" -- chroot "$root"
 out_has "demo                 PASS"
-close_story
 
 finish

@@ -94,7 +94,6 @@ for way in $ways; do
     same_folders "$work/checkout" "$work/$way"
 done
 [ "$(grep -c '^= ' "$work/static/small.iftty")" -gt 15 ] || fail "few records"
-close_story
 
 begin "each verifies what the others made, strictly"
 for maker in $ways; do
@@ -103,7 +102,6 @@ for maker in $ways; do
         out_has "# 2 verified, 0 failed"
     done
 done
-close_story
 
 begin "each continues what the others made, and it comes out the same"
 for maker in $ways; do
@@ -117,7 +115,6 @@ for maker in $ways; do
 done
 [ "$(grep -c '^golden ' "$work/static-static/small.iftty")" = 3 ] || fail "nothing was added"
 by static checkout-static 0 verify --strict small.iftty head.iftty
-close_story
 
 # What is printed, but for how long it took and where the program lies.
 timeless() { # FILE WAY
@@ -164,7 +161,6 @@ alike 3 -c 'open scene.nii; seed 99,1,1 1'
 alike 3 verify missing.iftty
 alike 3 info head.nii
 alike 3 run "$work/small" --journal head.iftty
-close_story
 
 begin "Ctrl-C ends each with status 130, and its journal goes on in the others"
 slow='interpolate 2 2 2; finish relax sweeps=1000 reach=16; seed 90,108,90 3 radius=9;'\
@@ -185,6 +181,5 @@ for way in $ways; do
     done
 done
 cd "$top" || exit 1
-close_story
 
 finish

@@ -26,15 +26,12 @@ compare() { # FOLDER PATTERN
 
 begin "programs"
 build_both all build/iftty-manual && compare build 'iftty*'
-close_story
 
 begin "the static file, what it says of itself, and its licences"
 build_both static && compare build/static 'iftty' && compare build/static '*.json' &&
     compare build/static/licences '*'
-close_story
 
 begin "packages"
 build_both deb && compare build/deb '*.deb'
-close_story
 
 finish

@@ -47,7 +47,6 @@ expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1 as=1 label=2'
 err_has 'as and label are mutually exclusive'
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,,2'
 err_has 'regions: expected A-B, or A, within 0-65533, not 1,,2; several have commas between them'
-close_story
 
 begin "regions above 255 become labels in rising order, and keep their numbers in files"
 /usr/bin/python3 - <<'END' || fail "nibabel cannot write the atlas"
@@ -104,7 +103,6 @@ expect 0 "$iftty" -c 'label 200 lesion; seed 1,1,1 200; labels o.nii.gz; save la
 info; goto 2; save labels o3.nii.gz; undo 2; label 1 one; save names n.txt' --journal aparc.iftty
 out_has 'numbers   6 labels are 2 to 2035 in files; `stats` lists them'
 grep -q '^    1 .*"one"' n.txt || fail "undo leaves numbers: $(cat n.txt)"
-close_story
 
 begin "whole numbers stored as real ones are read exactly"
 /usr/bin/python3 - <<'END' || fail "cannot make the map"
@@ -126,7 +124,6 @@ assert (numpy.asarray(was.dataobj) == numpy.asarray(now.dataobj)).all()
 END
 expect 3 "$iftty" -c 'open s.nii; labels half.nii'
 err_has 'regions are whole numbers; nothing has changed'
-close_story
 
 begin "no two labels share a number in a file"
 expect 3 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; save labels two.nii'
@@ -143,7 +140,6 @@ out_has '2 labels lost a name that was not the region'
 out_has 'label 2 (41): ' # which the table had called otherwise
 expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 2; labels gone.nii.gz; run'
 out_has 'label 3 (41): 1 marker' # for 2 is taken
-close_story
 
 begin "too many regions and unknown numbers are refused with a command"
 expect 3 "$iftty" -c 'open s.nii; labels many.nii'
@@ -155,7 +151,6 @@ expect 3 "$iftty" -c 'open s.nii; labels negative.nii'
 err_has '1 of its voxels holds numbers below 0 or above 65533, which are no regions'
 expect 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
 err_has 'numbers: only in journals'
-close_story
 
 begin "a replay reads the table again, and detects a changed one"
 expect 0 "$iftty" verify j.iftty
@@ -166,7 +161,6 @@ sed -i 's/vermis/Vermis/' atlas.nii.txt
 again='undo 3; label-file atlas.nii.txt regions=2002 as=4; undo; redo'
 expect 0 "$iftty" -c "$again" --journal j.iftty
 expect 0 "$iftty" verify j.iftty
-close_story
 
 begin "tables of names are written and read back in every format"
 { # 256 of red, of green, of blue
@@ -223,7 +217,6 @@ expect 2 "$iftty" -c 'open s.nii; save names a.doc'
 err_has 'expected .txt or .label for ITK-SNAP'
 expect 3 "$iftty" -c 'open s.nii; label-file s.nii'
 err_has 's.nii: line 1: expected NUMBER NAME [R G B A]'
-close_story
 
 begin "the tables of mricron are read"
 templates=/usr/share/mricron/templates
@@ -237,7 +230,6 @@ label-file $templates/JHU-WhiteMatter-labels-1mm.nii.txt; label-file $templates/
 else
     skip "mricron-data is not installed"
 fi
-close_story
 
 begin "saved seeds are planted again unchanged"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 0; seed 6,10,8 1 radius=2; seed 20,10,8 7
@@ -249,5 +241,4 @@ same "$(last_word labels b.iftty)" "$(last_word labels a.iftty)"
 same "$(last_word forest b.iftty)" "$(last_word forest a.iftty)"
 expect 2 "$iftty" -c 'open s.nii; save seeds s.nii'
 err_has 'expected FILE.csv for seeds'
-close_story
 finish

@@ -52,7 +52,6 @@ begin "a good scene is fine"
 expect 0 "$iftty" -c 'open good.nii; info'
 gzip -nc good.nii >good.nii.gz
 expect 0 "$iftty" -c 'open good.nii.gz; info'
-close_story
 
 begin "scenes cut short"
 half=$(($(file_bytes good.nii.gz) / 2))
@@ -66,7 +65,6 @@ for n in 0 1 2 10 347 351 352 1000 8031; do
 done
 head -c 12 good.nii.gz >cut.nii.gz
 scene_refused "cut.nii.gz" cut.nii.gz
-close_story
 
 begin "a flipped bit within a gzip"
 cp good.nii.gz flipped.nii.gz
@@ -75,7 +73,6 @@ scene_refused "flipped.nii.gz" flipped.nii.gz
 cp good.nii.gz flipped.nii.gz
 flip_byte flipped.nii.gz $(($(file_bytes good.nii.gz) - 6))
 scene_refused "flipped.nii.gz" flipped.nii.gz
-close_story
 
 begin "headers that make no sense"
 variant h.nii 344 'xyz'
@@ -104,7 +101,6 @@ variant h.nii 80 '\000\000\300\177' # a spacing of NaN
 expect 0 "$iftty" -c 'open h.nii'
 out_has "pixdim[1] is nan, which is no distance of voxels"
 out_has "lengths and volumes are in voxels"
-close_story
 
 begin "pairs of which a file is missing, short, exchanged, misnamed or no file"
 head -c 344 good.nii >a.hdr # and the magic of a pair
@@ -159,7 +155,6 @@ scene_refused "its .img: cut short or false" far.hdr
 put far.hdr 42 '\377\177\377\177\377\177' # 32767 each way
 scene_refused "its .img: cut short or false" far.hdr
 rm -r folder.img
-close_story
 
 begin "a voxel that is no number"
 nifti_header 24 20 16 16 32 >nan.nii
@@ -169,7 +164,6 @@ put nan.nii 1000 '\000\000\300\177'
 put nan.nii 2000 '\000\000\200\177' # infinite
 expect 0 "$iftty" -c 'open nan.nii'
 out_has "2 voxels are no number or infinite: taken for 0"
-close_story
 
 # In 400 MB of memory and a few seconds, where the sanitizers do not need more themselves.
 bounded() {
@@ -214,7 +208,6 @@ refused 3 "claims.nii" bounded "$iftty" -c 'open claims.nii'
 { cat claims.nii; head -c 3000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz
 refused 3 "bomb.nii.gz" bounded "$iftty" -c 'open bomb.nii.gz'
 rm bomb.nii.gz
-close_story
 
 begin "what is no scene file at all"
 mkdir folder.nii folder.png
@@ -232,7 +225,6 @@ refused 3 "loop.nii" "$iftty" -c 'open loop.nii'
 refused 3 "a/b" "$iftty" -c "open good.nii/a/b"
 refused 3 "synth:geom" "$iftty" -c "open synth:geom:999"
 refused 3 "synth:" "$iftty" -c "open synth:"
-close_story
 
 # ---- masks and weights ----
 
@@ -267,7 +259,6 @@ done
 bounded "$iftty" -c "$start; mask bomb.nii.gz" >"$work/out" 2>"$work/err"
 [ $? = 3 ] || fail "a mask that swells: $(cat "$work/err")"
 rm bomb.nii.gz vast.nii.gz
-close_story
 
 begin "a small file that claims gigabytes is opened by its box, or when the user says so"
 { nifti_header 1024 1024 70; head -c $((1024 * 1024 * 70)) /dev/zero; } | gzip -9 -n >swell.nii.gz
@@ -280,7 +271,6 @@ if can_limit_memory; then
         fail "$(cat "$work/err")"
 fi
 rm swell.nii.gz
-close_story
 
 begin "so is no map, no table of its values and no picture, whoever asks"
 nifti_header 1024 1024 500 >header
@@ -312,7 +302,6 @@ EOP
     refused 3 "swell.png: it claims 16000x16000 pixels" "$iftty" info swell.png
 fi
 rm -f header swell.nii.gz swell.png
-close_story
 
 # ---- commands ----
 
@@ -325,7 +314,6 @@ refused 2 "expected a label" "$iftty" -c "$start; seed 1,1,1 nobody"
 refused 2 "expected 6|26" "$iftty" -c "$start; adjacency 7"
 refused 2 "a word in quotes does not end" "$iftty" -c "$start; label 2 \"x"
 refused 3 "outside the picture" "$iftty" -c "$start; size 20 20; render; pick 20 3"
-close_story
 
 begin "lines that are too long, zero bytes, bytes of no language"
 {
@@ -354,7 +342,6 @@ for program in "replay script" "verify script" "run - --journal script"; do
     listing . | cmp -s - "$work/before" || fail "left by $program"
 done
 rm script
-close_story
 
 begin "a file of another kind is called what it is not"
 neither="this is neither a journal, which begins with a header, nor a script, which is text"
@@ -377,7 +364,6 @@ for name in words.iftty empty.iftty; do
 done
 refused 3 "it is no picture of a format that is known here" "$iftty" show good.nii
 rm words.iftty empty.iftty
-close_story
 
 # ---- journals ----
 
@@ -407,7 +393,6 @@ refused 3 "folder.nii" "$iftty" run - --journal folder.nii </dev/null
 refused 3 "/dev/zero" timeout 60 "$iftty" run - --journal /dev/zero </dev/null
 refused 3 "/dev/zero" timeout 60 "$iftty" replay /dev/zero
 refused 3 "folder.nii" "$iftty" log folder.nii
-close_story
 
 # ---- where nothing can be written ----
 
@@ -427,7 +412,6 @@ refused 3 "loop.nii" "$iftty" -c "$start; save labels loop.nii"
 refused 2 ".txt" "$iftty" -c "$start; save labels labels.txt"
 refused 3 "picture.odd" "$iftty" -c "$start; render picture.odd"
 refused 3 "folder.png" "$iftty" -c "$start; render folder.png replace=yes"
-close_story
 
 # With files of at most N blocks of 512 bytes: the disk is as good as full.
 within() {
@@ -464,7 +448,6 @@ refused 3 "p.png" within 4 \
 cp good.nii l.nii
 refused 3 "l.nii" within 4 "$iftty" -c "$start; save root l.nii replace=yes"
 same_files l.nii good.nii
-close_story
 
 begin "a journal that may not grow: the command is undone, the rest is kept"
 seeds >"$work/seeds"
@@ -474,7 +457,6 @@ same "$(wc -l <"$work/err" | tr -d ' ')" 3 # why, and two lines of how to go on
 err_has "iftty run $work/seeds --journal grown.iftty"
 holds_what_was_said grown.iftty
 rm grown.iftty
-close_story
 
 begin "a full disk"
 mkdir "$full"
@@ -495,7 +477,6 @@ if can_mount && mount -t tmpfs -o size=64k tmpfs "$full"; then
     cd "$work/field" || exit 1
     umount "$full"
 fi
-close_story
 
 # ---- control sequences of terminals ----
 
@@ -561,6 +542,5 @@ for line in "seed 1,1,1 $bad" "$bad" "label 2 $bad" "open $bad"; do
         fail "torn: $(cat "$work/err")"
     is_plain "$work/err"
 done
-close_story
 
 finish

@@ -13,7 +13,6 @@ out_has "paper             > 4     1.14"
 same "$(wc -c <"$work/err" | tr -d ' ')" 0 # no progress where there is no terminal
 awk 'length > 100 { bad = 1 } END { exit bad }' "$work/out" ||
     fail "a line of more than 100 columns"
-close_story
 
 begin "JSON is JSON"
 expect 0 "$bench" paper geom --quick --rounds 1 --json </dev/null
@@ -25,13 +24,11 @@ same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
 if needs python3; then
     python3 -m json.tool "$work/out" >/dev/null 2>"$work/err" || fail "$(cat "$work/err")"
 fi
-close_story
 
 begin "one edit touches the same voxels in a scene eight times as large"
 expect 0 "$bench" growth --quick --json </dev/null
 same "$(grep -o '"touched": [^]]*' "$work/out" | sort -u | wc -l)" 1
 same "$(grep -o '"voxels"' "$work/out" | wc -l)" 2
-close_story
 
 begin "the cost of a journal, part by part"
 expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 5,5,5 1; seed 15,15,15 2
@@ -54,7 +51,6 @@ err_has "record 2"
 expect 1 "$bench" journal "$work/empty.iftty" </dev/null
 err_has "there are no records to verify"
 expect 3 "$bench" journal "$work/none.iftty" </dev/null
-close_story
 
 begin "runs, edits, pictures and memory of a scene"
 expect 0 "$bench" brain --scene synth:geom:20x20x20 </dev/null
@@ -66,7 +62,6 @@ for words in '"scratch_ms": {"median": ' '"seed_ms": {"median": ' '"bytes_per_vo
     out_has "$words"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-close_story
 
 # Without ch2 on the small scene.
 begin "pictures for a terminal"
@@ -83,7 +78,6 @@ for by in kitty sixel; do
         fail "$by: a patch takes $patch bytes, the picture $whole"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-close_story
 
 # With `local` alone, for a slow line takes its time.
 begin "from a key to its picture"
@@ -98,7 +92,6 @@ for words in '"start_to_prompt_ms": {"median": ' '"start_to_loaded_ms": {"median
     out_has "$words"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-close_story
 
 begin "the same pictures by chafa"
 if needs python3; then
@@ -118,7 +111,6 @@ EOS
     PATH=$work/bin:$PATH expect 0 python3 -B tests/bench/chafa.py "$build"
     same "$(grep -c '^chafa: ' "$work/out")" 2
 fi
-close_story
 
 begin "wrong usage is refused at once"
 expect 2 "$bench" terminal --scene ch2.nii.gz
@@ -145,12 +137,10 @@ for rounds in 0 100 x 3x -1 ""; do
     expect 2 "$bench" paper geom --rounds "$rounds"
     err_has "--rounds: expected a number 1..99"
 done
-close_story
 
 begin "without the scene of brain the message names the file"
 mkdir -p "$work/none"
 IFTTY_SCENES=$work/none expect 3 "$bench" paper brain
 err_has "brain: there is no scene ch2.nii.gz here"
-close_story
 
 finish

@@ -41,8 +41,7 @@ for z in range(6):
 bmp("huge", 0, up(0), height=2 ** 31 - 1)
 bmp("none", 0, [], height=0)
 END
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 
 begin "grey of 8 bits is read voxel for voxel, rows from the bottom and from the top"
 for folder in up down wide short; do
@@ -59,7 +58,6 @@ assert d["format"] == "BMP slices" and d["type"] == "uint8", d' <out || fail "$(
 done
 expect 0 "$iftty" -c "open right.nii; labels up; run; compare right.nii"
 out_has "0 of 120 voxels differ"
-close_story
 
 begin "a resolution is noted and not taken, and spacing= says it"
 expect 0 "$iftty" -c "open wide"
@@ -69,7 +67,6 @@ expect 0 "$iftty" -c "open wide spacing=0.05,0.05,0.1; info"
 out_has "0.05x0.05x0.1 mm"
 expect 0 "$iftty" -c "open up"
 ! grep -q resolution out || fail "$(cat out)"
-close_story
 
 begin "what is no grey of 8 bits is named, with what converts it"
 while read -r folder words; do
@@ -86,7 +83,6 @@ inverse with a palette of colours
 packed that is packed (as RLE)
 os2 of OS/2 (a header of 12 bytes)
 END
-close_story
 
 begin "slices that are cut, of another size or empty are refused, and a name can be left out"
 expect 3 "$iftty" -c "open cut"
@@ -100,6 +96,5 @@ expect 3 "$iftty" -c "open huge"
 err_has "cut short"
 expect 3 "$iftty" -c "open none"
 err_has "without pixels"
-close_story
 
 finish

@@ -38,8 +38,7 @@ with h5py.File("both.h5", "w") as out:
     out["maps"] = layer.transpose(0, 3, 2, 1)
     out["other"] = scene.transpose(2, 1, 0)
 END
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 
 # what_of FILE ARGUMENTS...: the output of each command that reads a map
 commands_of() { # FILE WORDS
@@ -72,7 +71,6 @@ for number in 0 1; do
         done <pairs
     done
 done
-close_story
 
 begin "a replay without the copy of labels reads the volume that was recorded"
 expect 0 "$iftty" -c "open s.nii; labels both.nii volume=1; run" --journal kept.iftty
@@ -82,7 +80,6 @@ rm -r kept.golden
 expect 0 "$iftty" verify --no-strict kept.iftty
 sed 's/ volume=1/ volume=0/' kept.iftty >other.iftty
 expect 3 "$iftty" replay other.iftty
-close_story
 
 begin "without it, each names the volumes and the words to type"
 for command in labels seed-file mask weight compare; do
@@ -111,12 +108,10 @@ for words in "volume=1" "data=maps"; do
 done
 expect 2 "$iftty" -c "open s.nii; labels both.nii volume=0 data=maps"
 err_has "data=NAME is for data sets of HDF5"
-close_story
 
 begin "of a layer, the answer names the segments and their values"
 expect 0 "$iftty" -c "open s.nii; labels both.seg.nrrd volume=1"
 out_has "volume 1 of 2: the segments vessel (1), stone\\n2 (2)"
-close_story
 
 begin "programs take --volume, one number for each file"
 expect 0 "$iftty" compare only1.nii only0.nii --csv
@@ -140,7 +135,6 @@ expect 0 "$iftty" info --histogram only1.nii
 sed -n '/^histogram/,$p' out | cmp -s - got || fail "info: $(cat got)"
 expect 3 "$iftty" info --histogram both.nii
 err_has "as in --volume 0"
-close_story
 
 begin "apply opens the volume of each scene, and its journal says which"
 /usr/bin/python3 -W ignore - <<'END' || fail nibabel
@@ -158,6 +152,5 @@ grep -qF -e '--volume 0' both.txt || fail "$(cat both.txt)"
 expect 0 "$iftty" apply procedure.iftty times.nii --by world --out made --volume 1
 grep -q '^open .*times.nii volume=1' made/times.iftty || fail "$(cat made/times.iftty)"
 expect 0 "$iftty" verify --no-strict made/times.iftty
-close_story
 
 finish

@@ -43,7 +43,6 @@ cp $sidecar first
 subject 0 "$iftty"
 out_has "sub-01: there already"
 same_files $sidecar first
-close_story
 
 begin "a killed subject continues: without sidecar or labels, or with a corrected journal"
 rm $sidecar $here/*_dseg.nii.gz
@@ -57,7 +56,6 @@ out_has "sub-01: done"
 same_files $journal corrected
 says 'told["Stats"]["by_label"][0]["voxels"] != json.load(open("first"))["Stats"]["by_label"][0][
     "voxels"]'
-close_story
 
 # A program in the place of iftty, for `apply` alone.
 instead() { # SCRIPT
@@ -78,7 +76,6 @@ err_has "sub-01: Apply, status 3: ; no space"
 [ ! -e $sidecar ] || fail "there is a sidecar"
 expect 2 "$cohort/subject.py" expert.iftty s.nii made
 err_has "no name of BIDS"
-close_story
 
 begin "a terminated task ends its program and removes its folder; two do not interfere"
 instead 'echo $$ >pid; exec sleep 100'
@@ -92,7 +89,6 @@ wait $!
 same $? 143
 [ ! -e made/.work ] || fail "the work folder stays"
 comes_true sh -c '! kill -0 "$(cat pid)" 2>/dev/null'
-close_story
 
 # made/sub-NN with a label of so many ml, so many of 1000 seeds dropped, and that doubt.
 make_told() { # NN ML DROPPED DOUBT
@@ -139,6 +135,5 @@ for number in 01 02 03; do
 done
 expect 0 "$cohort/gather.py" study made
 expect 3 "$cohort/gather.py" nowhere made
-close_story
 
 finish

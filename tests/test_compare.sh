@@ -49,7 +49,6 @@ expect 0 "$iftty" compare --csv a.nii b.nii
 ours "$work/out" >own
 [ "$(wc -l <own)" = 4 ] || fail "$(cat own)"
 near itk own
-close_story
 
 # Spacing along each axis of its own, in bytes 80 to 91 of the header: 0.957031, 0.5 and 3.3 mm.
 begin "and so they are with voxels that are not cubes, and cut off by the edge of the scene"
@@ -64,7 +63,6 @@ itk_says 24 20 16 0.95703125 0.5 3.29999995 a-long.nii b-long.nii 3 >itk
 expect 0 "$iftty" compare --csv a-long.nii b-long.nii
 ours "$work/out" >own
 near itk own
-close_story
 
 begin "objects that overlap, and one in which the other has a cavity"
 "$iftty" -c "open synth:geom:60x50x40; seed 1,1,1 0; box 10,8,6 30,26,22 1
@@ -77,7 +75,6 @@ for pair in "hollow solid" "solid two" "two hollow"; do
     ours "$work/out" | sed '/ - -$/d' >own
     near itk own
 done
-close_story
 
 begin "words, JSON and the command say the same"
 "$iftty" compare a.nii b.nii >words
@@ -106,13 +103,11 @@ for row, told in zip(rows, d['labels'] + [d['all']]):
 assert len(rows) == len(d['labels']) + 1 and d['b'] == 'b.nii'
 EOS
 fi
-close_story
 
 begin "a question changes nothing and is not recorded"
 cp a.iftty former.iftty
 expect 0 "$iftty" -c 'compare b.nii picture=seen.png' --journal a.iftty
 same_files a.iftty former.iftty
-close_story
 
 begin "the picture has the colours of what differs, and the scene is as before"
 expect 0 "$iftty" -c 'compare b.nii picture=cut.png at=20,12,3; save labels after.nii' \
@@ -132,7 +127,6 @@ if needs oiiotool; then
 fi
 expect 0 "$iftty" info cut.png
 out_has "iftty:differ"
-close_story
 
 # A box, and one that is 2 voxels larger on each side: all of the larger one is too large by as much
 # along the axes, and the smaller one too small; no colour but theirs, however the light falls.
@@ -165,7 +159,6 @@ err_has "--surface: "
     >/dev/null
 expect 3 "$iftty" compare large.nii none.nii --surface none.png
 err_has "expected an object in A and in B"
-close_story
 
 begin "one label, and regions of a map for it"
 expect 0 "$iftty" compare --binary --csv a.nii b.nii
@@ -178,7 +171,6 @@ count() { # MAP LABELS
 }
 same "$(sed -n 2p one.csv | cut -d , -f 1-4)" "1,\"liver\",$(count a.nii 1),$(count b.nii '[123]')"
 same "$(sed -n 2p two.csv | cut -d , -f 4)" "$(count b.nii '[23]')"
-close_story
 
 begin "the program compares chosen values of both maps, as labels that are chosen too"
 expect 0 "$iftty" compare a.nii b.nii --csv --regions 2
@@ -195,7 +187,6 @@ for words in '--as 1' '--regions 2,2' '--regions 1,2 --as 1' '--regions 1 --as 1
     expect 2 "$iftty" compare a.nii b.nii $words # words on purpose
 done
 err_has "--as: expected numbers 0..255, as in 1-90,105, not 256"
-close_story
 
 begin "a name with blanks stands between quotes, after its key too"
 cp b.nii 'b 2.nii'
@@ -203,7 +194,6 @@ expect 0 "$iftty" -c 'compare "b 2.nii" report="r 2.json" picture="p 2.png"' --j
 [ -f 'r 2.json' ] && [ -f 'p 2.png' ] || fail "$(ls)"
 expect 2 "$iftty" -c 'compare b.nii report="r 2.json' --journal a.iftty
 err_has "one word too many"
-close_story
 
 begin "finished labels are compared where they are asked for"
 expect 0 "$iftty" -c 'finish majority radius=2; save labels smooth.nii finished=yes
@@ -211,7 +201,6 @@ expect 0 "$iftty" -c 'finish majority radius=2; save labels smooth.nii finished=
 grep -q '^    [1-9][0-9]* of 7680 voxels differ' out || fail "the forest is compared: $(cat out)"
 grep -q '^    0 of 7680 voxels differ' out || fail "finished labels are not: $(cat out)"
 out_has "the labels here, finished"
-close_story
 
 # 30 mm to the right, in the bytes of qoffset_x and of srow_x.
 begin "maps that lie elsewhere are refused with the distance"
@@ -228,7 +217,6 @@ err_has "; --resample uses its nearest voxels"
 expect 0 "$iftty" compare solid.nii moved.nii --resample --csv
 err_has "resampled"
 grep -q '^1,"",[0-9]*,[0-9]*,0,' out && fail "nothing overlaps: $(cat out)"
-close_story
 
 begin "what cannot be compared is refused, with what to type"
 make_scene other.nii 24 20 15
@@ -248,7 +236,6 @@ err_has "ends in .json or .csv"
 expect 2 "$iftty" -c 'compare b.nii at=1,1,1' --journal a.iftty
 expect 3 "$iftty" -c 'compare b.nii report=r.csv' --journal a.iftty
 expect 0 "$iftty" -c 'compare b.nii report=r.csv replace=yes' --journal a.iftty
-close_story
 
 begin "labels that are asked for or named have a row, though neither map has them"
 expect 0 "$iftty" compare --csv --regions 1,77 a.nii b.nii
@@ -264,6 +251,5 @@ expect 0 "$iftty" -c 'label 9 spleen; compare b.nii report=zero.csv' --journal a
 grep -q '^9,"spleen",0,0,0,' zero.csv || fail "$(cat zero.csv)"
 expect 0 "$iftty" -c 'compare b.nii regions=1,78 report=asked.csv' --journal a.iftty
 grep -q '^78,"",0,0,0,' asked.csv || fail "$(cat asked.csv)"
-close_story
 
 finish

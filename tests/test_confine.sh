@@ -40,7 +40,6 @@ if is_confined; then
     refused writing "$probed" -c "open s.nii; slice axial 3 r.jpg"
     refused writing "$probed" -c "open s.nii; spin 4 r.gif"
 fi
-close_story
 
 begin "volumes too: scenes, folders, masks, weights and maps of labels"
 if is_confined; then
@@ -57,7 +56,6 @@ if is_confined; then
     refused opening "$probed" -c "open s.nii; weight v.mha"
     refused opening "$probed" -c "open s.nii; labels v.mha"
 fi
-close_story
 
 begin "also in replay and verify, inside their own confinement"
 if is_confined; then
@@ -68,6 +66,5 @@ if is_confined; then
     printf 'open s.nii\nrender r.tif\n' >"$work/j"
     refused writing "$probed" replay "$work/j" --scene s.nii --out "$work/out-folder"
 fi
-close_story
 
 finish

@@ -37,7 +37,6 @@ same "$(grep -c '^ok ' out)" 200
 expect 0 "$iftty" verify whole.iftty
 "$iftty" log --script whole.iftty | grep -v '^#' | cmp -s - canonical ||
     fail "the journal holds other commands"
-close_story
 
 # resumes JOURNAL: it goes on, verifies, and holds the beginning of the script
 resumes() {
@@ -77,7 +76,6 @@ for after in 1 3 25 60 130 196; do
 done
 [ "$early" -gt 2 ] || fail "only $early of $trial were killed in the middle"
 echo "# $trial times, $early of them in the middle"
-close_story
 
 begin "cut at any byte, and run again: the same bytes"
 for cut in $cuts; do
@@ -86,7 +84,6 @@ for cut in $cuts; do
     expect 0 "$iftty" run script --journal again.iftty
     same_files again.iftty whole.iftty
 done
-close_story
 
 begin "a torn tail is told, kept aside, and left alone by readers"
 head -c $((bytes - 7)) whole.iftty >t.iftty
@@ -103,7 +100,6 @@ err_has "t.iftty.torn-2"
 same "$(wc -l <err | tr -d ' ')" 1
 same "$(cat t.iftty.torn-1)" occupied
 cat t.iftty t.iftty.torn-2 | cmp -s - t.kept || fail "bytes are lost"
-close_story
 
 begin "an empty journal begins anew"
 : >e.iftty # as it is if its writer was killed before it wrote the header
@@ -111,12 +107,10 @@ expect 0 "$iftty" verify e.iftty
 expect 1 "$iftty" verify --strict e.iftty
 expect 0 "$iftty" run script --journal e.iftty
 same_files e.iftty whole.iftty
-close_story
 
 begin "the reader of the acknowledgements goes away"
 { commands; } | "$iftty" run - --journal p.iftty 2>errors | head -n 3 >/dev/null
 resumes p.iftty
 expect 0 "$iftty" verify p.iftty
-close_story
 
 finish

@@ -11,8 +11,7 @@ begin "files of other programs are made, and copies of them cut"
 mkdir "$work/v"
 "$PYTHON" -B -W ignore "$top/tests/volumes/cut.py" "$work/v" >"$work/cuts" 2>"$work/made" ||
     fail "$(tail -n 3 "$work/made")"
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 cd "$work/v" || exit 1
 
 begin "whole, they open"
@@ -31,7 +30,6 @@ for name in packed.mha packed.mhd itk.mhd text.mha itk.nrrd LPS-short.nrrd packe
     itk.gipl itk.vtk unu.vtk itk.h5; do
     same "$name $(cat "$work/digest-$name")" "$name $(cat "$work/digest-itk.mha")"
 done
-close_story
 
 # refused COMMAND FILE COUNTING LEFT MOST: in words that tell how much is missing
 refused() {
@@ -66,7 +64,6 @@ while read -r name file counting left most; do
     refused "open $name" "$file" "$counting" "$left" "$most"
 done <"$work/cuts"
 same "$(wc -l <"$work/cuts" | tr -d ' ')" 120
-close_story
 
 begin "a mask, seeds, a start or weights that were cut are refused, too; and info refuses a header"
 cp itk.mha whole.mha
@@ -85,7 +82,6 @@ END
     expect 3 "$iftty" info "$name"
     err_has "cut short: it has $left bytes"
 done <"$work/cuts"
-close_story
 
 begin "voxels that never came: after LOCAL, in a file that is empty, none or in no list"
 sed '/^ElementDataFile/q' itk.mha >empty.mha
@@ -107,7 +103,6 @@ expect 3 "$iftty" -c "open list.mhd volume=1"
 err_has "its header names 1 file, and says that it has 2 pieces"
 expect 3 "$iftty" -c "open loose.mha"
 err_has "its voxels are packed, and its header lacks CompressedDataSize"
-close_story
 
 begin "a bit of packed voxels that turned over"
 for name in packed.mha RAS-byte.nrrd; do
@@ -120,7 +115,6 @@ END
     expect 3 "$iftty" -c "open turned-$name"
     err_has "cut short or damaged: of its packed voxels"
 done
-close_story
 
 begin "HDF5: a data set of which nothing was written is refused, and of a part that is said"
 "$PYTHON" - <<'END'
@@ -138,7 +132,6 @@ expect 0 "$iftty" -c "open part.h5"
 out_has "3 of the 4 pieces of the data set are not in the file: voxels there have the value"
 expect 0 "$iftty" -c "open all.h5"
 ! grep -q pieces "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 begin "a TIFF whose pages lead back to one another ends at once"
 "$PYTHON" - <<'END'
@@ -152,7 +145,6 @@ open("round.tif", "wb").write(data)
 END
 expect 3 timeout 20 "$iftty" -c "open round.tif"
 err_has "its pages lead back to one another"
-close_story
 
 begin "bytes that are left over change nothing"
 while read -r name; do
@@ -165,6 +157,5 @@ while read -r name; do
     expect 0 "$iftty" -c "open more/$name" --journal j.iftty
     same "$name $(last_word sha256 j.iftty)" "$name $(cat "$work/digest-$name")"
 done <"$work/names"
-close_story
 
 finish

@@ -24,7 +24,6 @@ out_has "scenes    the same: 24x20x16 voxels, SHA-256 $proof"
 out_has "voxels    0 of 7680 differ"
 grep -qE '^1 liver +1\.0000 ' out || fail "$(cat out)"
 [ ! -s err ] || fail "it warns: $(cat err)"
-close_story
 
 begin "the first command at which two part, and every figure as the label maps have it"
 expect 1 "$iftty" diff a.iftty b.iftty
@@ -47,7 +46,6 @@ sed -nE 's/^([0-9]) (liver|spleen|) *([0-9.]*) *([0-9]*) *([0-9]*) *([0-9]*)$/\1
         s/^voxels *(.* differ)/voxels \1/p' told >figures
 same_files figures expected
 grep -q '^3 spleen' told || fail "no name that B alone has: $(cat told)"
-close_story
 
 begin "the same for programs"
 expect 1 "$iftty" diff --json a.iftty b.iftty
@@ -64,7 +62,6 @@ print('voxels', d['differing'], 'of', d['voxels'], 'differ')
 EOS
     same_files figures expected
 fi
-close_story
 
 begin "comments, results and questions are no commands"
 "$iftty" log --script a.iftty | grep -v '^save' | sed 's/^run$/# why\ninfo\nrun/' >a.txt
@@ -74,14 +71,12 @@ sed 's/^run$/# by hand\nrun/' a.iftty >hand.iftty
 expect 0 "$iftty" diff a.iftty hand.iftty
 out_has "commands  9, all equal"
 err_has "# hand.iftty was edited by hand; it reproduces its recorded results"
-close_story
 
 begin "up to a record"
 expect 0 "$iftty" diff a.iftty b.iftty --until 4
 out_has "commands  4, all equal"
 err_has "# a.iftty ends with pending edits"
 expect 2 "$iftty" diff a.iftty b.iftty --until 0
-close_story
 
 begin "scenes that are not the same"
 mkdir other larger
@@ -99,7 +94,6 @@ err_has "# the scenes are not the same: voxels were compared place by place"
 expect 3 "$iftty" diff a.txt larger/a.txt
 err_has "scenes of 24x20x16 and 25x20x16 voxels: expected two of one size"
 expect 0 "$iftty" diff a.txt larger/a.txt --scene s.nii
-close_story
 
 begin "the picture: three panes, whole, over nothing"
 expect 1 "$iftty" diff a.iftty b.iftty --picture d.png
@@ -118,7 +112,6 @@ expect 2 "$iftty" diff a.iftty b.iftty --picture d.exr
 err_has "expected a name that ends in .png"
 expect 3 "$iftty" diff a.iftty b.iftty --picture nowhere/d.png
 expect 0 "$iftty" diff a.iftty a.iftty --picture same.png
-close_story
 
 begin "a picture of a private scene does not name the journals"
 sed 's/^open s.nii/& private=yes/' a.txt >private.txt
@@ -126,7 +119,6 @@ cp private.txt another.txt
 expect 0 "$iftty" diff private.txt private.txt --picture one.png
 expect 0 "$iftty" diff another.txt another.txt --picture two.png
 same_files one.png two.png
-close_story
 
 begin "a journal is trusted no more than by verify"
 mkdir inside
@@ -139,7 +131,6 @@ expect 0 "$iftty" diff writes.txt a.txt
 listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
 expect 3 "$iftty" diff a.txt a.iftty --limit-memory 1M
 err_has "--limit-memory"
-close_story
 
 begin "what cannot be compared is one line, that names the file"
 expect 3 "$iftty" diff a.iftty missing.iftty
@@ -160,7 +151,6 @@ expect 3 "$iftty" diff bad.txt a.iftty
 err_has "bad.txt: "
 err_has "(line 2)"
 same "$(wc -l <err | tr -d ' ')" 1
-close_story
 
 begin "Ctrl-C ends the processes; one that dies is named"
 echo 'open synth:geom:222' >large.txt
@@ -192,6 +182,5 @@ kill -ABRT "$child" # which no sanitiser catches
 wait "$program"
 same "$?" 3
 err_has "large.txt: its process was ended by signal 6 (Aborted)"
-close_story
 
 finish

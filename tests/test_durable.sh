@@ -60,7 +60,6 @@ expect 3 "$iftty" -c 'info' --read-only --journal none.iftty
 err_has "there is no journal none.iftty"
 [ ! -e none.iftty ] || fail "it was created"
 expect 2 "$iftty" --read-only </dev/null
-close_story
 
 begin "a journal in a folder that cannot be written to can be looked at"
 mkdir closed
@@ -72,7 +71,6 @@ expect 0 "$iftty" verify later.iftty
 expect 3 with_permissions "$iftty" -c 'stats' --journal closed/a.iftty
 err_has "--read-only opens it for looking"
 expect 3 with_permissions "$iftty" -c 'open s.nii' --journal closed/new.iftty
-close_story
 
 for harm in deleted replaced shorter longer; do
     begin "a journal that was $harm: said, undone, and gone on with elsewhere"
@@ -100,7 +98,6 @@ for harm in deleted replaced shorter longer; do
     expect 0 "$iftty" log --script elsewhere.iftty
     grep -q 'seed 6,6,6' out && fail "the undone command is there"
     [ -f elsewhere.golden/first.exr ] || fail "the golden image did not come along"
-    close_story
 done
 
 begin "a disk that is full: the session goes on on another"
@@ -122,7 +119,6 @@ if can_mount && mount -t tmpfs -o size=16k none "$small"; then
     out_has "$said records"
     umount "$small"
 fi
-close_story
 
 begin "a disk that is full: no file is half written, and the command works when there is room"
 disk=$work/disk
@@ -168,7 +164,6 @@ if can_mount && mount -t tmpfs -o size=1m none "$disk"; then
     [ -z "$(find "$disk" -name '.iftty-*')" ] || fail "a draft is left"
     umount "$disk"
 fi
-close_story
 
 begin "a link to a journal: golden images lie beside the journal itself"
 mkdir real
@@ -183,7 +178,6 @@ expect_in real 0 "$iftty" verify l.iftty
 mv real/l.golden link.golden # where they lay before
 expect 0 "$iftty" verify link.iftty
 expect 1 "$iftty" verify real/l.iftty
-close_story
 
 begin "a journal with the line ends of Windows is named, and mended by what it says"
 sed 's/$/\r/' real/l.iftty >w.iftty
@@ -192,7 +186,6 @@ err_has "it has the line ends of Windows"
 expect 3 "$iftty" verify w.iftty
 out_has "it has the line ends of Windows"
 tr -d '\r' <w.iftty | cmp -s - real/l.iftty || fail "that does not mend it"
-close_story
 
 begin "a file system that cannot rename to a new name: bindfs"
 mkdir below above
@@ -207,7 +200,6 @@ if can_fuse below above; then
     [ -z "$(find below -name '.iftty-*')" ] || fail "a draft is left"
     fusermount3 -u above || fusermount -u above
 fi
-close_story
 
 begin "journal FILE where there is something, or nothing to go on from"
 expect 0 "$iftty" -c 'open s.nii; journal; journal d.iftty; seed 1,2,3 1; journal' --journal e.iftty
@@ -225,7 +217,6 @@ err_has "without a journal"
 echo 'journal h.iftty' >script
 expect 3 "$iftty" replay script
 [ ! -e h.iftty ] || fail "a replay wrote a journal"
-close_story
 
 begin "ways of syncing are told"
 expect 0 "$iftty" -c 'sync; sync off; sync' --journal k.iftty
@@ -233,7 +224,6 @@ out_has "before it is acknowledged"
 out_has "since the last"
 expect 2 "$iftty" -c 'sync never'
 err_has "always"
-close_story
 
 begin "a golden image without its record goes after its PNG, or stays to be found again"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first' --journal g.iftty >acks
@@ -247,7 +237,6 @@ rm -r g.golden/first.png
 expect 0 "$iftty" -c stats --journal g.iftty
 err_has "first.exr was removed"
 same "$(ls g.golden 2>&1)" ""
-close_story
 
 begin "a repair keeps what is sound, and the rest beside it"
 printf 'open s.nii\nseed 1,2,3 1\n# why\nseed 4,5,6 2\nseed 7,8,9 3\n' >script
@@ -276,7 +265,6 @@ echo 'open s.nii' >script
 expect 3 "$iftty" log --repair script
 err_has "a script, not a journal"
 expect 3 "$iftty" log --repair none.iftty
-close_story
 
 begin "the folder of a replay that is killed goes with the next one; those of others stay"
 mkdir tmp few
@@ -303,6 +291,5 @@ same "$(ls tmp | wc -l | tr -d ' ')" 5
 same "$(ls tmp/iftty-*/few.nii | wc -l | tr -d ' ')" 3
 [ -e few/1.nii ] || fail "what a link leads to is gone"
 [ -z "$(ls -A tmp/iftty-*/.iftty* 2>/dev/null)" ] || fail "$(ls -A tmp/*)"
-close_story
 
 finish

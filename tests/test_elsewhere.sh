@@ -61,7 +61,6 @@ sound virtual.h5 virtual-own.h5 external-plain.h5
 for name in virtual.h5 external-plain.h5 list.mhd list.nhdr; do
     expect_in / 0 "$iftty" -c "open $work/v/$name"
 done
-close_story
 
 begin "a name that leads out of the folder of its header is refused, on every kernel"
 refused "../secret/v.raw, which is not below the folder of the header" parent.mhd parent.nhdr \
@@ -78,20 +77,17 @@ refused "secret/v.h5, which is not below" virtual-absolute.h5
 refused "away.h5, which is not below" virtual-away.h5
 refused "a part of it is in another file, ../secret/v.h5" link.h5 itk.h5
 refused "the data set d of linked.h5, which is not there" virtual-linked.h5
-close_story
 
 begin "a header that its library might read otherwise is refused"
 sed 's/^DimSize.*/DimSize = 6 5 1\n&/; s/^ElementDataFile.*/ElementDataFile = LIST\nv.raw/' \
     plain.mhd >sides-twice.mhd
 refused "which files its voxels are in" swallowed.mhd twice.nhdr late.nhdr counted-twice.mhd \
     counted-twice.nhdr sides-twice.mhd
-close_story
 
 begin "a pipe is not waited for"
 refused "pipe.raw, which is not a regular file" pipe.mhd pipe.nhdr list-pipe.mhd list-pipe.nhdr \
     virtual-pipe.h5 external-pipe.h5
 refused "deep, which is not a regular file" here.mhd here.nhdr
-close_story
 
 begin "directories of a TIFF that go in a circle are found before a reader goes round in them"
 "$PYTHON" - <<'EOP'
@@ -108,7 +104,6 @@ with open("circle.tif", "wb") as file:
 EOP
 expect 3 "$iftty" -c 'open circle.tif'
 err_has "its pages lead back to one another"
-close_story
 
 begin "what is missing is named, and no zeros are made of it"
 refused "none.raw, which is not there" none.mhd none.nhdr list-none.mhd list-none.nhdr \
@@ -124,7 +119,6 @@ expect 3 "$iftty" -c "open packed/plain.mhd"
 err_has "its voxels are in v.raw.gz, which is cut short or damaged"
 same "$(scene_of "$iftty" -c 'open virtual-gap.h5')" $gap
 out_has "30 of the 120 values of the data set are in none of the files that it is made of"
-close_story
 
 begin "without Landlock the files of a journal are read by our own readers, or with a yes"
 for name in twin.nii plain.mhd virtual.h5; do
@@ -145,6 +139,5 @@ for name in twin.nii plain.mhd virtual.h5; do
 done
 expect 0 loose "$iftty" info
 out_has "landlock  none"
-close_story
 
 finish

@@ -18,7 +18,6 @@ for journal in examples/*.iftty; do
         expect 0 "$iftty" verify --strict "$journal" </dev/null ||
             fail "$(cat "$work/out")"
     fi
-    close_story
 done
 
 begin "what is carried to another subject is what its lesson corrects"
@@ -28,13 +27,11 @@ if can_open subject.nii.gz; then
     carried=$(sed -n 's/^labels .* copy=\([0-9a-f]*\).*/\1/p' "$work/scenes/subject.iftty")
     same "$carried" "$(sed -n 's/^labels .* copy=\([0-9a-f]*\).*/\1/p' examples/subject.iftty)"
 fi
-close_story
 
 begin "journal/README.md lists the commands as help does"
 "$iftty" help | sed 's/^./    &/' >"$work/help"
 sed -n '/^<!-- commands/,/^<!-- end of commands/p' journal/README.md | sed '1,2d;$d' | sed '$d' |
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
-close_story
 
 # On a scene that has all that examples name; what wants another one, or a fresh one, has it.
 begin "the example in the help of every command does what it says"
@@ -74,7 +71,6 @@ while read -r line; do
 done <"$work/lines"
 expect_in "$work/run" 0 "$iftty" run script --keep-going || fail "$(cat "$work/err")"
 same "$(grep -c '^ok' "$work/out")" "$(wc -l <"$work/run/script")"
-close_story
 
 begin "what the READMEs name is there"
 find . -path ./build -prune -o -type f -print | sed 's|.*/||' | sort -u >"$work/files"
@@ -87,13 +83,11 @@ for readme in $(find . -path ./build -prune -o -name README.md -print); do
             fail "$readme: there is no $name"
     done
 done
-close_story
 
 begin "journal/README.md lists the programs as --help does"
 "$iftty" --help | sed -n '/^    iftty/,/^$/p' >"$work/help"
 sed -n '/^<!-- programs/,/^<!-- end of programs/p' journal/README.md | sed '1,2d;$d' |
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
-close_story
 
 # The commands of its sections, each of which ends with a pick.
 for section in views slices; do
@@ -105,7 +99,6 @@ for section in views slices; do
         grep -q '^ok 1[0-9] ' "$work/out" && grep -q '^ok - pick' "$work/out" ||
             fail "$(cat "$work/out")"
     fi
-    close_story
 done
 
 finish

@@ -13,6 +13,5 @@ elif "$top/tests/face_table.py" >"$work/face_table.h" 2>"$work/err"; then
 else
     fail "$(tail -n 1 "$work/err")"
 fi
-close_story
 
 finish

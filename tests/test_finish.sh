@@ -43,7 +43,6 @@ tail -c +353 plain.nii >plain && tail -c +353 none.nii >none && same_files plain
 has_line smooth.nii "iftty labels, finished: majority radius=1, largest label=2, holes" ||
     fail "the file does not say that it is finished"
 same "$(last_word labels a.iftty)" "$labels"
-close_story
 
 begin "a journal with finished labels verifies, for any number of threads, and resumes"
 for threads in 1 2 5; do
@@ -54,7 +53,6 @@ expect 0 "$iftty" run more --journal a.iftty
 out_has "finish    majority radius=1, largest label=2"
 same_files eight.nii resumed.nii
 expect 0 "$iftty" verify a.iftty
-close_story
 
 begin "relaxed labels follow seeds that change no label, and verify for any number of threads"
 cat >settle <<'END'
@@ -83,7 +81,6 @@ expect 2 "$iftty" -c 'open scene.nii; finish relax reach=17'
 err_has "reach: expected a number 1..16, not 17"
 expect 2 "$iftty" -c 'open scene.nii; finish largest reach=2'
 err_has "reach: \`finish largest\` has none"
-close_story
 
 begin "another outcome than the recorded one is found, with its record"
 sed 's/radius=1/radius=2/; s/\(save labels \)\([a-z]*\)/\1other-\2/' script >other
@@ -94,7 +91,6 @@ sed '/^= 10 /s/finished=./finished=x/' a.iftty >b.iftty
 expect 1 "$iftty" verify b.iftty
 cat "$work/out" "$work/err" >said
 has_line said "10" || fail "$(cat said)"
-close_story
 
 begin "pictures show the finished labels, and say so; the next ones show the forest again"
 cat >pictures <<'END'
@@ -146,7 +142,6 @@ same "$(picture 11; picture 14; picture 15)" "$(cat pictured)"
 expect 0 "$iftty" verify p.iftty
 out_has "p.iftty"
 IFTTY_THREADS=3 expect 0 "$iftty" verify p.iftty
-close_story
 
 begin "finished on has pictures follow what is planted; it is recorded, verified and gone on with"
 cat >live <<'END'
@@ -190,7 +185,6 @@ expect 2 "$iftty" -c "open scene.nii; finished perhaps"
 err_has "on|off"
 expect 2 "$iftty" -c "finished on"
 err_has "finished needs a scene"
-close_story
 
 begin "labels that the finish deletes, halves or breaks are named, with voxels and pieces"
 cat >walls <<'END'
@@ -235,7 +229,6 @@ sed 's/^finish majority/finish holes/' script2 >kept
 sed -i 's/lost.nii/kept.nii/' kept
 expect 0 "$iftty" run kept
 ! grep -q 'the finish [drb]' out || fail "nothing is lost: $(cat out)"
-close_story
 
 begin "at the prompt a loss is named once, as soon as a picture is made of finished labels"
 expect 0 "$iftty" <<END
@@ -252,7 +245,6 @@ render
 END
 same "$(grep '^the finish' out)" "the finish deletes label 2; see \`stats\`
 the finish deletes label 3; see \`stats\`"
-close_story
 
 begin "what a step does not take is refused, and so is what reaches too far"
 refused() { # COMMAND WORDS
@@ -274,6 +266,5 @@ expect 0 "$iftty" run many
 echo "finish holes" >>many
 expect 3 "$iftty" run many
 err_has "no room for more"
-close_story
 
 finish

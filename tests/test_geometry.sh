@@ -37,7 +37,6 @@ out_has "through 12,10,8: z 8, y 10, x 12; "
 expect 2 "$iftty" -c 'open unplaced.nii.gz; clip axial'
 err_has "expected z slices A-B within 0-15"
 grep -qE "$sides" "$work/err" && fail "$(cat "$work/err")"
-close_story
 
 begin "the same voxels shown with sides and without differ in letters alone, which vanish"
 for how in LAS file; do
@@ -50,7 +49,6 @@ out_has "iftty:slice: z through 12,10,8"
 expect 0 "$iftty" info LAS.exr
 out_has "iftty:orientation: set by the user"
 out_has "iftty:slice: axial through "
-close_story
 
 begin "what is odd of a place is said by open and info, and what is plain is not"
 make_scene plain.nii 12 10 8
@@ -75,7 +73,6 @@ expect 0 "$iftty" info --json tilted.nii
 same "$(python3 -c 'import json, sys; print(*json.load(sys.stdin)["open_notes"], sep="\n")' \
     <"$work/out")" "$(cat said)"
 ! grep -q 'oblique\|come after' plain || fail "$(cat plain)"
-close_story
 
 begin "what the user tells is recorded, undone, and shown as told"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; orient LPI; info; undo; info; redo; info' \
@@ -92,7 +89,6 @@ expect 3 "$iftty" -c 'open unplaced.nii.gz; orient sform'
 err_has "HOW: the file has no sform; nothing has changed"
 expect 3 "$iftty" -c 'open synth:geom:9x8x7; orient LAS'
 err_has "the file says that its axes run towards RAS; where that is wrong, correct the file"
-close_story
 
 begin "an sform and a qform that contradict each other are chosen between"
 expect 0 "$iftty" -c 'open contrary.nii.gz; info; orient sform; info; orient qform; info' \
@@ -109,7 +105,6 @@ expect 0 "$iftty" -c 'open contrary.nii.gz; orient sform; seed 12,4,9mm 1; orien
     seed 5,6,9mm 1'
 out_has "seed 8,8,1 1"
 out_has "seed 8,4,2 1"
-close_story
 
 begin "a scene that does not say it gives maps that do not say it"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii empty=yes; orient LPI
@@ -119,7 +114,6 @@ save labels b.nii empty=yes'
 cmp -s a.nii b.nii || fail "what was told is in the map"
 expect 0 "$iftty" info a.nii
 out_has "axes      unknown"
-close_story
 
 # A scene of 1 mm with an sform, and maps of it that are moved along x.
 placed() { # FILE BYTES: the x of voxel 0, as a float
@@ -150,7 +144,6 @@ grep -q '^mask beside.nii resample=yes$' resampled.iftty || fail "$(cat resample
 expect 0 "$iftty" verify resampled.iftty
 expect 2 "$iftty" -c "open here.nii; weight sobel resample=yes"
 err_has "resample: \`weight sobel\` has none"
-close_story
 
 begin "a map less than half a voxel off is used, and the shift is said in mm"
 expect 0 "$iftty" -c "open here.nii; seed 3,3,3 1; seed 20,16,12 2; run; save labels map.nii
@@ -175,6 +168,5 @@ expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels shifted.
 out_has "the map is 0.4 mm off the scene's grid"
 expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels same.nii"
 ! grep -q "off the scene's grid" "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 finish

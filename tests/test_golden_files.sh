@@ -50,7 +50,6 @@ for cut in 9 99; do
     untouched
 done
 same "$(cd same && echo *)" "j.golden j.iftty s.nii"
-close_story
 
 begin "a link further up is the user's own way to the folder"
 mkdir there
@@ -65,7 +64,6 @@ expect 0 "$iftty" verify --remove-orphans via/j.iftty
 expect 0 "$iftty" verify --strict via/j.iftty
 expect 0 "$iftty" log --reseal via/j.iftty
 same "$(cd there/j.golden && echo *)" "first.exr first.png next.exr next.png"
-close_story
 
 begin "another name of the same file keeps what it has"
 mkdir hard
@@ -92,7 +90,6 @@ for file in first.exr first.png last.exr last.png; do
     same_files linked/$file hard/before/$file
 done
 same_files linked/i.iftty hard/former
-close_story
 
 begin "a golden image that is a link is read; accepting replaces the link"
 cp j.iftty k.iftty
@@ -122,7 +119,6 @@ expect 1 "$iftty" verify --remove-orphans k.iftty
 out_has "more.exr was left alone"
 [ -h k.golden/more.exr ] || fail "the link is gone"
 untouched
-close_story
 
 begin "a journal that continues elsewhere takes along files that its records name, of a link a link"
 mkdir along
@@ -137,7 +133,6 @@ expect 0 "$iftty" -c 'journal along/mine.iftty' --journal along/j.iftty
 same "$(cd along/mine.golden && echo *)" "first.exr first.png"
 [ -h along/mine.golden/first.png ] || fail "what the link leads to was copied"
 expect 0 "$iftty" verify along/mine.iftty
-close_story
 
 begin "an orphan that the journal cannot have made is left alone"
 cp ../precious/a.png ../precious/b.exr j.golden
@@ -170,7 +165,6 @@ expect 1 "$iftty" verify --remove-orphans j
 out_has "first.exr was left alone"
 [ -e j.golden/first.exr ] || fail "another journal's golden image is gone"
 rm j
-close_story
 
 begin "a picture without a record passes only after the last record"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last' \
@@ -185,7 +179,6 @@ rm p.golden/last.png
 cp j.golden/first.exr j.golden/early.exr
 expect 1 "$iftty" verify j.iftty
 rm j.golden/early.exr
-close_story
 
 begin "a golden image that is gone while its PNG is there is named"
 mv j.golden/first.exr kept.exr
@@ -194,7 +187,6 @@ out_has "its PNG exists, but not j.golden/first.exr, which is compared"
 expect 1 "$iftty" log --reseal j.iftty
 mv kept.exr j.golden/first.exr
 expect 0 "$iftty" verify --strict j.iftty
-close_story
 
 begin "an OpenEXR file with anything that is not compared fails"
 # forge WAY [FROM TO]: another file in the place of first.exr, whose pixels are the same where they
@@ -366,7 +358,6 @@ cp slice.golden/slice.exr side.exr
 /usr/bin/python3 forge.py context side.exr slice.golden/slice.exr
 expect 1 "$iftty" verify slice.iftty
 out_has "its note iftty:context is all is well, which is no note of the new picture"
-close_story
 
 begin "a PNG with bytes or words that nobody compares fails"
 png() { # WAY
@@ -406,7 +397,6 @@ for way in none packed scale journal packed-text text after; do
     expect $wanted "$iftty" verify j.iftty || fail "$way"
 done
 cp kept.png j.golden/first.png
-close_story
 
 begin "a leftover passes only where it and its PNG are what golden draws after the last record"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last;
@@ -446,7 +436,6 @@ expect 1 "$iftty" verify f.iftty
 rm f.golden/side.* f.golden/last.exr
 expect 1 "$iftty" verify f.iftty
 cp kept/last.exr f.golden
-close_story
 
 begin "leftovers are judged within the limits"
 /usr/bin/python3 forge.py colour kept/last.exr colour.exr
@@ -464,7 +453,6 @@ seq -f many/f.golden/l%g.exr 3000 | xargs -n 1 ln wide.exr
 expect 3 "$iftty" verify --limit-time 0.2 many/f.iftty
 out_has "than the 0.2 s of --limit-time"
 rm -r many
-close_story
 
 begin "a journal that is a link, and other golden images next to the link"
 mkdir links
@@ -489,6 +477,5 @@ expect 1 "$iftty" verify --scene s.nii links/j.iftty
 out_has "is a link, and links/j.golden/first.exr is another file than"
 expect 3 "$iftty" verify links/j.iftty --accept why
 err_has "is a link; name the journal itself"
-close_story
 
 finish

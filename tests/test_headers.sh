@@ -33,7 +33,6 @@ for each in last list; do
     opened_as $each.nrrd $each.nrrd.twin.nii volume=1
 done
 as_said nrrd
-close_story
 
 begin "MetaImage: units, scale, byte order, one slice"
 for each in unit-um unit-mm unit-cm unit-none unit-nm after scaled slope0 binaryda-True \
@@ -41,7 +40,6 @@ for each in unit-um unit-mm unit-cm unit-none unit-nm after scaled slope0 binary
     opened_as $each.mha $each.mha.twin.nii
 done
 as_said meta
-close_story
 
 begin "MRC: types, signs of bytes, axes in any order, byte order, stacks"
 for each in mode0 mode1 mode2 mode6 mode0big mode1big mode2big mode6big imod-unsigned imod-signed \
@@ -53,7 +51,6 @@ for each in 123 132 213 231 312 321; do
 done
 opened_as stack.mrc stack.mrc.twin.nii volume=1
 as_said mrc
-close_story
 
 begin "HDF5: names of axes in any order, spacing by attributes, masks, what is not read"
 for each in zyx xyz yxz zxy one labels axes axes-many other-names um um-xyz resolution nm nm-name \
@@ -67,7 +64,6 @@ for each in tzyxc tczyx txyzc big; do
     opened_as $each.h5 $each.h5.twin.nii volume=3
 done
 as_said hdf5
-close_story
 
 begin "Imaris: the image without its padding, extent, times and channels as volumes, levels"
 opened_as one.ims one.ims.twin.nii
@@ -77,13 +73,11 @@ opened_as one.ims small.twin.nii \
 opened_as four.ims four.ims.twin.nii \
     'data="/DataSet/ResolutionLevel 0/TimePoint 1/Channel 1/Data"'
 as_said imaris
-close_story
 
 begin "VTK: any order of fields; cells, bits, fields and other grids are refused by name"
 for each in plain turned aspect two; do
     opened_as $each.vtk $each.vtk.twin.nii
 done
 as_said vtk
-close_story
 
 finish

@@ -19,7 +19,6 @@ digest=$(sed -nE 's/^labels .* copy=//p' a.iftty)
 [ -f "a.golden/labels-$digest.nii.gz" ] || fail "$(ls a.golden)"
 expect 0 "$iftty" info "a.golden/labels-$digest.nii.gz"
 out_has "uint16"
-close_story
 
 begin "nothing is eroded unless told, which is recorded; and what is not chosen is background"
 expect 0 "$iftty" -c 'open s.nii; labels model.nii; run; save labels same.nii; undo 2
@@ -30,7 +29,6 @@ expect 0 "$iftty" verify whole.iftty
 tail -c +353 model.nii | tr '\1' '\0' >expected
 tail -c +353 part.nii >found
 same_files expected found
-close_story
 
 begin "a correction deep in a piece changes what is near it, and nothing beyond"
 {
@@ -49,7 +47,6 @@ cmp -s block.nii undone.nii || fail "undo has left something"
 expect 0 "$iftty" -c "$deep to=14,10,8 radius=1; run; stats"
 [ "$(sed -n 's/^    \([0-9]*\) voxels changed.*/\1/p' "$work/out" | tail -1)" -lt 150 ] ||
     fail "$(cat "$work/out")"
-close_story
 
 begin "a record without rounds means none"
 cp -r whole.golden before.golden
@@ -60,7 +57,6 @@ for journal in before whole; do
     grep '^= 2 ' $journal.iftty | sed 's/chain.*//' >$journal
 done
 same_files before whole
-close_story
 
 begin "a map of noise is announced before it is planted, with what to type instead"
 {
@@ -74,7 +70,6 @@ expect 3 "$iftty" -c 'open s.nii; labels noise.nii least=100'
 err_has 'no piece of it has 100 voxels; nothing was planted'
 expect 0 "$iftty" -c 'open s.nii; labels model.nii least=100; run; save labels large.nii'
 same_files large.nii model.nii
-close_story
 
 begin "of an atlas the answer is a line, and the labels of most pieces"
 seeds='seed 0,0,0 0' label=1
@@ -94,7 +89,6 @@ same "$(grep -c '^ *label .*seeds\?, ' "$work/out")" 20
 expect 0 "$iftty" verify atlas.iftty
 expect 0 "$iftty" -c 'open s.nii; labels atlas.nii regions=3 erode=0'
 out_has "atlas.nii: 1 label and the background, 2 markers, "
-close_story
 
 begin "a replay, a resumed session and another file's journal need the map no more"
 mv model.nii elsewhere.nii
@@ -108,7 +102,6 @@ expect 0 "$iftty" verify b.iftty
 cp -r b.golden c.golden
 expect 0 "$iftty" replay c.iftty --scene s.nii --out replayed
 same_files one.nii replayed/file-3.nii
-close_story
 
 begin "a second command with the same labels has the same copy, and undo takes all markers"
 cp elsewhere.nii model.nii
@@ -117,7 +110,6 @@ expect 0 "$iftty" -c 'labels model.nii erode=0; run; undo 2; labels model.nii re
 same "$(ls a.golden | wc -l)" 2
 expect 0 "$iftty" verify a.iftty
 rm model.nii
-close_story
 
 begin "where there is no copy, the map itself will do, if it holds the same"
 cp -r a.golden copies
@@ -130,7 +122,6 @@ expect 0 "$iftty" verify a.iftty
 expect 3 "$iftty" verify a.iftty
 out_has "model.nii holds labels other than recorded"
 rm model.nii
-close_story
 
 begin "a copy that was changed is not believed, nor a digest that leads elsewhere"
 mkdir a.golden
@@ -149,7 +140,6 @@ expect 3 "$iftty" verify a.iftty
 rm a.golden
 cp -r copies a.golden
 expect 0 "$iftty" verify a.iftty
-close_story
 
 begin "a command that cannot be recorded leaves no copy"
 cp elsewhere.nii model.nii
@@ -158,7 +148,6 @@ expect 3 "$iftty" -c 'labels model.nii regions=9' --journal d.iftty
 err_has "no voxel of these regions"
 [ ! -e d.golden ] || [ -z "$(ls d.golden)" ] || fail "it leaves $(ls d.golden)"
 expect 0 "$iftty" -c 'open s.nii; labels model.nii' # without a journal, and so without a copy
-close_story
 
 begin "what is no label map of this scene is refused"
 make_scene small.nii 24 20 15
@@ -167,7 +156,6 @@ err_has "the map has 24x20x15 voxels and the scene 24x20x16"
 expect 3 "$iftty" -c 'labels missing.nii' --journal d.iftty
 expect 2 "$iftty" -c 'labels model.nii as=1' --journal d.iftty
 expect 2 "$iftty" -c 'labels model.nii regions=1 as=2 label=3' --journal d.iftty
-close_story
 
 begin "an object by its range is one marker, replayed and taken back"
 expect 0 "$iftty" -c 'open s.nii; seed 6,10,8 1; object 1 threshold 90..200.5
@@ -183,6 +171,5 @@ expect 3 "$iftty" -c 'object 5 threshold 70..89' --journal e.iftty
 err_has "no seed of label 5 is in a voxel of this range"
 expect 2 "$iftty" -c 'object 5 threshold' --journal e.iftty
 expect 2 "$iftty" -c 'object 5 threshold 9..1' --journal e.iftty
-close_story
 
 finish

@@ -23,7 +23,6 @@ err_has "at most 2^32 cells are held"
 err_has "open a part of it, with crop=A-B,C-D,E-F or reduce=2"
 expect 0 "$iftty" -c "open huge.nii crop=0-9,1690-1699,1600-1699"
 out_has "10x10x100 voxels"
-close_story
 
 begin "a scene that there is no memory for is refused before it is loaded"
 if [ "${free_gb:-0}" -gt 0 ] && [ "$free_gb" -lt 75 ]; then
@@ -33,7 +32,6 @@ if [ "${free_gb:-0}" -gt 0 ] && [ "$free_gb" -lt 75 ]; then
 else
     skip "this machine has memory for every scene"
 fi
-close_story
 
 begin "a scene of a given size opens, and says what it is; geom's own size is geom"
 expect 0 "$iftty" -c "open synth:geom:200x200x100" --journal sized.iftty
@@ -41,7 +39,6 @@ expect 0 "$iftty" -c "open synth:geom" --journal plain.iftty
 same "$(last_word scene sized.iftty)" "$(last_word scene plain.iftty)"
 expect 0 "$iftty" -c "open synth:geom:7x5x3; seed 3,2,1 1; run; stats"
 out_has "label 1: 1 seed, 105 voxels"
-close_story
 
 begin "a large scene says what it needs, on standard error, and nothing else stands there"
 if [ "${free_gb:-0}" -le 2 ]; then
@@ -51,7 +48,6 @@ else
     same "$(sed 's/, [0-9.]* GB/, N GB/' err)" \
         "iftty: 400x400x340 voxels: needs 1.0 GB of memory, N GB are free"
 fi
-close_story
 
 begin "a scene takes less than 20 bytes a voxel at the peak, and info prints what else there is"
 if [ "${free_gb:-0}" -le 2 ]; then
@@ -87,7 +83,6 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" r
     grep -qE 'scene [0-9.]+, 1[0-9]\.[0-9] bytes a voxel' out || fail "$(grep memory out)"
     grep -qE 'pictures [1-9][0-9]*\.[0-9]; and ' out || fail "$(grep memory out)"
 fi
-close_story
 
 begin "a turntable of large pictures takes less than 14 bytes a pixel beside its session"
 # 4 for the picture, 5 for the rows of samples that two threads draw; its maps would take 25 more.
@@ -111,7 +106,6 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$@" >peak
     [ "$held" -lt $((14 * 2048 * 2048)) ] || is_sanitised || fail "$held bytes"
     rm -f held?.png
 fi
-close_story
 
 begin "how far things are stands on a terminal, and is gone afterwards"
 if needs script; then
@@ -123,7 +117,6 @@ if needs script; then
         fail "acknowledgements are garbled: $(cat lines)"
     case $(tail -n 1 lines) in "" | "    "*) ;; *) fail "it stays: $(tail -n 1 lines)" ;; esac
 fi
-close_story
 
 # interrupted NAME DELAY [DELAY]: runs `script` with a journal, and sends SIGINT after each delay.
 interrupted() {
@@ -181,7 +174,6 @@ for delay in 0.01 0.04 0.1 0.2 0.35 0.6; do
     rm -f at.* turn?.png
 done
 [ "$stopped" -ge 2 ] || fail "only $stopped of the runs were stopped"
-close_story
 
 begin "a second Ctrl-C does no more than the first"
 for delay in 0.05 0.2; do
@@ -190,7 +182,6 @@ for delay in 0.05 0.2; do
         fail "$(cat err)"
     rm -rf twice.* replayed
 done
-close_story
 
 # Whether a process acts on SIGINT by itself, or has ended. Before that it is lost: what a shell
 # starts in the background ignores it.
@@ -221,7 +212,6 @@ for _ in 1 2 3 4 5 6 7 8 9 10; do
 done
 same "$got" 130
 [ ! -s out ] || fail "$(cat out)"
-close_story
 
 begin "Ctrl-C while a script is waited for ends the program at once"
 mkfifo pipe
@@ -237,6 +227,5 @@ exec 3>&-
 same "$got" 130
 expect 0 "$iftty" log --check fifo.iftty
 out_has "1 record"
-close_story
 
 finish

@@ -43,7 +43,6 @@ sane
 state_is 001 || fail "the state is $(state)"
 expect 0 "$iftty" verify one.iftty
 grep -qx 'seed 2,3,4 1' one.iftty || fail "the seed is not in the journal"
-close_story
 
 begin "killed while it has the whole screen: the same"
 start_session two.iftty s.nii
@@ -57,7 +56,6 @@ comes_true state_is 001 # what the shell says may have gone with that screen
 comes_true nothing_left
 sane
 expect 0 "$iftty" verify two.iftty
-close_story
 
 begin "stopped and continued while it has the whole screen: that, and the mouse, come back"
 start_session stop.iftty s.nii
@@ -72,7 +70,6 @@ kill -KILL "$(cat pid)"
 comes_true state_is 001
 comes_true nothing_left
 sane
-close_story
 
 begin "aborted while it has the whole screen: the same"
 start_session three.iftty s.nii
@@ -83,7 +80,6 @@ comes_true state_is 001
 see '[Aa]borted'
 comes_true nothing_left
 sane
-close_story
 
 # The rows of a sixel picture have no text: the answer, ten of them or more, and the prompt.
 has_sixel_rows() {
@@ -110,7 +106,6 @@ fi
 enter "quit"
 see '^journal: four'
 sane
-close_story
 
 begin "in GNU screen: blocks, and nothing else"
 if needs screen; then
@@ -126,7 +121,6 @@ if needs screen; then
     see 'screen is terminating'
     sane
 fi
-close_story
 
 begin "what takes long says so at a terminal"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; save labels s.mha' >/dev/null
@@ -144,7 +138,6 @@ for words in "verifying: verify slow.iftty" "replaying: diff slow.iftty slow.ift
 done
 [ ! -e none ] || fail "apply has left a folder"
 sane
-close_story
 
 begin "the line is gone: the process too, and the journal is whole"
 start_session six.iftty s.nii
@@ -160,6 +153,5 @@ comes_true gone
 expect 0 "$iftty" verify six.iftty
 grep -qx 'seed 2,3,4 1' six.iftty || fail "the seed is not in the journal"
 ! grep -q 'seed 20' six.iftty || fail "half a line is in the journal"
-close_story
 
 finish

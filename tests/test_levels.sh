@@ -12,8 +12,7 @@ out_lacks() { # a fixed string
 
 begin "scenes are made"
 "$PYTHON" -W ignore "$top/tests/levels/make.py" . 2>made || fail "$(tail -n 3 made)"
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 
 # in_range FILE LOW HIGH [OPTION]: as many voxels as numpy finds in the file
 in_range() {
@@ -45,7 +44,6 @@ in_range ct-far.nii 1500000000 3000000000
 in_range counts.nii 1000000000000 2500000000000
 in_range unsigned.nii 3000000000 4294967295
 in_range quotients.nii.gz 0.25 1.5
-close_story
 
 begin "values that are far from all others are counted and said, and take no levels"
 expect 0 "$iftty" -c 'open far4.nii; why 3,4,5; why 7,7,7; info; profile 7,7,7 9,7,7'
@@ -92,7 +90,6 @@ expect 0 "$iftty" -c 'open series.nii volume=0; info'
 out_lacks 'outliers: the scale'
 expect 0 "$iftty" -c 'open far4.nii reduce=2; info'
 out_has 'outliers: the scale'
-close_story
 
 begin "whole numbers are exact, whatever they are held as"
 expect 0 "$iftty" -c 'open ct.nii; why 7,7,7' --journal a.iftty
@@ -103,7 +100,6 @@ same "$(last_word scene a.iftty)" "$(last_word scene b.iftty)"
 expect 0 "$iftty" -c 'open counts.nii; why 0,0,1'
 out_has "intensity $("$PYTHON" -W ignore -c 'import nibabel
 print(nibabel.load("counts.nii").dataobj[0, 0, 1])'), "
-close_story
 
 begin "a range that ends within a level says so, and how large a level is"
 expect 0 "$iftty" -c 'open low.nii; seed 1,1,1 0
@@ -133,7 +129,6 @@ expect 0 "$iftty" -c 'open close.nii; range 0.2 0.45'
 out_lacks 'cuts'
 expect 0 "$iftty" -c 'open close.nii; interpolate 2 1 1; range 0.2 0.5; info'
 out_has 'a level is 1.53e-05'
-close_story
 
 begin "numbers are recorded as they were typed, with what the scene was made of"
 expect 0 "$iftty" -c 'open far4.nii; range 1e-1 8.5e-1; window 2.5e-7 1e20; window 0.0015 40
@@ -150,7 +145,6 @@ expect 2 "$iftty" -c 'open far4.nii; range 1 123456789012345678901'
 err_has 'of at most 19 digits'
 cp far20.nii far4.nii # the same levels of other values
 expect 1 "$iftty" verify j.iftty
-close_story
 
 begin "one value far from all others takes no levels from them"
 "$PYTHON" - <<'PY' || fail "far.nii"
@@ -170,7 +164,6 @@ open("far.nii", "wb").write(bytes(head) + struct.pack("<1728f", *values))
 PY
 expect 0 "$iftty" -c 'open far.nii; range 0 0.9'
 out_has "$("$PYTHON" -W ignore "$top/tests/levels/make.py" count far.nii 0 0.9) of 1728"
-close_story
 
 begin "what chooses from files of another format is refused"
 for word in series=1 missing=blank data=a/b; do
@@ -178,5 +171,4 @@ for word in series=1 missing=blank data=a/b; do
     err_has "${word%=*}="
     err_has ', and this is nifti-1: leave it out'
 done
-close_story
 finish

@@ -39,14 +39,12 @@ for file in ours/*.nrrd; do
     count=$((count + 1))
 done
 [ "$count" -gt 100 ] || fail "$count files"
-close_story
 
 begin "what is not certain goes on to ITK, and is read or refused as before"
 for file in left/*.nrrd; do
     "$alone" info "$file" >"$work/out" 2>"$work/err" </dev/null
     err_has "cannot start the volume helper" || fail "$file"
 done
-close_story
 
 # The world of a map that is saved runs to the left, the back and the head: y alone is the other way
 # than in left-anterior-superior.
@@ -69,7 +67,6 @@ for file in las/plain.nrrd las/gzip.nrrd; do
     expect 0 "$alone" info $file
     out_has "axes      LAS"
 done
-close_story
 
 begin "where it is not certain how such a file lies no side is named, and it says so"
 for name in none nan words; do
@@ -79,7 +76,6 @@ for name in none nan words; do
         out_has "left-anterior-superior, and the place of its voxels in it is uncertain: sides of"
     done
 done
-close_story
 
 begin "a map in left-anterior-superior lies where it says over a scene in another space"
 for file in las/plain.nrrd las/hex.nhdr; do
@@ -91,6 +87,5 @@ for file in las/plain.nrrd las/hex.nhdr; do
     expect 0 "$iftty" -c "open $file; labels las/turned.nrrd; run; stats"
     out_has "centre 1.0,1.0,2.0 at 11.6,21.1,8.0 mm"
 done
-close_story
 
 finish

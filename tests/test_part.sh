@@ -26,7 +26,6 @@ expect 0 "$iftty" -c "open s.nii reduce=2 $crop; seed 1,1,1 1; run" --journal r.
 out_has '8x8x5 voxels of 2x2x2 mm'
 grep -q "^open s.nii $crop reduce=2 weight=morph\$" r.iftty || fail "$(cat r.iftty)"
 expect 0 "$iftty" verify r.iftty
-close_story
 
 begin "maps on the grid of the whole file are taken by the same part"
 expect 0 "$iftty" -c 'open s.nii; seed 6,10,8 1; seed 20,10,8 2; run; save labels whole.nii'
@@ -52,7 +51,6 @@ for more in '' spacing=1,1,1; do
     tail -c +353 part.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
     same_files expected got
 done
-close_story
 
 # place FILE X: its first voxel lies at X,0,0 mm
 place() {
@@ -83,7 +81,6 @@ tail -c +353 map3.nii | od -An -v -tu1 -w1 | awk '{ i = NR - 1; x = i % 24
     if (x > 0 && x < 17 && y > 1 && y < 18 && z > 2 && z < 13) print $1 + 0 }' >expected
 tail -c +353 got.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
 same_files expected got
-close_story
 
 begin "other maps are refused with the reason, as is a box that is not in the file"
 make_scene other.nii 23 20 16
@@ -113,7 +110,6 @@ for word in series=1 data=x missing=blank spacing=1,1,2 huge=yes; do
     printf 'open synth:geom:9x9x9 %s\n' "$word" >recorded # before it was refused
     expect 0 "$iftty" replay recorded
 done
-close_story
 
 begin "words for other formats are refused, and left out of records that have them"
 raw='raw:s.raw size=24,20,16 type=uint8'
@@ -133,5 +129,4 @@ done
 expect 2 "$iftty" -c "open s.nii series=2"
 err_has "series=N is for series of DICOM in a folder"
 expect 0 "$iftty" -c "open s.nii volume=0 huge=yes" # which are true of it
-close_story
 finish

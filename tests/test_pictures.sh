@@ -6,7 +6,7 @@
 cd "$work" || exit 1
 
 begin "pictures as other programs see them"
-needs exrheader oiiotool idiff || { close_story; finish; }
+needs exrheader oiiotool idiff || finish
 
 make_scene s.nii 24 20 16
 heic='' fits='' # in Debian 13 OpenImageIO does not write HEIC, and oiiotool aborts on its own FITS
@@ -82,7 +82,6 @@ same "$(attribute lines.exr iftty:journal)" session.iftty
 same "$(attribute tiled.exr iftty:journal)" session.iftty
 same "$(attribute lines.exr Software)" "$("$iftty" --version | sed 1q)"
 [ -n "$(attribute lines.exr iftty:chain)" ] || fail "no chain"
-close_story
 
 begin "no folder's name is in a picture, and under private=yes not even the file's or the journal's"
 mkdir -p Smith_John
@@ -107,7 +106,6 @@ for private in "" " private=yes"; do
     rm -r elsewhere.*
 done
 same "$(sed -n 2p study.iftty)" "open Smith_John/scan.nii private=yes weight=morph"
-close_story
 
 begin "info says what exrheader and oiiotool say"
 oiiotool --info -v lines.exr tiled.exr a.png a.tif a.jpg |
@@ -125,18 +123,15 @@ done
 expect 0 "$iftty" info tiled.exr
 same "$(note out iftty:view)" "$(attribute tiled.exr iftty:view)"
 same "$(sed -n 's/^format *//p' out)" "openexr, tiled"
-close_story
 
 begin "tiles and lines hold the same pixels, in every channel"
 expect 0 idiff -q lines.exr tiled.exr
 compared 0 lines.exr --ch R,G,B,A,Z -o flat-lines.exr tiled.exr --ch R,G,B,A,Z -o flat-tiled.exr
-close_story
 
 begin "the colours of the OpenEXR file are those of the PNG"
 # Back from linear light: not one level off.
 compared 0 lines.exr --ch R,G,B --colorconvert linear sRGB -d uint8 -o levels.ppm a.png -o a-png.ppm
 same_files levels.ppm a-png.ppm
-close_story
 
 begin "other programs see a white background, and none behind a transparent picture"
 {
@@ -155,7 +150,6 @@ same_files tif.ppm exr.ppm
 compared 0 white.png --cut 1x1+0+0 --printstats clear.png --printstats
 out_has 'Constant Color: 1.000000 1.000000 1.000000'
 grep -q 'Min: *[0-9]* [0-9]* [0-9]* 0 ' out || fail "no pixel is clear"
-close_story
 
 begin "what is drawn over a rendition changes colours alone, and the picture says so"
 {
@@ -169,7 +163,6 @@ compared 1 plain.exr --ch R,G,B over.exr --ch R,G,B --diff # something is drawn
 expect 0 "$iftty" info over.png
 out_has 'decorate letters scale legend'
 expect 0 "$iftty" verify over.iftty
-close_story
 
 begin "a compositor that knows OpenEXR puts our picture over its own, and finds it in the world"
 # Edges too, up to the difference between the mean of sRGB values and the mean of light.
@@ -185,7 +178,6 @@ for name in worldToCamera worldToNDC; do
 done
 same "$(attribute placed.exr iftty:alpha)" associated
 same "$(attribute placed.exr iftty:labels)" '{"1": {"name": "core", "colour": "#fc961e"}}'
-close_story
 
 begin "formats without loss agree with the PNG, pixel for pixel"
 lossless="tif tiff bmp tga ppm sgi iff rla dpx $fits ico jp2"
@@ -195,7 +187,6 @@ for format in $lossless; do
 done
 compared 0 "$@"
 for format in $lossless; do same_files back-$format.ppm a-png.ppm; done
-close_story
 
 begin "formats with loss come near it"
 set --
@@ -204,7 +195,6 @@ for format in jpg webp $heic gif; do
 done
 compared 0 --fail 0.1 --failpercent 2 --hardfail 0.4 --warn 1 "$@"
 compared 0 --fail 0.01 --warn 1 a.hdr --colorconvert linear sRGB a.png --diff
-close_story
 
 begin "every extension is written whole, or refused in one line with no file left"
 mkdir every
@@ -228,7 +218,6 @@ same "$(wc -l <err | tr -d ' ')" "$(grep -c '^all:[0-9]*: cannot write' err)"
 same "$(ls -A every | wc -l)" "$(grep -c '^    wrote' out)"
 [ "$(ls every | wc -l)" -gt 35 ] || fail "only $(ls every)"
 same "$(oiiotool --info every/* 2>&1 | grep -c ' : *150 x  *110, ')" "$(ls every | wc -l)"
-close_story
 
 begin "the same picture gives the same bytes, today and tomorrow"
 mkdir again
@@ -242,7 +231,6 @@ for file in a.* lines.exr tiled.exr; do
     *) same_files $file again/$file ;;
     esac
 done
-close_story
 
 begin "info tells scenes and journals, as text and as JSON"
 expect 0 "$iftty" info s.nii
@@ -268,7 +256,6 @@ expect 0 "$iftty" -c 'open root.nii.gz'
 out_has "ok 1 open root.nii.gz"
 flip_byte session.iftty 300
 expect 1 "$iftty" info session.iftty
-close_story
 
 begin "info is not fooled: no picture, half a picture, and what a terminal would obey"
 printf 'P6 nothing' >no.png
@@ -288,7 +275,6 @@ out_has '\x1b[31m'
 expect 0 "$iftty" info odd.png --json
 ! grep -q "$(printf '\033')" out || fail "an escape sequence came through"
 out_has 'red \u001b[31m \"quoted\" \\ text'
-close_story
 
 begin "what other programs write is told too"
 oiiotool lines.exr --ch R,G,B -d float --compression piz -o other.exr \
@@ -297,7 +283,6 @@ expect 0 "$iftty" info other.exr
 out_has "R G B float"
 expect 0 "$iftty" info two.tif
 same "$(sed -n 's/^frames *//p' out)" 2
-close_story
 
 # A helper that forks while threads of its library start hangs once in thirty times.
 begin "dozens of openings, eight at once: every helper answers"
@@ -309,6 +294,5 @@ for column in 1 2 3 4 5 6 7 8; do
 done
 wait
 same "$(cat bad)" ""
-close_story
 
 finish

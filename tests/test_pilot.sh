@@ -64,15 +64,12 @@ see '^24x20x16 voxels'
 see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 entering "pilot" '^axial at 12,10,8  brush 1 r3  no label  intensity [0-9]*  [-0-9.,]* mm$'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
-close_story
 
 begin "what has nothing to show says how to begin"
 see '^nothing to show yet: i plants a seed here'
-close_story
 
 begin "the brush has a radius, which - makes smaller"
 typing "3-" '^axial at 12,10,8  brush 1  no label  intensity '
-close_story
 
 begin "keys move, seed, undo and turn, each as the command it is"
 presses Right "cross 11,10,8"
@@ -91,7 +88,6 @@ presses S-Right "turn 15"
 type_letters "I"
 press Up
 types "-s3" "seed 11,13,9 3 radius=1 to=11,13,8"
-close_story
 
 begin "the pen that is down is told in colour, and by what the keys do"
 type_letters "v"
@@ -101,7 +97,6 @@ tmux_here capture-pane -e -p -t prompt | grep -q '41m.*PEN DOWN' || fail "it is 
 pressing Escape '^sagittal '
 press Tab Tab
 see '^coronal '
-close_story
 
 begin "a stroke of the pen is one record when it is lifted, and none when it is dropped"
 at=$(last_record)
@@ -113,7 +108,6 @@ types "vlljjv" "seed 11,13,9 3 radius=1 to=9,13,9 to=9,13,7"
 typing "u" '^undone: [0-9]+ seed '
 commands "cross 11,13,9"
 pressing Escape '^i seed '
-close_story
 
 begin "an Alt-KEY that does nothing is Escape, then KEY; one that pans still does"
 press M-:
@@ -135,7 +129,6 @@ presses Enter "zoom 3"
 commands "zoom 1"
 presses M-h "pan -16 0"
 presses M-l "pan 16 0"
-close_story
 
 begin "finished labels are shown as one works, and the forest's again, by one key"
 typing "y" '`:finish relax` settles them on the edges'
@@ -154,7 +147,6 @@ types "uy" "finished off"
 see '^coronal .*at 11,13,9  brush 1 r1  here '
 type_letters "3b"
 pressing Escape '^i seed '
-close_story
 
 begin "keys walk through hints, and tell how a voxel came to its label"
 is_cross() {
@@ -169,7 +161,6 @@ press Escape
 type_letters "gh:cross 11,13,9"
 presses Enter "cross 11,13,9"
 pressing Escape '^i seed '
-close_story
 
 begin "what is pasted acts nowhere: it stands in the line of the colon"
 tmux_here set-buffer -b paste "$(printf 'box 10 xx u\nseed 1,1,1 2\nq ')"
@@ -188,18 +179,15 @@ sleep 0.3
 see 'a seed of the label' # a page of text takes none
 pressing Escape '^coronal '
 same "$(last_record)" "$before"
-close_story
 
 begin "x shows the marker first, and removes it then"
 typing "x" '^marker [0-9]+: [0-9]+ trees?, [0-9]+ voxels?, label [0-9].*; x removes it'
 types "x" "remove 11,13,9"
-close_story
 
 begin "? tells the keys, and any key goes back"
 typing "?" 'a seed of the label'
 typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
-close_story
 
 begin "Tab finds commands and keys by a piece of a word, each with its key"
 type_letters ":cont"
@@ -214,7 +202,6 @@ pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":und" # what begins so is completed as ever
 pressing Tab '^:undo \[COUNT\]$'
 pressing Escape '^i seed ' # the row above stays while a line is edited
-close_story
 
 begin "/ shows the keys that have a word in them"
 typing "?" '^Planting$'
@@ -223,7 +210,6 @@ see '^  o  *overlay  *contour; finish; greys$'
 pressing Enter '^/ finds keys by a word; any other key leaves$'
 typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
-close_story
 
 begin "a colon takes a command; what says more than a line has a page"
 commands "label 3 node"
@@ -235,7 +221,6 @@ commanding "help seed" 'plant a seed'
 see '\(any key\)'
 pressing Enter '^coronal at [0-9]*,13,[0-9]* '
 commanding "sed 1" 'error: unknown command sed'
-close_story
 
 begin "an answer longer than the screen comes page by page"
 commanding "help" '^The scene'
@@ -256,7 +241,6 @@ done
 see '^quit  *leave'
 see '^[(]any key[)]$'
 pressing Escape '^coronal at [0-9]*,13,[0-9]* '
-close_story
 
 begin "a message of more than a row takes both, until the next key"
 type_letters ":"
@@ -266,7 +250,6 @@ see 'name one with'
 pressing Tab '^sagittal '
 press Tab Tab
 see '^coronal at [0-9]*,13,[0-9]* '
-close_story
 
 begin "what the keys do in a mode stands below as long as it lasts, and fits"
 type_letters "w"
@@ -283,7 +266,6 @@ type_letters "plllllllllllllljjjjjjjjjjjjjj" # to the last of the pane's pixels,
 see '^CORRECT at pixel [2-9][0-9],[2-9][0-9]  '
 pressing Escape '^i seed '
 commands "size 512 512"
-close_story
 
 begin "slices are magnified and moved by commands; what has the screen is no command"
 types "]]" "magnify 1.5 at=11,13,9"
@@ -299,7 +281,6 @@ comes_true sides_are_not 'S' 'I' 40 || fail "$(screen_text)"
 same "$(grep -c . s-1.iftty)" "$before"
 types "W" "magnify fit"
 see '^coronal at 11,13,9 '
-close_story
 
 begin "the patient's sides and a scale bar stand in cells"
 see '^ *[0-9]+ mm'
@@ -309,7 +290,6 @@ type_letters ":"
 enter "overlay words=off"
 comes_true no_words || fail "$(screen_text)"
 commanding "overlay words=on" '^ *[0-9]+ mm'
-close_story
 
 begin "boxes, polygons, millimetres and intensities, each as the command it is"
 commanding "cross 12,13,8" '^coronal at 12,13,8'
@@ -326,7 +306,6 @@ typing "M" 'radius 1mm, intensities'
 types "i" "seed 11,13,10 2 radius=1mm range=-99999..99999"
 type_letters "M-T"
 pressing Enter '^the brush: label 2, radius 0$'
-close_story
 
 begin "an outline is drawn, closed, taken up again, dragged, and takes the place of what it was"
 commanding "cross 12,13,8" '^coronal at 12,13,8'
@@ -348,12 +327,10 @@ for plane in 1 2 3; do # it may be any of them
     shows '^coronal ' && break
 done
 see '^coronal at 11,13,10'
-close_story
 
 begin "stopped and continued, the screen comes back"
 pressing C-z '[Ss]topped'
 entering "fg" '^coronal at [0-9]*,13,[0-9]* '
-close_story
 
 begin "another size of the window is another picture"
 stands_in_row() {
@@ -373,7 +350,6 @@ entering ":cross 11,13,10" '^through 11,13,10'
 typing "lh" '^i seed  b label'
 tmux_here resize-window -t prompt -x 80 -y 24
 comes_true stands_in_row 23 || fail "the screen is:" "$(screen_text | grep .)"
-close_story
 
 begin "the smallest window: the keys page by page, and the pen is loud"
 tmux_here resize-window -t prompt -x 20 -y 10
@@ -391,19 +367,16 @@ typing "v" '^PEN DOWN  coronal$'
 pressing Escape '^coronal at 11'
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal at'
-close_story
 
 begin "q goes back to the prompt, with the screen as it was before"
 typing "q" '^s>$'
 see '^24x20x16 voxels'
 entering "quit" '^journal: '
 sane
-close_story
 
 begin "what was done in the pilot replays like any other session"
 expect 0 "$iftty" verify s-1.iftty
 grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
-close_story
 
 begin "no side is named where nobody knows it"
 enter_anew "$iftty --graphics blocks u.nii"
@@ -415,7 +388,6 @@ screen_text | head -n 22 | grep -q '[RLAPSI]' && fail "$(screen_text)"
 typing "q" '^u>$'
 entering "quit" '^journal: '
 sane
-close_story
 
 begin "Ctrl-O is the pilot too; killed there, the terminal is sane"
 enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
@@ -425,7 +397,6 @@ kill -TERM "$(cat pid)"
 see '[Tt]erminated'
 sane
 expect 0 "$iftty" verify s-1.iftty
-close_story
 
 begin "killed while the pen is down, all but that stroke is in the journal"
 enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
@@ -456,7 +427,6 @@ see '^s-1>$'
 entering "undo" "^undone: [0-9]* $last"
 entering "quit" '^journal: '
 sane
-close_story
 
 begin "the ten keys of README.md segment a brain"
 cat >reference <<END
@@ -488,7 +458,6 @@ if "$iftty" run reference >/dev/null 2>&1; then
 else
     skip "there is no ch2.nii.gz here"
 fi
-close_story
 
 begin "what a user has written down: keys, a brush, commands; and what of it is wrong"
 cat >config <<END
@@ -522,7 +491,6 @@ IFTTY_CONFIG=config expect 0 "$iftty" -c "open s.nii"
 ! grep -q overlay out || fail "a script is not begun with it"
 echo "open s.nii" | IFTTY_CONFIG=config "$iftty" >out 2>err
 ! grep -q 'config\|overlay' out err || fail "nor is what is no terminal"
-close_story
 
 begin "a theme without colours has none anywhere"
 echo "theme none" >config
@@ -537,7 +505,6 @@ typing "v" '^PEN DOWN'
 typing "q" '^s>$'
 entering "quit" '^journal: '
 sane
-close_story
 
 begin "keys typed while a command runs are taken after it, in their order"
 rm -f synth-*.iftty
@@ -552,11 +519,9 @@ seed 117,120,121 2 radius=3 undo"
 type_letters "q"
 enter "quit"
 expect 0 "$iftty" verify synth-1.iftty
-close_story
 
 begin "in a script there is no pilot"
 expect 2 "$iftty" -c "open s.nii; pilot"
 grep -q "the pilot needs the prompt of a terminal" err || fail "$(cat err)"
-close_story
 
 finish

@@ -20,7 +20,6 @@ entering "label 2 early" '^s> label 2 early$'
 see '^s>$'
 screen_text | grep -q '^24x20x16 voxels' || fail "the scene is not described:" "$(screen_text)"
 same "$(below 's> label 2 early')" "s>"
-close_story
 
 begin "Tab completes a word, and lists what there is; a hint tells what may follow"
 press z o Tab
@@ -35,7 +34,6 @@ pressing C-u '^s>$'
 type_letters "open s."
 pressing Tab '^s> open s\.nii \[volume='
 press C-u
-close_story
 
 begin "a wrong command gets a caret and a line, and the prompt is back"
 entering "sed 1,1,1 1" '^error: '
@@ -43,7 +41,6 @@ see '^s>$'
 same "$(below 's> sed 1,1,1 1')" "   ^
 error: unknown command sed; did you mean seed?
 s>"
-close_story
 
 begin "seeds and render: a picture of half blocks"
 enter "size 40 30"
@@ -53,7 +50,6 @@ enter "seed 20,10,8 0"
 entering "render" "$half_block"
 see '^s>$'
 press C-l
-close_story
 
 begin "a picture is written beside the session, and said to be there above the line"
 entering "render prompt.png" '^writing prompt\.png$'
@@ -65,7 +61,6 @@ enter "render prompt.png"
 see '^error: prompt\.png exists already and was left alone; replace=yes writes over it$'
 see '^s>$'
 press C-l
-close_story
 
 begin "slices and mosaics are shown too"
 for command in "slice axial" "mosaic"; do
@@ -73,7 +68,6 @@ for command in "slice axial" "mosaic"; do
     see '^s>$'
     press C-l
 done
-close_story
 
 begin "Tab takes what alone has a piece of a word, and lists what several have"
 type_letters "contour"
@@ -85,7 +79,6 @@ see '^[+]  *in the pilot, larger: the radius; in mm$'
 see '^s> radius$'
 press C-u
 press C-l
-close_story
 
 begin "Ctrl-R lists older lines below the prompt, fewer as one types, and Enter takes one"
 enter "label 5 liver"
@@ -107,7 +100,6 @@ see '^s>$'
 pressing C-r '^  label 5 kidney$'
 pressing C-g '^s>$'
 ! shows 'kidney' || fail "the list stays:" "$(screen_text | grep .)"
-close_story
 
 begin "Ctrl-Z stops it, fg goes on with the line"
 type_letters "half a li"
@@ -116,7 +108,6 @@ sane
 entering "fg" '^s> half a li$'
 typing "ne" '^s> half a line$'
 press C-c
-close_story
 
 begin "quit leaves a sane terminal and a journal that verifies"
 enter "render last.tif"
@@ -130,7 +121,6 @@ expect 0 "$iftty" verify s-1.iftty
 grep -qx 'label 2 early' s-1.iftty || fail "the label is not in the journal"
 grep -qx 'seed 20,10,8 0' s-1.iftty || fail "a seed is not in the journal"
 ! grep -q 'sed 1\|half' s-1.iftty || fail "what was no command is in the journal"
-close_story
 
 begin "resuming tells how many records there are"
 records=$(grep -c '^= ' s-1.iftty)
@@ -138,7 +128,6 @@ enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
 see "^$records records resumed\$"
 see '^s-1>$'
 entering "seed 6,10,8 2" '^[0-9]+ voxels changed'
-close_story
 
 begin "killed at the prompt: a sane terminal, a whole journal"
 typing "half a li" '^s-1> half a li$'
@@ -147,7 +136,6 @@ see '[Tt]erminated'
 sane
 expect 0 "$iftty" verify s-1.iftty
 same "$(grep -c '^= ' s-1.iftty)" $((records + 1))
-close_story
 
 begin "a new user's labels are finished, and what is saved and counted says so"
 enter_anew "IFTTY_CONFIG= $iftty s.nii --journal new.iftty"
@@ -193,6 +181,5 @@ same_files plain.nii off.nii
 same_files yes.nii shown.nii
 same_files yes.csv shown.csv
 ! cmp -s own.nii shown.nii || fail "nothing was to be finished"
-close_story
 
 finish

@@ -36,8 +36,7 @@ for name, far in (("near", 0.4), ("far", 0.7)):
     save(labels, name + ".nii", numpy.array([[2, -1], [0, -1], [1, 1]]))
     place[:3, 3] -= turn[:, 0] * far
 END
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 
 # alike OPEN COMMANDS: with MAP for a map of labels and WEIGHT for one of weights, commands give the
 # same labels by all orders of axes
@@ -66,7 +65,6 @@ alike scene.nii "mask MAP regions=1-2; seed 3,3,3 1; run"
 alike scene.nii "weight WEIGHT; seed 3,3,3 1; seed 8,8,8 2; run"
 cube=cube- # where sizes say nothing of the order
 alike cube-scene.nii "seed-file MAP erode=0; run"
-close_story
 
 begin "what is compared with: as a question, and by the program"
 cube=
@@ -79,13 +77,11 @@ for n in 00 05 13 30 47; do
     cp out "program$n"
     same_files program00 "program$n"
 done
-close_story
 
 begin "a journal with such a map verifies"
 expect 0 "$iftty" -c "open scene.nii; seed-file map29.nii erode=0; run
     mask map41.nii regions=0-3; run" --journal j.iftty
 expect 0 "$iftty" verify j.iftty
-close_story
 
 begin "of a file that is opened in part, the same part in every order"
 alike "scene.nii crop=2-9,1-7,3-8" "seed-file MAP erode=0; run"
@@ -107,7 +103,6 @@ END
 expect 0 "$iftty" -c "open scene.nii crop=2-9,1-7,3-8; labels turned.nii erode=0
     save labels again.nii"
 same_files part.nii again.nii
-close_story
 
 begin "half a voxel away is the same place, more is not, and what is asked for is done"
 expect 0 "$iftty" -c "open cube-scene.nii; seed-file near.nii erode=0"
@@ -120,6 +115,5 @@ expect 0 "$iftty" -c "open cube-scene.nii; seed-file cube-map30.nii erode=0 resa
 expect 0 "$iftty" -c "open cube-scene.nii; seed-file cube-map30.nii erode=0; run
     save labels unasked.nii"
 same_files asked.nii unasked.nii
-close_story
 
 finish

@@ -16,7 +16,6 @@ done
 for part in $parts; do
     same_files "$work/one/build/$part.o" "$work/another folder/with blanks/build/$part.o"
 done
-close_story
 
 begin "the date of what is built is that of the commit, of the version, or what is said"
 mkdir -p "$work/plain/src/base"
@@ -31,6 +30,5 @@ if needs git && git -C "$work/plain" init -q; then
         -c user.email=a@b.invalid commit -q --allow-empty -m a
     same "$("$work/plain/.package/date")" 86400
 fi
-close_story
 
 finish

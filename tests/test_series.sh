@@ -34,7 +34,6 @@ expect 0 "$iftty" -c "open thick"
 out_has "it says how thick its slices are, 2.25 mm, and not how far apart: taken as the same"
 expect 0 "$iftty" -c "open cut"
 out_has "27x21x1 voxels"
-close_story
 
 begin "a mosaic that does not say what it holds is refused, and never one large slice"
 refused "a series of 3 volumes; choose one, as in \`open FILE volume=0\`, of 0 to 2" "open times"
@@ -45,7 +44,6 @@ refused "do not say the same of how many images it holds" "open contrary"
 refused "without the place of its images" "open unturned"
 refused "header says 7 images, which do not fit side by side into its 61x84 pixels" "open odd"
 refused "holds more images than its private header says" "open hidden"
-close_story
 
 begin "a folder of several series says of each what tells it apart, in lines where one is too long"
 expect 3 "$iftty" -c "open study"
@@ -79,7 +77,6 @@ for text in 0 100001 -2; do
 done
 expect 2 "$iftty" -c "open mosaic.twin.nii series=t1"
 err_has "series=N is for series of DICOM in a folder"
-close_story
 
 begin "a series that is named by its description is recorded by its number, and found again"
 mkdir "$work/kept"
@@ -108,7 +105,6 @@ grep -q "it holds 6 series; choose one with series=N: 1: 5 slices of 26x22, MR" 
     fail "$(cat "$work/kept/said")"
 grep -raiE 'mprage|localizer|gre_field|SECRETN' "$work/kept" >"$work/found" &&
     fail "$(head -c 300 "$work/found")"
-close_story
 
 begin "one bad file among many names itself, and may be left out, which is counted and recorded"
 for name in damaged cut-header; do
@@ -149,7 +145,6 @@ refused "skip: there is no file IM2-44 in the folder" "open damaged series=2 ski
 refused "skip=NAME leaves out files of a folder, and this is one file" "open mosaic/IM0 skip=IM0"
 expect 2 "$iftty" -c "open mosaic.twin.nii skip=IM0"
 err_has "skip=NAME is for a folder of slices, and this is nifti-1: leave it out"
-close_story
 
 begin "mosaics with wrong bytes are opened, or refused in one line"
 count=0 bad=0 rounds=$((25 * ${IFTTY_TEST_SCALE:-1}))
@@ -175,7 +170,6 @@ while [ $((count += 1)) -le $rounds ]; do
     esac
 done
 [ $((3 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
-close_story
 
 cd "$work" || exit 1
 . "$top/tests/tmux.sh"
@@ -193,7 +187,6 @@ enter "open study"
 see '^6: 5 slices of 26x22, MR, 1.8x2.2x2.5 mm'
 see '^error: .*it holds 6 series'
 enter "quit"
-close_story
 
 begin "slices behind links are read by their user, and what to do is said where they are not"
 cd "$work/v" || exit 1
@@ -216,6 +209,5 @@ expect 0 "$iftty" verify linked.iftty --scene whole
 rm -r "$work/annex"
 expect 3 "$iftty" -c 'open linked'
 err_has "a link to a file that is not there, as of git-annex, is not followed: "
-close_story
 
 finish

@@ -53,7 +53,6 @@ expect 0 "$iftty" -c 'goto 13; stats' --journal hidden.iftty
 [ "$(grep -c ', hidden$' out)" = 3 ] || fail "$(cat out)"
 expect 0 "$iftty" -c 'undo 3; stats' --journal hidden.iftty
 [ "$(grep -c ', hidden$' out)" = 0 ] || fail "$(cat out)"
-close_story
 
 begin "opacity is a setting of each label, or of all, that info prints and undo takes back"
 { cat scene; printf '%s\n' 'opacity shell 30' 'opacity 2 55' 'opacity all 40' 'opacity all 100'
@@ -70,7 +69,6 @@ expect 0 "$iftty" -c 'undo; undo; info; redo; info' --journal j.iftty
 out_has "opacity   100 %, 30 % of label 1, 55 % of label 2"
 out_has "opacity   40 %"
 grep -qx 'opacity 1 30' j.iftty || fail "a name is recorded as its number: $(grep opac j.iftty)"
-close_story
 
 begin "what shines through changes the picture, and no label; 0 leaves an object out"
 through=$(picture 'opacity 1 30')
@@ -93,7 +91,6 @@ sed 's/^opacity 1 30$/opacity 1 31/' t.iftty >changed
 chain_anew changed t.iftty
 expect 1 "$iftty" verify t.iftty
 out_has "picture"
-close_story
 
 begin "context is a setting of what one looks at, which the window belongs to"
 around=$(picture 'context mip')
@@ -126,7 +123,6 @@ expect 0 "$iftty" -c 'golden axial of=axial; golden planes of=mosaic' --journal 
 expect 0 "$iftty" verify --strict c.iftty
 expect 0 "$iftty" info c.golden/axial.png
 ! grep -q "iftty:context" "$work/out" || fail "a slice has a context:" "$(cat "$work/out")"
-close_story
 
 cat >script <<'END'
 open synth:geom:60x60x60
@@ -180,7 +176,6 @@ expect 0 "$iftty" info a.golden/off.png
 out_has "iftty:look: shade surface, light"
 expect 0 "$iftty" info a.golden/both.png
 out_has "iftty:look: shade surface ao=60 creases=yes, light"
-close_story
 
 begin "without them, and where objects are translucent, pictures are as they were"
 same "$(golden_of plain)" "$(golden_of off)"
@@ -190,7 +185,6 @@ same "$(golden_of through)" "$(golden_of clear)"
 # The objects do not touch, so their surfaces are the same with and without creases.
 same "$(golden_of plain)" "$(golden_of creases)"
 same "$(golden_of dark)" "$(golden_of both)"
-close_story
 
 begin "a journal with them verifies, for any number of threads, and resumes"
 for threads in 1 2 5; do
@@ -201,7 +195,6 @@ expect 0 "$iftty" run more --journal a.iftty
 out_has "look      shade surface, light"
 out_has "look      shade surface ao=7, light"
 expect 0 "$iftty" verify a.iftty
-close_story
 
 begin "what is none of them is named, and nothing is recorded"
 refused() { # COMMAND WORDS
@@ -231,6 +224,5 @@ for command in 'hide all' 'opacity 1 30' 'context mip'; do
     expect 2 "$iftty" -c "$command"
     err_has "${command%% *} needs a scene; open one first"
 done
-close_story
 
 finish

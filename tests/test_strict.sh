@@ -43,7 +43,6 @@ for figure in '"commands": 10' '"results_the_same": 10' '"digests": 19' '"golden
 done
 expect 2 "$iftty" verify --strict --no-strict j.iftty
 err_has "--strict and --no-strict: give one of them"
-close_story
 
 begin "digests that were taken out, all or of one record, with the chain recomputed"
 copy none
@@ -58,7 +57,6 @@ weak "1 record without the digest that the command computes, the first is record
 expect 0 "$iftty" log --reseal one.iftty
 same "$(words_of one.iftty 10)" "$(words_of j.iftty 10)"
 expect 0 "$iftty" verify --strict one.iftty
-close_story
 
 begin "no golden image, or no record at all"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run' --journal plain.iftty >/dev/null
@@ -70,14 +68,12 @@ for bytes in 0 5 20; do
     head -c "$bytes" j.iftty >begun.iftty
     expect 1 "$iftty" verify --strict begun.iftty
 done
-close_story
 
 begin "an unfinished record at the end"
 copy torn
 printf 'seed 1,1,1 1\n' >>torn.iftty
 weak "it ends with an unfinished record, at byte $(file_bytes j.iftty)" torn.iftty
 out_has "# an unfinished record at byte"
-close_story
 
 begin "a PNG that differs from its golden image always fails"
 copy seen
@@ -102,7 +98,6 @@ for bytes in 0 7 8 30 100 $(($(file_bytes j.golden/first.png) - 1)); do
 done
 rm seen.golden/first.png # one that is not there shows nothing
 expect 0 "$iftty" verify --strict seen.iftty
-close_story
 
 begin "a PNG with the right pixels and other words, or what changes how pixels are shown"
 # put_chunk TYPE HEXADECIMAL [TYPE]: into the PNG, before the first chunk of that type (IDAT)
@@ -162,7 +157,6 @@ open("seen.golden/first.png", "wb").write(png[:33] + chunk(b"IDAT", packed[:99])
     chunk(b"IDAT", packed[99:]) + chunk(b"IEND", b""))
 END
 expect 0 "$iftty" verify seen.iftty
-close_story
 
 begin "a PNG that was deleted is drawn again by golden, and is right"
 rm seen.golden/first.png
@@ -172,7 +166,6 @@ expect 0 "$iftty" verify --strict seen.iftty
 out_has "2 golden images"
 rm -r seen.*
 copy seen
-close_story
 
 begin "a golden image says what the one that is drawn would, and its PNG says the same"
 # note NAME VALUE: both files carry it, with the checksum of the PNG right
@@ -204,7 +197,6 @@ cp j.golden/first.* seen.golden
 expect 0 "$iftty" verify seen.iftty
 cp s.nii t.nii
 expect 0 "$iftty" verify --strict --scene t.nii seen.iftty
-close_story
 
 begin "the PNG is over the background of its time, or has alpha; another background shows"
 printf '%s\n' 'open s.nii' 'seed 2,3,4 1' run 'size 60 50' 'view 30 20' 'samples 4' 'golden grey' \
@@ -220,14 +212,12 @@ for other in grey clear; do
     cp ground.golden/page.png seen.golden/$other.png
     bad_png "it differs from its golden image" $other
 done
-close_story
 
 begin "a recorded word that no command gives fails always"
 copy word
 rewrite word.iftty 4 "$(words_of j.iftty 4) flavour=sweet"
 expect 1 "$iftty" verify --no-strict word.iftty
 out_has "differs  flavour"
-close_story
 
 begin "a signature by ssh-keygen proves the file, --strict its pictures"
 if needs ssh-keygen; then
@@ -260,6 +250,5 @@ if needs ssh-keygen; then
     expect 255 sh check
     cd "$work" || exit 1
 fi
-close_story
 
 finish

@@ -56,15 +56,12 @@ refused() { # WORDS FILE...: by open, in one line, whatever volume is asked for
 begin "11 types and 1 bit, both byte orders, BigTIFF, strips and tiles; NaN"
 like_twins types 58
 silent uint16.tif
-close_story
 
 begin "numbers of 2, 4, 6, 10, 12, 14 and 24 bits, with a sign and without"
 like_twins bits 10
-close_story
 
 begin "LZW, deflate, packbits, zstd, lzma, fax and JPEG, predictors, FillOrder"
 like_twins packed 37
-close_story
 
 begin "palettes are indices, alpha is left out, samples are volumes, an Orientation is obeyed"
 like_twins samples 29
@@ -77,7 +74,6 @@ says range.tif "the type of its numbers is unknown: read as unsigned integers"
 silent bare.tif
 expect 3 "$iftty" -c "open contig.tif"
 err_has "a series of 3 volumes; choose one"
-close_story
 
 begin "thumbnails, masks and pyramids are left out and counted"
 like_twins pages 5
@@ -88,7 +84,6 @@ done
 says mask-first.tif "1 mask page left out"
 says mask-between.tif "5 mask pages left out"
 refused "a TIFF of thumbnails or masks: none of its pages is an image" only-thumbs.tif
-close_story
 
 begin "pages that differ are refused, and named"
 refused "a TIFF of pages that differ: page 3 of 4 is 26x22 with 1 value of uint8" other-type.tif
@@ -104,7 +99,6 @@ refused "a TIFF of pages that differ: page 3 of 4 is 26x22 with 1 value of compl
 refused "packed in a way that libtiff does not read (Compression 34712)" other-packing.tif
 expect 3 "$iftty" info other-type.tif
 err_has "page 3 of 4 is 26x22 with 1 value of uint8"
-close_story
 
 begin "colours, complex numbers and rare kinds are refused by name"
 refused "a TIFF with colours (3 values a pixel)" rgb.tif ycbcr.tif lab.tif
@@ -125,7 +119,6 @@ for page in 0 1 2 3 4; do
     expect 0 tiffset -d $page -s 262 1 copy.tif
 done
 expect 0 "$iftty" -c "open copy.tif"
-close_story
 
 begin "false sizes, strips that are missing, torn or too short: one line, and no zeros"
 refused "cut short or false: a page has 572 bytes of pixels, and its size promises 3600000000" \
@@ -145,7 +138,6 @@ refused "cut short or false: a page has 100 bytes of pixels, and its size promis
     tile-offset.tif tiles-before.tif twice.tif
 expect 0 "$iftty" -c "open tiles-after.tif; why 63,63,0"
 out_has "intensity 2"
-close_story
 
 begin "ImageJ: channels and frames are volumes, also without directories; tifffile's shapes"
 like_twins imagej 48
@@ -179,7 +171,6 @@ cp ij-few.tif copy.tif
 expect 0 tiffset -u 270 copy.tif
 expect 0 "$iftty" -c "open copy.tif"
 out_has "26x22x5 voxels"
-close_story
 
 begin "OME: six orders, pages that are mapped, sizes and units, channels as samples"
 like_twins ome 62
@@ -198,7 +189,6 @@ refused "it holds 2 images, says its OME description; \`bfconvert -series 0" ima
 refused "its OME description is damaged: it is no XML" torn.ome.tif bomb.ome.tif
 refused "its OME description is of an image of 26x22 uint16, and its pages are 26x22 uint8" \
     other.ome.tif
-close_story
 
 begin "LSM: channels in planes, thumbnails after each page, metres"
 like_twins lsm 6
@@ -209,7 +199,6 @@ refused "a TIFF with colours (3 values a pixel)" ycbcr.lsm
 truncate -s 5G a.lsm
 refused "an LSM of more than 4 GB" a.lsm
 rm a.lsm
-close_story
 
 begin "folders: a page each; what is wrong names the slice and its file"
 like_twins folders 2
@@ -219,15 +208,12 @@ refused "slice 4 of 5, s3.tif: it is 26x22 with 1 value of uint8 (0 is black), a
 refused "slice 1 of 5, s0.tif: a TIFF of 2 channels or frames; expected 1" channels
 refused "slice 1 of 5, s0.tif: a TIFF in which 0 is white" white
 refused "slice 1 of 10, c0z0.tif: a part of it is in another file, other.tif" set
-close_story
 
 begin "masks that zstd and a fax pack to a thousandth and less"
 like_twins close 2
-close_story
 
 begin "70000 pages of 35 volumes"
 like_twins many 2
-close_story
 
 begin "wrong numbers in directories: each file is opened or refused in one line"
 "$PYTHON" -B "$top/tests/volumes/tiff.py" break . $((8 * ${IFTTY_TEST_SCALE:-1}))
@@ -246,7 +232,6 @@ for name in bad/*; do
     [ $got = 0 ] || bad=$((bad + 1))
 done
 [ "$count" -ge 120 ] && [ $((4 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
-close_story
 
 begin "a label map of 32 bits is read by labels; info tells scenes from pictures"
 "$PYTHON" -c "import numpy, tifffile
@@ -263,6 +248,5 @@ expect 0 "$iftty" info rgb.tif
 out_has "R G B uint8"
 expect 0 "$iftty" info --json ij.tif
 out_has '"volumes": 6'
-close_story
 
 finish

@@ -112,7 +112,6 @@ expect 0 "$iftty" compare all.nii all.nii
 out_has "axes are sheared by 15 degrees; distances ignore that"
 expect 0 "$iftty" compare --json all.nii all.nii
 grep -q '"shear_degrees": 15' "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 begin "a straightened ball keeps its place and volume; the journal verifies"
 for scene in leans steep leans.nii steep.nii; do
@@ -148,7 +147,6 @@ out_has "its axes are oblique: up to 14 degrees off"
 expect 0 "$iftty" -c "open up.nii straighten=yes"
 out_has "straightened: its axes were 14 degrees off a right angle"
 ! grep -q "its axes are oblique" "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 begin "the same for a part, an interpolated scene, and a map of the original slices"
 measures "leans crop=4-47,4-55,5-28 reduce=2 straighten=yes"
@@ -169,6 +167,5 @@ rm -f j.iftty
 expect 0 "$iftty" -c "open leans straighten=yes; interpolate 1 2 2; seed 26,60,33 1 radius=3
     seed 2,2,2 0; run; info" --journal j.iftty
 expect 0 "$iftty" verify j.iftty
-close_story
 
 finish

@@ -23,12 +23,10 @@ enter_anew "$iftty tutorial ch2.nii.gz; echo ends \$?"
 see '^iftty: ch2.nii.gz is not a journal of a lesson; `iftty tutorial` begins one$'
 see '^ends 2$'
 same "$(left_behind)" ""
-close_story
 
 "$iftty" -c 'open ch2.nii.gz' </dev/null >/dev/null 2>&1 || {
     begin "the lesson"
     skip "there is no ch2.nii.gz here"
-    close_story
     finish
 }
 
@@ -59,7 +57,6 @@ see '^journal: tutorial-1\.iftty '
 sane
 same "$(left_behind)" "tutorial-1.iftty "
 expect 0 "$iftty" verify tutorial-1.iftty
-close_story
 
 # The user's configuration sets keys, but not the brush and the start of the lesson.
 begin "in the pilot: by the ten keys, left midway and gone on with; a step can be lost again"
@@ -111,6 +108,5 @@ see 'ch2> interpolate 1 1 2'
 see '^step 1 of 5, in the object: there is no seed of label 1 yet$'
 enter "quit"
 see '^journal: tutorial-3\.iftty '
-close_story
 
 finish

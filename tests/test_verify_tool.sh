@@ -39,7 +39,6 @@ for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do
     expect 2 "$iftty" verify --shard $wrong j1.iftty
 done
 rm -r far
-close_story
 
 begin "a folder stands for all journals in it and below, whatever their names are"
 deep=study/.hidden/deep/..more
@@ -96,7 +95,6 @@ expect 1 "$iftty" verify study --html page.html --junit report.xml
 out_has "not ok 2 - study/.hidden/deep/..more/c.Iftty"
 same "$(grep -c '<testcase' report.xml) $(grep -c '<failure' report.xml)" "6 1"
 cp j3.golden/first.exr $deep/c.Iftty.golden
-close_story
 
 begin "a folder that cannot be entered, or has no journal, fails"
 mkdir study/closed study/empty
@@ -127,7 +125,6 @@ err_has "cannot enter far/0"
 (cd far && rm -r 0*)
 expect 2 "$iftty" verify
 rm -r study far road
-close_story
 
 begin "a journal has the chain that is expected, or fails"
 chain=$(last_word chain j1.iftty)
@@ -148,7 +145,6 @@ done
 expect 2 "$iftty" verify one --expect "$chain"
 err_has "--expect: expected one journal, not 2"
 rm -r one
-close_story
 
 begin "bytes after the last record, which no chain covers, are none of the expected journal"
 cp j1.iftty sound
@@ -164,7 +160,6 @@ for tail in '# reviewed by Dr X, all well\n' '\n' 'seed 1,1,1 1' '\0\0\0'; do
     done
 done
 cp sound j1.iftty
-close_story
 
 begin "the first failure is the end, and what is left is named"
 cp j2.golden/first.exr j1.golden/first.exr
@@ -179,7 +174,6 @@ same "$(grep -c '<skipped/>' report.xml)" 2
 expect 1 "$iftty" verify --fail-fast --json j1.iftty j2.iftty
 out_has '"verified": false, "skipped": true'
 expect 0 "$iftty" verify --fail-fast -j 3 j2.iftty j3.iftty j4.iftty
-close_story
 
 begin "a failure says whether labels and voxels differ, or colours alone"
 expect 1 "$iftty" verify j1.iftty
@@ -190,7 +184,6 @@ cp dark.golden/first.exr j3.golden/first.exr
 expect 1 "$iftty" verify j3.iftty
 out_has "; colours alone differ, labels and voxels are the same"
 rm -r dark.*
-close_story
 
 begin "the slowest records of a journal"
 expect 0 "$iftty" verify --timings j4.iftty
@@ -199,7 +192,6 @@ grep '^#   took' out | sed 's/.*took *//; s/ ms.*//' >times
 sort -rn times | cmp -s - times || fail "they are not in order: $(cat out)"
 expect 0 "$iftty" verify --timings --json j4.iftty
 out_has '"slowest": ["'
-close_story
 
 begin "orphan golden images are all listed, and removed on request"
 cp j4.golden/first.exr j4.golden/third.exr
@@ -222,6 +214,5 @@ expect 0 "$iftty" verify j4.iftty
 cp j1.golden/first.exr j1.golden/third.exr
 expect 1 "$iftty" verify --remove-orphans j1.iftty
 [ -e j1.golden/third.exr ] || fail "it was removed"
-close_story
 
 finish

@@ -38,7 +38,6 @@ cp an-byte.img CAPITALS.IMG
 alike an-byte.hdr an-packed.hdr an-packed.img.gz CAPITALS.HDR CAPITALS.IMG
 expect 0 "$iftty" -c "open an-byte.img crop=2-9,3-12,0-5 reduce=2"
 out_has "4x5x3 voxels"
-close_story
 
 begin "MGH of FreeSurfer: five types, packed, several volumes, and without a place"
 for name in byte.mgh short.mgz int.mgz float.mgh ushort.mgh nowhere.mgh; do
@@ -59,7 +58,6 @@ import nibabel, sys
 a, b = (nibabel.load(name) for name in sys.argv[1:])
 assert (a.affine == b.affine).all() and b.shape == a.shape[:3], (a.affine, b.affine)
 END
-close_story
 
 begin "NRRD: eight types, two spaces, packed, beside its header"
 for name in short byte float char int uint ushort double; do
@@ -69,14 +67,12 @@ for name in short byte float; do
     opened_as RAS-$name.nrrd RAS-$name.nrrd.twin.nii
 done
 opened_as beside.nhdr beside.nhdr.twin.nii
-close_story
 
 begin "MetaImage: whole, packed, beside its header and nowhere else"
 for name in whole.mha packed.mha apart.mhd; do
     opened_as $name $name.twin.nii
 done
 expect 3 "$iftty" -c "open outside.mhd"
-close_story
 
 begin "MINC 1 and 2, MRC, VTK, GIPL, HDF5, TIFF, folders of TIFF and PNG, raw"
 for name in small.mnc tiny.mnc a.mrc a.vtk a.gipl a.h5 stack.tif tif-slices png-slices; do
@@ -91,7 +87,6 @@ err_has "it is MINC 1, which needs room in \$TMPDIR to read"
 opened_as minc2_4d.mnc minc2_4d.mnc.twin.nii volume=1
 opened_as two.h5 two.h5.twin.nii data=/grey
 opened_as raw:plain.raw plain.raw.twin.nii size=26,22,14 type=int16
-close_story
 
 begin "DICOM: as it is, by three packings, tilted, rescaled by slice, with a file twice"
 for name in ct ct-dcmcrle ct-dcmcjpeg ct-dcmcjpls tilted pet doubled; do
@@ -100,7 +95,6 @@ done
 opened_as times times.twin.nii volume=1
 opened_as mixed ct.twin.nii series=1
 opened_as gaps gaps.twin.nii missing=blank
-close_story
 
 begin "a head is the same from NIfTI and from DICOM: labels, slices, letters, rendition"
 opened_as oblique ni1.twin.nii
@@ -117,7 +111,6 @@ done
 for picture in m s; do
     expect 0 idiff -q "$work/head.nii.gz-$picture.png" "$work/head-$picture.png"
 done
-close_story
 
 begin "single files of DICOM are what pydicom makes of them; a preamble says nothing"
 for name in CT_small MR_small MR_small_RLE MR_small_bigendian MR_small_expb MR_small_implicit \
@@ -153,7 +146,6 @@ expect 0 "$iftty" -c "open one/left.dcm"
 out_has "they have 12 bits, up to bit 15: they are used unchanged"
 expect 0 "$iftty" -c "open one/unspaced.dcm spacing=0.5,0.25,1; measure 0,0,0 10,0,0"
 out_has "5.00 mm"
-close_story
 
 refused() { # WORDS COMMAND: in one line
     expect 3 "$iftty" -c "$2"
@@ -186,7 +178,6 @@ refused "one/bomb.dcm: a deflated DICOM file of more than 256 MB when it is infl
 refused "its pixels have colours" "open one/SC_rgb_rle.dcm"
 refused "its pixels have 1 bits; expected 8, 16 or 32" "open one/bits.dcm"
 refused "holds no pixels of whole numbers" "open one/float.dcm"
-close_story
 
 begin "what a file leaves open is asked, and what is wrong with it is said"
 refused "it holds 2 series; choose one with series=N, or with a piece of its description: \
@@ -259,7 +250,6 @@ printf '!INTERFILE :=\n' >pair/a.hdr
 refused "\`medcon -f FILE -c nifti\` makes a NIfTI of it" "open pair/a.hdr"
 mv pair/a.hdr pair/b.img
 refused "there is no b.hdr next to it, with its header" "open pair/b.img"
-close_story
 
 begin "what is refused, open and info explain alike: CIFTI, PAR/REC, AFNI, ECAT, colours"
 "$PYTHON" -W ignore - 2>"$work/err" <<'END' || fail "$(cat "$work/err")"
@@ -297,7 +287,6 @@ expect 3 "$iftty" -c "open $work/none.mgz"
 err_has "none.mgz: cut short: it ends within the header (14 bytes on disk)"
 expect 3 "$iftty" info "$work/none.mgz"
 err_has "none.mgz: cut short: it ends within the header (14 bytes on disk)"
-close_story
 
 begin "nothing private of a DICOM comes out, wherever one looks"
 secrets='SECRETNAME|SECRETNUMBER|19450508|1[.]2[.]826[.]0[.]1[.]3680043'
@@ -325,7 +314,6 @@ for file in "$work"/private/* "$work"/private/*/*; do
 done
 grep -q "scene=" "$work/private/j.iftty" || fail "$(cat "$work/private/said")"
 mv SECRET clash
-close_story
 
 # ---- a helper that misbehaves ----
 
@@ -381,7 +369,6 @@ odd_helper 'echo "volume 9 9 9 1 0 5 5 0"; printf DICOMint16
 for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done
 read voxels; echo "piece 5"; printf 12345; exit'
 told "ended with status 0"
-close_story
 
 begin "Ctrl-C is heard while a helper works, and the helper is gone"
 odd_helper 'echo $$ >"$0.pid"; echo progress 1 9; sleep 50 & wait'
@@ -392,7 +379,6 @@ kill -INT "$process"
 wait "$process"
 err_has "cancelled; nothing has changed"
 kill -0 "$(cat "$work/odd/iftty-volume.pid")" 2>/dev/null && fail "the helper lives on"
-close_story
 
 begin "a journal of another replays on such scenes, and reads no more than the folder it names"
 rm -rf "$work/there"
@@ -419,7 +405,6 @@ expect 3 "$iftty" replay j
 err_has "the folder holds no slices"
 expect 0 "$iftty" -c "open ct" # the user's own may be links
 cd "$work/v" || exit 1
-close_story
 
 begin "hundreds of files with wrong bytes: each is opened or refused in one line"
 cat >"$work/break.py" <<'END'
@@ -471,6 +456,5 @@ for name in an-short.hdr an-double.hdr ni2.hdr an-int.hdr.gz an-short.img LPS-sh
     rm -rf "$work/broken"
 done
 [ $((4 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
-close_story
 
 finish

@@ -37,20 +37,17 @@ typed UINT-big.mha uint32
 typed LONG_LONG-little.mha int64
 refused "a series of 2 volumes; choose one" times.mha
 refused "a series of 2 volumes; choose one" times-channels.mha
-close_story
 
 begin "VTK: nine types, binary and as text; two numbers a voxel are volumes"
 same_voxels *.vtk
 refused "a series of 2 volumes; choose one" times.vtk
 typed unsigned_int.vtk uint32
 typed double-text.vtk float64
-close_story
 
 begin "HDF5: ten types in both byte orders, three packings, and a series"
 same_voxels *-little.h5 *-big.h5 gzip.h5 shuffle.h5 sum.h5 times.h5
 typed u8-big.h5 uint64
 refused "a series of 2 volumes; choose one" times.h5
-close_story
 
 begin "HDF5 of ITK: its voxels at its place; big-endian ones are named"
 same_voxels itk-little.hdf5 times.hdf5
@@ -59,21 +56,18 @@ refused "its voxels are big-endian, which is not read of HDF5 of ITK" itk-big.hd
 expect 0 "$iftty" info itk-little.hdf5
 out_has "axes      RAS"
 out_has "1x1x1 mm"
-close_story
 
 begin "MRC: words and floats in both byte orders"
 same_voxels *.mrc
 typed u2-big.mrc uint16
 expect 0 "$iftty" info f4-big.mrc
 out_has "1x1x1 mm"
-close_story
 
 begin "GIPL: bytes, words and floats, and a series; wide whole numbers are named"
 same_voxels i1.gipl u1.gipl i2.gipl u2.gipl f4.gipl f8.gipl times.gipl
 refused "a series of 2 volumes; choose one" times.gipl
 refused "its voxels are of type 31 (uint32), which is not read" u4.gipl
 refused "its voxels are of type 32 (int32), which is not read" i4.gipl
-close_story
 
 begin "raw: ten types in both byte orders, after other bytes, plain and as gzip"
 for kind in int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64; do
@@ -93,18 +87,15 @@ expect 0 "$iftty" -c "open raw:int8-big.raw size=5,4,3 type=int8 offset=4 spacin
 out_has "5x4x3 voxels of 0.5x1x2 mm"
 expect 2 "$iftty" -c "open raw:int8-big.raw size=5,4,3 type=int24"
 err_has "type: expected"
-close_story
 
 begin "MINC 1 and 2: axes in other units than mm are refused"
 for name in um old-um; do
     refused "the unit of its axes is not mm, in which MINC is read" $name.mnc
 done
 for name in long none old; do expect 0 "$iftty" -c "open $name.mnc"; done
-close_story
 
 begin "NRRD in both byte orders, plain, as gzip, as hex and as text"
 same_voxels big-*.nrrd little-*.nrrd text.nrrd
-close_story
 
 begin "formats of scanners of which no file is available to test a reader are refused by name"
 mkdir bruker
@@ -116,7 +107,6 @@ refused "an image of a Bruker scanner, which is not read" bruker/2dseq
 refused "a Stimulate volume, which is not read" a.spr
 refused "a Stimulate volume, which is not read" a.sdt
 refused "an image of Siemens Vision (.ima) is not read" a.ima
-close_story
 
 begin "ANALYZE: a series, and units of length"
 same_voxels times.img mm.img
@@ -125,7 +115,6 @@ for unit in um:0.001 mm:1 cm:10; do
     expect 0 "$iftty" info "${unit%:*}.hdr"
     out_has "${unit#*:}x${unit#*:}x${unit#*:} mm"
 done
-close_story
 
 begin "PNG: 8 and 16 bits as they are, fewer spread over 8; a resolution is noted"
 same_voxels png-8 png-16 png-fine
@@ -136,7 +125,6 @@ done
 expect 0 "$iftty" -c "open png-fine"
 out_has "its resolution says pixels of 0.05x0.1 mm"
 out_has "voxel spacing unknown"
-close_story
 
 begin "PNG: palettes, colours and alpha are refused, as are slices that differ"
 refused "slice 1 of 3 has 3 values a pixel (colours, perhaps of a palette); expected grey" \
@@ -146,12 +134,10 @@ refused "slice 1 of 3 has 2 values a pixel (grey with alpha); expected grey: \`m
 refused "slice 3 of 3 is 5x4 with 1 value of uint16 a pixel, and the first 5x4 with 1 of uint8" \
     png-deeper
 refused "slice 3 of 3 is 5x3" png-shorter
-close_story
 
 begin "gzip around a format that has no such packing is named, with what unpacks it"
 for name in *.mha.gz *.vtk.gz *.h5.gz *.mrc.gz *.gipl.gz *.nrrd.gz; do
     refused "packed by gzip; \`gunzip\` it first" "$name"
 done
-close_story
 
 finish

@@ -29,7 +29,6 @@ see '^drawn, and not carried out yet: at 12,10,8, label 1 head$'
 see '^Where it is bright\.$'
 press Space
 see '^0 -[0-9.]+ m[lm]3?, 1 head \+[0-9.]+ m[lm]3?; 7680 voxels changed$'
-close_story
 
 begin "backspace leads back, a number to its step, and what was undone is said"
 press Space
@@ -45,7 +44,6 @@ press Space
 see '^step 6 of 6, record [0-9]+: seed 4,15,12 2 radius=1$'
 see '^drawn, and not carried out yet'
 see '^<b>Now</b> the "other" one\.$'
-close_story
 
 # Print the picture in characters, with escape sequences for colours.
 picture() {
@@ -71,7 +69,6 @@ see '^drawn, and not carried out yet'
 comes_true is_plain || fail "$(white) white characters"
 press BSpace
 see '^step 3 of 6, '
-close_story
 
 begin "no pager is started beside a stranger's journal: pages are printed"
 type_letters ":help"
@@ -81,7 +78,6 @@ see '^-- more --$'
 type_letters "q"
 see '^step 3 of 6, '
 [ -e "$work/paged" ] && fail "the pager of the user has run"
-close_story
 
 begin "one looks as one likes, and changes nothing"
 type_letters "]"
@@ -100,7 +96,6 @@ type_letters "c"
 see '^Where it is bright\.$'
 press x
 see '^step 3 of 6, '
-close_story
 
 begin "at the end it says whether the journal is verified"
 type_letters "G"
@@ -114,7 +109,6 @@ sane
 same "$(listing . | grep -v 'tmux\|modes')" "$before"
 expect 2 "$iftty" watch e.iftty
 err_has "needs a terminal; \`iftty replay JOURNAL\` needs none"
-close_story
 
 begin "--from and --until say where it begins and ends"
 enter_anew "$iftty watch e.iftty --from 3 --until 4; echo ends \$?"
@@ -131,7 +125,6 @@ see 'expected a step 1\.\.6'
 see '^ends 2$'
 enter_anew "$iftty watch e.iftty --from 4 --until 3; echo ends \$?"
 see '^ends 2$'
-close_story
 
 # at_terminal WORDS STATUS TEXT: run the program at a terminal; check its status and its output.
 at_terminal() {
@@ -145,7 +138,6 @@ sed 's/^open s.nii.*/open away\/..\/..\/other.nii/' e.iftty >out.iftty
 at_terminal out.iftty 3 "is not at away/"
 at_terminal "e.iftty --limit-memory 100k" 3 "--limit-memory"
 same "$(ls | grep -c iftty-)" 0
-close_story
 
 begin "one whose results are others is shown as far as it goes, and is not verified"
 printf 's/^seed 1,1,1 0/# \033]0;evil\a\\\nseed 1,1,2 0/\n' >edit
@@ -162,7 +154,6 @@ see '^NOT verified: .*record'
 type_letters "q"
 see '^ends 1$'
 sane
-close_story
 
 begin "the time that one looks is not the journal's"
 enter_anew "$iftty watch e.iftty --limit-time 2s"
@@ -176,6 +167,5 @@ type_letters "4G"
 see '^step 4 of 6, '
 type_letters "Gq"
 see '^verified: '
-close_story
 
 finish

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 # A real terminal for stories: tmux, 80x24, with a shell in it. Source it after lib.sh, in the
 # folder $work; it ends the script if tmux is missing.
-begin "at a terminal"
-needs tmux || { close_story; finish; }
+story="at a terminal"
+needs tmux || finish
+story=
 
 # A server of our own, independent of the user's; -u because LC_ALL=C does not select UTF-8.
 unset TMUX NO_COLOR PAGER

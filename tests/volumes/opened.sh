@@ -10,8 +10,7 @@ made_by() {
     mkdir "$work/v"
     "$PYTHON" -W ignore "$top/tests/volumes/$1" "$work/v" >"$work/made" 2>&1 ||
         fail "$(tail -n 3 "$work/made")"
-    [ "$failures" = 0 ] || { close_story; finish; }
-    close_story
+    [ "$failures" = 0 ] || finish
     cd "$work/v" || exit 1
 }
 
