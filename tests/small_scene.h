@@ -70,16 +70,7 @@ static inline void begin_with_scene(struct interpreter *interp)
 }
 
 /* Define a story whose `interp` begins with the scene. */
-#define SCENE_STORY(told)                                                                          \
-    static void told_##told(struct interpreter *interp);                                           \
-    STORY(told)                                                                                    \
-    {                                                                                              \
-        struct interpreter begun;                                                                  \
-        begin_with_scene(&begun);                                                                  \
-        told_##told(&begun);                                                                       \
-        interpreter_release(&begun);                                                               \
-    }                                                                                              \
-    static void told_##told(struct interpreter *interp)
+#define SCENE_STORY(told) BEGUN_STORY(told, begin_with_scene)
 
 /* The scene alone, in a new journal. */
 static inline void begin_with_journal(struct interpreter *interp, const char *name)

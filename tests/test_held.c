@@ -132,18 +132,16 @@ STORY(what_is_held_is_what_is_removed_then)
     }
 }
 
-STORY(a_single_tree_is_held_by_itself)
+SCENE_STORY(a_single_tree_is_held_by_itself)
 {
-    struct interpreter interp;
     struct held held;
-    begin_with_scene(&interp);
-    const struct session *session = interp.session;
+    const struct session *session = interp->session;
     const uint32_t cell = grid_cell(&session->scene->grid, 3, 3, 3);
     CHECK(session_find_held(&held, session, cell, true, &fault) == ERR_INPUT);
-    must(&interp, "seed 3,3,3 2 radius=1");
+    must(interp, "seed 3,3,3 2 radius=1");
     CHECK(session_find_held(&held, session, cell, true, &fault) == OK);
     CHECK(held.marker == 0 && held.seed == cell && held.waits == 1 && held.trees == 0);
-    must(&interp, "run");
+    must(interp, "run");
     CHECK(session_find_held(&held, session, cell, true, &fault) == OK);
     CHECK(held.marker == 0 && held.waits == 0 && held.trees == 1 && held.label == 2);
     CHECK(session_is_held(session, &held, cell) && !session_is_held(session, &held, cell + 1));
@@ -151,22 +149,18 @@ STORY(a_single_tree_is_held_by_itself)
     CHECK_INT(held.trees, 7);
     CHECK_INT(held.voxels, session->scene->grid.voxels);
     CHECK(session_is_held(session, &held, cell + 1));
-    interpreter_release(&interp);
 }
 
-STORY(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too)
+SCENE_STORY(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too)
 {
-    struct interpreter interp;
     struct held held;
-    begin_with_scene(&interp);
-    const struct session *session = interp.session;
+    const struct session *session = interp->session;
     const struct grid *grid = &session->scene->grid;
-    must(&interp, "outline 4,4,5 2 to=6,4,5 to=6,6,5 to=4,6,5 ring=1; run");
+    must(interp, "outline 4,4,5 2 to=6,4,5 to=6,6,5 to=4,6,5 ring=1; run");
     CHECK(session_find_held(&held, session, grid_cell(grid, 3, 5, 5), false, &fault) == OK);
     CHECK(held.marker == 1 && held.label == 2 && held.trees == 9 && !held.has_more);
     uint64_t voxels = 0;
     for (uint32_t cell = 0; cell < grid->cells; cell++)
         voxels += session->scene->cell[cell].label == 2;
     CHECK_INT(held.voxels, voxels);
-    interpreter_release(&interp);
 }

@@ -276,46 +276,40 @@ static void begin(struct interpreter *interp)
     must(interp, "auto on");
 }
 
-STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to)
+BEGUN_STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to, begin)
 {
-    struct interpreter interp;
     uint32_t at[3];
-    begin(&interp);
-    MUST_ANSWER(&interp, "hints", "no labels meet: there is no border to be uncertain of\n");
-    is_refused(&interp, "hint 1", "no labels meet");
-    must(&interp, "seed 1,1,1 1; seed 10,9,8 2; hints 2");
+    MUST_ANSWER(interp, "hints", "no labels meet: there is no border to be uncertain of\n");
+    is_refused(interp, "hint 1", "no labels meet");
+    must(interp, "seed 1,1,1 1; seed 10,9,8 2; hints 2");
     CHECK_TEXT(buf_text(&reply.words), "");
     CHECK_HAS(buf_text(&reply.text), "1  at ");
     CHECK_HAS(buf_text(&reply.text), " an edge of ");
     CHECK(sscanf(buf_text(&reply.text), "1  at %u,%u,%u", &at[0], &at[1], &at[2]) == 3);
-    must(&interp, "hint 1");
-    CHECK(memcmp(interp.session->now.outlook.slices.cross, at, sizeof at) == 0);
+    must(interp, "hint 1");
+    CHECK(memcmp(interp->session->now.outlook.slices.cross, at, sizeof at) == 0);
     char cross[64];
     snprintf(cross, sizeof cross, "cross %u,%u,%u", at[0], at[1], at[2]);
     CHECK_TEXT(buf_text(&reply.canonical), cross);
-    is_refused(&interp, "hint 999", "expected one of the ");
-    MUST_ANSWER(&interp, "hints label=3", "none at the border of that label\n");
-    must(&interp, "undo"); /* undoes the seeds: hints follow */
-    is_refused(&interp, "hint 1", "no labels meet");
-    must(&interp, "redo; hint 1");
+    is_refused(interp, "hint 999", "expected one of the ");
+    MUST_ANSWER(interp, "hints label=3", "none at the border of that label\n");
+    must(interp, "undo"); /* undoes the seeds: hints follow */
+    is_refused(interp, "hint 1", "no labels meet");
+    must(interp, "redo; hint 1");
     CHECK_TEXT(buf_text(&reply.canonical), cross);
-    must(&interp, "weight polarity");
-    is_refused(&interp, "hint 1", "under `weight polarity`");
-    interpreter_release(&interp);
+    must(interp, "weight polarity");
+    is_refused(interp, "hint 1", "under `weight polarity`");
 }
 
-STORY(a_report_has_all_of_them)
+BEGUN_STORY(a_report_has_all_of_them, begin)
 {
-    struct interpreter interp;
     struct buf text = {0};
-    begin(&interp);
-    must(&interp, "seed 1,1,1 1; seed 10,9,8 2");
-    is_refused(&interp, "hints report=h.csv", "expected a name that ends in .json");
-    MUST_MENTION(&interp, "hints 1 report=h.json", "wrote ");
+    must(interp, "seed 1,1,1 1; seed 10,9,8 2");
+    is_refused(interp, "hints report=h.csv", "expected a name that ends in .json");
+    MUST_MENTION(interp, "hints 1 report=h.json", "wrote ");
     CHECK(file_read(&text, "h.json", 1 << 20, NULL) == OK);
     CHECK_HAS(buf_text(&text), "{\"number\": 1, \"place\": \"");
     CHECK_HAS(buf_text(&text), "\"volume_mm3\": ");
     CHECK_HAS(buf_text(&text), "\"certainty_most\": ");
     buf_release(&text);
-    interpreter_release(&interp);
 }

@@ -411,17 +411,14 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, bo
     return stopped;
 }
 
-STORY(who_is_stopped_on_the_way_is_where_he_was)
+BEGUN_STORY(who_is_stopped_on_the_way_is_where_he_was, begin_with_history)
 {
-    struct interpreter interp;
     unsigned stopped = 0;
-    begin_with_history(&interp);
     for (size_t i = 0; i < TRAVELS; i++) {
-        stopped += stop_everywhere(&interp, travels[i], false, false);
-        must(&interp, "goto 17");
+        stopped += stop_everywhere(interp, travels[i], false, false);
+        must(interp, "goto 17");
     }
     CHECK(stopped > 2 * TRAVELS);
-    interpreter_release(&interp);
 }
 
 STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
@@ -625,8 +622,7 @@ static void lies_are_found(const char *before, const char *line, const char *key
     begin_at_root(&interp, path);
     must(&interp, "auto on; seed 1,1,1 1; seed 10,9,8 2; seed 10,9,9 2 joined=yes");
     must(&interp, before);
-    must(&interp, line);
-    CHECK_HAS(buf_text(&reply.words), truth);
+    MUST_RECORD(&interp, line, truth);
     interpreter_release(&interp);
     snprintf(found, sizeof found, "record 8 (line 16) diverges: %s is %s", key, truth);
     for (size_t i = 0; i < lies; i++) {
@@ -700,28 +696,25 @@ static unsigned syncs_of(struct interpreter *interp, const char *line)
     return syncs;
 }
 
-STORY(only_what_changes_how_one_looks_waits_to_be_synced)
+BEGUN_STORY(only_what_changes_how_one_looks_waits_to_be_synced, begin_interpreter)
 {
     static const char *const looks[] = {"turn 3",      "cross 2,2,2", "zoom 2",     "window 1 90",
                                         "shade cubes", "auto off",    "size 20 20", "view left"};
     static const char *const others[] = {
         "label 1 head", "hide 1",   "seed 1,1,1 1",   "run",    "weight sobel",        "undo",
         "goto 2",       "branch b", "clip axial 1-5", "render", "remove 1,1,1 of=tree"};
-    struct interpreter interp;
     own = pthread_self();
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, place("syncs.iftty"), &fault) == OK);
-    must(&interp, "open scene.nii; seed 5,5,5 2; seed 1,1,1 1; run");
+    CHECK(interpreter_create_journal(interp, place("syncs.iftty"), &fault) == OK);
+    must(interp, "open scene.nii; seed 5,5,5 2; seed 1,1,1 1; run");
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         const char *look = looks[i % (sizeof looks / sizeof *looks)];
-        if (!CHECK(syncs_of(&interp, look) == 0))
+        if (!CHECK(syncs_of(interp, look) == 0))
             printf("#   %s\n", look);
-        if (!CHECK(syncs_of(&interp, others[i]) >= 1))
+        if (!CHECK(syncs_of(interp, others[i]) >= 1))
             printf("#   %s\n", others[i]);
     }
-    CHECK_INT(syncs_of(&interp, "turn 4"), 0);
-    CHECK(syncs_of(&interp, "save labels labels.nii empty=yes") >= 1);
-    interpreter_release(&interp);
+    CHECK_INT(syncs_of(interp, "turn 4"), 0);
+    CHECK(syncs_of(interp, "save labels labels.nii empty=yes") >= 1);
 }
 
 int main(void)

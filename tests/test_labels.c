@@ -318,68 +318,59 @@ static void begin_leaking(struct interpreter *interp)
     must_in_folder(interp, "labels", "leak.nii", "erode=0");
 }
 
-STORY(a_correction_moves_the_border_of_a_file)
+BEGUN_STORY(a_correction_moves_the_border_of_a_file, begin_leaking)
 {
-    struct interpreter interp;
     uint64_t digest;
-    begin_leaking(&interp);
-    CHECK_INT(differing(interp.session), 0);
-    digest = forest_digest(interp.session->forest);
-    must(&interp, "seed 7,4,3 2");
-    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 2);
-    CHECK_INT(at_voxel(&interp, 8, 4, 3)->flags & CELL_SEED, 0);
-    CHECK_INT(at_voxel(&interp, 9, 4, 3)->flags & CELL_SEED, CELL_SEED); /* of its own label */
-    CHECK_INT(at_voxel(&interp, 8, 8, 3)->label, 1);                     /* four voxels away */
-    must(&interp, "remove 7,4,3");
-    CHECK(forest_digest(interp.session->forest) == digest);
-    must(&interp, "undo");
-    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 2);
-    must(&interp, "undo");
-    CHECK(forest_digest(interp.session->forest) == digest);
-    must(&interp, "box 6,1,2 7,3,4 2");
-    CHECK_INT(at_voxel(&interp, 8, 2, 3)->label, 2);
-    must(&interp, "undo; fill 7,1,1 2 to=7,4,1 to=7,4,4");
-    CHECK_INT(at_voxel(&interp, 8, 3, 2)->label, 2);
-    must(&interp, "undo");
-    CHECK(forest_digest(interp.session->forest) == digest);
-    must(&interp, "seed 7,4,3 2 within=4");
-    CHECK_INT(at_voxel(&interp, 8, 6, 3)->flags & CELL_SEED, 0);
-    must(&interp, "undo; seed 7,4,3 1 radius=1"); /* the label that it has */
-    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 1);
-    CHECK_INT(at_voxel(&interp, 9, 5, 3)->flags & CELL_SEED, CELL_SEED);
-    interpreter_release(&interp);
+    CHECK_INT(differing(interp->session), 0);
+    digest = forest_digest(interp->session->forest);
+    must(interp, "seed 7,4,3 2");
+    CHECK_INT(at_voxel(interp, 8, 4, 3)->label, 2);
+    CHECK_INT(at_voxel(interp, 8, 4, 3)->flags & CELL_SEED, 0);
+    CHECK_INT(at_voxel(interp, 9, 4, 3)->flags & CELL_SEED, CELL_SEED); /* of its own label */
+    CHECK_INT(at_voxel(interp, 8, 8, 3)->label, 1);                     /* four voxels away */
+    must(interp, "remove 7,4,3");
+    CHECK(forest_digest(interp->session->forest) == digest);
+    must(interp, "undo");
+    CHECK_INT(at_voxel(interp, 8, 4, 3)->label, 2);
+    must(interp, "undo");
+    CHECK(forest_digest(interp->session->forest) == digest);
+    must(interp, "box 6,1,2 7,3,4 2");
+    CHECK_INT(at_voxel(interp, 8, 2, 3)->label, 2);
+    must(interp, "undo; fill 7,1,1 2 to=7,4,1 to=7,4,4");
+    CHECK_INT(at_voxel(interp, 8, 3, 2)->label, 2);
+    must(interp, "undo");
+    CHECK(forest_digest(interp->session->forest) == digest);
+    must(interp, "seed 7,4,3 2 within=4");
+    CHECK_INT(at_voxel(interp, 8, 6, 3)->flags & CELL_SEED, 0);
+    must(interp, "undo; seed 7,4,3 1 radius=1"); /* the label that it has */
+    CHECK_INT(at_voxel(interp, 8, 4, 3)->label, 1);
+    CHECK_INT(at_voxel(interp, 9, 5, 3)->flags & CELL_SEED, CELL_SEED);
 }
 
-STORY(what_belongs_to_third_labels_does_not_give_way)
+BEGUN_STORY(what_belongs_to_third_labels_does_not_give_way, begin_leaking)
 {
-    struct interpreter interp;
-    begin_leaking(&interp);
-    must(&interp, "seed 7,5,7 2 radius=1"); /* in 1, next to 3 */
-    CHECK_INT(at_voxel(&interp, 8, 6, 8)->flags & CELL_SEED, 0);
-    CHECK_INT(at_voxel(&interp, 8, 7, 8)->flags & CELL_SEED, CELL_SEED);
-    CHECK_INT(at_voxel(&interp, 8, 8, 7)->label, 3);
-    must(&interp, "seed 7,7,7 2"); /* in 3 itself */
-    CHECK_INT(at_voxel(&interp, 8, 7, 8)->flags & CELL_SEED, 0);
-    interpreter_release(&interp);
+    must(interp, "seed 7,5,7 2 radius=1"); /* in 1, next to 3 */
+    CHECK_INT(at_voxel(interp, 8, 6, 8)->flags & CELL_SEED, 0);
+    CHECK_INT(at_voxel(interp, 8, 7, 8)->flags & CELL_SEED, CELL_SEED);
+    CHECK_INT(at_voxel(interp, 8, 8, 7)->label, 3);
+    must(interp, "seed 7,7,7 2"); /* in 3 itself */
+    CHECK_INT(at_voxel(interp, 8, 7, 8)->flags & CELL_SEED, 0);
 }
 
-STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing)
+BEGUN_STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing, begin_leaking)
 {
-    struct interpreter interp;
-    begin_leaking(&interp);
-    must(&interp, "undo; seed 3,4,4 7 radius=1"); /* within what will be label 1 */
-    must_in_folder(&interp, "labels", "leak.nii", "");
-    CHECK_INT(differing(interp.session), 0);
-    must(&interp, "undo 2");
-    must_in_folder(&interp, "labels", "leak.nii", "regions=3 as=5");
-    CHECK_INT(at_voxel(&interp, 7, 8, 8)->label, 5);
-    CHECK_INT(at_voxel(&interp, 0, 0, 0)->label, 0);
-    must_in_folder(&interp, "labels", "leak.nii", "regions=2 as=6");
-    CHECK_INT(at_voxel(&interp, 7, 8, 8)->label, 5);
-    CHECK_INT(at_voxel(&interp, 8, 8, 8)->label, 5); /* next to label 6 */
-    CHECK_INT(at_voxel(&interp, 9, 8, 8)->label, 6);
-    CHECK_INT(at_voxel(&interp, 8, 4, 4)->label, 0);
-    interpreter_release(&interp);
+    must(interp, "undo; seed 3,4,4 7 radius=1"); /* within what will be label 1 */
+    must_in_folder(interp, "labels", "leak.nii", "");
+    CHECK_INT(differing(interp->session), 0);
+    must(interp, "undo 2");
+    must_in_folder(interp, "labels", "leak.nii", "regions=3 as=5");
+    CHECK_INT(at_voxel(interp, 7, 8, 8)->label, 5);
+    CHECK_INT(at_voxel(interp, 0, 0, 0)->label, 0);
+    must_in_folder(interp, "labels", "leak.nii", "regions=2 as=6");
+    CHECK_INT(at_voxel(interp, 7, 8, 8)->label, 5);
+    CHECK_INT(at_voxel(interp, 8, 8, 8)->label, 5); /* next to label 6 */
+    CHECK_INT(at_voxel(interp, 9, 8, 8)->label, 6);
+    CHECK_INT(at_voxel(interp, 8, 4, 4)->label, 0);
 }
 
 /* Any command of a session that begins with a file. */
@@ -487,8 +478,7 @@ SCENE_STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
     CHECK_HAS(buf_text(&reply.words), "marker=1");
     CHECK_HAS(buf_text(&reply.text),
               "nothing holds label 2 cerebellum back, and a run grows it over all of the scene\n");
-    must(interp, "undo; range 100 255");
-    MUST_MENTION(interp, "object 2 threshold 100..255 from=11,10,9",
+    MUST_MENTION(interp, "undo; range 100 255; object 2 threshold 100..255 from=11,10,9",
                  "all of the region of interest\n");
     must_leave_seeds(interp, "undo 2", 0);
     must(interp, "seed 11,10,9 2; object 2 threshold 100..255");

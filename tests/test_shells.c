@@ -57,8 +57,8 @@ STORY(an_object_does_not_leave_its_shell)
 STORY(a_shell_is_one_marker)
 {
     begin_with_journal(&interp, "marker.iftty");
-    must(&interp, "auto on; seed 5,5,5 1; seed 5,5,5 0 shell=yes radius=3; remove 5,5,2");
-    CHECK_HAS(buf_text(&reply.words), "removed=2");
+    MUST_RECORD(&interp, "auto on; seed 5,5,5 1; seed 5,5,5 0 shell=yes radius=3; remove 5,5,2",
+                "removed=2");
     CHECK_INT(forest_seeds(interp.session->forest), 1);
     must(&interp, "undo");
     CHECK(forest_seeds(interp.session->forest) > 50);
@@ -109,8 +109,7 @@ STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
 STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
 {
     begin_with_journal(&interp, "why.iftty");
-    must(&interp, "label 2 \"left hemi\"");
-    must(&interp, "seed 1,1,1 1; run");
+    must(&interp, "label 2 \"left hemi\"; seed 1,1,1 1; run");
     MUST_MENTION(&interp, "why 9,1,1", ": its strongest edge\n");
     CHECK(!strstr(buf_text(&reply.text), "next is label"));
     must(&interp, "seed 10,1,1 2; run");
@@ -135,8 +134,8 @@ STORY(the_first_gesture_may_be_a_shell)
 STORY(the_middle_of_a_shell_may_lie_outside_the_region)
 {
     begin_with_journal(&interp, "outside.iftty");
-    must(&interp, "range 60 255; seed 5,5,5 0 radius=4 shell=yes");
-    CHECK_HAS(buf_text(&reply.text), "left out, outside the region of interest: ");
+    MUST_MENTION(&interp, "range 60 255; seed 5,5,5 0 radius=4 shell=yes",
+                 "left out, outside the region of interest: ");
     must(&interp, "seed 9,9,9 1; run");
     CHECK(beyond(1, 4) > 0);
     interpreter_release(&interp);

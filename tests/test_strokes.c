@@ -323,11 +323,9 @@ JOURNAL_STORY(a_label_may_be_called_by_several_words, "names.iftty")
 {
     must(&interp, "label 1 'left hemi' #FF00Aa");
     is_recorded_as("label 1 \"left hemi\" #ff00aa");
-    must(&interp, "label 2 \"right hemi\"");
-    must(&interp, "seed 1,1,1 'left hemi'");
+    must(&interp, "label 2 \"right hemi\"; seed 1,1,1 'left hemi'");
     is_recorded_as("seed 1,1,1 1");
-    must(&interp, "seed 9,9,9 \"right hemi\"");
-    must(&interp, "label 4 c#4");
+    must(&interp, "seed 9,9,9 \"right hemi\"; label 4 c#4");
     write_text("named.csv", "5,5,5,right hemi # there\n6,6,6,c#4\n");
     must(&interp, "seed-file named.csv; run");
     is_refused(&interp, "label 3 'a b '", "expected a name of at most 31 bytes");

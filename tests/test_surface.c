@@ -570,35 +570,29 @@ STORY(a_scene_too_far_from_the_origin_is_refused)
     surface_free(s);
 }
 
-STORY(commands_say_what_they_wrote_and_what_is_wrong)
+BEGUN_STORY(commands_say_what_they_wrote_and_what_is_wrong, begin_interpreter)
 {
-    struct interpreter interp;
     char line[FOLDER_LENGTH + 64];
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x30x20");
-    CHECK_INT(execute(&interp, "save surface x.nii"), ERR_USAGE);
-    CHECK_HAS(fault.text, "x.nii: expected the name of a surface, .stl, .ply, .obj or .vtp");
+    must(interp, "open synth:geom:40x30x20");
+    MUST_FAIL(interp, "save surface x.nii", ERR_USAGE,
+              "x.nii: expected the name of a surface, .stl, .ply, .obj or .vtp");
     snprintf(line, sizeof line, "save surface %s", file_in(folder, "a.ply"));
-    CHECK_INT(execute(&interp, line), ERR_INPUT);
-    CHECK_HAS(fault.text, "no voxel has a label above 0: plant a `seed` first");
-    must(&interp, "seed 20,15,10 1; seed 2,2,2 2");
-    MUST_MENTION(&interp, line, "wrote ");
+    MUST_FAIL(interp, line, ERR_INPUT, "no voxel has a label above 0: plant a `seed` first");
+    must(interp, "seed 20,15,10 1; seed 2,2,2 2");
+    MUST_MENTION(interp, line, "wrote ");
     CHECK_HAS(buf_text(&reply.text), "label 1: ");
     CHECK_HAS(buf_text(&reply.text), " triangles around ");
     CHECK_HAS(buf_text(&reply.text), "label 2: ");
     CHECK_HAS(buf_text(&reply.words), "labels=");
-    CHECK_INT(execute(&interp, line), ERR_IO);
-    CHECK_HAS(fault.text, "exists already");
+    MUST_FAIL(interp, line, ERR_IO, "exists already");
     strcat(line, " replace=yes label=1 smooth=0 triangles=500");
-    must(&interp, line);
+    must(interp, line);
     CHECK(strstr(buf_text(&reply.text), "label 2") == NULL);
     snprintf(line, sizeof line, "save surface %s", file_in(folder, "a.stl"));
-    MUST_MENTION(&interp, line, "all labels: ");
+    MUST_MENTION(interp, line, "all labels: ");
     strcat(line, " label=7"); /* reported before the existing file */
-    CHECK_INT(execute(&interp, line), ERR_INPUT);
-    CHECK_HAS(fault.text, "no voxel has label 7; nothing was written");
-    CHECK_INT(execute(&interp, "save labels x.nii label=1"), ERR_USAGE);
-    CHECK_HAS(fault.text, "are for `save surface`, not for labels");
-    CHECK_INT(execute(&interp, "save surface x.ply label=0"), ERR_USAGE);
-    interpreter_release(&interp);
+    MUST_FAIL(interp, line, ERR_INPUT, "no voxel has label 7; nothing was written");
+    MUST_FAIL(interp, "save labels x.nii label=1", ERR_USAGE,
+              "are for `save surface`, not for labels");
+    CHECK_INT(execute(interp, "save surface x.ply label=0"), ERR_USAGE);
 }
