@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Outlines drawn and outlines found: pixels of panes compared with a plain list of voxels, and the
- * outline that is found for a correction.
+ * outline that is found for a correction; pixels of the rendition's pane.
  */
 #include "program/programs.h"
 #include "session/paint.h"
@@ -174,5 +174,32 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
         CHECK(pane != first || place[axis] != at);
     buf_release(&line);
     buf_release(&words);
+    interpreter_release(&interp);
+}
+
+/* The rendition in a large pane has more pixels than the view, also before it is drawn. */
+STORY(a_pixel_of_the_rendition_is_one_of_its_pane)
+{
+    static const char *const lines[] = {"size 16 16", "size 40 20", "size 512 512",
+                                        "size 16 16; render"};
+    const struct pilot_wish wish = {
+        .width = 320, .height = 320, .cell_width = 8, .cell_height = 16};
+    struct pilot_facts facts;
+    struct image_view view;
+    uint32_t place[3];
+    begin();
+    must(&interp, "seed 12,14,9 1; run");
+    CHECK(host.picture(&pilot, &wish, &view, NULL) == OK); /* as large as the pane will be */
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        must(&interp, lines[i]);
+        CHECK(host.facts(&pilot, &facts));
+        const uint32_t middle[] = {facts.frame_width / 2, facts.frame_height / 2};
+        CHECK(!host.voxel_of_frame(&pilot, middle[0], middle[1], place)); /* not drawn yet */
+        CHECK(host.picture(&pilot, &wish, &view, NULL) == OK);
+        CHECK_INT(facts.frame_width, session_frame(interp.session)->width);
+        CHECK_INT(facts.frame_height, session_frame(interp.session)->height);
+        CHECK(host.voxel_of_frame(&pilot, middle[0], middle[1], place));
+    }
+    panes_release(&pilot.panes);
     interpreter_release(&interp);
 }

@@ -129,6 +129,13 @@ static bool has_one_label(const struct session *session)
     return found > 0;
 }
 
+/* The view of the rendition in its pane, which may not be drawn yet. */
+static struct view view_of_pane(const struct pilot_interpreter *pilot)
+{
+    const struct mosaic_box *box = &pilot->panes.panel.layout.box[MOSAIC_RENDITION];
+    return session_view_in_room(pilot->interp->session, (uint32_t[]){box->width, box->height});
+}
+
 static bool host_facts(void *context, struct pilot_facts *out)
 {
     static const uint32_t first[3] = {0};
@@ -140,15 +147,14 @@ static bool host_facts(void *context, struct pilot_facts *out)
     const struct scene *scene = session->scene;
     const struct outlook *outlook = &session->now.outlook;
     const struct slice_settings *s = &outlook->slices;
-    const struct rendition *frame = session_frame(session); /* shown in the panel
-                                                               (session_draw_fitting) */
+    const struct view view = view_of_pane(pilot);
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .intensity =
                                     levels_value(&session->geometry, session->levels,
                                                  scene->cell[cell_at(session, s->cross)].intensity),
                                 .times = s->times,
-                                .frame_width = frame->depth ? frame->width : outlook->view.width,
-                                .frame_height = frame->depth ? frame->height : outlook->view.height,
+                                .frame_width = view.width,
+                                .frame_height = view.height,
                                 .overlay = s->overlay,
                                 .has_object = panes_have_object(session),
                                 .has_one_object = has_one_label(session),
@@ -540,7 +546,10 @@ static bool host_voxel_of_frame(void *context, uint32_t column, uint32_t row, ui
 {
     const struct session *session = session_of(context);
     const struct rendition *r = session_frame(session);
-    return session_rendered(session) && column < r->width && row < r->height &&
+    const struct view view = view_of_pane(context);
+    const bool is_drawn =
+        session_rendered(session) && r->width == view.width && r->height == view.height;
+    return is_drawn && column < r->width && row < r->height &&
            find_voxel(session, r->cell[(size_t)row * r->width + column], place);
 }
 
