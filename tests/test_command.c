@@ -81,21 +81,18 @@ static void canonical(struct buf *out, const char *line, const struct session *s
     call_release(&call);
 }
 
-STORY(every_example_parses_and_its_canonical_form_is_its_own)
+BEGUN_STORY(every_example_parses_and_its_canonical_form_is_its_own, begin_interpreter)
 {
-    struct interpreter interp;
     struct buf once = {0}, twice = {0};
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom");
+    must(interp, "open synth:geom");
     for (unsigned i = 0; i < command_count(); i++) {
-        canonical(&once, command_at(i)->example, interp.session);
-        canonical(&twice, buf_text(&once), interp.session);
+        canonical(&once, command_at(i)->example, interp->session);
+        canonical(&twice, buf_text(&once), interp->session);
         CHECK_TEXT(buf_text(&twice), buf_text(&once));
         CHECK_TEXT(buf_text(&once), command_at(i)->example);
     }
     buf_release(&once);
     buf_release(&twice);
-    interpreter_release(&interp);
 }
 
 /* Return the form of a parameter in help. */
@@ -457,7 +454,7 @@ SCENE_STORY(each_synonym_suggests_one_command)
     CHECK_HAS(said, "|exit|");
 }
 
-STORY(an_error_names_the_expected_form)
+SCENE_STORY(an_error_names_the_expected_form)
 {
     static const char *const row[][2] = {
         {"sede 1,1,1 1", "unknown command sede; did you mean seed?"},
@@ -608,20 +605,17 @@ STORY(an_error_names_the_expected_form)
         {"render missing-folder/x.exr", "there is no folder"},
         {"\x1b]0;title\x07", "\\x1b]0;title\\x07"},
     };
-    struct interpreter interp;
-    begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        is_refused(&interp, row[i][0], row[i][1]);
+        is_refused(interp, row[i][0], row[i][1]);
     char *lengthy = malloc(100001);
     if (CHECK(lengthy != NULL)) {
         memset(lengthy, 'a', 100000);
         lengthy[100000] = '\0';
-        is_refused(&interp, lengthy, "longer than 65535 bytes");
+        is_refused(interp, lengthy, "longer than 65535 bytes");
         lengthy[4000] = '\0';
-        is_refused(&interp, lengthy, "unknown command aaaa");
+        is_refused(interp, lengthy, "unknown command aaaa");
     }
     free(lengthy);
-    interpreter_release(&interp);
 }
 
 /* Check the word under the caret of an error; "" for a position behind the end. */
@@ -662,24 +656,21 @@ SCENE_STORY(an_error_has_the_position_of_the_wrong_word)
     CHECK_INT(fault.at, 0);
 }
 
-STORY(without_a_scene_only_what_needs_none_works)
+BEGUN_STORY(without_a_scene_only_what_needs_none_works, begin_interpreter)
 {
-    struct interpreter interp;
-    begin_interpreter(&interp);
     for (unsigned i = 0; i < command_count(); i++) {
         const struct command *c = command_at(i);
         if (c->flags & COMMAND_NEEDS_SCENE)
-            is_refused(&interp, c->example, "scene");
+            is_refused(interp, c->example, "scene");
     }
-    is_refused(&interp, "seed 1,1,1 1", "no scene is open; open one first");
-    is_refused(&interp, "run", "run needs a scene; open one first");
-    is_refused(&interp, "open synth:geom:333", "each of X, Y, Z 1 or 2");
-    is_refused(&interp, "open synth:cube", "nothing was opened");
-    MUST_MENTION(&interp, "label 1 liver; auto on; info", "no scene is open");
-    MUST_MENTION(&interp, "help seed", "radius=0..512");
-    must(&interp, "quit");
-    CHECK(interp.wish == WISH_QUIT);
-    interpreter_release(&interp);
+    is_refused(interp, "seed 1,1,1 1", "no scene is open; open one first");
+    is_refused(interp, "run", "run needs a scene; open one first");
+    is_refused(interp, "open synth:geom:333", "each of X, Y, Z 1 or 2");
+    is_refused(interp, "open synth:cube", "nothing was opened");
+    MUST_MENTION(interp, "label 1 liver; auto on; info", "no scene is open");
+    MUST_MENTION(interp, "help seed", "radius=0..512");
+    must(interp, "quit");
+    CHECK(interp->wish == WISH_QUIT);
 }
 
 SCENE_STORY(comments_and_empty_lines_do_nothing)
@@ -905,43 +896,40 @@ static void begin_with_files(struct interpreter *interp)
     CHECK(chdir(place("files")) == 0);
 }
 
-STORY(completion_offers_files)
+BEGUN_STORY(completion_offers_files, begin_with_files)
 {
-    struct interpreter interp;
-    begin_with_files(&interp);
-    completes(&interp, "open a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
-    completes(&interp, "open a.", "a.nii\n", 5);
-    completes(&interp, "open \"a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
-    completes(&interp, "open \"a.", "\"a.nii\"\n", 5);
-    completes(&interp, "open \"a.nii\"", "", 12);
-    completes(&interp, "open m", "masks/\nmissing=\n", 5);
-    completes(&interp, "open l", "link/\n", 5);
-    completes(&interp, "open masks/", "masks/m.nii\n", 5);
-    completes(&interp, "open masks/n", "", 5);
-    completes(&interp, "open t", "\"to do/\ntype=\n", 5);
-    completes(&interp, "open \"to do/", "\"to do/one.nii\"\n", 5);
-    completes(&interp, "open ./a.", "./a.nii\n", 5);
-    completes(&interp, "open #", "\"#hash.nii\"\n", 5);
-    completes(&interp, "open ./#", "./#hash.nii\n", 5);
-    completes(&interp, "open \"\\\"", "\"\\\"q\\\\.nii\"\n", 5);
-    completes(&interp, "open b", "b\xc3\xa4r.nii\n", 5); /* others cannot be in a command */
-    completes(&interp, "open .", ".hidden\n", 5);
-    completes(&interp, "open \"\"x", "", 8);
-    completes(&interp, "save labels m", "masks/\n", 12);
-    completes(&interp, "weight m", "morph\nmasks/\n", 7);
-    completes(&interp, "slice axial m", "masks/\n", 12);
-    completes(&interp, "slice axial 3 m", "masks/\n", 14);
-    completes(&interp, "render l", "link/\nlayout=\n", 7);
-    completes(&interp, "render layout=l", "lines\n", 14);
-    completes(&interp, "seed 1,1,1 m", "", 11);
-    completes(&interp, "hide \"co", "\"cortex\"\n", 5);
-    completes(&interp, "save nowhere/", "", 5);
+    completes(interp, "open a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
+    completes(interp, "open a.", "a.nii\n", 5);
+    completes(interp, "open \"a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
+    completes(interp, "open \"a.", "\"a.nii\"\n", 5);
+    completes(interp, "open \"a.nii\"", "", 12);
+    completes(interp, "open m", "masks/\nmissing=\n", 5);
+    completes(interp, "open l", "link/\n", 5);
+    completes(interp, "open masks/", "masks/m.nii\n", 5);
+    completes(interp, "open masks/n", "", 5);
+    completes(interp, "open t", "\"to do/\ntype=\n", 5);
+    completes(interp, "open \"to do/", "\"to do/one.nii\"\n", 5);
+    completes(interp, "open ./a.", "./a.nii\n", 5);
+    completes(interp, "open #", "\"#hash.nii\"\n", 5);
+    completes(interp, "open ./#", "./#hash.nii\n", 5);
+    completes(interp, "open \"\\\"", "\"\\\"q\\\\.nii\"\n", 5);
+    completes(interp, "open b", "b\xc3\xa4r.nii\n", 5); /* others cannot be in a command */
+    completes(interp, "open .", ".hidden\n", 5);
+    completes(interp, "open \"\"x", "", 8);
+    completes(interp, "save labels m", "masks/\n", 12);
+    completes(interp, "weight m", "morph\nmasks/\n", 7);
+    completes(interp, "slice axial m", "masks/\n", 12);
+    completes(interp, "slice axial 3 m", "masks/\n", 14);
+    completes(interp, "render l", "link/\nlayout=\n", 7);
+    completes(interp, "render layout=l", "lines\n", 14);
+    completes(interp, "seed 1,1,1 m", "", 11);
+    completes(interp, "hide \"co", "\"cortex\"\n", 5);
+    completes(interp, "save nowhere/", "", 5);
     setenv("HOME", place("files/masks"), 1);
-    completes(&interp, "open ~/m", "~/m.nii\n", 5);
-    completes(&interp, "save labels \"~/", "\"~/m.nii\"\n", 12);
+    completes(interp, "open ~/m", "~/m.nii\n", 5);
+    completes(interp, "save labels \"~/", "\"~/m.nii\"\n", 12);
     unsetenv("HOME");
     CHECK(chdir(folder) == 0);
-    interpreter_release(&interp);
 }
 
 SCENE_STORY(a_key_that_is_given_is_not_offered_again)
@@ -1729,7 +1717,7 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, un
 }
 
 /* A command is undone wherever it is stopped. */
-STORY(a_command_that_is_cancelled_is_undone)
+BEGUN_STORY(a_command_that_is_cancelled_is_undone, begin_interesting_work)
 {
     static const char lines[] =
         "adjacency 26; run; render; render mode=sp; weight sobel; weight gauss 2; hide 1; "
@@ -1737,24 +1725,21 @@ STORY(a_command_that_is_cancelled_is_undone)
         "range 0 300; undo 3; seed 4,4,4 1 radius=4 to=30,30,30 to=4,30,4; box 1,1,1 30,30,30 2; "
         "fill 1,1,5 1 to=30,1,5 to=15,30,5; outline 4,1,4 1 to=4,30,2 to=4,15,30; mosaic";
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
-    struct interpreter interp;
     struct buf line = {0};
     struct snapshot before;
     unsigned cancelled = 0;
-    begin_interesting_work(&interp);
-    take_snapshot(&before, &interp);
+    take_snapshot(&before, interp);
     for (const char *at = lines; next_line(&line, &at);)
         cancelled +=
-            stop_everywhere(&interp, buf_text(&line), looks_of(&interp, buf_text(&line)), &before);
+            stop_everywhere(interp, buf_text(&line), looks_of(interp, buf_text(&line)), &before);
     buf_release(&line);
     CHECK(cancelled > 60);
-    must(&interp, "run; render");
-    take_snapshot(&before, &interp);
+    must(interp, "run; render");
+    take_snapshot(&before, interp);
     for (size_t i = 0; i < sizeof picture / sizeof picture[0]; i++) /* with nothing else to do */
-        CHECK(stop_everywhere(&interp, picture[i], 1, &before) == 1);
-    CHECK(forest_check(interp.session->forest, NULL));
-    CHECK(border_check(&interp.session->border, NULL));
-    interpreter_release(&interp);
+        CHECK(stop_everywhere(interp, picture[i], 1, &before) == 1);
+    CHECK(forest_check(interp->session->forest, NULL));
+    CHECK(border_check(&interp->session->border, NULL));
 }
 
 /* Stop a command at looks further and further apart until it succeeds; return the number of
@@ -1779,14 +1764,11 @@ static unsigned stop_until_done(struct interpreter *interp, const char *line)
     return cancelled;
 }
 
-STORY(interpolation_that_is_cancelled_is_undone)
+BEGUN_STORY(interpolation_that_is_cancelled_is_undone, begin_interpreter)
 {
-    struct interpreter interp;
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:120x100x90; range 0 300; render mode=sp");
-    CHECK(stop_until_done(&interp, "interpolate 2 1 1") > 5);
-    CHECK_INT(interp.session->scene->grid.size[0], 239);
-    interpreter_release(&interp);
+    must(interp, "open synth:geom:120x100x90; range 0 300; render mode=sp");
+    CHECK(stop_until_done(interp, "interpolate 2 1 1") > 5);
+    CHECK_INT(interp->session->scene->grid.size[0], 239);
 }
 
 STORY(opening_that_is_cancelled_opens_nothing)

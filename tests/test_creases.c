@@ -155,22 +155,19 @@ static uint64_t digest_after(struct interpreter *interp, const char *lines)
     return rendition_digest(session_frame(interp->session));
 }
 
-STORY(creases_follow_each_edit_of_a_session)
+BEGUN_STORY(creases_follow_each_edit_of_a_session, begin_interpreter)
 {
-    struct interpreter interp;
     uint64_t random = 3;
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x40x40; auto on; size 90 90; zoom 2; view 30 20; "
-                  "shade surface creases=yes ao=50");
+    must(interp, "open synth:geom:40x40x40; auto on; size 90 90; zoom 2; view 30 20; "
+                 "shade surface creases=yes ao=50");
     for (int i = 0; i < 40 && check_failures == 0; i++) {
         char line[80];
         random_command(line, sizeof line, "seed X,Y,Z <5> radius=3", (const uint32_t[]){40, 40, 40},
                        &random);
-        must(&interp, i % 5 == 4 ? "undo" : line);
+        must(interp, i % 5 == 4 ? "undo" : line);
         if (i % 10 == 6)
-            must(&interp, i % 20 == 6 ? "clip axial 0-20" : "clip none");
-        const uint64_t updated = digest_after(&interp, "render mode=ii");
-        CHECK_INT(digest_after(&interp, i % 2 ? "render mode=ray" : "render mode=sp"), updated);
+            must(interp, i % 20 == 6 ? "clip axial 0-20" : "clip none");
+        const uint64_t updated = digest_after(interp, "render mode=ii");
+        CHECK_INT(digest_after(interp, i % 2 ? "render mode=ray" : "render mode=sp"), updated);
     }
-    interpreter_release(&interp);
 }

@@ -195,67 +195,58 @@ static uint64_t digest_of(struct interpreter *interp, const char *line)
     return word ? strtoull(word + 8, NULL, 16) : 0;
 }
 
-STORY(every_way_of_drawing_has_the_same_and_none_takes_all_away)
+BEGUN_STORY(every_way_of_drawing_has_the_same_and_none_takes_all_away, begin_with_object)
 {
     static const char *const mode[] = {"render mode=sp", "render mode=bp", "render mode=ray",
                                        "render mode=ii", "render"};
-    struct interpreter interp;
-    begin_with_object(&interp);
     for (int samples = 1; samples <= 4; samples *= 4) {
-        must(&interp, samples == 1 ? "samples 1" : "samples 4");
-        const uint64_t plain = digest_of(&interp, "render");
-        must(&interp, "decorate all");
-        const uint64_t decorated = digest_of(&interp, "render");
+        must(interp, samples == 1 ? "samples 1" : "samples 4");
+        const uint64_t plain = digest_of(interp, "render");
+        must(interp, "decorate all");
+        const uint64_t decorated = digest_of(interp, "render");
         CHECK(decorated != plain);
         for (size_t i = 0; i < sizeof mode / sizeof *mode; i++)
-            CHECK(digest_of(&interp, mode[i]) == decorated);
-        must(&interp, "seed 30,20,10 1 radius=2"); /* nothing must be drawn twice */
-        const uint64_t after = digest_of(&interp, "render");
-        CHECK(digest_of(&interp, "render mode=bp") == after);
-        must(&interp, "undo");
-        CHECK(digest_of(&interp, "render") == decorated);
-        must(&interp, "decorate none");
-        CHECK(digest_of(&interp, "render") == plain);
+            CHECK(digest_of(interp, mode[i]) == decorated);
+        must(interp, "seed 30,20,10 1 radius=2"); /* nothing must be drawn twice */
+        const uint64_t after = digest_of(interp, "render");
+        CHECK(digest_of(interp, "render mode=bp") == after);
+        must(interp, "undo");
+        CHECK(digest_of(interp, "render") == decorated);
+        must(interp, "decorate none");
+        CHECK(digest_of(interp, "render") == plain);
     }
-    interpreter_release(&interp);
 }
 
-STORY(what_is_below_stays_what_it_is)
+BEGUN_STORY(what_is_below_stays_what_it_is, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "render");
-    const struct rendition *frame = session_frame(interp.session);
+    must(interp, "render");
+    const struct rendition *frame = session_frame(interp->session);
     const uint64_t before = rendition_digest(frame);
-    must(&interp, "decorate all; render");
-    const struct rendition shown = session_picture(interp.session);
-    CHECK(rendition_digest(session_frame(interp.session)) == before);
+    must(interp, "decorate all; render");
+    const struct rendition shown = session_picture(interp->session);
+    CHECK(rendition_digest(session_frame(interp->session)) == before);
     CHECK(shown.cell == frame->cell && shown.depth == frame->depth && shown.rgba != frame->rgba);
-    MUST_MENTION(&interp, "info", ", decorate letters scale legend seeds cross, ");
-    must(&interp, "decorate scale letters");
-    MUST_MENTION(&interp, "info", ", decorate letters scale, ");
-    interpreter_release(&interp);
+    MUST_MENTION(interp, "info", ", decorate letters scale legend seeds cross, ");
+    must(interp, "decorate scale letters");
+    MUST_MENTION(interp, "info", ", decorate letters scale, ");
 }
 
 /* Seeds and cross-hair are inside, until the object is cut open in front of them. */
-STORY(what_no_pixel_shows_has_no_mark)
+BEGUN_STORY(what_no_pixel_shows_has_no_mark, begin_with_object)
 {
     static const char *const part[] = {"decorate seeds", "decorate cross"};
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "view top; cross 20,20,10");
+    must(interp, "view top; cross 20,20,10");
     for (int i = 0; i < 2; i++) {
-        must(&interp, "decorate none");
-        const uint64_t plain = digest_of(&interp, "render");
-        must(&interp, part[i]);
-        CHECK(digest_of(&interp, "render") == plain);
-        must(&interp, "clip axial 0-10");
-        const uint64_t marked = digest_of(&interp, "render");
-        must(&interp, "decorate none");
-        CHECK(digest_of(&interp, "render") != marked);
-        must(&interp, "clip none");
+        must(interp, "decorate none");
+        const uint64_t plain = digest_of(interp, "render");
+        must(interp, part[i]);
+        CHECK(digest_of(interp, "render") == plain);
+        must(interp, "clip axial 0-10");
+        const uint64_t marked = digest_of(interp, "render");
+        must(interp, "decorate none");
+        CHECK(digest_of(interp, "render") != marked);
+        must(interp, "clip none");
     }
-    interpreter_release(&interp);
 }
 
 /* Only the seeds of a piece of a file are visible: marks would surround its silhouette, and in
@@ -288,26 +279,20 @@ STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
     interpreter_release(&interp);
 }
 
-STORY(mosaics_are_not_decorated)
+BEGUN_STORY(mosaics_are_not_decorated, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    const uint64_t plain = digest_of(&interp, "mosaic");
-    must(&interp, "decorate all; render");
-    CHECK(digest_of(&interp, "mosaic") == plain);
-    interpreter_release(&interp);
+    const uint64_t plain = digest_of(interp, "mosaic");
+    must(interp, "decorate all; render");
+    CHECK(digest_of(interp, "mosaic") == plain);
 }
 
-STORY(what_is_no_part_is_refused)
+BEGUN_STORY(what_is_no_part_is_refused, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "decorate scale");
-    CHECK(execute(&interp, "decorate none letters") == ERR_USAGE);
-    CHECK(execute(&interp, "decorate") == ERR_USAGE);
-    CHECK(execute(&interp, "decorate cube") == ERR_USAGE);
-    CHECK_INT(interp.session->now.outlook.decorations, DECORATE_SCALE);
-    must(&interp, "decorate cross seeds legend scale letters");
-    CHECK_INT(interp.session->now.outlook.decorations, DECORATE_ALL);
-    interpreter_release(&interp);
+    must(interp, "decorate scale");
+    CHECK(execute(interp, "decorate none letters") == ERR_USAGE);
+    CHECK(execute(interp, "decorate") == ERR_USAGE);
+    CHECK(execute(interp, "decorate cube") == ERR_USAGE);
+    CHECK_INT(interp->session->now.outlook.decorations, DECORATE_SCALE);
+    must(interp, "decorate cross seeds legend scale letters");
+    CHECK_INT(interp->session->now.outlook.decorations, DECORATE_ALL);
 }

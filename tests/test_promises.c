@@ -93,14 +93,12 @@ STORY(commands_and_their_parameters_have_the_names_that_they_had)
 }
 
 /* Each "canonical LINE" is still written like that. */
-STORY(lines_of_journals_are_the_canonical_ones_still)
+BEGUN_STORY(lines_of_journals_are_the_canonical_ones_still, begin_interpreter)
 {
     static const char kind[] = "canonical ";
-    struct interpreter interp;
     struct buf line = {0}, again = {0};
     bool *seen = calloc(command_count(), sizeof *seen);
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom");
+    must(interp, "open synth:geom");
     if (!CHECK(seen))
         return;
     for (const char *at = buf_text(&frozen); *at; at += *at == '\n') {
@@ -112,7 +110,7 @@ STORY(lines_of_journals_are_the_canonical_ones_still)
         if (strncmp(buf_text(&line), kind, strlen(kind)) != 0)
             continue;
         const char *words = buf_text(&line) + strlen(kind);
-        if (!CHECK(command_parse(&call, words, interp.session, &fault) == OK)) {
+        if (!CHECK(command_parse(&call, words, interp->session, &fault) == OK)) {
             printf("#   %s: %s\n", words, fault.text);
             continue;
         }
@@ -128,7 +126,6 @@ STORY(lines_of_journals_are_the_canonical_ones_still)
     free(seen);
     buf_release(&line);
     buf_release(&again);
-    interpreter_release(&interp);
 }
 
 /* With their forms and options. */
