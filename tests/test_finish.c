@@ -301,8 +301,6 @@ static bool agree(const void *expected, const struct scene *scene, const uint8_t
 
 /* ---- stories ---- */
 
-static struct team *team_of[4];
-
 static bool finish_as_model(const struct volume *v, const struct finish_list *list,
                             struct team *team)
 {
@@ -373,7 +371,7 @@ STORY(a_stop_is_heard_wherever_it_comes)
     fill(&v, 7);
     struct scene *scene = scene_of(&v);
     model(&v, &list);
-    CHECK(stop_finish_everywhere(scene, &list, team_of, agree, &v) > 50);
+    CHECK(stop_finish_everywhere(scene, &list, agree, &v) > 50);
     scene_free(scene);
 }
 
@@ -387,15 +385,4 @@ STORY(memory_that_runs_out_is_an_error)
     model(&v, &list);
     CHECK(starve_finish_everywhere(scene, &list, agree, &v) > 10);
     scene_free(scene);
-}
-
-int main(void)
-{
-    for (unsigned workers = 1; workers < 4; workers++)
-        if (team_new(&team_of[workers], workers, NULL) != OK)
-            abort();
-    const int status = check_run();
-    for (unsigned workers = 1; workers < 4; workers++)
-        team_free(team_of[workers]);
-    return status;
 }

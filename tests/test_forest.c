@@ -5,12 +5,12 @@
 
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "tests/border_check.h"
 #include "engine/roi.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
 #include "tests/plain_forest.h"
+#include "tests/scarce_memory.h"
 #include "tests/stopping.h"
 
 static const struct weight_choice morph = {WEIGHT_MORPH, 1};
@@ -29,8 +29,7 @@ static struct cell *voxel(struct world *w, uint32_t x, uint32_t y, uint32_t z)
 
 static void plant_at(struct world *w, uint32_t x, uint32_t y, uint32_t z, int label)
 {
-    struct edit edit = {grid_cell(&w->scene->grid, x, y, z), (int16_t)label, 0};
-    CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK);
+    world_plant(w, grid_cell(&w->scene->grid, x, y, z), label);
 }
 
 static void set_row_weights(struct world *w, const char *digits)
@@ -420,10 +419,8 @@ static struct world random_world(uint64_t *random, unsigned seeds, unsigned smal
                   1 + check_below(random, 10 - smaller), check_below(random, 2) ? 26 : 6);
     paint(&w, check_below(random, TEXTURES), random);
     random_arcs(&w, random);
-    for (unsigned i = 0; i < seeds; i++) {
-        struct edit edit = {random_voxel(&w.scene->grid, random), (int16_t)(i % 3), 0};
-        CHECK(forest_edit(w.forest, &edit, 1, NULL) == OK);
-    }
+    for (unsigned i = 0; i < seeds; i++)
+        world_plant(&w, random_voxel(&w.scene->grid, random), (int)(i % 3));
     return w;
 }
 
@@ -574,14 +571,6 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
     team_free(team);
 }
 
-static int allowed; /* allocations before one fails; all after it succeed again */
-
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allowed-- != 0;
-}
-
 /* Everything that allocates, once; true when it went through. */
 static bool live_once(uint64_t seed)
 {
@@ -619,9 +608,8 @@ STORY(an_allocation_that_fails_leaves_the_forest_as_it_was)
 {
     for (uint64_t seed = 0; seed < check_scaled(40) && check_failures == 0; seed++) {
         bool done = false;
-        mem_allows = allow_some;
-        for (int n = 0; !done && n < 1000 && check_failures == 0; n++) {
-            allowed = n;
+        for (size_t n = 0; !done && n < 1000 && check_failures == 0; n++) {
+            fail_allocation(n);
             done = live_once(seed);
         }
         mem_allows = NULL;

@@ -7,12 +7,12 @@
 
 #include "command/execute.h"
 #include "base/file.h"
-#include "base/mem.h"
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "session/state.h"
 #include "show/slicing.h"
 #include "tests/random_commands.h"
+#include "tests/scarce_memory.h"
 #include "tests/small_scene.h"
 
 static uint64_t seed = 7;
@@ -258,14 +258,6 @@ STORY(random_walks_come_back_to_the_very_same_states)
 
 /* ---- out of memory, cancelled, not recorded ---- */
 
-static unsigned allowed; /* allocations before one fails; all after it succeed again */
-
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allowed-- > 0;
-}
-
 /* A watch that stops after a number of looks and may have each run shown as often as possible. */
 struct stopping {
     struct watch watch;
@@ -318,11 +310,10 @@ static unsigned starve_everywhere(struct interpreter *interp, const char *line, 
     take_snapshot(&before, interp);
     unsigned few = 0;
     for (; few < 80; few++) {
-        allowed = few;
-        mem_allows = allow_some;
+        fail_allocation(few);
         const enum err err = execute(interp, line);
         mem_allows = NULL;
-        const bool sufficed = allowed <= few; /* else it wrapped when it refused */
+        const bool sufficed = allocations_left <= few; /* else it wrapped when it refused */
         if (err == OK && back) {
             must(interp, back);
             take_snapshot(&before, interp);
@@ -668,8 +659,7 @@ STORY(what_is_put_away_comes_back)
     }
     for (unsigned few = 0; few < 2; few++) {
         struct packed *packed;
-        allowed = few;
-        mem_allows = allow_some;
+        fail_allocation(few);
         CHECK(packed_new(&packed, bytes, 10, NULL, NULL) == ERR_MEMORY && !packed);
         mem_allows = NULL;
     }

@@ -5,11 +5,12 @@
  */
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "base/polyline.h"
 #include "session/paint.h"
 #include "tests/check_main.h"
 #include "tests/paint_model.h"
+#include "tests/scarce_memory.h"
+#include "tests/stopping.h"
 
 enum { SIDE = 17, CORNERS_MOST = 12 };
 
@@ -322,14 +323,6 @@ STORY(corners_in_several_slices_are_refused)
 
 /* ---- what is not there, or takes too long ---- */
 
-static size_t bytes_left;
-static bool allows(size_t bytes)
-{
-    const bool fits = bytes <= bytes_left;
-    bytes_left -= fits ? bytes : 0;
-    return fits;
-}
-
 /* Paint everything, under a watch or a limit of memory. */
 static unsigned paint_all(struct watch *watch, enum err expected)
 {
@@ -357,25 +350,19 @@ static unsigned paint_all(struct watch *watch, enum err expected)
     return failed;
 }
 
-static bool stops(void *context, const char *what, uint64_t done, uint64_t total)
-{
-    (void)context, (void)what, (void)done, (void)total;
-    return true;
-}
-
 STORY(without_memory_or_time_nothing_is_painted)
 {
     const uint32_t size[3] = {100, 100, 100};
     unsigned failed = 0;
+    int looks = 0;
     CHECK(grid_init(&grid, size, NULL) == OK);
-    mem_allows = allows;
     for (size_t most = 0; most < 20000000; most += most / 2 + 100) {
-        bytes_left = most;
+        allow_bytes(most);
         failed += paint_all(NULL, ERR_MEMORY);
     }
     mem_allows = NULL;
     CHECK(failed > 20);
-    struct watch watch = {.poll = stops};
+    struct watch watch = {.context = &looks, .poll = stop_after_looks};
     watch_begin(&watch);
     CHECK(paint_all(&watch, ERR_CANCELLED) > 0);
 }
@@ -392,8 +379,7 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
     CHECK(brush_init(&brush, units[0], 2, BRUSH_REACH_MOST, NULL) == OK);
     for (size_t i = 0; corner && i < MANY; i++)
         random_place(corner[i]);
-    bytes_left = (64 * 64 * 64) * 5;
-    mem_allows = allows;
+    allow_bytes((64 * 64 * 64) * 5);
     CHECK(corner &&
           paint_stroke(&voxels, &grid, &brush, (corners_of)corner, MANY, NULL, NULL) == OK);
     mem_allows = NULL;

@@ -14,8 +14,6 @@
 enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };
 
 static uint64_t state;
-enum { TEAMS = 5 }; /* none, and those of 1, 2, 3 and 8 threads */
-static struct team *team_of[TEAMS];
 
 /* Each team in turn, between rounds without one: threads that are more than the cores take their
  * time to meet, as often as there are sweeps. */
@@ -540,7 +538,7 @@ STORY(a_stop_is_heard_wherever_it_comes)
     static struct relaxed expected;
     const struct finish_list list = relax_some(&expected, 3);
     struct scene *scene = scene_of(&expected.v);
-    CHECK(stop_finish_everywhere(scene, &list, team_of, agree, &expected) > 50);
+    CHECK(stop_finish_everywhere(scene, &list, agree, &expected) > 50);
     scene_free(scene);
 }
 
@@ -551,15 +549,4 @@ STORY(memory_that_runs_out_is_an_error)
     struct scene *scene = scene_of(&expected.v);
     CHECK(starve_finish_everywhere(scene, &list, agree, &expected) > 7);
     scene_free(scene);
-}
-
-int main(void)
-{
-    for (unsigned workers = 1; workers < TEAMS; workers++)
-        if (team_new(&team_of[workers], workers < 4 ? workers : 8, NULL) != OK)
-            abort();
-    const int status = check_run();
-    for (unsigned workers = 1; workers < TEAMS; workers++)
-        team_free(team_of[workers]);
-    return status;
 }

@@ -7,8 +7,8 @@
 
 #include "command/command.h"
 #include "command/execute.h"
-#include "base/mem.h"
 #include "session/session.h"
+#include "tests/scarce_memory.h"
 #include "tests/scene_main.h"
 
 static struct interpreter interp;
@@ -349,13 +349,6 @@ JOURNAL_STORY(a_label_may_be_called_by_several_words, "names.iftty")
 
 /* ---- sketches ---- */
 
-static size_t allowed;
-static bool allows(size_t bytes)
-{
-    (void)bytes;
-    return allowed-- > 0; /* one is refused, and then there is memory again */
-}
-
 /* What a pen draws is seen, and leaves no trace. */
 STORY(a_sketch_is_as_if_it_had_never_been)
 {
@@ -394,10 +387,9 @@ JOURNAL_STORY(a_sketch_without_memory_is_taken_back_in_the_end, "memory.iftty")
     take_snapshot(&before, &interp);
     unsigned refused = 0;
     for (size_t most = 0; most < 60; most++) {
-        allowed = most;
-        mem_allows = allows;
+        fail_allocation(most);
         refused += interpreter_sketch(&interp, "seed 1,1,1 1 radius=2 to=9,9,9", NULL) != OK;
-        allowed = most / 2;
+        fail_allocation(most / 2);
         if (interpreter_drop_sketch(&interp, NULL)) {
             refused++;
             CHECK(interp.sketch.is_begun);
