@@ -149,31 +149,6 @@ void act_write_origin(struct buf *out, const struct session *session)
 
 /* ---- the voxel under a pixel ---- */
 
-static enum err refuse_pixel(uint32_t column, uint32_t row, uint32_t width, uint32_t height,
-                             struct fault *fault)
-{
-    return fault_set(fault, ERR_INPUT, "pixel %u,%u is outside the picture of %ux%u", column, row,
-                     width, height);
-}
-
-/* Find the voxel at a pixel of the rendition, or CELL_NONE. The pilot's rendition may have another
- * zoom. */
-static enum err voxel_of_rendition(struct session *session, const struct labels *labels,
-                                   uint32_t column, uint32_t row, uint32_t *cell,
-                                   struct fault *fault)
-{
-    const struct rendition *r = session_frame(session);
-    if (!session_rendered(session))
-        return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
-    const enum err err = session_draw_labels(session, labels, RENDER_AS_KEPT, fault);
-    if (err)
-        return err;
-    if (column >= r->width || row >= r->height)
-        return refuse_pixel(column, row, r->width, r->height, fault);
-    *cell = r->cell[(size_t)row * r->width + column];
-    return OK;
-}
-
 /* Add "3.61 mm from the border of label 1 brain, at 70,101,95". */
 static void write_border_distance(struct buf *out, const struct session *session, uint32_t cell)
 {
@@ -206,18 +181,24 @@ enum err act_pick(const struct act *act)
                    row = (uint32_t)act_number(act, "ROW");
     const int64_t of = act_number(act, "of"); /* 0: the rendition */
     uint32_t cell = CELL_NONE;
-    const struct view *view = &session->now.outlook.view;
     struct labels labels;
     enum err err = session_labels(session, session_shows_finished(session), &labels, act->fault);
-    if (!err && !of)
-        err = voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
-    else if (!err && (column >= view->width || row >= view->height))
-        err = refuse_pixel(column, row, view->width, view->height, act->fault);
-    else if (!err) /* by the picture that would be drawn now */
+    if (!err && !of && !session_rendered(session))
+        err = fault_set(act->fault, ERR_USAGE, "the rendition is not up to date; `render` first");
+    if (!err && !of) /* the pilot's rendition may have another zoom */
+        err = session_draw_labels(session, &labels, RENDER_AS_KEPT, act->fault);
+    const struct rendition *r = session_frame(session);
+    const struct view *view = &session->now.outlook.view;
+    const uint32_t width = of ? view->width : r->width, height = of ? view->height : r->height;
+    if (!err && (column >= width || row >= height))
+        err = fault_set(act->fault, ERR_INPUT, "pixel %u,%u is outside the picture of %ux%u",
+                        column, row, width, height);
+    if (!err && of) /* by the picture that would be drawn now */
         err = slicing_cell_at(&cell, session, (enum slice_kind)(of - 1), &labels, column, row,
                               act->fault);
     if (err)
         return err;
+    cell = of ? cell : r->cell[(size_t)row * width + column];
     if (cell == CELL_NONE) {
         buf_printf(&act->reply->text, "pixel %u,%u shows %s\n", column, row,
                    of ? "no voxel" : "no object");

@@ -375,14 +375,6 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
 
 /* ---- looked at ---- */
 
-static enum err refuse_to_change(const struct call *call, struct fault *fault)
-{
-    return fault_set(fault, ERR_USAGE,
-                     "%s: only questions and commands that change the view are allowed here; "
-                     "nothing has changed",
-                     call->command->name);
-}
-
 enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
                           struct fault *fault)
 {
@@ -392,22 +384,23 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
     if (err || !call.command)
         return err;
     const enum command_group group = call.command->group;
-    if (group == GROUP_SCENE || group == GROUP_WEIGHT || group == GROUP_SEEDS ||
-        group == GROUP_KEPT) {
-        err = refuse_to_change(&call, fault);
-    } else {
-        session_mark(interp->session);
+    bool changes = group == GROUP_SCENE || group == GROUP_WEIGHT || group == GROUP_SEEDS ||
+                   group == GROUP_KEPT;
+    if (!changes) {
         const struct session *session = interp->session;
+        session_mark(interp->session);
         err = carry_out(interp, &call, line, reply, fault);
-        const bool has_changed_more =
-            interp->written.length || interp->history.goes_to != POINT_NONE ||
-            session->has_edited || session->has_regrown ||
-            !kept_equals(&session->now.kept, &session->former.kept) ||
-            !edit_lists_are_copies(&session->now.lists, &session->former.lists);
-        if (!err && has_changed_more)
-            err = refuse_to_change(&call, fault);
-        finish_command(interp, err == OK);
+        changes = interp->written.length || interp->history.goes_to != POINT_NONE ||
+                  session->has_edited || session->has_regrown ||
+                  !kept_equals(&session->now.kept, &session->former.kept) ||
+                  !edit_lists_are_copies(&session->now.lists, &session->former.lists);
+        finish_command(interp, !err && !changes);
     }
+    if (!err && changes)
+        err = fault_set(fault, ERR_USAGE,
+                        "%s: only questions and commands that change the view are allowed here; "
+                        "nothing has changed",
+                        call.command->name);
     call_release(&call);
     return err;
 }
