@@ -9,7 +9,7 @@
 cat >"$work/asked.py" <<'END'
 import glob, re, subprocess, sys
 top = sys.argv[1]
-words = r'(?:act|call)_(?:value|has|text|number|number_or|set_number|place|is_yes)'
+words = r'(?:act|call)_(?:value|has|given|text|number|number_or|place|is_yes)'
 asks = re.compile(r'\b' + words + r'\([^,()]*,\s*((?:"[^"]*"\s*)+)')
 table = subprocess.run(['cc', '-E', '-P', '-I' + top + '/src', '-I' + top,
                         top + '/src/command/table.c'], capture_output=True, text=True).stdout

@@ -40,13 +40,10 @@ static enum err read_taken(const struct grid *grid, const struct record_word *wo
     const char *at = word->value, *end = word->value + word->value_length;
     bool goes_on = true;
     for (*count = 0; goes_on && *count < TAKEN_MOST; goes_on = scan_text(&at, ";")) {
-        int64_t place[3];
-        if (!scan_integer(&at, 0, grid->size[0] - 1, &place[0]) || !scan_text(&at, ",") ||
-            !scan_integer(&at, 0, grid->size[1] - 1, &place[1]) || !scan_text(&at, ",") ||
-            !scan_integer(&at, 0, grid->size[2] - 1, &place[2]))
-            break;
-        seed[(*count)++] =
-            grid_cell(grid, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]);
+        int64_t p[3];
+        if (!scan_three(&at, 0, 0, UINT32_MAX, p) || !grid_contains(grid, p[0], p[1], p[2]))
+            return fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
+        seed[(*count)++] = grid_cell(grid, (uint32_t)p[0], (uint32_t)p[1], (uint32_t)p[2]);
     }
     return at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
 }

@@ -194,33 +194,29 @@ enum err act_golden(const struct act *act)
 /* Read the parameters of a step: those of its row, and no others. */
 static enum err take_argument(struct finish_step *step, const struct act *act)
 {
-    static const struct {
-        const char *name;
-        enum finish_argument takes;
-    } argument[] = {{"radius", FINISH_TAKES_RADIUS},
-                    {"voxels", FINISH_TAKES_VOXELS},
-                    {"sweeps", FINISH_TAKES_SWEEPS}};
+    static const char *const own[] = {"", "radius", "voxels", "sweeps"};
+    static const char *const others[] = {
+        [FINISH_TAKES_NOTHING] = "reach|radius|voxels|sweeps",
+        [FINISH_TAKES_RADIUS] = "reach|voxels|sweeps",
+        [FINISH_TAKES_VOXELS] = "reach|radius|sweeps",
+        [FINISH_TAKES_SWEEPS] = "radius|voxels",
+    };
     const struct finish_row *row = &finish_table[step->kind];
-    const struct value *reach = act_value(act, "reach");
+    const char *other = call_given(act->call, others[row->takes]);
+    if (other)
+        return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` has none", other, row->name);
     step->argument = row->usual;
-    if (reach->given && row->takes != FINISH_TAKES_SWEEPS)
-        return fault_set(act->fault, ERR_USAGE, "reach: `finish %s` has none", row->name);
     if (row->takes == FINISH_TAKES_SWEEPS)
-        step->reach = reach->given ? (uint32_t)reach->number : FINISH_BAND;
-    for (size_t i = 0; i < sizeof argument / sizeof *argument; i++) {
-        const struct value *value = act_value(act, argument[i].name);
-        if (value->given && row->takes != argument[i].takes)
-            return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` has none", argument[i].name,
-                             row->name);
-        if (row->takes != argument[i].takes)
-            continue;
-        if (!value->given && !row->usual)
-            return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` needs it", argument[i].name,
-                             row->name);
-        if (value->given)
-            step->argument = (uint32_t)value->number;
-        step->in_nm = value->in_mm;
-    }
+        step->reach = (uint32_t)act_number_or(act, "reach", FINISH_BAND);
+    if (row->takes == FINISH_TAKES_NOTHING)
+        return OK;
+    const struct value *value = act_value(act, own[row->takes]);
+    if (!value->given && !row->usual)
+        return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` needs it", own[row->takes],
+                         row->name);
+    if (value->given)
+        step->argument = (uint32_t)value->number;
+    step->in_nm = value->in_mm;
     return OK;
 }
 

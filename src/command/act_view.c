@@ -62,14 +62,12 @@ static enum err take_argument(struct weight_choice *choice, const struct act *ac
 {
     static const char *const name[] = {WEIGHT_ARGUMENTS(ARGUMENT_NAME, ARGUMENT_NAME)};
     const struct weight_row *row = &weight_table[choice->kind];
-    for (unsigned i = 0; i < WEIGHT_ARGUMENT_COUNT; i++)
-        if (act_has(act, name[i]) && row->takes != i)
-            return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
-    static const char *const of_map[] = {"resample", "volume", "data"};
-    for (unsigned i = 0; i < sizeof of_map / sizeof *of_map; i++)
-        if (act_has(act, of_map[i]) && choice->kind != WEIGHT_FILE)
-            return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", of_map[i],
-                             row->name);
+    const char *other =
+        choice->kind == WEIGHT_FILE ? NULL : call_given(act->call, "resample|volume|data");
+    for (unsigned i = WEIGHT_ARGUMENT_COUNT; i-- > 0;)
+        other = act_has(act, name[i]) && row->takes != i ? name[i] : other;
+    if (other)
+        return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", other, row->name);
     if (row->takes == WEIGHT_TAKES_NOTHING)
         return OK;
     if (!act_has(act, name[row->takes]) && !row->usual)
@@ -163,12 +161,10 @@ static enum err mask_by_file(const struct act *act)
 enum err act_mask(const struct act *act)
 {
     const bool is_file = act_number(act, "FILE") < 0;
-    static const char *const of_map[] = {"regions", "resample", "volume", "data"};
-    for (unsigned i = 0; i < sizeof of_map / sizeof *of_map; i++)
-        if (!is_file && act_has(act, of_map[i]))
-            return fault_set(act->fault, ERR_USAGE,
-                             "%s: `mask none` has no %s; nothing has changed", of_map[i],
-                             i ? "map" : "regions");
+    const char *of_file = call_given(act->call, "regions|resample|volume|data");
+    if (!is_file && of_file)
+        return fault_set(act->fault, ERR_USAGE, "%s: `mask none` has no %s; nothing has changed",
+                         of_file, strcmp(of_file, "regions") == 0 ? "regions" : "map");
     return add_roi(act, is_file ? mask_by_file(act)
                                 : session_set_mask(act->session, NULL, NULL, NULL, act->fault));
 }

@@ -78,8 +78,14 @@ void call_release(struct call *call);
 const struct value *call_value(const struct call *call, const char *name);
 void call_set(struct call *call, const char *name, int64_t number, const char *word);
 
-/* True if one of these parameters, "a|b|c", which the command has, is given. */
-bool call_has(const struct call *call, const char *names);
+/* Return the name of the first of these parameters, "a|b|c", which the command has, that is given;
+ * NULL if none is. */
+const char *call_given(const struct call *call, const char *names);
+
+static inline bool call_has(const struct call *call, const char *names)
+{
+    return call_given(call, names) != NULL;
+}
 
 /* Set fault->at of an error of a parsed command: the position of the word of the line, a file name
  * say, that the words of the error contain. */

@@ -201,29 +201,17 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     return ERR_USAGE;
 }
 
-/* `value` in units of 10^-places. */
-static void write_decimal(struct buf *out, int64_t value, unsigned places)
-{
-    const struct decimal decimal = decimal_of(value, places);
-    decimal_write(out, &decimal);
-}
-
 static enum err read_number(struct value *value, const struct parameter *p, const char *word,
                             unsigned places, struct fault *fault)
 {
     const char *at = word;
     if (scan_decimal(&at, places, p->least, p->most, &value->number) && *at == '\0')
         return OK;
-    struct buf expected = {0};
-    const int64_t unit = places ? 1 : 1000;
-    buf_add_text(&expected, "a number ");
-    write_decimal(&expected, p->least * unit, 3);
-    buf_add_text(&expected, "..");
-    write_decimal(&expected, p->most * unit, 3);
-    buf_add_text(&expected, places ? " with at most three decimals" : "");
-    const enum err err = report_expected(fault, p, word, buf_text(&expected));
-    buf_release(&expected);
-    return err;
+    const double unit = places ? 1000 : 1;
+    char expected[96];
+    snprintf(expected, sizeof expected, "a number %.15g..%.15g%s", (double)p->least / unit,
+             (double)p->most / unit, places ? " with at most three decimals" : "");
+    return report_expected(fault, p, word, expected);
 }
 
 static enum err report_expected_range(struct fault *fault, const struct parameter *p,
@@ -289,14 +277,12 @@ static enum err read_radius(struct value *value, const struct parameter *p, cons
         scan_decimal(&at, 6, 1, nm_most, &value->number) && scan_text(&at, "mm") && *at == '\0';
     if (value->in_mm)
         return OK;
-    struct buf expected = {0};
-    buf_printf(&expected,
-               "a number %lld..%lld, or millimetres as in 2.5mm, above 0 and up to 1000 with at "
-               "most six decimals",
-               (long long)p->least, (long long)p->most);
-    const enum err err = report_expected(fault, p, word, buf_text(&expected));
-    buf_release(&expected);
-    return err;
+    char expected[160];
+    snprintf(expected, sizeof expected,
+             "a number %lld..%lld, or millimetres as in 2.5mm, above 0 and up to 1000 with at "
+             "most six decimals",
+             (long long)p->least, (long long)p->most);
+    return report_expected(fault, p, word, expected);
 }
 
 static enum err read_colour(struct value *value, const struct parameter *p, const char *word,
@@ -598,13 +584,15 @@ void call_set(struct call *call, const char *name, int64_t number, const char *w
     *value = (struct value){.given = true, .number = number, .text = word};
 }
 
-bool call_has(const struct call *call, const char *names)
+const char *call_given(const struct call *call, const char *names)
 {
     struct choice name;
-    bool has = false;
-    while (choice_next(&name, &names))
-        has |= (call->value + number_of(call->command, name.word, name.length))->given;
-    return has;
+    const char *given = NULL;
+    while (choice_next(&name, &names)) {
+        const size_t at = number_of(call->command, name.word, name.length);
+        given = !given && call->value[at].given ? call->command->parameter[at].name : given;
+    }
+    return given;
 }
 
 /* ---- comparing lines ---- */
@@ -674,6 +662,7 @@ void command_write_word(struct buf *out, const char *word)
 
 static void write_value(struct buf *out, const struct parameter *p, const struct value *value)
 {
+    const struct decimal part = decimal_of(value->number, value->in_mm ? 6 : 3);
     if (value->text)
         command_write_word(out, value->text);
     else if (p->type == VALUE_PARTS)
@@ -689,7 +678,7 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
     else if (p->type == VALUE_REAL || p->type == VALUE_INTERVAL)
         decimal_write(out, &value->real[0]);
     else if (value->in_mm || p->type == VALUE_DECIMAL)
-        write_decimal(out, value->number, value->in_mm ? 6 : 3);
+        decimal_write(out, &part);
     else
         buf_printf(out, "%lld", (long long)value->number);
     if (value->in_mm)
