@@ -318,7 +318,7 @@ enum err comparison_make(struct comparison *comparison, const struct compared *c
     const struct work work = {.compared = compared, .scale = &scale, .team = team, .watch = watch};
     struct box box[256];
     unsigned only = 0;
-    memset(comparison, 0, sizeof *comparison);
+    *comparison = (struct comparison){.of = compared};
     enum err err = look_through(&comparison->overlap, box, compared, watch, fault);
     for (unsigned label = 1; label < 256 && !err; label++)
         if (comparison_has(comparison, label)) {

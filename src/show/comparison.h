@@ -44,6 +44,7 @@ struct label_distances {
 };
 
 struct comparison {
+    const struct compared *of; /* borrowed */
     struct overlap overlap;
     unsigned labels;                      /* labels above 0 with a voxel in A or B */
     struct label_distances distance[256]; /* [0]: all objects as one */

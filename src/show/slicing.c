@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/choice.h"
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "image/geometry.h"
@@ -303,22 +302,18 @@ static enum err note_kind(struct picture *picture, const struct session *session
                           enum slice_kind kind, struct fault *fault)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
-    char words[128];
-    const struct choice word = choice_at(SLICE_KINDS, kind);
-    char name[16];
-    snprintf(name, sizeof name, "%.*s", (int)word.length, word.word);
-    if (kind != SLICE_KIND_MOSAIC)
-        snprintf(name, sizeof name, "%s", slice_name(session->scene, (enum slice_plane)kind));
-    int n = snprintf(words, sizeof words, "%s through %u,%u,%u", name, s->cross[0], s->cross[1],
-                     s->cross[2]);
-    if (s->zoom && kind != SLICE_KIND_MOSAIC)
-        n += snprintf(words + n, sizeof words - (size_t)n, " zoom %u", s->zoom);
+    const bool is_mosaic = kind == SLICE_KIND_MOSAIC;
+    struct buf words = {0};
+    buf_printf(&words, "%s through %u,%u,%u",
+               is_mosaic ? "mosaic" : slice_name(session->scene, (enum slice_plane)kind),
+               s->cross[0], s->cross[1], s->cross[2]);
+    if (s->zoom && !is_mosaic)
+        buf_printf(&words, " zoom %u", s->zoom);
     if (s->times != SLICE_TIMES_ONE)
-        n += snprintf(words + n, sizeof words - (size_t)n, " magnified %u", s->times);
+        buf_printf(&words, " magnified %u", s->times);
     if (s->has_middle)
-        snprintf(words + n, sizeof words - (size_t)n, " around %u,%u,%u", s->middle[0],
-                 s->middle[1], s->middle[2]);
-    return picture_note(picture, "iftty:slice", words, fault);
+        buf_printf(&words, " around %u,%u,%u", s->middle[0], s->middle[1], s->middle[2]);
+    return export_note(picture, "iftty:slice", &words, fault);
 }
 
 enum err slicing_export(struct picture *picture, const struct session *session,
@@ -327,25 +322,20 @@ enum err slicing_export(struct picture *picture, const struct session *session,
 {
     const size_t pixels = (size_t)canvas->width * canvas->height;
     bool shown[256] = {false};
-    enum err err = picture_init(picture, canvas->width, canvas->height, 0, fault);
+    enum err err =
+        picture_init(picture, canvas->width, canvas->height, PICTURE_LABEL | PICTURE_VOXEL, fault);
     if (err)
         return err;
-    picture->label = mem_array(pixels, sizeof *picture->label);
-    picture->voxel = mem_array(pixels, sizeof *picture->voxel);
-    if (!picture->label || !picture->voxel)
-        err = fault_memory(fault, "a picture");
-    for (size_t i = 0; !err && i < pixels; i++) {
+    memcpy(picture->rgba, canvas->rgba, 4 * pixels);
+    for (size_t i = 0; i < pixels; i++) {
         const uint32_t cell = canvas->cell[i];
         const bool shows = cell != CELL_NONE;
-        for (size_t k = 4 * i; k < 4 * i + 4; k++)
-            picture->rgba[k] = canvas->rgba[k];
         const uint8_t label = shows ? labels_at(labels, cell) : 0;
         shown[label] = true;
         picture->label[i] = label;
         picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
-    if (!err)
-        err = export_notes(picture, session, shown, fault);
+    err = export_notes(picture, session, shown, fault);
     if (!err)
         err = note_kind(picture, session, kind, fault);
     if (err)
