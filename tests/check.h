@@ -55,6 +55,10 @@ static inline bool check_report(bool fine, const char *file, int line, const cha
 
 #define SKIP(why) (void)(check_missing = (why))
 
+/* Release a variable, which is initialised first, at the end of its scope:
+ *     OWNED(buf_release) struct buf out = {0}; */
+#define OWNED(release) __attribute__((cleanup(release)))
+
 struct story {
     const char *name;
     void (*run)(void);

@@ -71,19 +71,17 @@ STORY(a_choice_is_a_whole_word_told_by_its_number)
 
 static void canonical(struct buf *out, const char *line, const struct session *session)
 {
-    struct call call;
+    OWNED(call_release) struct call call = {0};
     buf_clear(out);
-    if (!CHECK(command_parse(&call, line, session, &fault) == OK)) {
+    if (CHECK(command_parse(&call, line, session, &fault) == OK))
+        command_write(out, &call);
+    else
         printf("#   %s: %s\n", line, fault.text);
-        return;
-    }
-    command_write(out, &call);
-    call_release(&call);
 }
 
 BEGUN_STORY(every_example_parses_and_its_canonical_form_is_its_own, begin_interpreter)
 {
-    struct buf once = {0}, twice = {0};
+    OWNED(buf_release) struct buf once = {0}, twice = {0};
     must(interp, "open synth:geom");
     for (unsigned i = 0; i < command_count(); i++) {
         canonical(&once, command_at(i)->example, interp->session);
@@ -91,8 +89,6 @@ BEGUN_STORY(every_example_parses_and_its_canonical_form_is_its_own, begin_interp
         CHECK_TEXT(buf_text(&twice), buf_text(&once));
         CHECK_TEXT(buf_text(&once), command_at(i)->example);
     }
-    buf_release(&once);
-    buf_release(&twice);
 }
 
 /* Return the form of a parameter in help. */
@@ -124,7 +120,7 @@ static const char *form_of(const struct parameter *p)
 
 STORY(help_names_every_command_and_parameter)
 {
-    struct buf all = {0}, one = {0};
+    OWNED(buf_release) struct buf all = {0}, one = {0};
     command_help(&all, NULL);
     for (unsigned i = 0; i < command_count(); i++) {
         const struct command *c = command_at(i);
@@ -144,8 +140,6 @@ STORY(help_names_every_command_and_parameter)
                 CHECK_HAS(buf_text(&one), c->parameter[p].name);
         }
     }
-    buf_release(&all);
-    buf_release(&one);
 }
 
 static void fits_80_columns(const char *text)
@@ -157,7 +151,7 @@ static void fits_80_columns(const char *text)
 
 STORY(help_fits_80_columns)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     command_help(&out, NULL);
     fits_80_columns(buf_text(&out));
     for (unsigned i = 0; i < command_count(); i++) {
@@ -166,7 +160,6 @@ STORY(help_fits_80_columns)
         fits_80_columns(buf_text(&out));
         CHECK(!strstr(buf_text(&out), " \n"));
     }
-    buf_release(&out);
 }
 
 /* ---- random lines that are right ---- */
@@ -357,10 +350,10 @@ static bool same_values(const struct call *a, const struct call *b)
 
 SCENE_STORY(a_random_line_and_its_canonical_form_mean_the_same)
 {
-    struct buf line = {0}, once = {0}, twice = {0};
+    OWNED(buf_release) struct buf line = {0}, once = {0}, twice = {0};
     seed = 1;
     for (unsigned i = 0; i < 40000 && check_failures < 5; i++) {
-        struct call first, second;
+        OWNED(call_release) struct call first = {0}, second = {0};
         random_line(&line, command_at(i % command_count()));
         if (!CHECK(command_parse(&first, buf_text(&line), interp->session, &fault) == OK)) {
             printf("#   %s: %s\n", buf_text(&line), fault.text);
@@ -373,29 +366,23 @@ SCENE_STORY(a_random_line_and_its_canonical_form_mean_the_same)
             command_write(&twice, &second);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
             CHECK(same_values(&first, &second));
-            call_release(&second);
         } else {
             printf("#   %s: %s\n", buf_text(&once), fault.text);
         }
-        call_release(&first);
     }
-    buf_release(&line);
-    buf_release(&once);
-    buf_release(&twice);
 }
 
 SCENE_STORY(a_radius_is_written_with_all_its_digits)
 {
     static const char *const word[] = {"0",         "32",          "0.000001mm", "0.00001mm",
                                        "0.05001mm", "999.99999mm", "1000mm"};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     char line[64];
     for (size_t i = 0; i < sizeof word / sizeof word[0]; i++) {
         snprintf(line, sizeof line, "seed 0,0,0 1 radius=%s", word[i]);
         canonical(&out, line, interp->session);
         CHECK_TEXT(buf_text(&out), line);
     }
-    buf_release(&out);
 }
 
 /* ---- positions ---- */
@@ -414,7 +401,7 @@ SCENE_STORY(millimetres_lead_to_the_nearest_voxel)
     static const char *const outside[] = {
         "seed 12,0,0 1",      "seed 0,11,0 1",       "seed 0,0,10 1", "seed -1,0,0 1",
         "seed 6.1,-20,7mm 1", "seed 999999,0,0mm 1", "why 900000,0,0"};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct call call;
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         canonical(&out, row[i][0], interp->session);
@@ -425,7 +412,6 @@ SCENE_STORY(millimetres_lead_to_the_nearest_voxel)
         CHECK_HAS(fault.text, "is outside the scene, whose voxels are 0,0,0 to 11,10,9");
         CHECK_HAS(fault.text, "nothing has changed");
     }
-    buf_release(&out);
 }
 
 /* ---- lines that are wrong ---- */
@@ -439,7 +425,7 @@ SCENE_STORY(each_synonym_suggests_one_command)
         struct choice word;
         while (choice_next(&word, &also)) {
             char line[64], key[66], words[160];
-            struct call call = {0};
+            OWNED(call_release) struct call call = {0};
             snprintf(line, sizeof line, "%.*s", (int)word.length, word.word);
             snprintf(key, sizeof key, "|%s|", line);
             snprintf(words, sizeof words, "unknown command %s; did you mean %s?", line,
@@ -448,7 +434,6 @@ SCENE_STORY(each_synonym_suggests_one_command)
             CHECK_TEXT(fault.text, words);
             CHECK(!strstr(said, key));
             strcat(said, key + 1);
-            call_release(&call);
         }
     }
     CHECK_HAS(said, "|exit|");
@@ -714,12 +699,12 @@ static void garbage(char *out, size_t capacity)
 
 SCENE_STORY(garbage_is_parsed_or_refused_in_one_plain_line)
 {
-    struct buf once = {0}, twice = {0};
+    OWNED(buf_release) struct buf once = {0}, twice = {0};
     char line[2048];
     unsigned parsed = 0;
     seed = 2;
     for (unsigned i = 0; i < 30000 && check_failures < 5; i++) {
-        struct call call;
+        OWNED(call_release) struct call call = {0};
         line[0] = '\0';
         garbage(line, sizeof line);
         fault = (struct fault){.text = ""};
@@ -732,9 +717,6 @@ SCENE_STORY(garbage_is_parsed_or_refused_in_one_plain_line)
             command_write(&once, &call);
             canonical(&twice, buf_text(&once), interp->session);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
-            call_release(&call);
-        } else {
-            call_release(&call);
         }
         buf_clear(&once);
         size_t start = 0, cursor = below((uint32_t)strlen(line) + 1);
@@ -742,8 +724,6 @@ SCENE_STORY(garbage_is_parsed_or_refused_in_one_plain_line)
         CHECK(start <= cursor);
     }
     CHECK(parsed > 300); /* else the mixture tests nothing */
-    buf_release(&once);
-    buf_release(&twice);
 }
 
 /* ---- completion ---- */
@@ -768,17 +748,16 @@ static void complete_words(struct buf *out, size_t *start, const char *line,
 static void completes(const struct interpreter *interp, const char *line, const char *expected,
                       size_t expected_start)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     size_t start = 99;
     complete_words(&out, &start, line, interp);
     CHECK_TEXT(buf_text(&out), expected);
     CHECK_INT(start, expected_start);
-    buf_release(&out);
 }
 
 SCENE_STORY(completion_offers_valid_words)
 {
-    struct buf out = {0}, names = {0};
+    OWNED(buf_release) struct buf out = {0}, names = {0};
     size_t start;
     must(interp, "label 7 cortex");
     complete_words(&out, &start, "", interp);
@@ -812,17 +791,14 @@ SCENE_STORY(completion_offers_valid_words)
     completes(interp, "view b", "back\nbottom\n", 5);
     completes(interp, "zoom f", "fit\n", 5);
     completes(interp, "adjacency ", "6\n26\n", 10);
-    buf_release(&out);
-    buf_release(&names);
 }
 
 static void means(const struct interpreter *interp, const char *line, const char *part)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     size_t start;
     command_complete(&out, &start, line, strlen(line), interp);
     CHECK_HAS(buf_text(&out), part);
-    buf_release(&out);
 }
 
 SCENE_STORY(completion_explains_words)
@@ -866,12 +842,11 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
         CHECK(command_is_same(pair[i].a, pair[i].b) == pair[i].are_same);
         CHECK(command_is_same(pair[i].b, pair[i].a) == pair[i].are_same);
     }
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     CHECK(command_opens(&name, "open volume=2 \"a b.nii\" reduce=2"));
     CHECK_TEXT(buf_text(&name), "a b.nii");
     CHECK(!command_opens(&name, "mask a.nii"));
     CHECK(!command_opens(&name, "open volume=2"));
-    buf_release(&name);
 }
 
 /* Create files with names of all kinds in a folder, and change to it. */
@@ -943,7 +918,7 @@ SCENE_STORY(a_key_that_is_given_is_not_offered_again)
 
 STORY(goldens_branches_and_records_are_offered)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     begin_with_scene(&interp);
     interpreter_release(&interp);
     begin_with_journal(&interp, "offers.iftty");
@@ -955,7 +930,6 @@ STORY(goldens_branches_and_records_are_offered)
     completes(&interp, "goto s", "stem\n", 5);
     completes(&interp, "goto ", "main\nstem\n1\n2\n3\n5\n", 5);
     completes(&interp, "goto 2", "2\n", 5);
-    interpreter_release(&interp);
 }
 
 /* ---- hints ---- */
@@ -1004,7 +978,7 @@ STORY(a_hint_is_the_rest_of_the_usage)
         {"# seed ", ""},
         {"seed \"1\"2 ", ""},
     };
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         buf_clear(&out);
         command_hint(&out, row[i][0], strlen(row[i][0]));
@@ -1012,7 +986,6 @@ STORY(a_hint_is_the_rest_of_the_usage)
             printf("#   %s\n", row[i][0]);
         CHECK_TEXT(buf_text(&out), row[i][1]);
     }
-    buf_release(&out);
 }
 
 /* ---- the door ---- */
@@ -1043,7 +1016,8 @@ struct deed {
 static bool next_deed(struct deed *deed, const char **cursor)
 {
     const char *at = *cursor;
-    struct buf line = {0}, file = {0}, *to = &line;
+    OWNED(buf_release) struct buf line = {0}, file = {0};
+    struct buf *to = &line;
     if (!*at)
         return false;
     for (deed->only_looks = *at == '~', at += *at == '~'; *at && *at != ';'; at++)
@@ -1054,8 +1028,6 @@ static bool next_deed(struct deed *deed, const char **cursor)
     *cursor = at + strspn(at, "; ");
     snprintf(deed->line, sizeof deed->line, "%s", buf_text(&line));
     snprintf(deed->file, sizeof deed->file, "%s", buf_text(&file));
-    buf_release(&line);
-    buf_release(&file);
     return true;
 }
 
@@ -1105,8 +1077,8 @@ static void say_nothing(void *context, const char *text)
  * about a file that was changed since. */
 static void replay_tells(const char *words)
 {
-    struct buf told = {0};
-    struct interpreter interp;
+    OWNED(buf_release) struct buf told = {0};
+    OWNED(interpreter_release) struct interpreter interp;
     const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_interpreter(&interp);
     fault = (struct fault){.text = ""};
@@ -1115,8 +1087,6 @@ static void replay_tells(const char *words)
         printf("#   %s\n", fault.text);
     buf_add_text(&told, fault.text);
     CHECK_HAS(buf_text(&told), words ? words : "");
-    interpreter_release(&interp);
-    buf_release(&told);
 }
 
 static void journal_verifies(void)
@@ -1129,11 +1099,10 @@ static void journal_verifies(void)
 /* Copy weights.nii with other scl_slope and scl_inter, given as the bytes of two floats. */
 static void make_scaled(const char *name, const char scale[8])
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     CHECK(file_read(&file, place("weights.nii"), 1 << 20, NULL) == OK && file.length > 352);
     memcpy(file.data + 112, scale, 8);
     CHECK(file_write(place(name), file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
 }
 
 static void make_seed_files(void)
@@ -1307,9 +1276,9 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz; "
         "orient sform; landmark AC 3,4,5; landmark PC 3,2,5; landmark AC none; "
         "origin 74120d6c3f0cc54e2237dc0bced98ab5 volumes=1:900";
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     struct snapshot end, again;
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     begin_recording(&interp, "door.iftty");
     all_fail_then_work(&interp, before);
     all_fail_then_work(&interp, deeds);
@@ -1333,8 +1302,6 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     CHECK(is_same_kept(&again.kept, &end.kept)); /* maps have other addresses */
     again.kept = end.kept;
     CHECK(memcmp(&again, &end, sizeof end) == 0);
-    interpreter_release(&interp);
-    buf_release(&told);
 }
 
 /* Write the scene with voxels of this length. */
@@ -1355,7 +1322,7 @@ STORY(zoom_fit_works_for_any_samples)
     static const char *const open[] = {"synth:geom:1x1x1", "synth:geom:3x2x1", "long.nii"};
     make_long("long.nii", 90);
     for (size_t i = 0; i < sizeof open / sizeof open[0]; i++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         char line[PATH_MAX];
         begin_interpreter(&interp);
         snprintf(line, sizeof line, "open %s", strchr(open[i], ':') ? open[i] : place(open[i]));
@@ -1363,13 +1330,12 @@ STORY(zoom_fit_works_for_any_samples)
         must(&interp, "size 1000 1000; samples 4; zoom fit; samples 1");
         must(&interp, "zoom fit"); /* may be larger now */
         must(&interp, "render");
-        interpreter_release(&interp);
     }
 }
 
 STORY(voxels_too_long_for_any_picture_are_rejected)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     char line[PATH_MAX];
     begin_interpreter(&interp);
     make_long("needles.nii", 3000);
@@ -1387,14 +1353,13 @@ STORY(voxels_too_long_for_any_picture_are_rejected)
     CHECK_TEXT(fault.text, "voxels of 0.1x1x3000 mm are too long for their width: no picture could "
                            "show them; nothing was opened");
     CHECK(!interp.session->has_scene);
-    interpreter_release(&interp);
 }
 
 STORY(a_replaced_file_is_restored)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     char line[PATH_MAX + 64];
-    struct buf former = {0}, now = {0};
+    OWNED(buf_release) struct buf former = {0}, now = {0};
     snprintf(journal_file, sizeof journal_file, "%s", place("replaced.iftty"));
     failing_step = FILE_STEP_SYNC;
     begin_with_scene(&interp);
@@ -1415,9 +1380,6 @@ STORY(a_replaced_file_is_restored)
     }
     snprintf(line, sizeof line, "ls -A %s | grep -q tmp", folder);
     CHECK(system(line) != 0); /* no backup is left */
-    buf_release(&former);
-    buf_release(&now);
-    interpreter_release(&interp);
 }
 
 STORY(a_replay_gives_the_recorded_results)
@@ -1725,14 +1687,13 @@ BEGUN_STORY(a_command_that_is_cancelled_is_undone, begin_interesting_work)
         "range 0 300; undo 3; seed 4,4,4 1 radius=4 to=30,30,30 to=4,30,4; box 1,1,1 30,30,30 2; "
         "fill 1,1,5 1 to=30,1,5 to=15,30,5; outline 4,1,4 1 to=4,30,2 to=4,15,30; mosaic";
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     struct snapshot before;
     unsigned cancelled = 0;
     take_snapshot(&before, interp);
     for (const char *at = lines; next_line(&line, &at);)
         cancelled +=
             stop_everywhere(interp, buf_text(&line), looks_of(interp, buf_text(&line)), &before);
-    buf_release(&line);
     CHECK(cancelled > 60);
     must(interp, "run; render");
     take_snapshot(&before, interp);
@@ -1776,11 +1737,10 @@ STORY(opening_that_is_cancelled_opens_nothing)
     static const char *const line[] = {"open synth:geom:120x100x90", "open synth:geom:211",
                                        "open scene.nii"};
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin_interpreter(&interp);
         CHECK(stop_until_done(&interp, line[i]) > 0);
         CHECK(interp.session->has_scene);
-        interpreter_release(&interp);
     }
 }
 
@@ -1818,7 +1778,7 @@ static unsigned files_in(const char *path)
 static void fails_at_every_allocation(struct interpreter *interp, const char *line,
                                       const char *kept)
 {
-    struct buf former = {0}, now = {0};
+    OWNED(buf_release) struct buf former = {0}, now = {0};
     const unsigned files = files_in(folder);
     enum err err = ERR_MEMORY;
     CHECK(!kept || file_read(&former, place(kept), 1 << 20, NULL) == OK);
@@ -1842,8 +1802,6 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
             printf("#   allocation %u of %s: %s\n", n, line, fault.text);
     }
     CHECK(err == OK);
-    buf_release(&former);
-    buf_release(&now);
 }
 
 SCENE_STORY(pictures_without_memory_leave_everything_as_it_was)
@@ -1967,7 +1925,7 @@ SCENE_STORY(the_context_lies_behind_objects_and_goes_by_the_window)
 
 STORY(a_journal_that_cannot_begin_undoes_the_command)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     char missing[PATH_MAX];
     snprintf(missing, sizeof missing, "%s", place("no-folder/x.iftty"));
     begin_with_scene(&interp);
@@ -1977,7 +1935,6 @@ STORY(a_journal_that_cannot_begin_undoes_the_command)
     must(&interp, "info"); /* a question needs no journal */
     interp.new_journal = NULL;
     must(&interp, "seed 1,1,1 1");
-    interpreter_release(&interp);
 }
 
 int main(void)

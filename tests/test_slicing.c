@@ -89,7 +89,7 @@ static void write_head(const char *name, struct head *head, double to_mm[3][4])
 /* Remove the sform and write a qform of the rotation b, c, d, with pixdim[0] = qfac. */
 static void use_qform(const char *name, const float quaternion[3], float qfac)
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     const int16_t codes[2] = {1, 0};
     const float offset[3] = {-5, 7, 11};
     CHECK(file_read(&file, name, 1 << 20, NULL) == OK && file.length > 352);
@@ -98,7 +98,6 @@ static void use_qform(const char *name, const float quaternion[3], float qfac)
     memcpy(file.data + 256, quaternion, 12);
     memcpy(file.data + 268, offset, 12);
     CHECK(file_write(name, file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
 }
 
 /* Return the letter in the middle of an edge of a picture of 100x100; 0 left, 1 right, 2 top, 3
@@ -260,7 +259,7 @@ static void write_values(const char *name, float slope, float intercept)
     static const uint32_t size[3] = {10, 10, 10};
     const double spacing[3] = {1, 1, 1};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     geometry_place_plain(&geometry, spacing);
     geometry.orientation = ORIENTATION_FILE;
     CHECK(volume_write(
@@ -271,7 +270,6 @@ static void write_values(const char *name, float slope, float intercept)
     memcpy(file.data + 112, &slope, 4);
     memcpy(file.data + 116, &intercept, 4);
     CHECK(file_write(name, file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
 }
 
 static void begin_values(float slope, float intercept)
@@ -336,19 +334,18 @@ STORY(an_automatic_window_leaves_the_extremes_out)
 /* Move the first voxel of values.nii to this place along each axis, in mm. */
 static void move_values(float mm)
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     CHECK(file_read(&file, "values.nii", 1 << 20, NULL) == OK && file.length > 352);
     for (size_t row = 280; row < 328; row += 16) /* rows of the sform */
         memcpy(file.data + row + 12, &mm, 4);
     CHECK(file_write("values.nii", file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
 }
 
 /* Return true if the top left corner of the present picture contains exactly these words. */
 static bool is_titled(const char *words)
 {
     const uint32_t tall = notes_tall(200);
-    struct canvas expected;
+    OWNED(canvas_release) struct canvas expected;
     bool same = true;
     CHECK(canvas_init(&expected, 200, 200, 0, NULL) == OK);
     text_draw(&expected, 4, 4, tall, words, &notes_light);
@@ -356,7 +353,6 @@ static bool is_titled(const char *words)
         for (uint32_t x = 0; x < 90; x++)
             same &= (canvas_pixel(&expected, x, y)[0] == 232) ==
                     (canvas_pixel(&interp.shown, x, y)[0] == 232);
-    canvas_release(&expected);
     return same;
 }
 
@@ -468,12 +464,11 @@ static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 
  * seed's dot, an x, the white rim of pending edits. */
 static void marks_are(bool seed, bool eliminator, bool waiting)
 {
-    struct canvas canvas;
+    OWNED(canvas_release) struct canvas canvas;
     CHECK(slicing_draw(&canvas, interp.session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
     CHECK(shows_colour(&canvas, dot[0], dot[1], dot[2]) == seed);
     CHECK(shows_colour(&canvas, x_red[0], x_red[1], x_red[2]) == eliminator);
     CHECK(shows_colour(&canvas, rim[0], rim[1], rim[2]) == waiting);
-    canvas_release(&canvas);
 }
 
 STORY(what_waits_and_what_was_eliminated_is_marked)
@@ -709,7 +704,7 @@ static size_t differing(const struct canvas *a, const struct canvas *b,
 STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
 {
     struct slicing_panel panel;
-    struct canvas hasty = {0}, fine = {0}, turned = {0};
+    OWNED(canvas_release) struct canvas hasty = {0}, fine = {0}, turned = {0};
     begin_values(1, 0);
     must(&interp, "seed 3,3,4 3; run");
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
@@ -736,9 +731,6 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     canvas_release(&turned);
     CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* drawn as soon as anything coarser */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
-    canvas_release(&hasty);
-    canvas_release(&fine);
-    canvas_release(&turned);
 }
 
 /* Slices near the cross-hair that are sent ahead to a terminal: one name stands for one picture,
@@ -752,7 +744,7 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
     enum { LINES = sizeof lines / sizeof lines[0], NUMBERS = 12 };
     uint64_t name[LINES * NUMBERS], pixels[LINES * NUMBERS];
     size_t count = 0, again = 0;
-    struct panes panes = {.notes = 0};
+    OWNED(panes_release) struct panes panes = {.notes = 0};
     begin_values(1, 0);
     for (size_t l = 0; l < LINES; l++) {
         static const struct buf no_words[PANES_LINES];
@@ -777,7 +769,6 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
         }
     }
     CHECK(count > 100 && again > 20);
-    panes_release(&panes);
 }
 
 /* A scene of 10 voxels a side is shown as large as possible. */
@@ -785,7 +776,7 @@ STORY(slices_of_a_small_scene_fill_their_panes)
 {
     begin_values(1, 0);
     struct slicing_panel panel = {.screen = {1600, 1000, 8, 16, true, MOSAIC_AXIAL}};
-    struct canvas canvas = {0};
+    OWNED(canvas_release) struct canvas canvas = {0};
     CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
     for (int pane = MOSAIC_AXIAL; pane <= MOSAIC_SAGITTAL; pane++) {
         const struct mosaic_box *box = &panel.layout.box[pane];
@@ -796,7 +787,6 @@ STORY(slices_of_a_small_scene_fill_their_panes)
                 shown += canvas.cell[(box->top + y) * canvas.stride + box->left + x] != CELL_NONE;
         CHECK(side > 300 && shown * 10 > side * side * 9);
     }
-    canvas_release(&canvas);
 }
 
 STORY(without_memory_nothing_is_shown)
@@ -866,7 +856,7 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
     for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
         must(&interp, how[i]);
         for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
-            struct canvas canvas;
+            OWNED(canvas_release) struct canvas canvas;
             uint32_t wrong = 0, cell = 0;
             CHECK(slicing_draw(&canvas, interp.session, (enum slice_kind)kind, NULL, true,
                                &fault) == OK);
@@ -875,7 +865,6 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
                                          p / 60, &fault) != OK ||
                          cell != canvas.cell[p];
             CHECK_INT(wrong, 0);
-            canvas_release(&canvas);
         }
     }
     must(&interp, "magnify 12.5");
@@ -918,7 +907,7 @@ static void say_nothing(void *context, const char *text)
 static void replay(const char *path, const char *words)
 {
     static const struct golden_judge strict_judge = {.differs = NULL};
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_anew();
     interp.judge = &strict_judge;
@@ -931,7 +920,6 @@ static void replay(const char *path, const char *words)
         CHECK(err != OK);
         CHECK_HAS(buf_text(&told), words);
     }
-    buf_release(&told);
 }
 
 STORY(golden_slices_are_compared_when_replayed)
