@@ -13,6 +13,7 @@
 #include "tests/check_main.h"
 
 enum { RECORDS = 5, SEMANTICS = 1 };
+#define HEADER "# iftty journal 1 semantics 1\n"
 
 static const struct {
     const char *comments, *command, *words;
@@ -25,24 +26,37 @@ static const struct {
 };
 
 /* The story as a journal; where[i] is the offset behind record i, where[0] behind the header. */
-static void make_journal(struct buf *out, size_t where[RECORDS + 1])
+static struct buf journal;
+static size_t where[RECORDS + 1];
+
+static void make_journal(void)
 {
     struct record_chain chain = record_chain_zero;
     struct buf header = {0};
     record_header(&header, SEMANTICS);
-    buf_clear(out);
-    buf_add_text(out, buf_text(&header));
-    where[0] = out->length;
+    buf_add_text(&journal, buf_text(&header));
+    where[0] = journal.length;
     for (size_t i = 0; i < RECORDS; i++) {
         struct fault fault;
         const struct record record = {
             .number = i + 1, .command = story[i].command, .result = story[i].words};
-        CHECK(record_encode(out, &chain, i == 0 ? buf_text(&header) : "", story[i].comments,
+        CHECK(record_encode(&journal, &chain, i == 0 ? buf_text(&header) : "", story[i].comments,
                             &record, &fault) == OK);
-        where[i + 1] = out->length;
+        where[i + 1] = journal.length;
     }
     buf_release(&header);
 }
+
+/* Define a story about that journal. */
+#define JOURNAL_STORY(told)                                                                        \
+    static void told_##told(void);                                                                 \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        make_journal();                                                                            \
+        told_##told();                                                                             \
+        buf_release(&journal);                                                                     \
+    }                                                                                              \
+    static void told_##told(void)
 
 /* Walks bytes that may not be read behind their end: a copy of their exact size tells ASan. */
 struct outcome {
@@ -76,14 +90,11 @@ static struct outcome walk_all(const char *bytes, size_t length, bool only_sound
     return out;
 }
 
-STORY(what_is_encoded_is_walked)
+JOURNAL_STORY(what_is_encoded_is_walked)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
     struct walk walk;
     struct record record;
-    make_journal(&bytes, where);
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
+    CHECK(walk_begin(&walk, journal.data, journal.length, NULL) == OK);
     CHECK(walk.is_journal);
     CHECK_INT(walk.semantics, SEMANTICS);
     const size_t line[RECORDS] = {3, 5, 10, 12, 15};
@@ -102,7 +113,6 @@ STORY(what_is_encoded_is_walked)
     }
     CHECK(walk_next(&walk, &record) == WALK_END);
     walk_release(&walk);
-    buf_release(&bytes);
 }
 
 /* ---- FORMAT.md ---- */
@@ -128,23 +138,23 @@ static bool read_example(struct buf *out)
 
 STORY(the_example_in_FORMAT_is_decoded)
 {
+    static const char *const expected[3][2] = {
+        {"open synth:geom:222", "scene=8c1f0e52a7b3d946 size=222,222,222"},
+        {"label 2 cerebellum #40c060", ""},
+        {"seed 20,30,40 2 radius=3",
+         "forest=0123456789abcdef labels=fedcba9876543210 seeds=123 changed=1200"}};
     struct buf bytes = {0};
     struct walk walk;
     struct record record;
     if (!read_example(&bytes))
         return;
     CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
-    CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
-    CHECK_TEXT(record.command, "open synth:geom:222");
-    CHECK_TEXT(record.result, "scene=8c1f0e52a7b3d946 size=222,222,222");
-    CHECK_INT(record.line, 3);
-    CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
-    CHECK_TEXT(record.command, "label 2 cerebellum #40c060");
-    CHECK_TEXT(record.result, "");
-    CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
-    CHECK_TEXT(record.command, "seed 20,30,40 2 radius=3");
-    CHECK_TEXT(record.result,
-               "forest=0123456789abcdef labels=fedcba9876543210 seeds=123 changed=1200");
+    for (size_t i = 0; i < 3; i++) {
+        CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
+        CHECK_TEXT(record.command, expected[i][0]);
+        CHECK_TEXT(record.result, expected[i][1]);
+        CHECK(i > 0 || record.line == 3);
+    }
     CHECK(walk_next_sound(&walk, &record) == WALK_END);
     CHECK_INT(walk.records, 3);
     walk_release(&walk);
@@ -180,17 +190,15 @@ STORY(the_chain_in_FORMAT_is_what_its_words_say)
 /* ---- cuts and flips ---- */
 
 /* The rest of a record may be missing, or be zeros, as file systems leave them. */
-STORY(every_prefix_is_sound_records_and_a_torn_tail)
+JOURNAL_STORY(every_prefix_is_sound_records_and_a_torn_tail)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1], whole = 0;
-    make_journal(&bytes, where);
-    char *zeroed = calloc(1, bytes.length + 5000);
-    for (size_t cut = 0; cut <= bytes.length; cut++) {
+    size_t whole = 0;
+    char *zeroed = calloc(1, journal.length + 5000);
+    for (size_t cut = 0; cut <= journal.length; cut++) {
         whole += whole < RECORDS && where[whole + 1] == cut;
         const size_t sound = cut < where[0] ? 0 : where[whole];
-        const struct outcome prefix = walk_all(bytes.data, cut, true);
-        const struct outcome zeros = walk_all(zeroed, bytes.length + (cut % 2 ? 5000 : 1), true);
+        const struct outcome prefix = walk_all(journal.data, cut, true);
+        const struct outcome zeros = walk_all(zeroed, journal.length + (cut % 2 ? 5000 : 1), true);
         CHECK(prefix.err == OK && zeros.err == OK);
         CHECK_INT(prefix.records, whole);
         CHECK_INT(zeros.records, whole);
@@ -199,14 +207,13 @@ STORY(every_prefix_is_sound_records_and_a_torn_tail)
         CHECK_INT(prefix.place.offset, sound);
         CHECK_INT(zeros.place.offset, sound);
         CHECK_INT(prefix.place.number, whole + 1);
-        zeroed[cut] = cut < bytes.length ? bytes.data[cut] : '\0';
+        zeroed[cut] = cut < journal.length ? journal.data[cut] : '\0';
     }
     free(zeroed);
-    buf_release(&bytes);
 }
 
 /* Which record holds this byte; the header belongs to the first. */
-static size_t record_of(const size_t where[RECORDS + 1], size_t offset)
+static size_t record_of(size_t offset)
 {
     size_t number = 1;
     while (number < RECORDS && where[number] <= offset)
@@ -214,16 +221,16 @@ static size_t record_of(const size_t where[RECORDS + 1], size_t offset)
     return number;
 }
 
-static void check_flip(const struct buf *bytes, const size_t where[RECORDS + 1], size_t at)
+static void check_flip(size_t at)
 {
     struct journal_condition found;
-    struct outcome out = walk_all(bytes->data, bytes->length, true);
-    enum err err = journal_check(&found, bytes->data, bytes->length, NULL);
-    const size_t number = record_of(where, at);
+    struct outcome out = walk_all(journal.data, journal.length, true);
+    enum err err = journal_check(&found, journal.data, journal.length, NULL);
+    const size_t number = record_of(at);
     CHECK_INT(err, ERR_CHECK);
     CHECK(found.state != JOURNAL_INTACT && found.state != JOURNAL_SCRIPT);
     if (!CHECK(found.number == number))
-        printf("#   byte %zu is now %02x: %s\n", at, (unsigned char)bytes->data[at], found.text);
+        printf("#   byte %zu is now %02x: %s\n", at, (unsigned char)journal.data[at], found.text);
     if (found.state == JOURNAL_TORN)
         CHECK_INT(number, RECORDS);
     /* a flip in the first letters of the header leaves a script, which no journal_open takes */
@@ -233,83 +240,71 @@ static void check_flip(const struct buf *bytes, const size_t where[RECORDS + 1],
         CHECK_INT(out.place.number, number);
 }
 
-STORY(every_flip_of_a_byte_is_noticed_in_its_record)
+JOURNAL_STORY(every_flip_of_a_byte_is_noticed_in_its_record)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
-    make_journal(&bytes, where);
-    for (size_t at = 0; at < bytes.length; at++) {
-        const char kept = bytes.data[at];
+    for (size_t at = 0; at < journal.length; at++) {
+        const char kept = journal.data[at];
         for (unsigned bit = 0; bit < 8; bit++) {
-            bytes.data[at] = (char)(kept ^ (1 << bit));
-            check_flip(&bytes, where, at);
+            journal.data[at] = (char)(kept ^ (1 << bit));
+            check_flip(at);
         }
         for (const char *c = "\n#= 0x\t\r"; *c; c++)
             if (*c != kept) {
-                bytes.data[at] = *c;
-                check_flip(&bytes, where, at);
+                journal.data[at] = *c;
+                check_flip(at);
             }
-        bytes.data[at] = '\0';
-        check_flip(&bytes, where, at);
-        bytes.data[at] = kept;
+        journal.data[at] = '\0';
+        check_flip(at);
+        journal.data[at] = kept;
     }
-    CHECK(walk_all(bytes.data, bytes.length, true).step == WALK_END);
-    buf_release(&bytes);
+    CHECK(walk_all(journal.data, journal.length, true).step == WALK_END);
 }
 
-STORY(every_byte_left_out_or_doubled_is_noticed)
+JOURNAL_STORY(every_byte_left_out_or_doubled_is_noticed)
 {
-    struct buf bytes = {0}, other = {0};
-    size_t where[RECORDS + 1];
-    make_journal(&bytes, where);
-    for (size_t at = 0; at < bytes.length; at++) {
+    struct buf other = {0};
+    for (size_t at = 0; at < journal.length; at++) {
         struct journal_condition found;
         for (int doubled = 0; doubled < 2; doubled++) {
             buf_clear(&other);
-            buf_add(&other, bytes.data, at + (doubled != 0));
-            buf_add(&other, bytes.data + at + (doubled == 0), bytes.length - at - (doubled == 0));
+            buf_add(&other, journal.data, at + (doubled != 0));
+            buf_add(&other, journal.data + at + (doubled == 0),
+                    journal.length - at - (doubled == 0));
             CHECK_INT(journal_check(&found, other.data, other.length, NULL), ERR_CHECK);
-            CHECK(found.number <= record_of(where, at) + 1);
+            CHECK(found.number <= record_of(at) + 1);
         }
     }
     buf_release(&other);
-    buf_release(&bytes);
 }
 
 /* Whole records taken out, doubled or exchanged. */
-STORY(records_moved_about_are_noticed)
+JOURNAL_STORY(records_moved_about_are_noticed)
 {
-    struct buf bytes = {0}, other = {0};
-    size_t where[RECORDS + 1];
+    struct buf other = {0};
     struct journal_condition found;
-    make_journal(&bytes, where);
     for (size_t i = 1; i < RECORDS; i++) { /* without record i: the one behind it is named */
         buf_clear(&other);
-        buf_add(&other, bytes.data, where[i - 1]);
-        buf_add(&other, bytes.data + where[i], bytes.length - where[i]);
+        buf_add(&other, journal.data, where[i - 1]);
+        buf_add(&other, journal.data + where[i], journal.length - where[i]);
         CHECK(journal_check(&found, other.data, other.length, NULL) == ERR_CHECK);
         CHECK_INT(found.state, JOURNAL_EDITED);
         CHECK_INT(found.number, i);
         CHECK_INT(found.offset, where[i - 1]);
     }
     buf_clear(&other);
-    buf_add(&other, bytes.data, where[2]);
-    buf_add(&other, bytes.data + where[1], bytes.length - where[1]);
+    buf_add(&other, journal.data, where[2]);
+    buf_add(&other, journal.data + where[1], journal.length - where[1]);
     CHECK(journal_check(&found, other.data, other.length, NULL) == ERR_CHECK);
     CHECK_INT(found.number, 3);
     buf_release(&other);
-    buf_release(&bytes);
 }
 
-STORY(only_the_record_that_was_edited_is_unsound)
+JOURNAL_STORY(only_the_record_that_was_edited_is_unsound)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
     struct walk walk;
     struct record record;
-    make_journal(&bytes, where);
-    *strstr(bytes.data, "20,30,40") = '1';
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
+    *strstr(journal.data, "20,30,40") = '1';
+    CHECK(walk_begin(&walk, journal.data, journal.length, NULL) == OK);
     for (size_t i = 1; i <= RECORDS; i++) {
         struct fault fault = {.text = ""};
         CHECK(walk_next(&walk, &record) == WALK_RECORD);
@@ -318,7 +313,6 @@ STORY(only_the_record_that_was_edited_is_unsound)
             CHECK_HAS(fault.text, "record 3 (line 10, from byte ");
     }
     walk_release(&walk);
-    buf_release(&bytes);
 }
 
 /* ---- headers, scripts ---- */
@@ -329,7 +323,7 @@ STORY(headers_have_one_spelling)
         const char *text;
         const char *words; /* part of the refusal; NULL: fine */
     } c[] = {
-        {"# iftty journal 1 semantics 1\n", NULL},
+        {HEADER, NULL},
         {"# iftty journal 1 semantics 999999999\n", NULL},
         {"# iftty journal 2 semantics 1\n", "format 2"},
         {"# iftty journal 01 semantics 1\n", "malformed"},
@@ -374,18 +368,16 @@ STORY(a_script_is_walked_too)
     walk_release(&walk);
 }
 
-STORY(the_log_prints_the_commands_alone)
+JOURNAL_STORY(the_log_prints_the_commands_alone)
 {
-    struct buf bytes = {0}, script = {0};
-    size_t where[RECORDS + 1];
-    make_journal(&bytes, where);
+    struct buf script = {0};
     static const char expected[] = "# opened first\nopen synth:geom:64\n"
                                    "label 2 cervelet \xC3\xA9 #40c060\n"
                                    "\n# why\n\nseed 20,30,40 2\nundo\n#\nredo\n";
-    CHECK(journal_script(&script, bytes.data, bytes.length, NULL) == OK);
+    CHECK(journal_script(&script, journal.data, journal.length, NULL) == OK);
     CHECK_TEXT(buf_text(&script), expected);
     buf_clear(&script); /* a torn tail was never acknowledged */
-    CHECK(journal_script(&script, bytes.data, bytes.length - 1, NULL) == OK);
+    CHECK(journal_script(&script, journal.data, journal.length - 1, NULL) == OK);
     CHECK(strncmp(buf_text(&script), expected, sizeof expected - 8) == 0);
     CHECK_INT(script.length, sizeof expected - 1 - 7);
     static const char text[] = "  run # now\n# last";
@@ -398,49 +390,45 @@ STORY(the_log_prints_the_commands_alone)
     CHECK(journal_script(&script, NULL, 0, NULL) == OK);
     CHECK_INT(script.length, 0);
     buf_release(&script);
-    buf_release(&bytes);
 }
 
-STORY(the_log_says_whether_a_journal_is_intact)
+/* Check bytes, and the condition of their journal: its state and words. */
+static struct journal_condition condition_is(const char *bytes, size_t length,
+                                             enum journal_state state, const char *words)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
+    const bool is_fine = state == JOURNAL_INTACT || state == JOURNAL_SCRIPT;
     struct journal_condition found;
     struct fault fault;
-    make_journal(&bytes, where);
-    CHECK(journal_check(&found, bytes.data, bytes.length, NULL) == OK);
-    CHECK_INT(found.state, JOURNAL_INTACT);
+    CHECK_INT(journal_check(&found, bytes, length, &fault), is_fine ? OK : ERR_CHECK);
+    CHECK_INT(found.state, state);
+    CHECK_HAS(found.text, words);
+    CHECK(is_fine || strcmp(fault.text, found.text) == 0);
+    return found;
+}
+
+JOURNAL_STORY(the_log_says_whether_a_journal_is_intact)
+{
+    const char *bytes = journal.data;
+    size_t length = journal.length;
+    struct journal_condition found = condition_is(bytes, length, JOURNAL_INTACT, "");
     CHECK_INT(found.records, RECORDS);
-    CHECK(strncmp(found.chain.hex, bytes.data + bytes.length - 33, 32) == 0);
+    CHECK(strncmp(found.chain.hex, bytes + length - 33, 32) == 0);
     CHECK_TEXT(found.text, "intact, 5 records");
-    CHECK(journal_check(&found, bytes.data, bytes.length - 7, &fault) == ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_TORN);
+    found = condition_is(bytes, length - 7, JOURNAL_TORN, "record 5 is torn");
     CHECK_INT(found.offset, where[RECORDS - 1]);
     CHECK_INT(found.records, RECORDS - 1);
-    CHECK_HAS(fault.text, "record 5 is torn");
-    CHECK(journal_check(&found, "run\n", 4, NULL) == OK);
-    CHECK_INT(found.state, JOURNAL_SCRIPT);
-    CHECK_INT(found.records, 1);
-    CHECK(journal_check(&found, NULL, 0, NULL) == ERR_CHECK); /* its header was not written yet */
-    CHECK_INT(found.state, JOURNAL_TORN);
-    CHECK_INT(found.records, 0);
-    CHECK(journal_check(&found, bytes.data + where[0], bytes.length - where[0], &fault) ==
-          ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_EDITED);
+    CHECK_INT(condition_is("run\n", 4, JOURNAL_SCRIPT, "").records, 1);
+    /* Its header was not written yet. */
+    CHECK_INT(condition_is(NULL, 0, JOURNAL_TORN, "").records, 0);
+    found = condition_is(bytes + where[0], length - where[0], JOURNAL_EDITED, "header");
     CHECK_INT(found.number, 1);
-    CHECK_HAS(fault.text, "header");
-    buf_add_text(&bytes, "undo\nredo\n"); /* two commands behind the end are nobody's torn write */
-    CHECK(journal_check(&found, bytes.data, bytes.length, &fault) == ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_EDITED);
+    buf_add_text(&journal, "undo\nredo\n"); /* two commands behind the end are no torn write */
+    bytes = journal.data;
+    length = journal.length;
+    found = condition_is(bytes, length, JOURNAL_EDITED, "no result line");
     CHECK_INT(found.number, RECORDS + 1);
-    CHECK_HAS(fault.text, "no result line");
-    bytes.length -= 3; /* nor is a command and the beginning of another */
-    CHECK(journal_check(&found, bytes.data, bytes.length, &fault) == ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_EDITED);
-    bytes.length -= 2; /* one command is */
-    CHECK(journal_check(&found, bytes.data, bytes.length, &fault) == ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_TORN);
-    buf_release(&bytes);
+    condition_is(bytes, length - 3, JOURNAL_EDITED, ""); /* nor is one, and a begin of another */
+    condition_is(bytes, length - 5, JOURNAL_TORN, "");   /* one command is */
 }
 
 /* ---- lines that no writer of ours writes, sealed all the same ---- */
@@ -592,24 +580,10 @@ STORY(lines_have_a_limit_on_both_sides)
 
 STORY(random_bytes_end_in_order)
 {
-    static const char *const piece[] = {"# iftty journal 1 semantics 1\n",
-                                        "# iftty",
-                                        "\n",
-                                        "= ",
-                                        "= 1",
-                                        " chain=",
-                                        "0123456789abcdef0123456789abcdef",
-                                        "a=b",
-                                        " ",
-                                        "run",
-                                        "#",
-                                        "\x1b[2J",
-                                        "\xff\xfe",
-                                        "\xE2\x80\xAE",
-                                        "\r\n",
-                                        "chain=",
-                                        "1",
-                                        "="};
+    static const char *const piece[] = {
+        HEADER, "# iftty", "\n",  "= ", "= 1",     " chain=",  "0123456789abcdef0123456789abcdef",
+        "a=b",  " ",       "run", "#",  "\x1b[2J", "\xff\xfe", "\xE2\x80\xAE",
+        "\r\n", "chain=",  "1",   "="};
     uint64_t random = 7;
     struct buf bytes = {0}, script = {0};
     for (int round = 0; round < 20000; round++) {
