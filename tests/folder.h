@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 /* A folder's name; the name of a file in it. */
-enum { FOLDER_LENGTH = 160, FILE_LENGTH = FOLDER_LENGTH + 64 };
+enum { FOLDER_LENGTH = 160, FILE_LENGTH = FOLDER_LENGTH + 272 };
 
 /* Makes a folder with `word` in its name; false, with a comment, where that cannot be. */
 static inline bool make_folder(char folder[FOLDER_LENGTH], const char *word)

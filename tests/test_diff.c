@@ -13,25 +13,29 @@
 
 /* ---- where commands part ---- */
 
-static struct first_difference find(const char *a, const char *b, size_t last)
+/* The last difference that was looked for; the next one replaces it. */
+static struct first_difference first;
+static struct fault why;
+
+static void find(const char *a, const char *b, size_t last, enum err err)
 {
-    struct first_difference first_difference = {0};
     struct buf bytes[2] = {{0}, {0}};
     buf_add_text(bytes, a);
     buf_add_text(bytes + 1, b);
-    CHECK(first_difference_find(&first_difference, FIRST_COMMAND, (const char *const[]){"a", "b"},
-                                bytes, last, NULL) == OK);
+    first_difference_release(&first);
+    first = (struct first_difference){0};
+    CHECK_INT(first_difference_find(&first, FIRST_COMMAND, (const char *const[]){"a", "b"}, bytes,
+                                    last, &why),
+              err);
     buf_release(bytes);
     buf_release(bytes + 1);
-    return first_difference;
 }
 
 static void check_same(const char *a, const char *b, size_t same)
 {
-    struct first_difference p = find(a, b, 0);
-    CHECK(!p.is_there);
-    CHECK_INT(p.same, same);
-    first_difference_release(&p);
+    find(a, b, 0, OK);
+    CHECK(!first.is_there);
+    CHECK_INT(first.same, same);
 }
 
 STORY(the_same_commands_do_not_part)
@@ -58,50 +62,32 @@ STORY(results_and_comments_are_no_commands)
 
 STORY(the_first_other_command_is_named_in_both)
 {
-    struct first_difference p =
-        find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0);
-    CHECK(p.is_there && p.side[0].has_command && p.side[1].has_command);
-    CHECK_INT(p.same, 1);
-    CHECK_INT(p.side[0].number, 2);
-    CHECK_INT(p.side[0].line, 3);
-    CHECK_TEXT(buf_text(&p.side[0].command), "seed 1,1,1 1");
-    CHECK_INT(p.side[1].number, 3);
-    CHECK_INT(p.side[1].line, 3);
-    CHECK_TEXT(buf_text(&p.side[1].command), "seed 1,1,2 1");
-    first_difference_release(&p);
-    p = find("open s\nrun\n", "open s\n", 0);
-    CHECK(p.is_there && p.side[0].has_command && !p.side[1].has_command);
-    CHECK_TEXT(buf_text(&p.side[0].command), "run");
-    first_difference_release(&p);
-    p = find("open s\nrun\n", "open s\nauto on\n", 1);
-    CHECK(!p.is_there);
-    first_difference_release(&p);
-    p = find("label 1 a\n", "label 1a\n", 0); /* words, not letters */
-    CHECK(p.is_there);
-    first_difference_release(&p);
-    p = find("open \"s\n", "open \"s \n", 0); /* which do not end */
-    CHECK(p.is_there);
-    first_difference_release(&p);
+    find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0, OK);
+    CHECK(first.is_there && first.side[0].has_command && first.side[1].has_command);
+    CHECK_INT(first.same, 1);
+    CHECK_INT(first.side[0].number, 2);
+    CHECK_INT(first.side[0].line, 3);
+    CHECK_TEXT(buf_text(&first.side[0].command), "seed 1,1,1 1");
+    CHECK_INT(first.side[1].number, 3);
+    CHECK_INT(first.side[1].line, 3);
+    CHECK_TEXT(buf_text(&first.side[1].command), "seed 1,1,2 1");
+    find("open s\nrun\n", "open s\n", 0, OK);
+    CHECK(first.is_there && first.side[0].has_command && !first.side[1].has_command);
+    CHECK_TEXT(buf_text(&first.side[0].command), "run");
+    find("open s\nrun\n", "open s\nauto on\n", 1, OK);
+    CHECK(!first.is_there);
+    find("label 1 a\n", "label 1a\n", 0, OK); /* words, not letters */
+    CHECK(first.is_there);
+    find("open \"s\n", "open \"s \n", 0, OK); /* which do not end */
+    CHECK(first.is_there);
 }
 
 STORY(what_cannot_be_read_is_named)
 {
-    struct first_difference p = {0};
-    struct buf bytes[2] = {{0}, {0}};
-    struct fault why = {0};
-    buf_add_text(bytes, "run\n");
-    buf_add_text(bytes + 1, "# iftty journal 1 semantics 3\n= 1 x\n");
-    CHECK(first_difference_find(&p, FIRST_COMMAND, (const char *const[]){"a", "b"}, bytes, 0,
-                                &why) == ERR_INPUT);
+    find("run\n", "# iftty journal 1 semantics 3\n= 1 x\n", 0, ERR_INPUT);
     CHECK(strncmp(why.text, "b: ", 3) == 0);
-    buf_clear(bytes + 1);
-    buf_add_text(bytes + 1, "# iftty journal 77 semantics 3\n");
-    CHECK(first_difference_find(&p, FIRST_COMMAND, (const char *const[]){"a", "b"}, bytes, 0,
-                                &why) == ERR_INPUT);
+    find("run\n", "# iftty journal 77 semantics 3\n", 0, ERR_INPUT);
     CHECK(strncmp(why.text, "b: ", 3) == 0);
-    first_difference_release(&p);
-    buf_release(bytes);
-    buf_release(bytes + 1);
 }
 
 /* ---- how far labels differ ---- */
