@@ -92,8 +92,8 @@ static enum err open_files(struct golden_files *files, const char *journal, bool
     if (err || files->path.failed || files->name.failed)
         return err ? err : fault_memory(fault, "a path");
     const char *path = buf_text(&files->path);
-    if (makes && mkdir(path, 0777) == 0 && !file_step_sync_folder(path))
-        return fault_errno(fault, "sync the folder of", path);
+    if (makes && mkdir(path, 0777) == 0 && file_sync_folder(path, fault))
+        return ERR_IO;
     files->folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (files->folder >= 0 || (errno == ENOENT && !makes))
         return OK;
@@ -384,8 +384,8 @@ enum err golden_files_copy(const struct golden_files *files, const char *to, str
     enum err err = OK;
     for (; !err && name < end; name += strlen(name) + 1)
         err = copy_one(files, to, name, fault);
-    if (!err && !file_step_sync_folder(to))
-        err = fault_errno(fault, "sync the folder of", to);
+    if (!err)
+        err = file_sync_folder(to, fault);
     if (err)
         folder_remove(to);
     return err;
