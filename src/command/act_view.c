@@ -38,10 +38,8 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     struct buf *path = act_buf(act);
     enum err err = interpreter_find_file(act->interp, name, path, fault);
     if (err) {
-        struct near near = near_to(name);
-        near_try_choices(&near, WEIGHT_KINDS);
         fault_prefix(fault, err, "expected " WEIGHT_KINDS " or a file");
-        near_append(&near, "", fault);
+        near_append_choices(name, WEIGHT_KINDS, fault);
     }
     if (!err)
         err = map_read(&map, buf_text(path), &place, session->watch, fault);

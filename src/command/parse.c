@@ -136,12 +136,9 @@ static enum err report_expected(struct fault *fault, const struct parameter *p, 
                                 const char *expected)
 {
     const char *choices = p->choices ? p->choices : "";
-    struct near near = near_to(word);
     fault_set(fault, ERR_USAGE, "%s: expected %s%s%s, not %s", p->name, choices,
               *choices && *expected ? " or " : "", expected, *word ? word : "nothing");
-    near_try_choices(&near, choices);
-    near_append(&near, "", fault);
-    return ERR_USAGE;
+    return near_append_choices(word, choices, fault);
 }
 
 static enum err read_position(struct value *value, const struct parameter *p, const char *word,
