@@ -167,6 +167,14 @@ expect_err() {
     expect "$@"
     err_has "$expected_words"
 }
+# answers WORDS COMMANDS: iftty executes them, and the words are in its output
+# refuses WORDS COMMANDS: it fails for what is in a file, and the words are in the errors
+answers() {
+    expect_out "$1" 0 "$iftty" -c "$2"
+}
+refuses() {
+    expect_err "$1" 3 "$iftty" -c "$2"
+}
 same() { # two texts
     [ "$1" = "$2" ] || fail "'$1' is not '$2'"
 }

@@ -90,18 +90,15 @@ for command in labels seed-file mask weight compare; do
     err_has "volume=0 left lobe (3), cyst (1); volume=1 vessel (1), stone\\n2 (2)"
     expect 3 "$iftty" -c "open s.nii; $command both.nii volume=2"
     err_has "there is no volume 2; it holds 2, counted from 0"
-    expect 3 "$iftty" -c "open s.nii; $command both.h5"
-    err_has "choose one with data=NAME: /maps"
+    refuses "choose one with data=NAME: /maps" "open s.nii; $command both.h5"
 done
 expect 3 "$iftty" -c "open s.nii; labels old.seg.nrrd"
 err_has "layers of segments: volume=0 first (1); volume=1 second (1)"
-expect 3 "$iftty" -c "open both.seg.nrrd"
-err_has "as in \`open FILE volume=0\`, of 0 to 1; layers of segments:"
+refuses "as in \`open FILE volume=0\`, of 0 to 1; layers of segments:" "open both.seg.nrrd"
 for words in "volume=1" "data=maps"; do
     expect 2 "$iftty" -c "open s.nii; weight sobel $words"
     err_has "${words%=*}: \`weight sobel\` has none"
-    expect 2 "$iftty" -c "open s.nii; mask none $words"
-    err_has "\`mask none\` has no"
+    expect_err "\`mask none\` has no" 2 "$iftty" -c "open s.nii; mask none $words"
     echo 1,1,1,1 >list.csv
     expect 2 "$iftty" -c "open s.nii; seed-file list.csv $words"
     err_has "are for label maps, and list.csv is a list"
@@ -133,8 +130,7 @@ expect 0 "$iftty" info --histogram both.nii --volume 1
 sed -n '/^histogram/,$p' out >got
 expect 0 "$iftty" info --histogram only1.nii
 sed -n '/^histogram/,$p' out | cmp -s - got || fail "info: $(cat got)"
-expect 3 "$iftty" info --histogram both.nii
-err_has "as in --volume 0"
+expect_err "as in --volume 0" 3 "$iftty" info --histogram both.nii
 
 begin "apply opens the volume of each scene, and its journal says which"
 /usr/bin/python3 -W ignore - <<'END' || fail nibabel

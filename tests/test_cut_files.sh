@@ -79,8 +79,7 @@ END
     words="cut short: it has $left bytes, and its header promises"
     same "$name: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
         "$name: 4 of 4"
-    expect 3 "$iftty" info "$name"
-    err_has "cut short: it has $left bytes"
+    expect_err "cut short: it has $left bytes" 3 "$iftty" info "$name"
 done <"$work/cuts"
 
 begin "voxels that never came: after LOCAL, in a file that is empty, none or in no list"
@@ -99,10 +98,8 @@ for name in itk.mhd list.mhd; do
     expect 3 "$iftty" -c "open $name volume=1"
 done
 sed -i '$d' list.mhd
-expect 3 "$iftty" -c "open list.mhd volume=1"
-err_has "its header names 1 file, and says that it has 2 pieces"
-expect 3 "$iftty" -c "open loose.mha"
-err_has "its voxels are packed, and its header lacks CompressedDataSize"
+refuses "its header names 1 file, and says that it has 2 pieces" "open list.mhd volume=1"
+refuses "its voxels are packed, and its header lacks CompressedDataSize" "open loose.mha"
 
 begin "a bit of packed voxels that turned over"
 for name in packed.mha RAS-byte.nrrd; do
@@ -112,8 +109,7 @@ data = bytearray(open(sys.argv[1], "rb").read())
 data[-40] ^= 4
 open(sys.argv[2], "wb").write(data)
 END
-    expect 3 "$iftty" -c "open turned-$name"
-    err_has "cut short or damaged: of its packed voxels"
+    refuses "cut short or damaged: of its packed voxels" "open turned-$name"
 done
 
 begin "HDF5: a data set of which nothing was written is refused, and of a part that is said"
@@ -126,8 +122,7 @@ with h5py.File("none.h5", "w") as file:
 with h5py.File("all.h5", "w") as file:
     file.create_dataset("a", data=numpy.ones((8, 9, 10), "i2"), chunks=(3, 4, 4))
 END
-expect 3 "$iftty" -c "open none.h5"
-err_has "nothing of the data set was written: it holds no voxel"
+refuses "nothing of the data set was written: it holds no voxel" "open none.h5"
 expect 0 "$iftty" -c "open part.h5"
 out_has "3 of the 4 pieces of the data set are not in the file: voxels there have the value"
 expect 0 "$iftty" -c "open all.h5"
@@ -143,8 +138,7 @@ count = struct.unpack_from(order + "H", data, first)[0]
 struct.pack_into(order + "I", data, first + 2 + 12 * count, first)
 open("round.tif", "wb").write(data)
 END
-expect 3 timeout 20 "$iftty" -c "open round.tif"
-err_has "its pages lead back to one another"
+expect_err "its pages lead back to one another" 3 timeout 20 "$iftty" -c "open round.tif"
 
 begin "bytes that are left over change nothing"
 while read -r name; do

@@ -8,12 +8,6 @@
 begin "files of several images at each place are made"
 made_by kinds.py
 
-refused() { # WORDS COMMAND: in one line
-    expect 3 "$iftty" -c "$2"
-    err_has "$1"
-    same "$2: $(wc -l <"$work/err" | tr -d ' ') line" "$2: 1 line"
-}
-
 # scene_of OPEN: the digests of a scene, which hold its voxels, spacing and place
 scene_of() {
     rm -f "$work/c.iftty"
@@ -105,15 +99,13 @@ differ in echo (2 values)" "open incomplete volume=0"
 opened_as by-slice by-slice.twin.nii
 
 begin "info lists the volumes of a series"
-expect 0 "$iftty" info b
-out_has "volumes   3"
+expect_out "volumes   3" 0 "$iftty" info b
 out_has "note      volume 2: b 1000, 5 slices"
 
 begin "a Modality LUT is applied, and a slope of 0 is none"
 opened_as lookup lookup.twin.nii
 out_has "its values are those of its Modality LUT"
-opened_as lookup-short lookup-short.twin.nii
-opened_as lookup-bytes lookup-bytes.twin.nii
+twins % lookup-short lookup-bytes
 for name in lookup-cut lookup-slope; do
     refused "an image whose Modality LUT is damaged, or contradicts its RescaleSlope" "open $name"
 done
@@ -157,8 +149,7 @@ for name in numbers-alone location-once; do
     out_has "they are in the order of their numbers"
 done
 refused "a slice is missing (1 after slice 3) of 6" "open location-gap"
-expect 0 "$iftty" -c "open frames-unplaced"
-out_has "they are in the order of their frames"
+answers "they are in the order of their frames" "open frames-unplaced"
 refused "no SliceLocation, and no InstanceNumber that differs from file to file" "open nothing"
 says=file
 
@@ -177,8 +168,7 @@ weight $file
 END2
     same "$file: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
         "$file: 4 of 4"
-    expect 3 "$iftty" compare by-slice.twin.nii "$file"
-    err_has "$words"
+    expect_err "$words" 3 "$iftty" compare by-slice.twin.nii "$file"
 done <<'END'
 seg-binary a segmentation (DICOM SEG), which is not read; `segimage2itkimage
 seg-fractional a segmentation (DICOM SEG), which is not read; `segimage2itkimage

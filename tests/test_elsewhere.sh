@@ -39,14 +39,11 @@ refused() {
             "$kernel: $# of $#"
     done
     for name; do
-        expect 3 timeout 30 "$iftty" info "$name"
-        err_has "$words"
+        expect_err "$words" 3 timeout 30 "$iftty" info "$name"
         printf 'open %s\nslice axial 0 secret.png\n' "$name" >j
-        expect 3 loose timeout 30 "$iftty" replay j --unconfined --out "$work/pictures"
-        err_has "$words"
+        expect_err "$words" 3 loose timeout 30 "$iftty" replay j --unconfined --out "$work/pictures"
         same "$(ls "$work/pictures")" ""
-        expect 3 timeout 30 "$iftty" verify j
-        out_has "$words"
+        expect_out "$words" 3 timeout 30 "$iftty" verify j
     done
 }
 
@@ -102,8 +99,7 @@ pixels = (b"II*\0" + struct.pack("<I", 300)).ljust(200, b"\0") + bytes(range(16)
 with open("circle.tif", "wb") as file:
     file.write((pixels.ljust(300, b"\0") + directory(500)).ljust(500, b"\0") + directory(300))
 EOP
-expect 3 "$iftty" -c 'open circle.tif'
-err_has "its pages lead back to one another"
+refuses "its pages lead back to one another" 'open circle.tif'
 
 begin "what is missing is named, and no zeros are made of it"
 refused "none.raw, which is not there" none.mhd none.nhdr list-none.mhd list-none.nhdr \
@@ -115,8 +111,7 @@ refused "d of less.h5, in which voxels of it are, is of another size" virtual-le
 refused "bad.h5, which is no HDF5 file, or is damaged" virtual-bad.h5
 refused "cut short: short.raw" external-short.h5
 gzip -nc v.raw | head -c 60 >packed/v.raw.gz
-expect 3 "$iftty" -c "open packed/plain.mhd"
-err_has "its voxels are in v.raw.gz, which is cut short or damaged"
+refuses "its voxels are in v.raw.gz, which is cut short or damaged" "open packed/plain.mhd"
 same "$(scene_of "$iftty" -c 'open virtual-gap.h5')" $gap
 out_has "30 of the 120 values of the data set are in none of the files that it is made of"
 
@@ -137,7 +132,6 @@ for name in twin.nii plain.mhd virtual.h5; do
         esac
     done
 done
-expect 0 loose "$iftty" info
-out_has "landlock  none"
+expect_out "landlock  none" 0 loose "$iftty" info
 
 finish

@@ -34,8 +34,7 @@ out_has "lengths and volumes are in voxels"
 out_has "up; orientation unknown"
 out_has "all but z slices 3-9"
 out_has "through 12,10,8: z 8, y 10, x 12; "
-expect 2 "$iftty" -c 'open unplaced.nii.gz; clip axial'
-err_has "expected z slices A-B within 0-15"
+expect_err "expected z slices A-B within 0-15" 2 "$iftty" -c 'open unplaced.nii.gz; clip axial'
 grep -qE "$sides" "$work/err" && fail "$(cat "$work/err")"
 
 begin "the same voxels shown with sides and without differ in letters alone, which vanish"
@@ -43,11 +42,9 @@ for how in LAS file; do
     expect 0 "$iftty" -c "open unplaced.nii.gz; orient $how; overlay none cross=off; size 200 200
         slice axial 8 $how.exr replace=yes; overlay words=off; slice axial 8 $how-plain.exr"
 done
-expect 0 "$iftty" info file.exr
-out_has "iftty:orientation: unknown"
+expect_out "iftty:orientation: unknown" 0 "$iftty" info file.exr
 out_has "iftty:slice: z through 12,10,8"
-expect 0 "$iftty" info LAS.exr
-out_has "iftty:orientation: set by the user"
+expect_out "iftty:orientation: set by the user" 0 "$iftty" info LAS.exr
 out_has "iftty:slice: axial through "
 
 begin "what is odd of a place is said by open and info, and what is plain is not"
@@ -83,10 +80,8 @@ grep -q '^= 1 .* orientation=unknown' told.iftty || fail "$(cat told.iftty)"
 grep -q '^= 2 orientation=told' told.iftty || fail "$(cat told.iftty)"
 expect 0 "$iftty" verify told.iftty
 expect 0 "$iftty" run - --journal told.iftty </dev/null
-expect 3 "$iftty" -c 'open unplaced.nii.gz; orient LPX'
-err_has "three letters for the sides that the axes run towards"
-expect 3 "$iftty" -c 'open unplaced.nii.gz; orient sform'
-err_has "HOW: the file has no sform; nothing has changed"
+refuses "three letters for the sides that the axes run towards" 'open unplaced.nii.gz; orient LPX'
+refuses "HOW: the file has no sform; nothing has changed" 'open unplaced.nii.gz; orient sform'
 expect 3 "$iftty" -c 'open synth:geom:9x8x7; orient LAS'
 err_has "the file says that its axes run towards RAS; where that is wrong, correct the file"
 
@@ -99,8 +94,7 @@ out_has "2 mm, orientation unknown"
 out_has "2 mm, axes towards LAS,"
 out_has "2 mm, axes towards RAS,"
 expect 0 "$iftty" verify chosen.iftty
-expect 3 "$iftty" -c 'open contrary.nii.gz; seed 12,4,9mm 1'
-err_has "the position of this scene in the world is unknown"
+refuses "the position of this scene in the world is unknown" 'open contrary.nii.gz; seed 12,4,9mm 1'
 expect 0 "$iftty" -c 'open contrary.nii.gz; orient sform; seed 12,4,9mm 1; orient qform
     seed 5,6,9mm 1'
 out_has "seed 8,8,1 1"
@@ -112,8 +106,7 @@ save labels b.nii empty=yes'
 [ "$(grep -c "its position is as unknown as that of the scene" "$work/out")" = 2 ] ||
     fail "$(cat "$work/out")"
 cmp -s a.nii b.nii || fail "what was told is in the map"
-expect 0 "$iftty" info a.nii
-out_has "axes      unknown"
+expect_out "axes      unknown" 0 "$iftty" info a.nii
 
 # A scene of 1 mm with an sform, and maps of it that are moved along x.
 placed() { # FILE BYTES: the x of voxel 0, as a float
@@ -131,8 +124,7 @@ placed beside.nii '\000\000\300\077' # 1.5 mm
 
 begin "a map that lies elsewhere is refused with the distance, unless it is to be resampled"
 for command in "mask far.nii" "seed-file far.nii label=1" "weight far.nii"; do
-    expect 3 "$iftty" -c "open here.nii; $command"
-    err_has "far.nii: the map is up to 30 mm away from the scene"
+    refuses "far.nii: the map is up to 30 mm away from the scene" "open here.nii; $command"
     err_has "resample=yes uses its nearest voxels; nothing has changed"
     expect 0 "$iftty" -c "open here.nii; ${command%%far.nii*}near.nii"
     ! grep -q resampled "$work/out" || fail "$(cat "$work/out")"
@@ -162,8 +154,7 @@ expect 0 "$iftty" -c "open here.nii; labels shifted.nii; save labels saved.nii" 
     --journal off.iftty
 same_files saved.nii same.nii # at the scene's place, not the map's
 expect 0 "$iftty" verify off.iftty
-expect 0 "$iftty" compare same.nii shifted.nii
-err_has "the map is 0.4 mm off the scene's grid"
+expect_err "the map is 0.4 mm off the scene's grid" 0 "$iftty" compare same.nii shifted.nii
 expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels shifted.nii"
 out_has "the map is 0.4 mm off the scene's grid"
 expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels same.nii"

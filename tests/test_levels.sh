@@ -17,8 +17,7 @@ begin "scenes are made"
 # in_range FILE LOW HIGH [OPTION]: as many voxels as numpy finds in the file
 in_range() {
     truth=$("$PYTHON" -W ignore "$top/tests/levels/make.py" count "$1" "$2" "$3")
-    expect 0 "$iftty" -c "open $1; range $2 $3"
-    out_has "    $truth of 1680 voxels"
+    answers "    $truth of 1680 voxels" "open $1; range $2 $3"
     expect 0 "$iftty" -c "open $1; seed 0,0,0 1 radius=32 range=$2..$3"
     out_has "    left out, intensities beyond the range: $((1680 - truth)) voxels"
 }
@@ -65,31 +64,24 @@ expect 0 "$iftty" -c 'open far4.nii; interpolate 2 2 2; why 6,8,10; why 7,8,10'
 same "$(grep -c 'intensity [0-9.]* +-[0-9.e-]* within the scale, ' "$work/out")" 2
 expect 0 "$iftty" -c 'open plain.nii; interpolate 2 2 2; why 7,8,10'
 out_lacks 'within the scale'
-expect 0 "$iftty" -c 'open far20.nii; why 3,4,5'
-out_has 'intensity 1e+20, '
+answers 'intensity 1e+20, ' 'open far20.nii; why 3,4,5'
 expect 0 "$iftty" -c 'open holes.nii'
-expect 0 "$iftty" -c 'open holes.nii; why 0,0,0; why 1,1,1'
-out_has 'intensity no number, '
+answers 'intensity no number, ' 'open holes.nii; why 0,0,0; why 1,1,1'
 out_has 'intensity 1e+300, '
 out_has '121 voxels are no number or infinite: taken for less than 0'
-expect 0 "$iftty" -c 'open ct-far.nii; why 0,0,0; why 5,6,7'
-out_has 'the scale is -1000 to 6'
+answers 'the scale is -1000 to 6' 'open ct-far.nii; why 0,0,0; why 5,6,7'
 out_has 'intensity -1000, '
-expect 0 "$iftty" -c 'open quotients.nii.gz; info'
-out_has 'outliers: the scale'
+answers 'outliers: the scale' 'open quotients.nii.gz; info'
 expect 0 "$iftty" -c 'open plain.nii; info'
 out_lacks 'outliers: the scale'
 expect 0 "$iftty" info --histogram holes.nii
 out_has "note      $((12 * 10 + 1)) voxels are no number or infinite: taken for "
-expect 0 "$iftty" info --histogram far4.nii
-out_has 'scale     0..1.9'
+expect_out 'scale     0..1.9' 0 "$iftty" info --histogram far4.nii
 out_has '0 voxels below, 1 above'
-expect 0 "$iftty" -c 'open series.nii volume=1 crop=0-13,0-11,2-9'
-out_has '0 voxels below and 1 above'
+answers '0 voxels below and 1 above' 'open series.nii volume=1 crop=0-13,0-11,2-9'
 expect 0 "$iftty" -c 'open series.nii volume=0; info'
 out_lacks 'outliers: the scale'
-expect 0 "$iftty" -c 'open far4.nii reduce=2; info'
-out_has 'outliers: the scale'
+answers 'outliers: the scale' 'open far4.nii reduce=2; info'
 
 begin "whole numbers are exact, whatever they are held as"
 expect 0 "$iftty" -c 'open ct.nii; why 7,7,7' --journal a.iftty
@@ -118,8 +110,7 @@ nibabel.save(image, "close.nii")
 PY
 expect 0 "$iftty" -c 'open close.nii; range 0.2 0.500000015'
 out_has '120 voxels have a level that contains an end of the range: its width is 1.53e-05'
-expect 0 "$iftty" -c 'open close.nii; why 6,1,1; why 0,0,1'
-out_has 'intensity 0.500008 +-7.6e-06, '
+answers 'intensity 0.500008 +-7.6e-06, ' 'open close.nii; why 6,1,1; why 0,0,1'
 out_has 'intensity 0.000595593, '
 expect 0 "$iftty" -c 'open close.nii; seed 6,6,6 1 radius=1 range=0.2..0.500000015'
 out_has 'voxels have a level that contains an end of the range'
@@ -127,8 +118,7 @@ expect 0 "$iftty" -c 'open close.nii; object 1 threshold 0.2..0.500000015 from=4
 out_has '120 voxels have a level that contains an end of the range'
 expect 0 "$iftty" -c 'open close.nii; range 0.2 0.45'
 out_lacks 'cuts'
-expect 0 "$iftty" -c 'open close.nii; interpolate 2 1 1; range 0.2 0.5; info'
-out_has 'a level is 1.53e-05'
+answers 'a level is 1.53e-05' 'open close.nii; interpolate 2 1 1; range 0.2 0.5; info'
 
 begin "numbers are recorded as they were typed, with what the scene was made of"
 expect 0 "$iftty" -c 'open far4.nii; range 1e-1 8.5e-1; window 2.5e-7 1e20; window 0.0015 40
@@ -141,8 +131,7 @@ grep -q '^seed 2,2,2 1 range=0..12345678901234567890$' j.iftty ||
     fail "$(cat j.iftty)"
 expect 0 "$iftty" verify j.iftty
 expect 0 "$iftty" log --script j.iftty
-expect 2 "$iftty" -c 'open far4.nii; range 1 123456789012345678901'
-err_has 'of at most 19 digits'
+expect_err 'of at most 19 digits' 2 "$iftty" -c 'open far4.nii; range 1 123456789012345678901'
 cp far20.nii far4.nii # the same levels of other values
 expect 1 "$iftty" verify j.iftty
 
@@ -167,8 +156,7 @@ out_has "$("$PYTHON" -W ignore "$top/tests/levels/make.py" count far.nii 0 0.9) 
 
 begin "what chooses from files of another format is refused"
 for word in series=1 missing=blank data=a/b; do
-    expect 2 "$iftty" -c "open plain.nii $word"
-    err_has "${word%=*}="
+    expect_err "${word%=*}=" 2 "$iftty" -c "open plain.nii $word"
     err_has ', and this is nifti-1: leave it out'
 done
 finish

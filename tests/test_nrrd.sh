@@ -52,10 +52,8 @@ begin "left-anterior-superior: x runs to the left, y to the front, with and with
 for name in plain gzip hex dots series; do
     for file in las/$name.nrrd las/$name.nhdr; do
         rm -f "$work/map.nrrd"
-        expect 0 "$iftty" info $file
-        out_has "axes      LAS"
-        expect 0 "$iftty" -c "open $file; info; save labels $work/map.nrrd empty=yes"
-        out_has "2.5 mm, axes towards LAS,"
+        expect_out "axes      LAS" 0 "$iftty" info $file
+        answers "2.5 mm, axes towards LAS," "open $file; info; save labels $work/map.nrrd empty=yes"
         ! grep -q "sides are wrong" "$work/out" || fail "$file: $(cat "$work/out")"
         grep -a '^space' "$work/map.nrrd" >"$work/space"
         printf '%s\n' "space: left-posterior-superior" \
@@ -64,26 +62,22 @@ for name in plain gzip hex dots series; do
     done
 done
 for file in las/plain.nrrd las/gzip.nrrd; do
-    expect 0 "$alone" info $file
-    out_has "axes      LAS"
+    expect_out "axes      LAS" 0 "$alone" info $file
 done
 
 begin "where it is not certain how such a file lies no side is named, and it says so"
 for name in none nan words; do
     for file in las/$name.nrrd las/$name.nhdr; do
-        expect 0 "$iftty" info $file
-        out_has "axes      unknown"
+        expect_out "axes      unknown" 0 "$iftty" info $file
         out_has "left-anterior-superior, and the place of its voxels in it is uncertain: sides of"
     done
 done
 
 begin "a map in left-anterior-superior lies where it says over a scene in another space"
 for file in las/plain.nrrd las/hex.nhdr; do
-    expect 0 "$iftty" -c "open las/ras.nrrd; labels $file; run; stats"
-    out_has "label 7: "
+    answers "label 7: " "open las/ras.nrrd; labels $file; run; stats"
     out_has "centre 3.0,1.0,2.0 at 9.8,21.1,8.0 mm" # 12.5 - 3 * 0.9, 20 + 1.1, 3 + 2 * 2.5
-    expect 0 "$iftty" -c "open las/turned.nrrd; labels $file; run; stats"
-    out_has "centre 1.0,1.0,2.0 at 9.8,21.1,8.0 mm"
+    answers "centre 1.0,1.0,2.0 at 9.8,21.1,8.0 mm" "open las/turned.nrrd; labels $file; run; stats"
     expect 0 "$iftty" -c "open $file; labels las/turned.nrrd; run; stats"
     out_has "centre 1.0,1.0,2.0 at 11.6,21.1,8.0 mm"
 done

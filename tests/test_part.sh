@@ -36,11 +36,9 @@ tail -c +353 whole.nii | od -An -v -tu1 -w1 | awk '{ i = NR - 1; x = i % 24
     if (x > 3 && x < 20 && y > 1 && y < 18 && z > 2 && z < 13) print $1 == 1 ? 1 : 0 }' >expected
 tail -c +353 part.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
 same_files expected got
-expect 0 "$iftty" -c "open s.nii $crop reduce=2; seed-file whole.nii; run"
-out_has '2 regions'
+answers '2 regions' "open s.nii $crop reduce=2; seed-file whole.nii; run"
 out_has '320 seeds'
-expect 0 "$iftty" -c "open s.nii $crop; seed-file part.nii"
-out_has '1 region'
+answers '1 region' "open s.nii $crop; seed-file part.nii"
 # What else the user said of the scene's file is not said of the map's.
 tail -c +353 s.nii >s.raw
 raw='raw:s.raw size=24,20,16 type=uint8'
@@ -71,8 +69,7 @@ for x in 0 3; do
 done
 expect 0 "$iftty" -c "open at0.nii $crop; seed 2,8,5 1; mask map0.nii regions=1"
 for less in "$crop" "$crop reduce=2"; do
-    expect 3 "$iftty" -c "open at0.nii $less; mask map3.nii regions=1"
-    err_has '3 mm'
+    refuses '3 mm' "open at0.nii $less; mask map3.nii regions=1"
 done
 # Voxel x of the part is 4 + x of the file, and 3 mm less in the map: all of it is there.
 expect 0 "$iftty" -c "open at0.nii $crop; seed-file map3.nii resample=yes; run; save labels got.nii"
@@ -86,14 +83,12 @@ begin "other maps are refused with the reason, as is a box that is not in the fi
 make_scene other.nii 23 20 16
 expect 3 "$iftty" -c "open s.nii $crop; mask other.nii"
 err_has 'the map has 23x20x16 voxels, the scene 16x16x10, and its file 24x20x16; a map must be'
-expect 3 "$iftty" -c "open s.nii $crop; interpolate 2 1 1; mask s.nii"
-err_has 'a map must be on the grid'
+refuses 'a map must be on the grid' "open s.nii $crop; interpolate 2 1 1; mask s.nii"
 expect 2 "$iftty" -c 'open s.nii crop=0-24,0-1,0-1'
 err_has 'crop: 0-24 is not in the 24 voxels along x, 0-23'
 expect 2 "$iftty" -c 'open s.nii crop=0-3,0-1'
 err_has 'crop: expected A-B,C-D,E-F, the voxels along x, y and z, and not 2 ranges'
-expect 2 "$iftty" -c 'open s.nii reduce=17'
-err_has 'reduce: expected a number 2..16, not 17'
+expect_err 'reduce: expected a number 2..16, not 17' 2 "$iftty" -c 'open s.nii reduce=17'
 { # voxels 2.5 m apart along z, which may be, and 5 m, which may not
     head -c 88 s.nii
     printf '\000\100\034\105'
@@ -102,8 +97,7 @@ err_has 'reduce: expected a number 2..16, not 17'
 expect 0 "$iftty" -c 'open far.nii crop=0-5,0-5,0-5; info'
 expect 3 "$iftty" -c 'open far.nii reduce=2'
 err_has 'reduce=2: its voxels would be more than 4 m apart; those of the file are 1 x 1 x 2500 mm'
-expect 2 "$iftty" -c 'open synth:geom reduce=2'
-err_has 'volume, crop and reduce apply to files'
+expect_err 'volume, crop and reduce apply to files' 2 "$iftty" -c 'open synth:geom reduce=2'
 for word in series=1 data=x missing=blank spacing=1,1,2 huge=yes; do
     expect 2 "$iftty" -c "open synth:geom:9x9x9 $word"
     err_has 'are for files, not for synthetic scenes; nothing was opened'
@@ -114,19 +108,15 @@ done
 begin "words for other formats are refused, and left out of records that have them"
 raw='raw:s.raw size=24,20,16 type=uint8'
 for word in series=1 missing=blank data=x; do
-    expect 2 "$iftty" -c "open s.nii $word"
-    err_has "s.nii: ${word%%=*}="
+    expect_err "s.nii: ${word%%=*}=" 2 "$iftty" -c "open s.nii $word"
     err_has "and this is nifti-1: leave it out"
-    expect 2 "$iftty" -c "open $raw $word"
-    err_has "and this is raw: leave it out"
+    expect_err "and this is raw: leave it out" 2 "$iftty" -c "open $raw $word"
     for file in s.nii "$raw"; do
         printf 'open %s %s\n' "$file" "$word" >recorded # before it was refused
-        expect 0 "$iftty" replay recorded
-        out_has "${word%%=*}="
+        expect_out "${word%%=*}=" 0 "$iftty" replay recorded
         out_has ": left out"
     done
 done
-expect 2 "$iftty" -c "open s.nii series=2"
-err_has "series=N is for series of DICOM in a folder"
+expect_err "series=N is for series of DICOM in a folder" 2 "$iftty" -c "open s.nii series=2"
 expect 0 "$iftty" -c "open s.nii volume=0 huge=yes" # which are true of it
 finish

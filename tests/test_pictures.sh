@@ -160,8 +160,7 @@ begin "what is drawn over a rendition changes colours alone, and the picture say
 expect 0 "$iftty" run decorations --journal over.iftty
 compared 0 plain.exr --ch Z,label,voxel,N.X over.exr --ch Z,label,voxel,N.X --diff
 compared 1 plain.exr --ch R,G,B over.exr --ch R,G,B --diff # something is drawn
-expect 0 "$iftty" info over.png
-out_has 'decorate letters scale legend'
+expect_out 'decorate letters scale legend' 0 "$iftty" info over.png
 expect 0 "$iftty" verify over.iftty
 
 begin "a compositor that knows OpenEXR puts our picture over its own, and finds it in the world"
@@ -236,8 +235,7 @@ begin "info tells scenes and journals, as text and as JSON"
 expect 0 "$iftty" info s.nii
 same "$(sed -n 's/^voxels *//p' out)" 24x20x16
 out_has "uint8"
-expect 0 "$iftty" info session.iftty
-out_has "iftty journal"
+expect_out "iftty journal" 0 "$iftty" info session.iftty
 same "$(sed -n 's/^records *//p' out)" "$(grep -c '^= ' session.iftty)"
 for file in s.nii session.iftty lines.exr a.png a.tif a.gif; do
     expect 0 "$iftty" info $file --json
@@ -250,10 +248,8 @@ done
 "$iftty" info a.tif --json >out
 out_has "\"iftty:scene\": \"$scene\""
 expect 0 "$iftty" -c 'open s.nii; seed 3,3,3 1; save root root.nii.gz' # of other types too
-expect 0 "$iftty" info root.nii.gz
-out_has "uint32"
-expect 0 "$iftty" -c 'open root.nii.gz'
-out_has "ok 1 open root.nii.gz"
+expect_out "uint32" 0 "$iftty" info root.nii.gz
+answers "ok 1 open root.nii.gz" 'open root.nii.gz'
 flip_byte session.iftty 300
 expect 1 "$iftty" info session.iftty
 
@@ -279,8 +275,7 @@ out_has 'red \u001b[31m \"quoted\" \\ text'
 begin "what other programs write is told too"
 oiiotool lines.exr --ch R,G,B -d float --compression piz -o other.exr \
     a.png a.png --siappend -d uint8 -o two.tif
-expect 0 "$iftty" info other.exr
-out_has "R G B float"
+expect_out "R G B float" 0 "$iftty" info other.exr
 expect 0 "$iftty" info two.tif
 same "$(sed -n 's/^frames *//p' out)" 2
 

@@ -89,8 +89,7 @@ alike "scene.nii crop=2-10,1-7,0-8 reduce=3" "seed-file MAP erode=0; run"
 cube=cube-
 alike "cube-scene.nii crop=0-4,5-9,2-6" "seed-file MAP erode=0; run"
 alike "cube-scene.nii crop=1-8,5-9,2-6 reduce=3" "mask MAP regions=1; seed 1,0,0 1; run"
-expect 0 "$iftty" -c "open scene.nii reduce=2; seed-file map16.nii erode=0"
-out_has "its axes run towards ARS"
+answers "its axes run towards ARS" "open scene.nii reduce=2; seed-file map16.nii erode=0"
 expect 3 "$iftty" -c "open scene.nii reduce=2; seed-file map17.nii erode=0"
 err_has "its axes are reversed to those of the scene, where each voxel is 2 along an axis"
 # A map of the part itself, as it was opened.
@@ -105,8 +104,7 @@ expect 0 "$iftty" -c "open scene.nii crop=2-9,1-7,3-8; labels turned.nii erode=0
 same_files part.nii again.nii
 
 begin "half a voxel away is the same place, more is not, and what is asked for is done"
-expect 0 "$iftty" -c "open cube-scene.nii; seed-file near.nii erode=0"
-out_has "its axes run towards"
+answers "its axes run towards" "open cube-scene.nii; seed-file near.nii erode=0"
 out_has "the map is 0.4 mm off the scene's grid, less than half a voxel"
 expect 3 "$iftty" -c "open cube-scene.nii; seed-file far.nii erode=0"
 err_has "away from the scene; resample=yes uses its nearest voxels"
