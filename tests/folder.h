@@ -51,6 +51,15 @@ static inline const char *make_script(const char *folder, const char *name, cons
     return path;
 }
 
+/* The path of a program of this build. Static storage; good until the next call. */
+static inline const char *built_program(const char *name)
+{
+    static char path[FILE_LENGTH];
+    const char *build = getenv("IFTTY_BUILD");
+    snprintf(path, sizeof path, "%s/%s", build ? build : "build", name);
+    return path;
+}
+
 /* Removes a folder with all below it; 1, with a comment, where something is left. */
 static inline int remove_folder(const char *folder)
 {

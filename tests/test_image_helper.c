@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The image helper: pictures through other formats, and a helper that misbehaves. */
-#include "check.h"
-#include "folder.h"
-
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -14,9 +11,12 @@
 #include "base/mem.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
+#include "tests/folder.h"
 
-static char folder[FOLDER_LENGTH];
 static struct image_helper *helper;
+#define BEFORE_STORIES image_helper_new(&helper, built_program("iftty-image"), NULL)
+#define NO_DRAFT_IS_LEFT
+#include "tests/folder_main.h"
 
 static struct picture sample(uint32_t width, uint32_t height)
 {
@@ -422,26 +422,4 @@ STORY(a_helper_is_held_to_the_memory_that_it_is_given_or_that_is_free)
     image_helper_memory_most = 512000000;
     CHECK_HAS(ask_its_memory(), "a.png: 500000");
     image_helper_memory_most = 0;
-}
-
-int main(void)
-{
-    static const char *const leftover[] = {"a.png", "a.PNG", "a.tif",   "a.bmp",
-                                           "a.tga", "a.ppm", "a.gif",   "a.hdr",
-                                           "a.jpg", "a.exr", "bad.png", "helper.sh"};
-    const char *build = getenv("IFTTY_BUILD");
-    struct buf program = {0};
-    buf_printf(&program, "%s/iftty-image", build ? build : "build");
-    if (!make_folder(folder, "helper") || image_helper_new(&helper, buf_text(&program), NULL) != OK)
-        return 1;
-    int status = check_run();
-    image_helper_free(helper);
-    buf_release(&program);
-    for (size_t i = 0; i < sizeof leftover / sizeof leftover[0]; i++)
-        unlink(file_in(folder, leftover[i]));
-    if (rmdir(folder) != 0) {
-        printf("not ok 24 - no_draft_is_left_behind\n");
-        status = 1;
-    }
-    return status;
 }

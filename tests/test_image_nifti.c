@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* NIfTI: each kind of file that is read, each kind that is refused, and written files. */
-#include "check.h"
-#include "folder.h"
-
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -13,9 +10,11 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/volume.h"
+#define NO_DRAFT_IS_LEFT
+#define RUN_IN_FOLDER
+#include "folder_main.h"
 
-static char folder[FOLDER_LENGTH];
-static char plain[FILE_LENGTH], packed[FILE_LENGTH];
+static const char plain[] = "a.nii", packed[] = "a.nii.gz";
 
 /* ---- files made by hand; the places of fields are those of nifti1.h ---- */
 
@@ -76,6 +75,20 @@ static struct made make(int datatype, bool big)
     return m;
 }
 
+/* The same as a NIfTI-2 of 16 bits, along these sides. */
+static struct made make_nifti_2(const uint64_t side[3], bool big)
+{
+    struct made m = {.big = big, .length = 1000};
+    put(&m, 0, 540, 4);
+    memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
+    put(&m, 12, 512, 2);
+    put(&m, 16, 3, 8);
+    for (unsigned a = 0; a < 3; a++)
+        put(&m, 24 + 8 * a, side[a], 8);
+    put(&m, 168, 544, 8);
+    return m;
+}
+
 static void put_sform(struct made *m, const float row[12])
 {
     put(m, SFORM, 1, 2);
@@ -118,6 +131,15 @@ static const char *refusal_of(const char *path)
     CHECK(strpbrk(fault.text, "\n\033") == NULL);
     volume_release(&v);
     return fault.text;
+}
+
+/* Check that two volumes have the same 900 intensities, of the same scale; release both. */
+static void are_same(struct volume *a, struct volume *b)
+{
+    CHECK(a->intensity && b->intensity && memcmp(a->intensity, b->intensity, 900 * 2) == 0);
+    CHECK(a->geometry.slope == b->geometry.slope && a->geometry.intercept == b->geometry.intercept);
+    volume_release(a);
+    volume_release(b);
 }
 
 /* The message that refuses the bytes. */
@@ -275,11 +297,7 @@ STORY(a_gzip_gives_the_voxels_of_the_plain_file_however_it_is_inflated)
         if (i / 40 == 2)
             append(packed, "what follows is nobody's");
         CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL), OK);
-        CHECK(v.intensity && memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
-        CHECK(v.geometry.slope == expected.geometry.slope &&
-              v.geometry.intercept == expected.geometry.intercept);
-        volume_release(&v);
-        volume_release(&expected);
+        are_same(&v, &expected);
     }
 }
 
@@ -300,16 +318,12 @@ STORY(a_false_length_at_the_end_of_a_gzip_is_told)
 STORY(nifti_2_is_read_in_both_byte_orders)
 {
     for (int big = 0; big < 2; big++) {
-        struct made m = {.big = big, .length = 544 + VOXELS * 2};
-        static const uint64_t dim[8] = {3, NX, NY, NZ, 1, 1, 1, 1};
-        put(&m, 0, 540, 4);
-        memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
-        put(&m, 12, 512, 2);
-        for (unsigned i = 0; i < 8; i++) {
-            put(&m, 16 + 8 * i, dim[i], 8);
+        struct made m = make_nifti_2((const uint64_t[]){NX, NY, NZ}, big);
+        m.length = 544 + VOXELS * 2;
+        for (unsigned i = 0; i < 8; i++)
             put_double(&m, 104 + 8 * i, 0.25);
-        }
-        put(&m, 168, 544, 8);
+        for (unsigned i = 4; i < 8; i++)
+            put(&m, 16 + 8 * i, 1, 8);
         put_double(&m, 176, 2.0);
         put(&m, 500, 2, 4);
         put(&m, 544 + 2 * 23, 815, 2);
@@ -327,9 +341,9 @@ static struct volume read_pair(const struct made *m, size_t begin)
 {
     struct volume v;
     struct fault fault = {0};
-    save(file_in(folder, "a.hdr"), m->bytes, 348);
-    save(file_in(folder, "a.img"), m->bytes + begin, m->length - begin);
-    CHECK_INT(volume_read(&v, file_in(folder, "a.hdr"), NULL, NULL, &fault), OK);
+    save("a.hdr", m->bytes, 348);
+    save("a.img", m->bytes + begin, m->length - begin);
+    CHECK_INT(volume_read(&v, "a.hdr", NULL, NULL, &fault), OK);
     CHECK_TEXT(fault.text, "");
     return v;
 }
@@ -345,11 +359,9 @@ STORY(a_pair_is_what_the_single_file_is)
         memcpy(m.bytes + MAGIC, "ni1", 4);
         put_float(&m, OFFSET, i / 10 ? 32 : 0); /* bytes before the voxels */
         struct volume v = read_pair(&m, i / 10 ? DATA - 32 : DATA);
-        CHECK(memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
         CHECK(memcmp(v.geometry.to_mm, expected.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
         CHECK_INT(v.geometry.orientation, ORIENTATION_SFORM);
-        volume_release(&v);
-        volume_release(&expected);
+        are_same(&v, &expected);
     }
 }
 
@@ -393,12 +405,8 @@ STORY(types_and_scales_of_spm_are_read)
         put(&m, DATATYPE, (uint64_t)type[i].by_spm, 2);
         put_float(&m, OFFSET, 0);
         struct volume v = read_pair(&m, DATA);
-        CHECK(memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
-        CHECK(v.geometry.slope == expected.geometry.slope &&
-              v.geometry.intercept == expected.geometry.intercept);
         CHECK_HAS(v.notes, "its values are multiplied by 0.5, then 7 is added");
-        volume_release(&v);
-        volume_release(&expected);
+        are_same(&v, &expected);
     }
 }
 
@@ -579,38 +587,28 @@ STORY(wrong_headers_are_refused_with_what_was_expected)
     put(&m, DIM + 4, 10000, 2);
     save_packed(packed, m.bytes, m.length);
     CHECK_HAS(refusal_of(packed), "bytes of gzip hold at most");
-    m = make(2, false);
-    put(&m, 0, 540, 4);
+    m = make_nifti_2((const uint64_t[]){NX, NY, NZ}, false);
     m.length = 400;
-    memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
     CHECK_HAS(refusal(&m), "ends within the header");
 }
 
 STORY(a_format_is_known_by_content_or_by_name)
 {
-    char other[sizeof folder + 16];
+    static const char other[] = "a.scene";
     struct made m = make(2, false);
-    struct volume v;
     m.bytes[DATA + 7] = 47;
-    snprintf(other, sizeof other, "%s/a.scene", folder);
-    save(other, m.bytes, m.length);
-    CHECK_INT(volume_read(&v, other, NULL, NULL, NULL), OK);
-    CHECK(v.intensity && v.intensity[7] == 47);
-    volume_release(&v);
-    save_packed(other, m.bytes, m.length);
-    CHECK_INT(volume_read(&v, other, NULL, NULL, NULL), OK);
-    CHECK(v.intensity && v.intensity[7] == 47);
-    volume_release(&v);
-    m.bytes[DATA + 7] = 47;
-    save_packed(plain, m.bytes, m.length);
-    CHECK_INT(volume_read(&v, plain, NULL, NULL, NULL), OK);
-    CHECK(v.intensity && v.intensity[7] == 47);
-    volume_release(&v);
+    for (int i = 0; i < 3; i++) {
+        const char *path = i < 2 ? other : plain;
+        struct volume v;
+        (i == 0 ? save : save_packed)(path, m.bytes, m.length);
+        CHECK_INT(volume_read(&v, path, NULL, NULL, NULL), OK);
+        CHECK(v.intensity && v.intensity[7] == 47);
+        volume_release(&v);
+    }
     save(other, "x,y,z,label\n", 12);
     CHECK_HAS(refusal_of(other), "a.scene: not a volume; expected NIfTI (.nii or .nii.gz)");
     save(plain, "x,y,z,label\n", 12);
     CHECK_HAS(refusal_of(plain), "a.nii: not a NIfTI file: 12 bytes");
-    unlink(other);
 }
 
 STORY(one_volume_of_a_series_is_read)
@@ -623,10 +621,7 @@ STORY(one_volume_of_a_series_is_read)
         m.length += 4 * 2 * VOXELS;
         for (uint32_t i = 0; i < 5 * VOXELS; i++)
             put(&m, DATA + 2 * i, 1000 * (i / VOXELS) + i % VOXELS, 2);
-        if (packs)
-            save_packed(path, m.bytes, m.length);
-        else
-            save(path, m.bytes, m.length);
+        (packs ? save_packed : save)(path, m.bytes, m.length);
         for (uint32_t n = 0; n <= 5; n++) {
             const struct volume_choice choice = {.has_volume = true, .volume = n};
             struct fault fault = {0};
@@ -644,14 +639,7 @@ STORY(nifti_2_dimensions_beyond_64_bits_are_refused)
 {
     static const uint64_t side[] = {UINT64_C(1) << 62, 65535, UINT64_C(0xffffffffffffffff)};
     for (size_t i = 0; i < 3; i++) {
-        struct made m = {.length = 1000};
-        put(&m, 0, 540, 4);
-        memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
-        put(&m, 12, 512, 2);
-        put(&m, 16, 3, 8);
-        for (unsigned a = 1; a < 4; a++)
-            put(&m, 16 + 8 * a, side[i], 8);
-        put(&m, 168, 544, 8);
+        struct made m = make_nifti_2((const uint64_t[]){side[i], side[i], side[i]}, false);
         CHECK_HAS(refusal(&m), i == 2 ? "dim[1] is -1" : "65534");
     }
 }
@@ -798,11 +786,8 @@ STORY(words_of_the_file_never_reach_the_terminal)
     struct made m = make(128, false);
     memcpy(m.bytes + DESCRIP, "\033]0;owned\a\n", 11);
     CHECK(strstr(refusal(&m), "owned") == NULL);
-    char odd[FILE_LENGTH];
-    snprintf(odd, sizeof odd, "%s/\033[31m\n.nii", folder);
-    save(odd, m.bytes, m.length);
-    CHECK_HAS(refusal_of(odd), "\\x1b[31m\\x0a.nii");
-    unlink(odd);
+    save("\033[31m\n.nii", m.bytes, m.length);
+    CHECK_HAS(refusal_of("\033[31m\n.nii"), "\\x1b[31m\\x0a.nii");
 }
 
 STORY(damaged_files_never_do_harm)
@@ -1118,21 +1103,21 @@ STORY(the_same_map_gives_the_same_gzip)
 STORY(names_and_existing_files_are_checked)
 {
     static const uint32_t size[3] = {2, 2, 2};
-    struct fault fault = {0};
-    char other[FILE_LENGTH];
-    snprintf(other, sizeof other, "%s/a.img", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault),
-              ERR_USAGE);
-    CHECK_HAS(fault.text, "expected the name of a volume, NIfTI (.nii or .nii.gz)");
-    snprintf(other, sizeof other, "%s/.nii", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault),
-              ERR_USAGE);
+    static const struct {
+        const char *name;
+        enum err err;
+        const char *words;
+    } row[] = {{"a.img", ERR_USAGE, "expected the name of a volume, NIfTI (.nii or .nii.gz)"},
+               {".nii", ERR_USAGE, ""},
+               {"a.nii", ERR_IO, "exists already"},
+               {"none/a.nii", ERR_IO, "there is no folder"}};
     save(plain, "mine", 4);
-    CHECK_INT(write_sample(plain, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault), ERR_IO);
-    CHECK_HAS(fault.text, "exists already");
-    snprintf(other, sizeof other, "%s/none/a.nii", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault), ERR_IO);
-    CHECK_HAS(fault.text, "there is no folder");
+    for (int i = 0; i < 4; i++) {
+        struct fault fault = {0};
+        CHECK_INT(write_sample(row[i].name, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault),
+                  row[i].err);
+        CHECK_HAS(fault.text, row[i].words);
+    }
 }
 
 /* A limit on the size of files simulates a full disk: the write itself fails, early or only
@@ -1159,22 +1144,4 @@ STORY(a_disk_that_fills_leaves_the_former_file)
     CHECK_INT(file_read(&file, plain, 100, NULL), OK);
     CHECK_TEXT(buf_text(&file), "mine");
     buf_release(&file);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "nifti"))
-        return 1;
-    snprintf(plain, sizeof plain, "%s/a.nii", folder);
-    snprintf(packed, sizeof packed, "%s/a.nii.gz", folder);
-    int status = check_run();
-    unlink(plain);
-    unlink(packed);
-    unlink(file_in(folder, "a.hdr"));
-    unlink(file_in(folder, "a.img"));
-    if (rmdir(folder) != 0) {
-        printf("not ok 42 - no_draft_is_left_behind\n");
-        status = 1;
-    }
-    return status;
 }

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Parts of volumes: every box and every block against the whole, read and averaged plainly. */
-#include "check.h"
-#include "folder.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -12,9 +9,10 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/volume.h"
+#define RUN_IN_FOLDER
+#include "folder_main.h"
 
-static char folder[FOLDER_LENGTH];
-static char path[FILE_LENGTH], packed[FILE_LENGTH];
+static const char path[] = "v.nii", packed[] = "v.nii.gz";
 enum { NX = 11, NY = 9, NZ = 7, VOXELS = NX * NY * NZ };
 
 static uint64_t state = 1;
@@ -247,16 +245,4 @@ STORY(a_large_file_takes_the_memory_of_the_part_alone)
     CHECK_HAS(fault.text, "at most 2^32 cells are held");
     CHECK_HAS(fault.text, "open a part of it, with crop=A-B,C-D,E-F or reduce=2");
     CHECK(unlink(path) == 0);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "part"))
-        return 1;
-    snprintf(path, sizeof path, "%s", file_in(folder, "v.nii"));
-    snprintf(packed, sizeof packed, "%s", file_in(folder, "v.nii.gz"));
-    const int status = check_run();
-    unlink(path);
-    unlink(packed);
-    return rmdir(folder) == 0 ? status : 1;
 }

@@ -2,9 +2,6 @@
 /* The picture writer: jobs in their order, outcomes reported once, memory bounded. Runs under
  * ThreadSanitizer too.
  */
-#include "check.h"
-#include "folder.h"
-
 #include <poll.h>
 #include <stdlib.h>
 #include <sys/wait.h>
@@ -15,9 +12,8 @@
 #include "image/exr.h"
 #include "image/image_helper.h"
 #include "image/picture_writer.h"
-
-static char folder[FOLDER_LENGTH];
-static char program[4096];
+#define NO_DRAFT_IS_LEFT
+#include "folder_main.h"
 
 static struct picture sample(uint8_t level)
 {
@@ -32,7 +28,7 @@ static struct picture sample(uint8_t level)
 static struct picture_writer *begin(void)
 {
     struct picture_writer *writer = NULL;
-    CHECK_INT(picture_writer_new(&writer, program, NULL), OK);
+    CHECK_INT(picture_writer_new(&writer, built_program("iftty-image"), NULL), OK);
     return writer;
 }
 
@@ -234,17 +230,4 @@ STORY(only_well_known_formats_are_taken)
           picture_writer_takes("a.tiff"));
     CHECK(!picture_writer_takes("png") && !picture_writer_takes("a.xyz") &&
           !picture_writer_takes("a.png/b"));
-}
-
-int main(void)
-{
-    const char *build = getenv("IFTTY_BUILD");
-    snprintf(program, sizeof program, "%s/iftty-image", build ? build : "build");
-    if (!make_folder(folder, "writer"))
-        return 1;
-    int status = check_run();
-    char command[2 * FILE_LENGTH];
-    snprintf(command, sizeof command, "ls -A %s | grep -q '^\\.tmp' && exit 1; rm -rf %s", folder,
-             folder);
-    return status | (system(command) != 0);
 }

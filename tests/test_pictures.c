@@ -455,7 +455,7 @@ BEGUN_STORY(a_turntable_is_all_or_nothing, begin_with_object)
     CHECK_INT(count_files("all"), 4);
     CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
     CHECK(kept.length > 100);
-    CHECK_INT(count_files(".tmp"), 0);
+    CHECK_INT(count_files(".iftty-"), 0);
     buf_release(&kept);
 }
 
@@ -478,7 +478,7 @@ BEGUN_STORY(a_turntable_that_is_cancelled_leaves_nothing, begin_with_object)
             looks = INT_MAX;
             if (!CHECK(err == ERR_CANCELLED))
                 continue;
-            CHECK_INT(count_files("gone") + count_files(".tmp"), 0);
+            CHECK_INT(count_files("gone") + count_files(".iftty-"), 0);
             CHECK(interp->session->now.outlook.view.angle[0] == 0);
         }
     must(interp, "render");
