@@ -261,10 +261,7 @@ static void add_grid(struct json *json, const struct session *session)
 {
     const struct geometry *geometry = &session->geometry;
     char axes[4];
-    json_array(json, "size");
-    for (int a = 0; a < 3; a++)
-        json_count(json, NULL, session->scene->grid.size[a]);
-    json_end(json);
+    json_counts(json, "size", session->scene->grid.size, 3);
     if (geometry->spacing_unknown) {
         json_text(json, "spacing", "unknown");
     } else {

@@ -414,10 +414,7 @@ static void add_figures(struct json *json, const struct comparison_report *repor
     figures_write_json(json, &f);
     if (!d->has_hausdorff || d->hausdorff_mm == 0)
         return;
-    json_array(json, "farthest");
-    for (int a = 0; a < 3; a++)
-        json_count(json, NULL, d->farthest[a]);
-    json_end(json);
+    json_counts(json, "farthest", d->farthest, 3);
 }
 
 void comparison_write_json(struct buf *out, const struct comparison_report *report)

@@ -486,10 +486,7 @@ static void write_json(struct buf *out, const struct journals *j)
     add_json_side(&json, j, 0);
     add_json_side(&json, j, 1);
     json_boolean(&json, "same_scene", scene_is_same(&j->side[0], &j->side[1]));
-    json_array(&json, "size");
-    for (int a = 0; a < 3; a++)
-        json_count(&json, NULL, j->side[0].facts->size[a]);
-    json_end(&json);
+    json_counts(&json, "size", j->side[0].facts->size, 3);
     json_count(&json, "voxels", o->voxels);
     json_count(&json, "differing", o->differing);
     json_array(&json, "labels");
