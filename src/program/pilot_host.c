@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "command/command.h"
 #include "command/execute.h"
 #include "engine/hints.h"
 #include "engine/margin.h"
@@ -36,6 +37,18 @@ static struct session *session_of(void *context)
 static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 {
     return grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+}
+
+static bool host_finished(void *context)
+{
+    return ((struct pilot_interpreter *)context)->interp->wish == WISH_QUIT;
+}
+
+void pilot_host_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
+                         size_t *word_start)
+{
+    command_complete(candidates, word_start, line, cursor,
+                     ((struct pilot_interpreter *)context)->interp);
 }
 
 /* ---- facts ---- */
@@ -632,6 +645,7 @@ static void host_preview_cross(void *context, const uint32_t place[3])
 
 void pilot_host_fill(struct pilot_host *host)
 {
+    host->finished = host_finished;
     host->facts = host_facts;
     host->move = host_move;
     host->picture = host_picture;

@@ -186,9 +186,13 @@ struct pilot_interpreter {
     bool peeks;
 };
 
-/* Fill in all of a host but context, execute and finished. Its context must begin with a struct
+/* Fill in all of a host but context, execute, sketch and drop. Its context must begin with a struct
  * pilot_interpreter. */
 void pilot_host_fill(struct pilot_host *host);
+
+/* Complete a line of prompt and pilot, for a host with such a context (tui/prompt/repl.h). */
+void pilot_host_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
+                         size_t *word_start);
 
 /*
  * Watching a journal: its replay leaves a history (session/history.h), whose points are the steps.

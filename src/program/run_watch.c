@@ -518,12 +518,6 @@ static enum err watch_drop(void *context, struct fault *fault)
     return OK;
 }
 
-static bool watch_finished(void *context)
-{
-    const struct watching *w = context;
-    return w->pilot.interp->wish == WISH_QUIT;
-}
-
 static void watch_caption(void *context, struct buf *lines)
 {
     const struct watching *w = context;
@@ -558,19 +552,12 @@ static enum err watch_screen(void *context, struct terminal_facts *facts,
     return pilot_run(&w->host, &w->state, facts, editor, ended, fault);
 }
 
-static void watch_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
-                           size_t *word_start)
-{
-    const struct watching *w = context;
-    command_complete(candidates, word_start, line, cursor, w->pilot.interp);
-}
-
 static enum err watch_at_terminal(const struct options *o, struct interpreter *interp,
                                   const struct config *config, struct fault *fault)
 {
     static struct watching w; /* too large for the stack */
     const struct repl_host host = {
-        .context = &w, .screen = watch_screen, .complete = watch_complete};
+        .context = &w, .screen = watch_screen, .complete = pilot_host_complete};
     struct buf words = {0};
     w.pilot.interp = interp;
     w.pilot.smooth = o->smooth;
@@ -579,7 +566,6 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
                                  .execute = watch_execute,
                                  .sketch = watch_sketch,
                                  .drop = watch_drop,
-                                 .finished = watch_finished,
                                  .caption = watch_caption};
     pilot_host_fill(&w.host);
     pilot_state_init(&w.state, &config->setup);
