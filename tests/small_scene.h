@@ -220,6 +220,14 @@ static inline void measures_stand(struct session *session)
     label_measures_release(&measures);
 }
 
+/* Y1 of session/tally.h: a tally that is not stale equals a recount. */
+static inline bool tally_check(const struct tally *tally, const struct labels *labels)
+{
+    struct tally anew = {.stale = true};
+    return tally->stale || (tally_refresh(&anew, labels, NULL) &&
+                            memcmp(anew.voxels, tally->voxels, sizeof anew.voxels) == 0);
+}
+
 static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
 {
     struct session *session = interp->session;

@@ -96,7 +96,7 @@ STORY(voxels_are_counted_and_dice_is_exact)
 {
     static const uint8_t a[] = {0, 1, 1, 1, 2, 2, 0, 7}, b[] = {0, 1, 1, 2, 2, 1, 2, 255};
     static struct overlap o;
-    overlap_count(&o, a, b, sizeof a);
+    overlap_add(&o, a, b, sizeof a);
     CHECK_INT(o.voxels, 8);
     CHECK_INT(o.differing, 4);
     CHECK_INT(o.a[1], 3);
@@ -181,8 +181,8 @@ enum { RED, GREEN, BLUE };
 static void draw(struct picture *picture, struct interpreter *a, const uint8_t *label_a,
                  const uint8_t *label_b)
 {
-    static struct overlap overlap;
-    overlap_count(&overlap, label_a, label_b, a->session->scene->grid.voxels);
+    struct overlap overlap = {0};
+    overlap_add(&overlap, label_a, label_b, a->session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {"a.iftty", "b.iftty"}, .label = {label_a, label_b}, .overlap = &overlap};
     CHECK(difference_picture_draw(picture, a->session, &difference_picture, NULL) == OK);
@@ -268,8 +268,8 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     CHECK_INT(picture.width, 7);
     picture_release(&picture);
     a.session->now.outlook.view.width = 8192;
-    static struct overlap overlap;
-    overlap_count(&overlap, label, other, a.session->scene->grid.voxels);
+    struct overlap overlap = {0};
+    overlap_add(&overlap, label, other, a.session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {"a", "b"}, .label = {label, other}, .overlap = &overlap};
     CHECK(difference_picture_draw(&picture, a.session, &difference_picture, NULL) == ERR_LIMIT);

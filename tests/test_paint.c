@@ -262,7 +262,7 @@ STORY(a_box_is_all_between_two_corners_and_its_faces_are_what_a_smaller_one_leav
         random_place(a);
         random_place(b);
         model_box(wanted, &grid, a, b);
-        CHECK(paint_box(&voxels, &grid, a, b, NULL, NULL) == OK);
+        CHECK(paint_box(&voxels, &grid, a, b, false, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
         memset(wanted, 0, sizeof wanted);
         bool *covers = wanted;
@@ -270,7 +270,7 @@ STORY(a_box_is_all_between_two_corners_and_its_faces_are_what_a_smaller_one_leav
                               is_between(a[2], z, b[2]) &&
                               (x == a[0] || x == b[0] || y == a[1] || y == b[1] || z == a[2] ||
                                z == b[2]));
-        CHECK(paint_faces(&voxels, &grid, a, b, NULL, NULL) == OK);
+        CHECK(paint_box(&voxels, &grid, a, b, true, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
     }
 }
@@ -341,7 +341,8 @@ static unsigned paint_all(struct watch *watch, enum err expected)
         failed += err != OK;
         voxels_release(&voxels);
         if (i == 0)
-            err = paint_box(&voxels, &grid, corner[0], (uint32_t[]){90, 80, 99}, watch, NULL);
+            err =
+                paint_box(&voxels, &grid, corner[0], (uint32_t[]){90, 80, 99}, false, watch, NULL);
         else if (i == 1)
             err = paint_polygon(&voxels, &grid, corner, 4, watch, NULL);
         else if (i == 2)

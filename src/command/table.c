@@ -16,11 +16,11 @@
 #include "show/slicing.h"
 
 /* Notes of rows of other tables. */
-#define VOLUME_NOTE(format, note)                          note
-#define WEIGHT_NOTE(kind, name, argument, usual, help)     help
-#define WEIGHT_NOTES                                       WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
-#define FINISH_NOTE(kind, name, takes, usual, heeds, help) help
-#define FINISH_NOTES                                       FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
+#define VOLUME_NOTE(format, note)                              note
+#define WEIGHT_NOTE(kind, name, argument, usual, help)         help
+#define WEIGHT_NOTES                                           WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
+#define FINISH_NOTE(kind, name, by, takes, usual, heeds, help) help
+#define FINISH_NOTES                                           FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
 #define WEIGHT_DETAIL                                                                              \
     "An edge of height h has the weight h under each gradient. Lengths are in voxels, whatever "   \
     "the "                                                                                         \

@@ -287,8 +287,8 @@ static enum err draw(struct picture *picture, struct session *session,
                      const struct drawing *drawing, const struct side_facts *facts,
                      const uint8_t *label, struct fault *fault)
 {
-    struct overlap overlap;
-    overlap_count(&overlap, label, drawing->other->labels, session->scene->grid.voxels);
+    struct overlap overlap = {0};
+    overlap_add(&overlap, label, drawing->other->labels, session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {shown_name(facts, drawing->path[0]),
                  shown_name(drawing->other->facts, drawing->path[1])},
@@ -568,7 +568,7 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
                         "labels can be compared",
                         a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
     if (!err)
-        overlap_count(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
+        overlap_add(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
     if (!err)
         err = report(j, printer, fault);
     if (!err)
