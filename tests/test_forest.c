@@ -13,8 +13,6 @@
 #include "tests/scarce_memory.h"
 #include "tests/stopping.h"
 
-static const struct weight_choice morph = {WEIGHT_MORPH, 1};
-
 /* Undoes the last successful edit by an edit of its own. */
 static enum err revert(struct forest *forest, struct fault *fault)
 {
@@ -271,120 +269,16 @@ STORY(a_plateau_longer_than_hops_can_count_is_refused_and_undone)
 
 /* ---- random edits ---- */
 
-enum texture { FLAT, FLAT_HIGH, NOISY, STEEP, GRADIENT, TEXTURES };
-
-static void paint(struct world *w, enum texture texture, uint64_t *random)
+STORY(tens_of_thousands_of_random_edits_each_equal_a_run_from_scratch)
 {
-    const struct grid *g = &w->scene->grid;
-    for (uint32_t z = 0; z < g->size[2]; z++)
-        for (uint32_t y = 0; y < g->size[1]; y++)
-            for (uint32_t x = 0; x < g->size[0]; x++) {
-                struct cell *c = voxel(w, x, y, z);
-                uint32_t r = (uint32_t)check_random(random);
-                c->intensity = (uint16_t)(texture == GRADIENT ? r % 5 : r);
-                c->weight = (uint16_t)(texture == FLAT        ? 0
-                                       : texture == FLAT_HIGH ? 65535
-                                       : texture == NOISY     ? r % 4
-                                                              : r);
-            }
-    if (texture == GRADIENT)
-        weight_compute(w->scene, forest_adjacency(w->forest), &morph, &(struct weight_work){0});
+    for (unsigned i = 0; i < check_scaled(6000) && check_failures == 0; i++)
+        random_session(i, i % 200 ? 5 : 40, false, NULL);
 }
 
 /* The same seeds planted at once into an empty forest. */
 static bool equals_scratch(const struct world *w)
 {
     return world_equals_scratch(w, NULL, NULL, 0);
-}
-
-/* The fixed point of the equation, and so the textbook's costs. */
-static bool equals_fixed_point(const struct world *w)
-{
-    static struct planted planted;
-    static struct plain key[CELLS_MOST];
-    for (size_t i = 0; i < w->scene->grid.cells; i++) {
-        const struct cell *cell = w->scene->cell + i;
-        planted.label[i] = cell->flags & CELL_SEED ? cell->label : EDIT_ERASE;
-    }
-    return equals_plain(w, &planted, key);
-}
-
-/* One to four edits: plantings of three labels, erasures of seeds and of nothing, and now and then
- * every seed at once. */
-static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random)
-{
-    const struct grid *g = &w->scene->grid;
-    size_t count = 0;
-    uint32_t kind = check_below(random, 40);
-    if (kind == 0) {
-        for (size_t i = 0; i < g->cells; i++)
-            if (w->scene->cell[i].flags & CELL_SEED)
-                batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE, 0};
-        return count;
-    }
-    for (uint32_t n = 1 + check_below(random, 4); n > 0; n--) {
-        uint32_t at = random_voxel(g, random);
-        int16_t label = (int16_t)check_below(random, 3);
-        if (check_below(random, 5) < 2) { /* the seed whose tree holds the voxel: an eliminator */
-            const struct cell *cell = w->scene->cell + at;
-            at = cell_is_reached(cell) ? key_root(cell->key) : at;
-            label = check_below(random, 4) ? EDIT_ERASE : label;
-        }
-        batch[count++] = (struct edit){at, label, 0};
-    }
-    return count;
-}
-
-static void random_arcs(struct world *w, uint64_t *random)
-{
-    struct arc_rule rule = {.kind = check_below(random, 3)};
-    for (int label = 0; label < 3; label++)
-        rule.polarity[label] =
-            (int8_t)(check_below(random, 5) ? (int)check_below(random, 201) - 100 : 0);
-    forest_set_arcs(w->forest, &rule);
-}
-
-static void random_session(uint64_t seed, unsigned steps)
-{
-    static const uint32_t shape[][3] = {{1, 1, 1}, {9, 1, 1}, {1, 7, 6}, {6, 1, 8},
-                                        {4, 4, 4}, {5, 6, 3}, {8, 7, 6}, {2, 2, 9}};
-    uint64_t random = seed;
-    const uint32_t *size = shape[check_below(&random, 8)];
-    struct world w = world_new(size[0], size[1], size[2], check_below(&random, 2) ? 26 : 6);
-    struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
-    struct fault fault = {0};
-    struct border border;
-    CHECK(border_init(&border, w.scene, NULL) == OK);
-    paint(&w, check_below(&random, TEXTURES), &random);
-    for (unsigned step = 0; step < steps; step++) {
-        size_t count = random_batch(&w, batch, &random);
-        const bool reverts = step > 0 && check_below(&random, 6) == 0; /* undone, redone, ... */
-        bool fine = CHECK((reverts ? revert(w.forest, NULL)
-                                   : forest_edit(w.forest, batch, count, NULL)) == OK) &&
-                    CHECK(equals_scratch(&w)) && CHECK(forest_check(w.forest, &fault));
-        struct changes changes = forest_changes(w.forest);
-        border_update(&border, &changes);
-        fine = fine && CHECK(border_check(&border, &fault));
-        if (step == 3) {
-            border.visible[1] = false;
-            border_recount(&border);
-        }
-        if (fine && step % 8 == 0)
-            fine = CHECK(equals_fixed_point(&w));
-        if (!fine) {
-            printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
-            break;
-        }
-    }
-    free(batch);
-    border_release(&border);
-    world_free(&w);
-}
-
-STORY(tens_of_thousands_of_random_edits_each_equal_a_run_from_scratch)
-{
-    for (unsigned i = 0; i < check_scaled(6000) && check_failures == 0; i++)
-        random_session(i, i % 200 ? 5 : 40);
 }
 
 /* ---- edits that do not go through ---- */
@@ -412,13 +306,10 @@ static bool is_as_before(struct world *w, struct state before)
 }
 
 /* At most 14 voxels a side, less `smaller`. */
-static struct world random_world(uint64_t *random, unsigned seeds, unsigned smaller)
+static struct world planted_world(uint64_t *random, unsigned seeds, unsigned smaller)
 {
-    struct world w =
-        world_new(1 + check_below(random, 14 - smaller), 1 + check_below(random, 12 - smaller),
-                  1 + check_below(random, 10 - smaller), check_below(random, 2) ? 26 : 6);
-    paint(&w, check_below(random, TEXTURES), random);
-    random_arcs(&w, random);
+    const uint32_t most[3] = {14 - smaller, 12 - smaller, 10 - smaller};
+    struct world w = random_world(random, most, false);
     for (unsigned i = 0; i < seeds; i++)
         world_plant(&w, random_voxel(&w.scene->grid, random), (int)(i % 3));
     return w;
@@ -430,7 +321,7 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     struct fault fault = {0};
     uint64_t random = 3;
     struct world w = world_new(64, 60, 56, 6);
-    paint(&w, NOISY, &random);
+    paint(&w, NOISY, 65536, &random);
     plant_at(&w, 30, 30, 30, 1);
     plant_at(&w, 2, 2, 2, 2);
     const struct state before = state_of(&w);
@@ -462,7 +353,7 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
     struct fault fault = {0};
     uint64_t random = 5;
     for (unsigned round = 0; round < check_scaled(150) && check_failures == 0; round++) {
-        struct world w = random_world(&random, 6, round % 10 ? 6 : 0);
+        struct world w = planted_world(&random, 6, round % 10 ? 6 : 0);
         struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
         size_t count = random_batch(&w, batch, &random);
         const struct state before = state_of(&w);
@@ -547,7 +438,7 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
     if (!CHECK(team_new(&team, 3, NULL) == OK))
         return;
     for (unsigned round = 0; round < check_scaled(120) && check_failures == 0; round++) {
-        struct world w = random_world(&random, round % 2 ? 6 : 0, 0);
+        struct world w = planted_world(&random, round % 2 ? 6 : 0, 0);
         struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
         const size_t count = random_batch(&w, batch, &random);
         struct showing showing = {.w = &w};
@@ -636,7 +527,8 @@ STORY(the_synthetic_scene_is_the_same_everywhere)
     CHECK_INT(scene->grid.voxels, 4000000);
     struct adjacency six;
     adjacency_init(&six, 6, &scene->grid);
-    weight_compute(scene, &six, &morph, &(struct weight_work){0});
+    weight_compute(scene, &six, &(const struct weight_choice){WEIGHT_MORPH, 1},
+                   &(struct weight_work){0});
     printf("# geom %016" PRIx64 " morph %016" PRIx64 "\n", scene_digest(scene),
            weight_digest(scene, &(struct arc_rule){0}, NULL));
     scene_free(scene);
