@@ -119,17 +119,15 @@ BEGUN_STORY(files_and_the_screen_show_the_same, begin_with_object)
     static const char *const line[] = {"background gradient", "background white",
                                        "background #305070", "background black"};
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        struct canvas canvas;
+        OWNED(canvas_release) struct canvas canvas;
         must(interp, line[i]);
         must(interp, "render a.png replace=yes");
         CHECK_INT(session_show_frame(&canvas, interp->session, NULL), OK);
-        struct picture p = read_back(interp, "a.png");
+        OWNED(picture_release) struct picture p = read_back(interp, "a.png");
         CHECK(p.rgba && memcmp(p.rgba, canvas.rgba, (size_t)4 * PIXELS) == 0);
         uint8_t corner[3];
         background_at(corner, interp->session->now.outlook.background, 0, HEIGHT);
         CHECK(p.rgba && memcmp(p.rgba, corner, 3) == 0);
-        picture_release(&p);
-        canvas_release(&canvas);
     }
 }
 
@@ -137,8 +135,10 @@ BEGUN_STORY(a_clear_picture_has_its_alpha, begin_with_object)
 {
     must(interp, "background transparent; render clear.png; render clear.tif; "
                  "render clear.bmp; render clear.exr");
-    struct picture png = read_back(interp, "clear.png"), tif = read_back(interp, "clear.tif");
-    struct picture bmp = read_back(interp, "clear.bmp"), exr;
+    OWNED(picture_release)
+    struct picture png = read_back(interp, "clear.png"),
+                   tif = read_back(interp, "clear.tif");
+    OWNED(picture_release) struct picture bmp = read_back(interp, "clear.bmp"), exr;
     CHECK_INT(exr_read(&exr, "clear.exr", NULL), OK);
     CHECK(memcmp(png.rgba, exr.rgba, (size_t)4 * PIXELS) == 0);
     CHECK(memcmp(tif.rgba, exr.rgba, (size_t)4 * PIXELS) == 0);
@@ -149,10 +149,6 @@ BEGUN_STORY(a_clear_picture_has_its_alpha, begin_with_object)
         CHECK_INT(bmp.rgba[4 * i], (c[0] * c[3] + 127) / 255);
     }
     CHECK(partly > 50);
-    picture_release(&png);
-    picture_release(&tif);
-    picture_release(&bmp);
-    picture_release(&exr);
 }
 
 BEGUN_STORY(an_exr_holds_the_objects_alone_whatever_is_behind, begin_with_object)
@@ -177,7 +173,9 @@ BEGUN_STORY(the_pane_of_a_mosaic_has_it_too, begin_with_object)
 {
     must(interp, "samples 1; background black; mosaic black.png; background white; "
                  "mosaic white.png");
-    struct picture black = read_back(interp, "black.png"), white = read_back(interp, "white.png");
+    OWNED(picture_release)
+    struct picture black = read_back(interp, "black.png"),
+                   white = read_back(interp, "white.png");
     const struct mosaic_box box = mosaic_box(WIDTH, HEIGHT, MOSAIC_RENDITION);
     unsigned differ = 0;
     for (uint32_t y = 0; y < HEIGHT; y++)
@@ -190,6 +188,4 @@ BEGUN_STORY(the_pane_of_a_mosaic_has_it_too, begin_with_object)
             CHECK(w[0] >= b[0]);
         }
     CHECK(differ > box.width * box.height / 4);
-    picture_release(&black);
-    picture_release(&white);
 }

@@ -99,8 +99,8 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
         CHECK(team_new(&team[i], i, NULL) == OK);
     for (unsigned number = 0; number < check_scaled(120) && check_failures == 0; number++) {
         uint64_t random = number;
-        struct stage s;
-        struct rendition fine, out;
+        OWNED(stage_release) struct stage s;
+        OWNED(rendition_release) struct rendition fine, out;
         stage_at_random(&s, &random);
         look_at_random(&s, &random);
         stage_samples_init(&s, &fine, &out);
@@ -117,9 +117,6 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
         if (!agree)
             printf("# number %u: mode %d edges %u samples %u\n", number, (int)s.look.mode,
                    s.look.edges, s.look.samples);
-        rendition_release(&fine);
-        rendition_release(&out);
-        stage_release(&s);
     }
     for (unsigned i = 0; i < 4; i++)
         team_free(team[i]);
@@ -186,7 +183,7 @@ static enum err spin_without_maps(struct interpreter *interp, const char *line)
 
 BEGUN_STORY(a_turntable_stores_no_map_of_its_pictures, begin_interpreter)
 {
-    struct reply told = {0};
+    OWNED(reply_release) struct reply told = {0};
     interp->mode = MODE_REPLAY; /* writes no file */
     must(interp, "open synth:geom:20x20x20; seed 10,10,10 1 radius=3; run; "
                  "decorate letters scale legend");
@@ -200,7 +197,6 @@ BEGUN_STORY(a_turntable_stores_no_map_of_its_pictures, begin_interpreter)
         buf_clear(&told.words);
         must(interp, "size 100 100"); /* lets go of it */
     }
-    reply_release(&told);
 }
 
 /* A picture of that many pixels is not stored in its file: no array has a byte for each of them. */

@@ -53,7 +53,7 @@ static void cut_as(struct border *border, const struct cut *cut)
 
 STORY(slabs_boxes_and_planes_take_what_they_say)
 {
-    struct border border;
+    OWNED(border_release) struct border border;
     struct scene *scene = hand_scene(&border);
     const struct grid *grid = &scene->grid;
     struct cut cut = cut_none();
@@ -111,7 +111,6 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
         stage_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){-(1 << 29), -(1 << 29), 0});
     cut_as(&border, &cut);
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 2, 3, 0) && !shows(&border, 4, 3, 0));
-    border_release(&border);
     scene_free(scene);
 }
 
@@ -208,19 +207,18 @@ static void all_ways_agree(struct stage *s, const struct rendition *kept)
 {
     static projection *const way[] = {project_border, project_scene, project_rays};
     static const char *const name[] = {"border projection", "scene projection", "ray walk"};
-    struct rendition r;
+    OWNED(rendition_release) struct rendition r;
     CHECK(rendition_init(&r, s->view.width, s->view.height, NULL) == OK);
     for (int i = 0; i < 3; i++) {
         stage_render(s, &r, way[i]);
         CHECK(stage_same_pixels(&r, kept, name[i]));
     }
-    rendition_release(&r);
 }
 
 /* After another cut, what the shader kept of the previous one has no effect. */
 static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
 {
-    struct rendition kept, anew;
+    OWNED(rendition_release) struct rendition kept, anew;
     random_cut(s, random);
     CHECK(border_check(&s->border, NULL));
     CHECK(rendition_init(&kept, s->view.width, s->view.height, NULL) == OK);
@@ -230,16 +228,14 @@ static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
     mesh_release(&s->mesh);
     stage_render(s, &anew, project_border);
     CHECK(stage_same_pixels(&kept, &anew, "what a shader kept"));
-    rendition_release(&kept);
-    rendition_release(&anew);
 }
 
 /* A slab of two objects whose front half is cut away: the cut face shows the scene, the former
  * surface is shaded. */
 STORY(faces_that_are_cut_open_show_the_scene)
 {
-    struct stage s = {0};
-    struct rendition r;
+    OWNED(stage_release) struct stage s = {0};
+    OWNED(rendition_release) struct rendition r;
     struct cut cut = cut_none();
     CHECK(scene_new(&s.scene, (uint32_t[]){20, 20, 20}, NULL) == OK);
     CHECK(forest_new(&s.forest, s.scene, 6, NULL) == OK);
@@ -269,8 +265,6 @@ STORY(faces_that_are_cut_open_show_the_scene)
         CHECK_INT(open[2], (3 * 10 * z + s.palette.rgb[1][2] + 2) / 4);
         CHECK(z < 4 || z > 15 || closed[0] > 100);
     }
-    rendition_release(&r);
-    stage_release(&s);
 }
 
 STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
@@ -514,14 +508,13 @@ BEGUN_STORY(boxes_are_taken_out_and_put_back, begin)
 
 STORY(a_cut_scene_is_not_interpolated)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     CHECK(interpreter_init(&interp, NULL) == OK);
     must(&interp, "open synth:geom:20x20x20; clip axial 3-7");
     MUST_FAIL(&interp, "interpolate 2 2 2", ERR_USAGE, "a cut belongs to the present grid");
     must(&interp, "clip none; focus 3,4,5; interpolate 2 1 2");
     CHECK_INT(interp.session->now.outlook.view.focus[0], (2 * 6 - 38) * (1 << 15));
     CHECK_INT(interp.session->now.outlook.view.focus[1], (2 * 4 - 19) * (1 << 15));
-    interpreter_release(&interp);
 }
 
 BEGUN_STORY(a_picture_notes_what_is_cut_away_and_in_focus, begin)

@@ -58,7 +58,7 @@ STORY(letters_name_the_sides_that_lie_there)
 {
     uint64_t random = 5;
     for (int round = 0; round < 400; round++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         char word[4][DECORATION_WORD];
         begin(&s, &random);
         decoration_sides(word, &s.camera);
@@ -79,14 +79,13 @@ STORY(letters_name_the_sides_that_lie_there)
                 former = there;
             }
         }
-        stage_release(&s);
     }
 }
 
 STORY(of_unknown_orientation_the_axes_are_named)
 {
     uint64_t random = 1;
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     char word[4][DECORATION_WORD];
     begin(&s, &random);
     s.scene->sides_unknown = true;
@@ -97,13 +96,12 @@ STORY(of_unknown_orientation_the_axes_are_named)
     CHECK_TEXT(word[1], "-x");
     CHECK_TEXT(word[2], "+z");
     CHECK_TEXT(word[3], "-z");
-    stage_release(&s);
 }
 
 /* From the front, with samples, for voxels of 0.7 mm. */
 STORY(the_bar_is_as_long_as_it_says)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     uint64_t random = 1;
     begin(&s, &random);
     memset(s.view.angle, 0, sizeof s.view.angle);
@@ -129,7 +127,6 @@ STORY(the_bar_is_as_long_as_it_says)
     CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     char words[32];
     CHECK_INT(decoration_scale(words, &s.camera, 1, 300), 0);
-    stage_release(&s);
 }
 
 /* Pictures of any size, with any number of labels. */
@@ -137,7 +134,7 @@ STORY(every_size_has_what_fits)
 {
     static const uint32_t side[] = {1, 47, 48, 128, 191, 512, 2048};
     struct legend_line line[255];
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     uint64_t random = 9;
     begin(&s, &random);
     for (int i = 0; i < 255; i++) {
@@ -147,7 +144,7 @@ STORY(every_size_has_what_fits)
     }
     for (size_t i = 0; i < sizeof side / sizeof *side; i++)
         for (size_t lines = 0; lines <= 255; lines += 51) {
-            struct canvas canvas;
+            OWNED(canvas_release) struct canvas canvas;
             s.view.width = side[i], s.view.height = side[sizeof side / sizeof *side - 1 - i];
             CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
             rendition_release(&s.rendition);
@@ -172,9 +169,7 @@ STORY(every_size_has_what_fits)
                 drawn += rgba[3] > 0;
             }
             CHECK(drawn > 0 || canvas.width < 48 || canvas.height < 48);
-            canvas_release(&canvas);
         }
-    stage_release(&s);
 }
 
 /* ---- in a session ---- */

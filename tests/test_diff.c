@@ -49,15 +49,13 @@ STORY(the_same_commands_do_not_part)
 STORY(results_and_comments_are_no_commands)
 {
     const char seal[] = " chain=00000000000000000000000000000000\n";
-    struct buf a = {0}, b = {0};
+    OWNED(buf_release) struct buf a = {0}, b = {0};
     buf_printf(&a, "# iftty journal 1 semantics 3\nopen s.nii\n= 1 scene=1%srun\n= 2 forest=1%s",
                seal, seal);
     buf_printf(&b, "# iftty journal 1 semantics 2\n# why\nopen s.nii\n= 1 scene=9%srun\n= 2%s",
                seal, seal);
     check_same(buf_text(&a), buf_text(&b), 2);
     check_same(buf_text(&a), "open s.nii\nrun\n", 2);
-    buf_release(&a);
-    buf_release(&b);
 }
 
 STORY(the_first_other_command_is_named_in_both)
@@ -191,7 +189,7 @@ static void draw(struct picture *picture, struct interpreter *a, const uint8_t *
 STORY(the_picture_shows_both_and_where_they_differ)
 {
     static struct interpreter a, b;
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
     begin(&b, "seed 33,33,14 2");
     CHECK(session_render(a.session, RENDER_RAY, NULL) == OK);
@@ -220,7 +218,6 @@ STORY(the_picture_shows_both_and_where_they_differ)
     for (size_t i = 0; i < (size_t)picture.width * picture.height; i++)
         if (!CHECK(picture.rgba[4 * i + 3] == 255))
             break;
-    picture_release(&picture);
     free(label_a);
     free(label_b);
     interpreter_release(&a);
@@ -231,13 +228,12 @@ STORY(the_picture_shows_both_and_where_they_differ)
 STORY(where_nothing_differs_all_is_grey)
 {
     static struct interpreter a;
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
     uint8_t *label = labels_of(a.session);
     draw(&picture, &a, label, label);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, RED, BLUE), 0);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, BLUE, RED), 0);
-    picture_release(&picture);
     free(label);
     interpreter_release(&a);
 }

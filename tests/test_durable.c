@@ -44,7 +44,7 @@ enum harm { DELETED, MOVED, REPLACED, LONGER, SHORTER, CHANGED, HARMS };
 
 static void do_harm(const char *path, enum harm harm)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     char moved[FILE_LENGTH + 32];
     snprintf(moved, sizeof moved, "%s.moved", path);
     content(&bytes, path);
@@ -64,7 +64,6 @@ static void do_harm(const char *path, enum harm harm)
         fputs("# not ours\n", file);
         fclose(file);
     }
-    buf_release(&bytes);
 }
 
 STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
@@ -75,7 +74,7 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
     const char *other = place("harmed-2.iftty");
     for (enum harm harm = DELETED; harm < HARMS; harm++) {
         struct fault fault;
-        struct buf left = {0};
+        OWNED(buf_release) struct buf left = {0};
         struct journal *journal = make_journal(path, 3);
         unlink(other);
         do_harm(path, harm);
@@ -94,7 +93,6 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
         CHECK(left.data ? is_file_of(path, left.data, left.length) : !file_exists(path));
         journal_close(journal);
         holds(other, 4);
-        buf_release(&left);
     }
 }
 
@@ -112,7 +110,7 @@ STORY(a_file_whose_times_alone_have_changed_is_written_to)
 
 STORY(line_ends_of_windows_are_named)
 {
-    struct buf bytes = {0}, windows = {0};
+    OWNED(buf_release) struct buf bytes = {0}, windows = {0};
     struct journal_condition condition;
     struct journal *journal;
     const char *path = place("windows.iftty");
@@ -130,8 +128,6 @@ STORY(line_ends_of_windows_are_named)
         CHECK(open_again(&journal, path, &fault) == ERR_INPUT);
         CHECK_HAS(fault.text, "line ends of Windows");
     }
-    buf_release(&bytes);
-    buf_release(&windows);
 }
 
 static unsigned steps_left;
@@ -244,7 +240,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     file_step_hook = count_syncs;
     CHECK(journal_sync(journal, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "cannot sync");
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     content(&bytes, path);
     FILE *file = fopen(path, "r+e"); /* the pages are gone */
     for (size_t at = bytes.length - 100; file && at < bytes.length; at++) {
@@ -260,7 +256,6 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     CHECK(journal_audit(journal));
     journal_close(journal);
     holds(path, 7);
-    buf_release(&bytes);
 }
 
 STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
@@ -280,7 +275,7 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     CHECK(journal_catch_up(journal, NULL) == OK);
     CHECK_INT(syncs, 2);
     CHECK(journal_catch_up(journal, NULL) == OK && syncs == 2); /* nothing waits */
-    struct buf synced = {0}, bytes = {0};
+    OWNED(buf_release) struct buf synced = {0}, bytes = {0};
     content(&synced, path);
     CHECK(journal_append(journal, "turn 15", NULL, NULL) == OK);
     bad_syncs = 1; /* that of the next record, or of the thread: the page is gone */
@@ -296,8 +291,6 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     file_step_hook = NULL;
     CHECK(journal_audit(journal));
     journal_close(journal);
-    buf_release(&synced);
-    buf_release(&bytes);
 }
 
 static unsigned threads(void)
@@ -329,7 +322,7 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
 {
     char wanted[64];
     struct fault fault;
-    struct buf before = {0};
+    OWNED(buf_release) struct buf before = {0};
     const char *path = place("held.iftty");
     const char *other = place("mine.iftty");
     struct journal *journal = make_journal(path, 3), *second;
@@ -353,7 +346,6 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
     CHECK(append(journal, 4, NULL) == OK);
     journal_close(journal);
     holds(path, 4); /* the lock went with it */
-    buf_release(&before);
 }
 
 /* A process that is being started holds the locks of its parent until it runs its own program. */
@@ -437,7 +429,7 @@ STORY(no_empty_journal_stays_where_no_lock_can_be_had)
 STORY(looking_leaves_a_torn_tail_alone)
 {
     struct journal *journal;
-    struct buf bytes = {0}, notice = {0};
+    OWNED(buf_release) struct buf bytes = {0}, notice = {0};
     const char *path = place("looked.iftty");
     journal_close(make_journal(path, 3));
     CHECK(truncate(path, 200) == 0);
@@ -448,8 +440,6 @@ STORY(looking_leaves_a_torn_tail_alone)
     journal_close(journal);
     CHECK(is_file_of(path, bytes.data, bytes.length));
     CHECK(!file_exists(place("looked.iftty.torn-1")));
-    buf_release(&bytes);
-    buf_release(&notice);
 }
 
 /* ---- flips ---- */
@@ -458,7 +448,7 @@ STORY(looking_leaves_a_torn_tail_alone)
 static void open_flipped(const char *path, const struct buf *bytes, size_t before, bool is_last)
 {
     struct journal *journal;
-    struct buf told = {0}, left = {0};
+    OWNED(buf_release) struct buf told = {0}, left = {0};
     put(path, bytes->data, bytes->length);
     const enum err err = open_again(&journal, path, NULL);
     if (err) {
@@ -473,14 +463,12 @@ static void open_flipped(const char *path, const struct buf *bytes, size_t befor
         content(&left, path);
         CHECK(left.length < bytes->length || before == 0);
     }
-    buf_release(&told);
-    buf_release(&left);
 }
 
 STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
 {
     enum { RECORDS = 3 };
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     char path[FILE_LENGTH], name[32];
     size_t before = 0;
     strcpy(path, place("flip.iftty"));
@@ -500,5 +488,4 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
         before += bytes.data[at] == '\n' && line && line[1] == '=';
     }
     CHECK_INT(before, RECORDS);
-    buf_release(&bytes);
 }

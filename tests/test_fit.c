@@ -248,7 +248,7 @@ BEGUN_STORY(a_turntable_that_fits_fits_all_its_pictures, begin_with_object)
     must(interp, "spin 12 fit%d.exr fit=yes axis=yaw,pitch");
     CHECK(memcmp(&interp->session->now.outlook.view, &before, sizeof before) == 0);
     for (unsigned i = 0; i < 24; i++) {
-        struct picture p = {0};
+        OWNED(picture_release) struct picture p = {0};
         snprintf(name, sizeof name, "fit%u.exr", i);
         CHECK_INT(exr_read(&p, name, NULL), OK);
         for (uint32_t k = 0; p.label && k < 90 * 70; k++) {
@@ -259,7 +259,6 @@ BEGUN_STORY(a_turntable_that_fits_fits_all_its_pictures, begin_with_object)
             least[1] = at[1] < least[1] ? at[1] : least[1];
             most = at[1] > most ? at[1] : most;
         }
-        picture_release(&p);
     }
     CHECK(least[1] <= 5 || most >= 64);
 }

@@ -32,7 +32,7 @@ static size_t where[RECORDS + 1];
 static void make_journal(void)
 {
     struct record_chain chain = record_chain_zero;
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     record_header(&header, SEMANTICS);
     buf_add_text(&journal, buf_text(&header));
     where[0] = journal.length;
@@ -44,7 +44,6 @@ static void make_journal(void)
                             &record, &fault) == OK);
         where[i + 1] = journal.length;
     }
-    buf_release(&header);
 }
 
 /* Define a story about that journal. */
@@ -92,7 +91,7 @@ static struct outcome walk_all(const char *bytes, size_t length, bool only_sound
 
 JOURNAL_STORY(what_is_encoded_is_walked)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
     CHECK(walk_begin(&walk, journal.data, journal.length, NULL) == OK);
     CHECK(walk.is_journal);
@@ -112,7 +111,6 @@ JOURNAL_STORY(what_is_encoded_is_walked)
         CHECK(record_judge(&record, NULL) == OK);
     }
     CHECK(walk_next(&walk, &record) == WALK_END);
-    walk_release(&walk);
 }
 
 /* ---- FORMAT.md ---- */
@@ -143,7 +141,7 @@ STORY(the_example_in_FORMAT_is_decoded)
         {"label 2 cerebellum #40c060", ""},
         {"seed 20,30,40 2 radius=3",
          "forest=0123456789abcdef labels=fedcba9876543210 seeds=123 changed=1200"}};
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     struct walk walk;
     struct record record;
     if (!read_example(&bytes))
@@ -158,13 +156,12 @@ STORY(the_example_in_FORMAT_is_decoded)
     CHECK(walk_next_sound(&walk, &record) == WALK_END);
     CHECK_INT(walk.records, 3);
     walk_release(&walk);
-    buf_release(&bytes);
 }
 
 /* By the words of FORMAT.md and SHA-256 alone, without record.c. */
 STORY(the_chain_in_FORMAT_is_what_its_words_say)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     char chain[33] = "00000000000000000000000000000000";
     unsigned records = 0;
     if (!read_example(&bytes))
@@ -184,7 +181,6 @@ STORY(the_chain_in_FORMAT_is_what_its_words_say)
     }
     CHECK_INT(records, 3);
     CHECK(*begin == '\0');
-    buf_release(&bytes);
 }
 
 /* ---- cuts and flips ---- */
@@ -262,7 +258,7 @@ JOURNAL_STORY(every_flip_of_a_byte_is_noticed_in_its_record)
 
 JOURNAL_STORY(every_byte_left_out_or_doubled_is_noticed)
 {
-    struct buf other = {0};
+    OWNED(buf_release) struct buf other = {0};
     for (size_t at = 0; at < journal.length; at++) {
         struct journal_condition found;
         for (int doubled = 0; doubled < 2; doubled++) {
@@ -274,13 +270,12 @@ JOURNAL_STORY(every_byte_left_out_or_doubled_is_noticed)
             CHECK(found.number <= record_of(at) + 1);
         }
     }
-    buf_release(&other);
 }
 
 /* Whole records taken out, doubled or exchanged. */
 JOURNAL_STORY(records_moved_about_are_noticed)
 {
-    struct buf other = {0};
+    OWNED(buf_release) struct buf other = {0};
     struct journal_condition found;
     for (size_t i = 1; i < RECORDS; i++) { /* without record i: the one behind it is named */
         buf_clear(&other);
@@ -296,12 +291,11 @@ JOURNAL_STORY(records_moved_about_are_noticed)
     buf_add(&other, journal.data + where[1], journal.length - where[1]);
     CHECK(journal_check(&found, other.data, other.length, NULL) == ERR_CHECK);
     CHECK_INT(found.number, 3);
-    buf_release(&other);
 }
 
 JOURNAL_STORY(only_the_record_that_was_edited_is_unsound)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
     *strstr(journal.data, "20,30,40") = '1';
     CHECK(walk_begin(&walk, journal.data, journal.length, NULL) == OK);
@@ -312,7 +306,6 @@ JOURNAL_STORY(only_the_record_that_was_edited_is_unsound)
         if (i == 3)
             CHECK_HAS(fault.text, "record 3 (line 10, from byte ");
     }
-    walk_release(&walk);
 }
 
 /* ---- headers, scripts ---- */
@@ -347,7 +340,7 @@ STORY(headers_have_one_spelling)
 STORY(a_script_is_walked_too)
 {
     static const char text[] = "\n# a script\nopen ch2.nii\n  seed 1,2,3 4\n\t\n# end\nrun";
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
     static const struct {
         const char *command;
@@ -365,12 +358,11 @@ STORY(a_script_is_walked_too)
         CHECK_TEXT(record.result, "");
     }
     CHECK(walk_next(&walk, &record) == WALK_END);
-    walk_release(&walk);
 }
 
 JOURNAL_STORY(the_log_prints_the_commands_alone)
 {
-    struct buf script = {0};
+    OWNED(buf_release) struct buf script = {0};
     static const char expected[] = "# opened first\nopen synth:geom:64\n"
                                    "label 2 cervelet \xC3\xA9 #40c060\n"
                                    "\n# why\n\nseed 20,30,40 2\nundo\n#\nredo\n";
@@ -389,7 +381,6 @@ JOURNAL_STORY(the_log_prints_the_commands_alone)
     buf_clear(&script);
     CHECK(journal_script(&script, NULL, 0, NULL) == OK);
     CHECK_INT(script.length, 0);
-    buf_release(&script);
 }
 
 /* Check bytes, and the condition of their journal: its state and words. */
@@ -436,7 +427,7 @@ JOURNAL_STORY(the_log_says_whether_a_journal_is_intact)
 /* A journal of one record: these lines, and the seal that fits them. */
 static void seal(struct buf *out, const char *lines, size_t length)
 {
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     struct record_chain chain;
     record_header(&header, SEMANTICS);
     record_chain_compute(&chain, &record_chain_zero, header.data, header.length, lines, length);
@@ -444,7 +435,6 @@ static void seal(struct buf *out, const char *lines, size_t length)
     buf_add(out, header.data, header.length);
     buf_add(out, lines, length);
     buf_printf(out, " chain=%s\n", chain.hex);
-    buf_release(&header);
 }
 
 STORY(a_seal_does_not_make_a_line_valid)
@@ -478,7 +468,7 @@ STORY(a_seal_does_not_make_a_line_valid)
         {"# run\n= 1", WALK_DAMAGED, "has no command line"},
         {"run = 1", WALK_DAMAGED, "runs into the line before"},
     };
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     for (size_t i = 0; i < sizeof c / sizeof c[0]; i++) {
         seal(&bytes, c[i].lines, strlen(c[i].lines));
         struct outcome out = walk_all(bytes.data, bytes.length, true);
@@ -491,7 +481,6 @@ STORY(a_seal_does_not_make_a_line_valid)
     CHECK_HAS(walk_all(bytes.data, bytes.length, true).fault.text, "zero byte");
     seal(&bytes, zero_in_result, sizeof zero_in_result - 1);
     CHECK_HAS(walk_all(bytes.data, bytes.length, true).fault.text, "zero byte");
-    buf_release(&bytes);
 }
 
 /* ---- what may be written, and what hostile bytes do ---- */
@@ -505,7 +494,7 @@ STORY(what_would_break_a_record_is_refused)
                                             " a=b",     "a=b  c=d", "A=b",  "a=b a=c",  "chain=1",
                                             "a=b\nc=d", "a=\x1b",   "1a=b", "a=b\tc=d", "a b=c"};
     static const char *const good_words[] = {"", "a=b", "a=b=c", "a-1_=\xC3\xA9 b=,", "chains=1"};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct record_chain chain = record_chain_zero;
     struct fault fault;
     buf_add_text(&out, "kept");
@@ -527,12 +516,11 @@ STORY(what_would_break_a_record_is_refused)
     CHECK(record_comment_check("# a\nrun", NULL) == ERR_INPUT);
     CHECK_TEXT(out.data, "kept");
     CHECK_TEXT(chain.hex, record_chain_zero.hex);
-    buf_release(&out);
 }
 
 STORY(lines_have_a_limit_on_both_sides)
 {
-    struct buf out = {0}, words = {0};
+    OWNED(buf_release) struct buf out = {0}, words = {0};
     struct record_chain chain = record_chain_zero;
     char *line = malloc(RECORD_LINE_MAX + 2);
     memset(line, 'x', RECORD_LINE_MAX + 1);
@@ -541,7 +529,7 @@ STORY(lines_have_a_limit_on_both_sides)
     CHECK(walk_all(line, RECORD_LINE_MAX + 1, false).step == WALK_DAMAGED);
     line[RECORD_LINE_MAX] = '\0';
     CHECK(record_command_check(line, NULL) == OK);
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     record_header(&header, SEMANTICS);
     buf_add_text(&out, buf_text(&header));
     struct record record = {.number = 1, .command = line, .result = "a=1"};
@@ -573,9 +561,6 @@ STORY(lines_have_a_limit_on_both_sides)
     buf_add_text(&words, " last=1");
     CHECK(record_words_check(buf_text(&words), NULL) == ERR_INPUT);
     free(line);
-    buf_release(&header);
-    buf_release(&words);
-    buf_release(&out);
 }
 
 STORY(random_bytes_end_in_order)
@@ -585,7 +570,7 @@ STORY(random_bytes_end_in_order)
         "a=b",  " ",       "run", "#",  "\x1b[2J", "\xff\xfe", "\xE2\x80\xAE",
         "\r\n", "chain=",  "1",   "="};
     uint64_t random = 7;
-    struct buf bytes = {0}, script = {0};
+    OWNED(buf_release) struct buf bytes = {0}, script = {0};
     for (int round = 0; round < 20000; round++) {
         struct journal_condition found;
         struct fault fault = {.text = ""};
@@ -605,6 +590,4 @@ STORY(random_bytes_end_in_order)
         CHECK(strpbrk(found.text, "\x1b\n") == NULL);
         journal_script(&script, bytes.data, bytes.length, &fault);
     }
-    buf_release(&script);
-    buf_release(&bytes);
 }

@@ -52,7 +52,7 @@ STORY(a_journal_is_created_continued_and_kept)
 {
     struct journal *journal;
     struct fault fault;
-    struct buf first = {0}, second = {0}, notice = {0};
+    OWNED(buf_release) struct buf first = {0}, second = {0}, notice = {0};
     const char *path = "a.iftty";
     make(path, 3);
     content(&first, path);
@@ -72,15 +72,12 @@ STORY(a_journal_is_created_continued_and_kept)
     journal_close(journal);
     journal_close(reopen(path, 4, NULL));
     journal_close(NULL);
-    buf_release(&first);
-    buf_release(&second);
-    buf_release(&notice);
 }
 
 STORY(comments_become_part_of_the_next_record)
 {
     struct journal *journal;
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     const char *path = "comments.iftty";
     CHECK(journal_create(&journal, path, 1, NULL) == OK);
     CHECK(journal_comment(journal, "# first", NULL) == OK);
@@ -98,7 +95,6 @@ STORY(comments_become_part_of_the_next_record)
     CHECK(strncmp(bytes.data, first, sizeof first - 1) == 0);
     CHECK(strstr(bytes.data, second) == bytes.data + behind);
     CHECK_INT(bytes.length, behind + sizeof second - 1 + 33);
-    buf_release(&bytes);
 }
 
 STORY(a_refused_command_changes_nothing)
@@ -123,7 +119,7 @@ STORY(a_refused_command_changes_nothing)
 
 STORY(a_torn_tail_is_kept_aside_and_cut_for_every_cut)
 {
-    struct buf bytes = {0}, notice = {0};
+    OWNED(buf_release) struct buf bytes = {0}, notice = {0};
     const char *path = "torn.iftty", *kept = "torn.iftty.torn-1";
     make(path, 3);
     content(&bytes, path);
@@ -157,18 +153,16 @@ STORY(a_torn_tail_is_kept_aside_and_cut_for_every_cut)
         CHECK(is_file_of(path, bytes.data, bytes.length));
     }
     CHECK_INT(records, 3);
-    buf_release(&bytes);
-    buf_release(&notice);
 }
 
 STORY(torn_bytes_never_replace_earlier_ones)
 {
-    struct buf notice = {0};
+    OWNED(buf_release) struct buf notice = {0};
     const char *path = "twice.iftty";
     for (int n = 1; n <= 3; n++) {
         char name[64];
         make(path, 1);
-        struct buf bytes = {0};
+        OWNED(buf_release) struct buf bytes = {0};
         content(&bytes, path);
         buf_printf(&bytes, "seed %d", n);
         put(path, bytes.data, bytes.length);
@@ -176,14 +170,12 @@ STORY(torn_bytes_never_replace_earlier_ones)
         snprintf(name, sizeof name, "twice.iftty.torn-%d", n);
         CHECK(is_file_of(name, bytes.data + bytes.length - 6, 6));
         CHECK_HAS(buf_text(&notice), name);
-        buf_release(&bytes);
     }
-    buf_release(&notice);
 }
 
 STORY(damage_is_refused_and_cut_only_on_request)
 {
-    struct buf bytes = {0}, notice = {0};
+    OWNED(buf_release) struct buf bytes = {0}, notice = {0};
     struct journal *journal;
     struct fault fault;
     const char *path = "damaged.iftty";
@@ -210,8 +202,6 @@ STORY(damage_is_refused_and_cut_only_on_request)
     CHECK(append(journal, 3, NULL) == OK);
     journal_close(journal);
     journal_close(reopen(path, 3, NULL));
-    buf_release(&bytes);
-    buf_release(&notice);
 }
 
 static enum err refuse_second(void *context, const struct record *record, struct fault *fault)
@@ -250,7 +240,7 @@ STORY(what_is_no_journal_of_ours_is_refused_untouched)
     CHECK(journal_open(&journal, folder, &resume, NULL, &fault) == ERR_IO);
     /* a callback that refuses leaves even a torn tail where it is */
     make(path, 3);
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     content(&bytes, path);
     put(path, bytes.data, bytes.length - 3);
     const struct journal_resume refusing = {
@@ -258,7 +248,6 @@ STORY(what_is_no_journal_of_ours_is_refused_untouched)
     CHECK(journal_open(&journal, path, &refusing, NULL, &fault) == ERR_CHECK);
     CHECK_HAS(fault.text, "it diverges");
     CHECK(is_file_of(path, bytes.data, bytes.length - 3));
-    buf_release(&bytes);
 }
 
 /* ---- failing steps ---- */
@@ -387,7 +376,7 @@ static bool fail_reopening(const struct buf *bytes, size_t cut, unsigned steps, 
 
 STORY(every_step_of_reopening_may_fail)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     make("mending.iftty", 3);
     content(&bytes, "mending.iftty");
     for (int stay_failed = 0; stay_failed < 2; stay_failed++) {
@@ -396,7 +385,6 @@ STORY(every_step_of_reopening_may_fail)
             failures += fail_reopening(&bytes, bytes.length - 20, steps, stay_failed != 0);
         CHECK(failures >= 9 && failures < 20); /* open to the sync of the cut */
     }
-    buf_release(&bytes);
 }
 
 /* A failed append is cut off, and where even that fails nothing is appended until it succeeds:
@@ -427,7 +415,7 @@ STORY(a_short_write_is_taken_back)
     struct fault fault;
     make(path, 2);
     struct journal *journal = reopen(path, 2, NULL);
-    struct buf before = {0}, grown = {0};
+    OWNED(buf_release) struct buf before = {0}, grown = {0};
     content(&before, path);
     getrlimit(RLIMIT_FSIZE, &former);
     void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
@@ -445,8 +433,6 @@ STORY(a_short_write_is_taken_back)
     CHECK(append(journal, 3, NULL) == OK);
     journal_close(journal);
     journal_close(reopen(path, 3, NULL));
-    buf_release(&before);
-    buf_release(&grown);
 }
 
 /* ---- processes ---- */
@@ -473,7 +459,7 @@ STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
 {
     const char *path = "dying.iftty";
     unsigned deaths = 0, torn = 0;
-    struct buf notice = {0}, bytes = {0};
+    OWNED(buf_release) struct buf notice = {0}, bytes = {0};
     make(path, 2);
     content(&bytes, path);
     for (unsigned steps = 0; steps < 8; steps++)
@@ -507,6 +493,4 @@ STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
             CHECK(notice.length == 0 || strstr(notice.data, "torn"));
         }
     CHECK(deaths > 8 && torn > 0);
-    buf_release(&notice);
-    buf_release(&bytes);
 }

@@ -51,7 +51,7 @@ static struct fault why;
 static void make_journal(void)
 {
     struct adder adder = {0};
-    struct buf header = {0}, words = {0};
+    OWNED(buf_release) struct buf header = {0}, words = {0};
     struct record_chain chain = record_chain_zero;
     record_header(&header, 3);
     buf_clear(&journal);
@@ -64,8 +64,6 @@ static void make_journal(void)
         CHECK(record_encode(&journal, &chain, i ? "" : buf_text(&header), i == 1 ? "# two\n" : "",
                             &record, NULL) == OK);
     }
-    buf_release(&words);
-    buf_release(&header);
 }
 
 static enum err replay_by(const struct replay_host *host, struct replay_options options)
@@ -411,7 +409,7 @@ STORY(golden_names_lead_nowhere_else)
         "../a", "-a",  "_a",  "A",
         "a.b",  "a b", "a\n", "\xC3\xA9",
         "/a",   "a\\", "a*",  "01234567890123456789012345678901234567890123456789012345678901234"};
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     struct fault fault;
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
         CHECK(golden_name_is_valid(good[i]));
@@ -430,5 +428,4 @@ STORY(golden_names_lead_nowhere_else)
     }
     CHECK(golden_folder(&path, "brain.iftty", NULL) == OK);
     CHECK_TEXT(buf_text(&path), "brain.golden");
-    buf_release(&path);
 }

@@ -328,19 +328,17 @@ STORY(the_order_of_voxels_does_not_matter)
     for (unsigned i = 0; i < 60; i++) {
         const size_t count = 2000;
         fill(1 + i % 2 * 6, count);
-        struct volume v = make(types[i % 2], count, 1, false);
+        OWNED(volume_release) struct volume v = make(types[i % 2], count, 1, false);
         for (size_t k = count - 1; k > 0; k--) {
             const size_t other = draw((uint32_t)k + 1);
             const double was = number[k];
             number[k] = number[other];
             number[other] = was;
         }
-        struct volume w = make(types[i % 2], count, 1, false);
+        OWNED(volume_release) struct volume w = make(types[i % 2], count, 1, false);
         CHECK(v.geometry.slope == w.geometry.slope && v.geometry.intercept == w.geometry.intercept);
         CHECK(levels_digest(v.levels) == levels_digest(w.levels));
         CHECK_TEXT(v.notes, w.notes);
-        volume_release(&v);
-        volume_release(&w);
     }
 }
 
@@ -350,7 +348,7 @@ STORY(the_scale_of_a_map_is_from_the_least_to_the_greatest)
         const size_t count = 2 + draw(MOST - 2);
         fill(i % KINDS, count);
         number[0] = number[1] - 1.5;
-        struct volume v = make(types[i % 2], count, 1, true);
+        OWNED(volume_release) struct volume v = make(types[i % 2], count, 1, true);
         bool are_whole = true; /* which may be exact */
         for (size_t k = 0; k < count; k++)
             are_whole &= number[k] == floor(number[k]);
@@ -362,7 +360,6 @@ STORY(the_scale_of_a_map_is_from_the_least_to_the_greatest)
             stands &= v.intensity[k] == (uint16_t)((number[k] - s.low) / range * 65535 + 0.5);
         CHECK(are_whole || (stands && v.geometry.intercept == s.low));
         CHECK(!v.levels);
-        volume_release(&v);
     }
 }
 
@@ -375,13 +372,12 @@ STORY(one_voxel_far_off_takes_no_levels_from_the_others)
         for (unsigned k = 0; k < 2000; k++)
             number[k] = k / 2000.0;
         number[77] = far[i];
-        struct volume v = make(VOXEL_FLOAT32, 2000, 1, false);
+        OWNED(volume_release) struct volume v = make(VOXEL_FLOAT32, 2000, 1, false);
         CHECK(v.levels && v.levels->step < 1e-4);
         CHECK(fabs(value_of(&v, 1574) - 0.787) < 1e-4);
         CHECK_INT(v.intensity[77], far[i] < 0 ? 0 : 65535);
         CHECK_HAS(v.notes, far[i] < 0 ? "1 voxel below and 0 above are clamped to its ends\n"
                                       : "0 voxels below and 1 above are clamped to its ends\n");
-        volume_release(&v);
     }
     for (unsigned k = 0; k < 4000; k++) /* CT, and 2e9 */
         number[k] = -1000 + (int)k;
@@ -411,9 +407,8 @@ STORY(numbers_beyond_what_doubles_tell_apart_are_noted)
 {
     for (unsigned k = 0; k < 100; k++)
         number[k] = 4503599627370496.0 * 256 + 65536.0 * k;
-    struct volume v = make(VOXEL_INT64, 100, 1, false);
+    OWNED(volume_release) struct volume v = make(VOXEL_INT64, 100, 1, false);
     CHECK_HAS(v.notes, "its values are beyond 2^53");
-    volume_release(&v);
 }
 
 /* ---- ranges ---- */
@@ -434,7 +429,7 @@ STORY(a_range_takes_the_voxels_whose_numbers_are_in_it)
         const double slope = draw(3) ? 1 : draw(2) ? -0.5 : 2;
         fill(i % KINDS, count);
         fit_type(type, count);
-        struct volume v = make(type, count, slope, false);
+        OWNED(volume_release) struct volume v = make(type, count, slope, false);
         double a = number[draw((uint32_t)count)], b = number[draw((uint32_t)count)];
         struct decimal range[2] = {near(slope * (a < b ? a : b)), near(slope * (a < b ? b : a))};
         if (decimal_value(&range[0]) > decimal_value(&range[1])) {
@@ -466,7 +461,6 @@ STORY(a_range_takes_the_voxels_whose_numbers_are_in_it)
         }
         split += in.split[0] >= 0;
         exact += v.levels && in.split[0] < 0;
-        volume_release(&v);
     }
     CHECK(split > 20 && exact > 200);
 }
@@ -475,13 +469,12 @@ STORY(numbers_of_single_precision_are_compared_as_such)
 {
     for (unsigned k = 0; k <= 1000; k++)
         number[k] = k / 100.0;
-    struct volume v = make(VOXEL_FLOAT32, 1001, 1, false);
+    OWNED(volume_release) struct volume v = make(VOXEL_FLOAT32, 1001, 1, false);
     for (unsigned k = 0; k <= 1000; k++) {
         const struct decimal range[2] = {decimal_of(k, 2), decimal_of(k, 2)};
         const struct interval in = levels_within(&v.geometry, v.levels, range);
         CHECK(in.split[0] < 0 && in.low == v.intensity[k] && in.high == v.intensity[k]);
     }
-    volume_release(&v);
 }
 
 static const char *word(const struct volume *v, size_t i)

@@ -204,7 +204,7 @@ static bool has_folder(const char *path)
 /* One name after the loss: what it leads to now, or what the folder on the disk says. */
 static void leave(const char *name, const struct synced_name *now, unsigned count)
 {
-    struct buf written = {0}, left = {0};
+    OWNED(buf_release) struct buf written = {0}, left = {0};
     const char *path = file_in(after, name);
     const ino_t is = inode_of(now, count, name), was = inode_of(names, names_on_disk, name);
     const ino_t inode = is == was || coin() ? is : was;
@@ -227,8 +227,6 @@ static void leave(const char *name, const struct synced_name *now, unsigned coun
         fwrite(left.data ? left.data : "", 1, left.length, file);
         fclose(file);
     }
-    buf_release(&written);
-    buf_release(&left);
 }
 
 /* Record n is a seed, an edit, or a turn of the view, whose sync waits. */
@@ -482,7 +480,7 @@ STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
 static void open_or_repair(size_t synced)
 {
     struct journal *journal;
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     size_t count;
     enum err err = open_left(&journal, &count, NULL);
     if (err == ERR_INPUT) {
@@ -491,7 +489,6 @@ static void open_or_repair(size_t synced)
     }
     CHECK(err == OK && count >= synced);
     journal_close(journal);
-    buf_release(&told);
 }
 
 STORY(without_syncs_what_was_synced_last_is_there)
@@ -604,15 +601,13 @@ static enum err expect_golden(void *context, const struct record *record, struct
     (void)why;
     ++*count;
     for (int k = 0; k < 2 && strncmp(record->command, "golden ", 7) == 0; k++) {
-        struct buf left = {0}, wanted = {0};
+        OWNED(buf_release) struct buf left = {0}, wanted = {0};
         char name[64];
         snprintf(name, sizeof name, "j.golden/%.1s.%s", record->command + 7, kind[k]);
         read_all(&left, file_in(after, name));
         read_all(&wanted, file_in(folder, name));
         CHECK(wanted.length && left.length == wanted.length &&
               memcmp(left.data, wanted.data, left.length) == 0);
-        buf_release(&left);
-        buf_release(&wanted);
     }
     return OK;
 }
@@ -642,7 +637,7 @@ STORY(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power)
 {
     const char *commands = "open synth:geom:16x16x16; size 16 16; seed 8,8,8 1 radius=2; "
                            "seed 1,1,1 0; golden a; turn 30; golden b of=axial; golden c";
-    struct buf command = {0};
+    OWNED(buf_release) struct buf command = {0};
     const char *path = begin(51);
     teller = pthread_self();
     begin_interpreter(&session);
@@ -663,7 +658,6 @@ STORY(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power)
         sync_names(path);
     }
     CHECK(losses > 300 && losses_of_bytes > 20);
-    buf_release(&command);
     interpreter_release(&session);
     reply_release(&reply);
 }

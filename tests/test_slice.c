@@ -240,13 +240,13 @@ STORY(slices_of_any_size_and_spacing_fit)
                                     slice_zoomed_pixel(scene, 64000)};
         for (int k = 0; k < 3; k++) {
             choice.pixel_pm = pixels[k];
+            OWNED(canvas_release)
             struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
             size_t shown = 0;
             for (size_t p = 0; p < (size_t)s.width * s.height; p++)
                 shown +=
                     s.cell[p] < scene->grid.cells && !(scene->cell[s.cell[p]].flags & CELL_RIM);
             CHECK(shown > 0);
-            canvas_release(&s);
         }
         scene_free(scene);
     }
@@ -285,6 +285,7 @@ STORY(a_pixel_knows_its_voxel)
         uint32_t wrong = 0;
         choice.smooth = check_below(&seed, 2);
         choice.pixel_pm = check_below(&seed, 3) ? 1 + check_random(&seed) % (2 * MM) : 0;
+        OWNED(canvas_release)
         struct canvas s =
             take(scene, &choice, &style, 1 + check_below(&seed, 40), 1 + check_below(&seed, 40));
         for (uint32_t p = 0; p < s.width * s.height; p++)
@@ -299,7 +300,6 @@ STORY(a_pixel_knows_its_voxel)
                     wrong += slice_side_voxel(&plan.side[k], p) != v;
             }
         CHECK_INT(wrong, 0);
-        canvas_release(&s);
         scene_free(scene);
     }
 }
@@ -380,7 +380,7 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
         const uint32_t width = 8 + check_below(&seed, 56), height = 8 + check_below(&seed, 56);
         slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
                       SLICE_TIMES_ONE + check_below(&seed, 9) * check_below(&seed, 2000));
-        struct canvas s = take(scene, &choice, &style, width, height);
+        OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, width, height);
         struct inverse side[2];
         for (int k = 0; k < 2; k++) {
             const int a = axis_of[patient_axis[choice.plane][k]];
@@ -410,7 +410,6 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
             wrong += slice_cell_at(scene, &choice, width, height, p % width, p / width) != expected;
         }
         CHECK(wrong == 0 || wrong == UINT32_MAX);
-        canvas_release(&s);
         scene_free(scene);
     }
 }
@@ -646,6 +645,7 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
                                             .place = {20, 15, 10},
                                             .pixel_pm = i % 8 < 4 ? 0 : MM / 3,
                                             .smooth = i % 2};
+        OWNED(canvas_release)
         struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
         const int64_t line = picture[0] >= 400 ? 2 : 1;
         uint32_t wrong = 0, hairs = 0;
@@ -662,7 +662,6 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
         }
         CHECK_INT(wrong, 0);
         CHECK(hairs > 0);
-        canvas_release(&s);
     }
     scene_free(scene);
 }
@@ -707,7 +706,7 @@ SCENE_STORY(dark_scene, seeds_are_dots_and_eliminators_crosses)
                                       {grid_cell(&scene->grid, 20, 20, 20), 0, true, false},
                                       {grid_cell(&scene->grid, 30, 20, 20), 0, true, true},
                                       {grid_cell(&scene->grid, 34, 34, 19), 1, false, true}};
-    struct canvas plain = take(scene, &choice, &style, 41, 41);
+    OWNED(canvas_release) struct canvas plain = take(scene, &choice, &style, 41, 41);
     style.marks_seeds = true;
     style.mark = mark;
     style.marks = 4;
@@ -721,7 +720,6 @@ SCENE_STORY(dark_scene, seeds_are_dots_and_eliminators_crosses)
     s = take(scene, &choice, &style, 41, 41);
     CHECK(same_pixels(&s, &plain));
     canvas_release(&s);
-    canvas_release(&plain);
 }
 
 /* Two labels side by side, 9x9 each, and a smaller block that waits in one of them. */
@@ -748,7 +746,7 @@ SCENE_STORY(dark_scene, of_a_run_of_seeds_the_rim_is_marked)
     style.marks_seeds = true;
     style.mark = waiting;
     style.marks = plant_blocks(scene, waiting);
-    struct canvas s = take(scene, &choice, &style, 410, 410);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 410, 410);
     for (uint32_t y = 10; y < 19; y++)
         for (uint32_t x = 10; x < 28; x++) {
             const bool edge = y == 10 || y == 18 || x == 10 || x == 18 || x == 19 || x == 27;
@@ -758,7 +756,6 @@ SCENE_STORY(dark_scene, of_a_run_of_seeds_the_rim_is_marked)
             const bool rim = in ? x == 12 || x == 16 || y == 12 || y == 16 : edge || touches;
             CHECK_INT(is_rgb(&s, 10 * x + 5, 10 * y + 5, 0, 0, 0), !rim);
         }
-    canvas_release(&s);
 }
 
 /* The block at a pixel: 0 for none, 3 waits. */
@@ -804,7 +801,7 @@ SCENE_STORY(dark_scene, thin_marks_leave_what_they_mark_to_be_seen)
     style.marks = plant_blocks(scene, waiting);
     alone->flags = CELL_SEED;
     alone->label = 1;
-    struct canvas s = take(scene, &choice, &style, 410, 410);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 410, 410);
     for (uint32_t y = 90; y < 200; y++)
         for (uint32_t x = 90; x < 290; x++) {
             const int own = block_at(x, y), other = block_near(x, y, own ? 2 : 1);
@@ -816,7 +813,6 @@ SCENE_STORY(dark_scene, thin_marks_leave_what_they_mark_to_be_seen)
         }
     CHECK(is_rgb(&s, 345, 55, 0x50, 0x60, 0x70) && is_rgb(&s, 345, 58, 0, 0, 0) &&
           is_rgb(&s, 340, 55, 0x50, 0x60, 0x70) && grey_at(&s, 345, 61) == 100);
-    canvas_release(&s);
 }
 
 /* The letter in the middle of an edge (0 left, 1 right, 2 top, 3 bottom) of a picture of 100x100
@@ -927,11 +923,9 @@ SCENE_STORY(plain_body, all_48_orientations_give_the_same_pictures)
         struct scene *turned = body_scene(o);
         for (unsigned i = 0; i < 54; i++) {
             CHECK_INT(slice_count(turned, (enum slice_plane)(i % 3)), body_size[2 - i % 3]);
-            struct canvas expected = take_noted(scene, i);
-            struct canvas actual = take_noted(turned, i);
+            OWNED(canvas_release) struct canvas expected = take_noted(scene, i);
+            OWNED(canvas_release) struct canvas actual = take_noted(turned, i);
             CHECK(same_pixels(&actual, &expected));
-            canvas_release(&expected);
-            canvas_release(&actual);
         }
         scene_free(turned);
     }

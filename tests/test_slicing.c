@@ -89,11 +89,10 @@ static void write_head(const char *name, struct head *head, double to_mm[3][4])
 /* Replace bytes of a file's header. */
 static void patch(const char *name, size_t at, const void *bytes, size_t length)
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     CHECK(file_read(&file, name, 1 << 20, NULL) == OK && file.length > 352);
     memcpy(file.data + at, bytes, length);
     CHECK(file_write(name, file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
 }
 
 /* Remove the sform and write a qform of the rotation b, c, d, with pixdim[0] = qfac. */

@@ -533,7 +533,7 @@ static int fails_later(enum file_step step, const char *path)
 STORY(a_disk_that_is_full_leaves_the_former_file)
 {
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
-    struct buf now = {0};
+    OWNED(buf_release) struct buf now = {0};
     char path[FOLDER_LENGTH + 16];
     geometry_place_plain(&geometry, (const double[]){1, 1, 1});
     box_of_ball(3, (const double[]){1, 1, 1});
@@ -552,7 +552,6 @@ STORY(a_disk_that_is_full_leaves_the_former_file)
         CHECK(err == OK || now.length == 6 || steps > 4); /* the last step syncs its folder */
     }
     CHECK(now.length > 1000);
-    buf_release(&now);
     surface_free(s);
 }
 
