@@ -255,8 +255,8 @@ static const struct {
     {"shows", &shows},           {"goes_on", &goes_on},   {"x", &facts.place[0]},
     {"y", &facts.place[1]},      {"z", &facts.place[2]},  {"pane", (unsigned *)&shown_pane}};
 
-/* Use the mouse at a pixel, "press 5,6", place the cross-hair, "at 1,2,3", or set a fact, "times=2000";
- * "y+2" adds to it. */
+/* Use the mouse at a pixel, "press 5,6", place the cross-hair, "at 1,2,3", or set a fact,
+ * "times=2000"; "y+2" adds to it. */
 static void set_stage(const char *words)
 {
     const size_t length = strcspn(words, " =+");

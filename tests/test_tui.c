@@ -71,17 +71,6 @@ static struct image_view noise(uint32_t width, uint32_t height, uint64_t seed)
     return view;
 }
 
-static uint32_t channel_distance(uint32_t a, uint32_t b)
-{
-    uint32_t most = 0;
-    for (unsigned shift = 0; shift < 24; shift += 8) {
-        int32_t d = (int32_t)(a >> shift & 255) - (int32_t)(b >> shift & 255);
-        uint32_t size = (uint32_t)(d < 0 ? -d : d);
-        most = size > most ? size : most;
-    }
-    return most;
-}
-
 /* The largest difference of a channel between `decoded` and the view. */
 static uint32_t worst_pixel(const struct image_view *view)
 {
