@@ -294,7 +294,7 @@ static bool is_kept(const struct image_view *view, size_t i)
     const uint32_t x = (uint32_t)(i % view->width), y = (uint32_t)(i / view->width);
     for (unsigned s = 0; s < view->strips; s++) {
         const struct raster_box *b = &view->strip[s].box;
-        if (view->strip[s].is_there && x - b->left < b->width && y - b->top < b->height)
+        if (view->strip[s].number && x - b->left < b->width && y - b->top < b->height)
             return image_view_colour(view, i) == view->below[i] * UINT32_C(0x010101);
     }
     return false;

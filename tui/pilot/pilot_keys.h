@@ -55,11 +55,7 @@ struct pilot_brush {
     struct decimal range[2];
 };
 
-struct pilot_row;
-
 struct pilot_setup {
-    const struct pilot_row *table; /* [rows], actions of keys */
-    size_t rows;
     const struct theme *theme;
     struct pilot_brush brush; /* at the start */
     struct setup_window window[SETUP_WINDOWS_MOST];
@@ -350,7 +346,7 @@ enum err setup_keys(struct pilot_setup *setup, const struct pilot_row *row, cons
                     struct fault *fault);
 
 /* Return the row of that name, or NULL. */
-const struct pilot_row *setup_row(const struct pilot_setup *setup, const char *name);
+const struct pilot_row *setup_row(const char *name);
 
 /* Return the keys that the user has given a row, or NULL. */
 const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *row);
@@ -435,7 +431,6 @@ int64_t pilot_times(const struct press *p);
 uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end);
 /* Round a value to a thousandth, or to significant digits if it is very small or very large. */
 struct decimal pilot_decimal(double value);
-double pilot_magnitude(double value);
 /* Return true if the path that is shown has an edge; else false, with a message. */
 bool pilot_has_edge(struct press *p);
 /* Add " 2 range=80..120": the label and the range of the brush. */

@@ -2,6 +2,7 @@
 /* Functions of keys that plant or remove: seeds, strokes, boxes and shells, with a brush. */
 #include "tui/pilot/pilot_keys.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/scan.h"
@@ -82,7 +83,7 @@ void pilot_take_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
     const double here = p->facts->intensity;
-    double width = pilot_magnitude(p->facts->window[1] - p->facts->window[0]) / 20;
+    double width = fabs(p->facts->window[1] - p->facts->window[0]) / 20;
     width = p->state->count             ? p->state->count
             : width > 1 && width < 1e12 ? (double)(int64_t)width
                                         : width;

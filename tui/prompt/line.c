@@ -18,12 +18,6 @@ enum line_step {
     STEP_OVER    /* in place of everything that the last step added */
 };
 
-static void line_undo_clear(struct line_undo *u)
-{
-    u->count = 0;
-    buf_release(&u->removed);
-}
-
 static void line_undo_release(struct line_undo *u)
 {
     free(u->change);
@@ -70,7 +64,7 @@ static void line_undo_note(struct line_undo *u, const struct line_change *change
 {
     if (!join_step(u, change, removed, step)) {
         if (!mem_grow(&u->change, &u->capacity, u->count + 1, sizeof *u->change)) {
-            line_undo_clear(u);
+            line_undo_release(u);
             return;
         }
         u->change[u->count++] = *change;
@@ -78,7 +72,7 @@ static void line_undo_note(struct line_undo *u, const struct line_change *change
             store_removed(u, 0, removed, change->removed);
     }
     if (u->removed.failed)
-        line_undo_clear(u);
+        line_undo_release(u);
     while (u->count > LINE_UNDO_MOST || u->removed.length > LINE_UNDO_BYTES) {
         const size_t oldest = u->change[0].removed; /* bytes */
         memmove(u->change, u->change + 1, --u->count * sizeof *u->change);
@@ -112,7 +106,7 @@ void line_clear(struct line *l)
     buf_clear(&l->draft);
     buf_clear(&l->wanted);
     l->text.failed = failed;
-    line_undo_clear(&l->undo);
+    line_undo_release(&l->undo);
     l->cursor = 0;
     l->last = LAST_OTHER;
     l->searching = l->search_failed = false;
