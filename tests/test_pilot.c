@@ -185,7 +185,6 @@ static void begin(void)
 {
     facts = (struct pilot_facts){.size = {size[0], size[1], size[2]},
                                  .place = {20, 25, 30},
-                                 .index = {30, 25, 20},
                                  .plane = {"axial", "coronal", "sagittal"},
                                  .axis = {2, 1, 0},
                                  .window = {0, 100},
@@ -1162,7 +1161,6 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
                                        "  3 wait for space"};
     begin();
     label_name = "ventricle";
-    facts.index[0] = 30;
     facts.axis[0] = 2;
     facts.plane[0] = "axial";
     facts.times = PILOT_TIMES_ONE;

@@ -185,7 +185,6 @@ static bool host_facts(void *context, struct pilot_facts *out)
         out->size[plane] = scene->grid.size[plane];
         out->place[plane] = s->cross[plane];
         out->axis[plane] = (unsigned)slice_axis(scene, plane);
-        out->index[plane] = s->cross[out->axis[plane]];
         out->counts_down[plane] = slice_index(scene, plane, first) != 0;
         out->plane[plane] = slice_name(scene, plane);
     }

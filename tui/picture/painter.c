@@ -289,12 +289,6 @@ struct stale {
     uint64_t cost; /* pixels in all boxes, and the fixed cost of each box */
 };
 
-struct stale_rule {
-    uint32_t tile_width, tile_height;
-    bool whole_tiles;
-    uint32_t box_cost; /* pixels */
-};
-
 static uint64_t cost_of(struct raster_box box, uint32_t box_cost)
 {
     return (uint64_t)box.width * box.height + box_cost;
@@ -424,39 +418,36 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
         return false;
     const struct raster now = raster_of(p, 1), then = raster_of(p, 0);
     const struct graphics *g = p->facts.graphics;
-    const struct stale_rule rule =
-        !g->over_cells
-            ? (struct stale_rule){PIXEL_TILE, PIXEL_TILE, false,
-                                  p->kept.strips ? CLEAR_FACTOR * g->patch_cost : g->patch_cost}
-            : (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true, g->patch_cost};
+    const uint32_t tile_width = g->over_cells ? p->facts.cell_width : PIXEL_TILE;
+    const uint32_t tile_height = g->over_cells ? p->facts.cell_height : PIXEL_TILE;
+    const uint32_t box_cost = p->kept.strips ? CLEAR_FACTOR * g->patch_cost : g->patch_cost;
     const size_t each = raster_pixel_bytes(&now);
     stale->count = 0;
     stale->cost = 0;
-    for (uint32_t top = 0; top < now.height; top += rule.tile_height) {
-        const uint32_t height = least(rule.tile_height, now.height - top);
+    for (uint32_t top = 0; top < now.height; top += tile_height) {
+        const uint32_t height = least(tile_height, now.height - top);
         /* Find the first and last column of bytes in which any of these rows differ. */
         size_t from = SIZE_MAX, to = 0;
         for (uint32_t y = top; y < top + height; y++) {
             size_t first, last;
             if (!find_difference(now.bytes + y * now.stride, then.bytes + y * then.stride,
-                                 now.width * raster_pixel_bytes(&now), &first, &last))
+                                 now.width * each, &first, &last))
                 continue;
             from = first < from ? first : from;
             to = last > to ? last : to;
         }
         if (from == SIZE_MAX)
             continue;
-        uint32_t left = (uint32_t)(from / each / rule.tile_width) * rule.tile_width;
-        for (; left < now.width && left <= to / each; left += rule.tile_width) {
-            const struct raster_box tile = {left, top, least(rule.tile_width, now.width - left),
-                                            height};
+        uint32_t left = (uint32_t)(from / each / tile_width) * tile_width;
+        for (; left < now.width && left <= to / each; left += tile_width) {
+            const struct raster_box tile = {left, top, least(tile_width, now.width - left), height};
             struct raster_box tight = tile;
             if (shrink_box(&tight, &now, &then))
-                add_box(stale, rule.whole_tiles ? tile : tight, rule.box_cost);
+                add_box(stale, g->over_cells ? tile : tight, box_cost);
         }
     }
     for (unsigned i = 0; i < stale->count; i++)
-        stale->cost += cost_of(stale->box[i], rule.box_cost);
+        stale->cost += cost_of(stale->box[i], box_cost);
     if (stale->count == 0)
         return true;
     const uint64_t all = (uint64_t)p->width * p->height;

@@ -416,6 +416,8 @@ void pilot_remember_shape(struct press *p);
 bool pilot_add_corner(struct press *p, const uint32_t place[3]);
 /* Extend or drag an outline as the cross-hair goes to a place. Return false without an outline. */
 bool pilot_outline_to(struct press *p, const uint32_t place[3]);
+/* Discard the present outline, and return to the mode without one. */
+void pilot_end_outline(struct pilot_state *state);
 void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane);
 /* Read LOW..HIGH; return false if `at` begins with something else. */
 bool pilot_scan_range(const char **at, struct decimal range[2]);

@@ -183,19 +183,15 @@ void pilot_enclose_at_edge(struct press *p)
 
 void pilot_show_held(struct press *p)
 {
-    struct buf held = {0};
     uint32_t place[3];
     if (!pilot_take_voxel(p, place))
         return;
-    if (p->host->held(p->host->context, place, p->by, &held)) {
+    if (p->host->held(p->host->context, place, p->by, p->message)) {
         p->state->mode = p->by ? PILOT_CONFIRMING_TREE : PILOT_CONFIRMING;
-        buf_add_text(p->message, buf_text(&held));
         pilot_say(p, p->by ? "; {eliminate-that-tree} removes it" : "; {eliminate-it} removes it");
     } else {
         buf_add_text(p->message, "no tree holds this voxel");
     }
-    p->message->failed |= held.failed;
-    buf_release(&held);
 }
 
 /* ---- strokes ---- */
