@@ -804,13 +804,14 @@ static void means(const struct interpreter *interp, const char *line, const char
 SCENE_STORY(completion_explains_words)
 {
     must(interp, "label 7 cortex; seed 1,1,1 7");
-    means(interp, "un", "undo\ttake back the last change of the segmentation\n");
-    means(interp, "help ", "keys\tthose of the prompt.\n");
+    means(interp, "un", "undo\tundo the last change of the segmentation\n");
+    means(interp, "help ", "keys\tlist the keys of the prompt.\n");
     means(interp, "shade ", "cubes\tthe faces of their voxels, with the normals of the surface.\n");
     means(interp, "shade ",
           "surface\tthe visible objects, smoothed.\n"); /* surface, the default: */
     means(interp, "weight so", "sobel\tthe 3-D Sobel operator.\n");
-    means(interp, "remove 1,1,1 of=t", "tree\tthe seed of the single tree that contains the voxel");
+    means(interp, "remove 1,1,1 of=t",
+          "tree\tremove only the seed of the tree that contains the voxel");
     means(interp, "seed-file x.nii er", "erode=\trounds; each removes the voxels");
     means(interp, "seed-file x.nii gen", "generator=\tthe number that the drawing starts");
     means(interp, "spin 9 x.gif del", "delay=\t20..60000\n");

@@ -245,7 +245,7 @@ enum err history_after(const struct history *history, size_t *count, uint32_t *p
     return *count ? OK : fault_set(fault, ERR_INPUT, "there is nothing to do again");
 }
 
-/* Index of the branch with this name; history->branches if there is none. */
+/* Index of the branch with this name; history->branches if no branch has it. */
 static uint32_t branch_named(const struct history *history, const char *name)
 {
     uint32_t i = 0;
