@@ -36,7 +36,7 @@ commands() {
 }
 commanding() {
     type_letters ":"
-    entering "$1" "$2"
+    entering "$@"
 }
 # The magnified slices are around another voxel than this.
 has_panned() {
@@ -60,8 +60,7 @@ begin_terminal
 
 begin "pilot takes the whole screen: slices, and where the cross-hair is"
 enter_anew "$iftty --graphics blocks s.nii"
-see '^24x20x16 voxels'
-see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
+see '^24x20x16 voxels' '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 entering "pilot" '^axial at 12,10,8  brush 1 r3  no label  intensity [0-9]*  [-0-9.,]* mm$'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 
@@ -75,8 +74,7 @@ begin "keys move, seed, undo and turn, each as the command it is"
 presses Right "cross 11,10,8"
 types "3k" "cross 11,13,8"
 types "s2" "seed 11,13,8 2"
-see 'voxels changed'
-see '^axial at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
+see 'voxels changed' '^axial at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
 pressing Tab '^coronal at [0-9]*,13,[0-9]* '
 see '^one label fills all: a here, then beyond its edge S encloses it; s0 background$'
 types "++s1" "seed 11,13,8 1 radius=2"
@@ -91,8 +89,7 @@ types "-s3" "seed 11,13,9 3 radius=1 to=11,13,8"
 
 begin "the pen that is down is told in colour, and by what the keys do"
 type_letters "v"
-pressing Tab '^PEN DOWN  sagittal '
-see '^moving draws; v ends the stroke, Escape drops it$'
+pressing Tab '^PEN DOWN  sagittal ' '^moving draws; v ends the stroke, Escape drops it$'
 tmux_here capture-pane -e -p -t prompt | grep -q '41m.*PEN DOWN' || fail "it is not in colour"
 pressing Escape '^sagittal '
 press Tab Tab
@@ -121,8 +118,7 @@ press M-:
 type_letters "zoom 2"
 presses Enter "zoom 2"
 commands "zoom 1"
-type_letters "?" # a page of keys: Escape leaves it
-see 'keys'
+typing "?" 'keys' # a page of keys: Escape leaves it
 press M-:
 type_letters "zoom 3"
 presses Enter "zoom 3"
@@ -191,13 +187,10 @@ recorded "remove 11,13,9"
 
 begin "Tab finds commands and keys by a piece of a word, each with its key"
 type_letters ":cont"
-pressing Tab '^context  '
-see '^overlay contour  o in the pilot: '
-see '^:cont$'
+pressing Tab '^context  ' '^overlay contour  o in the pilot: ' '^:cont$'
 pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":pen"
-pressing Tab "^v  *in the pilot, pen: pen draws; stroke's end$"
-see '^:pen$'
+pressing Tab "^v  *in the pilot, pen: pen draws; stroke's end$" '^:pen$'
 pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":und" # what begins so is completed as ever
 pressing Tab '^:undo \[COUNT\]$'
@@ -205,8 +198,7 @@ pressing Escape '^i seed ' # the row above stays while a line is edited
 
 begin "/ shows the keys that have a word in them"
 typing "?" '^Planting$'
-typing "/contour" '^/contour$'
-see '^  o  *overlay  *contour; finish; greys$'
+typing "/contour" '^/contour$' '^  o  *overlay  *contour; finish; greys$'
 pressing Enter '^/ finds keys by a word; any other key leaves$'
 typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
@@ -238,14 +230,12 @@ for page in 1 2 3 4 5 6 7 8 9; do
     press Space
     comes_true is_another_page || fail "no page follows:" "$(cat former)"
 done
-see '^quit  *leave'
-see '^[(]any key[)]$'
+see '^quit  *leave' '^[(]any key[)]$'
 pressing Escape '^coronal at [0-9]*,13,[0-9]* '
 
 begin "a message of more than a row takes both, until the next key"
 type_letters ":"
-enter "seed 1,1,1 a-name-that-no-label-has-been-given-and-that-is-long"
-see '^error: LABEL: expected'
+entering "seed 1,1,1 a-name-that-no-label-has-been-given-and-that-is-long" '^error: LABEL: expected'
 see 'name one with'
 pressing Tab '^sagittal '
 press Tab Tab
@@ -304,8 +294,7 @@ see '^intensities LOW..HIGH, or none: -99999..99999_  Enter sets it  Escape leav
 pressing Enter '^coronal at 11,13,10  brush 2 r1 -99999..99999  '
 typing "M" 'radius 1mm, intensities'
 types "i" "seed 11,13,10 2 radius=1mm range=-99999..99999"
-type_letters "M-T"
-pressing Enter '^the brush: label 2, radius 0$'
+entering "M-T" '^the brush: label 2, radius 0$'
 
 begin "an outline is drawn, closed, taken up again, dragged, and takes the place of what it was"
 commanding "cross 12,13,8" '^coronal at 12,13,8'
@@ -315,8 +304,7 @@ typing "4l4k4h" '^OUTLINE  coronal at 12,13,12  brush 2 4 corners'
 presses Enter "outline 12,13,8 2 to=8,13,8 to=8,13,12 to=12,13,12"
 typing "U" '^the outline of marker [0-9]+$'
 typing "v" '^grabbed: moving drags it  Enter plants it  v grabs, lets go  Escape drops it$'
-type_letters "2h"
-press Enter
+enter "2h"
 comes_true replaces_outline || fail "$(last_record)"
 typing "}" ' in doubt; the (border|outline) of '
 pressing Escape '^the outline is dropped$'
@@ -355,9 +343,7 @@ begin "the smallest window: the keys page by page, and the pen is loud"
 tmux_here resize-window -t prompt -x 20 -y 10
 see '^coronal at 11,13,10$'
 see '^i seed  q back$' # nothing is cut within a word, and how to leave is there
-typing "?" '^h j k l arrows$'
-see '^  move the$'
-see '^-- more --$'
+typing "?" '^h j k l arrows$' '^  move the$' '^-- more --$'
 tmux_here resize-window -t prompt -x 80 -y 24
 see 'h j k l arrows   move the cross-hair     H L Ctrl-arrows'
 tmux_here resize-window -t prompt -x 20 -y 10
@@ -369,8 +355,7 @@ tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal at'
 
 begin "q goes back to the prompt, with the screen as it was before"
-typing "q" '^s>$'
-see '^24x20x16 voxels'
+typing "q" '^s>$' '^24x20x16 voxels'
 entering "quit" '^journal: '
 sane
 
@@ -379,10 +364,8 @@ expect 0 "$iftty" verify s-1.iftty
 grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
 
 begin "no side is named where nobody knows it"
-enter_anew "$iftty --graphics blocks u.nii"
-see '^u>$'
-pressing C-o '^ *10 mm'
-see '^z=8 at 12,10,8 .* orientation unknown'
+enter_anew "$iftty --graphics blocks u.nii" '^u>$'
+pressing C-o '^ *10 mm' '^z=8 at 12,10,8 .* orientation unknown'
 pressing Tab '^y=10 at 12,10,8 '
 screen_text | head -n 22 | grep -q '[RLAPSI]' && fail "$(screen_text)"
 typing "q" '^u>$'
@@ -390,8 +373,7 @@ entering "quit" '^journal: '
 sane
 
 begin "Ctrl-O is the pilot too; killed there, the terminal is sane"
-enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
-see '^s-1>$'
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'" '^s-1>$'
 pressing C-o '^axial'
 kill -TERM "$(cat pid)"
 see '[Tt]erminated'
@@ -399,8 +381,7 @@ sane
 expect 0 "$iftty" verify s-1.iftty
 
 begin "killed while the pen is down, all but that stroke is in the journal"
-enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
-see '^s-1>$'
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'" '^s-1>$'
 pressing C-o '^axial'
 type_letters "s4"
 comes_true grep -q '^seed .* 4' s-1.iftty || fail "$(last_record)"
@@ -422,8 +403,7 @@ same "$(last_record)" "$last"
 expect 0 "$iftty" verify s-1.iftty
 expect 0 "$iftty" log --check s-1.iftty
 grep -q '^intact' out || fail "$(cat out)"
-enter_anew "$iftty --graphics blocks s-1.iftty"
-see '^s-1>$'
+enter_anew "$iftty --graphics blocks s-1.iftty" '^s-1>$'
 entering "undo" "^undone: [0-9]* $last"
 entering "quit" '^journal: '
 sane
@@ -436,8 +416,7 @@ seed 60,108,90 1
 run
 END
 if "$iftty" run reference >/dev/null 2>&1; then
-    enter_anew "IFTTY_CONFIG= $iftty --graphics blocks ch2.nii.gz"
-    see '^ch2>$'
+    enter_anew "IFTTY_CONFIG= $iftty --graphics blocks ch2.nii.gz" '^ch2>$'
     pressing C-o '^axial at 90,108,90  brush 1 r6'
     keys=$(sed -n '/^<!-- organ/,/^<!-- end of organ/s/^    \([^ ]*\) .*/\1/p' "$top/README.md")
     same "$(printf '%s\n' "$keys" | wc -l)" 10
@@ -472,8 +451,7 @@ END
 rm -f s-*.iftty
 enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
 see '^config:4: there is no action undu; did you mean undo\?; left out$'
-see '^config:7: LABELS: expected '
-see '^s>$'
+see '^config:7: LABELS: expected ' '^s>$'
 pressing C-o '^axial at 12,10,8  brush 7 r2'
 types "P" "seed 12,10,8 7 radius=2"
 typing "?" '^  P +a seed of the label'
@@ -482,8 +460,7 @@ types "w5" "window -20 140"
 type_letters "q"
 entering "quit" '^journal: '
 grep -qx 'overlay tint' s-1.iftty || fail "the command is not recorded"
-enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s-1.iftty"
-see 'records* resumed'
+enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s-1.iftty" 'records* resumed'
 entering "quit" '^journal: '
 same "$(grep -cx 'overlay tint' s-1.iftty)" 1 # a session that goes on does not begin
 expect 0 "$iftty" verify s-1.iftty
@@ -494,8 +471,7 @@ echo "open s.nii" | IFTTY_CONFIG=config "$iftty" >out 2>err
 
 begin "a theme without colours has none anywhere"
 echo "theme none" >config
-enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
-see '^s>$'
+enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii" '^s>$'
 type_letters "see"
 press C-u
 pressing C-o '^axial'
@@ -508,8 +484,7 @@ sane
 
 begin "keys typed while a command runs are taken after it, in their order"
 rm -f synth-*.iftty
-enter_anew "$iftty --graphics blocks synth:geom:240x240x240"
-see '^Ctrl-O: the pilot'
+enter_anew "$iftty --graphics blocks synth:geom:240x240x240" '^Ctrl-O: the pilot'
 pressing C-o '^axial at 120,120,120'
 type_letters "ilK2ls2u"
 comes_true grep -q '^undo$' synth-1.iftty || fail "$(cat synth-1.iftty)"

@@ -16,8 +16,7 @@ begin_terminal
 
 begin "the prompt appears, and what was typed before it is not lost"
 enter_anew "$iftty --graphics blocks s.nii"
-entering "label 2 early" '^s> label 2 early$'
-see '^s>$'
+entering "label 2 early" '^s> label 2 early$' '^s>$'
 screen_text | grep -q '^24x20x16 voxels' || fail "the scene is not described:" "$(screen_text)"
 same "$(below 's> label 2 early')" "s>"
 
@@ -26,8 +25,7 @@ press z o Tab
 see '^s> zoom fit\|FACTOR \[at=X,Y,Z\]$'
 entering "fit" '^s> zoom fit$'
 press s Tab
-see '^seed +plant a seed'
-see '^sync +set when records are synced'
+see '^seed +plant a seed' '^sync +set when records are synced'
 press e Tab
 see '^s> seed X,Y,Z LABEL \[radius=0\.\.512\|Rmm\] \[range=LOW\.\.HIGH\] '
 pressing C-u '^s>$'
@@ -36,8 +34,7 @@ pressing Tab '^s> open s\.nii \[volume='
 press C-u
 
 begin "a wrong command gets a caret and a line, and the prompt is back"
-entering "sed 1,1,1 1" '^error: '
-see '^s>$'
+entering "sed 1,1,1 1" '^error: ' '^s>$'
 same "$(below 's> sed 1,1,1 1')" "   ^
 error: unknown command sed; did you mean seed?
 s>"
@@ -47,25 +44,21 @@ enter "size 40 30"
 enter "zoom 1"
 enter "seed 2,3,4 1"
 enter "seed 20,10,8 0"
-entering "render" "$half_block"
-see '^s>$'
+entering "render" "$half_block" '^s>$'
 press C-l
 
 begin "a picture is written beside the session, and said to be there above the line"
 entering "render prompt.png" '^writing prompt\.png$'
-typing "half a li" '^wrote prompt\.png$'
-see '^s> half a li$'
+typing "half a li" '^wrote prompt\.png$' '^s> half a li$'
 press C-u
 [ -s prompt.png ] || fail "no prompt.png"
 enter "render prompt.png"
-see '^error: prompt\.png exists already and was left alone; replace=yes writes over it$'
-see '^s>$'
+see '^error: prompt\.png exists already and was left alone; replace=yes writes over it$' '^s>$'
 press C-l
 
 begin "slices and mosaics are shown too"
 for command in "slice axial" "mosaic"; do
-    entering "$command" "$half_block"
-    see '^s>$'
+    entering "$command" "$half_block" '^s>$'
     press C-l
 done
 
@@ -74,8 +67,7 @@ type_letters "contour"
 pressing Tab '^s> overlay contour'
 press C-u
 type_letters "radius"
-pressing Tab '^seed  *radius=: in voxels'
-see '^[+]  *in the pilot, larger: the radius; in mm$'
+pressing Tab '^seed  *radius=: in voxels' '^[+]  *in the pilot, larger: the radius; in mm$'
 see '^s> radius$'
 press C-u
 press C-l
@@ -86,16 +78,11 @@ enter "label 6 lung"
 enter "label 5 kidney"
 press C-l
 type_letters "half"
-pressing C-r "^.search ''. half\$"
-see '^  label 5 kidney$'
-see '^  label 6 lung$'
-typing "label 5" '^> label 5 kidney$'
-see '^  label 5 liver$'
+pressing C-r "^.search ''. half\$" '^  label 5 kidney$' '^  label 6 lung$'
+typing "label 5" '^> label 5 kidney$' '^  label 5 liver$'
 ! shows '^  label 6 lung$' || fail "the list does not narrow:" "$(screen_text | grep .)"
-pressing Down "^.search 'label 5'. label 5 liver\$"
-see '^> label 5 liver$'
-pressing Enter '^s> label 5 liver$'
-see '^s>$'
+pressing Down "^.search 'label 5'. label 5 liver\$" '^> label 5 liver$'
+pressing Enter '^s> label 5 liver$' '^s>$'
 ! shows 'kidney' || fail "the list stays:" "$(screen_text | grep .)"
 pressing C-r '^  label 5 kidney$'
 pressing C-g '^s>$'
@@ -111,8 +98,7 @@ press C-c
 
 begin "quit leaves a sane terminal and a journal that verifies"
 enter "render last.tif"
-entering "quit" '^wrote last\.tif$'
-see '^journal: s-1\.iftty \(.* records\)$'
+entering "quit" '^wrote last\.tif$' '^journal: s-1\.iftty \(.* records\)$'
 see '^\$$' # the shell is back: what is typed before its prompt stands behind it
 entering 'echo status $?' '^status 0$'
 sane
@@ -124,9 +110,7 @@ grep -qx 'seed 20,10,8 0' s-1.iftty || fail "a seed is not in the journal"
 
 begin "resuming tells how many records there are"
 records=$(grep -c '^= ' s-1.iftty)
-enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
-see "^$records records resumed\$"
-see '^s-1>$'
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'" "^$records records resumed\$" '^s-1>$'
 entering "seed 6,10,8 2" '^[0-9]+ voxels changed'
 
 begin "killed at the prompt: a sane terminal, a whole journal"
