@@ -28,8 +28,7 @@ same "$(grep '^ *landmarks' out)" "    landmarks AC 9,9,9, PC 1,2,3
 err_has "there is no landmark XX"
 expect 2 "$iftty" -c "open synth:geom; landmark A 1,1,1; interpolate 2 2 2"
 err_has "landmarks belong to the present grid"
-expect 2 "$iftty" -c "open synth:geom; landmark 'a b' 1,1,1"
-err_has "NAME: expected a word"
+expect_err "NAME: expected a word" 2 "$iftty" -c "open synth:geom; landmark 'a b' 1,1,1"
 expect 0 "$iftty" verify l.iftty
 
 begin "an origin is recorded, shown and undone, changes no voxel, and is checked"
@@ -152,10 +151,8 @@ $phantom make away.nii moved
 put away.nii 292 '\000\200\351\103' # its sform: 467 in place of -33
 apply away.nii --by shift.txt
 expect 0 "$iftty" verify o/away.iftty
-expect 3 "$iftty" apply p.iftty far.nii --by world --out o
-err_has "the scenes do not overlap"
-expect 3 "$iftty" apply p.iftty moved.nii --by nothere.txt --out o
-err_has "nothere.txt"
+expect_err "the scenes do not overlap" 3 "$iftty" apply p.iftty far.nii --by world --out o
+expect_err "nothere.txt" 3 "$iftty" apply p.iftty moved.nii --by nothere.txt --out o
 
 begin "seeds with an intensity unlike the object's are dropped, counted, and kept as dropped"
 $phantom make lesion.nii moved lesion
@@ -176,8 +173,7 @@ cp mirrored.nii moved2.nii && mkdir -p other && cp mirrored.nii other/moved.nii
 expect 3 "$iftty" apply p.iftty other/moved.nii --by world --out o
 same "$(cat o/moved.iftty)" "$before"
 expect 0 "$iftty" -c "seed 9,9,9 2 radius=1; run" --journal o/moved.iftty
-expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
-out_has "done before"
+expect_out "done before" 0 "$iftty" apply p.iftty moved.nii --by world --out o
 grep -v '^= 11' o/moved.iftty | head -c 1500 >o/cut && mv o/cut o/moved.iftty
 expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
 
@@ -286,8 +282,7 @@ printf 'A 33,26,27\nB 53,31,27\nC 33,40,33\n' >told.txt
 apply silent.nii --by landmarks --landmarks told.txt --orient RAS
 expect 0 $phantom check o/silent.seeds.nii.gz moved 7 2.2
 expect 0 "$iftty" -c "open silent.nii; $seeds; run" --journal silent.iftty
-expect 3 "$iftty" log --procedure - silent.iftty
-err_has "does not say to which sides"
+expect_err "does not say to which sides" 3 "$iftty" log --procedure - silent.iftty
 
 begin "a registration without the expert's image is refused with advice"
 expect 3 "$iftty" apply p.proc moved.nii --out o3
@@ -297,12 +292,10 @@ begin "an implausible registration is refused: status 1, and no journal"
 expect 1 "$iftty" apply p.iftty oblique.nii --out o3
 err_has "the scenes were registered, and the result is implausible"
 same "$(ls o3)" ""
-expect 0 "$iftty" apply p.iftty plain.nii --out o3
-out_has "registered: overlap 100 %"
+expect_out "registered: overlap 100 %" 0 "$iftty" apply p.iftty plain.nii --out o3
 expect 0 $phantom check o3/plain.seeds.nii.gz plain 7 2.2
 expect 0 "$iftty" verify o3/plain.iftty
-expect 0 "$iftty" apply p.iftty plain.nii --out o3
-out_has "done before"
+expect_out "done before" 0 "$iftty" apply p.iftty plain.nii --out o3
 
 begin "JSON of several scenes; one that fails keeps none of the others"
 rm -rf o
@@ -331,8 +324,7 @@ forge() {
 begin "a stranger's procedure reads and writes no file, and a malformed one is refused"
 refused() { # SED WORDS
     forge p.proc bad.proc "$1"
-    expect 3 "$iftty" apply bad.proc moved.nii --by world --out hostile
-    err_has "$2"
+    expect_err "$2" 3 "$iftty" apply bad.proc moved.nii --by world --out hostile
     [ -e hostile/moved.iftty ] && fail "$1: a journal was made"
 }
 forge p.proc same.proc ''

@@ -81,9 +81,8 @@ begin "words, JSON and the command say the same"
 grep -q '^label  *Dice Jaccard' words || fail "$(cat words)"
 [ "$(grep -c '^[0-9] ' words)" = 3 ] || fail "$(cat words)"
 grep -q '^all ' words || fail "no line for all: $(cat words)"
-expect 0 "$iftty" -c 'compare b.nii report=r.json; compare b.nii report=r.csv' \
+expect_out "1 liver " 0 "$iftty" -c 'compare b.nii report=r.json; compare b.nii report=r.csv' \
     --journal a.iftty
-out_has "1 liver "
 sed '1,/^label/d' words | head -n 3 | cut -c 17- >from_program
 sed -n '/^    label/,$p' out | sed -n 2,4p | cut -c 21- >from_command
 same_files from_program from_command
@@ -125,8 +124,7 @@ if needs oiiotool; then
         done
     done
 fi
-expect 0 "$iftty" info cut.png
-out_has "iftty:differ"
+expect_out "iftty:differ" 0 "$iftty" info cut.png
 
 # A box, and one that is 2 voxels larger on each side: all of the larger one is too large by as much
 # along the axes, and the smaller one too small; no colour but theirs, however the light falls.
@@ -153,8 +151,7 @@ out_has "iftty:distance: of A's surface from B's, -5 mm inside to 5 mm outside"
 expect 0 "$iftty" -c 'render; compare small.nii surface=red2.png; render' --journal boxes.iftty
 same "$(grep -c 'picture=' boxes.iftty)" 2
 same "$(grep -o 'picture=[0-9a-f]*' boxes.iftty | sort -u | wc -l)" 1
-expect 3 "$iftty" compare large.nii small.nii --surface red.png
-err_has "--surface: "
+expect_err "--surface: " 3 "$iftty" compare large.nii small.nii --surface red.png
 "$iftty" -c 'open synth:geom:60x50x40; seed 1,1,1 0; run; save labels none.nii empty=yes' \
     >/dev/null
 expect 3 "$iftty" compare large.nii none.nii --surface none.png
@@ -192,8 +189,7 @@ begin "a name with blanks stands between quotes, after its key too"
 cp b.nii 'b 2.nii'
 expect 0 "$iftty" -c 'compare "b 2.nii" report="r 2.json" picture="p 2.png"' --journal a.iftty
 [ -f 'r 2.json' ] && [ -f 'p 2.png' ] || fail "$(ls)"
-expect 2 "$iftty" -c 'compare b.nii report="r 2.json' --journal a.iftty
-err_has "one word too many"
+expect_err "one word too many" 2 "$iftty" -c 'compare b.nii report="r 2.json' --journal a.iftty
 
 begin "finished labels are compared where they are asked for"
 expect 0 "$iftty" -c 'finish majority radius=2; save labels smooth.nii finished=yes
@@ -211,28 +207,22 @@ begin "maps that lie elsewhere are refused with the distance"
     printf '\000\000\360\101'
     tail -c +297 solid.nii
 } >moved.nii
-expect 3 "$iftty" compare solid.nii moved.nii
-err_has " mm"
+expect_err " mm" 3 "$iftty" compare solid.nii moved.nii
 err_has "; --resample uses its nearest voxels"
-expect 0 "$iftty" compare solid.nii moved.nii --resample --csv
-err_has "resampled"
+expect_err "resampled" 0 "$iftty" compare solid.nii moved.nii --resample --csv
 grep -q '^1,"",[0-9]*,[0-9]*,0,' out && fail "nothing overlaps: $(cat out)"
 
 begin "what cannot be compared is refused, with what to type"
 make_scene other.nii 24 20 15
-expect 3 "$iftty" compare a.nii other.nii
-err_has "24x20x16"
+expect_err "24x20x16" 3 "$iftty" compare a.nii other.nii
 expect 3 "$iftty" compare a.nii missing.nii
 expect 2 "$iftty" compare a.nii
-expect 2 "$iftty" compare a.nii b.nii --scene s.nii
-err_has "expected --picture too"
+expect_err "expected --picture too" 2 "$iftty" compare a.nii b.nii --scene s.nii
 expect 2 "$iftty" compare a.nii b.nii --picture x.exr
-expect 3 "$iftty" compare a.nii b.nii --picture maps.png
-err_has "exists already"
+expect_err "exists already" 3 "$iftty" compare a.nii b.nii --picture maps.png
 expect 3 "$iftty" compare missing.nii b.nii --picture nowhere/d.png # before anything is read
 err_has "there is no folder nowhere"
-expect 2 "$iftty" -c 'compare b.nii report=r.txt' --journal a.iftty
-err_has "ends in .json or .csv"
+expect_err "ends in .json or .csv" 2 "$iftty" -c 'compare b.nii report=r.txt' --journal a.iftty
 expect 2 "$iftty" -c 'compare b.nii at=1,1,1' --journal a.iftty
 expect 3 "$iftty" -c 'compare b.nii report=r.csv' --journal a.iftty
 expect 0 "$iftty" -c 'compare b.nii report=r.csv replace=yes' --journal a.iftty

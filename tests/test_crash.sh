@@ -89,14 +89,12 @@ begin "a torn tail is told, kept aside, and left alone by readers"
 head -c $((bytes - 7)) whole.iftty >t.iftty
 cp -r whole.golden t.golden
 cp t.iftty t.kept
-expect 0 "$iftty" verify t.iftty
-out_has "an unfinished record at byte"
+expect_out "an unfinished record at byte" 0 "$iftty" verify t.iftty
 expect 0 "$iftty" replay t.iftty --out replayed
 expect 0 "$iftty" log t.iftty
 same_files t.iftty t.kept
 echo occupied >t.iftty.torn-1
-expect 0 "$iftty" run - --journal t.iftty </dev/null
-err_has "t.iftty.torn-2"
+expect_err "t.iftty.torn-2" 0 "$iftty" run - --journal t.iftty </dev/null
 same "$(wc -l <err | tr -d ' ')" 1
 same "$(cat t.iftty.torn-1)" occupied
 cat t.iftty t.iftty.torn-2 | cmp -s - t.kept || fail "bytes are lost"

@@ -178,7 +178,6 @@ expect 0 .package/install "$build" "$work/moved" /opt/iftty # over itself
 touch "$tree/bin/other"
 expect 0 .package/install -u "$work/moved" /opt/iftty
 same "$(find "$work/moved" -type f)" "$tree/bin/other"
-expect 1 .package/install -u "$work/moved" /opt/iftty
-err_has "nothing is installed"
+expect_err "nothing is installed" 1 .package/install -u "$work/moved" /opt/iftty
 
 finish

@@ -61,8 +61,7 @@ expect 0 "$iftty" -c '# a "comment; with a quote
 open s.nii; # "
 seed 1,1,1 1'
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;seed 1,1,1 1;"
-expect 2 "$iftty" -c 'help "a\"; b"; sed'
-err_has '-c:1: there is no command a"; b'
+expect_err '-c:1: there is no command a"; b' 2 "$iftty" -c 'help "a\"; b"; sed'
 
 begin "the first error ends a script, or not with --keep-going"
 printf 'open s.nii\nseed 99,1,1 1\nseed 1,1,1 1\nsed\nrun\n' >bad

@@ -18,8 +18,7 @@ take() { # NUMBER: a copy, with its golden images
 begin "there is a journal of every number up to the present one"
 [ "$current" -ge $first ] || fail "number $current"
 for number in $(seq $first "$current"); do
-    expect 0 head -1 "$journals/semantics-$number.iftty"
-    out_has "# iftty journal 1 semantics $number"
+    expect_out "# iftty journal 1 semantics $number" 0 head -1 "$journals/semantics-$number.iftty"
 done
 
 begin "all of them verify, strictly as under CI"
@@ -35,8 +34,7 @@ for number in $(seq $first "$current"); do
         sed "0,/ $key=[0-9a-f]*/s// $key=0123456789abcdef/" j.iftty >before
         chain_anew before other.iftty
         cp -r j.golden other.golden
-        expect 1 "$iftty" verify other.iftty
-        out_has "differs  $key"
+        expect_out "differs  $key" 1 "$iftty" verify other.iftty
         rm -rf other.golden
     done
 done

@@ -13,8 +13,7 @@ header=$(head -n 1 j.iftty)
 weak() {
     expect 0 "$iftty" verify "$2"
     expect 0 "$iftty" verify --no-strict "$2"
-    expect 1 "$iftty" verify --strict "$2"
-    out_has "not ok 1 - $2"
+    expect_out "not ok 1 - $2" 1 "$iftty" verify --strict "$2"
     out_has "# strict: $1"
     cp out strict
     expect 1 env CI=true "$iftty" verify "$2"
@@ -93,8 +92,7 @@ cp p.golden/first.png seen.golden/first.png
 bad_png "it has another size"
 for bytes in 0 7 8 30 100 $(($(file_bytes j.golden/first.png) - 1)); do
     head -c "$bytes" j.golden/first.png >seen.golden/first.png
-    expect 1 "$iftty" verify seen.iftty
-    out_has ": seen.golden/first.png: it is "
+    expect_out ": seen.golden/first.png: it is " 1 "$iftty" verify seen.iftty
 done
 rm seen.golden/first.png # one that is not there shows nothing
 expect 0 "$iftty" verify --strict seen.iftty
@@ -162,8 +160,7 @@ begin "a PNG that was deleted is drawn again by golden, and is right"
 rm seen.golden/first.png
 expect 0 "$iftty" -c 'undo 2; golden first' --journal seen.iftty
 cmp -s seen.golden/first.png j.golden/first.png && fail "it says the chain of another record"
-expect 0 "$iftty" verify --strict seen.iftty
-out_has "2 golden images"
+expect_out "2 golden images" 0 "$iftty" verify --strict seen.iftty
 rm -r seen.*
 copy seen
 
@@ -190,8 +187,7 @@ END
 }
 for name in iftty:scene-name iftty:scene iftty:view iftty:look iftty:chain Software; do
     note $name "all is well"
-    expect 1 "$iftty" verify seen.iftty
-    out_has "golden image first: its note $name is all "
+    expect_out "golden image first: its note $name is all " 1 "$iftty" verify seen.iftty
 done
 cp j.golden/first.* seen.golden
 expect 0 "$iftty" verify seen.iftty
@@ -203,8 +199,7 @@ printf '%s\n' 'open s.nii' 'seed 2,3,4 1' run 'size 60 50' 'view 30 20' 'samples
     'background white' 'golden page' 'background transparent' 'golden clear' \
     'decorate letters' 'golden named' 'background black' 'golden all of=mosaic' >script
 expect 0 "$iftty" run script --journal ground.iftty
-expect 0 "$iftty" verify --strict ground.iftty
-out_has "5 golden images"
+expect_out "5 golden images" 0 "$iftty" verify --strict ground.iftty
 for other in grey clear; do
     rm -rf seen.golden
     cp -r ground.golden seen.golden
@@ -216,8 +211,7 @@ done
 begin "a recorded word that no command gives fails always"
 copy word
 rewrite word.iftty 4 "$(words_of j.iftty 4) flavour=sweet"
-expect 1 "$iftty" verify --no-strict word.iftty
-out_has "differs  flavour"
+expect_out "differs  flavour" 1 "$iftty" verify --no-strict word.iftty
 
 begin "a signature by ssh-keygen proves the file, --strict its pictures"
 if needs ssh-keygen; then

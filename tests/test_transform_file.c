@@ -121,7 +121,7 @@ STORY(files_of_itk_that_are_not_affine_or_not_whole_are_refused)
 /* Every truncation and every changed byte of a MATLAB file is read or refused, without a crash. */
 STORY(damaged_files_of_matlab_are_refused)
 {
-    struct buf whole = {0};
+    OWNED(buf_release) struct buf whole = {0};
     struct fault fault;
     struct affine out;
     unsigned refused = 0;
@@ -135,7 +135,6 @@ STORY(damaged_files_of_matlab_are_refused)
         refused += read_file(&out, file_with("b.mat", bytes, whole.length), &fault) != OK;
     }
     CHECK(refused > 60 && refused < whole.length);
-    buf_release(&whole);
 }
 
 /* ---- FSL ---- */

@@ -74,8 +74,7 @@ pressing BSpace '^step 6 of 6, '
 typing "q" '^verified: '
 sane
 same "$(listing . | grep -v 'tmux\|modes')" "$before"
-expect 2 "$iftty" watch e.iftty
-err_has "needs a terminal; \`iftty replay JOURNAL\` needs none"
+expect_err "needs a terminal; \`iftty replay JOURNAL\` needs none" 2 "$iftty" watch e.iftty
 
 begin "--from and --until say where it begins and ends"
 enter_anew "$iftty watch e.iftty --from 3 --until 4; echo ends \$?"

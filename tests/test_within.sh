@@ -52,8 +52,7 @@ expect 0 "$iftty" verify k.iftty l.iftty m.iftty
 
 begin "what cannot be is refused, and plants nothing"
 refused() { # STATUS WORDS MESSAGE
-    expect "$1" "$iftty" -c "$open; seed $2; info" --keep-going
-    err_has "$3"
+    expect_err "$3" "$1" "$iftty" -c "$open; seed $2; info" --keep-going
     out_has "0 seeds, 0 edits waiting"
 }
 refused 2 '20,20,20 1 radius=3 within=2' "within: less than the radius"
