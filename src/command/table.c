@@ -92,7 +92,7 @@ enum { VOLUMES_MOST = 65535 };
 #define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
 #define LEFT_NOTE     "\nfinished=yes: use the labels after `finish`"
 #define SHOWN_NOTE    LEFT_NOTE "; by default, the setting `finished` decides."
-#define FINISHED_NOTE LEFT_NOTE "; by default no, at a prompt as the setting `finished`."
+#define FINISHED_NOTE LEFT_NOTE "; the default is no, at a prompt the setting `finished`."
 
 /* Parameters shared by all commands that read a map. */
 #define OF_MAP                                                                                     \
@@ -391,8 +391,8 @@ static const struct command command_table[] = {
      "reaches back to `open`, also into earlier sessions. It is exact, and recorded. `redo` "
      "reverts it, `history` lists the commands.\n"
      "A command warns if a label loses more than 500 voxels, and the label that gains them grows "
-     "by more than 1 % for each seed. The warning names the edge that the tree passed. New voxels "
-     "as bright as the old ones, up to 3/2 of the former mean of a seed, cause no warning.",
+     "by more than 1 % for each seed. The warning names the edge through which the label grew. New "
+     "voxels as bright as the old ones, up to 3/2 of the former mean of a seed, cause no warning.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
@@ -480,7 +480,7 @@ static const struct command command_table[] = {
      "show only the slices from A to B",
      "The number of a slice is the index of its voxels along its axis, as in X,Y,Z and `slice`. A "
      "and B are included. Each PLANE has its own range; `none` shows all slices again. Borders, "
-     "pictures and `save border` change, labels do not.",
+     "pictures and `save border` change, but no labels.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "none"),
@@ -565,10 +565,10 @@ static const struct command command_table[] = {
             .most = VIEW_ZOOM_MOST),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "draw a slice at the cross-hair, in FILE or inline",
-     "Slices have the radiological convention and the size of the view. N moves the cross-hair to "
-     "that slice: the index of its voxels along its axis, from 0, as in X,Y,Z (ITK-SNAP prints "
-     "one more). If the orientation is unknown, slices are named by that axis: z for axial, y for "
-     "coronal, x for sagittal.\n"
+     "Slices follow the radiological convention and have the size of the view. N moves the "
+     "cross-hair to that slice: the index of its voxels along its axis, from 0, as in X,Y,Z "
+     "(ITK-SNAP prints one more). If the orientation is unknown, slices are named by that axis: z "
+     "for axial, y for coronal, x for sagittal.\n"
      "The name of FILE must contain a dot. An .exr also has the label and voxel of each pixel.\n"
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
      "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." SHOWN_NOTE,
@@ -613,18 +613,18 @@ static const struct command command_table[] = {
       KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX),
       KEYED("empty", VALUE_CHOICE, .choices = "yes|no")},
      "write a map, surfaces, seeds or names of labels",
-     "A map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as .seg.nrrd "
-     "are a segmentation of 3D Slicer, with the names and colours of labels.\n"
+     "Writes a map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as "
+     ".seg.nrrd are a segmentation of 3D Slicer, with the names and colours of labels.\n"
      "labels: uint8, or uint16 if labels have numbers above 255 (`labels`). A voxel that no seed "
      "reaches is 0; the answer has the number of these voxels.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
      "root: uint32, the voxel index of the seed; 4294967295 where no seed reaches.\n"
      "border: uint8, 1 in border voxels of shown objects.\n"
-     "distance: uint16, the plateau distance: steps along the path since its cost last rose; "
-     "65535 where no seed reaches.\n"
-     "margin: uint16, how much more the best path from a seed of another label would cost: 0 "
-     "where another label reaches the voxel as cheaply, 65535 where no other label does. The "
-     "computation is as long as a run.\n"
+     "distance: uint16, the plateau distance: steps along the path since its cost last rose; 65535 "
+     "where no seed reaches.\n"
+     "margin: uint16, how much more the best path from a seed of another label would cost: 0 where "
+     "another label reaches the voxel as cheaply, 65535 where no other label does. Its computation "
+     "needs about the time of a run.\n"
      "seeds: all planted seeds, as FILE.csv, which `seed-file` reads.\n"
      "names: of labels, with their colours, in a format of `label-file`: .txt or .label for "
      "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron.\n"
@@ -697,14 +697,14 @@ static const struct command command_table[] = {
       KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
      "list the least certain places of borders",
-     "The first COUNT places, 10 unless given, the least certain first: the size of each, the "
-     "cost of its least certain voxel, the neighbouring label with its cost there, the edge "
+     "Prints the first COUNT places, 10 unless given, the least certain first: the size of each, "
+     "the cost of its least certain voxel, the neighbouring label with its cost there, the edge "
      "between the two, and the strongest edge on the path to the voxel.\n"
      "The certainty of a border voxel is the additional cost of the other label, plus the height "
      "of the edge above the cost of its own path three steps before. The least certain tenth of "
      "the border is weak; a connected weak part in a block of 16 voxels a side is a place, and "
-     "places with the most and the weakest voxels come first. The search needs about the time of "
-     "a run, and none if nothing has changed since.\n"
+     "places with the most and the weakest voxels come first. The search needs about the time of a "
+     "run, and none if nothing has changed since.\n"
      "slice: instead of places, the five slices of all three planes with the largest doubt: the "
      "sum of 4u(1 - u) over their voxels, where u is the label after `finish relax`, 1 inside and "
      "0 outside. An `outline` in the first slice removes most doubt. Slices with an outline, and "
@@ -724,10 +724,10 @@ static const struct command command_table[] = {
      {KEYED("report", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "measure size, surface and intensities of labels",
      "For each label: seeds, voxels and volume; components, connected by faces, and enclosed "
-     "holes; the area of the smooth surface, to 2 % unless the object is small or thin; the "
-     "centre and the bounding box; the intensities of its voxels, as printed by `why`; and the "
-     "voxels gained and lost by the last edit. The deviation is that of a sample.\n"
-     "A label that has a name, or that the finish deletes, is listed with 0 voxels.\n"
+     "holes; the area of the smooth surface, to 2 % unless the object is small or thin; the centre "
+     "and the bounding box; the intensities of its voxels, as printed by `why`; and the voxels "
+     "gained and lost by the last edit. The deviation is that of a sample.\n"
+     "Labels that have a name, or that the finish deletes, are listed even with 0 voxels.\n"
      "report: write the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S | A),
@@ -737,7 +737,7 @@ static const struct command command_table[] = {
       KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, OF_MAP},
      "compare the labels with a label map",
-     "A is the present labels, B the map, on the scene's grid. For each label, and all labels "
+     "A: the present labels. B: the map, on the scene's grid. For each label, and all labels "
      "together:\n"
      "Dice: twice the voxels of A and B, divided by those of A plus those of B; 1 if equal.\n"
      "Jaccard: the voxels of A and B, divided by the voxels of A or B.\n"
