@@ -81,6 +81,38 @@ static inline void begin_with_journal(struct interpreter *interp, const char *na
     open_scene(interp, "scene.nii");
 }
 
+/* Define a story in which the file's `interp` begins with the scene in a new journal. */
+#define JOURNAL_STORY(told, journal)                                                               \
+    static void told_##told(void);                                                                 \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        begin_with_journal(&interp, journal);                                                      \
+        told_##told();                                                                             \
+        interpreter_release(&interp);                                                              \
+    }                                                                                              \
+    static void told_##told(void)
+
+/* Begin again, with the commands of a journal. */
+static inline void resume_journal(struct interpreter *interp, const char *name)
+{
+    interpreter_release(interp);
+    begin_interpreter(interp);
+    if (!CHECK(interpreter_resume_journal(interp, place(name), NULL, &fault) == OK))
+        printf("#   %s\n", fault.text);
+}
+
+/* Carrying every command of a journal out again gives the recorded results. */
+static inline void verify_journal(const char *name)
+{
+    struct replay_report report = {0};
+    struct interpreter interp;
+    begin_interpreter(&interp);
+    if (!CHECK(replay_file(&interp, place(name), 0, 0, NULL, NULL, &report, &fault) == OK))
+        printf("#   %s\n", fault.text);
+    replay_report_release(&report);
+    interpreter_release(&interp);
+}
+
 /* Execute lines, after which the forest has so many seeds. */
 static inline void must_leave_seeds(struct interpreter *interp, const char *lines, size_t seeds)
 {

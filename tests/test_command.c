@@ -164,11 +164,7 @@ STORY(help_fits_80_columns)
 
 /* ---- random lines that are right ---- */
 
-static uint64_t seed;
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+DRAW_FROM(0)
 
 static void add_decimal(struct buf *out, const struct parameter *p)
 {

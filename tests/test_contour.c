@@ -21,12 +21,8 @@ static uint8_t *label; /* by cell */
 static bool *piece;    /* by cell: the one at `from` or the largest, by the model */
 static unsigned axis, across[2];
 static uint32_t at, from[3]; /* the slice, and a place in it */
-static uint64_t seed = 33, from_seed = 5;
-
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+static uint64_t from_seed = 5;
+DRAW_FROM(33)
 
 static uint32_t cell_of(int64_t column, int64_t row)
 {

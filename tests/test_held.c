@@ -7,11 +7,7 @@
 #include "session/session.h"
 #include "tests/scene_main.h"
 
-static uint64_t random_state = 5;
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&random_state, bound);
-}
+DRAW_FROM(5)
 
 static void plant_somewhere(struct interpreter *interp)
 {

@@ -213,27 +213,23 @@ static void check_against_model(void)
     margin = NULL;
 }
 
-static uint64_t state = 1;
-static uint32_t draw(uint32_t below)
-{
-    return check_below(&state, below);
-}
+DRAW_FROM(1)
 
 STORY(hints_are_those_of_a_plain_search)
 {
     for (int round = 0; round < 60; round++) {
-        const uint32_t sides[3] = {2 + draw(20), 1 + draw(9), 1 + draw(7)};
-        const unsigned weights = 2 + draw(20), labels = 2 + draw(3);
+        const uint32_t sides[3] = {2 + below(20), 1 + below(9), 1 + below(7)};
+        const unsigned weights = 2 + below(20), labels = 2 + below(3);
         w = world_new(sides[0], sides[1], sides[2], round % 2 ? 26 : 6);
         for (uint32_t z = 0; z < sides[2]; z++)
             for (uint32_t y = 0; y < sides[1]; y++)
                 for (uint32_t x = 0; x < sides[0]; x++)
                     w.scene->cell[grid_cell(&w.scene->grid, x, y, z)].weight =
-                        (uint16_t)draw(weights);
+                        (uint16_t)below(weights);
         for (int seeds = 0; seeds < 5; seeds++) {
-            world_plant(&w,
-                        grid_cell(&w.scene->grid, draw(sides[0]), draw(sides[1]), draw(sides[2])),
-                        (int16_t)draw(labels));
+            world_plant(
+                &w, grid_cell(&w.scene->grid, below(sides[0]), below(sides[1]), below(sides[2])),
+                (int16_t)below(labels));
             check_against_model();
         }
         end_world();

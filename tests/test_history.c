@@ -15,11 +15,7 @@
 #include "tests/scarce_memory.h"
 #include "tests/small_scene.h"
 
-static uint64_t seed = 7;
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+DRAW_FROM(7)
 
 static void make_maps(void)
 {

@@ -407,7 +407,6 @@ STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
     paint_leak();
     write_painted("leak.nii");
     for (int round = 0; round < 40 && check_failures < 5; round++) {
-        struct replay_report report = {0};
         char line[PATH_MAX];
         begin_with_journal(&interp, "leak.iftty");
         interp.sync = FILE_SYNC_OFF;
@@ -424,19 +423,12 @@ STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
         }
         CHECK(forest_check(interp.session->forest, NULL));
         const uint64_t digest = forest_digest(interp.session->forest);
-        interpreter_release(&interp);
-        begin_interpreter(&interp);
-        CHECK(interpreter_resume_journal(&interp, place("leak.iftty"), NULL, &fault) == OK);
+        resume_journal(&interp, "leak.iftty");
         CHECK(forest_digest(interp.session->forest) == digest);
         execute(&interp, "undo");
         same_from_scratch(&interp);
         interpreter_release(&interp);
-        begin_interpreter(&interp);
-        if (!CHECK(replay_file(&interp, place("leak.iftty"), 0, 0, NULL, NULL, &report, &fault) ==
-                   OK))
-            printf("#   %s\n", fault.text);
-        replay_report_release(&report);
-        interpreter_release(&interp);
+        verify_journal("leak.iftty");
     }
 }
 

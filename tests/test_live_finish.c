@@ -11,11 +11,7 @@
 #include "tests/scarce_memory.h"
 #include "tests/scene_main.h"
 
-static uint64_t state;
-static uint32_t below(uint32_t end)
-{
-    return check_below(&state, end);
-}
+DRAW_FROM(0)
 
 /* The picture's digest among the words of the last line's record. */
 static uint64_t pictured(void)
@@ -276,7 +272,7 @@ BEGUN_STORY(what_is_shown_follows_each_edit_and_is_exact_in_the_end, begin_with_
     enum { ROUNDS = 250 };
     unsigned roughs = 0;
     for (unsigned round = 0; round < ROUNDS; round++) {
-        state = round;
+        seed = round;
         if (interp->session->now.kept.finish.count > 4)
             must(interp, "finish none");
         if (interp->session->now.kept.finish.count == 0)

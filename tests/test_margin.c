@@ -149,32 +149,28 @@ static void check_against_search(void)
     free(margin);
 }
 
-static uint64_t state = 1;
-static uint32_t draw(uint32_t below)
-{
-    return check_below(&state, below);
-}
+DRAW_FROM(1)
 
 STORY(margins_are_those_of_a_search_for_each_label)
 {
     for (int round = 0; round < 400; round++) {
-        const uint32_t size[3] = {1 + draw(6), 1 + draw(6), 1 + draw(6)};
-        const struct arc_rule arcs = {.kind = draw(2) ? ARC_TARGET : ARC_DIFFERENCE};
+        const uint32_t size[3] = {1 + below(6), 1 + below(6), 1 + below(6)};
+        const struct arc_rule arcs = {.kind = below(2) ? ARC_TARGET : ARC_DIFFERENCE};
         const uint32_t steepest = round % 3 ? 6 : 65536;
-        w = world_new(size[0], size[1], size[2], draw(2) ? 6 : 26);
+        w = world_new(size[0], size[1], size[2], below(2) ? 6 : 26);
         forest_set_arcs(w.forest, &arcs);
         for (size_t c = 0; c < w.scene->grid.cells; c++)
             if (!(w.scene->cell[c].flags & CELL_RIM)) {
-                w.scene->cell[c].weight = (uint16_t)draw(steepest);
-                w.scene->cell[c].intensity = (uint16_t)draw(steepest);
+                w.scene->cell[c].weight = (uint16_t)below(steepest);
+                w.scene->cell[c].intensity = (uint16_t)below(steepest);
             }
-        const struct roi roi = {NULL, 0, (uint16_t)(draw(3) ? 65535 : steepest / 2)};
+        const struct roi roi = {NULL, 0, (uint16_t)(below(3) ? 65535 : steepest / 2)};
         roi_apply(&roi, w.scene);
-        for (uint32_t seeds = draw(8); seeds > 0; seeds--) {
+        for (uint32_t seeds = below(8); seeds > 0; seeds--) {
             const uint32_t at =
-                grid_cell(&w.scene->grid, draw(size[0]), draw(size[1]), draw(size[2]));
+                grid_cell(&w.scene->grid, below(size[0]), below(size[1]), below(size[2]));
             if (!(w.scene->cell[at].flags & CELL_OUTSIDE))
-                world_plant(&w, at, (int16_t)draw(LABELS));
+                world_plant(&w, at, (int16_t)below(LABELS));
         }
         check_against_search();
         world_free(&w);

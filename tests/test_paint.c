@@ -16,12 +16,7 @@ enum { SIDE = 17, CORNERS_MOST = 12 };
 
 static struct grid grid;
 static bool wanted[(SIDE + 2) * (SIDE + 2) * (SIDE + 2)]; /* by cell, according to the model */
-static uint64_t seed = 14;
-
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+DRAW_FROM(14)
 
 static void begin(void)
 {

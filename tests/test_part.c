@@ -15,11 +15,7 @@
 static const char path[] = "v.nii", packed[] = "v.nii.gz";
 enum { NX = 11, NY = 9, NZ = 7, VOXELS = NX * NY * NZ };
 
-static uint64_t state = 1;
-static uint32_t draw(uint32_t below)
-{
-    return check_below(&state, below);
-}
+DRAW_FROM(1)
 
 /* ---- files ---- */
 
@@ -93,7 +89,7 @@ static void make_file(const struct type *type, bool big)
     const size_t length = 352 + VOXELS * type->width;
     make_header(bytes, size, type->code, type->width, big);
     for (unsigned i = 0; i < VOXELS; i++) {
-        value[i] = type->least + (double)draw(type->width == 1 ? 256 : 65536);
+        value[i] = type->least + (double)below(type->width == 1 ? 256 : 65536);
         put_value(bytes + 352 + i * type->width, value[i], type, big);
     }
     CHECK(file_write(path, bytes, length, FILE_REPLACE, NULL) == OK);
@@ -166,13 +162,13 @@ static void check_part(const char *file, const struct volume_choice *choice, boo
 STORY(a_part_is_what_the_whole_has_there)
 {
     for (int round = 0; round < 400; round++) {
-        struct volume_choice choice = {.has_crop = draw(4) > 0, .nearest = draw(2) == 0};
+        struct volume_choice choice = {.has_crop = below(4) > 0, .nearest = below(2) == 0};
         const uint32_t size[3] = {NX, NY, NZ};
         for (int a = 0; a < 3; a++) {
-            choice.first[a] = draw(size[a]);
-            choice.last[a] = choice.first[a] + draw(size[a] - choice.first[a]);
+            choice.first[a] = below(size[a]);
+            choice.last[a] = choice.first[a] + below(size[a] - choice.first[a]);
         }
-        choice.reduce = draw(5);
+        choice.reduce = below(5);
         const struct type *type = &types[round % TYPES];
         make_file(type, round / TYPES % 2);
         check_part(round % 3 ? path : packed, &choice, !type->is_real);

@@ -13,23 +13,9 @@
 
 static struct interpreter interp;
 
-/* Define a story that begins with the scene in a new journal. */
-#define JOURNAL_STORY(told, journal)                                                               \
-    static void told_##told(void);                                                                 \
-    STORY(told)                                                                                    \
-    {                                                                                              \
-        begin_with_journal(&interp, journal);                                                      \
-        told_##told();                                                                             \
-        interpreter_release(&interp);                                                              \
-    }                                                                                              \
-    static void told_##told(void)
-
 static void resume(const char *journal)
 {
-    interpreter_release(&interp);
-    begin_interpreter(&interp);
-    if (!CHECK(interpreter_resume_journal(&interp, place(journal), NULL, &fault) == OK))
-        printf("#   %s\n", fault.text);
+    resume_journal(&interp, journal);
     CHECK(!interp.resumes_in_full); /* what the records say of seeds was enough */
 }
 
