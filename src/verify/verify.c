@@ -380,9 +380,7 @@ static enum err sum_up(const struct verification *v, struct fault *fault)
             buf_printf(&text, ", %zu skipped", sum.skipped);
         buf_add_char(&text, '\n');
     }
-    v->printer->print(v->printer->context, buf_text(&text));
-    const enum err err = text.failed ? fault_memory(fault, "a report") : OK;
-    buf_release(&text);
+    const enum err err = print_text(&text, v->printer->print, v->printer, fault);
     if (err)
         return err;
     return sum.worst ? fault_set(fault, sum.worst, "%zu of %zu journal%s failed", sum.failed,
