@@ -47,7 +47,7 @@ out_has "iftty:slice: z through 12,10,8"
 expect_out "iftty:orientation: set by the user" 0 "$iftty" info LAS.exr
 out_has "iftty:slice: axial through "
 
-begin "what is odd of a place is said by open and info, and what is plain is not"
+begin "open and info report unusual geometry, and do not report usual geometry"
 make_scene plain.nii 12 10 8
 expect 0 "$iftty" -c 'open plain.nii'
 cp "$work/out" plain
@@ -71,7 +71,7 @@ same "$(python3 -c 'import json, sys; print(*json.load(sys.stdin)["open_notes"],
     <"$work/out")" "$(cat said)"
 ! grep -q 'oblique\|come after' plain || fail "$(cat plain)"
 
-begin "what the user tells is recorded, undone, and shown as told"
+begin "an orientation set by the user is recorded, undone, and shown as set by the user"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; orient LPI; info; undo; info; redo; info' \
     --journal told.iftty
 [ "$(grep -c 'axes towards LPI set by the user' "$work/out")" = 3 ] || fail "$(cat "$work/out")"
@@ -100,7 +100,7 @@ expect 0 "$iftty" -c 'open contrary.nii.gz; orient sform; seed 12,4,9mm 1; orien
 out_has "seed 8,8,1 1"
 out_has "seed 8,4,2 1"
 
-begin "a scene that does not say it gives maps that do not say it"
+begin "maps of a scene without orientation have no orientation"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii empty=yes; orient LPI
 save labels b.nii empty=yes'
 [ "$(grep -c "its position is as unknown as that of the scene" "$work/out")" = 2 ] ||
@@ -122,7 +122,7 @@ placed far.nii '\000\000\360\101'   # 30 mm
 placed near.nii '\315\314\314\076'  # 0.4 mm
 placed beside.nii '\000\000\300\077' # 1.5 mm
 
-begin "a map that lies elsewhere is refused with the distance, unless it is to be resampled"
+begin "a displaced map is rejected with its distance, unless it is resampled"
 for command in "mask far.nii" "seed-file far.nii label=1" "weight far.nii"; do
     refuses "far.nii: the map is up to 30 mm away from the scene" "open here.nii; $command"
     err_has "resample=yes uses its nearest voxels; nothing has changed"
@@ -137,7 +137,7 @@ expect 0 "$iftty" verify resampled.iftty
 expect 2 "$iftty" -c "open here.nii; weight sobel resample=yes"
 err_has "resample: \`weight sobel\` has none"
 
-begin "a map less than half a voxel off is used, and the shift is said in mm"
+begin "a map less than half a voxel off is used, and the shift is printed in mm"
 expect 0 "$iftty" -c "open here.nii; seed 3,3,3 1; seed 20,16,12 2; run; save labels map.nii
     save labels same.nii"
 cp map.nii shifted.nii

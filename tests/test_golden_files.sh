@@ -65,7 +65,7 @@ expect 0 "$iftty" verify --strict via/j.iftty
 expect 0 "$iftty" log --reseal via/j.iftty
 same "$(cd there/j.golden && echo *)" "first.exr first.png next.exr next.png"
 
-begin "another name of the same file keeps what it has"
+begin "a second name of the same file keeps its content"
 mkdir hard
 cp s.nii hard
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last' \
@@ -359,7 +359,7 @@ cp slice.golden/slice.exr side.exr
 expect 1 "$iftty" verify slice.iftty
 out_has "its note iftty:context is all is well, which is no note of the new picture"
 
-begin "a PNG with bytes or words that nobody compares fails"
+begin "a PNG with bytes or texts that are not compared fails"
 png() { # WAY
     /usr/bin/python3 - "$1" <<'END'
 import re, struct, sys, zlib
@@ -398,7 +398,7 @@ for way in none packed scale journal packed-text text after; do
 done
 cp kept.png j.golden/first.png
 
-begin "a leftover passes only where it and its PNG are what golden draws after the last record"
+begin "a leftover image passes only if golden draws the same image and PNG after the last record"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last;
     golden side of=axial' --journal f.iftty >/dev/null
 sed '/^golden last/,$d' f.iftty >q.iftty

@@ -40,7 +40,7 @@ twins axes%.map 123 132 213 231 312 321
 twins %.mrc volume=1 stack
 as_said mrc
 
-begin "HDF5: names of axes in any order, spacing by attributes, masks, what is not read"
+begin "HDF5: names of axes in any order, spacing by attributes, masks, unsupported data"
 twins %.h5 zyx xyz yxz zxy one labels axes axes-many other-names um um-xyz resolution nm nm-name \
     bool
 twins %.h5 volume=1 zyxc czyx cxyz xyzc xcyz flat

@@ -35,7 +35,7 @@ mv "$work/away" "$tree/libexec"
 ln -s "$tree/bin/iftty" "$work/linked"
 expect_in "$work" 0 "$work/linked" info picture.png </dev/null
 
-begin "programs are stripped, and what was not built is named with what is missing without it"
+begin "programs are stripped, and each part that was not built is named with its missing function"
 for program in "$tree/bin/iftty" "$tree"/libexec/iftty/iftty-*; do
     ! readelf -SW "$program" | grep -q '\.debug_info\|\.symtab' || fail "$program is not stripped"
 done
@@ -48,13 +48,13 @@ err_has "left out: $work/half/iftty-register was not built, so scenes are not re
 [ -x "$work/part/usr/libexec/iftty/iftty-image" ] || fail "the image helper is not there"
 rm -rf "$work/part"
 
-begin "with it come the changes, how to cite it, and what is promised"
+begin "the list of changes, the citation and the promises are installed"
 version=$("$iftty" --version | sed -n 's/^iftty //p')
 date=$(sed -n 's/^#define PROGRAM_DATE *"\(.*\)".*/\1/p' src/base/version.h)
 grep -qx "## $version" "$doc/CHANGELOG.md" || fail "no changes of $version"
 grep -qx "version: \"$version\"" "$doc/CITATION.cff" || fail "another version is cited"
 grep -qx "date-released: $date" "$doc/CITATION.cff" || fail "another date is cited"
-# What it says is tested, is there.
+# The tests that it names exist.
 for test in $(grep -ho '`test_[a-z_]*\(\.sh\)\{0,1\}`' "$doc/SECURITY.md" "$doc/PROMISES.md" |
     tr -d '`' | sort -u); do
     [ -x "tests/$test" ] || [ -f "tests/$test.c" ] || fail "there is no $test"
@@ -170,7 +170,7 @@ if needs fish; then
     same "$(complete_fish 'iftty run --str')" ""
 fi
 
-begin "what is uninstalled is gone, and what others have put there stays"
+begin "uninstalling removes all installed files, and keeps other files"
 expect 0 .package/install -u "$work/moved" /opt/iftty
 same "$(find "$work/moved" -mindepth 1)" ""
 expect 0 .package/install "$build" "$work/moved" /opt/iftty

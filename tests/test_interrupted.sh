@@ -5,7 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
-begin "an interrupted run goes on after its last record, whatever that was"
+begin "an interrupted run continues after its last record of any kind"
 mkdir again
 
 cat >again/script <<'END'
@@ -133,7 +133,7 @@ for line in 'undo' 'branch other' 'seed 9,9,9 1'; do # somebody went on by hand
     differs "and record 5 of k.iftty is \`$line\`"
 done
 
-begin "files are the same ones wherever the journal lies, and beside the folder that one is in"
+begin "file names lead to the same files for any folder of the journal and any current folder"
 mkdir -p far/subj far/out far/home far/tables
 make_scene far/subj/s.nii 24 20 16
 make_scene far/subj/m.nii 24 20 16
@@ -159,7 +159,7 @@ sed 's/link.nii/m.nii/' far/script >far/other
 HOME=$work/far/home expect_in far 3 "$iftty" run other --journal out/k.iftty
 err_has 'other:1: this line is `open subj/m.nii`, and record 1 of out/k.iftty is `open ../subj/link'
 
-begin "comments of the script that were changed stay as they are in the journal, which is said"
+begin "the journal keeps its comments if those of the script changed, and the run reports it"
 beginning 5
 sed 's/# where/# and where/' again/script >again/other
 expect_in again 0 "$iftty" run other --journal k.iftty
@@ -207,7 +207,7 @@ expect_in again 0 "$iftty" verify --strict l.iftty
 grep -aq 'l\.iftty' again/l.golden/last.exr || fail "the golden image does not name the journal"
 grep -aq 'iftty\.part' again/l.golden/last.exr && fail "the golden image names the part"
 
-begin "what fails stays a part; what is whole is never added to"
+begin "a failed run remains a FILE.part; a complete journal is never extended"
 rm -rf again/k.*
 sed '6a seed 99,99,99 1' again/script >again/other
 for way in '' --keep-going; do

@@ -9,7 +9,7 @@ make_scene s.nii 24 20 16
 "$iftty" -c 'open s.nii; seed 2,3,4 0; seed 6,10,8 1; seed 20,10,8 2; run; save labels model.nii' \
     >/dev/null || fail "cannot segment"
 
-begin "the labels are copied beside the journal, and the command says which"
+begin "the labels are copied next to the journal, and the command names the copy"
 expect 0 "$iftty" -c 'open s.nii; labels model.nii erode=1; run; save labels one.nii' \
     --journal a.iftty
 out_has "label 1: 1 marker"
@@ -20,7 +20,7 @@ digest=$(sed -nE 's/^labels .* copy=//p' a.iftty)
 expect 0 "$iftty" info "a.golden/labels-$digest.nii.gz"
 out_has "uint16"
 
-begin "nothing is eroded unless told, which is recorded; and what is not chosen is background"
+begin "erosion is off by default and recorded; voxels outside the regions are background"
 expect 0 "$iftty" -c 'open s.nii; labels model.nii; run; save labels same.nii; undo 2
     labels model.nii regions=2; run; save labels part.nii' --journal whole.iftty
 same_files same.nii model.nii
@@ -30,7 +30,7 @@ tail -c +353 model.nii | tr '\1' '\0' >expected
 tail -c +353 part.nii >found
 same_files expected found
 
-begin "a correction deep in a piece changes what is near it, and nothing beyond"
+begin "a correction deep in a piece changes only its surroundings"
 {
     nifti_header 24 20 16 2 8
     awk 'BEGIN { for (z = 0; z < 16; z++) for (y = 0; y < 20; y++) for (x = 0; x < 24; x++)
@@ -58,7 +58,7 @@ for journal in before whole; do
 done
 same_files before whole
 
-begin "a map of noise is announced before it is planted, with what to type instead"
+begin "a map of noise is reported before it is planted, with a command to use instead"
 {
     nifti_header 24 20 16 2 8
     awk 'BEGIN { srand(7); for (i = 0; i < 7680; i++) printf "%c", 97 + int(9 * rand()) }'
@@ -103,7 +103,7 @@ cp -r b.golden c.golden
 expect 0 "$iftty" replay c.iftty --scene s.nii --out replayed
 same_files one.nii replayed/file-3.nii
 
-begin "a second command with the same labels has the same copy, and undo takes all markers"
+begin "a second command with the same labels uses the same copy, and undo removes all markers"
 cp elsewhere.nii model.nii
 expect 0 "$iftty" -c 'labels model.nii erode=0; run; undo 2; labels model.nii regions=1,2 as=2,1' \
     --journal a.iftty
@@ -149,7 +149,7 @@ err_has "no voxel of these regions"
 [ ! -e d.golden ] || [ -z "$(ls d.golden)" ] || fail "it leaves $(ls d.golden)"
 expect 0 "$iftty" -c 'open s.nii; labels model.nii' # without a journal, and so without a copy
 
-begin "what is no label map of this scene is refused"
+begin "a file that is no label map of this scene is rejected"
 make_scene small.nii 24 20 15
 expect 3 "$iftty" -c 'labels small.nii' --journal d.iftty
 err_has "the map has 24x20x15 voxels and the scene 24x20x16"

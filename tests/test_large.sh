@@ -30,13 +30,13 @@ else
     skip "this machine has memory for every scene"
 fi
 
-begin "a scene of a given size opens, and says what it is; geom's own size is geom"
+begin "a scene of a given size opens and prints its size; geom with its default size is geom"
 expect 0 "$iftty" -c "open synth:geom:200x200x100" --journal sized.iftty
 expect 0 "$iftty" -c "open synth:geom" --journal plain.iftty
 same "$(last_word scene sized.iftty)" "$(last_word scene plain.iftty)"
 answers "label 1: 1 seed, 105 voxels" "open synth:geom:7x5x3; seed 3,2,1 1; run; stats"
 
-begin "a large scene says what it needs, on standard error, and nothing else stands there"
+begin "a large scene reports its memory on standard error, which has no other lines"
 if [ "${free_gb:-0}" -le 2 ]; then
     skip "this machine has less than 2 GB of memory free"
 else
@@ -45,7 +45,7 @@ else
         "iftty: 400x400x340 voxels: needs 1.0 GB of memory, N GB are free"
 fi
 
-begin "a scene takes less than 20 bytes a voxel at the peak, and info prints what else there is"
+begin "a scene needs less than 20 bytes per voxel at the peak, and info prints the other memory"
 if [ "${free_gb:-0}" -le 2 ]; then
     skip "this machine has less than 2 GB of memory free"
 elif needs python3; then
@@ -80,7 +80,7 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" r
     grep -qE 'pictures [1-9][0-9]*\.[0-9]; and ' out || fail "$(grep memory out)"
 fi
 
-begin "a turntable of large pictures takes less than 14 bytes a pixel beside its session"
+begin "a turntable of large pictures needs less than 14 bytes per pixel in addition to its session"
 # 4 for the picture, 5 for the rows of samples that two threads draw; its maps would take 25 more.
 # The image helper, whose libraries hold more than that, has no part in a verification.
 if needs python3; then
@@ -103,7 +103,7 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$@" >peak
     rm -f held?.png
 fi
 
-begin "how far things are stands on a terminal, and is gone afterwards"
+begin "progress is shown on a terminal, and erased afterwards"
 if needs script; then
     line="$iftty -c 'open synth:geom:360x360x360; seed 180,180,180 1; seed 1,1,1 0; run'"
     script -qec "$line" /dev/null </dev/null >seen
@@ -144,7 +144,7 @@ samples 4
 spin 4 turn%d.png replace=yes
 EOS
 
-begin "Ctrl-C at any moment takes the command at hand back, and the journal holds the others"
+begin "Ctrl-C at any moment undoes the current command, and the journal has all others"
 "$iftty" run script --journal whole.iftty >whole.out 2>err || fail "$(cat err)"
 rm -f turn?.png
 commands=$(wc -l <script)

@@ -312,7 +312,7 @@ found=$(grep -v '^[^:]*/table\.c:' "$work/code" | grep -E "str(n|case)?cmp\([^;]
 [ -z "$found" ] || fail "$found"
 
 # Tests write below $TMPDIR, in a folder that goes away: make_folder (folder.h), $work (lib.sh).
-begin "no test names a place for files of its own"
+begin "no test names a folder for temporary files"
 apart=" $(sed -n 's/^places: //p' "$law") "
 for file in $(find tests -type f ! -path '*/corpus/*' | sort); do
     case $apart in *" $file "*) continue ;; esac
@@ -550,7 +550,7 @@ raised() { # FORMER NOW: ceilings of NOW that are higher, without a new line tha
         echo "the ceiling of $room rose from $before, and no new line says why"
     done
 }
-begin "a ceiling falls, or a line beside it says why not"
+begin "a ceiling falls, or the line next to it has the reason"
 before=HEAD
 git diff --quiet HEAD -- "$law" 2>/dev/null && before=HEAD^
 if git show "$before:tests/layout.txt" >"$work/former" 2>/dev/null; then
@@ -621,7 +621,7 @@ for file in tests/*.sh tests/*/*.sh; do
     done
 done
 
-begin "the top level holds what it may hold"
+begin "the top level has only the listed files"
 allowed=" $(sed -n 's/^top: //p' "$law") "
 if [ -e .git ] && git ls-files >/dev/null 2>&1; then
     entries=$({ git ls-files; git ls-files -o --exclude-standard; } | sed 's|/.*||' | sort -u)

@@ -113,7 +113,7 @@ if needs screen; then
     sane
 fi
 
-begin "what takes long says so at a terminal"
+begin "a long command reports progress at a terminal"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; save labels s.mha' >/dev/null
 "$iftty" -c 'open s.mha; seed 2,3,4 1; run' --journal slow.iftty >/dev/null
 mkdir slow

@@ -22,7 +22,7 @@ in_range() {
     out_has "    left out, intensities beyond the range: $((1680 - truth)) voxels"
 }
 
-begin "a range takes the voxels whose value in the file is in it"
+begin "a range contains the voxels whose value in the file is in it"
 for file in plain far4 far20 low holes; do
     in_range $file.nii 0.3 0.5
     in_range $file.nii 1e-1 8.75e-1
@@ -44,7 +44,7 @@ in_range counts.nii 1000000000000 2500000000000
 in_range unsigned.nii 3000000000 4294967295
 in_range quotients.nii.gz 0.25 1.5
 
-begin "values that are far from all others are counted and said, and take no levels"
+begin "values far from all others are counted, reported, and use no levels"
 expect 0 "$iftty" -c 'open far4.nii; why 3,4,5; why 7,7,7; info; profile 7,7,7 9,7,7'
 out_has 'outliers: the scale is 0 to 1.9'
 out_has '0 voxels below and 1 above are clamped to its ends'
@@ -120,7 +120,7 @@ expect 0 "$iftty" -c 'open close.nii; range 0.2 0.45'
 out_lacks 'cuts'
 answers 'a level is 1.53e-05' 'open close.nii; interpolate 2 1 1; range 0.2 0.5; info'
 
-begin "numbers are recorded as they were typed, with what the scene was made of"
+begin "numbers are recorded as typed, with the source of the scene"
 expect 0 "$iftty" -c 'open far4.nii; range 1e-1 8.5e-1; window 2.5e-7 1e20; window 0.0015 40
 seed 2,2,2 1 range=0..12345678901234567890; run' --journal j.iftty
 grep -q '^= 1 .* scale=0\.\.1\.9[0-9]* beyond=0,1 values=[0-9a-f]* ' j.iftty ||
@@ -135,7 +135,7 @@ expect_err 'of at most 19 digits' 2 "$iftty" -c 'open far4.nii; range 1 12345678
 cp far20.nii far4.nii # the same levels of other values
 expect 1 "$iftty" verify j.iftty
 
-begin "one value far from all others takes no levels from them"
+begin "one value far from all others leaves them all levels"
 "$PYTHON" - <<'PY' || fail "far.nii"
 import struct
 values = [i * 7919 % 1009 / 1009 for i in range(1728)]
@@ -154,7 +154,7 @@ PY
 expect 0 "$iftty" -c 'open far.nii; range 0 0.9'
 out_has "$("$PYTHON" -W ignore "$top/tests/levels/make.py" count far.nii 0 0.9) of 1728"
 
-begin "what chooses from files of another format is refused"
+begin "options of another file format are rejected"
 for word in series=1 missing=blank data=a/b; do
     expect_err "${word%=*}=" 2 "$iftty" -c "open plain.nii $word"
     err_has ', and this is nifti-1: leave it out'

@@ -28,7 +28,7 @@ told() {
     sed "s|${2%.*}.[a-z]*|FILE|g" "$work/out" "$work/err" | grep -v '^ok\|^    memory' >"$work/told"
 }
 
-begin "read without a helper, a file is what ITK says of it"
+begin "a file read without the helper equals the file read by ITK"
 count=0
 for file in ours/*.nrrd; do
     told "$iftty" "${file%.nrrd}.nhdr"
@@ -40,7 +40,7 @@ for file in ours/*.nrrd; do
 done
 [ "$count" -gt 100 ] || fail "$count files"
 
-begin "what is not certain goes on to ITK, and is read or refused as before"
+begin "an uncertain header is passed to ITK, and read or rejected as before"
 for file in left/*.nrrd; do
     "$alone" info "$file" >"$work/out" 2>"$work/err" </dev/null
     err_has "cannot start the volume helper" || fail "$file"
@@ -65,7 +65,7 @@ for file in las/plain.nrrd las/gzip.nrrd; do
     expect_out "axes      LAS" 0 "$alone" info $file
 done
 
-begin "where it is not certain how such a file lies no side is named, and it says so"
+begin "a file of uncertain orientation has no named sides, and this is reported"
 for name in none nan words; do
     for file in las/$name.nrrd las/$name.nhdr; do
         expect_out "axes      unknown" 0 "$iftty" info $file
@@ -73,7 +73,7 @@ for name in none nan words; do
     done
 done
 
-begin "a map in left-anterior-superior lies where it says over a scene in another space"
+begin "a map in left-anterior-superior is placed correctly over a scene in another space"
 for file in las/plain.nrrd las/hex.nhdr; do
     answers "label 7: " "open las/ras.nrrd; labels $file; run; stats"
     out_has "centre 3.0,1.0,2.0 at 9.8,21.1,8.0 mm" # 12.5 - 3 * 0.9, 20 + 1.1, 3 + 2 * 2.5

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Parts of files as scenes: what is recorded, resumed and saved of them, and maps of the whole file.
-# What a part holds is tested in test_part.c.
+# Parts of files as scenes: their records, resumed sessions, saved files, and maps of the whole
+# file. The voxels of a part are tested in test_part.c.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -39,7 +39,7 @@ same_files expected got
 answers '2 regions' "open s.nii $crop reduce=2; seed-file whole.nii; run"
 out_has '320 seeds'
 answers '1 region' "open s.nii $crop; seed-file part.nii"
-# What else the user said of the scene's file is not said of the map's.
+# Other options for the scene's file do not apply to the map's file.
 tail -c +353 s.nii >s.raw
 raw='raw:s.raw size=24,20,16 type=uint8'
 for more in '' spacing=1,1,1; do
@@ -61,7 +61,7 @@ with open(sys.argv[1], 'r+b') as f:
     f.write(struct.pack('<12f', 1, 0, 0, float(sys.argv[2]), 0, 1, 0, 0, 0, 0, 1, 0))
 END
 }
-begin "a map of the whole file that lies elsewhere is refused, or resampled"
+begin "a displaced map of the whole file is rejected, or resampled"
 for x in 0 3; do
     cp s.nii at$x.nii
     place at$x.nii $x

@@ -107,7 +107,7 @@ for private in "" " private=yes"; do
 done
 same "$(sed -n 2p study.iftty)" "open Smith_John/scan.nii private=yes weight=morph"
 
-begin "info says what exrheader and oiiotool say"
+begin "info prints the same as exrheader and oiiotool"
 oiiotool --info -v lines.exr tiled.exr a.png a.tif a.jpg |
     awk '/^[^ ]+ +: +[0-9]+ x/ { name = $1 } name { print > ("theirs-" name) }'
 for file in lines.exr tiled.exr a.png a.tif a.jpg; do
@@ -128,7 +128,7 @@ begin "tiles and lines hold the same pixels, in every channel"
 expect 0 idiff -q lines.exr tiled.exr
 compared 0 lines.exr --ch R,G,B,A,Z -o flat-lines.exr tiled.exr --ch R,G,B,A,Z -o flat-tiled.exr
 
-begin "the colours of the OpenEXR file are those of the PNG"
+begin "the OpenEXR file has the colours of the PNG"
 # Back from linear light: not one level off.
 compared 0 lines.exr --ch R,G,B --colorconvert linear sRGB -d uint8 -o levels.ppm a.png -o a-png.ppm
 same_files levels.ppm a-png.ppm
@@ -151,7 +151,7 @@ compared 0 white.png --cut 1x1+0+0 --printstats clear.png --printstats
 out_has 'Constant Color: 1.000000 1.000000 1.000000'
 grep -q 'Min: *[0-9]* [0-9]* [0-9]* 0 ' out || fail "no pixel is clear"
 
-begin "what is drawn over a rendition changes colours alone, and the picture says so"
+begin "decorations change only colours, and the picture records them"
 {
     sed '/^render/d' script
     printf '%s\n' 'render plain.exr' 'decorate letters scale legend' 'render over.exr' \
@@ -218,7 +218,7 @@ same "$(ls -A every | wc -l)" "$(grep -c '^    wrote' out)"
 [ "$(ls every | wc -l)" -gt 35 ] || fail "only $(ls every)"
 same "$(oiiotool --info every/* 2>&1 | grep -c ' : *150 x  *110, ')" "$(ls every | wc -l)"
 
-begin "the same picture gives the same bytes, today and tomorrow"
+begin "the same picture has the same bytes on any date"
 mkdir again
 cp -p a.* lines.exr tiled.exr again/
 rm -f a.* lines.exr tiled.exr session.iftty
@@ -253,7 +253,7 @@ answers "ok 1 open root.nii.gz" 'open root.nii.gz'
 flip_byte session.iftty 300
 expect 1 "$iftty" info session.iftty
 
-begin "info is not fooled: no picture, half a picture, and what a terminal would obey"
+begin "info rejects files that are no picture or half a picture, and prints no escape sequences"
 printf 'P6 nothing' >no.png
 head -c 900 a.png >half.png
 head -c 2000 lines.exr >half.exr
@@ -272,7 +272,7 @@ expect 0 "$iftty" info odd.png --json
 ! grep -q "$(printf '\033')" out || fail "an escape sequence came through"
 out_has 'red \u001b[31m \"quoted\" \\ text'
 
-begin "what other programs write is told too"
+begin "pictures of other programs are described too"
 oiiotool lines.exr --ch R,G,B -d float --compression piz -o other.exr \
     a.png a.png --siappend -d uint8 -o two.tif
 expect_out "R G B float" 0 "$iftty" info other.exr

@@ -58,13 +58,13 @@ no_words() {
 }
 begin_terminal
 
-begin "pilot takes the whole screen: slices, and where the cross-hair is"
+begin "pilot uses the whole screen, with slices and the place of the cross-hair"
 enter_anew "$iftty --graphics blocks s.nii"
 see '^24x20x16 voxels' '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 entering "pilot" '^axial at 12,10,8  brush 1 r3  no label  intensity [0-9]*  [-0-9.,]* mm$'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 
-begin "what has nothing to show says how to begin"
+begin "an empty session shows how to begin"
 see '^nothing to show yet: i plants a seed here'
 
 begin "the brush has a radius, which - makes smaller"
@@ -87,7 +87,7 @@ type_letters "I"
 press Up
 types "-s3" "seed 11,13,9 3 radius=1 to=11,13,8"
 
-begin "the pen that is down is told in colour, and by what the keys do"
+begin "a lowered pen is shown by its colour and by the help of keys"
 type_letters "v"
 pressing Tab '^PEN DOWN  sagittal ' '^moving draws; v ends the stroke, Escape drops it$'
 tmux_here capture-pane -e -p -t prompt | grep -q '41m.*PEN DOWN' || fail "it is not in colour"
@@ -158,7 +158,7 @@ type_letters "gh:cross 11,13,9"
 presses Enter "cross 11,13,9"
 pressing Escape '^i seed '
 
-begin "what is pasted acts nowhere: it stands in the line of the colon"
+begin "pasted text presses no key: it is inserted in the line of the colon"
 tmux_here set-buffer -b paste "$(printf 'box 10 xx u\nseed 1,1,1 2\nq ')"
 before=$(last_record)
 tmux_here paste-buffer -p -b paste -t prompt
@@ -203,7 +203,7 @@ pressing Enter '^/ finds keys by a word; any other key leaves$'
 typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
 
-begin "a colon takes a command; what says more than a line has a page"
+begin "a colon reads a command; an answer of several lines has a page"
 commands "label 3 node"
 tmux_here resize-window -t prompt -x 100 -y 24 # the brush's name is left out first
 see '^coronal at 11,13,9  brush 3 node r1  here '
@@ -233,7 +233,7 @@ done
 see '^quit  *leave' '^[(]any key[)]$'
 pressing Escape '^coronal at [0-9]*,13,[0-9]* '
 
-begin "a message of more than a row takes both, until the next key"
+begin "a message longer than a row uses both rows, until the next key"
 type_letters ":"
 entering "seed 1,1,1 a-name-that-no-label-has-been-given-and-that-is-long" '^error: LABEL: expected'
 see 'name one with'
@@ -241,7 +241,7 @@ pressing Tab '^sagittal '
 press Tab Tab
 see '^coronal at [0-9]*,13,[0-9]* '
 
-begin "what the keys do in a mode stands below as long as it lasts, and fits"
+begin "the keys of a mode are listed below while it lasts, and the list fits"
 type_letters "w"
 pressing Left '^window [-0-9.]+ [-0-9.]+  arrows  a auto  Enter done  1 bone  2 brain  3 lung'
 pressing Enter '^i seed '
@@ -257,7 +257,7 @@ see '^CORRECT at pixel [2-9][0-9],[2-9][0-9]  '
 pressing Escape '^i seed '
 commands "size 512 512"
 
-begin "slices are magnified and moved by commands; what has the screen is no command"
+begin "slices are magnified and moved by commands; enlarging a pane is no command"
 types "]]" "magnify 1.5 at=11,13,9"
 see '^coronal x1.5 at 11,13,9 '
 press M-Up # no part of the width is hidden
@@ -272,7 +272,7 @@ same "$(grep -c . s-1.iftty)" "$before"
 types "W" "magnify fit"
 see '^coronal at 11,13,9 '
 
-begin "the patient's sides and a scale bar stand in cells"
+begin "the patient's sides and a scale bar are drawn in cells"
 see '^ *[0-9]+ mm'
 screen_text | head -n 22 | grep -q '^R' || fail "$(screen_text)"
 screen_text | head -n 22 | grep -q '^A' && fail "there is no A on the left of a coronal slice"
@@ -296,7 +296,7 @@ typing "M" 'radius 1mm, intensities'
 types "i" "seed 11,13,10 2 radius=1mm range=-99999..99999"
 entering "M-T" '^the brush: label 2, radius 0$'
 
-begin "an outline is drawn, closed, taken up again, dragged, and takes the place of what it was"
+begin "an outline is drawn, closed, edited again, dragged, and replaces the former one"
 commanding "cross 12,13,8" '^coronal at 12,13,8'
 typing "@" '^OUTLINE  coronal at 12,13,8'
 see '^moving, or the mouse, draws an outline  Enter plants it  Escape drops it$'
@@ -359,11 +359,11 @@ typing "q" '^s>$' '^24x20x16 voxels'
 entering "quit" '^journal: '
 sane
 
-begin "what was done in the pilot replays like any other session"
+begin "a session in the pilot replays like any other session"
 expect 0 "$iftty" verify s-1.iftty
 grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
 
-begin "no side is named where nobody knows it"
+begin "no side is named if the orientation is unknown"
 enter_anew "$iftty --graphics blocks u.nii" '^u>$'
 pressing C-o '^ *10 mm' '^z=8 at 12,10,8 .* orientation unknown'
 pressing Tab '^y=10 at 12,10,8 '
@@ -438,7 +438,7 @@ else
     skip "there is no ch2.nii.gz here"
 fi
 
-begin "what a user has written down: keys, a brush, commands; and what of it is wrong"
+begin "the configuration: keys, a brush, commands; and its errors"
 cat >config <<END
 theme light
 brush 7 2

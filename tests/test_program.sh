@@ -134,7 +134,7 @@ for program in --help 'run plain'; do
     same "$(sed q err)" "iftty: cannot write to standard output"
 done
 
-begin "a script that fails says what its journal has, and how to go on"
+begin "a script that fails reports the records of its journal and the way to continue"
 printf '# one\nlabel 1 a\nlabel 2 b\nlabell 3 c\nlabel 4 d\n' >"it's half.txt"
 expect 2 "$iftty" run "it's half.txt" --journal half.iftty
 same "$(sed 1d err)" "half.iftty holds 2 records, of the lines before line 4; to continue there:
@@ -184,7 +184,7 @@ out_has "iftty-register: missing; the package iftty-volume has it"
 same "$(wc -l <"$work/out" | tr -d ' ')" 6
 
 # Try each option with every program that does not have it.
-begin "an option that a program does not take is bad usage"
+begin "an option that a program does not have is bad usage"
 while read -r name; do "$iftty" "$name" --help; done <programs >help
 "$iftty" --help >>help
 sed -n 's/^    \(--*[a-z-]*\).*/\1/p' help | sort -u >options
@@ -212,7 +212,7 @@ acks | cmp -s - canonical || fail "$(acks | diff - canonical)"
 out_has "13 commands replayed, 13 results the same"
 expect_in / 0 "$iftty" verify "$work/j.iftty" # the scene lies beside it
 
-begin "resuming goes on, and the parts are the whole"
+begin "resuming continues, and the parts are equal to the whole"
 sed '8,$d' script >part1
 sed '1,7d' script >part2
 expect 0 "$iftty" run part1 --journal r.iftty
@@ -267,7 +267,7 @@ changed coordinate 's/^seed 2,3,4 1$/seed 3,3,4 1/' \
 out_has "record 6, line 14: the first command whose result differs" "command  run" "differs  forest"
 changed "another label" 's/^label 2 ball/label 2 bell/' "record 2, line 5: its chain"
 
-begin "verify --json prints one object with what TAP says"
+begin "verify --json prints one object with the content of TAP"
 expect 1 "$iftty" verify j.iftty t.iftty --json
 if needs python3; then
     python3 -B - out >found 2>&1 <<'EOP' || fail "$(cat found)"
@@ -328,7 +328,7 @@ out_has "# 2 verified, 1 failed"
 
 # ---- files ----
 
-begin "nothing is overwritten unless told to"
+begin "no file is overwritten without replace=yes"
 start='open s.nii; seed 2,3,4 1; seed 6,10,8 2; run'
 expect_out "wrote l.nii.gz" 0 "$iftty" -c "$start; save labels l.nii.gz; render p.exr; render p.png"
 cp l.nii.gz l.kept && cp p.exr p.kept && cp p.png q.kept
@@ -352,7 +352,7 @@ same "$(file_bytes b.nii)" $((352 + 24 * 20 * 16))
 expect_out "24x20x16 voxels of 1x1x1 mm" 0 "$iftty" -c 'open l.nii.gz; info'
 expect 0 "$iftty" -c 'open c.nii'
 
-begin "a replay writes into --out alone, or into a new folder of its own"
+begin "a replay writes only into --out, or into a new folder"
 mkdir w
 cp s.nii w
 expect_in w 0 "$iftty" -c "$start; render p.exr; save labels l.nii; save cost sub.nii" \
@@ -421,11 +421,11 @@ same "$(ls made2 | tr '\n' ' ')" "evil.exr evil.gif evil.jpg evil.png evil.tif l
 same "$(cat precious)" precious
 [ ! -e evil.png ] && [ ! -e ../evil.exr ] && [ ! -e evil.gif ] || fail "it has written elsewhere"
 
-begin "whoever wrote files elsewhere can go on with the journal"
+begin "a session that wrote files elsewhere can be continued"
 expect 0 "$iftty" -c "$start; render $work/mine.exr" --journal mine.iftty
 expect_out "ok 6 seed 1,1,1 1" 0 "$iftty" -c "seed 1,1,1 1; run" --journal mine.iftty
 
-begin "what is acknowledged has the number of its record, or says that it has none"
+begin "an acknowledgement has the number of the record, or states that the command has none"
 expect 0 "$iftty" -c "open synth:geom:20x20x20; info; seed 1,1,1 1; measure 1,1,1 2,2,2
     run; undo" \
     --journal numbers.iftty
@@ -456,7 +456,7 @@ expect_err "expected --scene FILE" 3 "$iftty" run - --journal up/here/u.iftty </
 mv up/away up/scenes
 expect_in / 0 "$iftty" verify "$work/up/here/u.iftty" --scene "$work/s.nii"
 
-begin "a record names what is read as seen from its journal, wherever one is"
+begin "a record names files relative to its journal, for any current folder"
 mkdir -p far/out far/subj far/maps
 cp s.nii far/subj/b.nii
 cp s.nii far/maps/m.nii

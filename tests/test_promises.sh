@@ -42,7 +42,7 @@ prints() {
     words_of "$name" "$work/out" >>words || fail "$name: $(head -c 300 "$work/out")"
 }
 
-begin "words of JSON are those that were promised"
+begin "JSON has the promised keys"
 if needs python3; then
     make_scene s.nii 24 20 16
     cat >script <<'END'

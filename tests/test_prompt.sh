@@ -14,13 +14,13 @@ below() {
 }
 begin_terminal
 
-begin "the prompt appears, and what was typed before it is not lost"
+begin "the prompt appears, and text typed before it is kept"
 enter_anew "$iftty --graphics blocks s.nii"
 entering "label 2 early" '^s> label 2 early$' '^s>$'
 screen_text | grep -q '^24x20x16 voxels' || fail "the scene is not described:" "$(screen_text)"
 same "$(below 's> label 2 early')" "s>"
 
-begin "Tab completes a word, and lists what there is; a hint tells what may follow"
+begin "Tab completes a word or lists candidates; a hint shows the next parameters"
 press z o Tab
 see '^s> zoom fit\|FACTOR \[at=X,Y,Z\]$'
 entering "fit" '^s> zoom fit$'
@@ -47,7 +47,7 @@ enter "seed 20,10,8 0"
 entering "render" "$half_block" '^s>$'
 press C-l
 
-begin "a picture is written beside the session, and said to be there above the line"
+begin "a picture is written in the background, and reported above the line"
 entering "render prompt.png" '^writing prompt\.png$'
 typing "half a li" '^wrote prompt\.png$' '^s> half a li$'
 press C-u
@@ -62,7 +62,7 @@ for command in "slice axial" "mosaic"; do
     press C-l
 done
 
-begin "Tab takes what alone has a piece of a word, and lists what several have"
+begin "Tab inserts the only word with the typed part, and lists several words"
 type_letters "contour"
 pressing Tab '^s> overlay contour'
 press C-u
@@ -72,7 +72,7 @@ see '^s> radius$'
 press C-u
 press C-l
 
-begin "Ctrl-R lists older lines below the prompt, fewer as one types, and Enter takes one"
+begin "Ctrl-R lists older lines below the prompt, typing narrows them, and Enter selects one"
 enter "label 5 liver"
 enter "label 6 lung"
 enter "label 5 kidney"
@@ -88,7 +88,7 @@ pressing C-r '^  label 5 kidney$'
 pressing C-g '^s>$'
 ! shows 'kidney' || fail "the list stays:" "$(screen_text | grep .)"
 
-begin "Ctrl-Z stops it, fg goes on with the line"
+begin "Ctrl-Z stops the prompt, fg continues with the line"
 type_letters "half a li"
 pressing C-z '[Ss](topped|uspended)'
 sane
@@ -121,7 +121,7 @@ sane
 expect 0 "$iftty" verify s-1.iftty
 same "$(grep -c '^= ' s-1.iftty)" $((records + 1))
 
-begin "a new user's labels are finished, and what is saved and counted says so"
+begin "a new user's labels are finished, and saved files and counts report it"
 enter_anew "IFTTY_CONFIG= $iftty s.nii --journal new.iftty"
 see '^finish    relax sweeps=60 reach=2; pictures show it$'
 entering "seed 6,10,8 1 radius=2" '^[0-9]+ voxels changed before finishing, label 1: '

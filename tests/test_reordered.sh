@@ -66,7 +66,7 @@ alike scene.nii "weight WEIGHT; seed 3,3,3 1; seed 8,8,8 2; run"
 cube=cube- # where sizes say nothing of the order
 alike cube-scene.nii "seed-file MAP erode=0; run"
 
-begin "what is compared with: as a question, and by the program"
+begin "the map of a comparison: by the command, and by the program"
 cube=
 for n in 00 05 13 30 47; do
     cp "map$n.nii" b.nii
@@ -103,7 +103,7 @@ expect 0 "$iftty" -c "open scene.nii crop=2-9,1-7,3-8; labels turned.nii erode=0
     save labels again.nii"
 same_files part.nii again.nii
 
-begin "half a voxel away is the same place, more is not, and what is asked for is done"
+begin "half a voxel away is the same place, more is not, and resampling on request works"
 answers "its axes run towards" "open cube-scene.nii; seed-file near.nii erode=0"
 out_has "the map is 0.4 mm off the scene's grid, less than half a voxel"
 expect 3 "$iftty" -c "open cube-scene.nii; seed-file far.nii erode=0"

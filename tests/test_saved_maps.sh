@@ -34,7 +34,7 @@ has_header() { # FILE LINE
     sed '/^$/q' "$1" | grep -aqxF -e "$2" || fail "no '$2' in $1:" "$(sed '/^$/q' "$1")"
 }
 
-begin "every map as NRRD and MetaImage, voxel for voxel what it is as NIfTI"
+begin "every map as NRRD and MetaImage equals the NIfTI, voxel for voxel"
 needs teem-unu && {
     maps='labels cost root border distance margin'
     # shellcheck disable=SC2086
@@ -153,7 +153,7 @@ a, b = (gzip.open(name).read()[30:90] for name in ("f-cost.mgz", "again.mgz"))
 assert a == b, (a, b)
 END
 
-begin "the same map gives the same bytes, and none are left of one that fails"
+begin "the same map has the same bytes, and a failed save leaves no file"
 save="save labels l.seg.nrrd replace=yes; save labels m.seg.nrrd"
 expect 0 "$iftty" -c "open p.nii; $start; $save"
 same_files l.seg.nrrd m.seg.nrrd

@@ -88,7 +88,7 @@ refused_everywhere() {
     refused "$2" "$iftty" other.iftty
     refused "$2" "$iftty" serve other.iftty
 }
-begin "a number of a build before 1.0 is refused, and names what still prints its commands"
+begin "a number of a build before 1.0 is rejected, with the program line that prints its commands"
 for number in 1 11; do
     refused_everywhere $number "it has semantics $number, of a build before 1.0, and this program \
 knows $current: .iftty log --script FILE. prints its commands"

@@ -24,7 +24,7 @@ expect 0 "$iftty" -c "open thick"
 out_has "it says how thick its slices are, 2.25 mm, and not how far apart: taken as the same"
 answers "27x21x1 voxels" "open cut"
 
-begin "a mosaic that does not say what it holds is refused, and never one large slice"
+begin "a mosaic without its layout is rejected, and never read as one large slice"
 refused "a series of 3 volumes; choose one, as in \`open FILE volume=0\`, of 0 to 2" "open times"
 for name in bare uncounted broken bare/IM0; do
     refused "a mosaic, and nothing says how many images it holds" "open $name"
@@ -34,7 +34,7 @@ refused "without the place of its images" "open unturned"
 refused "header says 7 images, which do not fit side by side into its 61x84 pixels" "open odd"
 refused "holds more images than its private header says" "open hidden"
 
-begin "a folder of several series says of each what tells it apart, in lines where one is too long"
+begin "a folder of several series lists their differences, in several lines if one is too long"
 expect 3 "$iftty" -c "open study"
 err_has "it holds 6 series; choose one with series=N, or with a piece of its description"
 same "$(wc -l <"$work/err" | tr -d ' ')" 1
@@ -170,7 +170,7 @@ see '^6: 5 slices of 26x22, MR, 1.8x2.2x2.5 mm'
 see '^error: .*it holds 6 series'
 enter "quit"
 
-begin "slices behind links are read by their user, and what to do is said where they are not"
+begin "slices behind links are read for their user; otherwise the remedy is printed"
 cd "$work/v" || exit 1
 mkdir "$work/annex" linked
 number=0

@@ -63,7 +63,7 @@ render
 info
 END
 
-begin "the first line says which protocol it is and what is open, and all is gone at the end"
+begin "the first line names the protocol and the open files, and no file is left at the end"
 requests commands | expect 0 "$iftty" serve s.nii --journal a.iftty
 first=$(sed 1q out)
 has "$first" '{"protocol": 1, "ok": true, "program": "iftty", "version": "'
@@ -92,7 +92,7 @@ rm l.nii
 expect 0 "$iftty" serve s.nii </dev/null
 [ -s s-1.iftty ] || fail "no journal was begun, as the prompt does"
 
-begin "a thousand commands give the journal that a run of them gives"
+begin "a thousand commands write the same journal as a run of them"
 awk 'BEGIN { srand(7); print "open s.nii"; print "auto on"
     for (i = 0; i < 1000; i++) {
         at = int(rand() * 24) "," int(rand() * 20) "," int(rand() * 16); r = rand()
@@ -116,7 +116,7 @@ records=$(grep -c '^= ' run.iftty)
 [ "$records" -gt 600 ] || fail "$records records alone"
 same "$(grep -c '"ok"' out)" 1001
 
-begin "what is no request is answered in words, and the session goes on"
+begin "an invalid request is answered with a message, and the session continues"
 {
     echo '{"id": 1, "do": "sed 1,2,3 1"}'
     echo '{"id": 2, "do": "label 2 \"\u00e4\ud83d\ude00\" colour"}'
@@ -149,7 +149,7 @@ has "$(answer 6)" '"records": 6'
 same "$(grep -A1 '^seed' w.iftty | sed -n 2p | grep -c pending)$(grep -c '^run$' w.iftty)" 11
 
 # Relaxing the labels of this large scene takes seconds; each way to stop is tried after it began.
-begin "a cancel takes a long command back, as Ctrl-C does: nothing of it is left"
+begin "a cancel undoes a long command completely, as Ctrl-C does"
 start synth:geom --journal long.iftty
 ask '{"id": 1, "do": "finish relax sweeps=1000 reach=16"}'
 ask '{"id": 2, "do": "seed 100,100,50 1"}'
@@ -184,7 +184,7 @@ finish none
 END
 same_files plain.iftty long.iftty
 
-begin "SIGTERM takes the command at hand back, and ends the session cleanly"
+begin "SIGTERM undoes the current command, and ends the session cleanly"
 start synth:geom --journal term.iftty
 ask '{"id": 0, "do": "finish relax sweeps=1000 reach=16"}'
 ask '{"id": 1, "do": "seed 100,100,50 1"}'
@@ -320,7 +320,7 @@ stop 0
 same "$(grep -c '^[a-z]' stays.iftty)" "$(grep -c '^[a-z]' kept.iftty)"
 same "$(ls passing)" ''
 
-begin "an outline is in the labels at once, and takes the place of another, as at the prompt"
+begin "an outline changes the labels at once, and replaces another one, as at the prompt"
 voxel() { # ANSWER X,Y,Z: of the labels, a byte each
     set -- "$(field "$1" file)" $(($(field "$1" offset) + $(echo "$2" |
         sed 's/\(.*\),\(.*\),\(.*\)/\1 + 24 * (\2 + 20 * \3)/')))
@@ -368,7 +368,7 @@ has "$(answer 1)" '"ok": true, "record": null, "command": "seed 1,1,1 3"'
 has "$(answer 1)" '"ok": true'
 same_files a.iftty look.iftty
 
-begin "where nobody reads any more what was answered stands, and the session ends"
+begin "if the client stops reading, answered commands are kept, and the session ends"
 {
     echo '{"id": 1, "do": "seed 5,10,8 1"}'
     comes_true test -s status >late
@@ -379,7 +379,7 @@ expect 0 "$iftty" log --check pipe.iftty
 same "$(grep -c '^= ' pipe.iftty)" 3
 same "$(folders)" 0
 
-begin "what cannot be opened is said in the first line, too"
+begin "a file that cannot be opened is reported in the first line, too"
 expect 3 "$iftty" serve missing.nii </dev/null
 out_has '{"protocol": 1, "ok": false, "program": "iftty", "version": "'
 out_has '"kind": "input or output failed", "why": "there is no scene missing.nii here'

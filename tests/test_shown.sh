@@ -39,7 +39,7 @@ whole=$(picture)
 without_shell=$(picture 'hide 1')
 nothing=$(picture 'hide 1' 'hide 2')
 
-begin "hide all and show all are those of every label, of those to come too"
+begin "hide all and show all apply to every label, later ones too"
 differ "$whole" "$nothing"
 same "$(picture 'hide all')" "$nothing"
 same "$(picture 'hide all' 'show all')" "$whole"
@@ -54,7 +54,7 @@ expect 0 "$iftty" -c 'goto 13; stats' --journal hidden.iftty
 expect 0 "$iftty" -c 'undo 3; stats' --journal hidden.iftty
 [ "$(grep -c ', hidden$' out)" = 0 ] || fail "$(cat out)"
 
-begin "opacity is a setting of each label, or of all, that info prints and undo takes back"
+begin "opacity is a setting of each label or of all, printed by info and undone by undo"
 { cat scene; printf '%s\n' 'opacity shell 30' 'opacity 2 55' 'opacity all 40' 'opacity all 100'
 } >script
 rm -f j.iftty
@@ -70,7 +70,7 @@ out_has "opacity   100 %, 30 % of label 1, 55 % of label 2"
 out_has "opacity   40 %"
 grep -qx 'opacity 1 30' j.iftty || fail "a name is recorded as its number: $(grep opac j.iftty)"
 
-begin "what shines through changes the picture, and no label; 0 leaves an object out"
+begin "translucency changes the picture, and no label; 0 omits an object"
 through=$(picture 'opacity 1 30')
 differ "$through" "$whole"
 differ "$through" "$without_shell"
@@ -92,7 +92,7 @@ chain_anew changed t.iftty
 expect 1 "$iftty" verify t.iftty
 out_has "picture"
 
-begin "context is a setting of what one looks at, which the window belongs to"
+begin "context is a setting of the view, which uses the window"
 around=$(picture 'context mip')
 differ "$around" "$whole"
 same "$(picture 'context mip' 'context none')" "$whole"
@@ -161,7 +161,7 @@ END
 golden_of() { # NAME: the digest of a golden image
     sed -n "/^golden $1\$/{n;s/.* picture=\\([0-9a-f]*\\).*/\\1/p;}" a.iftty
 }
-begin "words of shade are recorded, stand when edits are undone, and are printed"
+begin "options of shade are recorded, kept when edits are undone, and printed"
 rm -f a.iftty
 expect 0 "$iftty" run script --journal a.iftty
 out_has "look      shade surface, light"
@@ -196,7 +196,7 @@ out_has "look      shade surface, light"
 out_has "look      shade surface ao=7, light"
 expect 0 "$iftty" verify a.iftty
 
-begin "what is none of them is named, and nothing is recorded"
+begin "an unknown word is named, and no command is recorded"
 refused() { # COMMAND WORDS
     rm -f n.iftty
     expect 2 "$iftty" -c "open synth:geom:9x9x9; $1" --journal n.iftty

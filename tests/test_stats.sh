@@ -11,7 +11,7 @@ field() { # FILE LABEL NAME: from a report in CSV
         $1 == label { print $at }' "$1"
 }
 
-begin "counts before and after an edit differ by what it gave and took, undone or not"
+begin "counts before and after an edit differ by the reported changes, undone or not"
 cat >script <<'END'
 open scene.nii
 auto on
@@ -46,7 +46,7 @@ done
 same "$(cut -d, -f1-23 1.csv)" "$(cut -d, -f1-23 3.csv)"
 same "$(field 0.csv 1 name)" '"lower"'
 
-begin "what the last edit changed is told, with a list of it and without, for any number of threads"
+begin "changes of the last edit are reported, with and without a list, for any number of threads"
 for threads in 1 3; do
     mkdir $threads
     sed "s|report=|report=$threads/|" script >threaded
@@ -88,7 +88,7 @@ has_line smooth.json '"number": 2, "name": "", "voxels": '"$(field smooth.csv 2 
 expect 2 "$iftty" -c "open scene.nii; stats report=x.txt"
 err_has "report: expected a name that ends in .json or .csv"
 
-begin "what shows, writes or answers from labels applies the edits that wait, as a run does"
+begin "commands that show, write or answer from labels apply waiting edits, as a run does"
 expect 0 "$iftty" -c 'open scene.nii; seed 7,12,10 1; seed 2,2,2 2; run; save labels map.nii'
 applied="as by \`run\`"
 for asks in 'stats' 'stats report=REPORT.csv' hints 'why 7,12,12' 'profile 2,2,2 9,12,10' \
@@ -114,7 +114,7 @@ for asks in 'stats' 'stats report=REPORT.csv' hints 'why 7,12,12' 'profile 2,2,2
     rm -f run.* wait.*
 done
 
-begin "what a question has applied is recorded as a run, and undone as one"
+begin "edits applied by a question are recorded as a run, and undone as one"
 rm -f j.iftty
 expect 0 "$iftty" -c 'open scene.nii; seed 7,12,10 1; stats; stats; seed 2,2,2 2; why 7,12,12
     undo; info; stats; undo 2; info' --journal j.iftty
@@ -143,7 +143,7 @@ same "$(grep -c '^= ' j.iftty)" 2
 expect 0 "$iftty" -c info --journal j.iftty
 out_has "0 seeds, 1 edit waiting"
 
-begin "what goes by the picture that was shown says which edits are not in it"
+begin "commands that use the shown picture report the edits that it does not include"
 for asks in 'pick 32 32' 'hint 1' 'zoom fit'; do
     expect 0 "$iftty" -c "open scene.nii; size 64 64; seed 7,12,10 1; seed 2,2,2 2; render
         seed 9,9,9 3; $asks; seed 9,9,8 3; $asks; render; $asks"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Green means proven: what leaves anything of a journal unproven fails a strict verification, which
-# is the default where CI is set; the line of a journal that passes says what was compared.
+# A strict verification fails on incomplete evidence, and is the default if CI is set; the line of a
+# journal that passes lists the comparisons.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -28,7 +28,7 @@ copy() { # NAME: the journal and its golden images under another name
     cp -r j.golden "$1.golden"
 }
 
-begin "the line of a journal that passes says what was compared"
+begin "the line of a journal that passes lists the comparisons"
 for how in "" --strict; do
     # shellcheck disable=SC2086
     expect 0 "$iftty" verify $how j.iftty
@@ -97,7 +97,7 @@ done
 rm seen.golden/first.png # one that is not there shows nothing
 expect 0 "$iftty" verify --strict seen.iftty
 
-begin "a PNG with the right pixels and other words, or what changes how pixels are shown"
+begin "a PNG with the right pixels, and other texts or chunks that change their display"
 # put_chunk TYPE HEXADECIMAL [TYPE]: into the PNG, before the first chunk of that type (IDAT)
 put_chunk() {
     /usr/bin/python3 - "$1" "$2" "${3:-IDAT}" <<'END'
@@ -164,7 +164,7 @@ expect_out "2 golden images" 0 "$iftty" verify --strict seen.iftty
 rm -r seen.*
 copy seen
 
-begin "a golden image says what the one that is drawn would, and its PNG says the same"
+begin "a golden image and its PNG have the notes of the drawn one"
 # note NAME VALUE: both files carry it, with the checksum of the PNG right
 note() {
     /usr/bin/python3 - "$1" "$2" <<'END'
@@ -208,7 +208,7 @@ for other in grey clear; do
     bad_png "it differs from its golden image" $other
 done
 
-begin "a recorded word that no command gives fails always"
+begin "a recorded word that no command returns always fails"
 copy word
 rewrite word.iftty 4 "$(words_of j.iftty 4) flavour=sweet"
 expect_out "differs  flavour" 1 "$iftty" verify --no-strict word.iftty
