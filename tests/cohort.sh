@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # `make test-cohort`: the scripts of examples/cohort, by real engines: Snakemake, and Slurm with two
 # nodes on this machine. Twelve subjects of 2 mm; tasks are killed, requeued and run out of disk.
-# What both engines have made in the end is the same, byte for byte. Not part of `make test`.
+# The final results of both engines are equal, byte for byte. Not part of `make test`.
 . "$(dirname "$0")/lib.sh"
 private_mounts "$0"
 cohort=$top/examples/cohort
@@ -18,9 +18,9 @@ export TMPDIR
 subjects=12
 touch stamp
 
-# ---- what is started here, and its end ----
+# ---- started processes, and their end ----
 
-# Processes whose command lines name our folder, but for those that look.
+# Processes whose command lines name our folder, except for this search.
 ours() { # PATTERN
     ps -eo pid=,args= | grep -F "$work" | grep -e "$1" | grep -v -e grep -e 'ps -eo' |
         awk -v self=$$ '$1 != self { print $1 }'

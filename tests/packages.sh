@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The packages of `make deb` where they are meant to be: a bare Debian 12, whose apt installs them
-# with what they ask for. There their own test runs (debian/tests/demo), as root and as a user; then
-# they go, and nothing of them is left; and autopkgtest does the first two in its own way.
+# The packages of `make deb` on a bare Debian 12: apt installs them with their dependencies, and
+# their own test runs (debian/tests/demo), as root and as a user. After their removal no file of
+# them is left. Finally autopkgtest repeats the first two steps.
 #
-#     packages.sh DEBS [FOLDER]   the machine lies in FOLDER, or in build/bare-deb; it is made anew
-#     KEEP=yes                    and is left there afterwards
+#     packages.sh DEBS [FOLDER]   make the machine again in FOLDER, or in build/bare-deb
+#     KEEP=yes                    keep it afterwards
 #
-# Asks for root. TAP.
+# Requires root. Prints TAP.
 debs=$1 folder=${2:-build/bare-deb}
 cd "$(dirname "$0")/.." || exit 1
 . tests/machine.sh

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The one file of `make static`, where nothing else is: static.sh BUILD STATIC, the folders of the
+# The single file of `make static`, without other files: static.sh BUILD STATIC, the folders of the
 # checkout's program and of the static one, which may be for another machine. TAP.
 IFTTY_BUILD=$1
 static=$2
@@ -91,7 +91,7 @@ for file in scene.nii tmp/labels.nii.gz tmp/labels.mgz tmp/labels.nrrd tmp/l.seg
     alone 0 -c "open $file; seed 6,10,8 1; run"
 done
 
-begin "what takes a helper says so"
+begin "a command that requires a helper reports it"
 alone 3 -c 'open scene.nii; seed 6,10,8 1; run; render tmp/picture.jpg'
 err_has "; the package iftty-image has it"
 alone 0 -c 'open scene.nii; seed 6,10,8 1; run; save labels tmp/labels.mha'
@@ -125,7 +125,7 @@ if [ -x "$bullseye/bin/ls" ] && [ "$failures" = 0 ]; then
     place=$root
 fi
 
-begin "the bill of materials names every library that was linked, and its licence lies beside it"
+begin "the bill of materials names every library that was linked, and its licence is next to it"
 /usr/bin/python3 - "$static" >"$work/out" 2>&1 <<'END' || fail "$(cat "$work/out")"
 import hashlib, json, os, re, sys
 folder = sys.argv[1]

@@ -4,8 +4,8 @@
 # abort the program, on a path that few tests may take.
 . "$(dirname "$0")/lib.sh"
 
-# One line for each name that an act, or what it calls, asks for and its command has not; then how
-# many names were asked for. The tree is at $1.
+# Print a line for each name that an act, or a function it calls, requests but its command lacks;
+# then the number of requested names. The tree is at $1.
 cat >"$work/asked.py" <<'END'
 import glob, re, subprocess, sys
 top = sys.argv[1]
@@ -51,14 +51,14 @@ for act, commands in sorted(has.items()):
 print(count, 'asked')
 END
 
-begin "acts ask for no parameter that their command has not"
+begin "acts request only parameters of their command"
 if needs python3; then
     found=$(python3 "$work/asked.py" "$top")
     [ "$(echo "$found" | sed '$d')" = '' ] || fail "$found"
     [ "$(echo "$found" | sed -n '$s/ asked//p')" -gt 200 ] || fail "$found"
 fi
 
-begin "one that does is found, also behind a function that several acts call"
+begin "another parameter is found, also in a function that several acts call"
 if needs python3; then
     mkdir "$work/tree"
     cp -r "$top/src" "$top/render" "$top/journal" "$work/tree"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A procedure carried to other scenes, as a user types it: landmarks, ways of carrying over, what is
-# planted and dropped, journals that are there already, files of strangers, and what is refused.
+# A procedure applied to other scenes by the program: landmarks, transforms, planted and dropped
+# seeds, existing journals, untrusted files, and errors.
 . "$(dirname "$0")/lib.sh"
 phantom="python3 $top/tests/apply/phantom.py"
 cd "$work" || exit 1
@@ -105,7 +105,7 @@ gesture 1 1.5 0 78 -4 0 0 0 2 0 0 6 0
 gesture 1 0 9 80 0 -4 0"
 
 begin "landmarks: rigid, similarity or affine, with the residual"
-# the places in other.nii that the pull of phantom.py leads to those of p.iftty
+# the places in other.nii that the pull of phantom.py maps to those of p.iftty
 python3 - >marks.txt <<'END'
 import math
 c, s = math.cos(0.4), math.sin(0.4)

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Atlases whose regions are no labels, the tables of names beside them, and seeds that go out and
-# come in again.
+# Atlases whose regions are no labels, their tables of names, and seeds that are saved and planted
+# again.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16

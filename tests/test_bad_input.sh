@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Input that is wrong, hostile or too much: each ends with status 2 or 3, one line that says why,
-# nothing that a terminal would obey, and nothing new on the disk.
+# Wrong, hostile or too large input: each ends with status 2 or 3 and one line with the reason,
+# without escape sequences and without new files.
 . "$(dirname "$0")/lib.sh"
 private_mounts "$0"
 cd "$work" || exit 1
@@ -207,7 +207,7 @@ refused 3 "claims.nii" bounded "$iftty" -c 'open claims.nii'
 refused 3 "bomb.nii.gz" bounded "$iftty" -c 'open bomb.nii.gz'
 rm bomb.nii.gz
 
-begin "what is no scene file at all"
+begin "files that are no scenes"
 mkdir folder.nii folder.png
 mkfifo pipe.nii
 scene_refused "missing.nii" missing.nii
@@ -226,7 +226,7 @@ refused 3 "synth:" "$iftty" -c "open synth:"
 
 # ---- masks and weights ----
 
-begin "masks and weights that are no such thing"
+begin "files that are no masks or weights"
 make_scene small.nii 23 20 16
 head -c 1000 good.nii >cut.nii
 mv bomb-again.nii.gz bomb.nii.gz
@@ -257,7 +257,7 @@ bounded "$iftty" -c "$start; mask bomb.nii.gz" >"$work/out" 2>"$work/err"
 [ $? = 3 ] || fail "a mask that swells: $(cat "$work/err")"
 rm bomb.nii.gz vast.nii.gz
 
-begin "a small file that claims gigabytes is opened by its box, or when the user says so"
+begin "a small file that declares gigabytes is opened with crop= or huge=yes"
 { nifti_header 1024 1024 70; head -c $((1024 * 1024 * 70)) /dev/zero; } | gzip -9 -n >swell.nii.gz
 scene_refused "MB on disk claim a scene that needs 1.4 GB of memory; \`open FILE huge=yes\`" \
     swell.nii.gz
@@ -269,7 +269,7 @@ if can_limit_memory; then
 fi
 rm swell.nii.gz
 
-begin "so is no map, no table of its values and no picture, whoever asks"
+begin "the same holds for maps, tables of values and pictures, in every command"
 nifti_header 1024 1024 500 >header
 put header 252 '\001\000'
 # A gzip may have any number of members: the zeros are packed once.
@@ -340,7 +340,7 @@ for program in "replay script" "verify script" "run - --journal script"; do
 done
 rm script
 
-begin "a file of another kind is called what it is not"
+begin "a file of another kind is named by its kind"
 neither="this is neither a journal, which begins with a header, nor a script, which is text"
 for program in log verify replay "diff good.nii" "log --anonymise"; do
     # shellcheck disable=SC2086

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The benchmarks as programs: what they print in each form, what they refuse. No time is looked at.
+# The benchmarks as programs: their output in each form, and their errors. No time is checked.
 . "$(dirname "$0")/lib.sh"
 bench=$build/tests/bench/bench
 

@@ -5,7 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
-begin "slices of each kind, and what they hold"
+begin "slices of each kind, and their voxels"
 /usr/bin/python3 -W ignore - <<'END' || fail "no slices"
 import os, struct, nibabel, numpy
 a = (numpy.arange(6 * 4 * 5).reshape(6, 4, 5) * 2).astype("u1") # z, y, x
@@ -63,7 +63,7 @@ answers "0.05x0.05x0.1 mm" "open wide spacing=0.05,0.05,0.1; info"
 expect 0 "$iftty" -c "open up"
 ! grep -q resolution out || fail "$(cat out)"
 
-begin "what is no grey of 8 bits is named, with what converts it"
+begin "a file without 8-bit grey is named, with a converter"
 while read -r folder words; do
     expect 3 "$iftty" -c "open $folder"
     err_has "slice 1 of 6, rec0.bmp, is a BMP $words; those of 8 bits of grey are read: \`mogrify"

@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# One volume of a map that holds several: layers of a .seg.nrrd, a NIfTI of one mask for each label,
-# HDF5. Each command and program that reads a map takes it, records it, and names it where it asks.
+# One volume of a map with several: layers of a .seg.nrrd, a NIfTI of one mask for each label, HDF5.
+# Each command and program that reads a map accepts a choice, records it, and lists the choices.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
-begin "maps of two volumes, and each of both as a file of its own"
+begin "maps of two volumes, and each volume as a separate file"
 /usr/bin/python3 -W ignore - <<'END' 2>err || fail "$(cat err)"
 import h5py, nibabel, numpy
 random = numpy.random.default_rng(43)
@@ -48,7 +48,7 @@ commands_of() { # FILE WORDS
         "weight $1$2; seed 1,1,1 1; seed 9,9,7 2; run; save labels got.nii" \
         "labels only0.nii; run; compare $1$2; save labels got.nii"
 }
-begin "labels, seed-file, mask, weight and compare take volume=, as open does"
+begin "labels, seed-file, mask, weight and compare accept volume=, as open does"
 for number in 0 1; do
     commands_of "only$number.nii" "" >plain
     for file in both.nii both.seg.nrrd both.h5; do
@@ -110,7 +110,7 @@ begin "of a layer, the answer names the segments and their values"
 expect 0 "$iftty" -c "open s.nii; labels both.seg.nrrd volume=1"
 out_has "volume 1 of 2: the segments vessel (1), stone\\n2 (2)"
 
-begin "programs take --volume, one number for each file"
+begin "programs accept --volume, one number for each file"
 expect 0 "$iftty" compare only1.nii only0.nii --csv
 grep -v nii out | cut -d, -f3- >expected
 for files in "both.nii both.seg.nrrd --volume 1,0" "only1.nii both.nii --volume 0" \

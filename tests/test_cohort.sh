@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The scripts of examples/cohort, without an engine: one subject, and what came of several. Engines,
-# and tasks that are killed for good, are `make test-cohort`.
+# The scripts of examples/cohort, without an engine: one subject, and the results of several.
+# Engines, and tasks that are killed for good, are `make test-cohort`.
 . "$(dirname "$0")/lib.sh"
 cohort=$top/examples/cohort
 cd "$work" || exit 1

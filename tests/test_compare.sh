@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Labels beside labels, by command and program: the measures are those of ITK, in words, JSON and
-# CSV; the picture shows where they differ; and what cannot be compared is refused. The measures
-# beside a slow computation, and distances: tests/test_comparison.c.
+# Comparison of labels by command and program: the measures equal those of ITK, as text, JSON and
+# CSV; the picture shows the differences; and other maps are rejected. tests/test_comparison.c
+# compares the measures with a slow computation, and tests distances.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
-# What two people segmented, voxels of 1 x 1 x 1 mm.
+# Segmentations of two people, voxels of 1 x 1 x 1 mm.
 record() { # NAME COMMANDS
     "$iftty" -c "open s.nii; label 1 liver; seed 2,3,4 0; seed 6,10,8 1; $2; run
         save labels $1.nii" --journal "$1.iftty" >/dev/null || fail "cannot record $1"
@@ -15,7 +15,7 @@ record() { # NAME COMMANDS
 record a 'seed 20,10,8 2'
 record b 'seed 20,12,3 2 radius=1; seed 3,15,12 3'
 
-# The voxels of a map, and what ITK says of two.
+# The voxels of a map, and ITK's measures of two.
 voxels_of() { tail -c +353 "$1"; }
 itk_says() { # NX NY NZ SX SY SZ A B LABELS, for maps A and B
     voxels_of "$7" >a.raw
@@ -43,7 +43,7 @@ near() { # FILE FILE
         END { if (NF != 12) exit 1 }' || fail "they differ:" "$(paste "$1" "$2")"
 }
 
-begin "the measures are those of ITK"
+begin "the measures equal those of ITK"
 itk_says 24 20 16 1 1 1 a.nii b.nii 3 >itk || fail "ITK cannot compare: $(cat itk)"
 expect 0 "$iftty" compare --csv a.nii b.nii
 ours "$work/out" >own
@@ -108,7 +108,7 @@ cp a.iftty former.iftty
 expect 0 "$iftty" -c 'compare b.nii picture=seen.png' --journal a.iftty
 same_files a.iftty former.iftty
 
-begin "the picture has the colours of what differs, and the scene is as before"
+begin "the picture has the colours of the differences, and the scene is unchanged"
 expect 0 "$iftty" -c 'compare b.nii picture=cut.png at=20,12,3; save labels after.nii' \
     --journal a.iftty
 same_files after.nii a.nii
@@ -185,7 +185,7 @@ for words in '--as 1' '--regions 2,2' '--regions 1,2 --as 1' '--regions 1 --as 1
 done
 err_has "--as: expected numbers 0..255, as in 1-90,105, not 256"
 
-begin "a name with blanks stands between quotes, after its key too"
+begin "a name with blanks is quoted, also after its key"
 cp b.nii 'b 2.nii'
 expect 0 "$iftty" -c 'compare "b 2.nii" report="r 2.json" picture="p 2.png"' --journal a.iftty
 [ -f 'r 2.json' ] && [ -f 'p 2.png' ] || fail "$(ls)"
@@ -199,7 +199,7 @@ grep -q '^    0 of 7680 voxels differ' out || fail "finished labels are not: $(c
 out_has "the labels here, finished"
 
 # 30 mm to the right, in the bytes of qoffset_x and of srow_x.
-begin "maps that lie elsewhere are refused with the distance"
+begin "displaced maps are rejected with their distance"
 {
     head -c 268 solid.nii
     printf '\000\000\360\101'
@@ -212,7 +212,7 @@ err_has "; --resample uses its nearest voxels"
 expect_err "resampled" 0 "$iftty" compare solid.nii moved.nii --resample --csv
 grep -q '^1,"",[0-9]*,[0-9]*,0,' out && fail "nothing overlaps: $(cat out)"
 
-begin "what cannot be compared is refused, with what to type"
+begin "maps that cannot be compared are rejected, with the command to type"
 make_scene other.nii 24 20 15
 expect_err "24x20x16" 3 "$iftty" compare a.nii other.nii
 expect 3 "$iftty" compare a.nii missing.nii

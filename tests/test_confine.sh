@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The helpers are confined in every use, whoever asks: each is replaced by a probe (probe/), which
-# is the helper itself with what a hostile file would try in place of its decoders.
+# The helpers are confined in every use: each is replaced by a probe (probe/), the helper itself
+# with the attempts of a hostile file in place of its decoders.
 . "$(dirname "$0")/lib.sh"
 unset IFTTY_SCENES
 mkdir "$work/bin" "$work/there"
@@ -16,7 +16,7 @@ printf '\211PNG\r\n' >p.png
 mkdir slices
 cp p.png slices
 
-is_confined() { # whether this kernel has all that confines
+is_confined() { # true if this kernel has all mechanisms of confinement
     needs_landlock || return
     "$iftty" info | grep -q '^seccomp  *the helpers make few' ||
         { skip "the kernel has no seccomp"; return 1; }

@@ -38,7 +38,7 @@ expect 0 "$iftty" verify whole.iftty
 "$iftty" log --script whole.iftty | grep -v '^#' | cmp -s - canonical ||
     fail "the journal holds other commands"
 
-# resumes JOURNAL: it goes on, verifies, and holds the beginning of the script
+# resumes JOURNAL: it continues, verifies, and has the beginning of the script
 resumes() {
     expect 0 "$iftty" run - --journal "$1" </dev/null
     expect 0 "$iftty" log --check "$1"
@@ -55,7 +55,7 @@ for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
     cuts="$cuts $((30 + seed % (bytes - 30)))"
 done
 
-begin "a run that was killed goes on when it is repeated, to the same bytes"
+begin "repeating a killed run continues it, to the same bytes"
 trial=0 early=0
 for after in 1 3 25 60 130 196; do
     trial=$((trial + 1)) journal=again$trial.iftty
@@ -85,7 +85,7 @@ for cut in $cuts; do
     same_files again.iftty whole.iftty
 done
 
-begin "a torn tail is told, kept aside, and left alone by readers"
+begin "a torn tail is reported and saved, and not changed by readers"
 head -c $((bytes - 7)) whole.iftty >t.iftty
 cp -r whole.golden t.golden
 cp t.iftty t.kept
@@ -99,7 +99,7 @@ same "$(wc -l <err | tr -d ' ')" 1
 same "$(cat t.iftty.torn-1)" occupied
 cat t.iftty t.iftty.torn-2 | cmp -s - t.kept || fail "bytes are lost"
 
-begin "an empty journal begins anew"
+begin "an empty journal is started again"
 : >e.iftty # as it is if its writer was killed before it wrote the header
 expect 0 "$iftty" verify e.iftty
 expect 1 "$iftty" verify --strict e.iftty

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Files of every format that were cut: at a quarter, a half, 99 of 100, and by one byte. Writers of
 # ITK, teem and others made them (volumes/cut.py). Each is refused, and the words name the file, the
-# bytes that it has and those that it should have; nothing is filled up.
+# actual and the expected number of bytes; no missing voxel is replaced.
 . "$(dirname "$0")/lib.sh"
 PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
@@ -112,7 +112,7 @@ END
     refuses "cut short or damaged: of its packed voxels" "open turned-$name"
 done
 
-begin "HDF5: a data set of which nothing was written is refused, and of a part that is said"
+begin "HDF5: an unwritten data set is rejected, and a partly written one is reported"
 "$PYTHON" - <<'END'
 import h5py, numpy
 with h5py.File("part.h5", "w") as file:

@@ -84,7 +84,7 @@ for name in numbers numbers-by-place; do
     out_has "its images of one place differ in nothing but InstanceNumber, which divides them"
 done
 
-begin "what no tag divides into whole volumes of one kind is refused, with what differs"
+begin "a series that no tag divides into complete volumes is rejected, with the differences"
 refuses="each place along the series holds 2 slices, and no tag divides them into whole volumes; \
 those of one place differ in"
 refused "$refuses instance number (10 values)" "open jumbled volume=0"
@@ -138,7 +138,7 @@ SliceLocation Slice Location (0020,1041)
 END
 refused "Rescale Slope (0028,1053) is no decimal number with a point" "open comma-enhanced"
 
-begin "slices without a place are in the order of SliceLocation, or of their numbers, as is said"
+begin "slices without a position are ordered by SliceLocation or number, which is reported"
 says=unknown
 for name in location location-down location-numbers location-jumbled; do
     opened_as $name $name.twin.nii

@@ -6,7 +6,7 @@
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
-# record JOURNAL COMMANDS: what all begin with, and these
+# record JOURNAL COMMANDS: the common commands, and these
 record() {
     "$iftty" -c "open s.nii; label 1 liver; seed 2,3,4 0; seed 6,10,8 1; $2" --journal "$1" \
         >/dev/null || fail "cannot record $1"
@@ -132,7 +132,7 @@ listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat 
 expect 3 "$iftty" diff a.txt a.iftty --limit-memory 1M
 err_has "--limit-memory"
 
-begin "what cannot be compared is one line, that names the file"
+begin "an error of comparison is one line that names the file"
 expect 3 "$iftty" diff a.iftty missing.iftty
 expect 2 "$iftty" diff a.iftty
 err_has 'expected `iftty diff A B`, and there is 1 operand'

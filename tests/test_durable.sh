@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the program does when its journal is held, gone, full, damaged: it says so, nothing that was
-# acknowledged is lost, and the session goes on elsewhere.
+# A journal that is locked, deleted, full or damaged: the program reports it, loses no acknowledged
+# command, and continues in another file.
 . "$(dirname "$0")/lib.sh"
 private_mounts "$0"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 # A session whose commands are written one after the other: begin_session ARGUMENTS..., tell LINE,
-# end_session. What it says is in acks and errors.
+# end_session. Its output is in acks and errors.
 begin_session() {
     rm -f line
     mkfifo line
@@ -34,7 +34,7 @@ errors_have() {
     grep -qF -e "$1" errors || fail "no '$1' in the errors:" "$(cat errors)"
 }
 
-begin "a second session is told who holds the journal, and may look"
+begin "a second session is told the owner of the journal, and may read it"
 begin_session --journal a.iftty
 tell 'open s.nii'
 tell 'seed 3,4,5 1'
@@ -68,7 +68,7 @@ err_has "--read-only opens it for looking"
 expect 3 with_permissions "$iftty" -c 'open s.nii' --journal closed/new.iftty
 
 for harm in deleted replaced shorter longer; do
-    begin "a journal that was $harm: said, undone, and gone on with elsewhere"
+    begin "a journal that was $harm: reported, undone, and continued in another file"
     rm -rf ./*.iftty ./*.golden
     begin_session --journal b.iftty
     tell 'open s.nii'
@@ -94,7 +94,7 @@ for harm in deleted replaced shorter longer; do
     [ -f elsewhere.golden/first.exr ] || fail "the golden image did not come along"
 done
 
-begin "a disk that is full: the session goes on on another"
+begin "a full disk: the session continues on another one"
 small=$work/small
 mkdir "$small"
 if can_mount && mount -t tmpfs -o size=16k none "$small"; then
@@ -115,8 +115,8 @@ fi
 begin "a disk that is full: no file is half written, and the command works when there is room"
 disk=$work/disk
 mkdir "$disk"
-# leave KIB: so much room on the disk. With its source said, mount asks for this alone: its owner,
-# whom it would ask for again, is nobody where an ordinary user may mount.
+# leave KIB: leave this free space on the disk. With its source named, mount requests only this
+# change; it would also request the owner, who does not exist where an ordinary user may mount.
 leave() {
     used=$(df -k --output=used "$disk" | tail -n 1)
     mount -t tmpfs -o remount,size=$((used + $1))k none "$disk"
@@ -157,7 +157,7 @@ if can_mount && mount -t tmpfs -o size=1m none "$disk"; then
     umount "$disk"
 fi
 
-begin "a link to a journal: golden images lie beside the journal itself"
+begin "a link to a journal: golden images are next to the journal itself"
 mkdir real
 cp s.nii real
 expect_in real 0 "$iftty" -c 'open s.nii; seed 3,4,5 1; golden a' --journal l.iftty
@@ -171,7 +171,7 @@ mv real/l.golden link.golden # where they lay before
 expect 0 "$iftty" verify link.iftty
 expect 1 "$iftty" verify real/l.iftty
 
-begin "a journal with the line ends of Windows is named, and mended by what it says"
+begin "a journal with the line ends of Windows is reported, with a command that repairs it"
 sed 's/$/\r/' real/l.iftty >w.iftty
 expect_err "it has the line ends of Windows" 3 "$iftty" -c info --journal w.iftty
 expect_out "it has the line ends of Windows" 3 "$iftty" verify w.iftty
@@ -191,7 +191,7 @@ if can_fuse below above; then
     fusermount3 -u above || fusermount -u above
 fi
 
-begin "journal FILE where there is something, or nothing to go on from"
+begin "journal FILE with an existing file, or without a journal to continue"
 expect 0 "$iftty" -c 'open s.nii; journal; journal d.iftty; seed 1,2,3 1; journal' --journal e.iftty
 out_has "e.iftty, 1 record"
 out_has "d.iftty, 2 records"
@@ -206,7 +206,7 @@ echo 'journal h.iftty' >script
 expect 3 "$iftty" replay script
 [ ! -e h.iftty ] || fail "a replay wrote a journal"
 
-begin "ways of syncing are told"
+begin "modes of syncing are reported"
 expect_out "before it is acknowledged" 0 "$iftty" -c 'sync; sync off; sync' --journal k.iftty
 out_has "since the last"
 expect_err "always" 2 "$iftty" -c 'sync never'
@@ -223,7 +223,7 @@ rm -r g.golden/first.png
 expect_err "first.exr was removed" 0 "$iftty" -c stats --journal g.iftty
 same "$(ls g.golden 2>&1)" ""
 
-begin "a repair keeps what is sound, and the rest beside it"
+begin "a repair keeps the sound records, and saves the rest in another file"
 printf 'open s.nii\nseed 1,2,3 1\n# why\nseed 4,5,6 2\nseed 7,8,9 3\n' >script
 expect 0 "$iftty" run script --journal r.iftty
 expect_out "intact, 4 records; nothing was changed" 0 "$iftty" log --repair r.iftty
@@ -247,7 +247,7 @@ echo 'open s.nii' >script
 expect_err "a script, not a journal" 3 "$iftty" log --repair script
 expect 3 "$iftty" log --repair none.iftty
 
-begin "the folder of a replay that is killed goes with the next one; those of others stay"
+begin "the folder of a killed replay is removed by the next one; other folders are kept"
 mkdir tmp few
 printf '%s\n' 'open s.nii' 'seed 2,3,4 1' run 'save labels few.nii' >script
 expect 0 "$iftty" run script --journal few.iftty

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Volumes that name other files: those below their folder are read, everything else is refused by
-# name, on every kernel; nothing is made up for what is missing, and nothing waited for in vain.
+# Volumes that name other files: files below their folder are read, and all others rejected by name,
+# on every kernel; missing voxels are not replaced, and no reader waits for a pipe.
 . "$(dirname "$0")/lib.sh"
 . tests/volumes/opened.sh
 loose() { # COMMAND...: as on a kernel without Landlock
@@ -47,7 +47,7 @@ refused() {
     done
 }
 
-begin "voxels beside a header are read, by a name, a list or a count; so are those of HDF5"
+begin "voxels next to a header are read, by a name, a list or a count; also from HDF5"
 sound plain.mhd inner.mhd counted.mhd list.mhd
 mkdir packed
 cp plain.mhd packed
@@ -101,7 +101,7 @@ with open("circle.tif", "wb") as file:
 EOP
 refuses "its pages lead back to one another" 'open circle.tif'
 
-begin "what is missing is named, and no zeros are made of it"
+begin "missing files are named, and not read as zeros"
 refused "none.raw, which is not there" none.mhd none.nhdr list-none.mhd list-none.nhdr \
     external-none.h5
 refused "s05.raw, which is not there" counted-none.mhd counted-none.nhdr

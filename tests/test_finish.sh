@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The finish as users meet it: a setting that is recorded, undone and gone on with, whose outcome is
-# in the records, and checked when a journal is verified.
+# The finish for users: a setting that is recorded, undone and resumed, whose result is in the
+# records and checked by verify.
 . tests/lib.sh
 cd "$work" || exit 1
 make_scene scene.nii 30 24 20
@@ -125,7 +125,7 @@ for exr in f s m spin0 p.golden/ball p.golden/plane; do
     expect 0 "$iftty" info $exr.exr
     out_has "majority radius=2, open radius=1"
 done
-# The same pictures of a forest that has these labels: each voxel is a seed of its own.
+# The same pictures of a forest that has these labels: each voxel is a seed.
 cat >others <<'END'
 open scene.nii
 size 200 160
@@ -143,7 +143,7 @@ expect 0 "$iftty" verify p.iftty
 out_has "p.iftty"
 IFTTY_THREADS=3 expect 0 "$iftty" verify p.iftty
 
-begin "finished on has pictures follow what is planted; it is recorded, verified and gone on with"
+begin "finished on updates pictures after each seed; it is recorded, verified and resumed"
 cat >live <<'END'
 open scene.nii
 size 200 160
@@ -246,7 +246,7 @@ END
 same "$(grep '^the finish' out)" "the finish deletes label 2; see \`stats\`
 the finish deletes label 3; see \`stats\`"
 
-begin "what a step does not take is refused, and so is what reaches too far"
+begin "an invalid argument of a step is rejected, and so is a too large reach"
 refused() { # COMMAND WORDS
     expect 2 "$iftty" -c "open scene.nii; $1"
     err_has "$2"

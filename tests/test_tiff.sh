@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # TIFF: files of tifffile, PIL, libtiff's tools, OpenImageIO and of bytes by hand (volumes/tiff.py)
 # have the voxels and the spacing of their twins; pages that are no slices, and channels and frames
-# that are volumes; what is refused, in one line.
+# that are volumes; and files that are rejected, in one line.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/volumes/opened.sh"
 
@@ -193,7 +193,7 @@ truncate -s 5G a.lsm
 refused "an LSM of more than 4 GB" a.lsm
 rm a.lsm
 
-begin "folders: a page each; what is wrong names the slice and its file"
+begin "folders: one page each; errors name the slice and its file"
 like_twins folders 2
 refused "slice 1 of 5, s0.tif: a TIFF of 3 pages; expected 1" pages
 refused "slice 4 of 5, s3.tif: it is 26x22 with 1 value of uint8 (0 is black), and the first" \

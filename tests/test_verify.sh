@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# iftty verify: what it compares, what it says of a difference, and what reports it writes.
+# iftty verify: its comparisons, its messages about differences, and its reports.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -11,7 +11,7 @@ record() {
         golden first
         seed 20,10,8 3; run; golden second' --journal "$1" >/dev/null || fail "cannot record $1"
 }
-begin "journals are verified at once, and told in order"
+begin "journals are verified in parallel, and reported in order"
 for n in 1 2 3 4 5; do record "j$n.iftty"; done
 expect 0 "$iftty" verify j1.iftty j2.iftty j3.iftty j4.iftty j5.iftty
 cp out one
@@ -29,7 +29,7 @@ for wrong in "-j 0" "-j 65" "-j x" "--from 0" "--until x" "--from 3 --until 2" \
     [ ! -s out ] || fail "'$wrong' printed something"
 done
 
-begin "the first one may take longest"
+begin "the first journal may be the slowest"
 "$iftty" -c 'open synth:geom; seed 100,100,50 1; seed 10,10,10 2; run' \
     --journal long.iftty >/dev/null
 expect 0 "$iftty" verify -j 3 long.iftty j1.iftty j2.iftty
@@ -53,7 +53,7 @@ rm j1.golden/third.png
 cp j1.golden/first.exr j1.golden/.iftty-0-first.exr
 expect 0 "$iftty" verify j1.iftty
 
-begin "journals of one name leave their evidence in places of their own, others where they did"
+begin "journals of one name have separate folders of evidence, others the usual one"
 mkdir left right
 cp s.nii left
 cp s.nii right
@@ -76,7 +76,7 @@ expect 1 "$iftty" verify left/same.iftty left/../left/same.iftty --out twice
 same "$(ls twice | tr '\n' ' ')" "1 2 "
 rm -r left right proofs alone twice only.iftty only.golden
 
-begin "--from and --until compare what lies between"
+begin "--from and --until compare the records in between"
 cp j2.golden/second.exr j2.golden/first.exr
 expect_out "# record 7, line" 1 "$iftty" verify j2.iftty
 expect_out "(6 commands, 6 results with " 0 "$iftty" verify j2.iftty --until 6
@@ -87,7 +87,7 @@ expect_out "(9 commands, 2 results with " 0 "$iftty" verify j2.iftty --from 8 --
 expect 1 "$iftty" verify j2.iftty --from 11
 out_has "it ends with record 10: nothing to compare from 11 on"
 
-begin "a difference is told in words"
+begin "a difference is described"
 words=$(words_of j3.iftty 9)
 labels=$(printf %s "$words" | sed 's/.*labels=\([0-9a-f]*\).*/\1/')
 rewrite j3.iftty 9 "forest=0123456789abcdef labels=$labels seeds=7"
@@ -128,7 +128,7 @@ comes_true has_children 2 "$verifier"
 kill -9 "$verifier"
 wait "$verifier" 2>/dev/null
 for child in $children; do comes_true has_ended "$child"; done
-# A background job ignores SIGINT unless it is told otherwise.
+# A background job ignores SIGINT by default.
 env --default-signal=INT "$iftty" verify -j 2 large.iftty large.iftty large.iftty >out 2>err &
 verifier=$!
 comes_true has_children 2 "$verifier"
@@ -198,7 +198,7 @@ unlike() {
     rewrite "$1" "$2" "$(words_of "$1" "$2" | sed 's/picture=[0-9a-f]*/picture=00000000000000aa/')"
 }
 
-begin "accepting takes in a golden image that differs, with a reason, and keeps what was"
+begin "accepting replaces a golden image that differs, with a reason, and keeps the former one"
 record k.iftty
 cp k.golden/first.exr first.kept
 cp k.golden/second.exr k.golden/first.exr
@@ -224,7 +224,7 @@ same "$(ls -A k.golden | tr '\n' ' ')" "first.exr first.png second.exr second.pn
 expect 0 "$iftty" -c 'seed 1,1,1 1; run' --journal k.iftty
 expect 0 "$iftty" verify k.iftty
 
-begin "accepting what is as it should be changes nothing"
+begin "accepting a journal without differences changes nothing"
 listing . | grep -vE ' ./(out|err|before|d)$' >before
 expect 0 "$iftty" verify k.iftty --accept 'nothing'
 out_has "# 0 golden images accepted, 0 of 12 records of k.iftty marked; nothing has changed"
@@ -244,7 +244,7 @@ unlike r.iftty 4
 expect 1 "$iftty" verify r.iftty
 expect_out "0 golden images accepted, 1 of 5" 0 "$iftty" verify r.iftty --accept 'the shader rounds'
 expect 0 "$iftty" verify r.iftty
-# One name may stand twice for one picture, and is accepted once.
+# One name may occur twice for one picture, and is accepted once.
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; golden one; golden one' --journal twice.iftty
 rm -r twice.golden
 expect 0 "$iftty" verify twice.iftty --accept 'a disk was full'
@@ -262,7 +262,7 @@ refused() {
     rm -f d
 }
 
-begin "a link that leads to no journal is called that, whether or not anything is there"
+begin "a link to no journal is reported as such, with or without a target"
 mkdir -p elsewhere/deep
 cp s.nii elsewhere
 ln -s ../s.nii elsewhere/deep/there
@@ -273,7 +273,7 @@ for link in there nowhere; do
 done
 rm -r elsewhere
 
-begin "accepting is refused in CI, and for what is no picture"
+begin "accepting is rejected in CI, and for a record without a picture"
 cp j4.golden/second.exr k.golden/first.exr
 refused k.iftty "refused where CI is set" 2 env CI=true
 refused k.iftty "refused where CI is set" 2 env CI=0
@@ -358,7 +358,7 @@ err_has "1 picture of p.iftty still differs"
 same "$(words_of p.iftty 4)" "picture=00000000000000aa"
 rm -r o.* p.*
 
-begin "accepting is refused while somebody writes the journal"
+begin "accepting is rejected while another process writes the journal"
 mkfifo held
 "$iftty" run - --journal k.iftty <held >held.out 2>&1 &
 writer=$!
@@ -369,14 +369,14 @@ refused k.iftty "is being written by another session" 3 env
 exec 9>&-
 wait "$writer"
 
-begin "a full folder, or one that may not be written to: all is as it was"
+begin "a full or read-only folder: nothing is changed"
 cp j4.golden/second.exr k.golden/first.exr
 chmod a-w .
 expect 3 with_permissions "$iftty" verify k.iftty --accept 'why not'
 chmod u+w .
 same_files j4.golden/second.exr k.golden/first.exr
 
-begin "an edited journal is sealed anew, and says so"
+begin "an edited journal is resealed, and records it"
 record e.iftty
 sed 's/^seed 20,10,8 3$/seed 20,10,7 3/' e.iftty >edited.iftty
 cp edited.iftty edited.kept

@@ -15,7 +15,7 @@ verified() { # the journals that the last verification took
     sed -n 's/^\(not \)\{0,1\}ok [0-9]* - \([^ ]*\).*/\2/p' out | tr '\n' ' '
 }
 
-begin "every journal is in one part, and stays there when others are added or it lies elsewhere"
+begin "every journal is in one part, and stays there if others are added or it is moved"
 for part in 1 2 3; do
     expect 0 "$iftty" verify --shard $part/3 j?.iftty
     verified >"part$part"
@@ -40,7 +40,7 @@ for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do
 done
 rm -r far
 
-begin "a folder stands for all journals in it and below, whatever their names are"
+begin "a folder means all journals in it and below, of any name"
 deep=study/.hidden/deep/..more
 line=$(printf 'two\nlines')
 mkdir -p $deep "study/folder.iftty" "study/$line"
@@ -161,7 +161,7 @@ for tail in '# reviewed by Dr X, all well\n' '\n' 'seed 1,1,1 1' '\0\0\0'; do
 done
 cp sound j1.iftty
 
-begin "the first failure is the end, and what is left is named"
+begin "the first failure ends the run, and the remaining journals are named"
 cp j2.golden/first.exr j1.golden/first.exr
 expect 1 "$iftty" verify --fail-fast j3.iftty j1.iftty j2.iftty j4.iftty --junit report.xml
 out_has "ok 1 - j3.iftty (6 commands"
@@ -175,7 +175,7 @@ expect 1 "$iftty" verify --fail-fast --json j1.iftty j2.iftty
 out_has '"verified": false, "skipped": true'
 expect 0 "$iftty" verify --fail-fast -j 3 j2.iftty j3.iftty j4.iftty
 
-begin "a failure says whether labels and voxels differ, or colours alone"
+begin "a failure states if labels and voxels differ, or only colours"
 expect 1 "$iftty" verify j1.iftty
 out_has "labels differ in "
 expect 0 "$iftty" -c "open s.nii; seed 2,3,4 3 ; seed 6,10,8 7; label 3 other #102030; run

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Volumes that a single NIfTI is not, in files that other people's programs wrote (volumes/make.py):
-# the same voxels in the same place as a NIfTI of nibabel's; what a file leaves open, lacks or holds
-# twice; nothing private comes out; helpers that misbehave.
+# the same voxels in the same place as a NIfTI of nibabel's; files with ambiguous, missing or
+# repeated data; no private data in outputs; helpers that misbehave.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/volumes/opened.sh"
 own=$("$PYTHON" -c "import nibabel, os; print(os.path.dirname(nibabel.__file__))")/tests/data
@@ -55,12 +55,12 @@ a, b = (nibabel.load(name) for name in sys.argv[1:])
 assert (a.affine == b.affine).all() and b.shape == a.shape[:3], (a.affine, b.affine)
 END
 
-begin "NRRD: eight types, two spaces, packed, beside its header"
+begin "NRRD: eight types, two spaces, packed, next to its header"
 twins LPS-%.nrrd short byte float char int uint ushort double
 twins RAS-%.nrrd short byte float
 twins % beside.nhdr
 
-begin "MetaImage: whole, packed, beside its header and nowhere else"
+begin "MetaImage: whole, packed, next to its header and in no other folder"
 twins % whole.mha packed.mha apart.mhd
 expect 3 "$iftty" -c "open outside.mhd"
 
@@ -98,7 +98,7 @@ for picture in m s; do
     expect 0 idiff -q "$work/head.nii.gz-$picture.png" "$work/head-$picture.png"
 done
 
-begin "single files of DICOM are what pydicom makes of them; a preamble says nothing"
+begin "single files of DICOM equal pydicom's result; a preamble is not sufficient"
 twins one/%.dcm CT_small MR_small MR_small_RLE MR_small_bigendian MR_small_expb MR_small_implicit \
     MR_small_padded MR_small_jp2klossless MR_small_jpeg_ls_lossless rtdose rtdose_expb rtdose_rle \
     image_dfl tiff nifti words twelve dose-absolute dose-downwards
@@ -124,7 +124,7 @@ answers "it does not say what dose its numbers are" "open one/unscaled.dcm"
 answers "they have 12 bits, up to bit 15: they are used unchanged" "open one/left.dcm"
 answers "5.00 mm" "open one/unspaced.dcm spacing=0.5,0.25,1; measure 0,0,0 10,0,0"
 
-begin "pixels that are missing are no zeros: the file, and what of it is there"
+begin "missing pixels are not read as zeros: the message has the file and its bytes"
 refused "one/MR_truncated.dcm: cut short: 8130 of 8192 bytes of pixels are there" \
     "open one/MR_truncated.dcm"
 expect_err "8130 of 8192 bytes" 3 "$iftty" info one/MR_truncated.dcm
@@ -150,7 +150,7 @@ refused "its pixels have colours" "open one/SC_rgb_rle.dcm"
 refused "its pixels have 1 bits; expected 8, 16 or 32" "open one/bits.dcm"
 refused "holds no pixels of whole numbers" "open one/float.dcm"
 
-begin "what a file leaves open is asked, and what is wrong with it is said"
+begin "missing facts of a file are requested, and its errors are reported"
 refused "it holds 2 series; choose one with series=N, or with a piece of its description: \
 1: 14 slices of 26x22, CT, 0.9x1.1x2.5 mm; 2: 5 slices of 26x22, MR, 0.9x1.1x2.5 mm" \
     "open mixed"
@@ -213,7 +213,7 @@ refused "\`medcon -f FILE -c nifti\` makes a NIfTI of it" "open pair/a.hdr"
 mv pair/a.hdr pair/b.img
 refused "there is no b.hdr next to it, with its header" "open pair/b.img"
 
-begin "what is refused, open and info explain alike: CIFTI, PAR/REC, AFNI, ECAT, colours"
+begin "open and info explain rejections alike: CIFTI, PAR/REC, AFNI, ECAT, colours"
 "$PYTHON" -W ignore - 2>"$work/err" <<'END' || fail "$(cat "$work/err")"
 import nibabel, numpy
 from nibabel import cifti2
@@ -246,7 +246,7 @@ refuses "none.mgz: cut short: it ends within the header (14 bytes on disk)" "ope
 expect 3 "$iftty" info "$work/none.mgz"
 err_has "none.mgz: cut short: it ends within the header (14 bytes on disk)"
 
-begin "nothing private of a DICOM comes out, wherever one looks"
+begin "private data of a DICOM is in no output"
 secrets='SECRETNAME|SECRETNUMBER|19450508|1[.]2[.]826[.]0[.]1[.]3680043'
 mkdir "$work/private" plain
 cp ct/SECRETNAME_IM0000.dcm plain/IM0
@@ -294,7 +294,7 @@ END
     out_has "ok 2 seed 3,3,3 1"
     rm -f "$work/odd/j.iftty"
 }
-begin "a helper that is missing, ends, dies, lies or floods ends the import and no more"
+begin "a helper that is missing, ends, dies, lies or floods ends only the import"
 odd_helper 'exit 0'
 rm "$work/odd/iftty-volume"
 told "; the package iftty-volume has it"
@@ -328,7 +328,7 @@ for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; don
 read voxels; echo "piece 5"; printf 12345; exit'
 told "ended with status 0"
 
-begin "Ctrl-C is heard while a helper works, and the helper is gone"
+begin "Ctrl-C works while a helper runs, and ends the helper"
 odd_helper 'echo $$ >"$0.pid"; echo progress 1 9; sleep 50 & wait'
 env --default-signal=INT "$work/odd/iftty" -c "open ct" >"$work/out" 2>"$work/err" &
 process=$!

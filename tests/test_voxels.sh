@@ -125,7 +125,7 @@ refused "slice 3 of 3 is 5x4 with 1 value of uint16 a pixel, and the first 5x4 w
     "open png-deeper"
 refused "slice 3 of 3 is 5x3" "open png-shorter"
 
-begin "gzip around a format that has no such packing is named, with what unpacks it"
+begin "gzip around a format without this packing is named, with a program that unpacks it"
 for name in *.mha.gz *.vtk.gz *.h5.gz *.mrc.gz *.gipl.gz *.nrrd.gz; do
     refused "packed by gzip; \`gunzip\` it first" "open $name"
 done

@@ -13,7 +13,7 @@ printf '%s\n' "open s.nii" "auto on" "label 1 head" "label 2 hole" "# Where it i
 "$iftty" run script --journal e.iftty >/dev/null || fail "no journal can be made"
 begin_terminal
 
-begin "space leads through a journal: a gesture is drawn, then carried out, and its change is told"
+begin "space steps through a journal: a gesture is drawn, then applied, and its change is shown"
 before=$(listing . | grep -v tmux)
 enter "PAGER='cat >$work/paged'; export PAGER"
 enter_anew "$iftty watch e.iftty --graphics blocks" '^the beginning, before step 1 of 6$'
@@ -25,7 +25,7 @@ typing "3G" '^step 3 of 6, record [0-9]+: seed 12,10,8 1 radius=2$'
 see '^drawn, and not carried out yet: at 12,10,8, label 1 head$' '^Where it is bright\.$'
 pressing Space '^0 -[0-9.]+ m[lm]3?, 1 head \+[0-9.]+ m[lm]3?; 7680 voxels changed$'
 
-begin "backspace leads back, a number to its step, and what was undone is said"
+begin "backspace steps back, a number selects its step, and undone commands are named"
 pressing Space '^step 4 of 6, record [0-9]+: seed 1,1,1 0$'
 pressing Space '^0 \+'
 pressing BSpace '^step 3 of 6, '
@@ -38,7 +38,7 @@ see '^drawn, and not carried out yet' '^<b>Now</b> the "other" one\.$'
 picture() {
     tmux_here capture-pane -e -p -t prompt | head -n 19
 }
-begin "what a step changed is hatched, as nothing is before it or while it is drawn"
+begin "voxels changed by a step are hatched after it, but not before it or while it is drawn"
 typing "gg" '^the beginning'
 press o # tints
 typing "3G" '^drawn, and not carried out yet'
@@ -53,12 +53,12 @@ pressing Space '^step 4 of 6, ' '^drawn, and not carried out yet'
 comes_true is_plain || fail "$(white) white characters"
 pressing BSpace '^step 3 of 6, '
 
-begin "no pager is started beside a stranger's journal: pages are printed"
+begin "no pager is started with an untrusted journal: pages are printed"
 entering ":help" '^The scene$' '^-- more --$'
 typing "q" '^step 3 of 6, '
 [ -e "$work/paged" ] && fail "the pager of the user has run"
 
-begin "one looks as one likes, and changes nothing"
+begin "the view can be changed, and the journal cannot"
 type_letters "]ll"
 entering ":stats" 'label|head'
 press q
@@ -67,7 +67,7 @@ entering ":undo" 'only questions and commands that change the view'
 typing "c" '^Where it is bright\.$'
 pressing x '^step 3 of 6, '
 
-begin "at the end it says whether the journal is verified"
+begin "the end reports if the journal is verified"
 typing "G" '^the end: 6 steps, 1[0-9] records$'
 see '^verified: 1[0-9] commands carried out again, 1[0-9] results the same$'
 pressing BSpace '^step 6 of 6, '
@@ -76,7 +76,7 @@ sane
 same "$(listing . | grep -v 'tmux\|modes')" "$before"
 expect_err "needs a terminal; \`iftty replay JOURNAL\` needs none" 2 "$iftty" watch e.iftty
 
-begin "--from and --until say where it begins and ends"
+begin "--from and --until set the first and the last step"
 enter_anew "$iftty watch e.iftty --from 3 --until 4; echo ends \$?"
 see '^step 3 of 6, record [0-9]+: seed 12,10,8 1 radius=2$'
 type_letters "3"
@@ -91,14 +91,14 @@ at_terminal() {
     enter_anew "$iftty watch $1; echo ends \$?" "^ends $2\$"
     screen_text | tr -d '\n' | grep -qF -e "$3" || fail "the screen is:" "$(screen_text | grep .)"
 }
-begin "a stranger's journal is refused what a replay refuses, in words"
+begin "an untrusted journal has the restrictions of a replay, with messages"
 mkdir away && cp s.nii away/other.nii
 sed 's/^open s.nii.*/open away\/..\/..\/other.nii/' e.iftty >out.iftty
 at_terminal out.iftty 3 "is not at away/"
 at_terminal "e.iftty --limit-memory 100k" 3 "--limit-memory"
 same "$(ls | grep -c iftty-)" 0
 
-begin "one whose results are others is shown as far as it goes, and is not verified"
+begin "a journal with other results is shown up to the difference, and is not verified"
 printf 's/^seed 1,1,1 0/# \033]0;evil\a\\\nseed 1,1,2 0/\n' >edit
 sed -f edit e.iftty >edited.iftty
 enter_anew "$iftty watch edited.iftty; echo ends \$?" '^the beginning, before step 1 of 3$'
@@ -109,7 +109,7 @@ pressing Space '^NOT verified: .*record'
 typing "q" '^ends 1$'
 sane
 
-begin "the time that one looks is not the journal's"
+begin "the time of watching is not limited as that of the journal"
 enter_anew "$iftty watch e.iftty --limit-time 2s" '^the beginning'
 sleep 2.2
 entering ":stats" 'label|head'

@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Corrections that end within a distance, as a user types them: planted, asked about, undone,
-# recorded, resumed, written to a list and read again; and what is refused.
+# Corrections that end within a distance, by commands: planted, explained, undone, recorded,
+# resumed, written to a list and read again; and errors.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 open='open synth:geom:40x40x40'
 
-begin "a tree ends where its seed reaches, and what no tree may hold is counted"
+begin "a tree ends at the reach of its seed, and voxels out of all reaches are counted"
 asks='info; why 20,20,26; why 20,20,27'
 expect 0 "$iftty" -c "$open; seed 20,20,20 1 radius=2 within=6; run; $asks" --journal j.iftty
 out_has "reach     33 seeds with \`within\`; 63075 voxels without a tree, since all seeds"
@@ -15,7 +15,7 @@ out_has "it is out of reach of the seed at 20,20,22, within 6 voxels of 20,20,20
 grep -qx 'seed 20,20,20 1 radius=2 within=6' j.iftty || fail "$(cat j.iftty)"
 expect 0 "$iftty" verify j.iftty
 
-begin "other seeds take the rest; it is gone on with, undone and done again"
+begin "other trees grow into the rest; it is resumed, undone and redone"
 expect 0 "$iftty" -c 'seed 2,2,2 2; run; info' --journal j.iftty
 out_has "no voxel is left without a tree by it"
 last_word() { sed -n "s/^= .* $1=\([0-9a-f]*\).*/\1/p" j.iftty | tail -1; }
@@ -50,7 +50,7 @@ expect 0 "$iftty" -c "$open; seed-file mm.csv; run" --journal m.iftty
 grep -q "$before" m.iftty || fail "$(cat m.iftty)"
 expect 0 "$iftty" verify k.iftty l.iftty m.iftty
 
-begin "what cannot be is refused, and plants nothing"
+begin "invalid arguments are rejected, and plant nothing"
 refused() { # STATUS WORDS MESSAGE
     expect_err "$3" "$1" "$iftty" -c "$open; seed $2; info" --keep-going
     out_has "0 seeds, 0 edits waiting"
