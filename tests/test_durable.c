@@ -12,14 +12,9 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#define RUN_IN_FOLDER
 #include "tests/folder_main.h"
 #include "tests/journals.h"
-
-/* A path in the test's own folder; it stays until four others were asked for. */
-static const char *place(const char *name)
-{
-    return file_in(folder, name);
-}
 
 static enum err open_again(struct journal **journal, const char *path, struct fault *fault)
 {
@@ -70,8 +65,8 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
 {
     static const char *const words[] = {"is gone",     "is gone",     "was replaced",
                                         "was changed", "was changed", "its byte 40 differs"};
-    const char *path = place("harmed.iftty");
-    const char *other = place("harmed-2.iftty");
+    const char *path = "harmed.iftty";
+    const char *other = "harmed-2.iftty";
     for (enum harm harm = DELETED; harm < HARMS; harm++) {
         struct fault fault;
         OWNED(buf_release) struct buf left = {0};
@@ -98,7 +93,7 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
 
 STORY(a_file_whose_times_alone_have_changed_is_written_to)
 {
-    const char *path = place("touched.iftty");
+    const char *path = "touched.iftty";
     struct journal *journal = make_journal(path, 3);
     usleep(20000);
     CHECK(chmod(path, 0640) == 0 && utimensat(AT_FDCWD, path, NULL, 0) == 0);
@@ -113,7 +108,7 @@ STORY(line_ends_of_windows_are_named)
     OWNED(buf_release) struct buf bytes = {0}, windows = {0};
     struct journal_condition condition;
     struct journal *journal;
-    const char *path = place("windows.iftty");
+    const char *path = "windows.iftty";
     journal_close(make_journal(path, 2));
     content(&bytes, path);
     for (size_t from = 0; from < 60;
@@ -148,8 +143,8 @@ static int fail_step(enum file_step step, const char *path)
 STORY(going_on_elsewhere_is_all_or_nothing)
 {
     unsigned failures = 0;
-    const char *path = place("from.iftty");
-    const char *other = place("to.iftty");
+    const char *path = "from.iftty";
+    const char *other = "to.iftty";
     for (unsigned steps = 0; steps < 24; steps++) {
         struct journal *journal = make_journal(path, 3);
         struct fault fault = {.text = ""};
@@ -177,7 +172,7 @@ STORY(going_on_elsewhere_is_all_or_nothing)
     struct fault fault;
     CHECK(journal_continue(journal, other, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "exists already");
-    CHECK(journal_continue(journal, place("no/such/folder.iftty"), &fault) == ERR_IO);
+    CHECK(journal_continue(journal, "no/such/folder.iftty", &fault) == ERR_IO);
     CHECK(append(journal, 2, NULL) == OK);
     journal_close(journal);
     holds(path, 2);
@@ -199,7 +194,7 @@ static int count_syncs(enum file_step step, const char *path)
 
 STORY(records_are_synced_when_that_was_asked_for)
 {
-    const char *path = place("modes.iftty");
+    const char *path = "modes.iftty";
     struct journal *journal = make_journal(path, 1);
     syncs = bad_syncs = 0;
     file_step_hook = count_syncs;
@@ -231,7 +226,7 @@ STORY(records_are_synced_when_that_was_asked_for)
 STORY(what_a_failed_sync_may_have_lost_is_written_again)
 {
     struct fault fault;
-    const char *path = place("doubt.iftty");
+    const char *path = "doubt.iftty";
     struct journal *journal = make_journal(path, 2);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     for (size_t n = 3; n <= 6; n++)
@@ -260,7 +255,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
 
 STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
 {
-    const char *path = place("views.iftty");
+    const char *path = "views.iftty";
     struct journal *journal = make_journal(path, 1);
     syncs = bad_syncs = 0;
     file_step_hook = count_syncs;
@@ -306,7 +301,7 @@ static unsigned threads(void)
 
 STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
 {
-    const char *path = place("off.iftty");
+    const char *path = "off.iftty";
     struct journal *journal = make_journal(path, 1);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     const unsigned before = threads();
@@ -323,8 +318,8 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
     char wanted[64];
     struct fault fault;
     OWNED(buf_release) struct buf before = {0};
-    const char *path = place("held.iftty");
-    const char *other = place("mine.iftty");
+    const char *path = "held.iftty";
+    const char *other = "mine.iftty";
     struct journal *journal = make_journal(path, 3), *second;
     snprintf(wanted, sizeof wanted, "process %ld (test_durable)", (long)getpid());
     CHECK(open_again(&second, path, &fault) == ERR_IO);
@@ -352,7 +347,7 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
 STORY(a_lock_that_a_child_holds_for_a_moment_is_waited_for)
 {
     struct fault fault;
-    const char *path = place("moment.iftty");
+    const char *path = "moment.iftty";
     struct journal *journal = make_journal(path, 2), *second;
     fflush(stdout);
     const pid_t child = fork();
@@ -384,7 +379,7 @@ STORY(where_there_are_no_locks_a_file_stands_for_one)
     char lock[FILE_LENGTH + 8];
     struct fault fault;
     struct journal *journal, *second;
-    const char *path = place("nfs.iftty");
+    const char *path = "nfs.iftty";
     snprintf(lock, sizeof lock, "%s.lock", path);
     file_step_hook = has_no_locks;
     journal = make_journal(path, 2);
@@ -418,7 +413,7 @@ STORY(no_empty_journal_stays_where_no_lock_can_be_had)
 {
     struct journal *journal;
     struct fault fault;
-    const char *path = place("none.iftty");
+    const char *path = "none.iftty";
     file_step_hook = has_no_locks_and_no_room;
     CHECK(journal_create(&journal, path, 1, &fault) == ERR_IO);
     file_step_hook = NULL;
@@ -430,7 +425,7 @@ STORY(looking_leaves_a_torn_tail_alone)
 {
     struct journal *journal;
     OWNED(buf_release) struct buf bytes = {0}, notice = {0};
-    const char *path = place("looked.iftty");
+    const char *path = "looked.iftty";
     journal_close(make_journal(path, 3));
     CHECK(truncate(path, 200) == 0);
     content(&bytes, path);
@@ -439,7 +434,7 @@ STORY(looking_leaves_a_torn_tail_alone)
     CHECK_HAS(buf_text(&notice), "left where it is");
     journal_close(journal);
     CHECK(is_file_of(path, bytes.data, bytes.length));
-    CHECK(!file_exists(place("looked.iftty.torn-1")));
+    CHECK(!file_exists("looked.iftty.torn-1"));
 }
 
 /* ---- flips ---- */
@@ -469,9 +464,9 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
 {
     enum { RECORDS = 3 };
     OWNED(buf_release) struct buf bytes = {0};
-    char path[FILE_LENGTH], name[32];
+    const char *path = "flip.iftty";
+    char name[32];
     size_t before = 0;
-    strcpy(path, place("flip.iftty"));
     journal_close(make_journal(path, RECORDS));
     content(&bytes, path);
     for (size_t at = 0; at < bytes.length; at++) {
@@ -481,7 +476,7 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
             bytes.data[at] = (char)(bytes.data[at] ^ 1 << bit);
             for (unsigned n = 1; n < 4; n++) {
                 snprintf(name, sizeof name, "flip.iftty.torn-%u", n);
-                unlink(place(name));
+                unlink(name);
             }
         }
         const char *line = memrchr(bytes.data, '\n', at);
