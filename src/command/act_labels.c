@@ -108,19 +108,6 @@ static size_t seeds_of(const struct markers *markers, uint32_t number)
     return seeds;
 }
 
-static void write_removed(const struct act *act, const uint32_t *number, size_t count, size_t seeds)
-{
-    const struct markers *markers = &act->session->markers;
-    struct buf *out = &act->reply->text;
-    if (count > 1) {
-        buf_printf(out, "%zu markers removed\n", count);
-        return;
-    }
-    buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], seeds, plural(seeds));
-    label_report_write_name(out, act->session, (unsigned)markers->marker[number[0] - 1].label);
-    buf_add_char(out, '\n');
-}
-
 static enum err remove_markers(const struct act *act)
 {
     struct session *session = act->session;
@@ -151,7 +138,16 @@ static enum err remove_markers(const struct act *act)
             if (last > i)
                 buf_printf(words, "-%u", number[last]);
         }
-        write_removed(act, number, count, seeds);
+        struct buf *out = &act->reply->text;
+        if (count > 1) {
+            buf_printf(out, "%zu markers removed\n", count);
+        } else {
+            buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], seeds,
+                       plural(seeds));
+            label_report_write_name(out, session,
+                                    (unsigned)session->markers.marker[number[0] - 1].label);
+            buf_add_char(out, '\n');
+        }
     }
     free(number);
     voxels_release(&v);

@@ -605,10 +605,9 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
     act_write_slices(&act->reply->text, act->session);
     enum err err = act_take_shown(act, &labels);
     if (!err && !act_has(act, "FILE")) {
-        struct canvas canvas;
-        err = draw_slices(act, kind, &labels, false, &canvas);
-        if (!err)
-            interpreter_show(act->interp, &canvas);
+        canvas_release(&act->interp->shown);
+        err = draw_slices(act, kind, &labels, false, &act->interp->shown);
+        act->interp->shows_picture = !err;
         return err;
     }
     if (!err)

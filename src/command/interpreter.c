@@ -21,11 +21,6 @@ enum err interpreter_init(struct interpreter *interp, struct fault *fault)
     return err ? err : image_helper_new(&interp->helper, NULL, fault);
 }
 
-enum err interpreter_write_in_background(struct interpreter *interp, struct fault *fault)
-{
-    return picture_writer_new(&interp->writer, NULL, fault);
-}
-
 void interpreter_release(struct interpreter *interp)
 {
     picture_job_free(interp->job);
@@ -41,13 +36,6 @@ void interpreter_release(struct interpreter *interp)
     buf_release(&interp->placed);
     canvas_release(&interp->shown);
     *interp = (struct interpreter){0};
-}
-
-void interpreter_show(struct interpreter *interp, const struct canvas *picture)
-{
-    canvas_release(&interp->shown);
-    interp->shown = *picture;
-    interp->shows_picture = true;
 }
 
 void reply_clear(struct reply *reply)

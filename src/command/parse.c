@@ -642,9 +642,14 @@ bool command_is_same(const char *a, const char *b)
 
 /* ---- canonical form ---- */
 
+bool command_needs_quotes(const char *word)
+{
+    return !*word || strpbrk(word, " \t\"\\") || *word == '#' || *word == '\'';
+}
+
 void command_write_word(struct buf *out, const char *word)
 {
-    if (*word && !strpbrk(word, " \t\"\\") && *word != '#' && *word != '\'') {
+    if (!command_needs_quotes(word)) {
         buf_add_text(out, word);
         return;
     }

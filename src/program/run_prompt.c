@@ -539,7 +539,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
         prompt.interp.new_journal = buf_text(&journal);
     /* On error pictures are written before the next prompt. */
     if (!err && is_terminal)
-        interpreter_write_in_background(&prompt.interp, NULL);
+        picture_writer_new(&prompt.interp.writer, NULL, NULL);
     prompt.host = (struct pilot_host){.context = &prompt,
                                       .execute = prompt_execute,
                                       .sketch = prompt_sketch,

@@ -97,8 +97,6 @@ void comparison_write_csv(struct buf *out, const struct comparison_report *repor
  * unknown figure is NAN: null in JSON and an empty field in CSV.
  */
 
-struct geometry;
-
 enum { FIGURES_MOST = 32 };
 
 struct figures {
