@@ -36,7 +36,7 @@ static void begin_with_object(struct interpreter *interp)
 
 BEGUN_STORY(an_exr_in_tiles_holds_what_one_in_lines_holds, begin_with_object)
 {
-    struct picture lines, tiles;
+    OWNED(picture_release) struct picture lines, tiles;
     must(interp, "render lines.exr; render same.exr layout=lines; "
                  "render tiles.exr layout=tiled");
     CHECK_INT(exr_read(&lines, "lines.exr", NULL), OK);
@@ -51,8 +51,6 @@ BEGUN_STORY(an_exr_in_tiles_holds_what_one_in_lines_holds, begin_with_object)
     is_refused(interp, "render a.png layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
     is_refused(interp, "render layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
     CHECK(!file_exists("a.png"));
-    picture_release(&lines);
-    picture_release(&tiles);
 }
 
 BEGUN_STORY(normals_are_unit_vectors_that_face_the_viewer, begin_with_object)
@@ -85,7 +83,7 @@ BEGUN_STORY(normals_are_unit_vectors_that_face_the_viewer, begin_with_object)
 
 BEGUN_STORY(a_picture_says_what_it_is_of, begin_interpreter)
 {
-    struct picture p;
+    OWNED(picture_release) struct picture p;
     CHECK_INT(interpreter_create_journal(interp, "notes.iftty", &fault), OK);
     must(interp, "open synth:geom:40x40x20; view 30 20 10");
     char chain[64], scene[32];
@@ -108,20 +106,18 @@ BEGUN_STORY(a_picture_says_what_it_is_of, begin_interpreter)
     CHECK_HAS(view ? view : "", "yaw 30 pitch 20 roll 10 degrees, zoom ");
     const char *look = picture_find(&p, "iftty:look");
     CHECK_HAS(look ? look : "", "shade surface, light -25 30, cue 30, ");
-    picture_release(&p);
 }
 
 /* Visible labels, with their names and colours; and the scale. */
 BEGUN_STORY(a_picture_says_which_labels_it_shows, begin_with_object)
 {
-    struct picture p;
+    OWNED(picture_release) struct picture p;
     must(interp, "label 1 core #102030; label 2 unseen; zoom 2; render labels.exr");
     CHECK_INT(exr_read(&p, "labels.exr", NULL), OK);
     CHECK_TEXT(picture_find(&p, "iftty:labels"),
                "{\"1\": {\"name\": \"core\", \"colour\": \"#102030\"}}");
     CHECK_TEXT(picture_find(&p, "iftty:mm-per-pixel"), "0.5");
     CHECK(p.is_associated);
-    picture_release(&p);
 }
 
 /* ---- where it was seen from ---- */
@@ -169,13 +165,12 @@ static size_t check_places(const struct picture *p, const struct session *sessio
 static bool after_mark(const char *path, const char *mark, size_t length, size_t skipped, void *out,
                        size_t bytes)
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     bool fine = file_read(&file, path, 1 << 24, NULL) == OK;
     const char *at = fine ? memmem(buf_text(&file), file.length, mark, length) : NULL;
     fine = at && at + length + skipped + bytes <= buf_text(&file) + file.length;
     if (fine)
         memcpy(out, at + length + skipped, bytes);
-    buf_release(&file);
     return fine;
 }
 
@@ -184,12 +179,12 @@ static bool after_mark(const char *path, const char *mark, size_t length, size_t
 STORY(an_exr_has_a_camera_that_is_a_rotation)
 {
     static const char mark[] = "iftty:cameraToWorld\0m44f";
-    struct interpreter interp;
-    struct picture p;
+    OWNED(interpreter_release) struct interpreter interp;
+    OWNED(picture_release) struct picture p;
     float m[16];
     begin_with_object(&interp);
     must(&interp, "view 77 -31 140; render camera.exr");
-    CHECK_INT(export_picture(&p, interp.session, NULL), OK);
+    CHECK_INT(export_picture(&p, interp.session, PICTURE_BUT_NORMAL, NULL), OK);
     CHECK(after_mark("camera.exr", mark, sizeof mark, 4, m, sizeof m));
     const double a = (double)m[0], b = (double)m[1], c = (double)m[2], d = (double)m[4],
                  e = (double)m[5], f = (double)m[6], g = (double)m[8], h = (double)m[9],
@@ -212,8 +207,6 @@ STORY(an_exr_has_a_camera_that_is_a_rotation)
             CHECK(fabs(ndc[1] * p.height - y - 0.5) < 0.01);
             CHECK(fabs(camera[2] - z) < 0.01);
         }
-    picture_release(&p);
-    interpreter_release(&interp);
 }
 
 /* Pixels per metre of the scene, the same in both directions, and perceptual intent for colours. An
@@ -238,7 +231,7 @@ static const double oblique[3][4] = {{0.866025404, -0.5, 0, 17},
 BEGUN_STORY(matrices_lead_from_the_world_to_the_pixel, begin_with_object)
 {
     static const char *const view[] = {"view front", "view 77 -31 140", "view bottom"};
-    struct picture p;
+    OWNED(picture_release) struct picture p;
     must(interp, "clip axial 3-11");
     for (int turned = 0; turned < 2; turned++) {
         if (turned)
@@ -246,16 +239,15 @@ BEGUN_STORY(matrices_lead_from_the_world_to_the_pixel, begin_with_object)
         for (size_t i = 0; i < sizeof view / sizeof view[0]; i++) {
             must(interp, view[i]);
             must(interp, "zoom 1.7 at=15,22,4; render");
-            CHECK_INT(export_picture(&p, interp->session, NULL), OK);
+            CHECK_INT(export_picture(&p, interp->session, PICTURE_BUT_NORMAL, NULL), OK);
             CHECK(p.space.has_world);
             CHECK(check_places(&p, interp->session) > 500);
             picture_release(&p);
         }
     }
     interp->session->geometry.orientation = ORIENTATION_TOLD; /* axes, and no place */
-    CHECK_INT(export_picture(&p, interp->session, NULL), OK);
+    CHECK_INT(export_picture(&p, interp->session, PICTURE_BUT_NORMAL, NULL), OK);
     CHECK(!p.space.has_world && p.space.eye_mm > 0);
-    picture_release(&p);
 }
 
 STORY(normals_of_an_oblique_scene_are_turned_with_it)
@@ -336,13 +328,11 @@ BEGUN_STORY(a_turntable_shows_what_turning_shows, begin_with_object)
 /* Compare the bytes of two files, and remove the second. */
 static bool same_file(const char *one, const char *other)
 {
-    struct buf a = {0}, b = {0};
+    OWNED(buf_release) struct buf a = {0}, b = {0};
     const bool are_read =
         file_read(&a, one, 1 << 24, NULL) == OK && file_read(&b, other, 1 << 24, NULL) == OK;
     const bool same =
         are_read && a.length == b.length && memcmp(buf_text(&a), buf_text(&b), a.length) == 0;
-    buf_release(&a);
-    buf_release(&b);
     unlink(other);
     return CHECK(same);
 }
@@ -408,7 +398,7 @@ BEGUN_STORY(parts_of_a_turn_are_whole_thousandths, begin_with_object)
 BEGUN_STORY(an_animated_picture_has_every_frame, begin_with_object)
 {
     struct image_facts facts;
-    struct picture p, q;
+    OWNED(picture_release) struct picture p, q;
     MUST_ANSWER(interp, "spin 5 round.gif delay=80", "wrote round.gif, 5 pictures\n");
     must(interp, "spin 5 round.tif");
     CHECK_INT(image_helper_about(interp->helper, "round.gif", &facts, NULL), OK);
@@ -421,8 +411,6 @@ BEGUN_STORY(an_animated_picture_has_every_frame, begin_with_object)
     CHECK_INT(image_helper_read(interp->helper, "round.tif", &p, NULL), OK);
     CHECK_INT(image_helper_read(interp->helper, "round.png", &q, NULL), OK);
     CHECK(p.rgba && q.rgba && memcmp(p.rgba, q.rgba, (size_t)4 * 90 * 70) == 0);
-    picture_release(&p);
-    picture_release(&q);
 }
 
 BEGUN_STORY(a_pattern_is_one_number_in_the_name, begin_with_object)
@@ -446,7 +434,7 @@ BEGUN_STORY(a_pattern_is_one_number_in_the_name, begin_with_object)
 
 BEGUN_STORY(a_turntable_is_all_or_nothing, begin_with_object)
 {
-    struct buf kept = {0};
+    OWNED(buf_release) struct buf kept = {0};
     CHECK_INT(file_write("all2.png", "mine", 4, FILE_KEEP, NULL), OK);
     is_refused(interp, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
     CHECK_INT(count_files("all"), 1);
@@ -456,7 +444,6 @@ BEGUN_STORY(a_turntable_is_all_or_nothing, begin_with_object)
     CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
     CHECK(kept.length > 100);
     CHECK_INT(count_files(".iftty-"), 0);
-    buf_release(&kept);
 }
 
 BEGUN_STORY(a_turntable_that_is_cancelled_leaves_nothing, begin_with_object)
@@ -465,7 +452,7 @@ BEGUN_STORY(a_turntable_that_is_cancelled_leaves_nothing, begin_with_object)
     struct watch watch = {.context = &looks, .poll = stop_after_looks};
     static const char *const line[] = {"spin 6 gone%d.png", "spin 6 gone.gif",
                                        "spin 6 all%d.png replace=yes"};
-    struct buf before = {0}, after = {0};
+    OWNED(buf_release) struct buf before = {0}, after = {0};
     must(interp, "spin 6 all%d.png replace=yes");
     CHECK_INT(file_read(&before, "all1.png", 1 << 20, NULL), OK);
     const uint64_t digest = rendition_digest(session_frame(interp->session));
@@ -485,14 +472,12 @@ BEGUN_STORY(a_turntable_that_is_cancelled_leaves_nothing, begin_with_object)
     CHECK(rendition_digest(session_frame(interp->session)) == digest);
     CHECK_INT(file_read(&after, "all1.png", 1 << 20, NULL), OK);
     CHECK(after.length == before.length && memcmp(after.data, before.data, after.length) == 0);
-    buf_release(&before);
-    buf_release(&after);
 }
 
 STORY(a_turntable_is_the_same_when_replayed)
 {
-    struct interpreter interp;
-    struct buf told = {0};
+    OWNED(interpreter_release) struct interpreter interp;
+    OWNED(buf_release) struct buf told = {0};
     begin_interpreter(&interp);
     CHECK_INT(interpreter_create_journal(&interp, "spun.iftty", &fault), OK);
     must(&interp, "open synth:geom:40x40x20; seed 20,20,10 1 radius=3; run; spin 3 spun%d.png; "
@@ -504,8 +489,6 @@ STORY(a_turntable_is_the_same_when_replayed)
         printf("#   %s\n", fault.text);
     CHECK_INT(journal_count(interp.journal), 6);
     CHECK(!file_exists("spun.gif")); /* replaying writes nothing */
-    buf_release(&told);
-    interpreter_release(&interp);
 }
 
 /* ---- in the background ---- */

@@ -637,11 +637,11 @@ enum err act_hint(const struct act *act)
                          "has changed",
                          hints->count, number);
     const struct hint *hint = hints->item + number - 1;
-    const struct place p = place_of(act, hint->cell);
+    uint32_t *cross = act->next->outlook.slices.cross;
     err = write_hint(act, hint, number);
     act_write_waiting(act);
-    memcpy(act->next->outlook.slices.cross, (uint32_t[]){p.x, p.y, p.z}, 3 * sizeof(uint32_t));
+    grid_find(&act->session->scene->grid, hint->cell, cross);
     buf_clear(&act->reply->canonical);
-    buf_printf(&act->reply->canonical, "cross %u,%u,%u", p.x, p.y, p.z);
+    buf_printf(&act->reply->canonical, "cross %u,%u,%u", cross[0], cross[1], cross[2]);
     return err ? err : act_go(act);
 }

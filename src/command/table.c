@@ -79,6 +79,8 @@ enum { VOLUMES_MOST = 65535 };
         __VA_ARGS__, .optional = true, .paired = true                                              \
     }
 
+#define YES_NO(name) KEYED(name, VALUE_CHOICE, .choices = "yes|no")
+
 /* Parameters shared by all commands that plant. */
 #define BRUSH       KEYED("radius", VALUE_RADIUS, .most = 32)
 #define WITHIN      KEYED("range", VALUE_INTERVAL)
@@ -89,15 +91,14 @@ enum { VOLUMES_MOST = 65535 };
     KEYED("shell", VALUE_CHOICE, .choices = "yes"), KEYED("around", VALUE_LABEL, .most = 255)
 
 /* Parameters for finished labels. */
-#define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
+#define FINISHED      YES_NO("finished")
 #define LEFT_NOTE     "\nfinished=yes: use the labels after `finish`"
 #define SHOWN_NOTE    LEFT_NOTE "; by default, the setting `finished` decides."
 #define FINISHED_NOTE LEFT_NOTE "; the default is no, at a prompt the setting `finished`."
 
 /* Parameters shared by all commands that read a map. */
 #define OF_MAP                                                                                     \
-    KEYED("resample", VALUE_CHOICE, .choices = "yes|no"),                                          \
-        KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                                       \
+    YES_NO("resample"), KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                       \
         KEYED("data", VALUE_WORD, .form = "NAME")
 #define MAP_NOTE                                                                                   \
     "\nresample: yes resamples a map on another grid, by nearest voxels; otherwise, a map that "   \
@@ -147,10 +148,8 @@ static const struct command command_table[] = {
       KEYED("type", VALUE_CHOICE, .choices = OPEN_TYPES),
       KEYED("endian", VALUE_CHOICE, .choices = "little|big"),
       KEYED("offset", VALUE_NUMBER, .most = INT64_C(1) << 40, .form = "BYTES"),
-      KEYED("spacing", VALUE_WORD, .is_kept = true, .form = "X,Y,Z"),
-      KEYED("huge", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("private", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("straighten", VALUE_CHOICE, .choices = "yes|no"),
+      KEYED("spacing", VALUE_WORD, .is_kept = true, .form = "X,Y,Z"), YES_NO("huge"),
+      YES_NO("private"), YES_NO("straighten"),
       KEYED("weight", VALUE_WORD, .is_kept = true, .form = "NAME[:NUMBER]", .added = true)},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
      VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE "\n" OPENING_NOTE,
@@ -504,8 +503,7 @@ static const struct command command_table[] = {
     {CALLED("render", "draw|picture|screenshot|snapshot", act_render, GROUP_RENDITION,
             R | S | E | A),
      {MAY("FILE", VALUE_FILE), KEYED("mode", VALUE_CHOICE, .choices = "sp|bp|ii|ray"),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
+      YES_NO("replace"), KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
      "draw the rendition, in FILE or inline",
      ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png "
      "and other formats of OpenImageIO hold the colours. At the prompt a file is written in the "
@@ -518,9 +516,8 @@ static const struct command command_table[] = {
     {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E | A),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
       KEYED("axis", VALUE_WORD, .is_kept = true, .choices = "yaw|pitch|roll", .form = "AXIS,AXIS"),
-      KEYED("fit", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+      YES_NO("fit"), KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000), YES_NO("replace"),
+      FINISHED},
      "write a turntable: N pictures of one full turn",
      "The first picture shows the present view; the command does not change the view. %03d in "
      "FILE is replaced by the number of the picture, here with three digits, from 000. Without "
@@ -563,7 +560,7 @@ static const struct command command_table[] = {
       MAY("FILE", VALUE_FILE),
       KEYED("zoom", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
             .most = VIEW_ZOOM_MOST),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+      YES_NO("replace"), FINISHED},
      "draw a slice at the cross-hair, in FILE or inline",
      "Slices follow the radiological convention and have the size of the view. N moves the "
      "cross-hair to that slice: the index of its voxels along its axis, from 0, as in X,Y,Z "
@@ -574,7 +571,7 @@ static const struct command command_table[] = {
      "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." SHOWN_NOTE,
      "slice axial 90 axial.png"},
     {CALLED("mosaic", "planes|slices", act_mosaic, GROUP_SLICES, R | S | A),
-     {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+     {MAY("FILE", VALUE_FILE), YES_NO("replace"), FINISHED},
      "draw three slices and the rendition",
      "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
      "view at half its size." SHOWN_NOTE,
@@ -607,11 +604,9 @@ static const struct command command_table[] = {
      "finish majority radius=1"},
     {CALLED("save", "export|write", act_save, GROUP_KEPT, R | S | E | A),
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,
-      KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
+      YES_NO("replace"), FINISHED, KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("smooth", VALUE_NUMBER, .most = 100),
-      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX),
-      KEYED("empty", VALUE_CHOICE, .choices = "yes|no")},
+      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX), YES_NO("empty")},
      "write a map, surfaces, seeds or names of labels",
      "Writes a map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as "
      ".seg.nrrd are a segmentation of 3D Slicer, with the names and colours of labels.\n"
@@ -678,8 +673,7 @@ static const struct command command_table[] = {
      "Between their centres, in millimetres and in voxels. With a THIRD, also the angle at OTHER.",
      "measure 10,20,30 40,20,30"},
     {COMMAND("profile", act_profile, GROUP_QUESTIONS, S | A),
-     {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION),
-      KEYED("values", VALUE_CHOICE, .choices = "yes|no")},
+     {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), YES_NO("values")},
      "plot the intensities along a straight line",
      "A chart of the voxels of a stroke of radius 0, with their labels below it: a digit, + for a "
      "label above 9, and . where no seed reaches. A column of several voxels shows their mean.\n"
@@ -694,8 +688,7 @@ static const struct command command_table[] = {
      "why 100,100,50"},
     {COMMAND("hints", act_hints, GROUP_QUESTIONS, S | A),
      {MAY("COUNT", VALUE_NUMBER, .choices = "slice", .least = 1, .most = HINTS_MOST),
-      KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
+      KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE), YES_NO("replace")},
      "list the least certain places of borders",
      "Prints the first COUNT places, 10 unless given, the least certain first: the size of each, "
      "the cost of its least certain voxel, the neighbouring label with its cost there, the edge "
@@ -721,7 +714,7 @@ static const struct command command_table[] = {
      "info"},
     {CALLED("stats", "statistics|volume|volumes|components|count", act_stats, GROUP_QUESTIONS,
             S | A),
-     {KEYED("report", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+     {KEYED("report", VALUE_FILE), YES_NO("replace"), FINISHED},
      "measure size, surface and intensities of labels",
      "For each label: seeds, voxels and volume; components, connected by faces, and enclosed "
      "holes; the area of the smooth surface, to 2 % unless the object is small or thin; the centre "
@@ -735,7 +728,7 @@ static const struct command command_table[] = {
       KEYED("as", VALUE_LIST, .least = 1, .most = 255),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
       KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, OF_MAP},
+      YES_NO("replace"), FINISHED, OF_MAP},
      "compare the labels with a label map",
      "A: the present labels. B: the map, on the scene's grid. For each label, and all labels "
      "together:\n"

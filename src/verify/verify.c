@@ -32,7 +32,7 @@ static void show_present(struct interpreter *interp, struct evidence *evidence)
     struct picture picture = {0};
     if (!interp->session->has_scene || evidence->pictures ||
         session_draw(interp->session, RENDER_AS_KEPT, NULL) ||
-        export_picture(&picture, interp->session, NULL))
+        export_picture(&picture, interp->session, PICTURE_BUT_NORMAL, NULL))
         return;
     export_background(&picture, interp->session, NULL);
     evidence_add(evidence, "actual: the rendition after this command", picture.width,
