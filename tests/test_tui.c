@@ -756,86 +756,97 @@ static const char *shown(void)
     return text;
 }
 
-/* Repeat an action; then compare the line. */
-#define ACT(action, times, expected)                                                               \
-    do {                                                                                           \
-        act(action, times);                                                                        \
-        CHECK_TEXT(shown(), expected);                                                             \
-    } while (0)
+/* Keys as a terminal sends them. */
+#define LEFT           "\002"
+#define RIGHT          "\006"
+#define WORD_LEFT      "\033b"
+#define WORD_RIGHT     "\033f"
+#define HOME           "\001"
+#define END            "\005"
+#define ERASE          "\177"
+#define DELETE         "\033[3~"
+#define KILL_TO_END    "\013"
+#define KILL_TO_START  "\025"
+#define KILL_BLANK     "\027"
+#define KILL_WORD_LEFT "\033\177"
+#define KILL_WORD      "\033d"
+#define YANK           "\031"
+#define TRANSPOSE      "\024"
+#define UNDO           "\037"
+#define OLDER          "\020"
+#define NEWER          "\016"
+#define OLDEST         "\033<"
+#define NEWEST         "\033>"
+#define LAST_WORD      "\033."
+
+/* Type text and keys, and compare the line after them. */
+struct typed {
+    const char *bytes, *shown;
+};
+
+static void check_typed(const struct typed *row, size_t rows)
+{
+    for (; rows-- > 0; row++) {
+        struct keys keys = {0};
+        struct key_event event;
+        char before[LINE_KEYS_MOST] = "";
+        for (const char *at = row->bytes; *at; at++) {
+            if (!keys_feed(&keys, (uint8_t)*at, &event))
+                continue;
+            const unsigned found = line_key_find(&event, before);
+            if (found < LINE_ACTIONS)
+                line_act(&line, (enum line_action)found);
+            else
+                line_insert(&line, event.text, event.length);
+        }
+        CHECK_TEXT(shown(), row->shown);
+    }
+}
+
+#define TYPED(...)                                                                                 \
+    check_typed((const struct typed[]){__VA_ARGS__},                                               \
+                sizeof((const struct typed[]){__VA_ARGS__}) / sizeof(struct typed))
 
 STORY(typing_moving_and_deleting)
 {
     begin_line(NULL, 0);
-    act(LINE_LEFT, 2); /* nothing there yet */
-    act(LINE_ERASE, 1);
-    act(LINE_DELETE, 1);
-    act(LINE_TRANSPOSE, 1);
-    ACT(LINE_KILL_TO_END, 1, "|");
-    type("seed 1,2,3 brain");
-    ACT(LINE_WORD_LEFT, 2, "seed 1,2,|3 brain");
-    act(LINE_ERASE, 1);
-    act(LINE_DELETE, 1);
-    type("4");
-    CHECK_TEXT(shown(), "seed 1,24| brain");
-    ACT(LINE_WORD_RIGHT, 1, "seed 1,24 brain|");
-    act(LINE_RIGHT, 3);
-    act(LINE_DELETE, 1);
-    act(LINE_HOME, 1);
-    ACT(LINE_RIGHT, 1, "s|eed 1,24 brain");
+    TYPED({LEFT LEFT ERASE DELETE TRANSPOSE KILL_TO_END, "|"}, /* nothing there yet */
+          {"seed 1,2,3 brain" WORD_LEFT WORD_LEFT, "seed 1,2,|3 brain"},
+          {ERASE DELETE "4", "seed 1,24| brain"}, {WORD_RIGHT, "seed 1,24 brain|"},
+          {RIGHT RIGHT RIGHT DELETE HOME RIGHT, "s|eed 1,24 brain"});
 }
 
 STORY(one_character_is_what_the_eye_sees_as_one)
 {
     begin_line(NULL, 0);
-    type("ae\u0301\u0323\U0001F9E0\u00e4");
-    ACT(LINE_LEFT, 3, "a|e\u0301\u0323\U0001F9E0\u00e4");
-    ACT(LINE_DELETE, 1, "a|\U0001F9E0\u00e4");
-    act(LINE_END, 1);
-    ACT(LINE_TRANSPOSE, 1, "a\u00e4\U0001F9E0|");
-    ACT(LINE_ERASE, 1, "a\u00e4|");
+    TYPED({"ae\u0301\u0323\U0001F9E0\u00e4" LEFT LEFT LEFT, "a|e\u0301\u0323\U0001F9E0\u00e4"},
+          {DELETE, "a|\U0001F9E0\u00e4"}, {END TRANSPOSE, "a\u00e4\U0001F9E0|"},
+          {ERASE, "a\u00e4|"});
 }
 
 STORY(kills_gather_and_come_back)
 {
     begin_line(NULL, 0);
-    type("view 30 15 0");
-    ACT(LINE_KILL_BLANK_LEFT, 2, "view 30 |");
-    ACT(LINE_YANK, 2, "view 30 15 015 0|");
-    act(LINE_HOME, 1);
-    act(LINE_KILL_WORD_RIGHT, 1);
-    ACT(LINE_KILL_TO_END, 1, "|");
-    type("x");
-    ACT(LINE_YANK, 1, "xview 30 15 015 0|");
-    act(LINE_KILL_WORD_LEFT, 1);
-    act(LINE_LEFT, 1); /* something else between: a new kill begins */
-    act(LINE_KILL_TO_START, 1);
-    ACT(LINE_YANK, 1, "xview 30 15 015| ");
+    TYPED({"view 30 15 0" KILL_BLANK KILL_BLANK, "view 30 |"}, {YANK YANK, "view 30 15 015 0|"},
+          {HOME KILL_WORD KILL_TO_END, "|"}, {"x" YANK, "xview 30 15 015 0|"},
+          /* something else between: a new kill begins */
+          {KILL_WORD_LEFT LEFT KILL_TO_START YANK, "xview 30 15 015| "});
 }
 
 STORY(transposing_at_the_ends_and_within)
 {
     begin_line(NULL, 0);
-    type("ab");
-    ACT(LINE_TRANSPOSE, 1, "ba|");
-    act(LINE_HOME, 1);
-    ACT(LINE_TRANSPOSE, 1, "|ba");
-    act(LINE_RIGHT, 1);
-    ACT(LINE_TRANSPOSE, 1, "ab|");
+    TYPED({"ab" TRANSPOSE, "ba|"}, {HOME TRANSPOSE, "|ba"}, {RIGHT TRANSPOSE, "ab|"});
 }
 
 STORY(browsing_older_lines_keeps_the_one_begun)
 {
     static const char *const entries[] = {"open ch2", "run", "run", " secret", "render"};
     begin_line(entries, 5);
-    CHECK_INT(old_lines.count, 3); /* no repetition, nothing after a blank */
-    type("see");
-    act(LINE_HOME, 1); /* every line begins with the empty prefix */
-    ACT(LINE_OLDER, 1, "render|");
-    ACT(LINE_OLDER, 7, "open ch2|");
-    ACT(LINE_NEWER, 1, "run|");
-    ACT(LINE_NEWEST, 1, "see|");
-    ACT(LINE_NEWER, 1, "see|");
-    ACT(LINE_OLDEST, 1, "open ch2|");
+    CHECK_INT(old_lines.count, 3);       /* no repetition, nothing after a blank */
+    TYPED({"see" HOME OLDER, "render|"}, /* every line begins with the empty prefix */
+          {OLDER OLDER OLDER OLDER OLDER OLDER OLDER, "open ch2|"}, {NEWER, "run|"},
+          {NEWEST, "see|"}, {NEWER, "see|"}, {OLDEST, "open ch2|"});
 }
 
 /* "run|seed 2": the list of a search, the one that is chosen after a mark. */
@@ -912,81 +923,53 @@ static const char *const sessions[] = {"seed 1,1,1 a",          "view left",
 STORY(older_lines_begin_with_what_stands_before_the_cursor)
 {
     begin_line(sessions, 6);
-    type("seed");
-    ACT(LINE_OLDER, 1, "seed 3,3,3 a radius=2|");
-    ACT(LINE_OLDER, 1, "seed 2,2,2 b|");
-    ACT(LINE_OLDER, 5, "seed 1,1,1 a|");
-    ACT(LINE_NEWER, 1, "seed 2,2,2 b|");
-    ACT(LINE_NEWER, 2, "seed|");
-    ACT(LINE_NEWER, 1, "seed|");
-    ACT(LINE_OLDEST, 1, "seed 1,1,1 a|");
-    act(LINE_NEWEST, 1);
-    act(LINE_LEFT, 3); /* only the text before the cursor counts */
-    ACT(LINE_OLDER, 1, "seed 3,3,3 a radius=2|");
-    act(LINE_HOME, 1);
-    ACT(LINE_OLDER, 1, "run|"); /* on from there, whatever they begin with */
-    type("x");                  /* no older line any more: it is today's */
-    act(LINE_HOME, 1);
-    ACT(LINE_OLDER, 1, "label 2 \"left hemi\"|");
-    ACT(LINE_NEWER, 1, "runx|");
-    type("zzz");
-    ACT(LINE_OLDER, 1, "runxzzz|"); /* nothing begins so */
+    TYPED({"seed" OLDER, "seed 3,3,3 a radius=2|"}, {OLDER, "seed 2,2,2 b|"},
+          {OLDER OLDER OLDER OLDER OLDER, "seed 1,1,1 a|"}, {NEWER, "seed 2,2,2 b|"},
+          {NEWER NEWER, "seed|"}, {NEWER, "seed|"}, {OLDEST, "seed 1,1,1 a|"},
+          /* only the text before the cursor counts */
+          {NEWEST LEFT LEFT LEFT OLDER, "seed 3,3,3 a radius=2|"},
+          {HOME OLDER, "run|"}, /* on from there, whatever they begin with */
+          /* no older line any more: it is today's */
+          {"x" HOME OLDER, "label 2 \"left hemi\"|"}, {NEWER, "runx|"},
+          {"zzz" OLDER, "runxzzz|"}); /* nothing begins so */
 }
 
 STORY(last_words_of_older_lines_are_cited)
 {
     begin_line(sessions, 6);
-    type("x ");
-    ACT(LINE_LAST_WORD, 1, "x \"left hemi\"|");
-    ACT(LINE_LAST_WORD, 1, "x radius=2|");
-    ACT(LINE_LAST_WORD, 2, "x b|");
-    ACT(LINE_LAST_WORD, 9, "x a|");
-    ACT(LINE_UNDO, 1, "x |"); /* all as one */
-    act(LINE_LEFT, 1);
-    ACT(LINE_LAST_WORD, 1, "x\"left hemi\"| ");
+    TYPED(
+        {"x " LAST_WORD, "x \"left hemi\"|"}, {LAST_WORD, "x radius=2|"},
+        {LAST_WORD LAST_WORD, "x b|"},
+        {LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD,
+         "x a|"},
+        {UNDO, "x |"}, /* all as one */
+        {LEFT LAST_WORD, "x\"left hemi\"| "});
 }
 
 STORY(what_was_done_to_a_line_is_undone_step_by_step)
 {
     begin_line(sessions, 6);
-    act(LINE_UNDO, 1);
-    type("see");
-    type("d");
-    type(" ");
-    type("1");
-    type(",2");
-    act(LINE_LEFT, 2);
-    ACT(LINE_ERASE, 2, "seed|,2");
-    ACT(LINE_UNDO, 1, "seed 1|,2"); /* characters erased one after another are one step, */
-    ACT(LINE_UNDO, 1, "seed |");    /* and so is a word */
-    ACT(LINE_UNDO, 1, "|");
-    ACT(LINE_UNDO, 3, "|");
-    type("v");
-    act(LINE_OLDER, 2);
-    act(LINE_KILL_TO_START, 1);
-    act(LINE_YANK, 1);
-    ACT(LINE_UNDO, 2, "view left|");
-    ACT(LINE_UNDO, 1, "v|");
+    TYPED({UNDO "seed 1,2" LEFT LEFT ERASE ERASE, "seed|,2"},
+          {UNDO, "seed 1|,2"}, /* characters erased one after another are one step, */
+          {UNDO, "seed |"},    /* and so is a word */
+          {UNDO, "|"}, {UNDO UNDO UNDO, "|"},
+          {"v" OLDER OLDER KILL_TO_START YANK UNDO UNDO, "view left|"}, {UNDO, "v|"});
     line_paste(&line, "a", 1);
     line_paste(&line, " b", 2);
     line_paste(&line, "c", 1);
-    CHECK_TEXT(shown(), "va bc|");
-    ACT(LINE_UNDO, 1, "v|");
+    TYPED({"", "va bc|"}, {UNDO, "v|"});
 }
 
 STORY(letters_of_a_word_change_with_their_bytes)
 {
     begin_line(NULL, 0);
     type("label 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
-    act(LINE_HOME, 1);
-    ACT(LINE_UPPER, 1, "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
-    ACT(LINE_CAPITAL, 2, "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe");
-    /* two bytes become one; characters without case stay */
-    ACT(LINE_UPPER, 3, "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|");
-    act(LINE_UPPER, 1);
-    act(LINE_WORD_LEFT, 1);
-    ACT(LINE_LOWER, 1, "LABEL 2 \u00c9tag\u00e8re IX \xff stra\u00dfe|");
-    ACT(LINE_UNDO, 1, "LABEL 2 \u00c9tag\u00e8re IX \xff |STRA\u00dfE");
+    TYPED({HOME "\033u", "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe"},
+          {"\033c\033c", "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe"},
+          /* two bytes become one; characters without case stay */
+          {"\033u\033u\033u", "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|"},
+          {"\033u" WORD_LEFT "\033l", "LABEL 2 \u00c9tag\u00e8re IX \xff stra\u00dfe|"},
+          {UNDO, "LABEL 2 \u00c9tag\u00e8re IX \xff |STRA\u00dfE"});
 }
 
 /* Labels of the name b are no more. */
@@ -1021,7 +1004,7 @@ STORY(the_newest_line_that_begins_so_and_is_known_is_suggested)
     CHECK(line_take_suggestion(&line, suggested(), LINE_END));
     CHECK_TEXT(shown(), "seed 1,1,1 a radius=2|");
     CHECK_TEXT(suggested(), "");
-    ACT(LINE_UNDO, 1, "seed 1|");
+    TYPED({UNDO, "seed 1|"});
 }
 
 STORY(a_hundred_lines_that_are_no_more_known_are_not_all_tried)
