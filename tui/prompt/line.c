@@ -187,13 +187,6 @@ static size_t blank_left(const struct line *l, size_t at)
     return at;
 }
 
-static size_t start(const struct line *l, size_t at)
-{
-    (void)l;
-    (void)at;
-    return 0;
-}
-
 static size_t end(const struct line *l, size_t at)
 {
     (void)at;
@@ -424,18 +417,16 @@ static void browse(struct line *l, enum line_action action, enum line_last befor
 
 /* ---- actions ---- */
 
-/* Target of an action: the new cursor, or the end of the range to remove. */
+/* Target of an action: the new cursor, or the end of the range to remove. NULL: the start. */
 static size_t (*const target_of[])(const struct line *, size_t) = {
     [LINE_LEFT] = previous,
     [LINE_RIGHT] = next,
     [LINE_WORD_LEFT] = word_left,
     [LINE_WORD_RIGHT] = word_right,
-    [LINE_HOME] = start,
     [LINE_END] = end,
     [LINE_ERASE] = previous,
     [LINE_DELETE] = next,
     [LINE_KILL_TO_END] = end,
-    [LINE_KILL_TO_START] = start,
     [LINE_KILL_BLANK_LEFT] = blank_left,
     [LINE_KILL_WORD_LEFT] = word_left,
     [LINE_KILL_WORD_RIGHT] = word_right,
@@ -444,7 +435,7 @@ static size_t (*const target_of[])(const struct line *, size_t) = {
 /* Actions that move the cursor or remove text up to a target. */
 static void move(struct line *l, enum line_action action, enum line_last before)
 {
-    const size_t at = l->cursor, to = target_of[action](l, at);
+    const size_t at = l->cursor, to = target_of[action] ? target_of[action](l, at) : 0;
     const size_t low = to < at ? to : at, high = to < at ? at : to;
     if (action <= LINE_END) {
         l->cursor = to;
