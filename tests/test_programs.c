@@ -137,7 +137,7 @@ STORY(a_value_may_follow_an_equals_sign)
     CHECK_TEXT(o.journal, "a.iftty");
     CHECK(o.keep_going);
     CHECK(take("verify a --until=3 -j 2") == OK);
-    CHECK(o.until == 3 && o.processes == 2);
+    CHECK(o.verify.last == 3 && o.verify.processes == 2);
     CHECK(take("run s --journal=") == OK);
     CHECK_TEXT(o.journal, "");
     CHECK(take("run s --journal=a=b") == OK);

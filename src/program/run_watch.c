@@ -345,14 +345,6 @@ const uint8_t *watched_former(const struct watched *w)
 
 /* ---- text ---- */
 
-/* True if the last state comes from this point. */
-static bool leads_on(const struct history *history, uint32_t end, size_t point)
-{
-    while (end > point)
-        end = history->point[end].parent;
-    return end == point;
-}
-
 void watched_title(struct buf *out, const struct watched *w)
 {
     const struct history *history = &w->interp->history;
@@ -363,7 +355,10 @@ void watched_title(struct buf *out, const struct watched *w)
     }
     buf_printf(out, "step %zu of %zu, record %zu: ", w->at, w->count, point->record);
     buf_add_safe_excerpt(out, point->command, strlen(point->command));
-    if (leads_on(history, w->end, w->at))
+    uint32_t end = w->end; /* the last state, or the one it comes from */
+    while (end > w->at)
+        end = history->point[end].parent;
+    if (end == w->at)
         return;
     buf_add_text(out, point->branch == history->on ? "  (undone later)" : "  (on another branch)");
 }

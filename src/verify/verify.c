@@ -346,7 +346,7 @@ static enum err run_all(struct verification *v, struct fault *fault)
 {
     const struct verify_options *o = v->options;
     const struct processes how = {.count = o->count,
-                                  .at_once = o->processes,
+                                  .at_once = o->processes ? (unsigned)o->processes : 1,
                                   .most = RESULT_MOST,
                                   .context = v,
                                   .work = work,
