@@ -104,13 +104,11 @@ static inline void resume_journal(struct interpreter *interp, const char *name)
 /* Carrying every command of a journal out again gives the recorded results. */
 static inline void verify_journal(const char *name)
 {
-    struct replay_report report = {0};
-    struct interpreter interp;
+    OWNED(replay_report_release) struct replay_report report = {0};
+    OWNED(interpreter_release) struct interpreter interp;
     begin_interpreter(&interp);
     if (!CHECK(replay_file(&interp, place(name), 0, 0, NULL, NULL, &report, &fault) == OK))
         printf("#   %s\n", fault.text);
-    replay_report_release(&report);
-    interpreter_release(&interp);
 }
 
 /* Execute lines, after which the forest has so many seeds. */
@@ -243,13 +241,12 @@ static inline void measures_stand(struct session *session)
 {
     static struct label_stats kept[256], anew[256];
     const struct labels labels = labels_of_forest(session->scene);
-    struct label_measures measures = {0};
+    OWNED(label_measures_release) struct label_measures measures = {0};
     if (watch_stops(session->scene->watch))
         return;
     CHECK(session_find_stats(session, &labels, kept, NULL) == OK);
     CHECK(label_stats_find(anew, &measures, &labels, NULL, NULL) == OK);
     CHECK(memcmp(kept, anew, sizeof kept) == 0);
-    label_measures_release(&measures);
 }
 
 /* Y1 of session/tally.h: a tally that is not stale equals a recount. */

@@ -331,11 +331,10 @@ STORY(each_step_is_what_a_plain_model_makes)
         fill(&v, 7);
         list.step[0] = random_step(&v);
         if (!CHECK(finish_as_model(&v, &list, team_of[round % 4]))) {
-            struct buf words = {0};
+            OWNED(buf_release) struct buf words = {0};
             finish_write(&words, &list);
             printf("# round %d: %dx%dx%d, %s\n", round, v.size[0], v.size[1], v.size[2],
                    buf_text(&words));
-            buf_release(&words);
         }
     }
 }

@@ -196,11 +196,9 @@ BEGUN_STORY(fit_is_recorded_as_what_it_comes_to, begin_with_object)
 
 static bool same_picture(const char *a, const char *b)
 {
-    struct picture p = {0}, q = {0};
+    OWNED(picture_release) struct picture p = {0}, q = {0};
     const bool read = CHECK(exr_read(&p, a, NULL) == OK) && CHECK(exr_read(&q, b, NULL) == OK);
     const bool same = read && memcmp(p.rgba, q.rgba, (size_t)4 * p.width * p.height) == 0;
-    picture_release(&p);
-    picture_release(&q);
     return same;
 }
 

@@ -48,7 +48,7 @@ static const char *row_labels(struct world *w)
 
 STORY(two_seeds_meet_at_the_ridge)
 {
-    struct world w = world_new(9, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(9, 1, 1, 6);
     set_row_weights(&w, "110130111");
     plant_at(&w, 0, 0, 0, 1);
     plant_at(&w, 8, 0, 0, 2);
@@ -56,21 +56,19 @@ STORY(two_seeds_meet_at_the_ridge)
      * either: the smaller root decides. Beyond it the right seed is cheaper. */
     CHECK_TEXT(row_labels(&w), "111112222");
     CHECK_INT(key_cost(voxel(&w, 4, 0, 0)->key), 3);
-    world_free(&w);
 }
 
 STORY(on_a_plateau_hops_decide_and_then_the_smaller_root)
 {
-    struct world w = world_new(7, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(7, 1, 1, 6);
     plant_at(&w, 6, 0, 0, 2);
     plant_at(&w, 0, 0, 0, 1);
     CHECK_TEXT(row_labels(&w), "1111222");
-    world_free(&w);
 }
 
 STORY(erasing_a_seed_gives_its_tree_to_the_neighbours)
 {
-    struct world w = world_new(7, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(7, 1, 1, 6);
     plant_at(&w, 0, 0, 0, 1);
     uint64_t before = forest_digest(w.forest);
     plant_at(&w, 6, 0, 0, 2);
@@ -80,19 +78,17 @@ STORY(erasing_a_seed_gives_its_tree_to_the_neighbours)
     plant_at(&w, 0, 0, 0, EDIT_ERASE);
     CHECK_TEXT(row_labels(&w), "0000000");
     CHECK(forest_digest(w.forest) == 0 && forest_seeds(w.forest) == 0);
-    world_free(&w);
 }
 
 STORY(the_last_edit_of_a_voxel_in_a_batch_wins)
 {
-    struct world w = world_new(3, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(3, 1, 1, 6);
     uint32_t at = grid_cell(&w.scene->grid, 1, 0, 0);
     struct edit batch[] = {{at, 4, 0}, {at, EDIT_ERASE, 0}, {at, 5, 0}};
     CHECK(forest_edit(w.forest, batch, 3, NULL) == OK);
     CHECK_TEXT(row_labels(&w), "555");
     CHECK(revert(w.forest, NULL) == OK);
     CHECK_TEXT(row_labels(&w), "000");
-    world_free(&w);
 }
 
 /* ---- arcs and regions of interest, by hand ---- */
@@ -121,7 +117,7 @@ static void row_costs_are(struct world *w, const uint32_t *expected)
 
 STORY(a_difference_is_the_same_both_ways)
 {
-    struct world w = world_new(6, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(6, 1, 1, 6);
     set_row_intensities(&w, (const uint16_t[]){10, 12, 50, 50, 20, 65535});
     plant_at(&w, 0, 0, 0, 1);
     set_arcs(&w, ARC_DIFFERENCE, 0, 0);
@@ -130,12 +126,11 @@ STORY(a_difference_is_the_same_both_ways)
     CHECK_TEXT(row_labels(&w), "111112"); /* 20 costs 65515 from the right */
     plant_at(&w, 0, 0, 0, EDIT_ERASE);
     row_costs_are(&w, (const uint32_t[]){65515, 65515, 65515, 65515, 65515, 0});
-    world_free(&w);
 }
 
 STORY(polarity_makes_one_way_over_an_edge_dearer)
 {
-    struct world w = world_new(6, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(6, 1, 1, 6);
     set_row_intensities(&w, (const uint16_t[]){100, 100, 55, 55, 100, 60000});
     plant_at(&w, 0, 0, 0, 1);
     set_arcs(&w, ARC_POLARITY, 0, 0);
@@ -148,12 +143,11 @@ STORY(polarity_makes_one_way_over_an_edge_dearer)
     row_costs_are(&w, (const uint32_t[]){0, 0, 90, 90, 90, 90});
     set_arcs(&w, ARC_POLARITY, -100, 0);
     row_costs_are(&w, (const uint32_t[]){0, 0, 0, 0, 90, 65535});
-    world_free(&w);
 }
 
 STORY(polarity_goes_by_the_label_of_the_root)
 {
-    struct world w = world_new(5, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(5, 1, 1, 6);
     set_row_intensities(&w, (const uint16_t[]){90, 90, 50, 10, 10});
     plant_at(&w, 0, 0, 0, 1);
     plant_at(&w, 4, 0, 0, 2);
@@ -166,7 +160,6 @@ STORY(polarity_goes_by_the_label_of_the_root)
     plant_at(&w, 4, 0, 0, 3); /* whose polarity is 0 */
     CHECK_TEXT(row_labels(&w), "11333");
     CHECK(forest_check(w.forest, NULL));
-    world_free(&w);
 }
 
 /* Puts a region of interest up where the forest has its seeds inside. */
@@ -180,7 +173,7 @@ static void put_up(struct world *w, const struct roi *roi)
 
 STORY(no_tree_passes_a_roi)
 {
-    struct world w = world_new(7, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(7, 1, 1, 6);
     struct roi range = {NULL, 5, 9}, none = roi_none(), mask = {NULL, 0, 9};
     set_row_intensities(&w, (const uint16_t[]){5, 9, 7, 4, 10, 5, 5});
     CHECK_INT(roi_tally(&range, w.scene).inside, 5);
@@ -211,12 +204,11 @@ STORY(no_tree_passes_a_roi)
     plant_at(&w, 4, 0, 0, 1);
     CHECK_INT(roi_tally(&mask, w.scene).seeds_outside, 1);
     free(bits);
-    world_free(&w);
 }
 
 STORY(changes_name_each_voxel_that_got_another_label_once)
 {
-    struct world w = world_new(64, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(64, 1, 1, 6);
     plant_at(&w, 0, 0, 0, 1);
     CHECK(forest_changes(w.forest).everything);
     CHECK_INT(forest_stats(w.forest).touched, 64);
@@ -234,7 +226,6 @@ STORY(changes_name_each_voxel_that_got_another_label_once)
     CHECK_INT(changes.item[0].former_label, 4);
     CHECK_INT(changes.item[0].label, 5);
     CHECK(forest_check(w.forest, NULL));
-    world_free(&w);
 }
 
 STORY(a_plateau_longer_than_hops_can_count_is_refused_and_undone)
@@ -320,7 +311,7 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
 {
     struct fault fault = {0};
     uint64_t random = 3;
-    struct world w = world_new(64, 60, 56, 6);
+    OWNED(world_free) struct world w = world_new(64, 60, 56, 6);
     paint(&w, NOISY, 65536, &random);
     plant_at(&w, 30, 30, 30, 1);
     plant_at(&w, 2, 2, 2, 2);
@@ -343,7 +334,6 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     CHECK(forest_check(w.forest, NULL) && equals_scratch(&w));
     CHECK(revert(w.forest, NULL) == OK);
     is_as_before(&w, before);
-    world_free(&w);
 }
 
 /* After every level, and in every third round within each loop too, at more and more voxels. Most
@@ -353,7 +343,7 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
     struct fault fault = {0};
     uint64_t random = 5;
     for (unsigned round = 0; round < check_scaled(150) && check_failures == 0; round++) {
-        struct world w = planted_world(&random, 6, round % 10 ? 6 : 0);
+        OWNED(world_free) struct world w = planted_world(&random, 6, round % 10 ? 6 : 0);
         struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
         size_t count = random_batch(&w, batch, &random);
         const struct state before = state_of(&w);
@@ -375,7 +365,6 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
         CHECK(revert(w.forest, NULL) == OK);
         is_as_before(&w, before);
         free(batch);
-        world_free(&w);
     }
 }
 
@@ -438,7 +427,7 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
     if (!CHECK(team_new(&team, 3, NULL) == OK))
         return;
     for (unsigned round = 0; round < check_scaled(120) && check_failures == 0; round++) {
-        struct world w = planted_world(&random, round % 2 ? 6 : 0, 0);
+        OWNED(world_free) struct world w = planted_world(&random, round % 2 ? 6 : 0, 0);
         struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
         const size_t count = random_batch(&w, batch, &random);
         struct showing showing = {.w = &w};
@@ -456,7 +445,6 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
         finals += showing.finals;
         CHECK(equals_scratch(&w));
         free(batch);
-        world_free(&w);
     }
     CHECK(shows > check_scaled(1000) && finals > check_scaled(10000));
     team_free(team);
@@ -511,12 +499,11 @@ STORY(an_allocation_that_fails_leaves_the_forest_as_it_was)
 STORY(both_adjacencies_hold_each_direction_and_its_opposite)
 {
     for (unsigned count = 6; count <= 26; count += 20) {
-        struct world w = world_new(4, 4, 4, count);
+        OWNED(world_free) struct world w = world_new(4, 4, 4, count);
         const struct adjacency *a = forest_adjacency(w.forest);
         CHECK_INT(a->count, count);
         for (unsigned i = 0; i < count; i++)
             CHECK_INT(a->offset[i], -a->offset[count - 1 - i]);
-        world_free(&w);
     }
 }
 

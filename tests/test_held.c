@@ -35,7 +35,7 @@ static uint32_t random_cell(const struct session *session)
 STORY(a_tree_has_the_voxels_that_name_its_root)
 {
     for (unsigned round = 0; round < 20; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin(&interp, 5);
         must(&interp, "run");
         const struct session *session = interp.session;
@@ -55,7 +55,6 @@ STORY(a_tree_has_the_voxels_that_name_its_root)
                 CHECK_INT(tree_voxels(session->forest, c, 2), 3);
         }
         free(voxels);
-        interpreter_release(&interp);
     }
 }
 
@@ -116,7 +115,7 @@ static void ask(struct interpreter *interp)
 STORY(what_is_held_is_what_is_removed_then)
 {
     for (unsigned round = 0; round < 60; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin(&interp, 2 + below(6));
         for (unsigned i = 0; i < 6; i++) {
             if (below(3))
@@ -124,7 +123,6 @@ STORY(what_is_held_is_what_is_removed_then)
             ask(&interp);
             plant_somewhere(&interp);
         }
-        interpreter_release(&interp);
     }
 }
 

@@ -290,7 +290,7 @@ BEGUN_STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to, begin)
 
 BEGUN_STORY(a_report_has_all_of_them, begin)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     must(interp, "seed 1,1,1 1; seed 10,9,8 2");
     is_refused(interp, "hints report=h.csv", "expected a name that ends in .json");
     MUST_MENTION(interp, "hints 1 report=h.json", "wrote ");
@@ -298,5 +298,4 @@ BEGUN_STORY(a_report_has_all_of_them, begin)
     CHECK_HAS(buf_text(&text), "{\"number\": 1, \"place\": \"");
     CHECK_HAS(buf_text(&text), "\"volume_mm3\": ");
     CHECK_HAS(buf_text(&text), "\"certainty_most\": ");
-    buf_release(&text);
 }

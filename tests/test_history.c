@@ -60,7 +60,7 @@ static void goes_back_and_forth(struct interpreter *interp, const char *line)
 STORY(every_kind_of_command_is_undone_and_done_again)
 {
     for (int by_itself = 0; by_itself < 2; by_itself++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         struct snapshot first, now;
         begin_with_scene(&interp);
         must(&interp, "size 24 24");
@@ -82,7 +82,6 @@ STORY(every_kind_of_command_is_undone_and_done_again)
         CHECK(execute(&interp, "redo 2") == ERR_INPUT);
         MUST_MENTION(&interp, "undo 1000", "commands could be undone, not 1000\n");
         CHECK(execute(&interp, "undo") == ERR_INPUT);
-        interpreter_release(&interp);
     }
 }
 
@@ -229,26 +228,24 @@ static void walk_straight_to(struct interpreter *interp, const struct history *h
 
 static void a_straight_way_leads_there_too(const struct interpreter *interp, uint32_t at)
 {
-    struct interpreter straight;
+    OWNED(interpreter_release) struct interpreter straight;
     struct snapshot now;
     begin_at_root(&straight, NULL);
     walk_straight_to(&straight, &interp->history, at);
     take_snapshot(&now, &straight);
     is_same_segmentation(&state_at[interp->history.point[at].record], &now);
-    interpreter_release(&straight);
 }
 
 STORY(random_walks_come_back_to_the_very_same_states)
 {
     for (unsigned round = 0; round < 6; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin_at_root(&interp, NULL);
         take_snapshot(&state_at[1], &interp);
         walk_about(&interp, 300);
         CHECK(interp.history.points > 60);
         for (unsigned i = 0; i < 8; i++)
             a_straight_way_leads_there_too(&interp, below((uint32_t)interp.history.points));
-        interpreter_release(&interp);
     }
 }
 
@@ -416,11 +413,10 @@ STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
         must(&interp, "size 24 24");
         must(&interp, by_itself ? "auto on" : "auto off");
         must(&interp, "seed 1,1,1 1; seed 10,9,8 2 radius=1; render");
-        struct buf work = {0};
+        OWNED(buf_release) struct buf work = {0};
         for (const char *at = works; next_line(&work, &at);)
             if (!CHECK(stop_everywhere(&interp, buf_text(&work), by_itself, true) > 1))
                 printf("#   %s\n", buf_text(&work));
-        buf_release(&work);
         CHECK(unlink(place("labels.nii")) == 0 && unlink(place("root.nii.gz")) == 0);
         interpreter_release(&interp);
     }
@@ -437,7 +433,7 @@ STORY(what_is_shown_on_the_way_changes_nothing)
     begin_with_scene(&plain);
     must(&interp, "size 24 24");
     must(&plain, "size 24 24");
-    struct buf deed = {0};
+    OWNED(buf_release) struct buf deed = {0};
     const char *at = deeds;
     for (size_t i = 0; i < 2 * DEEDS; i++) {
         if (i % 2 == 0)
@@ -461,7 +457,6 @@ STORY(what_is_shown_on_the_way_changes_nothing)
             printf("#   %s\n", line);
     }
     CHECK(!*at);
-    buf_release(&deed);
     CHECK(stopping.shows > 100);
     interpreter_release(&interp);
     interpreter_release(&plain);
@@ -471,14 +466,13 @@ STORY(a_scene_is_opened_and_interpolated_or_is_not)
 {
     static const char *const scenes[] = {"scene.nii", "synth:geom:5x4x3"};
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         char line[64];
         begin_interpreter(&interp);
         snprintf(line, sizeof line, "open %s", scenes[i]);
         CHECK(stop_everywhere(&interp, line, false, true) > 20);
         CHECK(stop_everywhere(&interp, "interpolate 2 1 2", true, true) > 20);
         CHECK(starve_everywhere(&interp, "interpolate 1 2 1", NULL) > 4);
-        interpreter_release(&interp);
     }
 }
 
@@ -512,7 +506,7 @@ static void has_same_history(const struct history *a, const struct history *b)
  * if it is NULL. */
 static void forge_taken(const char *from, const char *to, const char *key, const char *taken)
 {
-    struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
+    OWNED(buf_release) struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
     struct walk walk;
     struct record record;
     struct record_chain chain = record_chain_zero;
@@ -541,10 +535,6 @@ static void forge_taken(const char *from, const char *to, const char *key, const
     }
     CHECK(file_write(to, out.data, out.length, FILE_REPLACE, NULL) == OK);
     walk_release(&walk);
-    buf_release(&bytes);
-    buf_release(&out);
-    buf_release(&words);
-    buf_release(&header);
 }
 
 static void resumes_as(const char *path, struct interpreter *interp, bool slowly)
@@ -578,7 +568,7 @@ static void resumes_as(const char *path, struct interpreter *interp, bool slowly
 STORY(what_is_skimmed_is_what_was_carried_out)
 {
     for (unsigned round = 0; round < 4; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         char path[PATH_MAX + 8], bare[PATH_MAX + 8];
         snprintf(path, sizeof path, "%s-%u", place("walk.iftty"), round);
         snprintf(bare, sizeof bare, "%s-%u", place("bare.iftty"), round);
@@ -594,7 +584,6 @@ STORY(what_is_skimmed_is_what_was_carried_out)
         resumes_as(path, &interp, false);
         forge_taken(path, bare, NULL, NULL);
         resumes_as(bare, &interp, false);
-        interpreter_release(&interp);
     }
 }
 

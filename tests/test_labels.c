@@ -385,7 +385,7 @@ static const char any[] =
 /* Compares with a new session that carries out the commands up to the current state. */
 static void same_from_scratch(const struct interpreter *interp)
 {
-    struct interpreter other;
+    OWNED(interpreter_release) struct interpreter other;
     uint32_t way[64];
     size_t count = 0;
     const struct history *history = &interp->history;
@@ -398,7 +398,6 @@ static void same_from_scratch(const struct interpreter *interp)
         must(&other, history->point[way[count]].command);
     CHECK_INT(forest_seeds(other.session->forest), forest_seeds(interp->session->forest));
     CHECK(forest_digest(other.session->forest) == forest_digest(interp->session->forest));
-    interpreter_release(&other);
 }
 
 STORY(what_gives_way_is_a_function_of_the_commands_that_stand)

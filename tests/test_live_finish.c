@@ -291,13 +291,12 @@ BEGUN_STORY(memory_that_runs_out_leaves_what_is_shown, begin_with_objects)
     enum err err = ERR_MEMORY;
     must(interp, "finish relax sweeps=5; finished on");
     for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++, refused++) {
-        struct canvas canvas = {0};
+        OWNED(canvas_release) struct canvas canvas = {0};
         allow_allocations(n);
         err = slicing_draw_panel(&canvas, interp->session, &panel, &fault);
         if (!err)
             err = session_refine(interp->session, NULL, &fault);
         mem_allows = NULL;
-        canvas_release(&canvas);
     }
     CHECK(err == OK && refused > 15);
     is_exact(interp);

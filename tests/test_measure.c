@@ -10,7 +10,7 @@
 STORY(a_chart_is_drawn_in_eighths_or_in_ascii)
 {
     static const uint16_t eighths[] = {0, 1, 5, 8, 9, 16, 20, 3};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct chart chart = {eighths, 8, 2, "9", "-1", 3, true};
     chart_write(&out, &chart);
     CHECK_TEXT(buf_text(&out), "  9 |    ▁██\n -1 | ▁▅████▃\n");
@@ -18,7 +18,6 @@ STORY(a_chart_is_drawn_in_eighths_or_in_ascii)
     chart.has_blocks = false;
     chart_write(&out, &chart);
     CHECK_TEXT(buf_text(&out), "  9 |    .##\n -1 | .:####.\n");
-    buf_release(&out);
 }
 
 /* The scene's world is oblique: its voxels are 1, 1.5 and 2.02 mm apart, y leans towards z. */

@@ -68,7 +68,7 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     const struct pilot_wish mark = {
         .corner = corner, .corners = 4, .label = 7, .marks_outline = true};
     struct panes with = {0}, without = {0};
-    struct voxels inside = {0};
+    OWNED(voxels_release) struct voxels inside = {0};
     unsigned dots, others, all = 0;
     begin();
     must(&interp, "label 7 outline #fa0a82");
@@ -96,7 +96,6 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     must(&interp, "cross 12,14,9");
     must(&interp, "magnify 300 at=12,14,9"); /* its corners are far outside of the pane */
     draw(&with, &mark);
-    voxels_release(&inside);
     panes_release(&with);
     panes_release(&without);
     interpreter_release(&interp);
@@ -105,14 +104,12 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
 /* Find an outline at a place: return its marker, or -1, and the number of corners. */
 static int find(unsigned label, enum pilot_pane pane, const uint32_t place[3], size_t *corners)
 {
-    struct polyline line = {0};
-    struct buf words = {0};
+    OWNED(polyline_release) struct polyline line = {0};
+    OWNED(buf_release) struct buf words = {0};
     uint32_t marker = 99;
     const bool found = host.outline(&pilot, label, pane, place, &line, &marker, &words);
     *corners = line.count;
     CHECK(words.length > 0);
-    polyline_release(&line);
-    buf_release(&words);
     return found ? (int)marker : -1;
 }
 
@@ -143,7 +140,7 @@ STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
 
 STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     enum pilot_pane pane;
     uint32_t place[3];
     begin();
@@ -173,7 +170,6 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     for (unsigned rank = 1; host.doubt(&pilot, 1, rank, &pane, place, &words); rank++)
         CHECK(pane != first || place[axis] != at);
     buf_release(&line);
-    buf_release(&words);
     interpreter_release(&interp);
 }
 

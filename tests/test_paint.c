@@ -88,7 +88,7 @@ STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
         uint32_t place[40][3];
         int step[3] = {0};
         const uint32_t count = 1 + below(40);
-        struct polyline line = {0};
+        OWNED(polyline_release) struct polyline line = {0};
         struct voxels voxels = {0};
         struct brush brush;
         begin();
@@ -107,7 +107,6 @@ STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
         places += count;
         corners += line.count;
         brush_release(&brush);
-        polyline_release(&line);
     }
     CHECK(corners < places * 2 / 3);
 }
@@ -116,13 +115,12 @@ STORY(only_what_lies_straight_ahead_is_no_corner)
 {
     static const uint32_t place[][3] = {{1, 1, 1}, {1, 1, 1}, {2, 2, 2}, {4, 4, 4},
                                         {3, 3, 3}, {9, 3, 3}, {9, 4, 3}, {9, 6, 3}};
-    struct polyline line = {0};
+    OWNED(polyline_release) struct polyline line = {0};
     for (size_t i = 0; i < sizeof place / sizeof place[0]; i++)
         CHECK(polyline_add(&line, place[i]));
     CHECK_INT(line.count, 5); /* back from 4,4,4 to 3,3,3 is a corner */
     CHECK(memcmp(line.corner[1], place[3], sizeof place[0]) == 0);
     CHECK(memcmp(line.corner[4], place[7], sizeof place[0]) == 0);
-    polyline_release(&line);
 }
 
 /* Return four times the squared distance of a place from the segment from a to b, rounded down. */
@@ -147,7 +145,7 @@ STORY(a_simplified_line_is_within_half_a_voxel_and_keeps_its_ends)
 {
     size_t before = 0, after = 0;
     for (int round = 0; round < 3000 && check_failures == 0; round++) {
-        struct polyline line = {0}, whole = {0};
+        OWNED(polyline_release) struct polyline line = {0}, whole = {0};
         uint32_t place[3];
         int way[2] = {1 + (int)below(5), 1 + (int)below(5)};
         random_place(place);
@@ -172,22 +170,19 @@ STORY(a_simplified_line_is_within_half_a_voxel_and_keeps_its_ends)
         CHECK(line.count == 0 || at + 1 == line.count);
         before += whole.count;
         after += line.count;
-        polyline_release(&line);
-        polyline_release(&whole);
     }
     CHECK(after < before * 2 / 3);
 }
 
 STORY(a_way_of_small_steps_is_one_and_a_way_back_is_another)
 {
-    struct polyline line = {0};
+    OWNED(polyline_release) struct polyline line = {0};
     for (uint32_t i = 0; i < 40; i++)
         CHECK(polyline_add(&line, (uint32_t[]){i + 3, (i + 1) / 3, 7}));
     CHECK(line.count > 20);
     CHECK(polyline_add(&line, (uint32_t[]){3, 2, 7}));
     polyline_simplify(&line);
     CHECK(line.count == 3 && line.corner[1][0] == 42 && line.corner[2][0] == 3);
-    polyline_release(&line);
 }
 
 STORY(a_ball_in_the_world_is_no_ellipsoid)
@@ -280,7 +275,7 @@ STORY(a_polygon_is_what_its_outline_winds_around_or_meets_and_a_ring_is_what_is_
         const int axis = (int)below(3), width = (int)below(5);
         const size_t corners = 1 + below(CORNERS_MOST);
         uint32_t corner[CORNERS_MOST][3];
-        struct voxels inside = {0}, again = {0}, ring = {0};
+        OWNED(voxels_release) struct voxels inside = {0}, again = {0}, ring = {0};
         begin();
         for (size_t i = 0; i < corners; i++) {
             random_place(corner[i]);
@@ -299,7 +294,6 @@ STORY(a_polygon_is_what_its_outline_winds_around_or_meets_and_a_ring_is_what_is_
             around += ring.count;
             CHECK(are_wanted(&ring));
         }
-        voxels_release(&inside);
     }
     CHECK(filled > 50000 && around > 10000);
 }
@@ -369,7 +363,7 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
     enum { MANY = 1000000 };
     const uint32_t size[3] = {64, 64, 64};
     uint32_t(*corner)[3] = malloc(MANY * sizeof *corner);
-    struct voxels voxels = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
     struct brush brush;
     CHECK(grid_init(&grid, size, NULL) == OK);
     CHECK(brush_init(&brush, units[0], 2, BRUSH_REACH_MOST, NULL) == OK);
@@ -380,7 +374,6 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
           paint_stroke(&voxels, &grid, &brush, (corners_of)corner, MANY, NULL, NULL) == OK);
     mem_allows = NULL;
     CHECK_INT(voxels.count, 64 * 64 * 64);
-    voxels_release(&voxels);
     brush_release(&brush);
     free(corner);
 }

@@ -385,7 +385,7 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
         for (uint8_t k = 0; k < 2; k++) {
             const struct finish_work work = {
                 .scene = scene, .team = team_for(round + k), .label = label};
-            struct relax_field field = {0};
+            OWNED(relax_field_release) struct relax_field field = {0};
             CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, FINISH_BAND_MOST,
                                     NULL) == OK);
             relax_field_make(&field, 25);
@@ -396,7 +396,6 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
                          &field, (uint32_t)(row % v.size[1]), (uint32_t)(row / v.size[1]), &part);)
                     memcpy(&u[k][row * v.size[0] + (int)part.x], part.value,
                            part.count * sizeof part.value[0]);
-            relax_field_release(&field);
         }
         bool sums = true;
         for (int i = 0; i < v.count; i++)

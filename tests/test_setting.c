@@ -75,7 +75,7 @@ static void add_value(struct buf *out, const struct parameter *p)
 /* Typing a setting as it is written restores it and nothing else, and undo is exact. */
 BEGUN_STORY(a_setting_is_told_as_it_is_typed, begin_interpreter)
 {
-    struct buf line = {0}, told = {0}, again = {0};
+    OWNED(buf_release) struct buf line = {0}, told = {0}, again = {0};
     must(interp, "open synth:geom:20x20x20");
     for (unsigned i = 0; i < 400; i++) {
         const struct command *setting = setting_table;
@@ -99,9 +99,6 @@ BEGUN_STORY(a_setting_is_told_as_it_is_typed, begin_interpreter)
         CHECK(kept_equals(&now.kept, &interp->session->now.kept));
         CHECK(outlook_equals(&now.outlook, &interp->session->now.outlook));
     }
-    buf_release(&line);
-    buf_release(&told);
-    buf_release(&again);
 }
 
 /* Set each setting in a journal: changes of the segmentation are undone and redone, and a replay
@@ -109,8 +106,8 @@ BEGUN_STORY(a_setting_is_told_as_it_is_typed, begin_interpreter)
 STORY(every_setting_is_undone_done_again_and_replayed)
 {
     struct interpreter interp, again;
-    struct replay_report report = {0};
-    struct buf line = {0};
+    OWNED(replay_report_release) struct replay_report report = {0};
+    OWNED(buf_release) struct buf line = {0};
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, file_in(folder, "j.iftty"), NULL) == OK);
     must(&interp, "open synth:geom:20x20x20");
@@ -142,15 +139,13 @@ STORY(every_setting_is_undone_done_again_and_replayed)
     CHECK(replay_file(&again, file_in(folder, "j.iftty"), 0, 0, NULL, NULL, &report, &fault) == OK);
     CHECK(kept_equals(&now.kept, &again.session->now.kept));
     CHECK(outlook_equals(&now.outlook, &again.session->now.outlook));
-    replay_report_release(&report);
     interpreter_release(&again);
-    buf_release(&line);
 }
 
 /* A session begins with the usual values, so that no optional part is written. */
 BEGUN_STORY(a_session_begins_with_what_is_usual, begin_interpreter)
 {
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     must(interp, "open synth:geom:20x20x20");
     for (const struct command *setting = setting_table; setting->name; setting++)
         for (const struct parameter *p = setting->parameter; p->type; p++) {
@@ -161,7 +156,6 @@ BEGUN_STORY(a_session_begins_with_what_is_usual, begin_interpreter)
     settings_write(&told, GROUP_LOOK, &interp->session->now);
     CHECK_TEXT(buf_text(&told), "shade surface, light -25 30, cue 30, edges off, samples 1, "
                                 "background gradient, decorate none, context none");
-    buf_release(&told);
 }
 
 BEGUN_STORY(parts_are_named_one_by_one_or_all_or_none, begin_interpreter)

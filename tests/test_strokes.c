@@ -77,7 +77,7 @@ JOURNAL_STORY(parts_of_a_stroke_are_undone_done_again_and_removed_as_one, "parts
  * were whole on the disk, which are one stroke. */
 STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
 {
-    struct buf whole = {0};
+    OWNED(buf_release) struct buf whole = {0};
     size_t stood[11] = {0};
     begin_with_journal(&interp, "whole.iftty");
     must(&interp, "auto on; seed 9,9,9 3; seed 1,1,1 1 to=3,1,1");
@@ -100,7 +100,6 @@ STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
         interpreter_release(&interp);
     }
     CHECK(stood[4] > 0 && stood[6] > 0);
-    buf_release(&whole);
 }
 
 JOURNAL_STORY(only_what_was_just_planted_is_gone_on_with, "alone.iftty")
@@ -118,7 +117,7 @@ JOURNAL_STORY(only_what_was_just_planted_is_gone_on_with, "alone.iftty")
 
 JOURNAL_STORY(a_line_of_the_journal_holds_thousands_of_corners, "long.iftty")
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     struct snapshot end, again;
     uint64_t random = 5;
     must(&interp, "auto on");
@@ -137,7 +136,6 @@ JOURNAL_STORY(a_line_of_the_journal_holds_thousands_of_corners, "long.iftty")
     while (line.length < 65536)
         buf_add_text(&line, " to=1,1,1");
     is_refused(&interp, buf_text(&line), "the command is longer than 65535 bytes");
-    buf_release(&line);
 }
 
 /* ---- where, and how large ---- */

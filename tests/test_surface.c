@@ -378,7 +378,7 @@ static const struct volume_label *nameless(void)
 /* Read an STL file, identifying points by their coordinates. */
 static struct surface *read_stl(const char *path)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     struct surface *s = calloc(1, sizeof *s);
     CHECK(file_read(&bytes, path, 1 << 28, NULL) == OK);
     uint32_t triangles;
@@ -401,7 +401,6 @@ static struct surface *read_stl(const char *path)
         s->triangle[i / 3].point[i % 3] = (uint32_t)(found - s->point);
     }
     free(sorted);
-    buf_release(&bytes);
     return s;
 }
 

@@ -21,11 +21,10 @@ static struct geometry spaced(uint32_t x_nm, uint32_t y_nm, uint32_t z_nm)
 
 static void is_told(uint32_t nm, uint64_t voxels, const char *expected)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const struct geometry geometry = spaced(nm, nm, nm);
     tally_write_volume(&out, &geometry, voxels);
     CHECK_TEXT(buf_text(&out), expected);
-    buf_release(&out);
 }
 
 STORY(volumes_are_told_to_three_digits_in_a_unit_that_fits)
@@ -57,24 +56,22 @@ STORY(volumes_are_told_to_three_digits_in_a_unit_that_fits)
 
 STORY(each_axis_has_a_spacing_of_its_own)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const struct geometry geometry = spaced(1000000, 1500000, 2000000);
     tally_write_volume(&out, &geometry, 500);
     CHECK_TEXT(buf_text(&out), "1.5 ml");
-    buf_release(&out);
 }
 
 /* Sheared by 30 degrees: the cosine is 0.866. */
 STORY(voxels_of_sheared_axes_take_less_than_boxes)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct geometry geometry = spaced(1000000, 1000000, 2000000);
     geometry.to_mm[1][2] = 1;
     geometry.to_mm[2][2] = sqrt(3);
     tally_write_volume(&out, &geometry, 500);
     CHECK_TEXT(buf_text(&out), "866 mm3");
     CHECK(fabs(tally_voxel_mm3(&geometry) - sqrt(3)) < 1e-8);
-    buf_release(&out);
 }
 
 /* ---- counts ---- */
@@ -172,7 +169,7 @@ BEGUN_STORY(counts_follow_whatever_is_done, begin_with_geom)
 STORY(measures_follow_whatever_is_done)
 {
     for (unsigned round = 0; round < 8 && check_failures < 5; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         setenv("IFTTY_THREADS", round & 1 ? "3" : "1", 1);
         begin_with_geom(&interp);
         measures_stand(interp.session);
@@ -183,7 +180,6 @@ STORY(measures_follow_whatever_is_done)
             if (check_below(&seed, round & 4 ? 8 : 1) == 0)
                 measures_stand(interp.session);
         }
-        interpreter_release(&interp);
     }
     unsetenv("IFTTY_THREADS");
 }
@@ -191,7 +187,7 @@ STORY(measures_follow_whatever_is_done)
 STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
 {
     struct interpreter interp;
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     begin_with_geom(&interp);
     interpreter_release(&interp);
     begin_interpreter(&interp);
@@ -205,7 +201,6 @@ STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
     stands(interp.session);
     CHECK_INT(interp.session->tally.voxels[3], voxels);
     interpreter_release(&interp);
-    buf_release(&told);
 }
 
 /* ---- what is printed ---- */

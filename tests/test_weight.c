@@ -27,13 +27,12 @@ static struct scene *scene_of(uint32_t x, uint32_t y, uint32_t z, const uint16_t
 static void weigh_by_team(struct scene *scene, unsigned neighbours,
                           const struct weight_choice *choice, struct team *team)
 {
-    struct weight_work work = {.team = team};
+    OWNED(weight_work_release) struct weight_work work = {.team = team};
     struct adjacency adjacency;
     adjacency_init(&adjacency, neighbours, &scene->grid);
     CHECK(weight_work_reserve(&work, &scene->grid, choice, NULL) == OK);
     memset(work.capacity ? work.bytes : &work, work.capacity ? 0xA5 : 0, work.capacity);
     weight_compute(scene, &adjacency, choice, &work);
-    weight_work_release(&work);
 }
 
 static void weigh(struct scene *scene, unsigned neighbours, const struct weight_choice *choice)
@@ -637,7 +636,7 @@ STORY(without_memory_the_room_is_what_it_was)
 {
     static const uint16_t values[24] = {0};
     struct scene *scene = scene_of(4, 3, 2, values);
-    struct weight_work work = {0};
+    OWNED(weight_work_release) struct weight_work work = {0};
     struct fault fault = {.text = ""};
     CHECK(weight_work_reserve(&work, &scene->grid, &sobel, &fault) == OK);
     const struct weight_work before = work;
@@ -648,6 +647,5 @@ STORY(without_memory_the_room_is_what_it_was)
     mem_allows = NULL;
     CHECK(work.bytes == before.bytes && work.capacity == before.capacity);
     CHECK(weight_work_reserve(&work, &scene->grid, &gauss1, &fault) == OK);
-    weight_work_release(&work);
     scene_free(scene);
 }

@@ -53,7 +53,7 @@ static void plant_gives(struct world *w, uint32_t x, int label, uint16_t reach, 
 
 STORY(a_tree_ends_where_its_seed_reaches)
 {
-    struct world w = world_new(10, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(10, 1, 1, 6);
     CHECK_INT(refused(&w), 0);
     plant_gives(&w, 4, 1, add_reach(&w, 4, 0, 0, 2), "..11111...");
     CHECK_INT(refused(&w), 5);
@@ -63,12 +63,11 @@ STORY(a_tree_ends_where_its_seed_reaches)
     plant_gives(&w, 4, EDIT_ERASE, 0, "2222222222");
     CHECK_INT(refused(&w), 0);
     CHECK_INT(forest_limited_seeds(w.forest), 0);
-    world_free(&w);
 }
 
 STORY(a_reach_is_around_its_centre_and_not_around_the_seed)
 {
-    struct world w = world_new(10, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(10, 1, 1, 6);
     const uint16_t reach = add_reach(&w, 5, 0, 0, 3);
     plant(&w, 3, 1, reach);
     CHECK_INT(forest_reach(w.forest, grid_cell(&w.scene->grid, 3, 0, 0))->centre[0], 5);
@@ -76,12 +75,11 @@ STORY(a_reach_is_around_its_centre_and_not_around_the_seed)
     CHECK_TEXT(row(&w), "..1111111.");
     plant_gives(&w, 3, 1, add_reach(&w, 5, 0, 0, 3),
                 "..1111111."); /* the same under another number */
-    world_free(&w);
 }
 
 STORY(the_same_label_with_another_reach_is_another_seed)
 {
-    struct world w = world_new(10, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(10, 1, 1, 6);
     plant_gives(&w, 5, 1, add_reach(&w, 5, 0, 0, 4), ".111111111");
     plant_gives(&w, 5, 1, add_reach(&w, 5, 0, 0, 1), "....111...");
     const struct seed_changes changes = forest_seed_changes(w.forest);
@@ -92,14 +90,13 @@ STORY(the_same_label_with_another_reach_is_another_seed)
     plant_gives(&w, 5, 1, 0, "1111111111");
     plant_gives(&w, 5, 1, add_reach(&w, 0, 0, 0, 2),
                 ".....1...."); /* the seed itself lies outside, and remains */
-    world_free(&w);
 }
 
 /* A voxel that changes to another root of the same level may have a child that this root must not
  * hold: the child must notice. */
 STORY(a_refused_child_hears_of_it)
 {
-    struct world w = world_new(7, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(7, 1, 1, 6);
     plant(&w, 6, 1, 0);
     plant_gives(&w, 3, 2, add_reach(&w, 3, 0, 0, 1),
                 "..22211"); /* 0 and 1 had their tree through 2 */
@@ -110,7 +107,6 @@ STORY(a_refused_child_hears_of_it)
     plant_gives(&w, 1, 3, add_reach(&w, 1, 0, 0, 1),
                 "233...."); /* 2 cannot pass through voxels held by 3 */
     plant_gives(&w, 1, EDIT_ERASE, 0, "2222...");
-    world_free(&w);
 }
 
 STORY(distances_are_in_whole_units_and_the_ball_is_closed)
@@ -148,7 +144,7 @@ STORY(threads_change_nothing)
 
 STORY(without_memory_nothing_has_changed)
 {
-    struct world w = world_new(10, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(10, 1, 1, 6);
     const struct reach reach = {{4, 0, 0}, {1, 1, 1}, 2};
     uint16_t number = 0;
     allow_allocations(0);
@@ -162,17 +158,15 @@ STORY(without_memory_nothing_has_changed)
     CHECK_INT(forest_count_refused(w.forest, &voxels, NULL), ERR_MEMORY);
     mem_allows = NULL;
     CHECK_INT(refused(&w), 5);
-    world_free(&w);
 }
 
 STORY(there_are_no_more_than_65535_reaches)
 {
-    struct world w = world_new(4, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(4, 1, 1, 6);
     struct fault fault = {0};
     for (int i = 0; i < UINT16_MAX; i++)
         add_reach(&w, 0, 0, 0, i);
     CHECK_INT(forest_add_reach(w.forest, &(struct reach){.radius = 1}, &(uint16_t){0}, &fault),
               ERR_LIMIT);
     CHECK_HAS(fault.text, "65535");
-    world_free(&w);
 }
