@@ -19,7 +19,7 @@ static const struct {
                {"gauss-1.7", {WEIGHT_GAUSS, 1700}},    {"gauss-8", {WEIGHT_GAUSS, 8000}},
                {"difference", {WEIGHT_DIFFERENCE, 0}}, {"polarity", {WEIGHT_POLARITY, 0}}};
 
-/* What the digests of a forest do not cover: the order of its trees. */
+/* Order of the trees of a forest, which its digests do not cover. */
 static uint64_t predecessors_digest(const struct forest *forest)
 {
     const struct scene *scene = forest_scene(forest);

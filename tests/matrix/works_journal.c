@@ -32,7 +32,7 @@ static void write_journal(const char *path)
     journal_close(journal);
 }
 
-/* What journal_check says of bytes, as one digest. */
+/* Result of journal_check for bytes, as one digest. */
 static uint64_t condition_digest(const char *bytes, size_t length)
 {
     struct journal_condition c;
@@ -64,7 +64,7 @@ static enum err echo(void *context, const char *command, struct buf *words, stru
     return words->failed ? ERR_MEMORY : OK;
 }
 
-/* A replay that diverges at once, since no word of the record comes out. */
+/* A replay that diverges at once, since it returns no word of the record. */
 static void replay(const struct buf *bytes)
 {
     static const struct replay_options options = {0};

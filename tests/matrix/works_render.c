@@ -248,7 +248,7 @@ static void put_backgrounds(const struct rendition *picture, const char *name)
     }
 }
 
-/* What is behind objects: each background, and the scene before it or not. */
+/* Backgrounds behind objects, each with and without the context of the scene. */
 static void behind(struct stage *s)
 {
     s->border.opacity[2] = 40;
@@ -266,7 +266,7 @@ static void behind(struct stage *s)
     resize(s, WIDTH, HEIGHT);
 }
 
-/* The zoom and the place at which what is shown fits; some labels, a part of them, and nothing. */
+/* Zoom and place at which the shown objects fit; some labels, a part of them, and none. */
 static void fits(struct stage *s)
 {
     const struct view former = s->view;
@@ -299,7 +299,7 @@ static void fits(struct stage *s)
     look_from(s);
 }
 
-/* The picture follows edits, and stays what one from nothing would be. */
+/* The picture follows edits, and always equals one drawn from scratch. */
 static void incremental(struct stage *s)
 {
     struct edit edit[WORKS_SEEDS];
@@ -363,7 +363,7 @@ static void slices(struct stage *s)
     canvas_release(&canvas);
 }
 
-/* What is drawn over a picture of four times the size, from some sides. */
+/* Decorations of a picture of four times the size, from some sides. */
 static void decorations(struct stage *s)
 {
     static const struct legend_line line[] = {{2, "brain", "1.43 l"}, {3, "a label", "202 ml"}};

@@ -113,7 +113,7 @@ static void write_picture(const struct known *p, const char *path)
     fclose(out);
 }
 
-/* Sends what is in `bytes` and waits until the terminal has taken it. */
+/* Send `bytes` and wait until the terminal has received them. */
 static bool send(struct buf *bytes, struct fault *fault)
 {
     struct buf typed = {0};
