@@ -27,6 +27,7 @@ static void random_stage(struct stage *s, uint64_t *random)
 
 static void draw(struct rendition *r, struct stage *s)
 {
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(r, s->view.width, s->view.height, NULL) == OK);
     CHECK(mesh_update(&s->mesh, &s->border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
     project_border(r, &s->camera, &s->mesh);
@@ -48,7 +49,6 @@ STORY(the_voxel_in_focus_is_in_the_middle_of_the_picture)
         s.scene->cell[cell].label = 9;
         border_recount(&s.border);
         view_focus_on(&s.view, s.scene, place);
-        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         draw(&r, &s);
         CHECK_INT(r.cell[(size_t)(r.height / 2) * r.width + r.width / 2], cell);
     }
@@ -114,7 +114,6 @@ STORY(angles_turn_the_way_they_say)
     s.view.zoom = VIEW_ZOOM_ONE;
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         memcpy(s.view.angle, row[i].angle, sizeof s.view.angle);
-        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         draw(&r, &s);
         for (int k = 0; k < 3; k++)
             CHECK_INT(r.cell[(size_t)(20 + row[i].at[k][1]) * 41 + (size_t)(20 + row[i].at[k][0])],
@@ -133,10 +132,8 @@ STORY(the_focus_changes_no_depth)
     border_recount(&s.border);
     s.view.width = s.view.height = 99;
     s.view.zoom = 2000;
-    CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     draw(&centred, &s);
     view_pan(&s.view, &s.camera, 10000, -4000);
-    CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     draw(&panned, &s);
     unsigned seen = 0;
     for (uint32_t y = 4; y < 99; y++)
@@ -209,7 +206,6 @@ STORY(a_ball_is_round_from_everywhere)
             s.view.angle[i] = (int32_t)check_below(&random, 360000);
         s.view.width = s.view.height = 300;
         s.view.zoom = (uint32_t)(4 * (uint64_t)least / 1000); /* 4 pixels a millimetre */
-        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         draw(&r, &s);
         for (uint32_t y = 0; y < 300; y++)
             for (uint32_t x = 0; x < 300; x++)
