@@ -537,7 +537,7 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
         scene->world_sign[i] = -1;
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     struct slice_choice choice = {.plane = SLICE_AXIAL, .pixel_pm = MM / 4, .smooth = true};
-    struct canvas s = take(scene, &choice, &style, 8, 8);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 8, 8);
     for (uint32_t i = 0; i < 8; i++) {
         CHECK_INT(grey_at(&s, i, 0), along[i]);
         CHECK_INT(grey_at(&s, 0, i), along[i]);
@@ -547,12 +547,9 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
     CHECK_INT(grey_at(&s, 4, 3), 100);
     CHECK_INT(s.cell[3 * 8 + 3], grid_cell(&scene->grid, 0, 0, 0));
     CHECK_INT(s.cell[3 * 8 + 4], grid_cell(&scene->grid, 1, 0, 0));
-    canvas_release(&s);
     for (uint32_t i = 0; i < 4; i++) /* no sum overflows */
         scene->cell[grid_cell(&scene->grid, i % 2, i / 2, 0)].intensity = 65535;
-    s = take(scene, &choice, &style, 8, 8);
-    CHECK_INT(grey_at(&s, 3, 4), 255);
-    canvas_release(&s);
+    DRAWN_GREYS(scene, &choice, &style, 8, 8, {3, 4, 255});
     scene_free(scene);
 }
 
@@ -710,16 +707,14 @@ SCENE_STORY(dark_scene, seeds_are_dots_and_eliminators_crosses)
     style.marks_seeds = true;
     style.mark = mark;
     style.marks = 4;
-    struct canvas s = take(scene, &choice, &style, 41, 41);
-    COLOURS(&s, {5, 6, 255, 0, 1}, {4, 6, 255, 0, 1}, {5, 7, 255, 0, 1}, {5, 4, 0, 0, 0},
-            {6, 30, 225, 225, 225}, {20, 6, 0x50, 0x60, 0x70}, {18, 6, 255, 255, 255},
-            {20, 20, 255, 72, 56}, {22, 18, 255, 72, 56}, {18, 18, 255, 72, 56}, {22, 20, 0, 0, 0},
-            {32, 22, 255, 72, 56}, {31, 20, 255, 255, 255}, {30, 30, 0, 0, 0}, {34, 34, 0, 0, 0});
-    canvas_release(&s);
+    DRAWN_COLOURS(
+        scene, &choice, &style, 41, 41, {5, 6, 255, 0, 1}, {4, 6, 255, 0, 1}, {5, 7, 255, 0, 1},
+        {5, 4, 0, 0, 0}, {6, 30, 225, 225, 225}, {20, 6, 0x50, 0x60, 0x70}, {18, 6, 255, 255, 255},
+        {20, 20, 255, 72, 56}, {22, 18, 255, 72, 56}, {18, 18, 255, 72, 56}, {22, 20, 0, 0, 0},
+        {32, 22, 255, 72, 56}, {31, 20, 255, 255, 255}, {30, 30, 0, 0, 0}, {34, 34, 0, 0, 0});
     style.marks_seeds = false;
-    s = take(scene, &choice, &style, 41, 41);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 41, 41);
     CHECK(same_pixels(&s, &plain));
-    canvas_release(&s);
 }
 
 /* Two labels side by side, 9x9 each, and a smaller block that waits in one of them. */

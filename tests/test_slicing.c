@@ -666,10 +666,8 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     CHECK(!is_hasty(0, &panel, &fine));
     CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
     CHECK(differing(&hasty, &fine, &panel, true) > 1000);
-    canvas_release(&hasty);
     CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* it is there */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
-    canvas_release(&hasty);
     must(&interp, "turn 20");
     interp.session->pictures->coarse.took_ns = UINT64_MAX;
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
@@ -679,11 +677,9 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     /* Edges alone are off: half of the pixels of so small a thing. At another zoom, or in another
      * place, three fifths of them and more. */
     CHECK(off > 0 && off < differing(&fine, &turned, &panel, true) * 11 / 20);
-    canvas_release(&hasty);
     must(&interp, "turn -20");
     interp.session->pictures->coarse.took_ns = AT_ONCE_NS / 2;
     CHECK(is_hasty(AT_ONCE_NS / 2, &panel, &turned));
-    canvas_release(&turned);
     CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* drawn as soon as anything coarser */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
 }
