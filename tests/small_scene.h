@@ -329,6 +329,14 @@ static inline void is_same_segmentation(const struct snapshot *a, const struct s
     CHECK(is_same_kept(&a->kept, &b->kept));
 }
 
+/* The session has this segmentation. */
+static inline void is_segmented_as(const struct snapshot *expected, struct interpreter *interp)
+{
+    struct snapshot now;
+    take_snapshot(&now, interp);
+    is_same_segmentation(expected, &now);
+}
+
 static inline void is_as_before(const struct snapshot *before, struct interpreter *interp,
                                 const char *line)
 {

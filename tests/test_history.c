@@ -40,7 +40,7 @@ enum { DEEDS = 43 };
 /* Undoes and redoes a command: both states must be as they were. */
 static void goes_back_and_forth(struct interpreter *interp, const char *line)
 {
-    struct snapshot before, after, now;
+    struct snapshot before, after;
     const unsigned failures = check_failures;
     take_snapshot(&before, interp);
     must(interp, line);
@@ -48,11 +48,9 @@ static void goes_back_and_forth(struct interpreter *interp, const char *line)
     if (after.points == before.points)
         return; /* it changed nothing of the segmentation */
     must(interp, "undo");
-    take_snapshot(&now, interp);
-    is_same_segmentation(&before, &now);
+    is_segmented_as(&before, interp);
     must(interp, "redo");
-    take_snapshot(&now, interp);
-    is_same_segmentation(&after, &now);
+    is_segmented_as(&after, interp);
     if (check_failures > failures)
         printf("#   %s\n", line);
 }
@@ -61,7 +59,7 @@ STORY(every_kind_of_command_is_undone_and_done_again)
 {
     for (int by_itself = 0; by_itself < 2; by_itself++) {
         OWNED(interpreter_release) struct interpreter interp;
-        struct snapshot first, now;
+        struct snapshot first;
         begin_with_scene(&interp);
         must(&interp, "size 24 24");
         must(&interp, by_itself ? "auto on" : "auto off");
@@ -75,8 +73,7 @@ STORY(every_kind_of_command_is_undone_and_done_again)
             continue;
         CHECK_HAS(fault.text, "there is nothing to undo since the scene was opened");
         must(&interp, "redo 2"); /* the two labels of the beginning */
-        take_snapshot(&now, &interp);
-        is_same_segmentation(&first, &now);
+        is_segmented_as(&first, &interp);
         must(&interp, "redo 20; redo 1000"); /* as many as there are */
         CHECK_HAS(buf_text(&reply.text), "commands could be done again, not 1000\n");
         CHECK(execute(&interp, "redo 2") == ERR_INPUT);
@@ -229,11 +226,9 @@ static void walk_straight_to(struct interpreter *interp, const struct history *h
 static void a_straight_way_leads_there_too(const struct interpreter *interp, uint32_t at)
 {
     OWNED(interpreter_release) struct interpreter straight;
-    struct snapshot now;
     begin_at_root(&straight, NULL);
     walk_straight_to(&straight, &interp->history, at);
-    take_snapshot(&now, &straight);
-    is_same_segmentation(&state_at[interp->history.point[at].record], &now);
+    is_segmented_as(&state_at[interp->history.point[at].record], &straight);
 }
 
 STORY(random_walks_come_back_to_the_very_same_states)
@@ -539,7 +534,7 @@ static void forge_taken(const char *from, const char *to, const char *key, const
 
 static void resumes_as(const char *path, struct interpreter *interp, bool slowly)
 {
-    struct snapshot expected, now;
+    struct snapshot expected;
     struct interpreter again;
     if (!CHECK(resume(&again, path, slowly) == OK)) {
         printf("#   %s\n", fault.text);
@@ -547,9 +542,8 @@ static void resumes_as(const char *path, struct interpreter *interp, bool slowly
         return;
     }
     take_snapshot(&expected, interp);
-    take_snapshot(&now, &again);
-    is_same_segmentation(&expected, &now);
-    CHECK(outlook_equals(&expected.outlook, &now.outlook));
+    is_segmented_as(&expected, &again);
+    CHECK(outlook_equals(&expected.outlook, &again.session->now.outlook));
     has_same_history(&interp->history, &again.history);
     for (unsigned i = 0; i < 12; i++) { /* wherever one goes from there */
         const uint32_t at = below((uint32_t)again.history.points);
@@ -557,8 +551,7 @@ static void resumes_as(const char *path, struct interpreter *interp, bool slowly
         snprintf(line, sizeof line, "goto %zu", again.history.point[at].record);
         const unsigned failures = check_failures;
         must(&again, line);
-        take_snapshot(&now, &again);
-        is_same_segmentation(&state_at[again.history.point[at].record], &now);
+        is_segmented_as(&state_at[again.history.point[at].record], &again);
         if (check_failures > failures)
             printf("#   %s of %s, %s\n", line, path, slowly ? "carried out" : "skimmed");
     }

@@ -118,7 +118,7 @@ JOURNAL_STORY(only_what_was_just_planted_is_gone_on_with, "alone.iftty")
 JOURNAL_STORY(a_line_of_the_journal_holds_thousands_of_corners, "long.iftty")
 {
     OWNED(buf_release) struct buf line = {0};
-    struct snapshot end, again;
+    struct snapshot end;
     uint64_t random = 5;
     must(&interp, "auto on");
     buf_add_text(&line, "seed 5,5,5 1");
@@ -131,8 +131,7 @@ JOURNAL_STORY(a_line_of_the_journal_holds_thousands_of_corners, "long.iftty")
     CHECK(reply.text.length < 2000);
     take_snapshot(&end, &interp);
     resume("long.iftty");
-    take_snapshot(&again, &interp);
-    is_same_segmentation(&end, &again);
+    is_segmented_as(&end, &interp);
     while (line.length < 65536)
         buf_add_text(&line, " to=1,1,1");
     is_refused(&interp, buf_text(&line), "the command is longer than 65535 bytes");
