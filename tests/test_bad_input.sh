@@ -46,6 +46,11 @@ variant() {
     put "$1" "$2" "$3"
 }
 
+header_refused() { # WORDS OFFSET BYTES: as a variant
+    variant h.nii "$2" "$3"
+    scene_refused "$1" h.nii
+}
+
 # ---- scenes ----
 
 begin "a good scene is fine"
@@ -75,28 +80,17 @@ flip_byte flipped.nii.gz $(($(file_bytes good.nii.gz) - 6))
 scene_refused "flipped.nii.gz" flipped.nii.gz
 
 begin "headers that make no sense"
-variant h.nii 344 'xyz'
-scene_refused "h.nii" h.nii
-variant h.nii 0 '\001'
-scene_refused "h.nii" h.nii
-variant h.nii 40 '\011\000' # dim[0] of 9
-scene_refused "dim" h.nii
-variant h.nii 40 '\000\000'
-scene_refused "dim" h.nii
-variant h.nii 40 '\004\000\030\000\024\000\020\000\002\000' # a series
-scene_refused "h.nii" h.nii
-variant h.nii 42 '\000\000'
-scene_refused "dim" h.nii
-variant h.nii 42 '\377\377'
-scene_refused "dim" h.nii
-variant h.nii 42 '\377\177\377\177\377\177' # 32767 each way
-scene_refused "h.nii" h.nii
-variant h.nii 70 '\000\007' # complex numbers
-scene_refused "type" h.nii
-variant h.nii 108 '\000\000\300\177' # begins at NaN
-scene_refused "h.nii" h.nii
-variant h.nii 108 '\377\377\177\177' # begins far away
-scene_refused "h.nii" h.nii
+header_refused "h.nii" 344 'xyz'
+header_refused "h.nii" 0 '\001'
+header_refused "dim" 40 '\011\000' # dim[0] of 9
+header_refused "dim" 40 '\000\000'
+header_refused "h.nii" 40 '\004\000\030\000\024\000\020\000\002\000' # a series
+header_refused "dim" 42 '\000\000'
+header_refused "dim" 42 '\377\377'
+header_refused "h.nii" 42 '\377\177\377\177\377\177' # 32767 each way
+header_refused "type" 70 '\000\007' # complex numbers
+header_refused "h.nii" 108 '\000\000\300\177' # begins at NaN
+header_refused "h.nii" 108 '\377\377\177\177' # begins far away
 variant h.nii 80 '\000\000\300\177' # a spacing of NaN
 answers "pixdim[1] is nan, which is no distance of voxels" 'open h.nii'
 out_has "lengths and volumes are in voxels"

@@ -275,11 +275,14 @@ mv SECRET clash
 
 # ---- a helper that misbehaves ----
 
-# odd_helper SCRIPT: a program next to a copy of iftty, in place of the helper
+# odd_helper SCRIPT: a program next to a copy of iftty, in place of the helper. It can print the
+# 14 numbers of a header (`ones`), and a line of one of such sides (`begins SIDES`).
+odd='ones() { for i in $(seq 14); do printf "\0\0\0\0\0\0\360\077"; done; }
+begins() { echo "volume $1 1 0 5 5 0"; printf DICOMint16; }'
 odd_helper() {
     mkdir -p "$work/odd"
     cp "$iftty" "$work/odd/iftty"
-    { echo '#!/bin/sh'; printf '%s\ncat >/dev/null\n' "$1"; } >"$work/odd/iftty-volume"
+    printf '%s\n' '#!/bin/sh' "$odd" "$1" 'cat >/dev/null' >"$work/odd/iftty-volume"
     chmod +x "$work/odd/iftty-volume"
 }
 # told WORDS: the import fails with one line, and the session continues
@@ -301,32 +304,22 @@ told "; the package iftty-volume has it"
 : >"$work/odd/libiftty.a" # as beside the program of a checkout
 told "\`make\` builds it (of ITK, which Debian has as libinsighttoolkit5-dev)"
 rm "$work/odd/libiftty.a"
-odd_helper 'exit 7'
-told "ended with status 7"
-odd_helper 'kill -SEGV $$'
-told "died (Segmentation fault)"
-odd_helper 'echo what'
-told "invalid answer"
-odd_helper 'yes progress'
-told "invalid answer"
-odd_helper 'echo "volume 70000 1 1 1 3 5 5 0"; printf "DICOMint16"'
-told "invalid answer"
-odd_helper 'echo "volume 65000 65000 65000 1 0 5 5 0"; printf DICOMint16; head -c 112 /dev/zero'
-told "expected finite ones"
-odd_helper 'echo "volume 65000 65000 65000 1 0 5 5 0"; printf DICOMint16
-for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done'
-told "voxels"
-odd_helper 'printf "volume 9 9 9 1 0 5 5 5\nDICOMint16\033[2J\n"; head -c 112 /dev/zero'
-told "invalid answer"
-odd_helper 'echo "error 99999"; yes'
-told "invalid answer"
-odd_helper 'echo "volume 9 9 9 1 0 5 4 0"; printf DICOMweird
-for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done'
-told "weir"
-odd_helper 'echo "volume 9 9 9 1 0 5 5 0"; printf DICOMint16
-for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done
-read voxels; echo "piece 5"; printf 12345; exit'
-told "ended with status 0"
+while IFS='|' read -r words script; do
+    odd_helper "$script"
+    told "$words"
+done <<'END'
+ended with status 7|exit 7
+died (Segmentation fault)|kill -SEGV $$
+invalid answer|echo what
+invalid answer|yes progress
+invalid answer|echo "volume 70000 1 1 1 3 5 5 0"; printf "DICOMint16"
+expected finite ones|begins "65000 65000 65000"; head -c 112 /dev/zero
+voxels|begins "65000 65000 65000"; ones
+invalid answer|printf "volume 9 9 9 1 0 5 5 5\nDICOMint16\033[2J\n"; head -c 112 /dev/zero
+invalid answer|echo "error 99999"; yes
+weir|echo "volume 9 9 9 1 0 5 4 0"; printf DICOMweird; ones
+ended with status 0|begins "9 9 9"; ones; read voxels; echo "piece 5"; printf 12345; exit
+END
 
 begin "Ctrl-C works while a helper runs, and ends the helper"
 odd_helper 'echo $$ >"$0.pid"; echo progress 1 9; sleep 50 & wait'
