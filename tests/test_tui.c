@@ -532,14 +532,17 @@ STORY(any_bytes_at_all_lead_back_to_the_ground)
 
 /* ---- replies and decisions ---- */
 
-static void take_all(struct probe_replies *r, struct buf *typed, const char *bytes, size_t piece)
+static struct probe_replies heard;
+static struct buf typed;
+
+static void take_all(const char *bytes, size_t piece)
 {
     struct keys keys = {0};
     size_t length = strlen(bytes);
-    *r = (struct probe_replies){0};
-    buf_clear(typed);
+    heard = (struct probe_replies){0};
+    buf_clear(&typed);
     for (size_t i = 0; i < length; i += piece)
-        probe_take(r, &keys, bytes + i, length - i < piece ? length - i : piece, typed);
+        probe_take(&heard, &keys, bytes + i, length - i < piece ? length - i : piece, &typed);
 }
 
 STORY(replies_are_understood_however_they_are_split)
@@ -547,19 +550,16 @@ STORY(replies_are_understood_however_they_are_split)
     static const char bytes[] =
         "\033[>41;379;0c\033P>|XTerm(379)\033\\op\033[6;18;9t\033[4;450;720t"
         "en\033[?2;0;1000;900S\033[?63;1;2;4;6;9;15;22c ch2";
-    struct probe_replies r;
-    struct buf typed = {0};
     for (size_t piece = 1; piece < sizeof bytes; piece++) {
-        take_all(&r, &typed, bytes, piece);
-        CHECK(r.da1 && (r.attributes >> 4 & 1) && r.answers[0] == 0);
-        CHECK_TEXT(r.name, "XTerm(379)");
-        CHECK_INT(r.cell_width, 9);
-        CHECK_INT(r.cell_height, 18);
-        CHECK_INT(r.text_width, 720);
-        CHECK_INT(r.image_height, 900);
+        take_all(bytes, piece);
+        CHECK(heard.da1 && (heard.attributes >> 4 & 1) && heard.answers[0] == 0);
+        CHECK_TEXT(heard.name, "XTerm(379)");
+        CHECK_INT(heard.cell_width, 9);
+        CHECK_INT(heard.cell_height, 18);
+        CHECK_INT(heard.text_width, 720);
+        CHECK_INT(heard.image_height, 900);
         CHECK_TEXT(buf_text(&typed), "open ch2");
     }
-    buf_release(&typed);
 }
 
 STORY(parameter_4_is_a_whole_number)
@@ -570,19 +570,14 @@ STORY(parameter_4_is_a_whole_number)
     } cases[] = {{"\033[?62;4;22c", true},   {"\033[?63;1;2;3;4c", true}, {"\033[?62;42c", false},
                  {"\033[?64;14;24c", false}, {"\033[?1;2c", false},       {"\033[?6c", false},
                  {"\033[?65;1;9c", false},   {"\033[>4;4;4c", false},     {"\033[4;4;4c", false}};
-    struct probe_replies r;
-    struct buf typed = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        take_all(&r, &typed, cases[i].bytes, 1);
-        CHECK_INT(r.attributes >> 4 & 1, cases[i].sixel);
+        take_all(cases[i].bytes, 1);
+        CHECK_INT(heard.attributes >> 4 & 1, cases[i].sixel);
     }
-    buf_release(&typed);
 }
 
 STORY(garbage_is_no_reply)
 {
-    struct probe_replies r;
-    struct buf typed = {0};
     static const char *const cases[] = {"\033[?c",
                                         "\033[?;;;c",
                                         "\033[?99999999999999;4444444444c",
@@ -594,12 +589,11 @@ STORY(garbage_is_no_reply)
                                         "\033[?2;3;0S",
                                         "\033[?1;0;256S"};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        take_all(&r, &typed, cases[i], 1);
-        CHECK(!(r.attributes >> 4 & 1) && !strstr(r.answers, "OK") && r.cell_width == 0 &&
-              r.image_width == 0 && r.text_width == 0);
+        take_all(cases[i], 1);
+        CHECK(!(heard.attributes >> 4 & 1) && !strstr(heard.answers, "OK") &&
+              heard.cell_width == 0 && heard.image_width == 0 && heard.text_width == 0);
         CHECK_TEXT(buf_text(&typed), "");
     }
-    buf_release(&typed);
 }
 
 static struct terminal_facts decide(const char *term, const char *replies_text, const char *name,
@@ -608,16 +602,13 @@ static struct terminal_facts decide(const char *term, const char *replies_text, 
     struct probe_environment e = {.term = term, .colorterm = "", .no_color = no_color};
     struct term_size size = {.columns = 80, .rows = 24};
     struct graphics_wish wish;
-    struct probe_replies r;
-    struct buf typed = {0};
     struct terminal_facts facts;
-    take_all(&r, &typed, replies_text, 7);
+    take_all(replies_text, 7);
     if (strstr(replies_text, "_Gi=31"))
-        CHECK(graphics_kitty.question.may_ask(&r, &e));
+        CHECK(graphics_kitty.question.may_ask(&heard, &e));
     CHECK(graphics_from_name(name, &wish));
-    probe_decide(&r, &e, &size, &facts);
-    facts.graphics = graphics_choose(&r, &e, wish);
-    buf_release(&typed);
+    probe_decide(&heard, &e, &size, &facts);
+    facts.graphics = graphics_choose(&heard, &e, wish);
     return facts;
 }
 
@@ -707,19 +698,16 @@ STORY(the_cell_size_comes_from_whoever_tells_a_sensible_one)
                  {{80, 24, 80, 24}, "", 8, 16},
                  {{80, 24, 60000, 60000}, "\033[6;900;3t", 8, 16}};
     struct probe_environment e = {.term = "xterm", .colorterm = ""};
-    struct buf typed = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct probe_replies r;
         struct terminal_facts f;
-        take_all(&r, &typed, cases[i].replies, 3);
-        probe_decide(&r, &e, &cases[i].size, &f);
+        take_all(cases[i].replies, 3);
+        probe_decide(&heard, &e, &cases[i].size, &f);
         CHECK_INT(f.cell_width, cases[i].width);
         CHECK_INT(f.cell_height, cases[i].height);
         CHECK_INT(f.image_side_most, 1000);
     }
     CHECK_INT(decide("foot", "\033[?2;0;10000;8000S\033[?62;4c", "auto", false).image_side_most,
               8000);
-    buf_release(&typed);
 }
 
 /* ---- the line ---- */
