@@ -235,7 +235,7 @@ static const struct program program[] = {
      .summary = "redraw golden images and record the reason",
      .detail = "Redraws golden images that differ or are missing. Rejected if CI is set, since a "
                "person must decide this. Keeps the former journal next to the new one.",
-     .run = run_accept},
+     .run = run_reseal},
     {"tutorial", NULL, "[JOURNAL]", 0, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "segment a first organ in ten minutes",
      .detail = "Opens the head ch2 of Debian's mricron-data, with instructions for prompt and "

@@ -253,25 +253,16 @@ enum err run_diff(const struct options *o, struct fault *fault)
 
 /* ---- accepting and resealing ---- */
 
-static enum err reseal(const struct options *o, bool is_edited, struct fault *fault)
+/* Of an edited journal by `log --reseal`, which is a form; by `verify --accept` its pictures. */
+enum err run_reseal(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
     console_handle_interrupts();
     enum err err = begin_by_options(&interp, o, fault);
-    if (!err && is_edited)
+    if (!err && o->is_form)
         err = reseal_edited(&interp, o->word[0], o->accept, &console_printer, fault);
     else if (!err)
         err = reseal_accept(&interp, o->word[0], o->accept, o->only, &console_printer, fault);
     interpreter_release(&interp);
     return err;
-}
-
-enum err run_accept(const struct options *o, struct fault *fault)
-{
-    return reseal(o, false, fault);
-}
-
-enum err run_reseal(const struct options *o, struct fault *fault)
-{
-    return reseal(o, true, fault);
 }
