@@ -153,7 +153,7 @@ BEGUN_STORY(a_clear_picture_has_its_alpha, begin_with_object)
 
 BEGUN_STORY(an_exr_holds_the_objects_alone_whatever_is_behind, begin_with_object)
 {
-    struct picture gradient, white;
+    OWNED(picture_release) struct picture gradient, white;
     must(interp, "render gradient.exr");
     const uint64_t digest = rendition_digest(session_frame(interp->session));
     must(interp, "background white");
@@ -164,8 +164,6 @@ BEGUN_STORY(an_exr_holds_the_objects_alone_whatever_is_behind, begin_with_object
     CHECK_INT(exr_read(&white, "white.exr", NULL), OK);
     CHECK(memcmp(gradient.rgba, white.rgba, (size_t)4 * PIXELS) == 0);
     CHECK(gradient.rgba[3] == 0);
-    picture_release(&gradient);
-    picture_release(&white);
 }
 
 /* All of the pane, including the area next to the rendition, and only the pane. */

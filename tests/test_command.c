@@ -1340,12 +1340,11 @@ STORY(voxels_too_long_for_any_picture_are_rejected)
     must(&interp, line);
     interpreter_release(&interp);
     begin_interpreter(&interp);
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     const float thin = 0.1f;
     CHECK(file_read(&file, place("needles.nii"), 1 << 20, NULL) == OK);
     memcpy(file.data + 80, &thin, 4); /* pixdim[1] */
     CHECK(file_write(place("needles.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
     CHECK(execute(&interp, line) == ERR_LIMIT);
     CHECK_TEXT(fault.text, "voxels of 0.1x1x3000 mm are too long for their width: no picture could "
                            "show them; nothing was opened");

@@ -249,7 +249,7 @@ BEGUN_STORY(what_no_pixel_shows_has_no_mark, begin_with_object)
 STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
 {
     char save[FILE_LENGTH + 16], labels[FILE_LENGTH + 16];
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     snprintf(save, sizeof save, "save labels %s", file_in(folder, "map.nii"));
     snprintf(labels, sizeof labels, "labels %s", file_in(folder, "map.nii"));
     begin_with_object(&interp);
@@ -271,7 +271,6 @@ STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
         must(&interp, "seed 20,20,10 1 radius=12"); /* reaches the surface */
         must(&interp, "run");
     }
-    interpreter_release(&interp);
 }
 
 BEGUN_STORY(mosaics_are_not_decorated, begin_with_object)

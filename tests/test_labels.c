@@ -155,7 +155,7 @@ STORY(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves)
     static struct slow slow;
     for (int round = 0; round < 1500; round++) {
         struct grid grid;
-        struct piece_seeds seeds;
+        OWNED(piece_seeds_release) struct piece_seeds seeds;
         const unsigned erode = check_below(&seed, 5);
         const struct piece_choice choice = {erode, 0, REGION_NONE};
         slow.voxels = 1;
@@ -168,7 +168,6 @@ STORY(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves)
         solve(&slow, erode);
         CHECK(piece_seeds_make(&seeds, slow.region, &grid, &choice, NULL, NULL) == OK);
         check_pieces(&slow, &seeds, &grid);
-        piece_seeds_release(&seeds);
     }
 }
 
@@ -177,7 +176,7 @@ STORY(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene)
     static const uint16_t row[] = {1, 1, 1, 1, 0, 0, 0, 0, 0, 2, 0};
     const uint32_t sides[3] = {11, 1, 1};
     struct grid grid;
-    struct piece_seeds seeds;
+    OWNED(piece_seeds_release) struct piece_seeds seeds;
     CHECK(grid_init(&grid, sides, NULL) == OK);
     CHECK(piece_seeds_make(&seeds, row, &grid, &(const struct piece_choice){2, 0, REGION_NONE},
                            NULL, NULL) == OK);
@@ -188,7 +187,6 @@ STORY(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene)
     for (size_t i = 0; i < seeds.count; i++)
         CHECK_INT(grid_voxel(&grid, seeds.cell[i]), x[i]);
     CHECK_INT(seeds.labels[0], 2);
-    piece_seeds_release(&seeds);
 }
 
 STORY(all_labels_beside_regions_that_are_not_chosen_are_refused)
