@@ -330,20 +330,6 @@ static void take_column(struct profile *p, unsigned column)
     p->mean[column] = sum / (double)(end - first);
 }
 
-static void draw_profile(struct buf *out, const struct profile *p, bool has_blocks)
-{
-    uint16_t eighths[CHART_COLUMNS];
-    char top[16], bottom[16];
-    const double wide = p->most > p->least ? p->most - p->least : 1;
-    for (unsigned c = 0; c < p->columns; c++) /* the least value has height 1 */
-        eighths[c] = (uint16_t)(1 + (p->mean[c] - p->least) / wide * (8 * PROFILE_ROWS - 1));
-    snprintf(top, sizeof top, "%.6g", p->most);
-    snprintf(bottom, sizeof bottom, "%.6g", p->least);
-    chart_write(
-        out, &(struct chart){eighths, p->columns, PROFILE_ROWS, top, bottom, MARGIN, has_blocks});
-    buf_printf(out, "%*slabels |%s\n", MARGIN - 6, "", p->label);
-}
-
 enum err act_profile(const struct act *act)
 {
     struct buf *out = &act->reply->text;
@@ -354,7 +340,16 @@ enum err act_profile(const struct act *act)
     for (unsigned c = 0; c < p.columns; c++)
         take_column(&p, c);
     write_distance(act, p.from, p.to);
-    draw_profile(out, &p, act->interp->has_blocks);
+    uint16_t eighths[CHART_COLUMNS];
+    char top[16], bottom[16];
+    const double wide = p.most > p.least ? p.most - p.least : 1;
+    for (unsigned c = 0; c < p.columns; c++) /* the least value has height 1 */
+        eighths[c] = (uint16_t)(1 + (p.mean[c] - p.least) / wide * (8 * PROFILE_ROWS - 1));
+    snprintf(top, sizeof top, "%.6g", p.most);
+    snprintf(bottom, sizeof bottom, "%.6g", p.least);
+    chart_write(out, &(struct chart){eighths, p.columns, PROFILE_ROWS, top, bottom, MARGIN,
+                                     act->interp->has_blocks});
+    buf_printf(out, "%*slabels |%s\n", MARGIN - 6, "", p.label);
     buf_printf(out, "%lld voxel%s", (long long)p.steps + 1, plural((uint64_t)p.steps + 1));
     if (p.steps >= p.columns)
         buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);

@@ -363,20 +363,6 @@ static enum err save_seeds(const struct act *act, const char *path, enum file_mo
     return err ? err : file_write(path, text->data, text->length, how, act->fault);
 }
 
-static void report_changed_names(const struct act *act, const struct label_writing *writing)
-{
-    struct buf *out = &act->reply->text;
-    buf_printf(out, "%u name%s ", writing->changed, plural(writing->changed));
-    if (!*writing->first_written) {
-        buf_add_text(out, "not written: a .lut holds colours alone\n");
-        return;
-    }
-    buf_printf(out, "had to be changed to fit; the first is of label %u, in the file ",
-               writing->first_changed);
-    buf_add_safe_text(out, writing->first_written);
-    buf_add_char(out, '\n');
-}
-
 static enum err save_names(const struct act *act, const char *path, enum file_mode how)
 {
     enum label_table_format format;
@@ -402,9 +388,19 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     label_table_write(text, &writing, format, &act->session->now.kept, used);
     if (!err)
         err = file_write(path, text->data, text->length, how, act->fault);
-    if (!err && writing.changed)
-        report_changed_names(act, &writing);
-    return err;
+    if (err || !writing.changed)
+        return err;
+    struct buf *out = &act->reply->text;
+    buf_printf(out, "%u name%s ", writing.changed, plural(writing.changed));
+    if (!*writing.first_written) {
+        buf_add_text(out, "not written: a .lut holds colours alone\n");
+        return OK;
+    }
+    buf_printf(out, "had to be changed to fit; the first is of label %u, in the file ",
+               writing.first_changed);
+    buf_add_safe_text(out, writing.first_written);
+    buf_add_char(out, '\n');
+    return OK;
 }
 
 /* Reject parameters without meaning for MAP. */

@@ -328,17 +328,6 @@ static const char *const side[3][2] = {
 };
 enum { SLAB_NONE = 3 }; /* the choice after these */
 
-/* ", feet to head": the patient's sides from slice 0 on; nothing if the orientation is unknown. */
-static void write_sides(char out[24], const struct session *session, enum slice_plane plane)
-{
-    static const uint32_t first[3] = {0};
-    const bool turned = slice_index(session->scene, plane, first) > 0;
-    if (session->scene->sides_unknown)
-        *out = '\0';
-    else
-        snprintf(out, 24, ", %s to %s", side[plane][turned], side[plane][!turned]);
-}
-
 enum err act_clip(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
@@ -355,8 +344,10 @@ enum err act_clip(const struct act *act)
     const enum slice_plane plane = (enum slice_plane)act_number(act, "PLANE");
     const uint32_t count = slice_count(scene, plane), *range = act_place(act, "SLICES");
     const char *name = slice_name(scene, plane);
-    char sides[24];
-    write_sides(sides, act->session, plane);
+    const bool turned = slice_index(scene, plane, (const uint32_t[3]){0}) > 0;
+    char sides[24] = ""; /* of the patient, from slice 0 on: ", feet to head" */
+    if (!scene->sides_unknown)
+        snprintf(sides, sizeof sides, ", %s to %s", side[plane][turned], side[plane][!turned]);
     if (!act_has(act, "SLICES"))
         return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s", name,
                          count - 1, sides);
@@ -498,16 +489,13 @@ static int64_t member_value(const struct setting_member *member, const struct va
 {
     static const uint32_t background[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,
                                           BACKGROUND_CLEAR};
-    switch (member->as) {
-    case HELD_AS_SWITCH:
+    if (member->as == HELD_AS_SWITCH)
         return value->number == 0;
-    case HELD_AS_COUNT:
+    if (member->as == HELD_AS_COUNT)
         return strtol(value->text, NULL, 10);
-    case HELD_AS_BACKGROUND:
+    if (member->as == HELD_AS_BACKGROUND)
         return value->text ? background[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
-    default:
-        return value->number;
-    }
+    return value->number;
 }
 
 static void report_setting(const struct act *act, enum setting_says what)
@@ -515,29 +503,19 @@ static void report_setting(const struct act *act, enum setting_says what)
     struct buf *out = &act->reply->text;
     const struct outlook *outlook = &act->session->now.outlook;
     const size_t waits = session_pendings(act->session);
-    switch (what) {
-    case SAYS_NOTHING:
-        return;
-    case SAYS_WEIGHTS:
+    if (what == SAYS_WEIGHTS)
         act_add_weights(act);
-        return;
-    case SAYS_SLICES:
+    else if (what == SAYS_SLICES)
         act_write_slices(out, act->session);
-        return;
-    case SAYS_WAITING:
-        if (outlook->runs_by_itself && waits)
-            buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits,
-                       plural(waits));
-        return;
-    case SAYS_FINISH:
-        if (!outlook->shows_finished)
-            buf_add_text(out, "pictures show the labels of the forest\n");
-        else if (!act->session->now.kept.finish.count)
-            buf_add_text(out, "the finish has no step yet; `finish relax` adds one, and pictures "
-                              "show it\n");
-        else
-            act_write_finish(out, act->session);
-    }
+    else if (what == SAYS_WAITING && outlook->runs_by_itself && waits)
+        buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits, plural(waits));
+    else if (what == SAYS_FINISH && !outlook->shows_finished)
+        buf_add_text(out, "pictures show the labels of the forest\n");
+    else if (what == SAYS_FINISH && !act->session->now.kept.finish.count)
+        buf_add_text(out, "the finish has no step yet; `finish relax` adds one, and pictures "
+                          "show it\n");
+    else if (what == SAYS_FINISH)
+        act_write_finish(out, act->session);
 }
 
 enum err act_set(const struct act *act)

@@ -209,18 +209,6 @@ static void mark_given(struct partial *p, int i, const char *word)
         p->value[i + 1].given = true;
 }
 
-static void take_whole_word(struct partial *p)
-{
-    const char *word = buf_text(&p->word);
-    if (p->words++ == 0) {
-        p->command = command_find(word);
-        return;
-    }
-    const int i = p->command ? command_parameter_for(p->command, p->value, &word) : -1;
-    if (i >= 0)
-        mark_given(p, i, word);
-}
-
 /* Read the words of `line`, up to the one at its end. */
 static bool read_words(struct partial *p, const char *line)
 {
@@ -236,7 +224,14 @@ static bool read_words(struct partial *p, const char *line)
         p->closed = ends && p->quoted;
         if (!ends || *at == '\0')
             return true;
-        take_whole_word(p);
+        const char *whole = buf_text(&p->word);
+        if (p->words++ == 0) {
+            p->command = command_find(whole);
+            continue;
+        }
+        const int i = p->command ? command_parameter_for(p->command, p->value, &whole) : -1;
+        if (i >= 0)
+            mark_given(p, i, whole);
     }
     buf_clear(&p->word);
     p->quoted = p->closed = false;

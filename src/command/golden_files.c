@@ -337,14 +337,6 @@ enum err golden_files_remove(const struct golden_files *files, const char *name,
 
 /* ---- copying ---- */
 
-static enum err copy_link(const char *from, const char *to, struct fault *fault)
-{
-    char *real = realpath(from, NULL);
-    const bool is_made = !real || symlink(real, to) == 0; /* a dangling link is left out */
-    free(real);
-    return is_made ? OK : fault_errno(fault, "make the link", to);
-}
-
 static enum err copy_one(const struct golden_files *files, const char *to, const char *name,
                          struct fault *fault)
 {
@@ -358,9 +350,12 @@ static enum err copy_one(const struct golden_files *files, const char *to, const
         err = fault_memory(fault, "a path");
     else if (lstat(buf_text(source), &status) != 0 || file_exists(buf_text(target)))
         err = OK; /* missing, or named twice */
-    else if (S_ISLNK(status.st_mode))
-        err = copy_link(buf_text(source), buf_text(target), fault);
-    else if (S_ISREG(status.st_mode)) {
+    else if (S_ISLNK(status.st_mode)) {
+        char *real = realpath(buf_text(source), NULL);
+        if (real && symlink(real, buf_text(target)) != 0) /* a dangling link is left out */
+            err = fault_errno(fault, "make the link", buf_text(target));
+        free(real);
+    } else if (S_ISREG(status.st_mode)) {
         err = file_read(bytes, buf_text(source), COPY_BYTES_MOST, fault);
         if (!err)
             err = file_write(buf_text(target), buf_text(bytes), bytes->length, FILE_KEEP, fault);

@@ -222,12 +222,13 @@ enum err export_notes(struct picture *picture, const struct session *session, co
 {
     char scene[32];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
-    const enum orientation orientation = session->geometry.orientation;
+    const char *orientation = session->geometry.orientation == ORIENTATION_UNKNOWN ? "unknown"
+                              : session->geometry.orientation == ORIENTATION_TOLD
+                                  ? "set by the user"
+                                  : NULL;
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
-    if (!err && orientation == ORIENTATION_UNKNOWN)
-        err = picture_note(picture, "iftty:orientation", "unknown", fault);
-    if (!err && orientation == ORIENTATION_TOLD)
-        err = picture_note(picture, "iftty:orientation", "set by the user", fault);
+    if (!err && orientation)
+        err = picture_note(picture, "iftty:orientation", orientation, fault);
     if (!err && *session->scene_name)
         err = picture_note(picture, "iftty:scene-name", session->scene_name, fault);
     if (!err)

@@ -83,19 +83,6 @@ static bool is_under(const void *of, uint32_t cell)
     return markers_at(under->markers, cell) == under->marker;
 }
 
-/* Marks on a screen are thin, so that they hide little; those of the marker under the cross-hair
- * are filled. Files have always had larger marks. */
-static void mark_thin(struct sketch *sketch, const struct session *session)
-{
-    const uint32_t *cross = session->now.outlook.slices.cross;
-    const uint32_t cell = grid_cell(&session->scene->grid, cross[0], cross[1], cross[2]);
-    sketch->under.markers = &session->markers;
-    sketch->under.marker = markers_at(sketch->under.markers, cell);
-    sketch->style.thin = true;
-    if (sketch->under.marker)
-        sketch->style.filled = (struct mark_choice){is_under, &sketch->under};
-}
-
 static enum err sketch_init(struct sketch *sketch, struct session *session, struct fault *fault)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
@@ -191,8 +178,17 @@ static enum err draw_canvas(struct canvas *canvas, struct session *session, enum
     struct sketch sketch;
     enum err err = sketch_init(&sketch, session, fault);
     sketch.style.finished = labels ? labels->finished : NULL;
-    if (panel)
-        mark_thin(&sketch, session);
+    if (panel) {
+        /* Marks on a screen are thin, so that they hide little; those of the marker under the
+         * cross-hair are filled. Files have always had larger marks. */
+        const uint32_t *cross = session->now.outlook.slices.cross;
+        const uint32_t cell = grid_cell(&session->scene->grid, cross[0], cross[1], cross[2]);
+        sketch.under.markers = &session->markers;
+        sketch.under.marker = markers_at(sketch.under.markers, cell);
+        sketch.style.thin = true;
+        if (sketch.under.marker)
+            sketch.style.filled = (struct mark_choice){is_under, &sketch.under};
+    }
     if (!err && kind == SLICE_KIND_MOSAIC) {
         struct mosaic_choice choice = mosaic_of(session, panel && !panel->words ? NULL : &sketch);
         choice.layout = panel ? &panel->layout : NULL;
