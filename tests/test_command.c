@@ -221,12 +221,15 @@ static void add_position(struct buf *out)
         buf_printf(out, "%.3f,%.2f,%.4fmm", mm[0], mm[1], mm[2]);
 }
 
-static void add_range(struct buf *out, const struct parameter *p)
+static void add_ranges(struct buf *out, const struct parameter *p, uint32_t ranges)
 {
-    uint32_t first = (uint32_t)p->least + below((uint32_t)(p->most - p->least + 1));
-    buf_printf(out, "%u", first);
-    if (below(2))
-        buf_printf(out, "-%u", first + below((uint32_t)p->most - first + 1));
+    for (; ranges > 0; ranges--) {
+        const uint32_t first = (uint32_t)p->least + below((uint32_t)(p->most - p->least + 1));
+        buf_printf(out, "%u", first);
+        if (below(2))
+            buf_printf(out, "-%u", first + below((uint32_t)p->most - first + 1));
+        buf_add_text(out, ranges > 1 ? "," : "");
+    }
 }
 
 static void add_value(struct buf *out, const struct parameter *p)
@@ -235,56 +238,32 @@ static void add_value(struct buf *out, const struct parameter *p)
         add_choice(out, p->choices);
         return;
     }
-    switch (p->type) {
-    case VALUE_POSITION:
+    if (p->type == VALUE_POSITION || p->type == VALUE_LINE)
         add_position(out);
-        break;
-    case VALUE_LABEL:
-        if (below(4) == 0)
-            buf_add_text(out, "cerebellum");
-        else
-            buf_printf(out, "%u", (uint32_t)p->least + below(256 - (uint32_t)p->least));
-        break;
-    case VALUE_NUMBER:
+    else if (p->type == VALUE_LABEL && below(4) == 0)
+        buf_add_text(out, "cerebellum");
+    else if (p->type == VALUE_LABEL)
+        buf_printf(out, "%u", (uint32_t)p->least + below(256 - (uint32_t)p->least));
+    else if (p->type == VALUE_NUMBER)
         buf_printf(out, "%lld",
                    (long long)p->least + (long long)below((uint32_t)(p->most - p->least + 1)));
-        break;
-    case VALUE_RANGE:
-        add_range(out, p);
-        break;
-    case VALUE_LIST:
-        for (uint32_t n = below(3);; n--) {
-            add_range(out, p);
-            if (n == 0)
-                break;
-            buf_add_char(out, ',');
-        }
-        break;
-    case VALUE_DECIMAL:
+    else if (p->type == VALUE_DECIMAL)
         add_decimal(out, p);
-        break;
-    case VALUE_LINE:
-        add_position(out);
-        break;
-    case VALUE_RADIUS:
+    else if (p->type == VALUE_RADIUS)
         buf_printf(out, below(2) ? "%u" : "%u.%03umm",
                    (uint32_t)p->least + below((uint32_t)(p->most - p->least) + 1), below(1000));
-        break;
-    case VALUE_REAL:
+    else if (p->type == VALUE_REAL)
         buf_printf(out, "%d.%03ue%d", (int)below(50) - 25, below(1000), (int)below(30) - 15);
-        break;
-    case VALUE_INTERVAL:
+    else if (p->type == VALUE_INTERVAL)
         buf_printf(out, "%d.%03u..%u.5e%u", -(int)below(50), below(1000), 1 + below(300), below(9));
-        break;
-    case VALUE_COLOUR:
+    else if (p->type == VALUE_COLOUR)
         buf_printf(out, "#%06x", below(1u << 24));
-        break;
-    case VALUE_COMMAND:
+    else if (p->type == VALUE_COMMAND)
         buf_add_text(out, command_at(below(command_count()))->name);
-        break;
-    default:
+    else if (p->type == VALUE_RANGE || p->type == VALUE_LIST)
+        add_ranges(out, p, p->type == VALUE_LIST ? 1 + below(3) : 1);
+    else
         add_word(out);
-    }
 }
 
 static void random_line(struct buf *out, const struct command *command)
