@@ -895,8 +895,6 @@ SCENE_STORY(a_key_that_is_given_is_not_offered_again)
 STORY(goldens_branches_and_records_are_offered)
 {
     OWNED(interpreter_release) struct interpreter interp;
-    begin_with_scene(&interp);
-    interpreter_release(&interp);
     begin_with_journal(&interp, "offers.iftty");
     completes(&interp, "golden ", "of=\nfinished=\n", 7);
     must(&interp, "seed 1,1,1 2; seed 9,9,9 1; size 20 20; golden front-1; "
@@ -1295,66 +1293,55 @@ static void make_long(const char *name, double z_mm)
 
 STORY(zoom_fit_works_for_any_samples)
 {
-    static const char *const open[] = {"synth:geom:1x1x1", "synth:geom:3x2x1", "long.nii"};
+    static const char *const open[] = {"open synth:geom:1x1x1", "open synth:geom:3x2x1",
+                                       "open long.nii"};
     make_long("long.nii", 90);
     for (size_t i = 0; i < sizeof open / sizeof open[0]; i++) {
         OWNED(interpreter_release) struct interpreter interp;
-        char line[PATH_MAX];
         begin_interpreter(&interp);
-        snprintf(line, sizeof line, "open %s", strchr(open[i], ':') ? open[i] : place(open[i]));
-        must(&interp, line);
+        must(&interp, open[i]);
         must(&interp, "size 1000 1000; samples 4; zoom fit; samples 1");
         must(&interp, "zoom fit"); /* may be larger now */
         must(&interp, "render");
     }
 }
 
-STORY(voxels_too_long_for_any_picture_are_rejected)
+BEGUN_STORY(voxels_too_long_for_any_picture_are_rejected, begin_interpreter)
 {
-    OWNED(interpreter_release) struct interpreter interp;
-    char line[PATH_MAX];
-    begin_interpreter(&interp);
     make_long("needles.nii", 3000);
-    snprintf(line, sizeof line, "open %s", place("needles.nii"));
-    must(&interp, line);
-    interpreter_release(&interp);
-    begin_interpreter(&interp);
+    must(interp, "open needles.nii");
+    interpreter_release(interp);
+    begin_interpreter(interp);
     OWNED(buf_release) struct buf file = {0};
     const float thin = 0.1f;
     CHECK(file_read(&file, place("needles.nii"), 1 << 20, NULL) == OK);
     memcpy(file.data + 80, &thin, 4); /* pixdim[1] */
     CHECK(file_write(place("needles.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
-    CHECK(execute(&interp, line) == ERR_LIMIT);
+    CHECK(execute(interp, "open needles.nii") == ERR_LIMIT);
     CHECK_TEXT(fault.text, "voxels of 0.1x1x3000 mm are too long for their width: no picture could "
                            "show them; nothing was opened");
-    CHECK(!interp.session->has_scene);
+    CHECK(!interp->session->has_scene);
 }
 
-STORY(a_replaced_file_is_restored)
+SCENE_STORY(a_replaced_file_is_restored)
 {
-    OWNED(interpreter_release) struct interpreter interp;
-    char line[PATH_MAX + 64];
     OWNED(buf_release) struct buf former = {0}, now = {0};
     snprintf(journal_file, sizeof journal_file, "%s", place("replaced.iftty"));
     failing_step = FILE_STEP_SYNC;
-    begin_with_scene(&interp);
-    CHECK(interpreter_create_journal(&interp, journal_file, &fault) == OK);
-    must(&interp, "seed 1,1,1 1");
-    snprintf(line, sizeof line, "save labels %s", place("replaced.nii"));
-    must(&interp, line);
-    CHECK(file_read(&former, place("replaced.nii"), 1 << 20, NULL) == OK);
-    must(&interp, "seed 1,1,1 2");
-    snprintf(line, sizeof line, "save labels %s replace=yes", place("replaced.nii"));
+    CHECK(interpreter_create_journal(interp, journal_file, &fault) == OK);
+    must(interp, "seed 1,1,1 1");
+    must(interp, "save labels replaced.nii");
+    CHECK(file_read(&former, "replaced.nii", 1 << 20, NULL) == OK);
+    must(interp, "seed 1,1,1 2");
     for (int tries = 0; tries < 2; tries++) {
         file_step_hook = tries == 0 ? fail_on_journal : NULL;
-        CHECK_INT(execute(&interp, line), tries == 0 ? ERR_IO : OK);
+        CHECK_INT(execute(interp, "save labels replaced.nii replace=yes"), tries ? OK : ERR_IO);
         file_step_hook = NULL;
-        CHECK(file_read(&now, place("replaced.nii"), 1 << 20, NULL) == OK);
+        CHECK(file_read(&now, "replaced.nii", 1 << 20, NULL) == OK);
         bool same = now.length == former.length && memcmp(now.data, former.data, now.length) == 0;
         CHECK(same == (tries == 0));
     }
-    snprintf(line, sizeof line, "ls -A %s | grep -q tmp", folder);
-    CHECK(system(line) != 0); /* no backup is left */
+    CHECK(system("ls -A | grep -q ^.iftty-") != 0); /* no backup is left */
 }
 
 STORY(a_replay_gives_the_recorded_results)
@@ -1898,18 +1885,16 @@ SCENE_STORY(the_context_lies_behind_objects_and_goes_by_the_window)
     is_recorded_as(interp, "undo; render", words);
 }
 
-STORY(a_journal_that_cannot_begin_undoes_the_command)
+SCENE_STORY(a_journal_that_cannot_begin_undoes_the_command)
 {
-    OWNED(interpreter_release) struct interpreter interp;
     char missing[PATH_MAX];
     snprintf(missing, sizeof missing, "%s", place("no-folder/x.iftty"));
-    begin_with_scene(&interp);
-    interp.new_journal = missing;
-    is_refused(&interp, "seed 1,1,1 1", "No such file or directory");
-    is_refused(&interp, "seed 1,1,1 1", "No such file or directory");
-    must(&interp, "info"); /* a question needs no journal */
-    interp.new_journal = NULL;
-    must(&interp, "seed 1,1,1 1");
+    interp->new_journal = missing;
+    is_refused(interp, "seed 1,1,1 1", "No such file or directory");
+    is_refused(interp, "seed 1,1,1 1", "No such file or directory");
+    must(interp, "info"); /* a question needs no journal */
+    interp->new_journal = NULL;
+    must(interp, "seed 1,1,1 1");
 }
 
 int main(void)

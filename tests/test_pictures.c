@@ -176,22 +176,20 @@ static bool after_mark(const char *path, const char *mark, size_t length, size_t
 
 /* The camera of Blender and Nuke is a rotation, and a place: a pixel is where x to the right, y up
  * and Z ahead, against the third axis, lead from there. */
-STORY(an_exr_has_a_camera_that_is_a_rotation)
+BEGUN_STORY(an_exr_has_a_camera_that_is_a_rotation, begin_with_object)
 {
     static const char mark[] = "iftty:cameraToWorld\0m44f";
-    OWNED(interpreter_release) struct interpreter interp;
     OWNED(picture_release) struct picture p;
     float m[16];
-    begin_with_object(&interp);
-    must(&interp, "view 77 -31 140; render camera.exr");
-    CHECK_INT(export_picture(&p, interp.session, PICTURE_BUT_NORMAL, NULL), OK);
+    must(interp, "view 77 -31 140; render camera.exr");
+    CHECK_INT(export_picture(&p, interp->session, PICTURE_BUT_NORMAL, NULL), OK);
     CHECK(after_mark("camera.exr", mark, sizeof mark, 4, m, sizeof m));
     const double a = (double)m[0], b = (double)m[1], c = (double)m[2], d = (double)m[4],
                  e = (double)m[5], f = (double)m[6], g = (double)m[8], h = (double)m[9],
                  i = (double)m[10];
     const double determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
     CHECK(fabs(determinant - 1) < 1e-5);
-    const double mm = seen_mm_per_pixel(interp.session);
+    const double mm = seen_mm_per_pixel(interp->session);
     const struct picture_space *space = &((const struct picture *)&p)->space;
     for (uint32_t y = 5; y < p.height; y += 20)
         for (uint32_t x = 5; x < p.width; x += 20) {

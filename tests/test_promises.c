@@ -99,7 +99,7 @@ BEGUN_STORY(lines_of_journals_are_the_canonical_ones_still, begin_interpreter)
     if (!CHECK(seen))
         return;
     for (const char *at = buf_text(&frozen); *at; at += *at == '\n') {
-        OWNED(call_release) struct call call;
+        OWNED(call_release) struct call call = {0};
         buf_clear(&line);
         buf_clear(&again);
         buf_add(&line, at, strcspn(at, "\n"));
