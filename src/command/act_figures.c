@@ -24,9 +24,7 @@ struct counts {
 static enum err count_labels(struct counts *counts, const struct act *act)
 {
     const struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, session->watch, "counting", whole, 0);
+    struct grid_walk walk = scene_walk(session->scene, "counting", NULL, 0);
     *counts = (struct counts){.seeds = {0}};
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
@@ -156,8 +154,7 @@ static enum err get_own_labels(struct compared *compared, const struct act *act,
     const struct grid *grid = &act->session->scene->grid;
     const struct value *only = act_value(act, "label");
     uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, act->session->watch, "present labels", whole, 0);
+    struct grid_walk walk = scene_walk(act->session->scene, "present labels", NULL, 0);
     enum err err = label ? act_take_labels(act, labels) : fault_memory(act->fault, "the labels");
     if (err)
         return err;

@@ -422,20 +422,6 @@ static enum err check_parameters(const struct act *act)
     return OK;
 }
 
-static enum err write_file(const struct act *act, const struct labels *labels, const char *path)
-{
-    const enum file_mode how = act_file_mode(act);
-    const int64_t what = act_number(act, "MAP");
-    const enum err err = interpreter_will_write(act->interp, path, how, act->fault);
-    if (err)
-        return err;
-    return what == SAVE_SEEDS   ? save_seeds(act, path, how)
-           : what == SAVE_NAMES ? save_names(act, path, how)
-           : what == SAVE_SURFACE
-               ? save_surface(act, labels, path, how)
-               : export_map(act->session, (enum map)what, labels, path, how, act->fault);
-}
-
 /* Coverage of a map of labels: voxels with a label above 0, and unreached voxels, outside the
  * region of interest or not. */
 struct coverage {
@@ -444,10 +430,8 @@ struct coverage {
 
 static struct coverage count_coverage(const struct session *session, const struct labels *labels)
 {
-    const struct grid *grid = &session->scene->grid;
     struct coverage count = {0};
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, session->watch, "counting", whole, 0);
+    struct grid_walk walk = scene_walk(session->scene, "counting", NULL, 0);
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
             const struct cell *cell = session->scene->cell + c;
@@ -487,7 +471,8 @@ enum err act_save(const struct act *act)
     const int64_t what = act_number(act, "MAP");
     const bool has_labels = what == MAP_LABELS || what == SAVE_SURFACE;
     struct coverage coverage = {0};
-    struct buf *path = act_buf(act);
+    const enum file_mode how = act_file_mode(act);
+    struct buf *to = act_buf(act);
     struct labels labels = {0};
     enum err err = check_parameters(act);
     if (!err)
@@ -495,9 +480,10 @@ enum err act_save(const struct act *act)
     if (!err && has_labels)
         err = act_take_labels(act, &labels);
     if (!err)
-        err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
-    if (err || !path->length)
+        err = interpreter_output_path(act->interp, act_text(act, "FILE"), to, act->fault);
+    if (err || !to->length)
         return err;
+    const char *path = buf_text(to);
     if (has_labels)
         coverage = count_coverage(act->session, &labels);
     /* An empty map would be mistaken for a result. */
@@ -508,10 +494,16 @@ enum err act_save(const struct act *act)
             "map with empty=yes; nothing was written");
     err = watch_fault(act->session->watch, act->fault);
     if (!err)
-        err = write_file(act, &labels, buf_text(path));
+        err = interpreter_will_write(act->interp, path, how, act->fault);
+    if (!err)
+        err = what == SAVE_SEEDS   ? save_seeds(act, path, how)
+              : what == SAVE_NAMES ? save_names(act, path, how)
+              : what == SAVE_SURFACE
+                  ? save_surface(act, &labels, path, how)
+                  : export_map(act->session, (enum map)what, &labels, path, how, act->fault);
     if (err)
         return err;
-    act_write_file_line("wrote ", buf_text(path), act->reply);
-    warn_of_contents(act, buf_text(path), &coverage, labels.finished != NULL);
+    act_write_file_line("wrote ", path, act->reply);
+    warn_of_contents(act, path, &coverage, labels.finished != NULL);
     return OK;
 }

@@ -116,17 +116,6 @@ static enum err add_roi(const struct act *act, enum err err)
     return OK;
 }
 
-static void fill_mask(uint64_t *mask, const struct volume *map, const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, scene->watch, "voxels of the mask", whole, 0);
-    const uint16_t *region = map->intensity;
-    while (grid_walk_next(&walk))
-        for (uint32_t c = walk.row.first; c < walk.row.end; c++)
-            mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
-}
-
 static enum err mask_by_file(const struct act *act)
 {
     struct session *session = act->session;
@@ -144,7 +133,11 @@ static enum err mask_by_file(const struct act *act)
     if (!err && !(mask = mem_new(mask_bytes(&session->scene->grid))))
         err = fault_memory(act->fault, "a mask");
     if (!err) {
-        fill_mask(mask, &map, session->scene);
+        struct grid_walk walk = scene_walk(session->scene, "voxels of the mask", NULL, 0);
+        const uint16_t *region = map.intensity;
+        while (grid_walk_next(&walk))
+            for (uint32_t c = walk.row.first; c < walk.row.end; c++)
+                mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
         buf_add_text(&act->reply->text, map.notes);
         const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
         act_add_digest(act, "file", roi_tally(&alone, session->scene).digest);
@@ -170,10 +163,8 @@ enum err act_mask(const struct act *act)
 /* Count the voxels of the scene whose level contains an end of the range. */
 static size_t count_unsure(const struct session *session, const struct decimal range[2])
 {
-    const struct grid *grid = &session->scene->grid;
     const struct interval interval = levels_within(&session->geometry, session->levels, range);
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, NULL, "levels", whole, 0);
+    struct grid_walk walk = scene_walk(session->scene, "levels", NULL, 0);
     size_t voxels = 0;
     while (interval.split[0] >= 0 && grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++)

@@ -281,19 +281,6 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
 
 /* ---- record a command ---- */
 
-static enum err begin_journal(struct interpreter *interp, struct buf *told, struct fault *fault)
-{
-    if (!interp->new_journal)
-        return OK;
-    const enum err err = interpreter_create_journal(interp, interp->new_journal, fault);
-    if (err)
-        return fault_prefix(fault, err,
-                            "cannot create a journal here (--journal FILE creates it elsewhere)");
-    interp->new_journal = NULL;
-    interpreter_write_lock(interp, told);
-    return OK;
-}
-
 /* Add the command to the history and, if it is new, to the journal. For a question that applied
  * waiting edits, add a `run`. */
 static enum err record_command(struct interpreter *interp, const struct command *command,
@@ -305,8 +292,14 @@ static enum err record_command(struct interpreter *interp, const struct command 
     const char *line = is_question ? run : buf_text(&reply->canonical);
     const struct session *session = interp->session;
     enum err err = history_note(&interp->history, session, line, fault);
-    if (!err && interp->mode == MODE_LIVE)
-        err = begin_journal(interp, &reply->text, fault);
+    if (!err && interp->mode == MODE_LIVE && interp->new_journal) {
+        err = interpreter_create_journal(interp, interp->new_journal, fault);
+        if (err)
+            return fault_prefix(
+                fault, err, "cannot create a journal here (--journal FILE creates it elsewhere)");
+        interp->new_journal = NULL;
+        interpreter_write_lock(interp, &reply->text);
+    }
     if (err || interp->mode != MODE_LIVE || !interp->journal)
         return err;
     const bool only_looks = /* the command changed only the view (J1) */

@@ -231,17 +231,6 @@ static enum err read_range(struct value *value, const struct parameter *p, const
     return OK;
 }
 
-/* The word itself is the value. */
-static enum err read_list(struct value *value, const struct parameter *p, const char *word,
-                          struct fault *fault)
-{
-    if (!scan_is_list(word, p->least, p->most))
-        return report_expected_range(fault, p, word, "; several have commas between them");
-    value->text = word;
-    value->number = -1;
-    return OK;
-}
-
 /* Read a REAL or an INTERVAL. */
 static enum err read_real(struct value *value, const struct parameter *p, const char *word,
                           struct fault *fault)
@@ -332,7 +321,9 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         case VALUE_RANGE:
             return read_range(value, p, word, fault);
         case VALUE_LIST:
-            return read_list(value, p, word, fault);
+            if (!scan_is_list(word, p->least, p->most))
+                return report_expected_range(fault, p, word, "; several have commas between them");
+            break;
         case VALUE_REAL:
         case VALUE_INTERVAL:
             return read_real(value, p, word, fault);

@@ -130,22 +130,20 @@ static void drop_live(struct pictures *p)
         p->rendered = RENDERED_NOT;
 }
 
-static void release_pictures(struct pictures *p)
-{
-    pictures_release_rendition(p);
-    drop_live(p);
-    mip_release(&p->context.mip);
-    shader_release(&p->shader);
-    mesh_release(&p->mesh);
-    free(p);
-}
-
 static void leave_scene(struct pictures *p)
 {
     p->own = (struct own_view){0};
     drop_live(p);
     shader_release(&p->shader);
     mesh_release(&p->mesh);
+}
+
+static void release_pictures(struct pictures *p)
+{
+    pictures_release_rendition(p);
+    leave_scene(p);
+    mip_release(&p->context.mip);
+    free(p);
 }
 
 static void count_memory(const struct pictures *p, struct session_memory *memory)
