@@ -522,14 +522,12 @@ static void warn_of_noise(const struct act *act, const struct piece_seeds *seeds
 enum err act_labels(const struct act *act)
 {
     const struct session *session = act->session;
-    const struct value *erode = act_value(act, "erode");
-    const unsigned rounds = erode->given ? (unsigned)erode->number : 0;
-    const bool rests = act_has(act, "rest") && act_number(act, "rest") == 1;
+    const unsigned rounds = (unsigned)act_number(act, "erode");
     const struct piece_choice choice = {rounds, (uint32_t)act_number(act, "least"),
-                                        !rests ? 0 : REGION_NONE};
+                                        act_number(act, "rest") == 1 ? REGION_NONE : 0};
     struct volume map = {0};
     struct piece_seeds seeds = {0};
-    if (!erode->given)
+    if (!act_has(act, "erode"))
         buf_printf(&act->reply->canonical, " erode=%u", rounds);
     const char *copy = act_text(act, "copy");
     char digest[LABEL_COPY_DIGEST];

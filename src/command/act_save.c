@@ -222,9 +222,8 @@ static enum err take_argument(struct finish_step *step, const struct act *act)
 
 static enum err add_step(struct finish_list *list, const struct act *act)
 {
-    const struct value *label = act_value(act, "label");
     struct finish_step step = {.kind = (uint32_t)act_number(act, "STEP"),
-                               .label = label->given ? (uint32_t)label->number : FINISH_ALL_LABELS};
+                               .label = (uint32_t)act_number_or(act, "label", FINISH_ALL_LABELS)};
     const enum err err = take_argument(&step, act);
     if (err)
         return err;

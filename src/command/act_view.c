@@ -120,9 +120,8 @@ static enum err mask_by_file(const struct act *act)
 {
     struct session *session = act->session;
     const char *name = act_text(act, "FILE");
-    const struct value *given = act_value(act, "regions");
-    const uint32_t regions[2] = {given->given ? given->place[0] : 1,
-                                 given->given ? given->place[1] : (uint32_t)REGION_MOST};
+    static const uint32_t all[2] = {1, REGION_MOST};
+    const uint32_t *regions = act_has(act, "regions") ? act_place(act, "regions") : all;
     struct volume map = {0};
     uint64_t *mask = NULL;
     enum err err = act_read_map(act, &map);
