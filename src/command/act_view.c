@@ -335,7 +335,7 @@ enum err act_clip(const struct act *act)
     const uint32_t count = slice_count(scene, plane), *range = act_place(act, "SLICES");
     const char *name = slice_name(scene, plane);
     const bool turned = slice_index(scene, plane, (const uint32_t[3]){0}) > 0;
-    char sides[24] = ""; /* of the patient, from slice 0 on: ", feet to head" */
+    char sides[24] = ""; /* the patient's, from slice 0 on: ", feet to head" */
     if (!scene->sides_unknown)
         snprintf(sides, sizeof sides, ", %s to %s", side[plane][turned], side[plane][!turned]);
     if (!act_has(act, "SLICES"))

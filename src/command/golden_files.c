@@ -78,7 +78,7 @@ static const char image_ending[] = ".exr", png_ending[] = ".png";
 
 enum {
     ENDING = sizeof image_ending - 1,
-    NAME_BYTES = 80, /* of an image; longer names are not valid */
+    NAME_BYTES = 80, /* for the name of an image; longer ones are not valid */
     CHAIN_BYTES = RECORD_CHAIN_DIGITS + 1,
     COPY_BYTES_MOST = 1 << 30
 };
