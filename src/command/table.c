@@ -365,12 +365,12 @@ static const struct command command_table[] = {
     {CALLED("remove", "delete|erase|eliminate|rm", act_remove, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
      "remove the marker of this voxel",
-     "A marker consists of the seeds planted by one command: a ball, a stroke, a region of a "
-     "file. Its seeds are removed, and the surrounding trees grow into its voxels; the seeds of "
-     "an older marker below it are restored. Trees are those of the last run.\n"
+     "A marker consists of the seeds planted by one command: a ball, a stroke, a region of a file. "
+     "Its seeds are removed, and the surrounding trees grow into its voxels; the seeds of an older "
+     "marker below it are restored. Trees are those of the last run.\n"
      "of=tree: remove only the seed of the tree that contains the voxel, and restore no older "
      "seed.\n"
-     "With a radius: all markers, or trees, that have a voxel in the ball.",
+     "radius: remove all markers, or trees, with a voxel in this ball.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E | P),
      {KEYED("for", VALUE_COMMAND, .form = "QUESTION")},
