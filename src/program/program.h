@@ -18,7 +18,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "apply/apply.h"
 #include "base/buf.h"
 #include "base/err.h"
 #include "base/watch.h"
@@ -75,7 +74,7 @@ struct options {
     int words;
     const char *commands, *journal, *scene, *out;
     const char *accept, *only, *picture, *surface, *shard;
-    const char *volume, *regions, *as, *procedure;
+    const char *volume, *regions, *as, *by, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t from, until;            /* 0: not given */
     struct graphics_wish graphics; /* {0}: chosen by the terminal */
@@ -83,8 +82,7 @@ struct options {
         anonymise;
     bool no_strict, unconfined;
     bool is_form;                 /* set by options that only select a form */
-    struct verify_options verify; /* options of one program alone are members of its own options, */
-    struct apply_options apply;   /* whose other members its function sets */
+    struct verify_options verify; /* those of `verify` alone; its function sets the rest */
 };
 
 enum { PROGRAM_OPTIONS_MOST = 26 };

@@ -20,14 +20,17 @@ enum err run_apply(const struct options *o, struct fault *fault)
 {
     struct options walls = *o; /* confinement of the procedure, which writes nothing */
     walls.out = NULL;
-    struct apply_options how = o->apply;
-    how.procedure = source_of(&walls);
-    how.scene = o->word + 1;
-    how.scenes = (size_t)o->words - 1;
-    how.as = o->as;
-    how.out = o->out;
-    how.volume = o->volume;
-    how.json = o->json;
+    const struct apply_options how = {.procedure = source_of(&walls),
+                                      .scene = o->word + 1,
+                                      .scenes = (size_t)o->words - 1,
+                                      .by = o->by,
+                                      .as = o->as,
+                                      .fit = o->fit,
+                                      .out = o->out,
+                                      .orient = o->orient,
+                                      .volume = o->volume,
+                                      .landmarks = o->landmarks,
+                                      .json = o->json};
     console_handle_interrupts();
     return apply_procedure(&how, &console_printer, fault);
 }

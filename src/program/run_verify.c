@@ -253,7 +253,7 @@ enum err run_diff(const struct options *o, struct fault *fault)
 
 /* ---- accepting and resealing ---- */
 
-/* Of an edited journal by `log --reseal`, which is a form; by `verify --accept` its pictures. */
+/* Reseal an edited journal by `log --reseal`, which is a form; accept pictures by `verify`. */
 enum err run_reseal(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
