@@ -136,8 +136,7 @@ BEGUN_STORY(a_clear_picture_has_its_alpha, begin_with_object)
     must(interp, "background transparent; render clear.png; render clear.tif; "
                  "render clear.bmp; render clear.exr");
     OWNED(picture_release)
-    struct picture png = read_back(interp, "clear.png"),
-                   tif = read_back(interp, "clear.tif");
+    struct picture png = read_back(interp, "clear.png"), tif = read_back(interp, "clear.tif");
     OWNED(picture_release) struct picture bmp = read_back(interp, "clear.bmp"), exr;
     CHECK_INT(exr_read(&exr, "clear.exr", NULL), OK);
     CHECK(memcmp(png.rgba, exr.rgba, (size_t)4 * PIXELS) == 0);
@@ -172,8 +171,7 @@ BEGUN_STORY(the_pane_of_a_mosaic_has_it_too, begin_with_object)
     must(interp, "samples 1; background black; mosaic black.png; background white; "
                  "mosaic white.png");
     OWNED(picture_release)
-    struct picture black = read_back(interp, "black.png"),
-                   white = read_back(interp, "white.png");
+    struct picture black = read_back(interp, "black.png"), white = read_back(interp, "white.png");
     const struct mosaic_box box = mosaic_box(WIDTH, HEIGHT, MOSAIC_RENDITION);
     unsigned differ = 0;
     for (uint32_t y = 0; y < HEIGHT; y++)

@@ -141,8 +141,7 @@ STORY(a_line_is_as_strong_at_every_number_of_samples)
 static void outline_shows(struct stage *s, uint32_t samples)
 {
     OWNED(rendition_release)
-    struct rendition plain = draw(s, samples, false),
-                     lined = draw(s, samples, true);
+    struct rendition plain = draw(s, samples, false), lined = draw(s, samples, true);
     const uint32_t width = PIXELS * samples;
     for (uint32_t y = width / 4; y < width * 3 / 4; y++) {
         uint32_t x = 0;
