@@ -4,7 +4,7 @@
  * that were stopped. */
 #include "command/execute.h"
 #include "tests/random_commands.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 #include <math.h>
 
@@ -248,14 +248,4 @@ SCENE_STORY(of_many_labels_the_largest_are_told)
     }
     must(interp, "run");
     CHECK_HAS(answer(), ", 3 more labels");
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "tally"))
-        return 1;
-    make_scene();
-    const int status = check_run();
-    reply_release(&reply);
-    return remove_folder(folder) | status;
 }
