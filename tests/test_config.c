@@ -38,7 +38,7 @@ static const char *keys_of(const char *name)
 {
     static struct buf keys;
     buf_clear(&keys);
-    setup_add_keys(&keys, &config.setup, setup_row(name), SIZE_MAX);
+    setup_add_keys(&keys, &config.setup, setup_row(&config.setup, name), SIZE_MAX);
     return buf_text(&keys);
 }
 

@@ -494,10 +494,10 @@ STORY(messages_name_the_keys_that_the_user_has)
     struct pilot_setup own = pilot_setup_default;
     begin();
     state.setup = &own;
-    CHECK(setup_keys(&own, setup_row("keys"), "F", NULL) == OK);
-    CHECK(setup_keys(&own, setup_row("mark"), "Sa-z", NULL) == OK);
-    CHECK(setup_keys(&own, setup_row("plant-label"), ",0-9", NULL) == OK);
-    CHECK(setup_keys(&own, setup_row("eliminate-it"), "y", NULL) == OK);
+    CHECK(setup_keys(&own, setup_row(&own, "keys"), "F", NULL) == OK);
+    CHECK(setup_keys(&own, setup_row(&own, "mark"), "Sa-z", NULL) == OK);
+    CHECK(setup_keys(&own, setup_row(&own, "plant-label"), ",0-9", NULL) == OK);
+    CHECK(setup_keys(&own, setup_row(&own, "eliminate-it"), "y", NULL) == OK);
     KEYS("Q|*|this key does nothing here; F shows the keys",
          "0|*|a count begins with 1-9; ,0 plants a seed of label 0",
          "'q|*|there is no mark q; Sq sets it", "Sq|*|'q leads back here",

@@ -120,7 +120,7 @@ static enum err take_keys(struct config *config, const char *words, struct fault
 {
     struct buf name = {0};
     take_word(&words, &name);
-    const struct pilot_row *row = setup_row(buf_text(&name));
+    const struct pilot_row *row = setup_row(&config->setup, buf_text(&name));
     enum err err;
     if (!row) {
         struct near near = near_to(buf_text(&name));

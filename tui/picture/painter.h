@@ -83,7 +83,7 @@ struct strips {
     uint64_t pixels, clock;
     uint32_t last;                         /* strips ever sent */
     struct image_strip slot[STRIPS_MOST];  /* on the screen; number 0: not shown */
-    struct image_strip strip[STRIPS_MOST]; /* of the present view */
+    struct image_strip strip[STRIPS_MOST]; /* in the present view */
     unsigned strips;
     uint8_t *greys; /* palette indices of the present strip */
     size_t greys_capacity;

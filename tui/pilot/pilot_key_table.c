@@ -211,7 +211,9 @@ const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
 
 /* ---- the default setup ---- */
 
-const struct pilot_setup pilot_setup_default = {.theme = &theme_dark,
+const struct pilot_setup pilot_setup_default = {.table = pilot_table,
+                                                .rows = sizeof pilot_table / sizeof pilot_table[0],
+                                                .theme = &theme_dark,
                                                 .brush = {.label = 1, .radius = 6, .fits = true},
                                                 .window = {{"bone", 500000, 2000000},
                                                            {"brain", 40000, 80000},

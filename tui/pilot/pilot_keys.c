@@ -56,10 +56,11 @@ static bool fits_any(const char *words, uint32_t leader, const struct key_event 
 static const struct pilot_row *find_among(const struct pilot_state *state,
                                           const struct key_event *event, bool own)
 {
-    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+    const struct pilot_setup *setup = state->setup;
+    for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++) {
         if (!row->name || !(row->in & PILOT_IN(state->mode)))
             continue;
-        const char *words = setup_own(state->setup, row);
+        const char *words = setup_own(setup, row);
         if (own ? fits_any(words, state->leader, event)
                 : (!words && fits_any(row->keys, state->leader, event)) ||
                       fits_any(row->also, state->leader, event))
@@ -94,10 +95,11 @@ static bool add_keys_after(const struct pilot_state *state, uint32_t leader, str
 {
     const char *gap = "";
     struct buf keys = {0};
-    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+    const struct pilot_setup *setup = state->setup;
+    for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++) {
         buf_clear(&keys);
         if (row->name && row->in & PILOT_IN(state->mode))
-            setup_add_keys(&keys, state->setup, row, SIZE_MAX);
+            setup_add_keys(&keys, setup, row, SIZE_MAX);
         if (!fits_any(buf_text(&keys), leader, NULL))
             continue;
         buf_printf(message, "%s%s %s", gap, buf_text(&keys), row->name);

@@ -55,7 +55,11 @@ struct pilot_brush {
     struct decimal range[2];
 };
 
+struct pilot_row;
+
 struct pilot_setup {
+    const struct pilot_row *table; /* [rows], actions of keys */
+    size_t rows;
     const struct theme *theme;
     struct pilot_brush brush; /* at the start */
     struct setup_window window[SETUP_WINDOWS_MOST];
@@ -346,7 +350,7 @@ enum err setup_keys(struct pilot_setup *setup, const struct pilot_row *row, cons
                     struct fault *fault);
 
 /* Return the row of that name, or NULL. */
-const struct pilot_row *setup_row(const char *name);
+const struct pilot_row *setup_row(const struct pilot_setup *setup, const char *name);
 
 /* Return the keys that the user has given a row, or NULL. */
 const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *row);

@@ -126,7 +126,7 @@ void pilot_close_outline(struct press *p)
         buf_printf(p->line, " instead=%u", state->instead);
     buf_add_char(p->line, '\n');
     pilot_remember_shape(p);
-    state->change = (struct pilot_change){setup_row("polygon"), *p->event, 0};
+    state->change = (struct pilot_change){setup_row(state->setup, "polygon"), *p->event, 0};
     pilot_end_outline(state);
     state->doubt = 0; /* the ranking has changed */
 }
@@ -360,7 +360,8 @@ void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pa
         if (state->base == PILOT_OUTLINING && state->dragged >= CORNERS_LEAST) {
             pilot_close_outline(p);
             state->mode = state->base = PILOT_OUTLINING; /* the pen stays down */
-            state->change = (struct pilot_change){setup_row("close-outline"), *p->event, 0};
+            state->change =
+                (struct pilot_change){setup_row(state->setup, "close-outline"), *p->event, 0};
         }
     }
 }

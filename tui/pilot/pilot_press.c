@@ -29,9 +29,9 @@ enum err setup_window(struct pilot_setup *setup, const char *name, int64_t centr
 
 /* ---- keys ---- */
 
-const struct pilot_row *setup_row(const char *name)
+const struct pilot_row *setup_row(const struct pilot_setup *setup, const char *name)
 {
-    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++)
+    for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++)
         if (row->name && strcmp(row->name, name) == 0)
             return row;
     return NULL;
@@ -39,7 +39,7 @@ const struct pilot_row *setup_row(const char *name)
 
 const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *row)
 {
-    const char *own = setup->keys[row - pilot_table];
+    const char *own = setup->keys[row - setup->table];
     return *own ? own : NULL;
 }
 
@@ -50,7 +50,7 @@ static const struct pilot_row *taken_by(const struct pilot_setup *setup,
     struct chord other;
     const char *word;
     size_t length;
-    for (const struct pilot_row *r = pilot_table; r < pilot_table + pilot_rows; r++) {
+    for (const struct pilot_row *r = setup->table; r < setup->table + setup->rows; r++) {
         const char *words = setup_own(setup, r);
         if (r == row || !(r->in & row->in))
             continue;
@@ -79,7 +79,7 @@ enum err setup_keys(struct pilot_setup *setup, const struct pilot_row *row, cons
         if (by)
             return fault_set(fault, ERR_USAGE, "%.*s was given to %s", (int)length, word, by->name);
     }
-    snprintf(setup->keys[row - pilot_table], SETUP_KEYS_BYTES, "%s", words);
+    snprintf(setup->keys[row - setup->table], SETUP_KEYS_BYTES, "%s", words);
     return OK;
 }
 
@@ -121,7 +121,7 @@ void setup_say(struct buf *out, const struct pilot_setup *setup, const char *for
             buf_add_char(out, *at);
             continue;
         }
-        setup_add_keys(out, setup, setup_row(name), 1);
+        setup_add_keys(out, setup, setup_row(setup, name), 1);
         const char *range = out->length > before + 3 ? out->data + out->length - 3 : "";
         if (character && (strcmp(range, "a-z") == 0 || strcmp(range, "0-9") == 0)) {
             out->length -= 3;

@@ -29,8 +29,8 @@
  * that, so each key is written once. A sequence of two keys is two words, "Ctrl-X Ctrl-E". Shift,
  * and other modifiers that no row names with a key, are ignored: Shift-Left is Left.
  */
-/* Action of a key: a change of the line by an enum line_action, or one of the editor. After a key
- * it is what remains to be done. */
+/* Action of a key: a change of the line by an enum line_action, or one of the editor; and the
+ * action that remains to be done after it. */
 enum line_editor_act {
     DUTY_NONE = LINE_ACTIONS,
     DUTY_SUBMIT,
