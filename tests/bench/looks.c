@@ -152,9 +152,9 @@ static void carry_out(struct interpreter *interp, const char *size, struct json 
         write_command(&line, steps[i], size, interp->session);
         const uint64_t begin = clock_ns();
         looks = (struct looks){.last_ns = begin, .what = "begin", .before = "", .after = ""};
-        const enum err err = interpreter_execute(interp, buf_text(&line), &reply, &bench_fault);
+        bench_subject = buf_text(&line);
+        must(interpreter_execute(interp, buf_text(&line), &reply, &bench_fault));
         note(&looks, "end");
-        must(err ? fault_prefix(&bench_fault, err, "%s", buf_text(&line)) : OK);
         print(buf_text(&line), times_since(begin), &looks, json);
         worst = (double)looks.longest_ns / 1e6 > worst ? (double)looks.longest_ns / 1e6 : worst;
     }

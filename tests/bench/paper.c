@@ -124,24 +124,22 @@ static bool advanced(void *context, unsigned step, unsigned round)
 }
 
 /* The scene in the interpreter's session, and its seeds. */
-static enum err prepare(struct interpreter *interp, struct seeds *seeds,
-                        const struct scene_choice *choice, struct fault *fault)
+static void prepare(struct interpreter *interp, struct seeds *seeds,
+                    const struct scene_choice *choice)
 {
     const struct source *from = choice->from;
     struct session *session = interp->session;
     struct procedure procedure = {0};
-    enum err err = procedure_load(&procedure, interp, from->base, from->atlas, fault);
-    if (!err && strcmp(from->file, from->base) != 0) {
+    procedure_load(&procedure, interp, from->base, from->atlas);
+    if (strcmp(from->file, from->base) != 0) {
         session_reset(session);
-        err = procedure_open(interp, from->file, fault);
-    } else if (!err) {
-        err = session_interpolate(session, choice->doubled, fault);
+        procedure_open(interp, from->file);
+    } else {
+        must(session_interpolate(session, choice->doubled, &bench_fault));
         session_settle(session);
     }
-    if (!err)
-        err = procedure_seeds(seeds, &procedure, session, fault);
+    must(procedure_seeds(seeds, &procedure, session, &bench_fault));
     procedure_release(&procedure);
-    return err;
 }
 
 static void run_scene(struct run *run)
@@ -153,8 +151,9 @@ static void run_scene(struct run *run)
     must(interpreter_init(&interp, &bench_fault));
     if (!goes_on(run, "opening", 0))
         must(fault_set(&bench_fault, ERR_CANCELLED, "cancelled"));
-    const enum err err = prepare(&interp, &seeds, &run->choice[run->at], &bench_fault);
-    must(err ? fault_prefix(&bench_fault, err, "%s", trial->name) : OK);
+    bench_subject = trial->name;
+    prepare(&interp, &seeds, &run->choice[run->at]);
+    bench_subject = NULL;
     must(trial_run(trial, interp.session, &seeds, run->steps, (unsigned)run->options->rounds,
                    &watch, &bench_fault));
     seeds_release(&seeds);

@@ -10,9 +10,12 @@
 #include "program/program.h"
 
 struct fault bench_fault;
+const char *bench_subject;
 
 void must(enum err err)
 {
+    if (err && bench_subject)
+        fault_prefix(&bench_fault, err, "%s", bench_subject);
     if (err)
         exit(console_finish(err, &bench_fault));
 }

@@ -9,11 +9,13 @@
 #include "base/json.h"
 #include "command/interpreter.h"
 
-/* A benchmark ends at its first error: print bench_fault, and exit with the status of `err`.
+/* A benchmark ends at its first error: print bench_fault, after the subject if that is not NULL, and
+ * exit with the status of `err`.
  *
  *     must(session_run(session, &bench_fault));
  */
 extern struct fault bench_fault;
+extern const char *bench_subject;
 void must(enum err err);
 
 /* Zeroed memory; the program ends without it. */
