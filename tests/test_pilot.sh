@@ -230,7 +230,7 @@ for page in 1 2 3 4 5 6 7 8 9; do
     press Space
     comes_true is_another_page || fail "no page follows:" "$(cat former)"
 done
-see '^quit  *leave' '^[(]any key[)]$'
+see '^quit  *end the session' '^[(]any key[)]$'
 pressing Escape '^coronal at [0-9]*,13,[0-9]* '
 
 begin "a message longer than a row uses both rows, until the next key"
