@@ -71,7 +71,7 @@ static void check_status(int process)
 STORY(the_image_helper_is_confined_before_the_first_pixel)
 {
     struct image_helper *helper = NULL;
-    struct picture picture;
+    OWNED(picture_release) struct picture picture;
     CHECK_INT(image_helper_new(&helper, built_program("iftty-image"), NULL), OK);
     struct image_movie movie = {helper, file_in(folder, "a.gif"), .mode = FILE_REPLACE};
     CHECK_INT(picture_init(&picture, 8, 8, 0, NULL), OK);
@@ -84,7 +84,6 @@ STORY(the_image_helper_is_confined_before_the_first_pixel)
     image_movie_abandon(&movie);
     WAIT_UNTIL(!works(worker));
     CHECK(child_of(getpid()) == 0 && !works(worker));
-    picture_release(&picture);
     image_helper_free(helper);
 }
 

@@ -403,7 +403,7 @@ STORY(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place)
                 header.fields.srow[w][a] += (double)check_below(&chance, 1000) / 3000;
         }
         read_it();
-        struct volume map = map_of(is, &geometry);
+        OWNED(volume_release) struct volume map = map_of(is, &geometry);
         const struct geometry place = map.geometry;
         size_t n = 0, wrong = 0, beyond = 0;
         CHECK_INT(regrid(&map, size, &scene, true, NULL, &fault), OK);
@@ -427,7 +427,6 @@ STORY(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place)
         CHECK(map.geometry.intercept == -7);
         CHECK_HAS(map.notes, "resampled from 19x23x6 voxels by the nearest\n");
         CHECK((beyond > 0) == (strstr(map.notes, "are outside the map: set to 0\n") != NULL));
-        volume_release(&map);
     }
 }
 
@@ -442,9 +441,8 @@ STORY(a_map_out_of_all_proportion_is_refused)
                 place.to_mm[1][3] = far[i];
             else
                 place.to_mm[0][0] = 1 / far[i];
-            struct volume map = map_of(size, &place);
+            OWNED(volume_release) struct volume map = map_of(size, &place);
             CHECK_INT(regrid(&map, size, &scene, true, NULL, &fault), ERR_INPUT);
             CHECK_HAS(fault.text, "too far apart, or their voxels differ too much");
-            volume_release(&map);
         }
 }

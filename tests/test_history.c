@@ -420,7 +420,7 @@ STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
 /* Showing progress changes neither what is computed nor what is drawn later. */
 STORY(what_is_shown_on_the_way_changes_nothing)
 {
-    struct interpreter interp, plain;
+    OWNED(interpreter_release) struct interpreter interp, plain;
     struct snapshot shown, expected;
     begin_with_scene(&interp);
     struct stopping stopping = {.watch = {.context = &stopping, .poll = not_now, .show = show_all},
@@ -453,8 +453,6 @@ STORY(what_is_shown_on_the_way_changes_nothing)
     }
     CHECK(!*at);
     CHECK(stopping.shows > 100);
-    interpreter_release(&interp);
-    interpreter_release(&plain);
 }
 
 STORY(a_scene_is_opened_and_interpolated_or_is_not)
@@ -502,7 +500,7 @@ static void has_same_history(const struct history *a, const struct history *b)
 static void forge_taken(const char *from, const char *to, const char *key, const char *taken)
 {
     OWNED(buf_release) struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
     struct record_chain chain = record_chain_zero;
     CHECK(file_read(&bytes, from, JOURNAL_BYTES_MAX, NULL) == OK);
@@ -529,7 +527,6 @@ static void forge_taken(const char *from, const char *to, const char *key, const
                             NULL) == OK);
     }
     CHECK(file_write(to, out.data, out.length, FILE_REPLACE, NULL) == OK);
-    walk_release(&walk);
 }
 
 static void resumes_as(const char *path, struct interpreter *interp, bool slowly)

@@ -145,7 +145,7 @@ STORY(any_half_is_the_nearest_level)
 STORY(a_file_of_associated_alpha_comes_back_too)
 {
     for (int tiled = 0; tiled < 2; tiled++) {
-        struct picture p = sample(256, 255, true);
+        OWNED(picture_release) struct picture p = sample(256, 255, true);
         p.is_associated = true;
         p.tiled = tiled;
         p.space.eye_mm = 1234.5;
@@ -154,22 +154,18 @@ STORY(a_file_of_associated_alpha_comes_back_too)
             memset(p.rgba + 4 * i, (int)(i % 256), 3);
             p.rgba[4 * i + 3] = (uint8_t)(1 + i / 256);
         }
-        struct picture q = written(&p);
+        OWNED(picture_release) struct picture q = written(&p);
         CHECK(same(&p, &q) && q.is_associated);
-        picture_release(&p);
-        picture_release(&q);
     }
 }
 
 STORY(what_nothing_covers_has_no_colour)
 {
-    struct picture p = sample(8, 8, false);
+    OWNED(picture_release) struct picture p = sample(8, 8, false);
     p.is_associated = true;
     memcpy(p.rgba, (uint8_t[8]){9, 200, 255, 0, 9, 200, 255, 1}, 8);
-    struct picture q = written(&p);
+    OWNED(picture_release) struct picture q = written(&p);
     CHECK(memcmp(q.rgba, (uint8_t[8]){0, 0, 0, 0, 9, 200, 255, 1}, 8) == 0);
-    picture_release(&p);
-    picture_release(&q);
 }
 
 STORY(a_picture_of_colours_alone_comes_back)
@@ -203,8 +199,8 @@ STORY(sizes_about_those_of_tiles_come_back)
 
 STORY(the_same_picture_gives_the_same_bytes)
 {
-    struct picture p = sample(50, 50, true);
-    struct buf first = {0}, second = {0};
+    OWNED(picture_release) struct picture p = sample(50, 50, true);
+    OWNED(buf_release) struct buf first = {0}, second = {0};
     CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(file_read(&first, path, 1 << 20, NULL), OK);
     sleep(1);
@@ -212,29 +208,24 @@ STORY(the_same_picture_gives_the_same_bytes)
     CHECK_INT(file_read(&second, path, 1 << 20, NULL), OK);
     CHECK_INT(first.length, second.length);
     CHECK(memcmp(first.data, second.data, first.length) == 0);
-    buf_release(&first);
-    buf_release(&second);
-    picture_release(&p);
 }
 
 STORY(an_existing_file_is_kept_unless_told)
 {
-    struct picture p = sample(4, 4, false);
+    OWNED(picture_release) struct picture p = sample(4, 4, false);
     struct fault fault = {0};
     CHECK_INT(exr_write(path, FILE_REPLACE, &p, &fault), OK);
     CHECK_INT(exr_write(path, FILE_KEEP, &p, &fault), ERR_IO);
     CHECK_HAS(fault.text, "exists already");
-    picture_release(&p);
 }
 
 STORY(a_note_under_a_name_of_the_format_is_refused)
 {
-    struct picture p = sample(4, 4, false);
+    OWNED(picture_release) struct picture p = sample(4, 4, false);
     struct fault fault = {0};
     picture_note(&p, "dataWindow", "mine", NULL);
     CHECK_INT(exr_write(path, FILE_REPLACE, &p, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "\"dataWindow\" cannot name a note");
-    picture_release(&p);
 }
 
 static int full_after;
@@ -246,7 +237,7 @@ static int disk_is_full(enum file_step step, const char *name)
 
 STORY(a_full_disk_leaves_the_former_file)
 {
-    struct picture p = sample(64, 64, true), q;
+    OWNED(picture_release) struct picture p = sample(64, 64, true), q;
     struct fault fault = {0};
     CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
     p.rgba[0] ^= 1;
@@ -260,21 +251,18 @@ STORY(a_full_disk_leaves_the_former_file)
     CHECK_INT(exr_read(&q, path, NULL), OK);
     p.rgba[0] ^= 1;
     CHECK(same(&p, &q));
-    picture_release(&p);
-    picture_release(&q);
 }
 
 /* Replace the only occurrence of `from` in the file by as many bytes of `to`. */
 static void patch(const void *from, const void *to, size_t length)
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     CHECK_INT(file_read(&file, path, 1 << 24, NULL), OK);
     char *at = memmem(file.data, file.length, from, length);
     if (CHECK(at != NULL)) {
         memcpy(at, to, length);
         CHECK_INT(file_write(path, file.data, file.length, FILE_REPLACE, NULL), OK);
     }
-    buf_release(&file);
 }
 
 /* Writes a small picture, patches it, and reads it for the words of the refusal. */
@@ -350,7 +338,7 @@ STORY(what_is_no_exr_is_told_in_a_line)
 static void damage(struct picture p)
 {
     struct picture q;
-    struct buf good = {0}, bad = {0};
+    OWNED(buf_release) struct buf good = {0}, bad = {0};
     CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(file_read(&good, path, 1 << 20, NULL), OK);
     for (int round = 0; round < 3000; round++) {
@@ -370,8 +358,6 @@ static void damage(struct picture p)
             CHECK(fault.text[0] != '\0' && q.rgba == NULL);
         picture_release(&q);
     }
-    buf_release(&good);
-    buf_release(&bad);
     picture_release(&p);
 }
 

@@ -155,7 +155,7 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     const enum pilot_pane first = pane;
     const unsigned axis = PILOT_SAGITTAL - pane; /* perpendicular to the slice */
     const uint32_t at = place[axis];
-    struct buf line = {0}; /* an outline there */
+    OWNED(buf_release) struct buf line = {0}; /* an outline there */
     const unsigned across = (axis + 1) % 3, along = (axis + 2) % 3;
     for (int i = 0; i < 4; i++) {
         uint32_t corner[3];
@@ -169,7 +169,6 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     must(&interp, "run");
     for (unsigned rank = 1; host.doubt(&pilot, 1, rank, &pane, place, &words); rank++)
         CHECK(pane != first || place[axis] != at);
-    buf_release(&line);
     interpreter_release(&interp);
 }
 

@@ -56,7 +56,7 @@ STORY(a_stroke_is_balls_at_the_voxels_nearest_to_each_step)
         const size_t corners = 1 + below(4);
         uint32_t corner[4][3];
         struct voxels voxels = {0};
-        struct brush brush;
+        OWNED(brush_release) struct brush brush;
         begin();
         for (size_t i = 0; i < corners; i++)
             random_place(corner[i]);
@@ -64,7 +64,6 @@ STORY(a_stroke_is_balls_at_the_voxels_nearest_to_each_step)
         CHECK(brush_init(&brush, unit, radius, BRUSH_REACH_MOST, NULL) == OK);
         CHECK(paint_stroke(&voxels, &grid, &brush, (corners_of)corner, corners, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
-        brush_release(&brush);
     }
 }
 
@@ -90,7 +89,7 @@ STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
         const uint32_t count = 1 + below(40);
         OWNED(polyline_release) struct polyline line = {0};
         struct voxels voxels = {0};
-        struct brush brush;
+        OWNED(brush_release) struct brush brush;
         begin();
         random_place(place[0]);
         for (uint32_t i = 1; i < count; i++) {
@@ -106,7 +105,6 @@ STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
         CHECK(are_wanted(&voxels));
         places += count;
         corners += line.count;
-        brush_release(&brush);
     }
     CHECK(corners < places * 2 / 3);
 }
@@ -226,7 +224,7 @@ STORY(a_shell_is_what_of_a_ball_has_a_neighbour_outside)
         const int64_t radius = (int64_t)below(12 * unit[0]);
         struct adjacency adjacency;
         struct voxels voxels = {0};
-        struct brush brush;
+        OWNED(brush_release) struct brush brush;
         uint32_t middle[3];
         begin();
         random_place(middle);
@@ -239,7 +237,6 @@ STORY(a_shell_is_what_of_a_ball_has_a_neighbour_outside)
         CHECK(brush_hollow(&brush, adjacency.count, NULL) == OK);
         CHECK(paint_shell(&voxels, &grid, &brush, middle, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
-        brush_release(&brush);
     }
 }
 
@@ -364,7 +361,7 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
     const uint32_t size[3] = {64, 64, 64};
     uint32_t(*corner)[3] = malloc(MANY * sizeof *corner);
     OWNED(voxels_release) struct voxels voxels = {0};
-    struct brush brush;
+    OWNED(brush_release) struct brush brush;
     CHECK(grid_init(&grid, size, NULL) == OK);
     CHECK(brush_init(&brush, units[0], 2, BRUSH_REACH_MOST, NULL) == OK);
     for (size_t i = 0; corner && i < MANY; i++)
@@ -374,6 +371,5 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
           paint_stroke(&voxels, &grid, &brush, (corners_of)corner, MANY, NULL, NULL) == OK);
     mem_allows = NULL;
     CHECK_INT(voxels.count, 64 * 64 * 64);
-    brush_release(&brush);
     free(corner);
 }

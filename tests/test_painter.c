@@ -381,12 +381,11 @@ static size_t show_right(const struct image_view *view)
 /* Remove the picture; nothing of it is left. */
 static void remove_all(void)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     painter_remove(&painter, &out);
     CHECK(screen_feed(&out));
     CHECK_INT(blemishes(), 0);
     CHECK_INT(kitty_pictures(&screen.kitty), 0);
-    buf_release(&out);
 }
 
 enum { WITH_PIXELS = 4 };
@@ -659,7 +658,7 @@ STORY(slices_go_once_and_are_placed_again)
     lay_slices(&view, boxes, kind, 0, &seed);
     const size_t again = show_kept_right(&view); /* the greys are there */
     CHECK(again < 300 && again * 20 < first);
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     painter_remove(&painter, &out);
     CHECK(screen_feed(&out));
     CHECK_INT(blemishes(), 1); /* the pixel that keeps them placed */
@@ -667,7 +666,6 @@ STORY(slices_go_once_and_are_placed_again)
     painter_drop(&painter, &out);
     CHECK(screen_feed(&out));
     CHECK_INT(kitty_pictures(&screen.kitty), 0);
-    buf_release(&out);
 }
 
 /* Edits, moves, other sizes, budgets and views that are only sent ahead, in a terminal that drops
@@ -917,7 +915,7 @@ STORY(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised)
                         : (uint8_t)((hues[y > 300] >> (16 - 8 * k) & 255) * (uint32_t)light / 270);
         }
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
-        struct buf out = {0};
+        OWNED(buf_release) struct buf out = {0};
         begin_painter(with_pixels[g], 8, 16, 0, 0, 64, 32);
         CHECK(painter_show(&painter, &view, &out));
         printf("# 512x512: %zu bytes", out.length);
@@ -933,7 +931,6 @@ STORY(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised)
         CHECK(painter_show(&painter, &view, &out));
         printf(", a change of 40x40: %zu bytes\n", out.length);
         CHECK(out.length <= change_most[g]);
-        buf_release(&out);
     }
 }
 
@@ -946,7 +943,7 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
         bool shown = false;
         for (unsigned limit = 0; !shown && limit < 60; limit++) {
             begin_painter(all[g], 8, 16, 0, 0, 10, 5);
-            struct buf out = {0};
+            OWNED(buf_release) struct buf out = {0};
             struct image_view view = picture(80, 80);
             if (all[g] == &graphics_blocks)
                 view.width = view.height = 10;
@@ -959,7 +956,6 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
                 show(&view);
                 CHECK_INT(all[g] == &graphics_blocks ? wrong_parts(&view) : wrong_pixels(&view), 0);
             }
-            buf_release(&out);
         }
         CHECK(shown);
     }
@@ -969,7 +965,7 @@ STORY(a_stream_cut_short_is_not_taken_for_a_picture)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
         begin_painter(with_pixels[g], 8, 16, 0, 0, 5, 3);
-        struct buf out = {0};
+        OWNED(buf_release) struct buf out = {0};
         uint64_t seed = 10;
         struct image_view view = filled(40, 48, &seed);
         CHECK(painter_show(&painter, &view, &out));
@@ -977,7 +973,6 @@ STORY(a_stream_cut_short_is_not_taken_for_a_picture)
             out.data[length] = '\0';
             CHECK(!screen_feed(&out));
         }
-        buf_release(&out);
     }
 }
 
@@ -985,7 +980,7 @@ STORY(a_stream_cut_short_is_not_taken_for_a_picture)
 
 STORY(shades_of_told_hues_are_near_what_was_asked_for)
 {
-    struct shades s = {0};
+    OWNED(shades_release) struct shades s = {0};
     uint64_t seed = 11;
     struct image_view view = picture(300, 300);
     view.hues = 2;
@@ -1000,12 +995,11 @@ STORY(shades_of_told_hues_are_near_what_was_asked_for)
         }
     for (unsigned h = 0; h < 2; h++)
         CHECK_INT(shades_shown(&s, hues[h]), hues[h]);
-    shades_release(&s);
 }
 
 STORY(what_is_drawn_over_slices_keeps_its_colour)
 {
-    struct shades s = {0};
+    OWNED(shades_release) struct shades s = {0};
     struct image_view view = picture(256, 256);
     view.hues = 0;
     for (size_t i = 0; i < 256 * 256; i++) /* no two rows of greys alike, so they are too many */
@@ -1015,7 +1009,6 @@ STORY(what_is_drawn_over_slices_keeps_its_colour)
     CHECK_INT(shades_shown(&s, 0xFFDC00), 0xFFDC00);
     for (uint32_t grey = 0; grey < 256; grey++)
         CHECK(channel_distance(shades_shown(&s, grey * 0x010101), grey * 0x010101) <= 3);
-    shades_release(&s);
 }
 
 /* Greys, and a line over them that every look at every so manieth pixel meets. */
@@ -1066,7 +1059,7 @@ STORY(tints_that_come_with_an_edit_get_their_colours)
 STORY(hundreds_of_hues_share_the_palette)
 {
     static uint32_t many[SHADES_HUES_MOST];
-    struct shades s = {0};
+    OWNED(shades_release) struct shades s = {0};
     uint64_t seed = 12;
     struct image_view view = picture(256, 256);
     for (unsigned i = 0; i < SHADES_HUES_MOST; i++)
@@ -1079,7 +1072,6 @@ STORY(hundreds_of_hues_share_the_palette)
     CHECK(!s.is_exact && s.count <= SHADES_MOST);
     for (unsigned i = 0; i < SHADES_HUES_MOST; i++)
         CHECK(channel_distance(shades_shown(&s, many[i]), many[i]) <= 45);
-    shades_release(&s);
 }
 
 /* A picture of many regions, each lit from dark to light, and then one of others. */

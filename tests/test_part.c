@@ -203,7 +203,7 @@ STORY(a_box_outside_is_refused_and_what_is_left_out_is_noted)
     struct volume_choice choice = {
         .has_crop = true, .first = {0, 0, 0}, .last = {NX - 1, NY, NZ - 1}};
     struct fault fault = {0};
-    struct volume v;
+    OWNED(volume_release) struct volume v;
     make_file(&types[0], false);
     CHECK_INT(volume_read(&v, path, &choice, NULL, &fault), ERR_USAGE);
     CHECK_HAS(fault.text, "crop: 0-9 is not in the 9 voxels along y, 0-8");
@@ -211,7 +211,6 @@ STORY(a_box_outside_is_refused_and_what_is_left_out_is_noted)
     CHECK_INT(volume_read(&v, path, &choice, NULL, &fault), OK);
     CHECK_HAS(v.notes, "the last 3 of 11 voxels along x left out");
     CHECK_HAS(v.notes, "the last 1 of 9 voxels along y left out");
-    volume_release(&v);
 }
 
 static long peak_kb(void)

@@ -85,7 +85,7 @@ static struct picture_writer *scripted(const char *script)
 STORY(a_picture_is_there_when_the_news_say_so)
 {
     struct picture_writer *writer = begin();
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     char wrote[FILE_LENGTH + 8];
     CHECK(!has_news(writer, 0));
     give(writer, "a.png", FILE_KEEP, 9);
@@ -98,14 +98,13 @@ STORY(a_picture_is_there_when_the_news_say_so)
     picture_writer_news(writer, &text); /* reported once */
     CHECK_TEXT(buf_text(&text), wrote);
     picture_writer_free(writer);
-    buf_release(&text);
 }
 
 STORY(jobs_are_done_in_their_order)
 {
     struct picture_writer *writer = begin();
     char expected[12 * FILE_LENGTH] = "", line[FILE_LENGTH + 8];
-    struct picture q;
+    OWNED(picture_release) struct picture q;
     for (unsigned i = 0; i < 12; i++) {
         give(writer, "same.exr", FILE_REPLACE, (uint8_t)i);
         snprintf(line, sizeof line, "wrote %s\n", file_in(folder, "same.exr"));
@@ -116,7 +115,6 @@ STORY(jobs_are_done_in_their_order)
     CHECK_TEXT(news(writer), expected);
     CHECK_INT(exr_read(&q, file_in(folder, "same.exr"), NULL), OK);
     CHECK_INT(q.rgba[0], 11); /* the last one */
-    picture_release(&q);
     picture_writer_free(writer);
 }
 
@@ -196,7 +194,7 @@ STORY(waiting_can_be_given_up)
 {
     struct picture_writer *writer = scripted(": >${0%/*}/busy; exec sleep 30");
     struct watch watch = {.poll = stop};
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     image_helper_patience_ms = 1500;
     for (unsigned i = 0; i < 3; i++)
         give(writer, i == 0 ? "up0.tif" : i == 1 ? "up1.tif" : "up2.tif", FILE_KEEP, 1);
@@ -207,7 +205,6 @@ STORY(waiting_can_be_given_up)
     CHECK_HAS(buf_text(&text), "did not answer"); /* the one at work had its time */
     CHECK(!file_exists(file_in(folder, "up0.tif")) && !file_exists(file_in(folder, "up2.tif")));
     image_helper_patience_ms = 60000;
-    buf_release(&text);
     picture_writer_free(writer);
 }
 

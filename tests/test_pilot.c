@@ -319,7 +319,7 @@ static void check_pressed(const char *const *row, bool walks, int at)
 {
     for (; *row; row++) {
         char text[400], any[] = "*", *part[4], *end = text;
-        struct buf got = {0};
+        OWNED(buf_release) struct buf got = {0};
         snprintf(text, sizeof text, "%s", *row);
         for (int i = 0; i < 4; i++) {
             part[i] = end ? end : any;
@@ -339,7 +339,6 @@ static void check_pressed(const char *const *row, bool walks, int at)
             (*part[3] == '*' || strcmp(mode, part[3]) == 0);
         if (!check_report(fine, __FILE__, at, *row))
             printf("#   is %s|%s|%s\n", buf_text(&got), said, mode);
-        buf_release(&got);
     }
 }
 
@@ -993,24 +992,21 @@ static const char *page_with(const char *wanted, bool has_colours)
 STORY(the_page_of_keys_fits_and_is_the_card_in_the_readme)
 {
     static const char mark[] = "<!-- keys: the page that `?` shows -->\n\n```\n";
-    struct buf readme = {0}, card = {0};
+    OWNED(buf_release) struct buf readme = {0}, card = {0};
     for (const char *at = page_with(NULL, false); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 78);
     buf_printf(&card, "%s%s```\n", mark, page_with(NULL, false));
     CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
     CHECK_HAS(buf_text(&readme), buf_text(&card));
-    buf_release(&card);
-    buf_release(&readme);
 }
 
 STORY(the_page_of_keys_fits_any_window)
 {
     for (unsigned columns = 20; columns < 100; columns++) {
-        struct buf wrapped = {0};
+        OWNED(buf_release) struct buf wrapped = {0};
         cells_wrap(&wrapped, page_of(false, columns, false, NULL), columns);
         for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
             CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);
-        buf_release(&wrapped);
     }
 }
 
@@ -1283,7 +1279,7 @@ static size_t differing(const struct image_view *shown)
 
 STORY(with_room_enough_all_is_fine_at_once)
 {
-    struct refine r = {0};
+    OWNED(refine_release) struct refine r = {0};
     struct image_view shown;
     uint64_t seed = 1;
     paint(&seed, 0, 0, WIDTH, HEIGHT);
@@ -1291,13 +1287,12 @@ STORY(with_room_enough_all_is_fine_at_once)
     CHECK_INT(differing(&shown), 0);
     CHECK(!r.is_coarse);
     refine_sent(&r, 5000);
-    refine_release(&r);
 }
 
 STORY(with_little_room_it_is_coarse_first_and_fine_in_the_end)
 {
     for (uint64_t seed = 1; seed < 30; seed++) {
-        struct refine r = {0};
+        OWNED(refine_release) struct refine r = {0};
         struct image_view shown;
         unsigned frames = 0;
         paint(&seed, 0, 0, WIDTH, HEIGHT);
@@ -1315,13 +1310,12 @@ STORY(with_little_room_it_is_coarse_first_and_fine_in_the_end)
         paint(&seed, 20, 20, 30, 25); /* a small change fits, and leaves the rest alone */
         CHECK(refine_begin(&r, &view, true, 300, &shown));
         CHECK_INT(differing(&shown), 0);
-        refine_release(&r);
     }
 }
 
 STORY(what_tiles_cost_is_learnt)
 {
-    struct refine r = {0};
+    OWNED(refine_release) struct refine r = {0};
     struct image_view shown;
     uint64_t seed = 1;
     for (int i = 0; i < 12; i++) {
@@ -1332,7 +1326,6 @@ STORY(what_tiles_cost_is_learnt)
     CHECK(r.level > 0);
     refine_forget(&r);
     CHECK(!r.is_coarse);
-    refine_release(&r);
 }
 
 /* The middle of each block is a pixel of a word, whose colour no other pixel of the block gets. */
@@ -1340,7 +1333,7 @@ STORY(words_stay_sharp)
 {
     static uint8_t words[WIDTH * HEIGHT];
     struct image_view with_words = view, shown;
-    struct refine r = {0};
+    OWNED(refine_release) struct refine r = {0};
     uint64_t seed = 7;
     memset(words, 0, sizeof words);
     paint(&seed, 0, 0, WIDTH, HEIGHT);
@@ -1359,13 +1352,12 @@ STORY(words_stay_sharp)
             CHECK(memcmp(shown.rgba + 4 * i, wanted + 4 * i, 4) == 0);
         else
             CHECK(shown.rgba[4 * i] < 128);
-    refine_release(&r);
 }
 
 STORY(where_one_looks_gets_fine_first)
 {
     struct image_view focused = view, shown;
-    struct refine r = {0};
+    OWNED(refine_release) struct refine r = {0};
     uint64_t seed = 8;
     size_t left = 1;
     focused.focus = (struct raster_box){40, 20, 20, 20};
@@ -1382,7 +1374,6 @@ STORY(where_one_looks_gets_fine_first)
     }
     CHECK_INT(left, 0);
     CHECK(r.is_coarse && differing(&shown) > WIDTH * HEIGHT / 3);
-    refine_release(&r);
 }
 
 /* ---- typed while a command is carried out ---- */

@@ -198,7 +198,7 @@ static void ask(const struct known *t, struct graphics_wish wish, int lost, size
 {
     struct probed *const p = &probed;
     const struct term_size size = {.columns = 80, .rows = 24};
-    struct buf asked = {0}, back = {0};
+    OWNED(buf_release) struct buf asked = {0}, back = {0};
     struct keys keys = {0};
     *p = (struct probed){.typed = p->typed};
     buf_clear(&p->typed);
@@ -217,8 +217,6 @@ static void ask(const struct known *t, struct graphics_wish wish, int lost, size
     }
     probe_decide(&p->replies, &t->environment, &size, &p->facts);
     p->facts.graphics = graphics_choose(&p->replies, &t->environment, wish);
-    buf_release(&asked);
-    buf_release(&back);
 }
 
 static void check_facts(const struct known *t, const struct terminal_facts *f)
@@ -329,13 +327,12 @@ STORY(what_is_typed_between_the_answers_is_kept)
     for (size_t cut = 0; cut < sizeof bytes - 1; cut++) {
         struct probe_replies r = {0};
         struct keys keys = {0};
-        struct buf typed = {0};
+        OWNED(buf_release) struct buf typed = {0};
         probe_take(&r, &keys, bytes, cut, &typed);
         probe_take(&r, &keys, bytes + cut, sizeof bytes - 1 - cut, &typed);
         CHECK_TEXT(buf_text(&typed), "abcd\033[A");
         CHECK(r.da1 && r.synchronizes);
         CHECK_TEXT(r.name, "kitty(0.26.5)");
-        buf_release(&typed);
     }
 }
 
@@ -351,10 +348,9 @@ STORY(what_was_cut_short_goes_with_the_answer_behind_it)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct probe_replies r = {0};
         struct keys keys = {0};
-        struct buf typed = {0};
+        OWNED(buf_release) struct buf typed = {0};
         probe_take(&r, &keys, cases[i].bytes, strlen(cases[i].bytes), &typed);
         CHECK_TEXT(buf_text(&typed), cases[i].typed);
-        buf_release(&typed);
     }
 }
 
@@ -367,7 +363,7 @@ static struct graphics_wish wish(const char *name)
 
 STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
 {
-    struct buf asked = {0};
+    OWNED(buf_release) struct buf asked = {0};
     const struct probe_replies none = {0};
     for (size_t i = 0; i < TERMINALS; i++)
         for (size_t k = 0; k < graphics_auto.count; k++) {
@@ -389,7 +385,6 @@ STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
     CHECK_TEXT(buf_text(&asked), "\033[c");
     probe_questions(0, &none, &no_color, graphics_asks(graphics_auto, &no_color), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c\033[c");
-    buf_release(&asked);
 }
 
 STORY(modes_are_answered_with_a_number)

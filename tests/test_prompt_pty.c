@@ -336,7 +336,7 @@ STORY(a_caret_stands_under_what_is_wrong)
 
 STORY(a_hundred_pasted_lines_are_a_hundred_commands)
 {
-    struct buf paste = {0};
+    OWNED(buf_release) struct buf paste = {0};
     char line[64];
     start_at_prompt();
     buf_add_text(&paste, "\033[200~");
@@ -355,7 +355,6 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
         snprintf(line, sizeof line, "\nlabel %d part-%d\n", i, i);
         CHECK_HAS(text, line);
     }
-    buf_release(&paste);
 }
 
 STORY(history_outlives_a_session_that_is_killed)
@@ -443,7 +442,7 @@ static void edit_elsewhere(void)
 
 STORY(a_line_is_edited_in_another_editor_and_waits_for_enter)
 {
-    struct buf seen = {0};
+    OWNED(buf_release) struct buf seen = {0};
     CHECK(file_write("edit.sh", editor_script, sizeof editor_script - 1, FILE_REPLACE, NULL) == OK);
     setenv("VISUAL", "sh ./edit.sh", 1);
     start_at_prompt();
@@ -461,7 +460,6 @@ STORY(a_line_is_edited_in_another_editor_and_waits_for_enter)
     CHECK_TEXT(buf_text(&seen), "seed 2\n");
     const char *text = quit();
     CHECK(strstr(text, "\nopen ") && strstr(text, "seed") == NULL);
-    buf_release(&seen);
 }
 
 STORY(without_an_editor_it_is_said_in_words)
@@ -566,7 +564,7 @@ static void end_with_pager(void)
 
 STORY(the_pager_of_the_user_has_the_answer_and_the_terminal)
 {
-    struct buf seen = {0};
+    OWNED(buf_release) struct buf seen = {0};
     start_with_pager("stty -a <&2 >modes; echo \"$LESSSECURE\" >secure; cat >paged; read x <&2;"
                      " true");
     for (int i = 0; i < 600 && (file_read(&seen, "paged", 1 << 20, NULL) || !seen.length); i++)
@@ -583,7 +581,6 @@ STORY(the_pager_of_the_user_has_the_answer_and_the_terminal)
     end_with_pager();
     unlink("secure");
     unlink("modes");
-    buf_release(&seen);
 }
 
 STORY(a_pager_that_reads_little_or_is_none_does_no_harm)
@@ -731,7 +728,7 @@ STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
         "\033^private\033\\\033Xstring\033\\", /* PM, SOS */
         "\033[?1;2;3;4;5;6;7;8;9;10;11;12;13;14;15;16;17;18;19;20;21;22;23;24;25;26;27;28;29c",
     };
-    struct buf text = {0}, row = {0}, lengthy = {0};
+    OWNED(buf_release) struct buf text = {0}, row = {0}, lengthy = {0};
     start_at_prompt();
     buf_add_text(&text, "#");
     type("#");
@@ -754,9 +751,6 @@ STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
     SEE_LINE(buf_text(&row));
     LINE_AFTER("\033P never ends\003\003", "synth>"); /* one Ctrl-C gets the keyboard back */
     quit();
-    buf_release(&text);
-    buf_release(&row);
-    buf_release(&lengthy);
 }
 
 /* Send the first piece, and then so many bytes at a time. */
@@ -897,13 +891,12 @@ static void enter_pilot(void)
 static void check_recorded(const char *commands)
 {
     static const char opened[] = "open synth:geom:40x40x30 weight=morph\nauto on\n";
-    struct buf all = {0};
+    OWNED(buf_release) struct buf all = {0};
     for (const char *at = quit(); *at; at += strcspn(at, "\n") + 1)
         if (*at != '#' && *at != '=')
             buf_add(&all, at, strcspn(at, "\n") + 1);
     CHECK(strncmp(buf_text(&all), opened, strlen(opened)) == 0);
     CHECK_TEXT(buf_text(&all) + strlen(opened), commands);
-    buf_release(&all);
 }
 
 STORY(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot)
@@ -1106,13 +1099,11 @@ static void take_last_screen(struct buf *out)
 /* Check that a redraw changes nothing. */
 static void check_screen(void)
 {
-    struct buf before = {0}, after = {0};
+    OWNED(buf_release) struct buf before = {0}, after = {0};
     take_last_screen(&before);
     type("\014");
     take_last_screen(&after);
     CHECK_TEXT(buf_text(&before), buf_text(&after));
-    buf_release(&before);
-    buf_release(&after);
 }
 
 static void verify_journal(void)
@@ -1149,7 +1140,7 @@ static unsigned long pilot_rounds(void)
 STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
 {
     for (uint64_t round = 0, seed = 11; round < pilot_rounds(); round++) {
-        struct buf bytes = {0};
+        OWNED(buf_release) struct buf bytes = {0};
         const unsigned columns = 20 + (unsigned)check_below(&seed, 80);
         enter_pilot();
         set_size(columns, 10 + (unsigned)check_below(&seed, 30));
@@ -1170,7 +1161,6 @@ STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
         verify_journal();
         printf("# round %d: %zu bytes of journal\n", (int)round, strlen(journal(1)));
         forget_journals();
-        buf_release(&bytes);
     }
 }
 

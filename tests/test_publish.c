@@ -271,10 +271,9 @@ STORY(the_word_of_a_process_says_whether_it_lives)
     at = buf_text(&word);
     CHECK(owner_read(&at, &state) && state == OWNER_IS_GONE);
     for (size_t length = 0; length < word.length - 1; length++) {
-        struct buf part = {0};
+        OWNED(buf_release) struct buf part = {0};
         buf_add(&part, word.data, length);
         at = buf_text(&part);
         CHECK(owner_read(&at, &state) ? *at == '\0' : at == buf_text(&part));
-        buf_release(&part);
     }
 }

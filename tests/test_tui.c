@@ -174,12 +174,11 @@ STORY(pictures_survive_sixel_as_far_as_its_colours_go)
 STORY(two_nearly_equal_colours_among_many_do_not_stall_the_reduction)
 {
     struct image_view view = noise(64, 64, 9);
-    struct shades shades = {0};
+    OWNED(shades_release) struct shades shades = {0};
     set_pixel(&view, 0, 0, 0x000000);
     set_pixel(&view, 1, 0, 0x000100);
     CHECK(!shades_take_exact(&shades, &view)); /* there are more */
     CHECK(shades_choose(&shades, &view) && shades.count == 247);
-    shades_release(&shades);
 }
 
 /* ---- scaling, blocks ---- */
@@ -297,7 +296,7 @@ STORY(a_picture_at_the_prompt_is_framed_and_fits)
     struct terminal_facts facts = {
         .graphics = &graphics_sixel, .cell_width = 10, .cell_height = 20, .image_side_most = 1000};
     struct image_view view = ball(90, 30);
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     show_inline(&facts, &view, 80, 24, &out);
     check_framed(buf_text(&out), "\r\n\n\n\n\n\033[5A\0337", 90, "\0338\033[5B\r");
     buf_clear(&out);
@@ -312,7 +311,6 @@ STORY(a_picture_at_the_prompt_is_framed_and_fits)
     facts.graphics = &graphics_none;
     show_inline(&facts, &view, 80, 24, &out);
     CHECK_INT(out.length, 0);
-    buf_release(&out);
 }
 
 STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
@@ -320,7 +318,7 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
     static const uint32_t levels[] = {32, 256};
     for (unsigned i = 0; i < 2; i++) {
         struct image_view view = ball(512, levels[i]);
-        struct buf out = {0};
+        OWNED(buf_release) struct buf out = {0};
         uint64_t best[3] = {UINT64_MAX, UINT64_MAX, UINT64_MAX};
         size_t bytes[3] = {0};
         for (unsigned n = 0; n < 15; n++) {
@@ -341,7 +339,6 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
                levels[i], (double)best[0] / 1e6, bytes[0], (double)best[1] / 1e6, bytes[1],
                (double)best[2] / 1e6, bytes[2]);
         CHECK(best[0] < 200000000 && best[1] < 200000000 && best[2] < 200000000);
-        buf_release(&out);
     }
 }
 
@@ -394,12 +391,11 @@ struct key_case {
 
 static void check_keys(const struct key_case *cases, size_t count)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     for (size_t i = 0; i < count; i++) {
         feed_keys(&out, cases[i].bytes, strlen(cases[i].bytes));
         CHECK_TEXT(buf_text(&out), cases[i].events);
     }
-    buf_release(&out);
 }
 
 #define CHECK_KEYS(...)                                                                            \
@@ -449,15 +445,13 @@ STORY(replies_are_swallowed_whole_whenever_they_come)
                 "<[>41;379;0c> <[6;18;9t> <[?2;0;1000;1000S> <[12;40R>"},
                {"\033]0;never ended\rx", "enter x"}, /* a cut reply does not swallow Enter */
                {"\033[?6\003", "C-c"}, {"\033P>|x\033[Ay", "up y"}, {"\033\\x", "A-other x"});
-    struct buf out = {0}, reply = {0};
+    OWNED(buf_release) struct buf out = {0}, reply = {0};
     buf_add_text(&reply, "\033P");
     for (int i = 0; i < 5000; i++)
         buf_add_char(&reply, 'x');
     buf_add_text(&reply, "\033\\z");
     feed_keys(&out, reply.data, reply.length);
     CHECK(out.length > 2 && strcmp(out.data + out.length - 3, "> z") == 0);
-    buf_release(&out);
-    buf_release(&reply);
 }
 
 STORY(the_mouse_is_reported_in_two_ways)
@@ -1049,7 +1043,7 @@ STORY(random_edits_are_undone_one_by_one)
 
 STORY(undo_holds_no_more_than_it_may)
 {
-    struct buf large = {0};
+    OWNED(buf_release) struct buf large = {0};
     begin_line(NULL, 0);
     for (int i = 0; i < 3 * LINE_UNDO_MOST; i++) {
         type("a ");
@@ -1064,7 +1058,6 @@ STORY(undo_holds_no_more_than_it_may)
     act(LINE_KILL_TO_START, 1); /* too much to hold */
     act(LINE_UNDO, 1);
     CHECK_INT(line.text.length, 0);
-    buf_release(&large);
 }
 
 STORY(the_table_of_keys_names_them_all)
@@ -1107,14 +1100,12 @@ STORY(the_table_of_keys_names_them_all)
 
 STORY(the_page_of_keys_is_the_one_in_the_readme)
 {
-    struct buf page = {0}, readme = {0};
+    OWNED(buf_release) struct buf page = {0}, readme = {0};
     line_keys_page(&page);
     for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 80);
     CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
     CHECK_HAS(buf_text(&readme), buf_text(&page));
-    buf_release(&page);
-    buf_release(&readme);
 }
 
 /* ---- drawing, on a screen of 10x6 ---- */
@@ -1256,12 +1247,10 @@ STORY(widths_of_characters)
 
 static void wraps(const char *text, unsigned columns, const char *expected)
 {
-    struct buf in = {0}, out = {0};
+    OWNED(buf_release) struct buf in = {0}, out = {0};
     buf_add_text(&in, text);
     cells_wrap(&out, &in, columns);
     CHECK_TEXT(buf_text(&out), expected);
-    buf_release(&in);
-    buf_release(&out);
 }
 
 STORY(replies_are_broken_between_words)

@@ -52,12 +52,11 @@ static unsigned files_of(const struct proven *p, const struct volume_format *for
     snprintf(path, sizeof path, "tests/fuzz/corpus/%s", p->target);
     DIR *listing = opendir(path);
     for (const struct dirent *entry; listing && (entry = readdir(listing));) {
-        struct buf bytes = {0};
+        OWNED(buf_release) struct buf bytes = {0};
         snprintf(path, sizeof path, "tests/fuzz/corpus/%s/%s", p->target, entry->d_name);
         if (*entry->d_name != '.' && file_read(&bytes, path, 1 << 20, NULL) == OK)
             count +=
                 !p->by_bytes || format->recognises((const uint8_t *)buf_text(&bytes), bytes.length);
-        buf_release(&bytes);
     }
     if (listing)
         closedir(listing);

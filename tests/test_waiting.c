@@ -56,7 +56,7 @@ static void answers_are_equal(struct interpreter *a, struct interpreter *b, cons
 STORY(a_scene_that_waits_answers_as_any_other)
 {
     for (unsigned i = 0; i < LINES; i++) {
-        struct interpreter waiting, ready;
+        OWNED(interpreter_release) struct interpreter waiting, ready;
         OWNED(buf_release) struct buf words = {0};
         const unsigned failures = check_failures;
         begin_waiting(&waiting, 0);
@@ -74,8 +74,6 @@ STORY(a_scene_that_waits_answers_as_any_other)
         is_as_before(&now, &waiting, lines[i]);
         if (check_failures > failures)
             printf("#   after %s\n", lines[i]);
-        interpreter_release(&waiting);
-        interpreter_release(&ready);
     }
 }
 

@@ -115,7 +115,8 @@ static bool try_folder(struct buf *path, const char *folder, size_t length, cons
     return file_exists(buf_text(path));
 }
 
-/* Find a file below the folders of a wary interpreter; by the last part of a name that leads out. */
+/* Find a file below the folders of a wary interpreter, by the last part of a name that leads
+ * out. */
 static enum err find_below(const struct interpreter *interp, const char *name, struct buf *path,
                            const struct trust_sought *sought, struct fault *fault)
 {

@@ -300,9 +300,9 @@ static enum err note_kind(struct picture *picture, const struct session *session
     const struct slice_settings *s = &session->now.outlook.slices;
     const bool is_mosaic = kind == SLICE_KIND_MOSAIC;
     struct buf words = {0};
-    buf_printf(&words, "%s through %u,%u,%u",
-               is_mosaic ? "mosaic" : slice_name(session->scene, (enum slice_plane)kind),
-               s->cross[0], s->cross[1], s->cross[2]);
+    buf_printf(&words, is_mosaic ? "mosaic%s through " : "%s through ",
+               is_mosaic ? "" : slice_name(session->scene, (enum slice_plane)kind));
+    buf_printf(&words, "%u,%u,%u", s->cross[0], s->cross[1], s->cross[2]);
     if (s->zoom && !is_mosaic)
         buf_printf(&words, " zoom %u", s->zoom);
     if (s->times != SLICE_TIMES_ONE)

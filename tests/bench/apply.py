@@ -126,7 +126,8 @@ def gesture(labels, truth):
     largest = pieces == numpy.bincount(pieces.ravel())[1:].argmax() + 1
     depth = ndimage.distance_transform_edt(numpy.pad(largest, 1, mode="edge"))[1:-1, 1:-1, 1:-1]
     at = numpy.unravel_index(depth.argmax(), depth.shape)
-    return "seed %d,%d,%d %d radius=%d" % (*at, int(truth[at]), max(0, min(BALL_MOST, int(depth[at]) - 1)))
+    radius = max(0, min(BALL_MOST, int(depth[at]) - 1))
+    return "seed %d,%d,%d %d radius=%d" % (*at, int(truth[at]), radius)
 
 
 def deformed(bench, name, seeds):

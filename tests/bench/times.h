@@ -9,7 +9,7 @@
 #include "base/json.h"
 #include "command/interpreter.h"
 
-/* A benchmark ends at its first error: print bench_fault, after the subject if that is not NULL, and
+/* A benchmark ends at its first error: print bench_fault, after the subject if it is not NULL, and
  * exit with the status of `err`.
  *
  *     must(session_run(session, &bench_fault));
@@ -50,8 +50,8 @@ void times_write(struct json *json, struct times *times);
 struct json *bench_json(void);
 void bench_json_print(void);
 
-/* Return the path of a new folder below `below`, or if that is NULL below $TMPDIR or /tmp. It is
- * removed when the program ends. */
+/* Return the path of a new folder below `below`, or if that is NULL below the folder for temporary
+ * files. It is removed when the program ends. */
 const char *bench_folder(const char *below);
 
 /* path = the file `name` in the program's folder or in one above; false if it was installed without
