@@ -149,14 +149,12 @@ expect 0 "$iftty" -c 'open s.nii; labels many.nii regions=1000-1254; run'
 expect 0 "$iftty" -c 'open s.nii; labels many.nii label=1; run'
 expect 3 "$iftty" -c 'open s.nii; labels negative.nii'
 err_has '1 of its voxels holds numbers below 0 or above 65533, which are no regions'
-expect 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
-err_has 'numbers: only in journals'
+expect_err 'numbers: only in journals' 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
 
 begin "a replay reads the table again, and detects a changed one"
 expect 0 "$iftty" verify j.iftty
 sed -i 's/Vermis/vermis/' atlas.nii.txt
-expect 1 "$iftty" verify j.iftty
-out_has 'differs  names'
+expect_out 'differs  names' 1 "$iftty" verify j.iftty
 sed -i 's/vermis/Vermis/' atlas.nii.txt
 again='undo 3; label-file atlas.nii.txt regions=2002 as=4; undo; redo'
 expect 0 "$iftty" -c "$again" --journal j.iftty
@@ -210,11 +208,9 @@ tail -c +2 c.lut | head -c 255 >c.red
 tail -c +2 d.lut | head -c 255 >d.red
 same_files c.red d.red
 expect 0 "$iftty" -c 'open s.nii; label-file a.nii.txt; save names Smith.label' --journal n.iftty
-expect 0 "$iftty" log --anonymise n.iftty
-out_has 'label-file file-1.nii.txt'
+expect_out 'label-file file-1.nii.txt' 0 "$iftty" log --anonymise n.iftty
 out_has 'save names file-2.label'
-expect 2 "$iftty" -c 'open s.nii; save names a.doc'
-err_has 'expected .txt or .label for ITK-SNAP'
+expect_err 'expected .txt or .label for ITK-SNAP' 2 "$iftty" -c 'open s.nii; save names a.doc'
 expect 3 "$iftty" -c 'open s.nii; label-file s.nii'
 err_has 's.nii: line 1: expected NUMBER NAME [R G B A]'
 
@@ -239,6 +235,5 @@ same "$(wc -l <s.csv | tr -d ' ')" 36
 expect 0 "$iftty" -c 'open s.nii; seed-file s.csv; run' --journal b.iftty
 same "$(last_word labels b.iftty)" "$(last_word labels a.iftty)"
 same "$(last_word forest b.iftty)" "$(last_word forest a.iftty)"
-expect 2 "$iftty" -c 'open s.nii; save seeds s.nii'
-err_has 'expected FILE.csv for seeds'
+expect_err 'expected FILE.csv for seeds' 2 "$iftty" -c 'open s.nii; save seeds s.nii'
 finish

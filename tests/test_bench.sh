@@ -15,8 +15,7 @@ awk 'length > 100 { bad = 1 } END { exit bad }' "$work/out" ||
     fail "a line of more than 100 columns"
 
 begin "JSON is JSON"
-expect 0 "$bench" paper geom --quick --rounds 1 --json </dev/null
-out_has '"scene": "geom"'
+expect_out '"scene": "geom"' 0 "$bench" paper geom --quick --rounds 1 --json </dev/null
 out_has '"identical": true'
 out_has '"ift_to_dift"'
 same "$(grep -c '"experiment":' "$work/out")" 10
@@ -34,22 +33,17 @@ begin "the cost of a journal, part by part"
 expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 5,5,5 1; seed 15,15,15 2
     size 64 64; render; golden one' \
     --journal "$work/small.iftty" </dev/null
-expect 0 "$bench" journal "$work/small.iftty" </dev/null
-out_has "100000 records of "
+expect_out "100000 records of " 0 "$bench" journal "$work/small.iftty" </dev/null
 out_has "small.iftty, 6 records"
 out_has "of forests and renditions"
 out_has "with a sync each"
-expect 0 "$bench" journal "$work/small.iftty" --json </dev/null
-out_has '"journal": {"records": 6, '
+expect_out '"journal": {"records": 6, ' 0 "$bench" journal "$work/small.iftty" --json </dev/null
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-expect 0 "$bench" journal tests/journals/semantics-12.iftty </dev/null
-out_has "semantics-12.iftty, "
+expect_out "semantics-12.iftty, " 0 "$bench" journal tests/journals/semantics-12.iftty </dev/null
 sed 's/^seed 5,5,5 1/seed 5,5,5 3/' "$work/small.iftty" >"$work/other.iftty"
-expect 1 "$bench" journal "$work/other.iftty" </dev/null
-err_has "record 2"
+expect_err "record 2" 1 "$bench" journal "$work/other.iftty" </dev/null
 : >"$work/empty.iftty"
-expect 1 "$bench" journal "$work/empty.iftty" </dev/null
-err_has "there are no records to verify"
+expect_err "there are no records to verify" 1 "$bench" journal "$work/empty.iftty" </dev/null
 expect 3 "$bench" journal "$work/none.iftty" </dev/null
 
 begin "runs, edits, pictures and memory of a scene"
@@ -115,27 +109,21 @@ fi
 begin "wrong usage is refused at once"
 expect 2 "$bench" terminal --scene ch2.nii.gz
 err_has '`bench terminal` has no option --scene; it belongs to '
-expect 2 "$bench" journal --quick
-err_has '`bench journal` has no option --quick; it belongs to '
+expect_err '`bench journal` has no option --quick; it belongs to ' 2 "$bench" journal --quick
 err_has 'it belongs to `bench paper`, `bench growth` and `bench keys`'
-expect 2 "$bench" liver
-err_has "bench: there is no program liver; see"
-expect 2 "$bench"
-err_has "bench: name a program; see"
+expect_err "bench: there is no program liver; see" 2 "$bench" liver
+expect_err "bench: name a program; see" 2 "$bench"
 expect 2 "$bench" growth --rounds 3
 err_has '`bench growth` has no option --rounds; it belongs to `bench paper`'
-expect 0 "$bench" --help
-out_has "bench journal [JOURNAL]"
-expect 0 "$bench" paper --help
-out_has "--rounds N"
+expect_out "bench journal [JOURNAL]" 0 "$bench" --help
+expect_out "--rounds N" 0 "$bench" paper --help
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
     expect 2 "$bench" paper geom "$scene"
     err_has \
         "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"
 done
 for rounds in 0 100 x 3x -1 ""; do
-    expect 2 "$bench" paper geom --rounds "$rounds"
-    err_has "--rounds: expected a number 1..99"
+    expect_err "--rounds: expected a number 1..99" 2 "$bench" paper geom --rounds "$rounds"
 done
 
 begin "without the scene of brain the message names the file"

@@ -74,8 +74,7 @@ instead 'echo "[{\"state\": \"failed\", \"why\": \"no space\"}]"; exit 3'
 subject 3 ./instead
 err_has "sub-01: Apply, status 3: ; no space"
 [ ! -e $sidecar ] || fail "there is a sidecar"
-expect 2 "$cohort/subject.py" expert.iftty s.nii made
-err_has "no name of BIDS"
+expect_err "no name of BIDS" 2 "$cohort/subject.py" expert.iftty s.nii made
 
 begin "a terminated task ends its program and removes its folder; two do not interfere"
 instead 'echo $$ >pid; exec sleep 100'
@@ -117,8 +116,7 @@ make_told 11 101 10 0.1
 echo '{"Refused": "no <overlap>"}' >made/sub-11/anat/sub-11_desc-iftty_dseg.json
 mkdir -p study/sub-12/anat
 : >study/sub-12/anat/sub-12_T1w.nii.gz
-expect 1 "$cohort/gather.py" study made
-out_has "12 subjects, 3 to look at before any other"
+expect_out "12 subjects, 3 to look at before any other" 1 "$cohort/gather.py" study made
 out_has "sub-11: refused: no <overlap>"
 same "$(cut -d, -f 1 made/cohort.csv | sed -n '2,7p' | tr '\n' ' ')" \
     "sub-10 sub-11 sub-12 sub-07 sub-08 sub-09 "

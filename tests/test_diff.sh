@@ -18,16 +18,14 @@ proof=$(tr ' ' '\n' <a.iftty | grep -E '=[0-9a-f]{64}$' | sed 's/.*=//')
 
 begin "a journal and itself"
 same "${#proof}" 64
-expect 0 "$iftty" diff a.iftty a.iftty
-out_has "commands  8, all equal"
+expect_out "commands  8, all equal" 0 "$iftty" diff a.iftty a.iftty
 out_has "scenes    the same: 24x20x16 voxels, SHA-256 $proof"
 out_has "voxels    0 of 7680 differ"
 grep -qE '^1 liver +1\.0000 ' out || fail "$(cat out)"
 [ ! -s err ] || fail "it warns: $(cat err)"
 
 begin "the first command at which two part, and every figure as the label maps have it"
-expect 1 "$iftty" diff a.iftty b.iftty
-err_has "of 7680 voxels have another label"
+expect_err "of 7680 voxels have another label" 1 "$iftty" diff a.iftty b.iftty
 out_has "commands  4 equal, then they differ"
 out_has "    A  a.iftty, command 5, line 10: seed 20,10,8 2"
 out_has "    B  b.iftty, command 5, line 10: seed 20,12,3 2 radius=1"
@@ -65,16 +63,13 @@ fi
 
 begin "comments, results and questions are no commands"
 "$iftty" log --script a.iftty | grep -v '^save' | sed 's/^run$/# why\ninfo\nrun/' >a.txt
-expect 0 "$iftty" diff a.txt plain.iftty
-out_has "commands  8, all equal"
+expect_out "commands  8, all equal" 0 "$iftty" diff a.txt plain.iftty
 sed 's/^run$/# by hand\nrun/' a.iftty >hand.iftty
-expect 0 "$iftty" diff a.iftty hand.iftty
-out_has "commands  9, all equal"
+expect_out "commands  9, all equal" 0 "$iftty" diff a.iftty hand.iftty
 err_has "# hand.iftty was edited by hand; it reproduces its recorded results"
 
 begin "up to a record"
-expect 0 "$iftty" diff a.iftty b.iftty --until 4
-out_has "commands  4, all equal"
+expect_out "commands  4, all equal" 0 "$iftty" diff a.iftty b.iftty --until 4
 err_has "# a.iftty ends with pending edits"
 expect 2 "$iftty" diff a.iftty b.iftty --until 0
 
@@ -102,14 +97,12 @@ grep -q '184x' info || fail "not three views of 60 and two seams: $(cat info)"
 grep -q "iftty:differ: $(sed -n 's/voxels *\(.*\) differ/\1/p' told) voxels" info ||
     fail "$(cat info)"
 cp d.png kept.png
-expect 3 "$iftty" diff a.iftty b.iftty --picture d.png
-err_has "d.png"
+expect_err "d.png" 3 "$iftty" diff a.iftty b.iftty --picture d.png
 [ ! -s out ] || fail "it carried out before it looked"
 same_files d.png kept.png
 expect 1 "$iftty" diff a.iftty b.iftty --picture d2.png
 same_files d.png d2.png
-expect 2 "$iftty" diff a.iftty b.iftty --picture d.exr
-err_has "expected a name that ends in .png"
+expect_err "expected a name that ends in .png" 2 "$iftty" diff a.iftty b.iftty --picture d.exr
 expect 3 "$iftty" diff a.iftty b.iftty --picture nowhere/d.png
 expect 0 "$iftty" diff a.iftty a.iftty --picture same.png
 
@@ -123,32 +116,26 @@ same_files one.png two.png
 begin "a journal is trusted no more than by verify"
 mkdir inside
 { grep -v '^open' a.txt | sed '1s/^/open ..\/s.nii\n/'; } >inside/out.txt
-expect 3 "$iftty" diff inside/out.txt a.txt
-err_has "inside/out.txt: "
+expect_err "inside/out.txt: " 3 "$iftty" diff inside/out.txt a.txt
 { cat a.txt; echo 'render r.png'; echo 'save labels l.nii'; echo 'golden g'; } >writes.txt
 listing . | grep -vE ' ./(out|err|before|d)$' >before
 expect 0 "$iftty" diff writes.txt a.txt
 listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
-expect 3 "$iftty" diff a.txt a.iftty --limit-memory 1M
-err_has "--limit-memory"
+expect_err "--limit-memory" 3 "$iftty" diff a.txt a.iftty --limit-memory 1M
 
 begin "an error of comparison is one line that names the file"
 expect 3 "$iftty" diff a.iftty missing.iftty
-expect 2 "$iftty" diff a.iftty
-err_has 'expected `iftty diff A B`, and there is 1 operand'
+expect_err 'expected `iftty diff A B`, and there is 1 operand' 2 "$iftty" diff a.iftty
 expect 2 "$iftty" diff a.iftty a.iftty a.iftty
 echo '# nothing' >empty.txt
-expect 3 "$iftty" diff a.iftty empty.txt
-err_has "empty.txt: it opens no scene"
+expect_err "empty.txt: it opens no scene" 3 "$iftty" diff a.iftty empty.txt
 sed 's/^= \([0-9]*\) forest=[0-9a-f]*/= \1 forest=0123456789abcdef/' a.iftty >lies.iftty
 expect 3 "$iftty" diff a.iftty lies.iftty
 err_has "lies.iftty: its results differ from the recorded ones; see iftty verify"
 head -c 300 a.iftty >torn.iftty
-expect 0 "$iftty" diff torn.iftty torn.iftty
-err_has "# torn.iftty ends with an unfinished record"
+expect_err "# torn.iftty ends with an unfinished record" 0 "$iftty" diff torn.iftty torn.iftty
 printf 'open s.nii\nseed 999,1,1 1\n' >bad.txt
-expect 3 "$iftty" diff bad.txt a.iftty
-err_has "bad.txt: "
+expect_err "bad.txt: " 3 "$iftty" diff bad.txt a.iftty
 err_has "(line 2)"
 same "$(wc -l <err | tr -d ' ')" 1
 

@@ -49,8 +49,7 @@ for threads in 1 2 5; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
 done
 printf 'finish\nsave labels resumed.nii finished=yes\n' >more
-expect 0 "$iftty" run more --journal a.iftty
-out_has "finish    majority radius=1, largest label=2"
+expect_out "finish    majority radius=1, largest label=2" 0 "$iftty" run more --journal a.iftty
 same_files eight.nii resumed.nii
 expect 0 "$iftty" verify a.iftty
 
@@ -73,8 +72,7 @@ out_has "finish    relax sweeps=9 reach=2, relax sweeps=60 reach=5 label=2"
 for threads in 1 2 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify settle.iftty
 done
-expect 2 "$iftty" -c 'open scene.nii; finish relax radius=2'
-err_has "radius: \`finish relax\` has none"
+expect_err "radius: \`finish relax\` has none" 2 "$iftty" -c 'open scene.nii; finish relax radius=2'
 expect 2 "$iftty" -c 'open scene.nii; finish relax sweeps=0'
 err_has "sweeps: expected a number 1..1000, not 0"
 expect 2 "$iftty" -c 'open scene.nii; finish relax reach=17'
@@ -85,8 +83,7 @@ err_has "reach: \`finish largest\` has none"
 begin "another outcome than the recorded one is found, with its record"
 sed 's/radius=1/radius=2/; s/\(save labels \)\([a-z]*\)/\1other-\2/' script >other
 expect 0 "$iftty" run other --journal other.iftty
-expect 1 "$iftty" verify --bisect a.iftty other.iftty
-out_has "record 6 is the first that differs"
+expect_out "record 6 is the first that differs" 1 "$iftty" verify --bisect a.iftty other.iftty
 sed '/^= 10 /s/finished=./finished=x/' a.iftty >b.iftty
 expect 1 "$iftty" verify b.iftty
 cat "$work/out" "$work/err" >said
@@ -122,8 +119,7 @@ same "$(picture 11)" "$(picture 12)"
 same "$(picture 7)" "$(picture 13)"
 [ "$(picture 7)" != "$(picture 11)" ] || fail "the rendition shows nothing of the finish"
 for exr in f s m spin0 p.golden/ball p.golden/plane; do
-    expect 0 "$iftty" info $exr.exr
-    out_has "majority radius=2, open radius=1"
+    expect_out "majority radius=2, open radius=1" 0 "$iftty" info $exr.exr
 done
 # The same pictures of a forest that has these labels: each voxel is a seed.
 cat >others <<'END'
@@ -139,8 +135,7 @@ END
 expect 0 "$iftty" run others --journal o.iftty
 sed -n 's/^= .*picture=\([0-9a-f]*\).*/\1/p' o.iftty >pictured
 same "$(picture 11; picture 14; picture 15)" "$(cat pictured)"
-expect 0 "$iftty" verify p.iftty
-out_has "p.iftty"
+expect_out "p.iftty" 0 "$iftty" verify p.iftty
 IFTTY_THREADS=3 expect 0 "$iftty" verify p.iftty
 
 begin "finished on updates pictures after each seed; it is recorded, verified and resumed"
@@ -172,8 +167,7 @@ picture() { # RECORD
 same "$(picture 8) $(picture 6)" "$(picture 10) $(picture 11)"
 same "$(picture 16) $(picture 18)" "$(picture 8) $(picture 6)"
 [ "$(picture 13)" != "$(picture 10)" ] || fail "the seed is not seen"
-expect 0 "$iftty" info slice.exr
-out_has "relax sweeps=20"
+expect_out "relax sweeps=20" 0 "$iftty" info slice.exr
 for threads in 1 2 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify l.iftty
 done
@@ -181,10 +175,8 @@ printf 'finished on\nrender\n' >more
 expect 0 "$iftty" run more --journal l.iftty
 same "$(picture 20)" "$(picture 10)"
 expect 0 "$iftty" verify l.iftty
-expect 2 "$iftty" -c "open scene.nii; finished perhaps"
-err_has "on|off"
-expect 2 "$iftty" -c "finished on"
-err_has "finished needs a scene"
+expect_err "on|off" 2 "$iftty" -c "open scene.nii; finished perhaps"
+expect_err "finished needs a scene" 2 "$iftty" -c "finished on"
 
 begin "labels that the finish deletes, halves or breaks are named, with voxels and pieces"
 cat >walls <<'END'
@@ -222,8 +214,7 @@ expect 0 "$iftty" run walls
 out_has "the finish deletes label 3 wall" # as soon as the finish is chosen
 printf '%s\n' 'open scene.nii' 'box 0,0,0 29,23,19 0' 'box 1,1,1 12,12,12 1' run \
     'finish open radius=9' 'stats finished=yes' >thick
-expect 0 "$iftty" run thick
-out_has "the finish deletes label 1: 1728 voxels"
+expect_out "the finish deletes label 1: 1728 voxels" 0 "$iftty" run thick
 out_has "the finish changes 216 voxels more than 3 voxels from any border"
 sed 's/^finish majority/finish holes/' script2 >kept
 sed -i 's/lost.nii/kept.nii/' kept
@@ -248,8 +239,7 @@ the finish deletes label 3; see \`stats\`"
 
 begin "an invalid argument of a step is rejected, and so is a too large reach"
 refused() { # COMMAND WORDS
-    expect 2 "$iftty" -c "open scene.nii; $1"
-    err_has "$2"
+    expect_err "$2" 2 "$iftty" -c "open scene.nii; $1"
 }
 refused "finish polish" "majority|largest|components|holes|open|close|none"
 refused "finish largest radius=2" "radius: \`finish largest\` has none"
@@ -264,7 +254,6 @@ for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16; do echo "finish holes"; done >s
 { echo "open scene.nii"; cat sixteen; } >many
 expect 0 "$iftty" run many
 echo "finish holes" >>many
-expect 3 "$iftty" run many
-err_has "no room for more"
+expect_err "no room for more" 3 "$iftty" run many
 
 finish

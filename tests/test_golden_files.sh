@@ -24,13 +24,11 @@ untouched() {
 begin "the folder of golden images is a link: nothing there is listed, removed or replaced"
 "$iftty" -c 'open s.nii; seed 1,1,1 1; run' --journal l.iftty >/dev/null
 ln -s "$work/precious" l.golden
-expect 0 "$iftty" verify l.iftty
-out_has "l.golden is a link, or no folder"
+expect_out "l.golden is a link, or no folder" 0 "$iftty" verify l.iftty
 grep -qF -e a.png -e b.exr "$work/out" && fail "its files are listed"
 expect 1 "$iftty" verify --strict l.iftty
 expect 1 "$iftty" verify --remove-orphans l.iftty
-expect 3 "$iftty" -c 'golden first' --journal l.iftty
-err_has "l.golden is a link, or no folder"
+expect_err "l.golden is a link, or no folder" 3 "$iftty" -c 'golden first' --journal l.iftty
 cp j.iftty m.iftty
 ln -s "$work/precious" m.golden
 expect 3 "$iftty" verify m.iftty --accept why
@@ -115,8 +113,7 @@ expect 1 "$iftty" verify gone.iftty
 same "$(ls ../nowhere)" ""
 ln -s "$work/precious/first.exr" k.golden/more.exr
 expect 1 "$iftty" verify k.iftty
-expect 1 "$iftty" verify --remove-orphans k.iftty
-out_has "more.exr was left alone"
+expect_out "more.exr was left alone" 1 "$iftty" verify --remove-orphans k.iftty
 [ -h k.golden/more.exr ] || fail "the link is gone"
 untouched
 
@@ -150,8 +147,7 @@ expect 0 "$iftty" verify j.iftty
 expect 1 "$iftty" verify --strict j.iftty
 rm j.golden/first.txt
 ln -s ../../precious/first.exr j.golden/more.exr
-expect 1 "$iftty" verify --remove-orphans j.iftty
-out_has "more.exr was left alone"
+expect_out "more.exr was left alone" 1 "$iftty" verify --remove-orphans j.iftty
 rm j.golden/more.exr
 cp j.golden/first.exr j.golden/more.exr # with a PNG that is the user's
 printf x >j.golden/more.png
@@ -161,8 +157,7 @@ out_has "more.exr was left alone: no record of this journal can have made its PN
 rm j.golden/more.*
 cp j.iftty j # has the same folder
 sed '/^golden first/,$d' j.iftty >j
-expect 1 "$iftty" verify --remove-orphans j
-out_has "first.exr was left alone"
+expect_out "first.exr was left alone" 1 "$iftty" verify --remove-orphans j
 [ -e j.golden/first.exr ] || fail "another journal's golden image is gone"
 rm j
 
@@ -171,8 +166,7 @@ begin "a picture without a record passes only after the last record"
     --journal p.iftty >/dev/null
 sed '/^golden last/,$d' p.iftty >q.iftty
 cp q.iftty p.iftty
-expect 0 "$iftty" verify --strict p.iftty
-out_has "last.exr was ignored"
+expect_out "last.exr was ignored" 0 "$iftty" verify --strict p.iftty
 printf x >p.golden/last.png
 expect 1 "$iftty" verify p.iftty
 rm p.golden/last.png
@@ -182,8 +176,7 @@ rm j.golden/early.exr
 
 begin "a golden image that is gone while its PNG is there is named"
 mv j.golden/first.exr kept.exr
-expect 1 "$iftty" verify j.iftty
-out_has "its PNG exists, but not j.golden/first.exr, which is compared"
+expect_out "its PNG exists, but not j.golden/first.exr, which is compared" 1 "$iftty" verify j.iftty
 expect 1 "$iftty" log --reseal j.iftty
 mv kept.exr j.golden/first.exr
 expect 0 "$iftty" verify --strict j.iftty
@@ -416,8 +409,7 @@ END
 rm kept/side.png
 cp kept/side.exr f.golden
 rm f.golden/side.png
-expect 0 "$iftty" verify --strict f.iftty
-out_has "last.exr was ignored"
+expect_out "last.exr was ignored" 0 "$iftty" verify --strict f.iftty
 out_has "side.exr was ignored"
 for way in none half colour layer within after text giant; do
     /usr/bin/python3 forge.py $way kept/last.exr f.golden/last.exr || fail "$way"
@@ -444,14 +436,12 @@ cp s.nii many
 cp f.iftty many
 cp -r f.golden many
 seq -f many/f.golden/l%g.exr 1000 | xargs -n 1 ln colour.exr
-expect 3 "$iftty" verify --limit-time 0.5 many/f.iftty
-out_has "than the 0.5 s of --limit-time"
+expect_out "than the 0.5 s of --limit-time" 3 "$iftty" verify --limit-time 0.5 many/f.iftty
 rm many/f.golden/l*.exr
 cp f.golden/* many/f.golden
 /usr/bin/python3 forge.py wide j.golden/first.exr wide.exr # not drawn again: of another journal
 seq -f many/f.golden/l%g.exr 3000 | xargs -n 1 ln wide.exr
-expect 3 "$iftty" verify --limit-time 0.2 many/f.iftty
-out_has "than the 0.2 s of --limit-time"
+expect_out "than the 0.2 s of --limit-time" 3 "$iftty" verify --limit-time 0.2 many/f.iftty
 rm -r many
 
 begin "a journal that is a link, and other golden images next to the link"
@@ -459,8 +449,7 @@ mkdir links
 ln -s ../j.iftty links/j.iftty
 expect 0 "$iftty" verify --scene s.nii links/j.iftty
 cp j.golden/first.exr j.golden/more.exr
-expect 1 "$iftty" verify --remove-orphans --scene s.nii links/j.iftty
-out_has "is a link to"
+expect_out "is a link to" 1 "$iftty" verify --remove-orphans --scene s.nii links/j.iftty
 [ -e j.golden/more.exr ] || fail "it was removed by way of a link"
 rm j.golden/more.exr
 cp -r j.golden links
@@ -475,7 +464,6 @@ rm links/j.golden/note.txt
 printf more >>links/j.golden/first.exr
 expect 1 "$iftty" verify --scene s.nii links/j.iftty
 out_has "is a link, and links/j.golden/first.exr is another file than"
-expect 3 "$iftty" verify links/j.iftty --accept why
-err_has "is a link; name the journal itself"
+expect_err "is a link; name the journal itself" 3 "$iftty" verify links/j.iftty --accept why
 
 finish

@@ -17,8 +17,7 @@ out_has "copied to a.golden/labels-"
 grep -qE '^labels model.nii erode=1 copy=[0-9a-f]{32}$' a.iftty || fail "$(cat a.iftty)"
 digest=$(sed -nE 's/^labels .* copy=//p' a.iftty)
 [ -f "a.golden/labels-$digest.nii.gz" ] || fail "$(ls a.golden)"
-expect 0 "$iftty" info "a.golden/labels-$digest.nii.gz"
-out_has "uint16"
+expect_out "uint16" 0 "$iftty" info "a.golden/labels-$digest.nii.gz"
 
 begin "erosion is off by default and recorded; voxels outside the regions are background"
 expect 0 "$iftty" -c 'open s.nii; labels model.nii; run; save labels same.nii; undo 2
@@ -39,8 +38,7 @@ begin "a correction deep in a piece changes only its surroundings"
 expect 0 "$iftty" -c 'open room.nii; box 0,0,0 23,19,15 2; box 3,3,2 20,16,13 1
     save labels block.nii'
 deep='open room.nii; labels block.nii; run; seed 11,10,8 2'
-expect 0 "$iftty" -c "$deep; run"
-out_has '    7 voxels changed'
+expect_out '    7 voxels changed' 0 "$iftty" -c "$deep; run"
 expect 0 "$iftty" -c "$deep radius=2; run; undo 2; save labels undone.nii"
 ! grep -q 'undo reverts it' "$work/out" || fail "$(cat "$work/out")"
 cmp -s block.nii undone.nii || fail "undo has left something"
@@ -114,13 +112,11 @@ rm model.nii
 begin "where there is no copy, the map itself will do, if it holds the same"
 cp -r a.golden copies
 rm -r a.golden
-expect 3 "$iftty" verify a.iftty
-out_has "there is no copy"
+expect_out "there is no copy" 3 "$iftty" verify a.iftty
 cp elsewhere.nii model.nii
 expect 0 "$iftty" verify a.iftty
 { head -c 352 elsewhere.nii; tail -c +354 elsewhere.nii; printf '\007'; } >model.nii
-expect 3 "$iftty" verify a.iftty
-out_has "model.nii holds labels other than recorded"
+expect_out "model.nii holds labels other than recorded" 3 "$iftty" verify a.iftty
 rm model.nii
 
 begin "a copy that was changed is not believed, nor a digest that leads elsewhere"
@@ -129,11 +125,9 @@ first=$(ls copies | head -n 1)
 for copy in $(ls copies); do
     cp "copies/$first" "a.golden/$copy"
 done
-expect 3 "$iftty" verify a.iftty
-out_has "holds labels other than recorded"
+expect_out "holds labels other than recorded" 3 "$iftty" verify a.iftty
 printf 'open s.nii\nlabels x.nii copy=../../../../../../etc/passwd00000000000\n' >script
-expect 2 "$iftty" run script
-err_has "expected 32 digits"
+expect_err "expected 32 digits" 2 "$iftty" run script
 rm -r a.golden
 ln -s /etc a.golden
 expect 3 "$iftty" verify a.iftty
@@ -144,8 +138,7 @@ expect 0 "$iftty" verify a.iftty
 begin "a command that cannot be recorded leaves no copy"
 cp elsewhere.nii model.nii
 "$iftty" -c 'open s.nii' --journal d.iftty >/dev/null || fail "no journal"
-expect 3 "$iftty" -c 'labels model.nii regions=9' --journal d.iftty
-err_has "no voxel of these regions"
+expect_err "no voxel of these regions" 3 "$iftty" -c 'labels model.nii regions=9' --journal d.iftty
 [ ! -e d.golden ] || [ -z "$(ls d.golden)" ] || fail "it leaves $(ls d.golden)"
 expect 0 "$iftty" -c 'open s.nii; labels model.nii' # without a journal, and so without a copy
 

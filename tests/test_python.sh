@@ -128,8 +128,7 @@ if has_module matplotlib; then
         same "$status" 0
         grep -q '^brain: 16[0-9][0-9] ml' told || fail "$(cat told err)"
         [ "$(file_bytes brain.png)" -gt 50000 ] || fail "there is no picture"
-        expect 0 "$iftty" info --json brain.nii.gz
-        out_has '"size": [181, 217, 181]'
+        expect_out '"size": [181, 217, 181]' 0 "$iftty" info --json brain.nii.gz
     fi
 fi
 

@@ -120,8 +120,7 @@ for file in q.nrrd q.mha; do
     same "$(seen_as $file)" "$(seen_as q.nii)"
 done
 same "$(seen_as l.seg.nrrd)" "$(seen_as l.nii)"
-expect 0 "$iftty" -c "open q.mha crop=2-19,0-9,1-15 reduce=2; info"
-out_has '9x5x7 voxels'
+expect_out '9x5x7 voxels' 0 "$iftty" -c "open q.mha crop=2-19,0-9,1-15 reduce=2; info"
 
 begin "FreeSurfer's files, as nibabel reads them: the voxels and the place of the same NIfTI"
 maps='labels cost border distance margin'

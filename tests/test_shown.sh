@@ -89,8 +89,7 @@ expect 0 "$iftty" replay t.iftty --out replayed
 # One percent more gives another picture, and fails by its record.
 sed 's/^opacity 1 30$/opacity 1 31/' t.iftty >changed
 chain_anew changed t.iftty
-expect 1 "$iftty" verify t.iftty
-out_has "picture"
+expect_out "picture" 1 "$iftty" verify t.iftty
 
 begin "context is a setting of the view, which uses the window"
 around=$(picture 'context mip')
@@ -110,11 +109,9 @@ same "$(says c.iftty 10 'look .*, \(context mip\)')" "context mip"
 for threads in 1 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict c.iftty
 done
-expect 0 "$iftty" -c 'info; hide 2; render' --journal c.iftty
-out_has "context mip"
+expect_out "context mip" 0 "$iftty" -c 'info; hide 2; render' --journal c.iftty
 expect 0 "$iftty" verify c.iftty
-expect 0 "$iftty" info c.golden/around.png
-out_has "iftty:context: mip, intensities "
+expect_out "iftty:context: mip, intensities " 0 "$iftty" info c.golden/around.png
 # A slice has no context, also after a rendition with one.
 rm -rf c.iftty c.golden
 { cat scene; printf '%s\n' 'context mip' 'render' 'window 20 90.5'; } >script
@@ -163,19 +160,15 @@ golden_of() { # NAME: the digest of a golden image
 }
 begin "options of shade are recorded, kept when edits are undone, and printed"
 rm -f a.iftty
-expect 0 "$iftty" run script --journal a.iftty
-out_has "look      shade surface, light"
+expect_out "look      shade surface, light" 0 "$iftty" run script --journal a.iftty
 out_has "look      shade surface ao=60, light"
 same "$(grep -c 'shade surface ao=60, light' "$work/out")" 2
 has_line a.iftty "shade surface ao=60"
 out_has "look      shade surface ao=60 creases=yes, light"
 has_line a.iftty "shade surface ao=60 creases=yes"
-expect 0 "$iftty" info a.golden/dark.png
-out_has "iftty:look: shade surface ao=60, light"
-expect 0 "$iftty" info a.golden/off.png
-out_has "iftty:look: shade surface, light"
-expect 0 "$iftty" info a.golden/both.png
-out_has "iftty:look: shade surface ao=60 creases=yes, light"
+expect_out "iftty:look: shade surface ao=60, light" 0 "$iftty" info a.golden/dark.png
+expect_out "iftty:look: shade surface, light" 0 "$iftty" info a.golden/off.png
+expect_out "iftty:look: shade surface ao=60 creases=yes, light" 0 "$iftty" info a.golden/both.png
 
 begin "without them, and where objects are translucent, pictures are as they were"
 same "$(golden_of plain)" "$(golden_of off)"
@@ -191,16 +184,14 @@ for threads in 1 2 5; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
 done
 printf 'info\nshade surface ao=7\ninfo\n' >more
-expect 0 "$iftty" run more --journal a.iftty
-out_has "look      shade surface, light"
+expect_out "look      shade surface, light" 0 "$iftty" run more --journal a.iftty
 out_has "look      shade surface ao=7, light"
 expect 0 "$iftty" verify a.iftty
 
 begin "an unknown word is named, and no command is recorded"
 refused() { # COMMAND WORDS
     rm -f n.iftty
-    expect 2 "$iftty" -c "open synth:geom:9x9x9; $1" --journal n.iftty
-    err_has "$2"
+    expect_err "$2" 2 "$iftty" -c "open synth:geom:9x9x9; $1" --journal n.iftty
     same "$(grep -c '^= ' n.iftty)" 1
 }
 refused 'hide 0' "LABEL: expected all, a label 1..255 or the name of one, not 0"
@@ -221,8 +212,7 @@ for wrong in 40 oa=40; do
 done
 refused "shade surface creases=on" "creases: expected yes|no, not on"
 for command in 'hide all' 'opacity 1 30' 'context mip'; do
-    expect 2 "$iftty" -c "$command"
-    err_has "${command%% *} needs a scene; open one first"
+    expect_err "${command%% *} needs a scene; open one first" 2 "$iftty" -c "$command"
 done
 
 finish

@@ -125,8 +125,7 @@ same "$(grep '^[a-z]' j.iftty | tail -n +3 | tr '\n' ';')" \
 out_has "1 seed, 1 edit waiting" # after undo
 out_has "1 seed, 0 edits waiting" # after the second
 expect 0 "$iftty" verify j.iftty
-expect 0 "$iftty" -c 'redo; info' --journal j.iftty
-out_has "1 edit waiting"
+expect_out "1 edit waiting" 0 "$iftty" -c 'redo; info' --journal j.iftty
 expect 0 "$iftty" -c 'finish majority; stats finished=yes' --journal j.iftty
 words_of j.iftty "$(grep -c '^= ' j.iftty)" | grep -q '^forest=[^ ]* labels=[^ ]* seeds=2$' ||
     fail "$(tail -n 1 j.iftty)" # those of a run alone
@@ -140,8 +139,7 @@ done
 rm -f j.iftty
 expect 3 "$iftty" -c 'open scene.nii; seed 7,12,10 1; compare none.nii' --journal j.iftty
 same "$(grep -c '^= ' j.iftty)" 2
-expect 0 "$iftty" -c info --journal j.iftty
-out_has "0 seeds, 1 edit waiting"
+expect_out "0 seeds, 1 edit waiting" 0 "$iftty" -c info --journal j.iftty
 
 begin "commands that use the shown picture report the edits that it does not include"
 for asks in 'pick 32 32' 'hint 1' 'zoom fit'; do

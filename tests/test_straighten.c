@@ -138,8 +138,7 @@ static void straighten_one(const int order[3], const double lean[3])
     uint32_t foretold[3];
     place(&geometry, order, lean);
     OWNED(volume_release)
-    struct volume from = volume_of(size, &geometry),
-                  is = volume_of(size, &geometry);
+    struct volume from = volume_of(size, &geometry), is = volume_of(size, &geometry);
     CHECK_INT(straighten_size(foretold, size, &geometry, &fault), OK);
     if (CHECK(straighten(&is, NULL, &fault) == OK)) {
         CHECK(same_size(is.size, foretold));
@@ -177,8 +176,7 @@ STORY(slices_shifted_by_whole_voxels_are_unchanged)
     struct fault fault = {0};
     place(&geometry, order, lean);
     OWNED(volume_release)
-    struct volume from = volume_of(size, &geometry),
-                  is = volume_of(size, &geometry);
+    struct volume from = volume_of(size, &geometry), is = volume_of(size, &geometry);
     CHECK_INT(straighten(&is, NULL, &fault), OK);
     CHECK(same_size(is.size, (const uint32_t[3]){5, 9, 4}));
     for (uint32_t z = 0; z < 4; z++)
@@ -194,8 +192,7 @@ STORY(axes_at_right_angles_are_unchanged)
     struct fault fault = {0};
     place(&geometry, order, lean);
     OWNED(volume_release)
-    struct volume from = volume_of(size, &geometry),
-                  is = volume_of(size, &geometry);
+    struct volume from = volume_of(size, &geometry), is = volume_of(size, &geometry);
     CHECK_INT(straighten(&is, NULL, &fault), OK);
     CHECK(same_size(is.size, size));
     CHECK(memcmp(is.intensity, from.intensity, 240) == 0);

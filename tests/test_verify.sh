@@ -256,8 +256,7 @@ refused() {
     journal=$1 words=$2 status=$3
     shift 3
     listing . | grep -vE ' ./(out|err|before|d)$' >before
-    expect "$status" "$@" "$iftty" verify "$journal" --accept 'why not'
-    err_has "$words"
+    expect_err "$words" "$status" "$@" "$iftty" verify "$journal" --accept 'why not'
     listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
     rm -f d
 }

@@ -88,8 +88,7 @@ err_has "# not entered: study/way is a link to a folder; name that folder as wel
 same "$(tail -n 1 out)" "# 6 verified, 0 failed"
 ln -s far road # but where it is named, it is meant
 cp -r j6.golden far
-expect 0 "$iftty" verify road
-out_has "ok 1 - road/j6.iftty"
+expect_out "ok 1 - road/j6.iftty" 0 "$iftty" verify road
 cp j1.golden/first.exr $deep/c.Iftty.golden # and one that differs is a failure as any other
 expect 1 "$iftty" verify study --html page.html --junit report.xml
 out_has "not ok 2 - study/.hidden/deep/..more/c.Iftty"
@@ -99,8 +98,7 @@ cp j3.golden/first.exr $deep/c.Iftty.golden
 begin "a folder that cannot be entered, or has no journal, fails"
 mkdir study/closed study/empty
 chmod 0 study/closed
-expect 3 with_permissions "$iftty" verify study
-err_has "cannot enter study/closed: Permission denied"
+expect_err "cannot enter study/closed: Permission denied" 3 with_permissions "$iftty" verify study
 chmod 700 study/closed
 cp j1.iftty study/closed
 chmod 400 study/closed
@@ -142,8 +140,7 @@ for wrong in "--expect $chain j2.iftty" "--expect 12 --expect" "--expect ${chain
     # shellcheck disable=SC2086
     expect 2 "$iftty" verify j1.iftty $wrong
 done
-expect 2 "$iftty" verify one --expect "$chain"
-err_has "--expect: expected one journal, not 2"
+expect_err "--expect: expected one journal, not 2" 2 "$iftty" verify one --expect "$chain"
 rm -r one
 
 begin "bytes after the last record, which no chain covers, are none of the expected journal"
@@ -176,13 +173,11 @@ out_has '"verified": false, "skipped": true'
 expect 0 "$iftty" verify --fail-fast -j 3 j2.iftty j3.iftty j4.iftty
 
 begin "a failure states if labels and voxels differ, or only colours"
-expect 1 "$iftty" verify j1.iftty
-out_has "labels differ in "
+expect_out "labels differ in " 1 "$iftty" verify j1.iftty
 expect 0 "$iftty" -c "open s.nii; seed 2,3,4 3 ; seed 6,10,8 7; label 3 other #102030; run
     size 40 30; golden first" --journal dark.iftty
 cp dark.golden/first.exr j3.golden/first.exr
-expect 1 "$iftty" verify j3.iftty
-out_has "; colours alone differ, labels and voxels are the same"
+expect_out "; colours alone differ, labels and voxels are the same" 1 "$iftty" verify j3.iftty
 rm -r dark.*
 
 begin "the slowest records of a journal"
@@ -190,16 +185,14 @@ expect 0 "$iftty" verify --timings j4.iftty
 same "$(grep -cE '^#   took     [0-9]+\.[0-9]{3} ms, record [1-6]: [a-z]' out)" 6
 grep '^#   took' out | sed 's/.*took *//; s/ ms.*//' >times
 sort -rn times | cmp -s - times || fail "they are not in order: $(cat out)"
-expect 0 "$iftty" verify --timings --json j4.iftty
-out_has '"slowest": ["'
+expect_out '"slowest": ["' 0 "$iftty" verify --timings --json j4.iftty
 
 begin "orphan golden images are all listed, and removed on request"
 cp j4.golden/first.exr j4.golden/third.exr
 cp j4.golden/first.exr 'j4.golden/odd$(name);.exr'
 cp j4.golden/first.png j4.golden/third.png
 cp j4.golden/first.png j4.golden/lone.png
-expect 1 "$iftty" verify j4.iftty j5.iftty
-out_has "#   orphan   third.exr"
+expect_out "#   orphan   third.exr" 1 "$iftty" verify j4.iftty j5.iftty
 out_has '#   orphan   odd$(name);.exr'
 out_has "#   orphan   lone.png"
 expect 2 env CI=true "$iftty" verify --remove-orphans j4.iftty
