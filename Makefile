@@ -174,10 +174,10 @@ MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross
 # The helpers with a probe in place of their libraries.
 PROBES := $(addprefix $(BUILD)/tests/probe/iftty-,image volume register)
 
-# Workflow engines for the scripts of examples/cohort, their packages, and a head for bench-apply.
+# Workflow engines for the scripts of examples/cohort, and their packages; those of bench-apply.
 COHORT_PACKAGES := snakemake slurm-wlm iproute2 python3-numpy python3-nibabel python3-scipy \
                    python3-pil
-HEAD_PACKAGES   := python3-numpy python3-nibabel python3-scipy insighttoolkit5-examples
+HEAD_PACKAGES   := python3-numpy python3-nibabel python3-scipy
 
 # Terminals, virtual displays, and tools for screenshots and keys.
 STAGED            := $(BUILD)/tests/terminals/paint $(BUILD)/tests/terminals/panel

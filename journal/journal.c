@@ -202,7 +202,7 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
         return journal->header.failed ? fault_memory(fault, "the journal") : OK;
     }
     /* The program that created the file may have ended before this sync. */
-    err = journal->log ? file_log_sync_folder(journal->log, fault) : OK;
+    err = journal->log ? file_sync_folder(journal_path(journal), fault) : OK;
     return err ? err : append_bytes(journal, &journal->header, false, fault);
 }
 

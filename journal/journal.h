@@ -2,24 +2,23 @@
 /*
  * The journal: a file of records that one session appends to, and that others resume and replay.
  *
- * Promises, by numbers that the tests use too:
+ * Promises; tests use the same numbers:
  *   J1 a command is acknowledged only after its record is synced: when journal_append returns OK,
- *      the record is on the disk, with all before it. A command that changes nothing of the
+ *      the record and all earlier ones are on the disk. A command that does not change the
  *      segmentation is acknowledged when its record is written: a loss of power may remove such
- *      records of the last second from the end, and never a record of another command. A caller
- *      can ask for less by journal_set_sync;
+ *      records of the last second from the end, but no record of another command. journal_set_sync
+ *      weakens this promise on request;
  *   J2 the file is always header + valid records + at most one torn record;
  *   J3 bytes before the end of the valid part never change;
  *   J4 replay reproduces every recorded word, or stops at the first that differs and names it
  *      (journal/replay.h);
  *   J5 if an append fails, the file is cut back to its former length and the call returns an error;
- *      the caller undoes the edit. Nothing is appended until the cut is on the disk as well, so
- *      that
- *      a rejected record cannot reappear;
+ *      the caller undoes the edit. No record is appended until the cut is on the disk, so that a
+ *      rejected record cannot reappear;
  *   J6 one writer at a time: the file is locked from journal_create or journal_open to
  *      journal_close. Readers (replay, journal_check) take no lock;
- *   J7 the session outlives the file: every byte is in memory too, so that the record can continue
- *      in another file (journal_continue) when this one is full, deleted or failing.
+ *   J7 the session outlives the file: every byte is also in memory, so that the journal can
+ *      continue in another file (journal_continue) when this one is full, deleted or failing.
  *
  * journal/FORMAT.md describes the bytes; record.h encodes and walks them. A journal holds at most
  * JOURNAL_BYTES_MAX bytes, which bounds the memory of a reader.
@@ -36,20 +35,20 @@
 struct journal;
 
 /* Create `path`, which must not exist, with its header synced. `semantics` is the version of the
- * meaning of commands, 1..999999999. On failure there is no file and *journal is NULL. */
+ * meaning of commands, 1..999999999. On failure no file was created and *journal is NULL. */
 enum err journal_create(struct journal **journal, const char *path, unsigned semantics,
                         struct fault *fault);
 
 struct journal_resume {
     unsigned semantics; /* for a file without a header */
-    /* Called with the number of the header before any record, if the file has one. An error ends
-     * the opening with that error. NULL accepts any number. */
+    /* Called with the number of the header before any record, if the file has one. If it fails,
+     * journal_open fails with its error. NULL accepts any number. */
     enum err (*on_semantics)(void *context, unsigned semantics, struct fault *fault);
-    /* Called for every sound record in order during the survey of the file, before anything is
-     * carried out or changed; or NULL. */
+    /* Called for every sound record in order while the file is surveyed, before any call of
+     * on_record and any change of the file; or NULL. */
     void (*on_sight)(void *context, const struct record *record);
-    /* Called for every record in order, once the journal is known to be acceptable. An error
-     * ends the opening with that error, and the file is unchanged. Or NULL. */
+    /* Called for every record in order, after the whole journal was accepted; or NULL. If it fails,
+     * journal_open fails with its error, and the file is unchanged. */
     enum err (*on_record)(void *context, const struct record *record, struct fault *fault);
     void *context;
     bool cuts_damage; /* repair on request: cut off everything after the last sound record */
@@ -66,31 +65,32 @@ struct journal_resume {
 enum err journal_open(struct journal **journal, const char *path,
                       const struct journal_resume *resume, struct buf *notice, struct fault *fault);
 
-/* Keep the sound part of the journal at `path`, whatever its semantics, save the rest next to it
- * as journal_open does, and add a line to `notice`: the number of remaining records, the bytes cut
- * off and their file; or that the journal is intact. ERR_INPUT if line 1 cannot be read.
- * `semantics` is for a file without a header. */
+/* Keep the sound part of the journal at `path`, of any semantics, save the rest next to it as
+ * journal_open does, and add a line to `notice`: the number of remaining records, the bytes cut off
+ * and their file; or that the journal is intact. ERR_INPUT if line 1 cannot be read. `semantics` is
+ * for a file without a header. */
 enum err journal_repair(const char *path, unsigned semantics, struct buf *notice,
                         struct fault *fault);
 
-/* Append the record of a command that has been carried out: one write, one sync. Words are
- * "key=value key=value" or "". NULL is for a command that changes nothing of the segmentation: its
- * record has no words, and its sync waits for a second at most, or for the next record with words
- * or journal_catch_up. On failure the journal is unchanged (J5). */
+/* Append the record of an executed command: one write, one sync. Words are "key=value key=value" or
+ * "". NULL is for a command that does not change the segmentation: its record has no words, and is
+ * synced within a second, or with the next record with words, or by journal_catch_up. On failure
+ * the journal is unchanged (J5). */
 enum err journal_append(struct journal *journal, const char *command, const char *words,
                         struct fault *fault);
 
-/* Sync waiting records: before a file that they led to is published, or the process is stopped.
+/* Sync waiting records. Call this before a file that they produced is published, and before the
+ * process is stopped.
  * */
 enum err journal_catch_up(struct journal *journal, struct fault *fault);
 
-/* Keep one comment line ("# why" or "") for the next record, which it becomes part of. Without a
- * next record it is lost. */
+/* Keep one comment line ("# why" or "") and write it with the next record. It is lost if no record
+ * follows. */
 enum err journal_comment(struct journal *journal, const char *comment, struct fault *fault);
 
 /* Continue in a new file: write the whole journal to `path`, which must not exist, and sync it;
- * later records are appended there. The former file keeps its last sound state. On failure nothing
- * has changed, and there is no new file. */
+ * later records are appended there. The former file keeps its last sound state. On failure the
+ * journal is unchanged, and no new file exists. */
 enum err journal_continue(struct journal *journal, const char *path, struct fault *fault);
 
 /* Set when records are synced. FILE_SYNC_EVERY_SECOND: a loss of power may remove the records of
@@ -115,7 +115,7 @@ const char *journal_chain(const struct journal *journal); /* 32 digits; zeros wi
 /* Release the lock and free the journal; NULL is fine. */
 void journal_close(struct journal *journal);
 
-/* ---- without carrying it out ---- */
+/* ---- without running commands ---- */
 
 /* Append the commands of a journal or script to `out`, a line each, with their comments and
  * blank lines, but without header, result lines and a torn tail. The result is a script. Use

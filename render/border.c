@@ -21,9 +21,9 @@ static size_t blocks_in(const struct border *border)
                : 0;
 }
 
-/* Bytes of all sets, which share one piece of memory: `shown`, `border`, `marked`, `stale`,
- * `changed`, `occupied`. */
-static size_t pages_of(const struct border *border)
+/* All sets share one piece of memory: `shown`, `border`, `marked`, `stale`, `changed`, `occupied`.
+ */
+size_t border_memory(const struct border *border)
 {
     const size_t a_word =
         2 * sizeof *border->shown + sizeof *border->stale + sizeof *border->changed;
@@ -39,7 +39,7 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
     for (int label = 1; label < 256; label++)
         border->visible[label] = true;
     memset(border->opacity, BORDER_OPAQUE, sizeof border->opacity);
-    border->shown = mem_pages(pages_of(border));
+    border->shown = mem_pages(border_memory(border));
     if (!border->shown) {
         *border = (struct border){0};
         return fault_memory(fault, "the border");
@@ -54,13 +54,8 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
 
 void border_release(struct border *border)
 {
-    mem_pages_free(border->shown, pages_of(border));
+    mem_pages_free(border->shown, border_memory(border));
     *border = (struct border){0};
-}
-
-size_t border_memory(const struct border *border)
-{
-    return border->words * (2 * sizeof(uint64_t) + sizeof(uint32_t)) + blocks_in(border);
 }
 
 /* Return the cells of word `w` of a set that have a face neighbour outside the set. */

@@ -172,11 +172,6 @@ static bool is_seen(const struct decoration *d, uint32_t cell)
     return false;
 }
 
-static int64_t within(int64_t v, int64_t end)
-{
-    return v < 0 ? 0 : v >= end ? end - 1 : v;
-}
-
 static void add_mark(struct marks *marks, const struct decoration *d, uint32_t cell,
                      bool eliminates)
 {
@@ -184,8 +179,8 @@ static void add_mark(struct marks *marks, const struct decoration *d, uint32_t c
     int64_t place[2];
     place_of(d, cell, place);
     marks_add(marks, (struct mark){place[0], place[1],
-                                   (size_t)(within(place[1], r->height) * r->width +
-                                            within(place[0], r->width)),
+                                   (size_t)grid_held(place[1], r->height) * r->width +
+                                       grid_held(place[0], r->width),
                                    d->camera->scene->cell[cell].label, eliminates, false});
 }
 

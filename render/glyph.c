@@ -176,11 +176,6 @@ struct stems {
     int count;
 };
 
-static int32_t nearest_pixel(int32_t at)
-{
-    return (at + ONE / 2 + (ONE << 16)) / ONE * ONE - (ONE << 16);
-}
-
 static void add_edge(struct stems *s, int32_t from, bool rises)
 {
     int at = s->count;
@@ -201,7 +196,7 @@ static void place_stems(struct stems *s)
         for (int k = i + 1; k < s->count && s->edge[i].rises; k++) {
             const struct edge left = s->edge[i], right = s->edge[k];
             const int32_t wide = right.from - left.from, least = wide < ONE ? ONE : wide;
-            const int32_t at = nearest_pixel(left.from - (least - wide) / 2);
+            const int32_t at = (left.from - (least - wide) / 2 + ONE / 2) & ~(ONE - 1);
             if (right.rises || wide < ONE * 3 / 4)
                 continue;
             if (wide < 2 * ONE && (kept == 0 || at > s->edge[kept - 1].to)) {
@@ -276,7 +271,7 @@ void glyph_make(struct glyph *g, unsigned outline, uint32_t tall, int64_t left, 
     const size_t count = face_read(point, outline);
     struct stems stems;
     struct pen pen = {.curves = false};
-    g->column = left < 0 ? -((ONE - 1 - left) / ONE) : left / ONE;
+    g->column = left >> GLYPH_BITS;
     g->row = base;
     g->lines = 0;
     g->least = (struct spot){INT32_MAX, INT32_MAX};
@@ -426,11 +421,6 @@ static void blend_band(const struct canvas *canvas, struct band *b, int64_t colu
     }
 }
 
-static int32_t pixel_of(int32_t at)
-{
-    return at < 0 ? -((ONE - 1 - at) / ONE) : at / ONE;
-}
-
 void glyph_draw(const struct canvas *canvas, const struct glyph *g, uint32_t halo,
                 const uint8_t rgb[3])
 {
@@ -438,9 +428,10 @@ void glyph_draw(const struct canvas *canvas, const struct glyph *g, uint32_t hal
     struct band b;
     if (g->lines == 0)
         return;
-    const int32_t top = pixel_of(g->least.y - reach), end = pixel_of(g->most.y + reach) + 1;
-    b.left = pixel_of(g->least.x - reach);
-    b.columns = pixel_of(g->most.x + reach) + 1 - b.left;
+    const int32_t top = (g->least.y - reach) >> GLYPH_BITS;
+    const int32_t end = ((g->most.y + reach) >> GLYPH_BITS) + 1;
+    b.left = (g->least.x - reach) >> GLYPH_BITS;
+    b.columns = ((g->most.x + reach) >> GLYPH_BITS) + 1 - b.left;
     const int64_t column = g->column + b.left;
     if (column >= canvas->width || column + b.columns <= 0 || g->row + top >= canvas_end(canvas) ||
         g->row + end <= canvas->from)

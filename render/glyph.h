@@ -54,10 +54,11 @@ int face_kerning(uint32_t point, uint32_t next);
 size_t face_read(struct face_point out[FACE_POINTS_MOST], unsigned outline);
 
 enum {
-    GLYPH_ONE = 256,         /* parts of a pixel */
-    GLYPH_TALL_MOST = 512,   /* rows of a capital */
-    GLYPH_HALO_MOST = 16,    /* pixels */
-    GLYPH_LINES_MOST = 2048, /* lines of an outline */
+    GLYPH_BITS = 8,
+    GLYPH_ONE = 1 << GLYPH_BITS, /* parts of a pixel */
+    GLYPH_TALL_MOST = 512,       /* rows of a capital */
+    GLYPH_HALO_MOST = 16,        /* pixels */
+    GLYPH_LINES_MOST = 2048,     /* lines of an outline */
 };
 
 /* Convert units of the face to parts of a pixel, rounded, for capitals of `tall` rows. */

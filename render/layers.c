@@ -49,16 +49,6 @@ enum err layers_attach(struct layers *l, struct rendition *r, const struct borde
     return OK;
 }
 
-struct layers layers_rows(const struct layers *l, uint32_t top)
-{
-    const size_t first = (size_t)top * l->width;
-    struct layers rows = *l;
-    rows.last += first;
-    rows.layer += first;
-    rows.count += first;
-    return rows;
-}
-
 void layers_put_none(struct layers *l, size_t pixel)
 {
     l->last[pixel] = (struct layer){DEPTH_NONE, CELL_NONE, 0};

@@ -55,9 +55,6 @@ size_t layers_bytes(const struct layers *layers);
 enum err layers_attach(struct layers *layers, struct rendition *rendition,
                        const struct border *border, struct fault *fault);
 
-/* Return the layers of the rows of the rendition from `top` on, to draw into; borrows the maps. */
-struct layers layers_rows(const struct layers *layers, uint32_t top);
-
 /* ---- layers of a pixel ---- */
 
 void layers_put_none(struct layers *layers, size_t pixel);

@@ -126,7 +126,6 @@ int64_t normal_stride(const struct camera *camera)
 
 void normals_init(struct normals *normals, const struct camera *camera, const struct mesh *mesh)
 {
-    *normals = (struct normals){.camera = camera};
     drawer_init(&normals->drawer, camera, mesh);
     for (int a = 0; a < 3; a++)
         normals->viewer[a] = -camera->ahead[a] >> (30 - NORMAL_BITS);

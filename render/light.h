@@ -30,7 +30,6 @@ struct directions {
 
 /* Everything that normals depend on except the pixel. */
 struct normals {
-    const struct camera *camera;
     struct drawer drawer;
     int32_t viewer[3];
 };

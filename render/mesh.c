@@ -592,11 +592,10 @@ static bool add_region(struct updating *u, size_t *capacity, const struct mesh_b
 {
     if (!mem_grow(&u->region, capacity, u->regions + 1, sizeof *u->region))
         return false;
-    memset(&u->region[u->regions], 0, sizeof *u->region);
-    u->region[u->regions].box = *box;
     /* Count the region only if a brick of its box is to be built or removed. */
     struct region *r = &u->region[u->regions];
     bool is_any = false;
+    *r = (struct region){.box = *box};
     for (int a = 0; a < 3; a++) {
         r->first[a] = r->box.first[a] / MESH_SIDE;
         r->end[a] = (r->box.end[a] - 1) / MESH_SIDE + 1;

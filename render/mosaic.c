@@ -119,8 +119,6 @@ static struct fitting fit(const struct rendition *r, const struct mosaic_choice 
 /* Return the pixels of the rendition that one pixel of the pane shows. */
 static struct mosaic_box source_of(const struct fitting *f, uint32_t x, uint32_t y)
 {
-    if (f->width == 2 * f->shown_width && f->height == 2 * f->shown_height)
-        return (struct mosaic_box){f->from_left + 2 * x, f->from_top + 2 * y, 2, 2};
     const uint32_t left = (uint32_t)((uint64_t)x * f->width / f->shown_width);
     const uint32_t top = (uint32_t)((uint64_t)y * f->height / f->shown_height);
     const uint32_t right = (uint32_t)((uint64_t)(x + 1) * f->width / f->shown_width);

@@ -511,8 +511,12 @@ static void draw_share(void *context, unsigned thread)
         return;
     struct rendition part = rendition_rows(s->rendition, top, height);
     struct layers layers;
-    if (s->rendition->layers) {
-        layers = layers_rows(s->rendition->layers, top);
+    if (s->rendition->layers) { /* their rows from `top` on */
+        const size_t first = (size_t)top * s->rendition->width;
+        layers = *s->rendition->layers;
+        layers.last += first;
+        layers.layer += first;
+        layers.count += first;
         part.layers = &layers;
     }
     const struct camera camera = camera_rows(s->camera, top, height);

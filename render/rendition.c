@@ -135,20 +135,15 @@ void rendition_empty(struct rendition *r, size_t first, size_t count)
     memset(r->normal + 4 * first, 0, 4 * count * sizeof *r->normal);
 }
 
-static int32_t within(int32_t v, uint32_t size)
-{
-    return v < 0 ? 0 : v >= (int32_t)size ? (int32_t)size - 1 : v;
-}
-
 void rendition_mark_stale(struct rendition *r, struct footprint f, int pixels)
 {
     if (f.left > f.right || f.top > f.bottom)
         return;
-    f.left = within(f.left - pixels, r->width), f.right = within(f.right + pixels, r->width);
-    f.top = within(f.top - pixels, r->height), f.bottom = within(f.bottom + pixels, r->height);
-    for (int32_t y = f.top / TILE; y <= f.bottom / TILE; y++)
-        memset(r->stale + (size_t)y * r->tiles_x + f.left / TILE, TILE_STALE,
-               (size_t)(f.right / TILE - f.left / TILE + 1));
+    const uint32_t left = grid_held(f.left - pixels, r->width) / TILE;
+    const uint32_t right = grid_held(f.right + pixels, r->width) / TILE;
+    const uint32_t bottom = grid_held(f.bottom + pixels, r->height) / TILE;
+    for (uint32_t y = grid_held(f.top - pixels, r->height) / TILE; y <= bottom; y++)
+        memset(r->stale + (size_t)y * r->tiles_x + left, TILE_STALE, right - left + 1);
 }
 
 /* ---- digests ---- */

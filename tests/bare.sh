@@ -1,16 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A newcomer's machine: a bare Debian with git, make and gcc, a fresh clone, and what README says
-# to type, `make demo` and `make test`; once as root, who gets what is missing installed, and once
-# as an ordinary user without sudo, who finds it there.
+# The commands of README, `make demo` and `make test`, in a new clone on a bare Debian with git,
+# make and gcc: first as root, for whom missing packages are installed, then as an ordinary user
+# without sudo, for whom they are already installed.
 #
-#     bare.sh [FOLDER]   the machine lies in FOLDER, or in build/bare; it is made anew
-#     KEEP=yes           and is left there afterwards
+#     bare.sh [FOLDER]   make the machine again in FOLDER, or in build/bare
+#     KEEP=yes           keep it afterwards
 #     SUITE=trixie       a Debian 13; without it, 12
 #
-# What is cloned is HEAD: commit first. Packages come from where this machine has its own. Asks for
-# root. Closes with "N passed, N failed, N skipped" of both runs; status 1 where something is
-# missing, fails, or is skipped for a reason that is not in may_skip.txt.
+# It clones HEAD: commit first. Packages are downloaded from the sources of this machine. Requires
+# root. Ends with "N passed, N failed, N skipped" of both runs; status 1 where something is missing,
+# fails, or is skipped for a reason that is not in may_skip.txt.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 . tests/machine.sh

@@ -55,6 +55,10 @@ static inline bool check_report(bool fine, const char *file, int line, const cha
 
 #define SKIP(why) (void)(check_missing = (why))
 
+/* Release a variable, which is initialised first, at the end of its scope:
+ *     OWNED(buf_release) struct buf out = {0}; */
+#define OWNED(release) __attribute__((cleanup(release)))
+
 struct story {
     const char *name;
     void (*run)(void);
@@ -113,6 +117,14 @@ static inline uint32_t check_below(uint64_t *state, uint32_t bound)
 {
     return (uint32_t)((check_random(state) >> 32) * (uint64_t)bound >> 32);
 }
+
+/* Define below(bound), a random number from the generator `seed`. */
+#define DRAW_FROM(first)                                                                           \
+    static uint64_t seed = first;                                                                  \
+    static uint32_t below(uint32_t bound)                                                          \
+    {                                                                                              \
+        return check_below(&seed, bound);                                                          \
+    }
 
 /* So many rounds, or as many times more as `make test-long` asks for. */
 static inline unsigned check_scaled(unsigned count)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # `make test-cohort`: the scripts of examples/cohort, by real engines: Snakemake, and Slurm with two
 # nodes on this machine. Twelve subjects of 2 mm; tasks are killed, requeued and run out of disk.
-# What both engines have made in the end is the same, byte for byte. Not part of `make test`.
+# The final results of both engines are equal, byte for byte. Not part of `make test`.
 . "$(dirname "$0")/lib.sh"
 private_mounts "$0"
 cohort=$top/examples/cohort
@@ -18,9 +18,9 @@ export TMPDIR
 subjects=12
 touch stamp
 
-# ---- what is started here, and its end ----
+# ---- started processes, and their end ----
 
-# Processes whose command lines name our folder, but for those that look.
+# Processes whose command lines name our folder, except for this search.
 ours() { # PATTERN
     ps -eo pid=,args= | grep -F "$work" | grep -e "$1" | grep -v -e grep -e 'ps -eo' |
         awk -v self=$$ '$1 != self { print $1 }'
@@ -84,7 +84,6 @@ for number in 02 07; do
     scene=study/sub-$number/anat/sub-${number}_T1w.nii.gz
     mv "$scene" store/$number && ln -s "../../../store/$number" "$scene"
 done
-close_story
 
 snake() { # OPTIONS
     mkdir -p snake && cd snake &&
@@ -99,7 +98,6 @@ running=$!
 kill_one by-snakemake
 wait $running && fail "a task was killed, and all is well"
 grep -q 'Error in rule subject' snake.log || fail "Snakemake does not name the task"
-close_story
 
 begin "Snakemake itself gets SIGKILL with all its tasks, and continues after --unlock"
 (snake) &
@@ -118,7 +116,6 @@ has_sidecars by-snakemake $subjects || fail "subjects are missing"
 nothing_passing by-snakemake
 (snake) || fail "it does not end well when there is nothing to do"
 tail -n 3 snake.log | grep -q 'Nothing to be done' || fail "it does again what is done"
-close_story
 
 begin "the table has all subjects and labels; picture and page too"
 expect 0 /usr/bin/python3 - by-snakemake $subjects <<'PYTHON'
@@ -151,7 +148,6 @@ sheet.load()
 assert sheet.width >= 3 * 320 and len(sheet.getcolors(1 << 24)) > 1000
 PYTHON
 grep '^#' out
-close_story
 
 begin "Slurm on two nodes listens on loopback alone"
 cat >slurm/slurm.conf <<CONF
@@ -192,7 +188,6 @@ begin_daemon n2 slurmd -D -N n2
 comes_true sh -c 'sinfo -h -o "%t %D" 2>/dev/null | grep -qx "idle 2"'
 ss -Hltn | awk '{ print $4 }' | sort | comm -13 listened - >listens
 same "$(tr '\n' ' ' <listens)" '127.0.0.1:17817 127.0.0.1:17818 127.0.0.1:17819 '
-close_story
 
 no_jobs() {
     [ -z "$(squeue -h)" ]
@@ -216,7 +211,6 @@ kill_one by-slurm
 ends
 has_sidecars by-slurm $((subjects - 1)) || fail "more than the one that was killed are missing"
 has_sidecars by-slurm $subjects && fail "the one that was killed is there"
-close_story
 
 begin "Slurm: the same command again completes all, with Snakemake's results"
 job=$(sbatch --parsable --array=1-$subjects --output=slurm/task-%a.log "$cohort/cohort.sbatch")
@@ -235,7 +229,6 @@ awk -F, -v OFS=, '{ $3 = $9 = $11 = "" } 1' csv2 | sort >csv3
 same_files csv1 csv3
 same "$(grep -l 'there already' slurm/task-*.log | wc -l)" $((subjects - 1))
 nothing_passing by-slurm
-close_story
 
 begin "a subject on a full disk fails with a message, and succeeds with more room"
 if can_mount; then
@@ -255,7 +248,6 @@ if can_mount; then
     same_files full/sub-01/anat/sub-01_T1w.iftty by-slurm/sub-01/anat/sub-01_T1w.iftty
     umount full
 fi
-close_story
 
 begin "all started processes have ended, and no file is left elsewhere"
 end_all
@@ -263,6 +255,5 @@ same "$(ours .)" ''
 same "$(ss -Hltn | awk '{ print $4 }' | sort | comm -13 listened -)" ''
 same "$(find /var/spool /var/log /var/lib /run "${COHORT}" -newer stamp 2>/dev/null |
     grep -e slurm -e snakemake -e __pycache__)" ''
-close_story
 
 finish

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What stories about the steps of `finish` share: if it is stopped or memory runs out at any point,
- * it is an error that changes nothing, and the next call is correct.
+ * What programs about the steps of `finish` share: the teams; and if a step is stopped or memory
+ * runs out at any point, it is an error that changes nothing, and the next call is correct.
  */
 #ifndef TESTS_FINISH_FAILS_H
 #define TESTS_FINISH_FAILS_H
@@ -11,13 +11,15 @@
 #include "tests/scarce_memory.h"
 #include "tests/stopping.h"
 
+enum { TEAMS = 5 }; /* none, and those of 1, 2, 3 and 8 threads */
+static struct team *team_of[TEAMS];
+
 /* Whether labels [cells] of a scene are those of a model. */
 typedef bool finish_judge(const void *expected, const struct scene *scene, const uint8_t *label);
 
 /* Returns how often it was tried, each time with another team. */
 static inline int stop_finish_everywhere(struct scene *scene, const struct finish_list *list,
-                                         struct team *const team[4], finish_judge *is_right,
-                                         const void *expected)
+                                         finish_judge *is_right, const void *expected)
 {
     enum err err = ERR_CANCELLED;
     int tries = 0;
@@ -26,7 +28,7 @@ static inline int stop_finish_everywhere(struct scene *scene, const struct finis
         struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
         uint8_t *label;
         scene->watch = &watch;
-        err = finish_make(&label, list, scene, team[tries % 4], NULL, NULL);
+        err = finish_make(&label, list, scene, team_of[tries % 4], NULL, NULL);
         CHECK(err == ERR_CANCELLED ? !label : err == OK && is_right(expected, scene, label));
         mem_pages_free(label, scene->grid.cells);
     }
@@ -51,6 +53,17 @@ static inline size_t starve_finish_everywhere(const struct scene *scene,
     }
     CHECK(err == OK);
     return allocations;
+}
+
+int main(void)
+{
+    for (unsigned i = 1; i < TEAMS; i++)
+        if (team_new(&team_of[i], i < 4 ? i : 8, NULL) != OK)
+            abort();
+    const int status = check_run();
+    for (unsigned i = 1; i < TEAMS; i++)
+        team_free(team_of[i]);
+    return status;
 }
 
 #endif

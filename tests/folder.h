@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 /* A folder's name; the name of a file in it. */
-enum { FOLDER_LENGTH = 160, FILE_LENGTH = FOLDER_LENGTH + 64 };
+enum { FOLDER_LENGTH = 160, FILE_LENGTH = FOLDER_LENGTH + 272 };
 
 /* Makes a folder with `word` in its name; false, with a comment, where that cannot be. */
 static inline bool make_folder(char folder[FOLDER_LENGTH], const char *word)
@@ -48,6 +48,15 @@ static inline const char *make_script(const char *folder, const char *name, cons
     if (!out || fprintf(out, "#!/bin/sh\n%s\n", text) < 0 || fclose(out) != 0 ||
         chmod(path, 0700) != 0)
         printf("# %s cannot be written\n", path);
+    return path;
+}
+
+/* The path of a program of this build. Static storage; good until the next call. */
+static inline const char *built_program(const char *name)
+{
+    static char path[FILE_LENGTH];
+    const char *build = getenv("IFTTY_BUILD");
+    snprintf(path, sizeof path, "%s/%s", build ? build : "build", name);
     return path;
 }
 

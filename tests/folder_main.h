@@ -1,6 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The main of a test program with a folder for its files: make the folder, run the stories, remove
- * it. If RUN_IN_FOLDER is defined, the folder is the working directory of the stories. */
+/*
+ * The main of a test program with a folder for its files: make the folder, run the stories, remove
+ * it. Defined before this is included:
+ *
+ *     RUN_IN_FOLDER     the folder is the working directory of the stories
+ *     NO_DRAFT_IS_LEFT  a draft of a file in it, after all stories, is a failure
+ *     BEFORE_STORIES    a statement that is executed before them
+ */
 #ifndef TESTS_FOLDER_MAIN_H
 #define TESTS_FOLDER_MAIN_H
 
@@ -13,11 +19,19 @@ int main(void)
 {
     if (!make_folder(folder, "test"))
         return 1;
+#ifdef BEFORE_STORIES
+    BEFORE_STORIES;
+#endif
 #ifdef RUN_IN_FOLDER
     if (chdir(folder) != 0)
         return 1;
 #endif
-    const int status = check_run();
+    int status = check_run();
+#ifdef NO_DRAFT_IS_LEFT
+    char command[FOLDER_LENGTH + 64];
+    snprintf(command, sizeof command, "! ls -A '%s' | grep '^[.]iftty-'", folder);
+    status |= system(command) != 0;
+#endif
     return status | remove_folder(folder);
 }
 

@@ -98,4 +98,16 @@ static inline void begin_interpreter(struct interpreter *interp)
     CHECK(image_helper_new(&interp->helper, helper_program(), NULL) == OK);
 }
 
+/* Define a story whose `interp` is begun by begin(interp), and released at the end. */
+#define BEGUN_STORY(told, begin)                                                                   \
+    static void told_##told(struct interpreter *interp);                                           \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        struct interpreter begun;                                                                  \
+        begin(&begun);                                                                             \
+        told_##told(&begun);                                                                       \
+        interpreter_release(&begun);                                                               \
+    }                                                                                              \
+    static void told_##told(struct interpreter *interp)
+
 #endif

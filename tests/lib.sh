@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: MIT
-# Helpers for the tests in shell: TAP, a folder that goes away, the program. Source it, with the
-# working folder at the top of the source: . tests/lib.sh
+# Helpers for the tests in shell: TAP, a temporary folder, the program. Source it with the working
+# folder at the top of the source: . tests/lib.sh
 #
-#     begin "name of the story"       starts a story
-#     fail "what is wrong"            notes a failure of it
-#     needs TOOL && ...               a part of it that cannot be without a tool
-#     close_story                     prints "ok N - name" or "not ok N - name", or, where a part of
-#                                     it could not be done, "ok N - name # SKIP why"
-#     finish                          prints the plan and exits
+#     begin "name of the story"   start a story and end the former one, which prints
+#                                 "ok N - name", "not ok N - name" or, if a part of it could not
+#                                 run, "ok N - name # SKIP why"
+#     fail "what is wrong"        record a failure of the story
+#     needs TOOL && ...           a part of a story that requires a tool
+#     finish                      end the last story, print the plan and exit
 #
-# With IFTTY_TEST_BUSY=1 each story says what all so far have had of the processor.
+# With IFTTY_TEST_BUSY=1 each story prints the processor time of all stories so far.
 #
 # No function here or in a test has the name of a tool that a test uses: the function would be run
 # instead of the tool (tests/test_layout.sh sees to it).
 
 LC_ALL=C
-IFTTY_HISTORY= # what is typed here is none of the user's, and nothing of theirs counts
+IFTTY_HISTORY= # neither write nor read the user's history
 export LC_ALL IFTTY_HISTORY IFTTY_CONFIG
-unset CI # under which verification is strict: what a story wants of it, it says
+unset CI # under which verification is strict; stories set it if they need it
 cd "$(dirname "$0")/.." || exit 1
 top=$(pwd)
 IFTTY_CONFIG=$top/tests/bare.config # with IFTTY_CONFIG= a session begins as for a new user
@@ -30,17 +30,11 @@ trap 'exit 1' HUP INT TERM
 
 story='' stories=0 bad_stories=0 failures=0 lacks=''
 
-begin() {
-    story=$1 failures=0 lacks=''
-}
-fail() {
-    failures=$((failures + 1))
-    printf '%s\n' "$*" | sed 's/^/# /'
-}
-before_close() { # replaced where a story has checks that are made once, at its end
+before_close() { # redefined by a story that has checks at its end
     :
 }
-close_story() {
+close_story() { # of begin and finish
+    [ -n "$story" ] || return
     before_close
     stories=$((stories + 1))
     if [ "$failures" = 0 ]; then
@@ -51,10 +45,18 @@ close_story() {
     fi
     [ -z "$IFTTY_TEST_BUSY" ] || { echo '# busy until here, this shell and what it ran:'; times; }
 }
+begin() {
+    close_story
+    story=$1 failures=0 lacks=''
+}
+fail() {
+    failures=$((failures + 1))
+    printf '%s\n' "$*" | sed 's/^/# /'
+}
 skip() { # WHY: the story, or a part of it, cannot be done here
     lacks=${lacks:-$1}
 }
-# TOOL...: programs in PATH; else the story is skipped. A fresh shell has none of our functions.
+# TOOL...: programs in PATH; without them the story is skipped. A new shell has no such functions.
 needs() {
     for tool; do
         sh -c 'command -v "$0"' "$tool" >/dev/null 2>&1 ||
@@ -64,21 +66,22 @@ needs() {
 needs_landlock() {
     "$iftty" info | grep -q '^landlock  version' || { skip "the kernel has no Landlock"; return 1; }
 }
-# Whether the program was built with a sanitiser (`make help`: variants).
+# True if the program was built with a sanitiser (`make help`: variants).
 is_sanitised() {
     ldd "$iftty" 2>/dev/null | grep -q 'lib[at]san\.'
 }
-# For a part in which a replay writes a picture by the image helper, which it holds to its memory.
+# For a part in which a replay writes a picture by the image helper, whose memory it limits.
 can_limit_memory() {
     ! is_sanitised || { skip "a sanitiser takes more memory than a replay leaves"; return 1; }
 }
 finish() {
+    close_story
     printf '1..%d\n' "$stories"
     [ "$bad_stories" = 0 ]
     exit
 }
 
-# For scripts that mount a disk: starts the script over where mounting concerns nobody else.
+# For scripts that mount a disk: restart the script in its own mount namespace.
 # private_mounts SCRIPT; then can_mount holds, or the kernel does not let us.
 private_mounts() {
     [ -z "$IFTTY_MOUNTS" ] || return
@@ -96,7 +99,7 @@ can_fuse() {
     bindfs --no-allow-other "$1" "$2" 2>"$work/err" ||
         { skip "the kernel gives no FUSE"; return 1; }
 }
-# Runs a command for which the permissions of files hold, whoever runs the test.
+# Run a command that obeys the permissions of files, even if root runs the test.
 with_permissions() {
     if [ "$(id -u)" = 0 ]; then
         setpriv --bounding-set=-dac_override,-dac_read_search,-fowner "$@"
@@ -105,7 +108,7 @@ with_permissions() {
     fi
 }
 
-# Waits until a command succeeds: a minute, since a machine may be busy with other things.
+# Wait until a command succeeds, up to a minute, since the machine may be busy.
 comes_true() {
     tries=0
     until "$@"; do
@@ -120,7 +123,7 @@ has_line() { # FILE PATTERN
     grep -q "$2" "$1"
 }
 
-# expect STATUS COMMAND...: runs it with standard output in $work/out, standard error in $work/err.
+# expect STATUS COMMAND...: run it with standard output in $work/out, standard error in $work/err.
 # Standard input is that of the caller.
 expect() {
     wanted=$1
@@ -155,14 +158,20 @@ err_has() { # the same of its errors
 expect_out() {
     expected_words=$1
     shift
-    expect "$@"
-    out_has "$expected_words"
+    expect_out "$expected_words" "$@"
 }
 expect_err() {
     expected_words=$1
     shift
-    expect "$@"
-    err_has "$expected_words"
+    expect_err "$expected_words" "$@"
+}
+# answers WORDS COMMANDS: iftty executes them, and the words are in its output
+# refuses WORDS COMMANDS: it fails with bad input, and the words are in the errors
+answers() {
+    expect_out "$1" 0 "$iftty" -c "$2"
+}
+refuses() {
+    expect_err "$1" 3 "$iftty" -c "$2"
 }
 same() { # two texts
     [ "$1" = "$2" ] || fail "'$1' is not '$2'"
@@ -180,7 +189,7 @@ last_word() {
 le16() { # little-endian, as printf escapes
     printf '\\%03o\\%03o' $(($1 & 255)) $(($1 >> 8 & 255))
 }
-# nifti_header NX NY NZ [TYPE BITS]: the 352 bytes before the voxels; uint8 where no type is given
+# nifti_header NX NY NZ [TYPE BITS]: the 352 bytes before the voxels; uint8 by default
 nifti_header() {
     {
         printf '\134\001\000\000'
@@ -253,7 +262,7 @@ rewrite() {
 words_of() { # JOURNAL NUMBER
     sed -n "s/^= $2 \(.*\) chain=.*/\1/p" "$1"
 }
-# All there is below a folder, with its content: equal listings, equal folders.
+# List all files below a folder with their content; equal listings mean equal folders.
 listing() {
     (cd "$1" && find . -type f -exec cksum {} + | sort -k 3; find . ! -type f | sort)
 }

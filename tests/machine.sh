@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: MIT
 # A bare Debian 12, or another one by SUITE=trixie, to be tried out, for the tests that ask for one
 # (bare.sh, packages.sh). Source it
-# as root in a mount namespace of one's own (own_mounts): all is mounted where nobody else sees it,
-# and is gone with the last process, however that ends.
+# as root in a separate mount namespace (own_mounts): the mounts are invisible to other processes,
+# and disappear with the last process of the namespace.
 #
-#     make_machine FOLDER PACKAGE,PACKAGE    $root in the folder, anew, with these packages besides
-#     inside USER COMMAND                    a command there
-#     clear_up                               takes it away, unless KEEP is set
+#     make_machine FOLDER PACKAGE,PACKAGE    make $root, a new system in the folder, with these
+#                                            additional packages
+#     inside USER COMMAND                    run a command there
+#     clear_up                               remove it, unless KEEP is set
 #
-# Packages come from where this machine has its own.
+# Packages are downloaded from the sources of this machine.
 suite=${SUITE:-bookworm}
 
-# own_mounts SCRIPT ARGUMENT...: starts the script over where mounting concerns nobody else.
+# own_mounts SCRIPT ARGUMENT...: restart the script in its own mount namespace.
 own_mounts() {
     [ "$(id -u)" = 0 ] || { echo "$1: debootstrap and mounting ask for root" >&2; exit 2; }
     [ -n "${IFTTY_BARE:-}" ] || IFTTY_BARE=yes exec unshare -m "$@"

@@ -10,7 +10,7 @@ own_mounts tests/oci.sh "$@"
 . tests/lib.sh
 case $image in /*) ;; *) image=$top/$image ;; esac
 
-# crun wants control groups of one kind, and none is needed.
+# crun requires control groups of one kind, but the test needs none.
 umount -R -l /sys/fs/cgroup 2>/dev/null
 mount -t cgroup2 none /sys/fs/cgroup || exit 1
 mkdir "$work/layout" "$work/data" "$work/here"
@@ -44,7 +44,7 @@ END
         --bundle "$work/bundle" "iftty-$$" </dev/null
 }
 
-begin "it says what it is, and holds the program and its licences alone"
+begin "it has its labels, and only the program and its licences"
 contained 0 0 --version
 same "$(sed 3q "$work/out")" "$("$iftty" --version | sed 3q)"
 same "$(grep -c ': missing; ' "$work/out")" 3
@@ -55,9 +55,8 @@ same "$(cd "$work/bundle/rootfs" && find . -type f -perm /6000)" ""
 [ -s "$work/bundle/rootfs/usr/share/doc/iftty/iftty.spdx.json" ] || fail "no bill of materials"
 grep -q '"org.opencontainers.image.version": *"'"$("$iftty" --version | sed -n 's/^iftty //p')"'"' \
     "$work/config.json" || fail "no label of the version: $(cat "$work/config.json")"
-close_story
 
-begin "what a user of no name makes there is what the checkout's program makes"
+begin "outputs of a user without a name equal those of the checkout's program"
 script='open scene.nii weight=morph; seed 6,10,8 1; seed 20,4,3 0; run; finish relax; golden left;'\
 ' render picture.png; save labels labels.nii.gz; save surface surface.stl'
 contained 4321 0 -c "$script" --journal a.iftty
@@ -71,6 +70,5 @@ contained 4321 0 verify --strict a.iftty
 out_has "# 1 verified, 0 failed"
 contained 4321 1 verify --strict --expect 00000000000000000000000000000000 a.iftty
 contained 4321 3 verify missing.iftty
-close_story
 
 finish

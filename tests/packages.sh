@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The packages of `make deb` where they are meant to be: a bare Debian 12, whose apt installs them
-# with what they ask for. There their own test runs (debian/tests/demo), as root and as a user; then
-# they go, and nothing of them is left; and autopkgtest does the first two in its own way.
+# The packages of `make deb` on a bare Debian 12: apt installs them with their dependencies, and
+# their own test runs (debian/tests/demo), as root and as a user. After their removal no file of
+# them is left. Finally autopkgtest repeats the first two steps.
 #
-#     packages.sh DEBS [FOLDER]   the machine lies in FOLDER, or in build/bare-deb; it is made anew
-#     KEEP=yes                    and is left there afterwards
+#     packages.sh DEBS [FOLDER]   make the machine again in FOLDER, or in build/bare-deb
+#     KEEP=yes                    keep it afterwards
 #
-# Asks for root. TAP.
+# Requires root. Prints TAP.
 debs=$1 folder=${2:-build/bare-deb}
 cd "$(dirname "$0")/.." || exit 1
 . tests/machine.sh
@@ -40,7 +40,6 @@ there somebody "iftty --version"
 same "$(sed 1q "$work/out")" "iftty $(.package/version)"
 there somebody "iftty info /debs/tests/control 2>&1 | grep 'the package iftty-'"
 there root "$apt install $(printf '/debs/%s_*.deb ' $packages) mricron-data"
-close_story
 
 begin "their own test passes, as root and as a user"
 for user in root somebody; do
@@ -48,7 +47,6 @@ for user in root somebody; do
     out_has "# 2 verified, 0 failed"
     out_has "# 1 verified, 0 failed"
 done
-close_story
 
 begin "the manual, completions and papers are where Debian has them"
 there somebody "man -w iftty iftty-verify iftty-journal"
@@ -57,7 +55,6 @@ there somebody "man iftty-journal"
 out_has "THE SCENE"
 there somebody "cd /usr/share && ls bash-completion/completions/iftty zsh/vendor-completions/_iftty
     cd /usr/share/doc/iftty && ls README.md.gz FORMAT.md.gz PROMISES.md SECURITY.md changelog.gz"
-close_story
 
 begin "removed packages leave nothing"
 there root "$apt purge $(echo $packages) mricron-data"
@@ -70,7 +67,6 @@ LC_ALL=C comm -23 "$work/before" "$work/after" >"$work/lost"
 [ "$(wc -l <"$work/before")" -gt 1000 ] || fail "few files: $(wc -l <"$work/before")"
 there root 'find / -xdev -name "*iftty*" ! -path "/debs/*" ! -path "/proc/*"'
 same "$(cat "$work/out")" ""
-close_story
 
 begin "autopkgtest installs them again, and runs their test"
 mkdir "$work/tree" && cp -R .package/debian "$work/tree/debian"
@@ -80,6 +76,5 @@ mount -t proc proc "$root/proc"
 # shellcheck disable=SC2046
 expect 0 autopkgtest -B $(printf "$debs/%s_*.deb " $packages) "$work/tree/" -- chroot "$root"
 out_has "demo                 PASS"
-close_story
 
 finish

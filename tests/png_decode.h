@@ -128,4 +128,16 @@ static inline bool png_decode(struct decoded_png *png, const uint8_t *p, size_t 
     return false;
 }
 
+/* The difference of two colours in the channel in which it is largest. */
+static inline uint32_t channel_distance(uint32_t a, uint32_t b)
+{
+    uint32_t most = 0;
+    for (unsigned shift = 0; shift < 24; shift += 8) {
+        int32_t d = (int32_t)(a >> shift & 255) - (int32_t)(b >> shift & 255);
+        uint32_t size = (uint32_t)(d < 0 ? -d : d);
+        most = size > most ? size : most;
+    }
+    return most;
+}
+
 #endif

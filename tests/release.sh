@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# One version, three ways to have it: the checkout's program, what `make install` puts somewhere,
-# and the one file of `make static`. Each makes journals of its own; whatever one made, the others
-# verify and continue, and not a byte differs. release.sh BUILD STATIC; TAP.
+# Three builds of one version: the checkout's program, the installation by `make install`, and the
+# file of `make static`. Each writes journals, which the others verify and continue without a
+# different byte. release.sh BUILD STATIC; TAP.
 IFTTY_BUILD=$1
 static=$2
 . "$(dirname "$0")/lib.sh"
@@ -26,7 +26,7 @@ by() {
     shift 3
     expect_in "$where" "$wanted" "$which" "$@" </dev/null
 }
-# Folders hold the same files with the same bytes, whoever made them.
+# Folders of all builds have the same files with the same bytes.
 same_folders() {
     (cd "$1" && find . -type f | LC_ALL=C sort) >"$work/these"
     (cd "$2" && find . -type f | LC_ALL=C sort) | cmp -s "$work/these" - ||
@@ -88,24 +88,22 @@ for way in $ways; do
     make_scene "$work/$way/scene.nii" 24 20 16
 done
 
-begin "what each makes is the same, byte for byte: journals, golden images, maps, reports"
+begin "the outputs are equal, byte for byte: journals, golden images, maps, reports"
 for way in $ways; do
     for name in small head; do by "$way" "$way" 0 run "$work/$name" --journal $name.iftty; done
     same_folders "$work/checkout" "$work/$way"
 done
 [ "$(grep -c '^= ' "$work/static/small.iftty")" -gt 15 ] || fail "few records"
-close_story
 
-begin "each verifies what the others made, strictly"
+begin "each verifies the outputs of the others, strictly"
 for maker in $ways; do
     for way in $ways; do
         by "$way" "$maker" 0 verify --strict small.iftty head.iftty
         out_has "# 2 verified, 0 failed"
     done
 done
-close_story
 
-begin "each continues what the others made, and it comes out the same"
+begin "each continues the journals of the others, with equal results"
 for maker in $ways; do
     for way in $ways; do
         cp -R "$work/$maker" "$work/$maker-$way"
@@ -117,13 +115,12 @@ for maker in $ways; do
 done
 [ "$(grep -c '^golden ' "$work/static-static/small.iftty")" = 3 ] || fail "nothing was added"
 by static checkout-static 0 verify --strict small.iftty head.iftty
-close_story
 
-# What is printed, but for how long it took and where the program lies.
+# The output, without times and the path of the program.
 timeless() { # FILE WAY
     sed -E 's/"ms": [0-9]+/"ms": 0/g; s|'"$(program "$2")"'|iftty|g' "$1"
 }
-# alike STATUS ARGUMENT...: ends with that status, and prints the same, whoever does it
+# alike STATUS ARGUMENT...: each ends with this status and the same output
 alike() {
     for way in $ways; do
         by "$way" "$way-$way" "$@" || return
@@ -164,9 +161,8 @@ alike 3 -c 'open scene.nii; seed 99,1,1 1'
 alike 3 verify missing.iftty
 alike 3 info head.nii
 alike 3 run "$work/small" --journal head.iftty
-close_story
 
-begin "Ctrl-C ends each with status 130, and its journal goes on in the others"
+begin "Ctrl-C ends each with status 130, and the others continue its journal"
 slow='interpolate 2 2 2; finish relax sweeps=1000 reach=16; seed 90,108,90 3 radius=9;'\
 ' seed 4,4,4 0; run; stats finished=yes'
 for way in $ways; do
@@ -185,6 +181,5 @@ for way in $ways; do
     done
 done
 cd "$top" || exit 1
-close_story
 
 finish

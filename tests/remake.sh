@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # After a change of pictures: examples/, and the journal of the present semantics in tests/journals,
-# made anew with their golden images and locks. Each is carried out as a script into a new journal.
-# All take their places, or none: every command, comment and word of a record has to be what it was,
-# but for words of pictures (picture, spin, names) and the chain; a record may have more words.
+# made again with their golden images and locks. Each is run as a script into a new journal. All are
+# replaced, or none: every command, comment and word of a record must be unchanged, except for words
+# of pictures (picture, spin, names) and the chain; a record may have more words.
 #
 #     remake.sh BUILD [NAME...]   the words of the examples with these names may differ; what does
 #                                 is printed
@@ -16,7 +16,7 @@ may_differ=" $* "
 present=$("$iftty" info | sed -n 's/^semantics //p')
 rm -rf "$made" && mkdir -p "$made/examples" "$made/tests/journals" || exit 1
 
-# Prints what is not as before, and how many words are; false where anything is not.
+# Print all differences and the number of equal words; false if there is a difference.
 compare() { # BEFORE NOW: without their first lines
     awk -v now="$2" -v name="$3" '
         BEGIN { split("chain picture spin names", list, " "); for (i in list) drawn[list[i]] = 1 }

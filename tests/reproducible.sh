@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Builds what is committed in two folders, at two times, and compares every byte: the programs,
-# the static file and the packages. reproducible.sh: TAP; it takes some ten minutes.
+# Build HEAD in two folders, at two times, and compare every byte of the programs, the static file
+# and the packages. Prints TAP; runs for about ten minutes.
 . "$(dirname "$0")/lib.sh"
 
 unset SOURCE_DATE_EPOCH
@@ -26,15 +26,12 @@ compare() { # FOLDER PATTERN
 
 begin "programs"
 build_both all build/iftty-manual && compare build 'iftty*'
-close_story
 
-begin "the static file, what it says of itself, and its licences"
+begin "the static file, its bill of materials, and its licences"
 build_both static && compare build/static 'iftty' && compare build/static '*.json' &&
     compare build/static/licences '*'
-close_story
 
 begin "packages"
 build_both deb && compare build/deb '*.deb'
-close_story
 
 finish

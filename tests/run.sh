@@ -1,32 +1,32 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs test programs and scripts side by side and adds up their TAP: run.sh BUILD [NAME...]
+# Run test programs and scripts in parallel and add up their TAP: run.sh BUILD [NAME...]
 #
-#     JOBS=N      so many at once; one more than there are cores where it is not set, since some
-#                 wait for a terminal or a helper
-#     LIMIT=S     a program that takes longer than S seconds has failed; 1200
-#     TMPDIR=...  where all of them work. Where it is not set, they work in memory if there is such
-#                 a place with room enough, and those that test what a disk keeps, in /tmp.
+#     JOBS=N      programs at once; by default the number of cores plus one, since some wait for a
+#                 terminal or a helper
+#     LIMIT=S     a program that runs longer than S seconds fails; 1200 by default
+#     TMPDIR=...  the folder for their files. By default they are in memory, if there is such a
+#                 folder with enough space; tests of data on a disk use /tmp.
 #
-# Each has a fresh folder as its TMPDIR, which is gone afterwards. Closes with the programs that
-# were busy longest and the line "N passed, N failed, N skipped"; status 1 when anything failed or
-# nothing was run. A story that ends in "# SKIP why" is named and counted as skipped, never as
-# passed.
+# Each program has a new folder as its TMPDIR, which is removed afterwards. The end lists the
+# programs with the most processor time and the line "N passed, N failed, N skipped"; status 1 if a
+# story failed or none was run. A story that ends in "# SKIP why" is named and counted as skipped,
+# never as passed.
 cd "$(dirname "$0")/.." || exit 1
 
-# Those that take longest begin first, so that the last one to end is a short one.
+# Start the longest first, so that a short one ends last.
 longest='test_volumes.sh test_command test_fuzz.sh test_prompt_pty test_bench.sh test_pictures.sh
 test_kill_files test_forest test_cut_files.sh test_examples.sh test_trust.sh test_layout.sh
 test_confine test_tui_repl test_verify.sh test_large.sh test_elsewhere.sh test_crash.sh test_stats
 test_power_loss test_series.sh test_bad_input.sh test_team_racing test_program.sh test_levels.sh'
-# What threads do together is their subject; others have one, since there are as many programs.
+# Tests of several threads; others have one thread, since programs run in parallel.
 threaded=' test_command test_examples.sh test_large.sh test_picture_writer test_tally '
-# What is on the disk after a crash is their subject.
+# Tests of the data on the disk after a crash.
 on_disk=' test_kill test_durable test_durable.sh test_crash.sh '
 
 # ---- one program, as xargs starts it ----
 
-say() { # all of it in one piece, whatever else runs
+say() { # print a file without lines of other programs in between
     flock "$results/lock" cat "$1"
 }
 run_one() { # NAME

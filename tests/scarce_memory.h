@@ -28,6 +28,19 @@ static inline void allow_allocations(size_t count)
     mem_allows = takes_one_allocation;
 }
 
+/* Lets the allocation after the next `count` fail, and all later ones succeed. */
+static inline bool fails_once(size_t bytes)
+{
+    (void)bytes;
+    return allocations_left-- != 0;
+}
+
+static inline void fail_allocation(size_t count)
+{
+    allocations_left = count;
+    mem_allows = fails_once;
+}
+
 /* Lets all allocations succeed and counts them in `allocations_made`. */
 static atomic_size_t allocations_made;
 

@@ -70,16 +70,7 @@ static inline void begin_with_scene(struct interpreter *interp)
 }
 
 /* Define a story whose `interp` begins with the scene. */
-#define SCENE_STORY(told)                                                                          \
-    static void told_##told(struct interpreter *interp);                                           \
-    STORY(told)                                                                                    \
-    {                                                                                              \
-        struct interpreter begun;                                                                  \
-        begin_with_scene(&begun);                                                                  \
-        told_##told(&begun);                                                                       \
-        interpreter_release(&begun);                                                               \
-    }                                                                                              \
-    static void told_##told(struct interpreter *interp)
+#define SCENE_STORY(told) BEGUN_STORY(told, begin_with_scene)
 
 /* The scene alone, in a new journal. */
 static inline void begin_with_journal(struct interpreter *interp, const char *name)
@@ -88,6 +79,36 @@ static inline void begin_with_journal(struct interpreter *interp, const char *na
     unlink(place(name));
     CHECK(interpreter_create_journal(interp, place(name), NULL) == OK);
     open_scene(interp, "scene.nii");
+}
+
+/* Define a story in which the file's `interp` begins with the scene in a new journal. */
+#define JOURNAL_STORY(told, journal)                                                               \
+    static void told_##told(void);                                                                 \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        begin_with_journal(&interp, journal);                                                      \
+        told_##told();                                                                             \
+        interpreter_release(&interp);                                                              \
+    }                                                                                              \
+    static void told_##told(void)
+
+/* Begin again, with the commands of a journal. */
+static inline void resume_journal(struct interpreter *interp, const char *name)
+{
+    interpreter_release(interp);
+    begin_interpreter(interp);
+    if (!CHECK(interpreter_resume_journal(interp, place(name), NULL, &fault) == OK))
+        printf("#   %s\n", fault.text);
+}
+
+/* Carrying every command of a journal out again gives the recorded results. */
+static inline void verify_journal(const char *name)
+{
+    OWNED(replay_report_release) struct replay_report report = {0};
+    OWNED(interpreter_release) struct interpreter interp;
+    begin_interpreter(&interp);
+    if (!CHECK(replay_file(&interp, place(name), 0, 0, NULL, NULL, &report, &fault) == OK))
+        printf("#   %s\n", fault.text);
 }
 
 /* Execute lines, after which the forest has so many seeds. */
@@ -220,13 +241,20 @@ static inline void measures_stand(struct session *session)
 {
     static struct label_stats kept[256], anew[256];
     const struct labels labels = labels_of_forest(session->scene);
-    struct label_measures measures = {0};
+    OWNED(label_measures_release) struct label_measures measures = {0};
     if (watch_stops(session->scene->watch))
         return;
     CHECK(session_find_stats(session, &labels, kept, NULL) == OK);
     CHECK(label_stats_find(anew, &measures, &labels, NULL, NULL) == OK);
     CHECK(memcmp(kept, anew, sizeof kept) == 0);
-    label_measures_release(&measures);
+}
+
+/* Y1 of session/tally.h: a tally that is not stale equals a recount. */
+static inline bool tally_check(const struct tally *tally, const struct labels *labels)
+{
+    struct tally anew = {.stale = true};
+    return tally->stale || (tally_refresh(&anew, labels, NULL) &&
+                            memcmp(anew.voxels, tally->voxels, sizeof anew.voxels) == 0);
 }
 
 static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
@@ -299,6 +327,14 @@ static inline void is_same_segmentation(const struct snapshot *a, const struct s
     CHECK(a->eliminators == b->eliminators && a->waiting == b->waiting);
     CHECK(memcmp(a->eliminator, b->eliminator, sizeof a->eliminator) == 0);
     CHECK(is_same_kept(&a->kept, &b->kept));
+}
+
+/* The session has this segmentation. */
+static inline void is_segmented_as(const struct snapshot *expected, struct interpreter *interp)
+{
+    struct snapshot now;
+    take_snapshot(&now, interp);
+    is_same_segmentation(expected, &now);
 }
 
 static inline void is_as_before(const struct snapshot *before, struct interpreter *interp,

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The one file of `make static`, where nothing else is: static.sh BUILD STATIC, the folders of the
+# The single file of `make static`, without other files: static.sh BUILD STATIC, the folders of the
 # checkout's program and of the static one, which may be for another machine. TAP.
 IFTTY_BUILD=$1
 static=$2
@@ -47,7 +47,6 @@ readelf -hdW "$static/iftty" >"$work/out"
 out_has DYN
 out_has BIND_NOW
 [ "$(file_bytes "$static/iftty")" -lt 5000000 ] || fail "it has $(file_bytes "$static/iftty") bytes"
-close_story
 
 begin "the examples verify"
 set -- geom.iftty sulci.iftty
@@ -56,7 +55,6 @@ set -- geom.iftty sulci.iftty
 # shellcheck disable=SC2046
 alone 0 verify --strict $(printf 'examples/%s ' "$@")
 out_has "# $# verified, 0 failed"
-close_story
 
 begin "pictures, labels and surfaces are those of the checkout's program"
 work_of_it='open scene.nii weight=morph; seed 6,10,8 1; seed 20,4,3 0; run;'\
@@ -70,7 +68,6 @@ expect_in "$work/here" 0 "$iftty" -c "$work_of_it" </dev/null
 same "$(ls "$root/tmp")" "$(ls "$work/here/tmp")"
 same "$(ls "$root/tmp" | wc -l)" 7
 for file in "$work"/here/tmp/*; do same_files "$file" "$root/tmp/${file##*/}"; done
-close_story
 
 begin "a journal of either verifies in the other"
 script='open scene.nii weight=morph; seed 6,10,8 1; run; golden left; finish relax; golden top'
@@ -83,7 +80,6 @@ same_files "$root/theirs/a.iftty" "$work/here/ours/a.iftty"
 cp -R "$work/here/ours" "$root/ours"
 alone 0 verify --strict ours/a.iftty
 expect_in "$root" 0 "$iftty" verify --strict theirs/a.iftty </dev/null
-close_story
 
 begin "scenes as NIfTI, MGH and NRRD are read, compressed too"
 /usr/bin/python3 -c '
@@ -94,15 +90,13 @@ nibabel.save(nibabel.MGHImage(scene.get_fdata().astype("uint8"), scene.affine), 
 for file in scene.nii tmp/labels.nii.gz tmp/labels.mgz tmp/labels.nrrd tmp/l.seg.nrrd; do
     alone 0 -c "open $file; seed 6,10,8 1; run"
 done
-close_story
 
-begin "what takes a helper says so"
+begin "a command that requires a helper reports it"
 alone 3 -c 'open scene.nii; seed 6,10,8 1; run; render tmp/picture.jpg'
 err_has "; the package iftty-image has it"
 alone 0 -c 'open scene.nii; seed 6,10,8 1; run; save labels tmp/labels.mha'
 alone 3 -c 'open tmp/labels.mha'
 err_has "; the package iftty-volume has it"
-close_story
 
 # The oldest Debian that still is served; as root alone, since it is made by debootstrap.
 begin "in a bare Debian 11"
@@ -130,9 +124,8 @@ if [ -x "$bullseye/bin/ls" ] && [ "$failures" = 0 ]; then
     same_files "$work/here/tmp/picture.png" "$bullseye/tmp/picture.png"
     place=$root
 fi
-close_story
 
-begin "the bill of materials names every library that was linked, and its licence lies beside it"
+begin "the bill of materials names every library that was linked, and its licence is next to it"
 /usr/bin/python3 - "$static" >"$work/out" 2>&1 <<'END' || fail "$(cat "$work/out")"
 import hashlib, json, os, re, sys
 folder = sys.argv[1]
@@ -164,6 +157,5 @@ for source in sources:
         assert os.path.getsize(folder + "/licences/" + name) > 1000, name
 assert "Permission is hereby granted" in open(folder + "/licences/iftty.txt").read()
 END
-close_story
 
 finish

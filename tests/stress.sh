@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 # The programs that depend on time, again and again on a busy machine: stress.sh BUILD [NAME...]
 #
-#     ROUNDS=20   so often
-#     LOAD=12     so many processes that do nothing but take time
-#     JOBS=3      so many programs at once beside them
+#     ROUNDS=20   number of rounds
+#     LOAD=12     processes that only use processor time
+#     JOBS=3      programs in parallel with them
 #     LIMIT=3600  seconds for a program, which has a seventh of a core or less
 #
 # Closes as tests/run.sh does, with the sum of all rounds.

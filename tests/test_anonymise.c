@@ -9,10 +9,9 @@
 
 static void write(struct buf *out, const char *command)
 {
-    struct anonymiser anonymiser = {{0}};
+    OWNED(anonymiser_release) struct anonymiser anonymiser = {{0}};
     buf_clear(out);
     anonymise_command(&anonymiser, out, command);
-    anonymiser_release(&anonymiser);
 }
 
 /* Words that stay though they may be any text. A parameter that joins them needs its reason. */
@@ -60,7 +59,7 @@ STORY(no_file_and_no_free_text_of_any_command_is_told)
 {
     static const char *const secret[] = {SECRET, SECRET ".nii", "../" SECRET "/a.nii",
                                          "raw:" SECRET ".img", "Dr. " SECRET ", " SECRET};
-    struct buf line = {0}, out = {0};
+    OWNED(buf_release) struct buf line = {0}, out = {0};
     unsigned tried = 0;
     for (unsigned n = 0; n < command_count(); n++) {
         const struct command *command = command_at(n);
@@ -77,13 +76,11 @@ STORY(no_file_and_no_free_text_of_any_command_is_told)
         }
     }
     CHECK(tried > 100);
-    buf_release(&line);
-    buf_release(&out);
 }
 
 STORY(words_that_stay_are_those_of_this_test)
 {
-    struct buf line = {0}, out = {0};
+    OWNED(buf_release) struct buf line = {0}, out = {0};
     for (unsigned n = 0; n < command_count(); n++) {
         const struct command *command = command_at(n);
         for (int i = 0; command->parameter[i].type; i++) {
@@ -97,13 +94,11 @@ STORY(words_that_stay_are_those_of_this_test)
             CHECK_TEXT(buf_text(&out), buf_text(&line));
         }
     }
-    buf_release(&line);
-    buf_release(&out);
 }
 
 STORY(what_no_parameter_takes_is_a_number_or_a_file)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     write(&out, "later 3 miller report=" SECRET ".json 1.5");
     CHECK_TEXT(buf_text(&out), "later 3 file-1 file-2.json 1.5");
     write(&out, "stats " SECRET " report=" SECRET ".json");
@@ -112,5 +107,4 @@ STORY(what_no_parameter_takes_is_a_number_or_a_file)
     CHECK_TEXT(buf_text(&out), "open raw:scene.img size=2,2,2");
     write(&out, "mask x.nii \"T1 " SECRET);
     CHECK_TEXT(buf_text(&out), "mask file-1.nii ...");
-    buf_release(&out);
 }

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A procedure carried to other scenes, as a user types it: landmarks, ways of carrying over, what is
-# planted and dropped, journals that are there already, files of strangers, and what is refused.
+# A procedure applied to other scenes by the program: landmarks, transforms, planted and dropped
+# seeds, existing journals, untrusted files, and errors.
 . "$(dirname "$0")/lib.sh"
 phantom="python3 $top/tests/apply/phantom.py"
 cd "$work" || exit 1
@@ -28,10 +28,8 @@ same "$(grep '^ *landmarks' out)" "    landmarks AC 9,9,9, PC 1,2,3
 err_has "there is no landmark XX"
 expect 2 "$iftty" -c "open synth:geom; landmark A 1,1,1; interpolate 2 2 2"
 err_has "landmarks belong to the present grid"
-expect 2 "$iftty" -c "open synth:geom; landmark 'a b' 1,1,1"
-err_has "NAME: expected a word"
+expect_err "NAME: expected a word" 2 "$iftty" -c "open synth:geom; landmark 'a b' 1,1,1"
 expect 0 "$iftty" verify l.iftty
-close_story
 
 begin "an origin is recorded, shown and undone, changes no voxel, and is checked"
 chain=74120d6c3f0cc54e2237dc0bced98ab5
@@ -45,7 +43,6 @@ for words in xyz "$chain digest=12" "$chain pull=1,2,3" "$chain volumes=2:1,1:1"
     "$chain dropped=1:9/8" "$chain by=guess"; do
     expect 2 "$iftty" -c "open synth:geom; origin $words"
 done
-close_story
 
 begin "a procedure's file has all that apply needs, and no image, file name or comment"
 printf '# John Doe, born 1950\nopen plain.nii\n# he said ouch\n' >q.txt
@@ -59,7 +56,6 @@ same "$(grep ^landmark q.proc | head -1)" "landmark A 0 0 0"
 expect 3 "$iftty" log --procedure q.proc q.iftty
 expect 0 "$iftty" log --procedure - q.iftty
 same_files out q.proc
-close_story
 
 begin "labels are placed correctly on grids that are moved, mirrored, coarse, oblique"
 for where in plain moved mirrored coarse oblique; do
@@ -67,7 +63,6 @@ for where in plain moved mirrored coarse oblique; do
     expect 0 $phantom check o/$where.seeds.nii.gz $where 7 2.2
     expect 0 "$iftty" verify o/$where.iftty
 done
-close_story
 
 begin "parts that belong to the expert's scene are not carried over, and each is named"
 expect 0 "$iftty" -c "open plain.nii; weight plain.nii; mask plain.nii regions=1-255; range 0 300
@@ -79,7 +74,6 @@ expect 0 "$iftty" log --procedure left.proc left.iftty
 same "$(grep ^left left.proc)" "left 1 1 1 2"
 expect 0 "$iftty" apply left.proc moved.nii --by world --out left
 out_has "not carried over: its map of weights, its mask, its range"
-close_story
 
 begin "the journal and the procedure's file yield the same bytes"
 expect 0 "$iftty" log --procedure p.proc p.iftty
@@ -90,14 +84,12 @@ for as in labels seeds; do
     same_files a/oblique.iftty b/oblique.iftty
     [ $as = seeds ] || same_files a/oblique.seeds.nii.gz b/oblique.seeds.nii.gz
 done
-close_story
 
 begin "gestures themselves are moved, with their radii, and verify"
 apply mirrored.nii --by world --as seeds
 grep -qx 'seed 24,27,35 1 radius=5mm range=.*' o/mirrored.iftty || fail "$(grep ^seed o/*.iftty)"
 grep -q '^seed 24,22,15 2 radius=2mm' o/mirrored.iftty || fail "$(grep ^seed o/*.iftty)"
 expect 0 "$iftty" verify o/mirrored.iftty
-close_story
 
 begin "removed, undone and covered gestures are left out; a stroke has its corners"
 expect 0 "$iftty" -c "open plain.nii; seed 9,9,9 0 radius=1; seed 20,28,24 1; remove 20,28,24
@@ -111,10 +103,9 @@ same "$(grep ^gesture out)" "gesture 0 1 0 20 -19 -19 -15
 gesture 2 2 0 81 2 0 0
 gesture 1 1.5 0 78 -4 0 0 0 2 0 0 6 0
 gesture 1 0 9 80 0 -4 0"
-close_story
 
 begin "landmarks: rigid, similarity or affine, with the residual"
-# the places in other.nii that the pull of phantom.py leads to those of p.iftty
+# the places in other.nii that the pull of phantom.py maps to those of p.iftty
 python3 - >marks.txt <<'END'
 import math
 c, s = math.cos(0.4), math.sin(0.4)
@@ -141,14 +132,12 @@ expect 3 "$iftty" apply p.iftty other.nii --by landmarks --landmarks bad.txt --o
 err_has "bad.txt, line 1: expected NAME X,Y,Z in millimetres, each name once"
 expect 2 "$iftty" apply p.iftty other.nii --by landmarks --out o2
 err_has "--by landmarks: name the subject's landmarks by --landmarks FILE: lines NAME X,Y,Z in"
-close_story
 
 begin "the subject's landmarks may come from a journal"
 marked="landmark A 33,26,27; landmark B 53,31,27; landmark C 33,40,33"
 expect 0 "$iftty" -c "open moved.nii; $marked" --journal s.iftty
 apply moved.nii --by landmarks --landmarks s.iftty
 expect 0 $phantom check o/moved.seeds.nii.gz moved 7 2.2
-close_story
 
 begin "a transform of ITK"
 cat >shift.txt <<'END'
@@ -162,11 +151,8 @@ $phantom make away.nii moved
 put away.nii 292 '\000\200\351\103' # its sform: 467 in place of -33
 apply away.nii --by shift.txt
 expect 0 "$iftty" verify o/away.iftty
-expect 3 "$iftty" apply p.iftty far.nii --by world --out o
-err_has "the scenes do not overlap"
-expect 3 "$iftty" apply p.iftty moved.nii --by nothere.txt --out o
-err_has "nothere.txt"
-close_story
+expect_err "the scenes do not overlap" 3 "$iftty" apply p.iftty far.nii --by world --out o
+expect_err "nothere.txt" 3 "$iftty" apply p.iftty moved.nii --by nothere.txt --out o
 
 begin "seeds with an intensity unlike the object's are dropped, counted, and kept as dropped"
 $phantom make lesion.nii moved lesion
@@ -175,7 +161,6 @@ grep -q ' dropped=.*1:2[0-9][0-9]/' o/lesion.iftty || fail "$(grep ^origin o/les
 $phantom check o/lesion.seeds.nii.gz moved 7 2.2 | grep -q ' 257:2[0-9][0-9]' || fail "no drops"
 out_has "large"
 expect 0 "$iftty" verify o/lesion.iftty
-close_story
 
 begin "finished subjects and differing files are left alone, and corrections stay"
 apply moved.nii --by world
@@ -188,11 +173,9 @@ cp mirrored.nii moved2.nii && mkdir -p other && cp mirrored.nii other/moved.nii
 expect 3 "$iftty" apply p.iftty other/moved.nii --by world --out o
 same "$(cat o/moved.iftty)" "$before"
 expect 0 "$iftty" -c "seed 9,9,9 2 radius=1; run" --journal o/moved.iftty
-expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
-out_has "done before"
+expect_out "done before" 0 "$iftty" apply p.iftty moved.nii --by world --out o
 grep -v '^= 11' o/moved.iftty | head -c 1500 >o/cut && mv o/cut o/moved.iftty
 expect 3 "$iftty" apply p.iftty moved.nii --by world --out o
-close_story
 
 begin "a subject is done if its records match, not its origin alone"
 for by in world affine; do
@@ -215,7 +198,6 @@ for by in world affine; do
         same_files o/again.iftty forged.iftty
     done
 done
-close_story
 
 begin "no other file is replaced, and after a failure no new file is left"
 rm -rf o && mkdir o
@@ -238,7 +220,6 @@ rm -r edited/moved.golden edited/moved.seeds.nii.gz
 expect 3 "$iftty" apply p.iftty moved.nii --by world --out edited
 same "$(ls edited)" moved.iftty
 same_files edited/moved.iftty torn.iftty
-close_story
 
 begin "no input is overwritten, a scene or the procedure, through any link"
 rm -rf o && mkdir o
@@ -262,7 +243,6 @@ err_has "which is the file o/moved.iftty that is read"
 rm -r o/* && cp moved.nii o/slice.nii
 nothing p.iftty o
 err_has "which is in the folder o that is read"
-close_story
 
 begin "a killed task leaves no journal, and the same command completes it"
 rm -rf o
@@ -280,7 +260,6 @@ done
 expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
 expect 0 "$iftty" verify o/moved.iftty
 same "$(find o -name '*tmp*' | wc -l | tr -d ' ')" 0
-close_story
 
 begin "a scene behind a link, named as seen from the journal's folder; two of one name"
 mkdir -p data links && cp moved.nii data/real.nii && ln -sf ../data/real.nii links/sub-01_T1w.nii
@@ -291,7 +270,6 @@ same "$(find o -name 'labels-*' | cut -d / -f 2)" sub-01_T1w.golden
 expect 0 "$iftty" verify o/sub-01_T1w.iftty
 expect 2 "$iftty" apply p.iftty moved.nii other/moved.nii --by world --out o
 err_has "would both be written to o/moved.iftty"
-close_story
 
 begin "unknown geometry is not guessed"
 $phantom make silent.nii moved silent
@@ -304,26 +282,20 @@ printf 'A 33,26,27\nB 53,31,27\nC 33,40,33\n' >told.txt
 apply silent.nii --by landmarks --landmarks told.txt --orient RAS
 expect 0 $phantom check o/silent.seeds.nii.gz moved 7 2.2
 expect 0 "$iftty" -c "open silent.nii; $seeds; run" --journal silent.iftty
-expect 3 "$iftty" log --procedure - silent.iftty
-err_has "does not say to which sides"
-close_story
+expect_err "does not say to which sides" 3 "$iftty" log --procedure - silent.iftty
 
 begin "a registration without the expert's image is refused with advice"
 expect 3 "$iftty" apply p.proc moved.nii --out o3
 err_has "needs both scenes, and a procedure's file has no scene; use the journal with its scene"
-close_story
 
 begin "an implausible registration is refused: status 1, and no journal"
 expect 1 "$iftty" apply p.iftty oblique.nii --out o3
 err_has "the scenes were registered, and the result is implausible"
 same "$(ls o3)" ""
-expect 0 "$iftty" apply p.iftty plain.nii --out o3
-out_has "registered: overlap 100 %"
+expect_out "registered: overlap 100 %" 0 "$iftty" apply p.iftty plain.nii --out o3
 expect 0 $phantom check o3/plain.seeds.nii.gz plain 7 2.2
 expect 0 "$iftty" verify o3/plain.iftty
-expect 0 "$iftty" apply p.iftty plain.nii --out o3
-out_has "done before"
-close_story
+expect_out "done before" 0 "$iftty" apply p.iftty plain.nii --out o3
 
 begin "JSON of several scenes; one that fails keeps none of the others"
 rm -rf o
@@ -337,13 +309,11 @@ assert 0.8 < rows[0]["labels"][1]["volume_mm3"] / rows[0]["labels"][1]["expected
 assert len(rows[0]["pull"]) == 12 and "do not overlap" in rows[1]["why"]
 END
 err_has "1 of 3 scenes failed or were refused"
-close_story
 
 begin "hints begin with the label whose volume differs most from the procedure's"
 expect 0 "$iftty" -c "hints 2" --journal o/moved.iftty --read-only
 out_has "first label 2 the small one, which has 1"
 grep -A1 'first label' out | tail -1 | grep -q 'label 2' || fail "$(cat out)"
-close_story
 
 # forge FROM TO SED: a procedure's file with its digest right
 forge() {
@@ -354,8 +324,7 @@ forge() {
 begin "a stranger's procedure reads and writes no file, and a malformed one is refused"
 refused() { # SED WORDS
     forge p.proc bad.proc "$1"
-    expect 3 "$iftty" apply bad.proc moved.nii --by world --out hostile
-    err_has "$2"
+    expect_err "$2" 3 "$iftty" apply bad.proc moved.nii --by world --out hostile
     [ -e hostile/moved.iftty ] && fail "$1: a journal was made"
 }
 forge p.proc same.proc ''
@@ -379,7 +348,6 @@ head -c 2000 p.proc >cut.proc
 expect 3 "$iftty" apply cut.proc moved.nii --by world --out hostile
 cp p.proc flipped.proc && flip_byte flipped.proc 300
 expect 3 "$iftty" apply flipped.proc moved.nii --by world --out hostile
-close_story
 
 begin "usage: at least one scene, known ways and fits; a journal stays confined"
 expect 2 "$iftty" apply p.iftty
@@ -394,6 +362,5 @@ chain_anew stranger/p.iftty stranger/q.iftty
 sed -i 's/ sha256=[0-9a-f]*//' stranger/q.iftty
 expect 3 "$iftty" apply stranger/q.iftty moved.nii --by world --out o4
 err_has "the journal may not open ../plain.nii"
-close_story
 
 finish

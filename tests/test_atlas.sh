@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Atlases whose regions are no labels, the tables of names beside them, and seeds that go out and
-# come in again.
+# Atlases whose regions are no labels, their tables of names, and seeds that are saved and planted
+# again.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -47,7 +47,6 @@ expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1 as=1 label=2'
 err_has 'as and label are mutually exclusive'
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,,2'
 err_has 'regions: expected A-B, or A, within 0-65533, not 1,,2; several have commas between them'
-close_story
 
 begin "regions above 255 become labels in rising order, and keep their numbers in files"
 /usr/bin/python3 - <<'END' || fail "nibabel cannot write the atlas"
@@ -104,7 +103,6 @@ expect 0 "$iftty" -c 'label 200 lesion; seed 1,1,1 200; labels o.nii.gz; save la
 info; goto 2; save labels o3.nii.gz; undo 2; label 1 one; save names n.txt' --journal aparc.iftty
 out_has 'numbers   6 labels are 2 to 2035 in files; `stats` lists them'
 grep -q '^    1 .*"one"' n.txt || fail "undo leaves numbers: $(cat n.txt)"
-close_story
 
 begin "whole numbers stored as real ones are read exactly"
 /usr/bin/python3 - <<'END' || fail "cannot make the map"
@@ -126,7 +124,6 @@ assert (numpy.asarray(was.dataobj) == numpy.asarray(now.dataobj)).all()
 END
 expect 3 "$iftty" -c 'open s.nii; labels half.nii'
 err_has 'regions are whole numbers; nothing has changed'
-close_story
 
 begin "no two labels share a number in a file"
 expect 3 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; save labels two.nii'
@@ -143,7 +140,6 @@ out_has '2 labels lost a name that was not the region'
 out_has 'label 2 (41): ' # which the table had called otherwise
 expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 2; labels gone.nii.gz; run'
 out_has 'label 3 (41): 1 marker' # for 2 is taken
-close_story
 
 begin "too many regions and unknown numbers are refused with a command"
 expect 3 "$iftty" -c 'open s.nii; labels many.nii'
@@ -153,20 +149,16 @@ expect 0 "$iftty" -c 'open s.nii; labels many.nii regions=1000-1254; run'
 expect 0 "$iftty" -c 'open s.nii; labels many.nii label=1; run'
 expect 3 "$iftty" -c 'open s.nii; labels negative.nii'
 err_has '1 of its voxels holds numbers below 0 or above 65533, which are no regions'
-expect 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
-err_has 'numbers: only in journals'
-close_story
+expect_err 'numbers: only in journals' 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
 
 begin "a replay reads the table again, and detects a changed one"
 expect 0 "$iftty" verify j.iftty
 sed -i 's/Vermis/vermis/' atlas.nii.txt
-expect 1 "$iftty" verify j.iftty
-out_has 'differs  names'
+expect_out 'differs  names' 1 "$iftty" verify j.iftty
 sed -i 's/vermis/Vermis/' atlas.nii.txt
 again='undo 3; label-file atlas.nii.txt regions=2002 as=4; undo; redo'
 expect 0 "$iftty" -c "$again" --journal j.iftty
 expect 0 "$iftty" verify j.iftty
-close_story
 
 begin "tables of names are written and read back in every format"
 { # 256 of red, of green, of blue
@@ -216,14 +208,11 @@ tail -c +2 c.lut | head -c 255 >c.red
 tail -c +2 d.lut | head -c 255 >d.red
 same_files c.red d.red
 expect 0 "$iftty" -c 'open s.nii; label-file a.nii.txt; save names Smith.label' --journal n.iftty
-expect 0 "$iftty" log --anonymise n.iftty
-out_has 'label-file file-1.nii.txt'
+expect_out 'label-file file-1.nii.txt' 0 "$iftty" log --anonymise n.iftty
 out_has 'save names file-2.label'
-expect 2 "$iftty" -c 'open s.nii; save names a.doc'
-err_has 'expected .txt or .label for ITK-SNAP'
+expect_err 'expected .txt or .label for ITK-SNAP' 2 "$iftty" -c 'open s.nii; save names a.doc'
 expect 3 "$iftty" -c 'open s.nii; label-file s.nii'
 err_has 's.nii: line 1: expected NUMBER NAME [R G B A]'
-close_story
 
 begin "the tables of mricron are read"
 templates=/usr/share/mricron/templates
@@ -237,7 +226,6 @@ label-file $templates/JHU-WhiteMatter-labels-1mm.nii.txt; label-file $templates/
 else
     skip "mricron-data is not installed"
 fi
-close_story
 
 begin "saved seeds are planted again unchanged"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 0; seed 6,10,8 1 radius=2; seed 20,10,8 7
@@ -247,7 +235,5 @@ same "$(wc -l <s.csv | tr -d ' ')" 36
 expect 0 "$iftty" -c 'open s.nii; seed-file s.csv; run' --journal b.iftty
 same "$(last_word labels b.iftty)" "$(last_word labels a.iftty)"
 same "$(last_word forest b.iftty)" "$(last_word forest a.iftty)"
-expect 2 "$iftty" -c 'open s.nii; save seeds s.nii'
-err_has 'expected FILE.csv for seeds'
-close_story
+expect_err 'expected FILE.csv for seeds' 2 "$iftty" -c 'open s.nii; save seeds s.nii'
 finish

@@ -91,21 +91,18 @@ static void has_background(struct interpreter *interp, const char *line, uint32_
     CHECK_INT(interp->session->now.outlook.background, background);
 }
 
-STORY(each_word_is_a_background_and_info_prints_it)
+BEGUN_STORY(each_word_is_a_background_and_info_prints_it, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    CHECK_INT(interp.session->now.outlook.background, BACKGROUND_GRADIENT);
-    has_background(&interp, "background black", BACKGROUND_PLAIN);
-    has_background(&interp, "background white", BACKGROUND_WHITE);
-    has_background(&interp, "background #E0a010", BACKGROUND_PLAIN | 0xe0a010);
-    MUST_MENTION(&interp, "info", ", background #e0a010, ");
-    has_background(&interp, "background transparent", BACKGROUND_CLEAR);
-    MUST_MENTION(&interp, "info", ", background transparent, ");
-    has_background(&interp, "background gradient", BACKGROUND_GRADIENT);
-    CHECK_INT(execute(&interp, "background grey"), ERR_USAGE);
+    CHECK_INT(interp->session->now.outlook.background, BACKGROUND_GRADIENT);
+    has_background(interp, "background black", BACKGROUND_PLAIN);
+    has_background(interp, "background white", BACKGROUND_WHITE);
+    has_background(interp, "background #E0a010", BACKGROUND_PLAIN | 0xe0a010);
+    MUST_MENTION(interp, "info", ", background #e0a010, ");
+    has_background(interp, "background transparent", BACKGROUND_CLEAR);
+    MUST_MENTION(interp, "info", ", background transparent, ");
+    has_background(interp, "background gradient", BACKGROUND_GRADIENT);
+    CHECK_INT(execute(interp, "background grey"), ERR_USAGE);
     CHECK_HAS(fault.text, "black|white|gradient|transparent or #rrggbb");
-    interpreter_release(&interp);
 }
 
 static struct picture read_back(struct interpreter *interp, const char *name)
@@ -117,36 +114,30 @@ static struct picture read_back(struct interpreter *interp, const char *name)
 }
 
 /* A file of colours shows what the terminal shows: the frame over the background. */
-STORY(files_and_the_screen_show_the_same)
+BEGUN_STORY(files_and_the_screen_show_the_same, begin_with_object)
 {
     static const char *const line[] = {"background gradient", "background white",
                                        "background #305070", "background black"};
-    struct interpreter interp;
-    begin_with_object(&interp);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        struct canvas canvas;
-        must(&interp, line[i]);
-        must(&interp, "render a.png replace=yes");
-        CHECK_INT(session_show_frame(&canvas, interp.session, NULL), OK);
-        struct picture p = read_back(&interp, "a.png");
+        OWNED(canvas_release) struct canvas canvas;
+        must(interp, line[i]);
+        must(interp, "render a.png replace=yes");
+        CHECK_INT(session_show_frame(&canvas, interp->session, NULL), OK);
+        OWNED(picture_release) struct picture p = read_back(interp, "a.png");
         CHECK(p.rgba && memcmp(p.rgba, canvas.rgba, (size_t)4 * PIXELS) == 0);
         uint8_t corner[3];
-        background_at(corner, interp.session->now.outlook.background, 0, HEIGHT);
+        background_at(corner, interp->session->now.outlook.background, 0, HEIGHT);
         CHECK(p.rgba && memcmp(p.rgba, corner, 3) == 0);
-        picture_release(&p);
-        canvas_release(&canvas);
     }
-    interpreter_release(&interp);
 }
 
-STORY(a_clear_picture_has_its_alpha)
+BEGUN_STORY(a_clear_picture_has_its_alpha, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "background transparent; render clear.png; render clear.tif; "
-                  "render clear.bmp; render clear.exr");
-    struct picture png = read_back(&interp, "clear.png"), tif = read_back(&interp, "clear.tif");
-    struct picture bmp = read_back(&interp, "clear.bmp"), exr;
+    must(interp, "background transparent; render clear.png; render clear.tif; "
+                 "render clear.bmp; render clear.exr");
+    OWNED(picture_release)
+    struct picture png = read_back(interp, "clear.png"), tif = read_back(interp, "clear.tif");
+    OWNED(picture_release) struct picture bmp = read_back(interp, "clear.bmp"), exr;
     CHECK_INT(exr_read(&exr, "clear.exr", NULL), OK);
     CHECK(memcmp(png.rgba, exr.rgba, (size_t)4 * PIXELS) == 0);
     CHECK(memcmp(tif.rgba, exr.rgba, (size_t)4 * PIXELS) == 0);
@@ -157,41 +148,30 @@ STORY(a_clear_picture_has_its_alpha)
         CHECK_INT(bmp.rgba[4 * i], (c[0] * c[3] + 127) / 255);
     }
     CHECK(partly > 50);
-    picture_release(&png);
-    picture_release(&tif);
-    picture_release(&bmp);
-    picture_release(&exr);
-    interpreter_release(&interp);
 }
 
-STORY(an_exr_holds_the_objects_alone_whatever_is_behind)
+BEGUN_STORY(an_exr_holds_the_objects_alone_whatever_is_behind, begin_with_object)
 {
-    struct interpreter interp;
-    struct picture gradient, white;
-    begin_with_object(&interp);
-    must(&interp, "render gradient.exr");
-    const uint64_t digest = rendition_digest(session_frame(interp.session));
-    must(&interp, "background white");
-    CHECK(session_rendered(interp.session)); /* nothing is drawn again */
-    must(&interp, "render white.exr");
-    CHECK(rendition_digest(session_frame(interp.session)) == digest);
+    OWNED(picture_release) struct picture gradient, white;
+    must(interp, "render gradient.exr");
+    const uint64_t digest = rendition_digest(session_frame(interp->session));
+    must(interp, "background white");
+    CHECK(session_rendered(interp->session)); /* nothing is drawn again */
+    must(interp, "render white.exr");
+    CHECK(rendition_digest(session_frame(interp->session)) == digest);
     CHECK_INT(exr_read(&gradient, "gradient.exr", NULL), OK);
     CHECK_INT(exr_read(&white, "white.exr", NULL), OK);
     CHECK(memcmp(gradient.rgba, white.rgba, (size_t)4 * PIXELS) == 0);
     CHECK(gradient.rgba[3] == 0);
-    picture_release(&gradient);
-    picture_release(&white);
-    interpreter_release(&interp);
 }
 
 /* All of the pane, including the area next to the rendition, and only the pane. */
-STORY(the_pane_of_a_mosaic_has_it_too)
+BEGUN_STORY(the_pane_of_a_mosaic_has_it_too, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "samples 1; background black; mosaic black.png; background white; "
-                  "mosaic white.png");
-    struct picture black = read_back(&interp, "black.png"), white = read_back(&interp, "white.png");
+    must(interp, "samples 1; background black; mosaic black.png; background white; "
+                 "mosaic white.png");
+    OWNED(picture_release)
+    struct picture black = read_back(interp, "black.png"), white = read_back(interp, "white.png");
     const struct mosaic_box box = mosaic_box(WIDTH, HEIGHT, MOSAIC_RENDITION);
     unsigned differ = 0;
     for (uint32_t y = 0; y < HEIGHT; y++)
@@ -204,7 +184,4 @@ STORY(the_pane_of_a_mosaic_has_it_too)
             CHECK(w[0] >= b[0]);
         }
     CHECK(differ > box.width * box.height / 4);
-    picture_release(&black);
-    picture_release(&white);
-    interpreter_release(&interp);
 }

@@ -99,8 +99,8 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
         CHECK(team_new(&team[i], i, NULL) == OK);
     for (unsigned number = 0; number < check_scaled(120) && check_failures == 0; number++) {
         uint64_t random = number;
-        struct stage s;
-        struct rendition fine, out;
+        OWNED(stage_release) struct stage s;
+        OWNED(rendition_release) struct rendition fine, out;
         stage_at_random(&s, &random);
         look_at_random(&s, &random);
         stage_samples_init(&s, &fine, &out);
@@ -117,9 +117,6 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
         if (!agree)
             printf("# number %u: mode %d edges %u samples %u\n", number, (int)s.look.mode,
                    s.look.edges, s.look.samples);
-        rendition_release(&fine);
-        rendition_release(&out);
-        stage_release(&s);
     }
     for (unsigned i = 0; i < 4; i++)
         team_free(team[i]);
@@ -134,42 +131,37 @@ static uint64_t digest_after(struct interpreter *interp, const char *line)
     return rendition_digest(session_frame(interp->session));
 }
 
-STORY(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits)
+BEGUN_STORY(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits,
+            begin_interpreter)
 {
-    struct interpreter interp;
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x40x40; seed 10,10,10 1 radius=3; run; size 8192 70; "
-                  "samples 4");
-    const uint64_t first = digest_after(&interp, "render mode=bp");
-    CHECK(!interp.session->pictures->rendition.depth);
-    CHECK(session_memory(interp.session) < 64u << 20);
-    CHECK_INT(digest_after(&interp, "render mode=ray"), first);
-    must(&interp, "remove 10,10,10; run");
-    CHECK(digest_after(&interp, "render") != first);
-    must(&interp, "undo 2");
-    CHECK_INT(digest_after(&interp, "render"), first);
-    interpreter_release(&interp);
+    must(interp, "open synth:geom:40x40x40; seed 10,10,10 1 radius=3; run; size 8192 70; "
+                 "samples 4");
+    const uint64_t first = digest_after(interp, "render mode=bp");
+    CHECK(!interp->session->pictures->rendition.depth);
+    CHECK(session_memory(interp->session) < 64u << 20);
+    CHECK_INT(digest_after(interp, "render mode=ray"), first);
+    must(interp, "remove 10,10,10; run");
+    CHECK(digest_after(interp, "render") != first);
+    must(interp, "undo 2");
+    CHECK_INT(digest_after(interp, "render"), first);
 }
 
 /* A picture that no edit follows stores no samples, of whatever size. */
-STORY(a_turntable_is_drawn_in_bands_and_shows_what_renditions_show)
+BEGUN_STORY(a_turntable_is_drawn_in_bands_and_shows_what_renditions_show, begin_interpreter)
 {
-    struct interpreter interp;
     uint64_t sum = 0;
     char expected[40];
-    begin_interpreter(&interp);
-    interp.mode = MODE_REPLAY; /* writes no file */
-    must(&interp, "open synth:geom:40x40x40; seed 20,20,20 1 radius=3; size 60 50; samples 4");
+    interp->mode = MODE_REPLAY; /* writes no file */
+    must(interp, "open synth:geom:40x40x40; seed 20,20,20 1 radius=3; size 60 50; samples 4");
     for (uint64_t i = 0; i < 4; i++) {
-        sum += hash_mix_at(i, digest_after(&interp, "render"));
-        CHECK(interp.session->pictures->rendition.depth);
-        must(&interp, "turn 90 0");
+        sum += hash_mix_at(i, digest_after(interp, "render"));
+        CHECK(interp->session->pictures->rendition.depth);
+        must(interp, "turn 90 0");
     }
     snprintf(expected, sizeof expected, "spin=%016" PRIx64, sum);
-    must(&interp, "view front; spin 4 turn.gif");
+    must(interp, "view front; spin 4 turn.gif");
     CHECK_HAS(buf_text(&reply.words), expected);
-    CHECK(!interp.session->pictures->rendition.depth);
-    interpreter_release(&interp);
+    CHECK(!interp->session->pictures->rendition.depth);
 }
 
 static size_t most_bytes; /* that an array may have */
@@ -189,42 +181,35 @@ static enum err spin_without_maps(struct interpreter *interp, const char *line)
     return err;
 }
 
-STORY(a_turntable_stores_no_map_of_its_pictures)
+BEGUN_STORY(a_turntable_stores_no_map_of_its_pictures, begin_interpreter)
 {
-    struct interpreter interp;
-    struct reply told = {0};
-    begin_interpreter(&interp);
-    interp.mode = MODE_REPLAY; /* writes no file */
-    must(&interp, "open synth:geom:20x20x20; seed 10,10,10 1 radius=3; run; "
-                  "decorate letters scale legend");
+    OWNED(reply_release) struct reply told = {0};
+    interp->mode = MODE_REPLAY; /* writes no file */
+    must(interp, "open synth:geom:20x20x20; seed 10,10,10 1 radius=3; run; "
+                 "decorate letters scale legend");
     for (int samples = 1; samples <= 4; samples *= 2) {
-        must(&interp, samples == 1 ? "samples 1" : samples == 2 ? "samples 2" : "samples 4");
-        must(&interp, "size 256 8192");
-        CHECK_INT(spin_without_maps(&interp, "spin 2 turn%d.png"), OK);
+        must(interp, samples == 1 ? "samples 1" : samples == 2 ? "samples 2" : "samples 4");
+        must(interp, "size 256 8192");
+        CHECK_INT(spin_without_maps(interp, "spin 2 turn%d.png"), OK);
         buf_add(&told.words, buf_text(&reply.words), reply.words.length);
-        CHECK_INT(spin_without_maps(&interp, "spin 2 turn%d.exr"), OK); /* shows the same */
+        CHECK_INT(spin_without_maps(interp, "spin 2 turn%d.exr"), OK); /* shows the same */
         CHECK_TEXT(buf_text(&reply.words), buf_text(&told.words));
         buf_clear(&told.words);
-        must(&interp, "size 100 100"); /* lets go of it */
+        must(interp, "size 100 100"); /* lets go of it */
     }
-    reply_release(&told);
-    interpreter_release(&interp);
 }
 
 /* A picture of that many pixels is not stored in its file: no array has a byte for each of them. */
-STORY(a_large_picture_goes_right_into_its_file)
+BEGUN_STORY(a_large_picture_goes_right_into_its_file, begin_interpreter)
 {
-    struct interpreter interp;
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:20x20x20; seed 10,10,10 1 radius=3; run; "
-                  "decorate letters scale legend; size 3000 2900; zoom 64");
+    must(interp, "open synth:geom:20x20x20; seed 10,10,10 1 radius=3; run; "
+                 "decorate letters scale legend; size 3000 2900; zoom 64");
     most_bytes = (size_t)2900 * 3000;
     mem_allows = takes_small_arrays;
-    CHECK_INT(execute(&interp, "render large.png replace=yes"), OK);
-    CHECK_INT(execute(&interp, "render large.exr replace=yes"), OK);
-    CHECK_INT(execute(&interp, "render"), ERR_MEMORY); /* stored, for whoever looks at it */
+    CHECK_INT(execute(interp, "render large.png replace=yes"), OK);
+    CHECK_INT(execute(interp, "render large.exr replace=yes"), OK);
+    CHECK_INT(execute(interp, "render"), ERR_MEMORY); /* stored, for whoever looks at it */
     mem_allows = NULL;
-    CHECK(!interp.session->pictures->rendition.depth);
+    CHECK(!interp->session->pictures->rendition.depth);
     CHECK(unlink("large.png") == 0 && unlink("large.exr") == 0);
-    interpreter_release(&interp);
 }

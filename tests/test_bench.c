@@ -27,15 +27,39 @@ static const struct {
     uint16_t least, most;
 } band[7] = {{8, 25}, {66, 74}, {116, 124}, {161, 169}, {201, 209}, {28, 34}, {231, 239}};
 
-STORY(seeds_are_inside_their_objects)
-{
+/* A session, and the seeds of a procedure in its scene. */
+struct planted {
     struct session *session;
     struct procedure procedure;
     struct seeds seeds;
-    CHECK(session_new(&session, NULL) == OK);
-    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
-    CHECK(procedure_make(&procedure, session, NULL, NULL) == OK);
-    CHECK(procedure_seeds(&seeds, &procedure, session, NULL) == OK);
+};
+
+static void planted_release(struct planted *planted)
+{
+    seeds_release(&planted->seeds);
+    procedure_release(&planted->procedure);
+    session_free(planted->session);
+}
+
+static struct session *open_geom(struct planted *planted)
+{
+    CHECK(session_new(&planted->session, NULL) == OK);
+    CHECK(session_open(planted->session, "synth:geom", NULL, NULL) == OK);
+    return planted->session;
+}
+
+static struct seeds *find_seeds(struct planted *planted, const struct volume *atlas)
+{
+    CHECK(procedure_make(&planted->procedure, planted->session, atlas, NULL) == OK);
+    CHECK(procedure_seeds(&planted->seeds, &planted->procedure, planted->session, NULL) == OK);
+    return &planted->seeds;
+}
+
+STORY(seeds_are_inside_their_objects)
+{
+    OWNED(planted_release) struct planted planted = {0};
+    const struct session *session = open_geom(&planted);
+    const struct seeds seeds = *find_seeds(&planted, NULL);
     CHECK_INT(seeds.count, PROCEDURE_SEEDS);
     size_t of_label[PROCEDURE_STEPS][7] = {{0}}, wrong = 0;
     for (size_t i = 0; i < seeds.count; i++) {
@@ -58,32 +82,22 @@ STORY(seeds_are_inside_their_objects)
     qsort(seeds.edit, seeds.count, sizeof *seeds.edit, compare_cells);
     for (size_t i = 1; i < seeds.count; i++)
         CHECK(seeds.edit[i].cell > seeds.edit[i - 1].cell);
-    seeds_release(&seeds);
-    procedure_release(&procedure);
-    session_free(session);
 }
 
 STORY(an_interpolated_scene_has_the_same_seeds)
 {
-    struct session *session;
-    struct procedure procedure;
-    struct seeds seeds, twice;
-    CHECK(session_new(&session, NULL) == OK);
-    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
-    CHECK(procedure_make(&procedure, session, NULL, NULL) == OK);
-    CHECK(procedure_seeds(&seeds, &procedure, session, NULL) == OK);
+    OWNED(planted_release) struct planted planted = {0};
+    OWNED(seeds_release) struct seeds twice = {0};
+    struct session *session = open_geom(&planted);
+    const struct seeds seeds = *find_seeds(&planted, NULL);
     const struct grid before = session->scene->grid;
     CHECK(session_interpolate(session, 5, NULL) == OK);
-    CHECK(procedure_seeds(&twice, &procedure, session, NULL) == OK);
+    CHECK(procedure_seeds(&twice, &planted.procedure, session, NULL) == OK);
     for (size_t i = 0; i < seeds.count; i++) {
         struct place p = grid_place(&before, seeds.edit[i].cell);
         CHECK_INT(twice.edit[i].cell, grid_cell(&session->scene->grid, 2 * p.x, p.y, 2 * p.z));
         CHECK_INT(twice.edit[i].label, seeds.edit[i].label);
     }
-    seeds_release(&seeds);
-    seeds_release(&twice);
-    procedure_release(&procedure);
-    session_free(session);
 }
 
 /* Columns of 20 by 17 through the bright parts of geom: regions 1..116 of an artificial atlas. */
@@ -103,15 +117,11 @@ static uint16_t *made_atlas(const struct scene *scene)
 
 STORY(an_atlas_says_which_seeds_are_brain)
 {
-    struct session *session;
-    struct procedure procedure;
-    struct seeds seeds;
-    CHECK(session_new(&session, NULL) == OK);
-    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
+    OWNED(planted_release) struct planted planted = {0};
+    const struct session *session = open_geom(&planted);
     const struct grid *grid = &session->scene->grid;
-    struct volume atlas = {.size = {200, 200, 100}, .intensity = made_atlas(session->scene)};
-    CHECK(procedure_make(&procedure, session, &atlas, NULL) == OK);
-    CHECK(procedure_seeds(&seeds, &procedure, session, NULL) == OK);
+    const struct volume atlas = {.size = {200, 200, 100}, .intensity = made_atlas(session->scene)};
+    const struct seeds seeds = *find_seeds(&planted, &atlas);
     size_t of_label[3] = {0}, wrong = 0;
     for (size_t i = 0; i < seeds.count; i++) {
         const uint32_t cell = seeds.edit[i].cell, voxel = grid_voxel(grid, cell);
@@ -126,27 +136,21 @@ STORY(an_atlas_says_which_seeds_are_brain)
     CHECK_INT(of_label[0], 855);
     CHECK_INT(of_label[1], 1000);
     CHECK_INT(of_label[2], 250);
-    seeds_release(&seeds);
-    procedure_release(&procedure);
     free(atlas.intensity);
-    session_free(session);
 }
 
 STORY(a_map_on_another_grid_or_without_regions_is_refused)
 {
     static uint16_t nothing[200 * 200 * 100];
-    struct session *session;
-    struct procedure procedure;
+    OWNED(planted_release) struct planted planted = {0};
+    const struct session *session = open_geom(&planted);
     struct fault fault = {0};
     struct volume atlas = {.size = {200, 200, 99}, .intensity = nothing};
-    CHECK(session_new(&session, NULL) == OK);
-    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
-    CHECK(procedure_make(&procedure, session, &atlas, &fault) == ERR_INPUT);
+    CHECK(procedure_make(&planted.procedure, session, &atlas, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "the map has 200x200x99 voxels");
     atlas.size[2] = 100;
-    CHECK(procedure_make(&procedure, session, &atlas, &fault) == ERR_INPUT);
+    CHECK(procedure_make(&planted.procedure, session, &atlas, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "the map has no voxel of regions 1-90");
-    session_free(session);
 }
 
 /* ---- a trial on a small scene ---- */
@@ -163,10 +167,11 @@ static void scene_row(void *context, uint32_t y, uint32_t z, void *values)
 
 /* Seeds of the first step are spread over one half of the scene, the others are in a corner of the
  * other half, so that they change little. Four labels. */
-static void begin(struct session **begun, struct seeds *seeds)
+static struct session *begin(struct planted *planted)
 {
-    CHECK(session_new(begun, NULL) == OK);
-    struct session *session = *begun;
+    CHECK(session_new(&planted->session, NULL) == OK);
+    struct session *session = planted->session;
+    struct seeds *seeds = &planted->seeds;
     char path[PATH_MAX];
     const double spacing_mm[3] = {1, 1, 1};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
@@ -186,16 +191,16 @@ static void begin(struct session **begun, struct seeds *seeds)
                 : grid_cell(&session->scene->grid, late % 12, late / 12 % 12, late / 144);
         seeds->edit[seeds->count++] = (struct edit){cell, (int16_t)(i % 4), 0};
     }
+    return session;
 }
 
 STORY(all_experiments_agree_in_every_step)
 {
-    struct session *session;
-    struct seeds seeds;
+    OWNED(planted_release) struct planted planted = {0};
+    struct session *session = begin(&planted);
     struct fault fault = {0};
     struct trial trial = {.name = "small"};
-    begin(&session, &seeds);
-    if (!CHECK(trial_run(&trial, session, &seeds, PROCEDURE_STEPS, 2, NULL, &fault) == OK))
+    if (!CHECK(trial_run(&trial, session, &planted.seeds, PROCEDURE_STEPS, 2, NULL, &fault) == OK))
         printf("#   %s\n", fault.text);
     CHECK_INT(trial.compared, PROCEDURE_STEPS * (2 * EXPERIMENTS - 1));
     CHECK_INT(trial.steps, PROCEDURE_STEPS);
@@ -213,8 +218,6 @@ STORY(all_experiments_agree_in_every_step)
     for (unsigned s = 1; s < trial.steps; s++)
         repaired += !trial.step[s].cost[BDIFT_BP].is_whole;
     CHECK(repaired >= 2); /* in other steps border and picture are recomputed */
-    seeds_release(&seeds);
-    session_free(session);
 }
 
 /* A watcher that changes the compared data. */
@@ -255,38 +258,31 @@ STORY(a_difference_ends_the_trial_and_is_named)
         const char *words;
     } row[] = {{spoil_colours, "has colour"}, {spoil_weights, "digest"}, {spoil_view, "pixel"}};
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        struct session *session;
-        struct seeds seeds;
+        OWNED(planted_release) struct planted planted = {0};
+        struct session *session = begin(&planted);
         struct fault fault = {0};
         struct trial trial = {.name = "small"};
-        begin(&session, &seeds);
         const struct trial_watch watch = {row[i].spoil, session};
-        CHECK(trial_run(&trial, session, &seeds, 3, 2, &watch, &fault) == ERR_CHECK);
+        CHECK(trial_run(&trial, session, &planted.seeds, 3, 2, &watch, &fault) == ERR_CHECK);
         CHECK_HAS(fault.text, "small, step 2, (");
         CHECK_HAS(fault.text, " differs: ");
         CHECK_HAS(fault.text, row[i].words);
-        seeds_release(&seeds);
-        session_free(session);
     }
 }
 
 STORY(a_watcher_can_end_the_trial)
 {
-    struct session *session;
-    struct seeds seeds;
+    OWNED(planted_release) struct planted planted = {0};
     struct trial trial = {.name = "small"};
     const struct trial_watch watch = {stop, NULL};
-    begin(&session, &seeds);
-    CHECK(trial_run(&trial, session, &seeds, 3, 2, &watch, NULL) == ERR_CANCELLED);
+    CHECK(trial_run(&trial, begin(&planted), &planted.seeds, 3, 2, &watch, NULL) == ERR_CANCELLED);
     CHECK_INT(trial.compared, 2 * (2 * EXPERIMENTS - 1));
-    seeds_release(&seeds);
-    session_free(session);
 }
 
 STORY(the_first_pixel_that_differs_is_named)
 {
     const struct grid *grid;
-    struct rendition a, b;
+    OWNED(rendition_release) struct rendition a = {0}, b = {0};
     struct fault fault = {0};
     struct scene *scene;
     CHECK(scene_new(&scene, (uint32_t[]){3, 3, 3}, NULL) == OK);
@@ -307,8 +303,6 @@ STORY(the_first_pixel_that_differs_is_named)
     b.label[38] = 3;
     CHECK(!trial_same_picture(&a, &b, grid, &fault));
     CHECK_TEXT(fault.text, "pixel 2,4 shows nothing of label 0, not voxel 0,1,2 of label 3");
-    rendition_release(&a);
-    rendition_release(&b);
     scene_free(scene);
 }
 

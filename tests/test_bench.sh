@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The benchmarks as programs: what they print in each form, what they refuse. No time is looked at.
+# The benchmarks as programs: their output in each form, and their errors. No time is checked.
 . "$(dirname "$0")/lib.sh"
 bench=$build/tests/bench/bench
 
@@ -13,11 +13,9 @@ out_has "paper             > 4     1.14"
 same "$(wc -c <"$work/err" | tr -d ' ')" 0 # no progress where there is no terminal
 awk 'length > 100 { bad = 1 } END { exit bad }' "$work/out" ||
     fail "a line of more than 100 columns"
-close_story
 
 begin "JSON is JSON"
-expect 0 "$bench" paper geom --quick --rounds 1 --json </dev/null
-out_has '"scene": "geom"'
+expect_out '"scene": "geom"' 0 "$bench" paper geom --quick --rounds 1 --json </dev/null
 out_has '"identical": true'
 out_has '"ift_to_dift"'
 same "$(grep -c '"experiment":' "$work/out")" 10
@@ -25,36 +23,28 @@ same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
 if needs python3; then
     python3 -m json.tool "$work/out" >/dev/null 2>"$work/err" || fail "$(cat "$work/err")"
 fi
-close_story
 
 begin "one edit touches the same voxels in a scene eight times as large"
 expect 0 "$bench" growth --quick --json </dev/null
 same "$(grep -o '"touched": [^]]*' "$work/out" | sort -u | wc -l)" 1
 same "$(grep -o '"voxels"' "$work/out" | wc -l)" 2
-close_story
 
 begin "the cost of a journal, part by part"
 expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 5,5,5 1; seed 15,15,15 2
     size 64 64; render; golden one' \
     --journal "$work/small.iftty" </dev/null
-expect 0 "$bench" journal "$work/small.iftty" </dev/null
-out_has "100000 records of "
+expect_out "100000 records of " 0 "$bench" journal "$work/small.iftty" </dev/null
 out_has "small.iftty, 6 records"
 out_has "of forests and renditions"
 out_has "with a sync each"
-expect 0 "$bench" journal "$work/small.iftty" --json </dev/null
-out_has '"journal": {"records": 6, '
+expect_out '"journal": {"records": 6, ' 0 "$bench" journal "$work/small.iftty" --json </dev/null
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-expect 0 "$bench" journal tests/journals/semantics-12.iftty </dev/null
-out_has "semantics-12.iftty, "
+expect_out "semantics-12.iftty, " 0 "$bench" journal tests/journals/semantics-12.iftty </dev/null
 sed 's/^seed 5,5,5 1/seed 5,5,5 3/' "$work/small.iftty" >"$work/other.iftty"
-expect 1 "$bench" journal "$work/other.iftty" </dev/null
-err_has "record 2"
+expect_err "record 2" 1 "$bench" journal "$work/other.iftty" </dev/null
 : >"$work/empty.iftty"
-expect 1 "$bench" journal "$work/empty.iftty" </dev/null
-err_has "there are no records to verify"
+expect_err "there are no records to verify" 1 "$bench" journal "$work/empty.iftty" </dev/null
 expect 3 "$bench" journal "$work/none.iftty" </dev/null
-close_story
 
 begin "runs, edits, pictures and memory of a scene"
 expect 0 "$bench" brain --scene synth:geom:20x20x20 </dev/null
@@ -66,7 +56,6 @@ for words in '"scratch_ms": {"median": ' '"seed_ms": {"median": ' '"bytes_per_vo
     out_has "$words"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-close_story
 
 # Without ch2 on the small scene.
 begin "pictures for a terminal"
@@ -83,7 +72,6 @@ for by in kitty sixel; do
         fail "$by: a patch takes $patch bytes, the picture $whole"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-close_story
 
 # With `local` alone, for a slow line takes its time.
 begin "from a key to its picture"
@@ -98,7 +86,6 @@ for words in '"start_to_prompt_ms": {"median": ' '"start_to_loaded_ms": {"median
     out_has "$words"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-close_story
 
 begin "the same pictures by chafa"
 if needs python3; then
@@ -118,39 +105,30 @@ EOS
     PATH=$work/bin:$PATH expect 0 python3 -B tests/bench/chafa.py "$build"
     same "$(grep -c '^chafa: ' "$work/out")" 2
 fi
-close_story
 
 begin "wrong usage is refused at once"
 expect 2 "$bench" terminal --scene ch2.nii.gz
 err_has '`bench terminal` has no option --scene; it belongs to '
-expect 2 "$bench" journal --quick
-err_has '`bench journal` has no option --quick; it belongs to '
+expect_err '`bench journal` has no option --quick; it belongs to ' 2 "$bench" journal --quick
 err_has 'it belongs to `bench paper`, `bench growth` and `bench keys`'
-expect 2 "$bench" liver
-err_has "bench: there is no program liver; see"
-expect 2 "$bench"
-err_has "bench: name a program; see"
+expect_err "bench: there is no program liver; see" 2 "$bench" liver
+expect_err "bench: name a program; see" 2 "$bench"
 expect 2 "$bench" growth --rounds 3
 err_has '`bench growth` has no option --rounds; it belongs to `bench paper`'
-expect 0 "$bench" --help
-out_has "bench journal [JOURNAL]"
-expect 0 "$bench" paper --help
-out_has "--rounds N"
+expect_out "bench journal [JOURNAL]" 0 "$bench" --help
+expect_out "--rounds N" 0 "$bench" paper --help
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
     expect 2 "$bench" paper geom "$scene"
     err_has \
         "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"
 done
 for rounds in 0 100 x 3x -1 ""; do
-    expect 2 "$bench" paper geom --rounds "$rounds"
-    err_has "--rounds: expected a number 1..99"
+    expect_err "--rounds: expected a number 1..99" 2 "$bench" paper geom --rounds "$rounds"
 done
-close_story
 
 begin "without the scene of brain the message names the file"
 mkdir -p "$work/none"
 IFTTY_SCENES=$work/none expect 3 "$bench" paper brain
 err_has "brain: there is no scene ch2.nii.gz here"
-close_story
 
 finish

@@ -5,7 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
-begin "slices of each kind, and what they hold"
+begin "slices of each kind, and their voxels"
 /usr/bin/python3 -W ignore - <<'END' || fail "no slices"
 import os, struct, nibabel, numpy
 a = (numpy.arange(6 * 4 * 5).reshape(6, 4, 5) * 2).astype("u1") # z, y, x
@@ -41,37 +41,29 @@ for z in range(6):
 bmp("huge", 0, up(0), height=2 ** 31 - 1)
 bmp("none", 0, [], height=0)
 END
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 
 begin "grey of 8 bits is read voxel for voxel, rows from the bottom and from the top"
 for folder in up down wide short; do
-    expect 0 "$iftty" -c "open $folder; info"
-    out_has "5x4x6 voxels of unknown size, orientation unknown"
+    answers "5x4x6 voxels of unknown size, orientation unknown" "open $folder; info"
     expect 0 "$iftty" info --json --histogram $folder
     python3 -c 'import json, sys; d = json.load(sys.stdin)
 assert d["format"] == "BMP slices" and d["type"] == "uint8", d' <out || fail "$(cat out)"
     for voxel in 0,0,0 4,0,0 0,3,0 2,1,3 4,3,5; do
         value=$(echo $voxel | awk -F, '{ print (($3 * 4 + $2) * 5 + $1) * 2 }')
-        expect 0 "$iftty" -c "open $folder; why $voxel"
-        out_has "voxel $voxel: intensity $value"
+        answers "voxel $voxel: intensity $value" "open $folder; why $voxel"
     done
 done
-expect 0 "$iftty" -c "open right.nii; labels up; run; compare right.nii"
-out_has "0 of 120 voxels differ"
-close_story
+answers "0 of 120 voxels differ" "open right.nii; labels up; run; compare right.nii"
 
 begin "a resolution is noted and not taken, and spacing= says it"
-expect 0 "$iftty" -c "open wide"
-out_has "its resolution says pixels of 0.05x0.05 mm"
+answers "its resolution says pixels of 0.05x0.05 mm" "open wide"
 out_has "open it with spacing=0.05,0.05,Z"
-expect 0 "$iftty" -c "open wide spacing=0.05,0.05,0.1; info"
-out_has "0.05x0.05x0.1 mm"
+answers "0.05x0.05x0.1 mm" "open wide spacing=0.05,0.05,0.1; info"
 expect 0 "$iftty" -c "open up"
 ! grep -q resolution out || fail "$(cat out)"
-close_story
 
-begin "what is no grey of 8 bits is named, with what converts it"
+begin "a file without 8-bit grey is named, with a converter"
 while read -r folder words; do
     expect 3 "$iftty" -c "open $folder"
     err_has "slice 1 of 6, rec0.bmp, is a BMP $words; those of 8 bits of grey are read: \`mogrify"
@@ -86,20 +78,14 @@ inverse with a palette of colours
 packed that is packed (as RLE)
 os2 of OS/2 (a header of 12 bytes)
 END
-close_story
 
 begin "slices that are cut, of another size or empty are refused, and a name can be left out"
-expect 3 "$iftty" -c "open cut"
-err_has "slice 5 of 6, rec4.bmp, is cut short"
-expect 0 "$iftty" -c "open cut skip=rec4.bmp"
-out_has "5x4x5 voxels"
+refuses "slice 5 of 6, rec4.bmp, is cut short" "open cut"
+answers "5x4x5 voxels" "open cut skip=rec4.bmp"
 expect 3 "$iftty" -c "open mixed"
 err_has "slice 4 of 6 is 5x3 with 1 value of uint8 a pixel, and the first 5x4 with 1 of uint8; \
 expected slices of one kind"
-expect 3 "$iftty" -c "open huge"
-err_has "cut short"
-expect 3 "$iftty" -c "open none"
-err_has "without pixels"
-close_story
+refuses "cut short" "open huge"
+refuses "without pixels" "open none"
 
 finish

@@ -35,7 +35,7 @@ STORY(a_centre_equals_a_slow_search)
     static const uint32_t size[3] = {23, 17, 12};
     uint64_t random = 3;
     unsigned found = 0, none = 0;
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     CHECK(interpreter_init(&interp, NULL) == OK);
     must(&interp, "open synth:geom:23x17x12");
     for (int round = 0; round < 60 && check_failures == 0; round++) {
@@ -56,7 +56,6 @@ STORY(a_centre_equals_a_slow_search)
         }
     }
     CHECK(found > 100 && none > 50);
-    interpreter_release(&interp);
 }
 
 static bool stop(void *context, const char *what, uint64_t done, uint64_t total)
@@ -70,7 +69,7 @@ static bool stop(void *context, const char *what, uint64_t done, uint64_t total)
 
 STORY(the_search_for_it_can_be_stopped)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     struct watch watch = {.poll = stop, .step = 1};
     uint32_t place[3];
     CHECK(interpreter_init(&interp, NULL) == OK);
@@ -79,5 +78,4 @@ STORY(the_search_for_it_can_be_stopped)
     interp.session->scene->watch = &watch;
     CHECK(!centre_of_label(interp.session->scene, 2, place));
     interp.session->scene->watch = NULL;
-    interpreter_release(&interp);
 }

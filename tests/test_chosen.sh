@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# One volume of a map that holds several: layers of a .seg.nrrd, a NIfTI of one mask for each label,
-# HDF5. Each command and program that reads a map takes it, records it, and names it where it asks.
+# One volume of a map with several: layers of a .seg.nrrd, a NIfTI of one mask for each label, HDF5.
+# Each command and program that reads a map accepts a choice, records it, and lists the choices.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
-begin "maps of two volumes, and each of both as a file of its own"
+begin "maps of two volumes, and each volume as a separate file"
 /usr/bin/python3 -W ignore - <<'END' 2>err || fail "$(cat err)"
 import h5py, nibabel, numpy
 random = numpy.random.default_rng(43)
@@ -38,8 +38,7 @@ with h5py.File("both.h5", "w") as out:
     out["maps"] = layer.transpose(0, 3, 2, 1)
     out["other"] = scene.transpose(2, 1, 0)
 END
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 
 # what_of FILE ARGUMENTS...: the output of each command that reads a map
 commands_of() { # FILE WORDS
@@ -49,7 +48,7 @@ commands_of() { # FILE WORDS
         "weight $1$2; seed 1,1,1 1; seed 9,9,7 2; run; save labels got.nii" \
         "labels only0.nii; run; compare $1$2; save labels got.nii"
 }
-begin "labels, seed-file, mask, weight and compare take volume=, as open does"
+begin "labels, seed-file, mask, weight and compare accept volume=, as open does"
 for number in 0 1; do
     commands_of "only$number.nii" "" >plain
     for file in both.nii both.seg.nrrd both.h5; do
@@ -72,7 +71,6 @@ for number in 0 1; do
         done <pairs
     done
 done
-close_story
 
 begin "a replay without the copy of labels reads the volume that was recorded"
 expect 0 "$iftty" -c "open s.nii; labels both.nii volume=1; run" --journal kept.iftty
@@ -82,7 +80,6 @@ rm -r kept.golden
 expect 0 "$iftty" verify --no-strict kept.iftty
 sed 's/ volume=1/ volume=0/' kept.iftty >other.iftty
 expect 3 "$iftty" replay other.iftty
-close_story
 
 begin "without it, each names the volumes and the words to type"
 for command in labels seed-file mask weight compare; do
@@ -93,32 +90,27 @@ for command in labels seed-file mask weight compare; do
     err_has "volume=0 left lobe (3), cyst (1); volume=1 vessel (1), stone\\n2 (2)"
     expect 3 "$iftty" -c "open s.nii; $command both.nii volume=2"
     err_has "there is no volume 2; it holds 2, counted from 0"
-    expect 3 "$iftty" -c "open s.nii; $command both.h5"
-    err_has "choose one with data=NAME: /maps"
+    refuses "choose one with data=NAME: /maps" "open s.nii; $command both.h5"
 done
 expect 3 "$iftty" -c "open s.nii; labels old.seg.nrrd"
 err_has "layers of segments: volume=0 first (1); volume=1 second (1)"
-expect 3 "$iftty" -c "open both.seg.nrrd"
-err_has "as in \`open FILE volume=0\`, of 0 to 1; layers of segments:"
+refuses "as in \`open FILE volume=0\`, of 0 to 1; layers of segments:" "open both.seg.nrrd"
 for words in "volume=1" "data=maps"; do
     expect 2 "$iftty" -c "open s.nii; weight sobel $words"
     err_has "${words%=*}: \`weight sobel\` has none"
-    expect 2 "$iftty" -c "open s.nii; mask none $words"
-    err_has "\`mask none\` has no"
+    expect_err "\`mask none\` has no" 2 "$iftty" -c "open s.nii; mask none $words"
     echo 1,1,1,1 >list.csv
     expect 2 "$iftty" -c "open s.nii; seed-file list.csv $words"
     err_has "are for label maps, and list.csv is a list"
 done
 expect 2 "$iftty" -c "open s.nii; labels both.nii volume=0 data=maps"
 err_has "data=NAME is for data sets of HDF5"
-close_story
 
 begin "of a layer, the answer names the segments and their values"
 expect 0 "$iftty" -c "open s.nii; labels both.seg.nrrd volume=1"
 out_has "volume 1 of 2: the segments vessel (1), stone\\n2 (2)"
-close_story
 
-begin "programs take --volume, one number for each file"
+begin "programs accept --volume, one number for each file"
 expect 0 "$iftty" compare only1.nii only0.nii --csv
 grep -v nii out | cut -d, -f3- >expected
 for files in "both.nii both.seg.nrrd --volume 1,0" "only1.nii both.nii --volume 0" \
@@ -138,9 +130,7 @@ expect 0 "$iftty" info --histogram both.nii --volume 1
 sed -n '/^histogram/,$p' out >got
 expect 0 "$iftty" info --histogram only1.nii
 sed -n '/^histogram/,$p' out | cmp -s - got || fail "info: $(cat got)"
-expect 3 "$iftty" info --histogram both.nii
-err_has "as in --volume 0"
-close_story
+expect_err "as in --volume 0" 3 "$iftty" info --histogram both.nii
 
 begin "apply opens the volume of each scene, and its journal says which"
 /usr/bin/python3 -W ignore - <<'END' || fail nibabel
@@ -158,6 +148,5 @@ grep -qF -e '--volume 0' both.txt || fail "$(cat both.txt)"
 expect 0 "$iftty" apply procedure.iftty times.nii --by world --out made --volume 1
 grep -q '^open .*times.nii volume=1' made/times.iftty || fail "$(cat made/times.iftty)"
 expect 0 "$iftty" verify --no-strict made/times.iftty
-close_story
 
 finish

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The scripts of examples/cohort, without an engine: one subject, and what came of several. Engines,
-# and tasks that are killed for good, are `make test-cohort`.
+# The scripts of examples/cohort, without an engine: one subject, and the results of several.
+# Engines, and tasks that are killed for good, are `make test-cohort`.
 . "$(dirname "$0")/lib.sh"
 cohort=$top/examples/cohort
 cd "$work" || exit 1
@@ -43,7 +43,6 @@ cp $sidecar first
 subject 0 "$iftty"
 out_has "sub-01: there already"
 same_files $sidecar first
-close_story
 
 begin "a killed subject continues: without sidecar or labels, or with a corrected journal"
 rm $sidecar $here/*_dseg.nii.gz
@@ -57,7 +56,6 @@ out_has "sub-01: done"
 same_files $journal corrected
 says 'told["Stats"]["by_label"][0]["voxels"] != json.load(open("first"))["Stats"]["by_label"][0][
     "voxels"]'
-close_story
 
 # A program in the place of iftty, for `apply` alone.
 instead() { # SCRIPT
@@ -76,9 +74,7 @@ instead 'echo "[{\"state\": \"failed\", \"why\": \"no space\"}]"; exit 3'
 subject 3 ./instead
 err_has "sub-01: Apply, status 3: ; no space"
 [ ! -e $sidecar ] || fail "there is a sidecar"
-expect 2 "$cohort/subject.py" expert.iftty s.nii made
-err_has "no name of BIDS"
-close_story
+expect_err "no name of BIDS" 2 "$cohort/subject.py" expert.iftty s.nii made
 
 begin "a terminated task ends its program and removes its folder; two do not interfere"
 instead 'echo $$ >pid; exec sleep 100'
@@ -92,7 +88,6 @@ wait $!
 same $? 143
 [ ! -e made/.work ] || fail "the work folder stays"
 comes_true sh -c '! kill -0 "$(cat pid)" 2>/dev/null'
-close_story
 
 # made/sub-NN with a label of so many ml, so many of 1000 seeds dropped, and that doubt.
 make_told() { # NN ML DROPPED DOUBT
@@ -121,8 +116,7 @@ make_told 11 101 10 0.1
 echo '{"Refused": "no <overlap>"}' >made/sub-11/anat/sub-11_desc-iftty_dseg.json
 mkdir -p study/sub-12/anat
 : >study/sub-12/anat/sub-12_T1w.nii.gz
-expect 1 "$cohort/gather.py" study made
-out_has "12 subjects, 3 to look at before any other"
+expect_out "12 subjects, 3 to look at before any other" 1 "$cohort/gather.py" study made
 out_has "sub-11: refused: no <overlap>"
 same "$(cut -d, -f 1 made/cohort.csv | sed -n '2,7p' | tr '\n' ' ')" \
     "sub-10 sub-11 sub-12 sub-07 sub-08 sub-09 "
@@ -139,6 +133,5 @@ for number in 01 02 03; do
 done
 expect 0 "$cohort/gather.py" study made
 expect 3 "$cohort/gather.py" nowhere made
-close_story
 
 finish

@@ -71,31 +71,24 @@ STORY(a_choice_is_a_whole_word_told_by_its_number)
 
 static void canonical(struct buf *out, const char *line, const struct session *session)
 {
-    struct call call;
+    OWNED(call_release) struct call call = {0};
     buf_clear(out);
-    if (!CHECK(command_parse(&call, line, session, &fault) == OK)) {
+    if (CHECK(command_parse(&call, line, session, &fault) == OK))
+        command_write(out, &call);
+    else
         printf("#   %s: %s\n", line, fault.text);
-        return;
-    }
-    command_write(out, &call);
-    call_release(&call);
 }
 
-STORY(every_example_parses_and_its_canonical_form_is_its_own)
+BEGUN_STORY(every_example_parses_and_its_canonical_form_is_its_own, begin_interpreter)
 {
-    struct interpreter interp;
-    struct buf once = {0}, twice = {0};
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom");
+    OWNED(buf_release) struct buf once = {0}, twice = {0};
+    must(interp, "open synth:geom");
     for (unsigned i = 0; i < command_count(); i++) {
-        canonical(&once, command_at(i)->example, interp.session);
-        canonical(&twice, buf_text(&once), interp.session);
+        canonical(&once, command_at(i)->example, interp->session);
+        canonical(&twice, buf_text(&once), interp->session);
         CHECK_TEXT(buf_text(&twice), buf_text(&once));
         CHECK_TEXT(buf_text(&once), command_at(i)->example);
     }
-    buf_release(&once);
-    buf_release(&twice);
-    interpreter_release(&interp);
 }
 
 /* Return the form of a parameter in help. */
@@ -127,7 +120,7 @@ static const char *form_of(const struct parameter *p)
 
 STORY(help_names_every_command_and_parameter)
 {
-    struct buf all = {0}, one = {0};
+    OWNED(buf_release) struct buf all = {0}, one = {0};
     command_help(&all, NULL);
     for (unsigned i = 0; i < command_count(); i++) {
         const struct command *c = command_at(i);
@@ -147,8 +140,6 @@ STORY(help_names_every_command_and_parameter)
                 CHECK_HAS(buf_text(&one), c->parameter[p].name);
         }
     }
-    buf_release(&all);
-    buf_release(&one);
 }
 
 static void fits_80_columns(const char *text)
@@ -160,7 +151,7 @@ static void fits_80_columns(const char *text)
 
 STORY(help_fits_80_columns)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     command_help(&out, NULL);
     fits_80_columns(buf_text(&out));
     for (unsigned i = 0; i < command_count(); i++) {
@@ -169,16 +160,11 @@ STORY(help_fits_80_columns)
         fits_80_columns(buf_text(&out));
         CHECK(!strstr(buf_text(&out), " \n"));
     }
-    buf_release(&out);
 }
 
 /* ---- random lines that are right ---- */
 
-static uint64_t seed;
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+DRAW_FROM(0)
 
 static void add_decimal(struct buf *out, const struct parameter *p)
 {
@@ -235,12 +221,15 @@ static void add_position(struct buf *out)
         buf_printf(out, "%.3f,%.2f,%.4fmm", mm[0], mm[1], mm[2]);
 }
 
-static void add_range(struct buf *out, const struct parameter *p)
+static void add_ranges(struct buf *out, const struct parameter *p, uint32_t ranges)
 {
-    uint32_t first = (uint32_t)p->least + below((uint32_t)(p->most - p->least + 1));
-    buf_printf(out, "%u", first);
-    if (below(2))
-        buf_printf(out, "-%u", first + below((uint32_t)p->most - first + 1));
+    for (; ranges > 0; ranges--) {
+        const uint32_t first = (uint32_t)p->least + below((uint32_t)(p->most - p->least + 1));
+        buf_printf(out, "%u", first);
+        if (below(2))
+            buf_printf(out, "-%u", first + below((uint32_t)p->most - first + 1));
+        buf_add_text(out, ranges > 1 ? "," : "");
+    }
 }
 
 static void add_value(struct buf *out, const struct parameter *p)
@@ -249,60 +238,34 @@ static void add_value(struct buf *out, const struct parameter *p)
         add_choice(out, p->choices);
         return;
     }
-    switch (p->type) {
-    case VALUE_POSITION:
+    if (p->type == VALUE_POSITION || p->type == VALUE_LINE)
         add_position(out);
-        break;
-    case VALUE_LABEL:
-        if (below(4) == 0)
-            buf_add_text(out, "cerebellum");
-        else
-            buf_printf(out, "%u", (uint32_t)p->least + below(256 - (uint32_t)p->least));
-        break;
-    case VALUE_NUMBER:
+    else if (p->type == VALUE_LABEL && below(4) == 0)
+        buf_add_text(out, "cerebellum");
+    else if (p->type == VALUE_LABEL)
+        buf_printf(out, "%u", (uint32_t)p->least + below(256 - (uint32_t)p->least));
+    else if (p->type == VALUE_NUMBER)
         buf_printf(out, "%lld",
                    (long long)p->least + (long long)below((uint32_t)(p->most - p->least + 1)));
-        break;
-    case VALUE_RANGE:
-        add_range(out, p);
-        break;
-    case VALUE_LIST:
-    case VALUE_LABELS:
-        for (uint32_t n = below(3);; n--) {
-            if (p->type == VALUE_LABELS && below(3) == 0)
-                buf_add_text(out, "cerebellum");
-            else
-                add_range(out, p->type == VALUE_LIST ? p : &(struct parameter){.most = 255});
-            if (n == 0)
-                break;
-            buf_add_char(out, ',');
-        }
-        break;
-    case VALUE_DECIMAL:
+    else if (p->type == VALUE_DECIMAL)
         add_decimal(out, p);
-        break;
-    case VALUE_LINE:
-        add_position(out);
-        break;
-    case VALUE_RADIUS:
+    else if (p->type == VALUE_RADIUS)
         buf_printf(out, below(2) ? "%u" : "%u.%03umm",
                    (uint32_t)p->least + below((uint32_t)(p->most - p->least) + 1), below(1000));
-        break;
-    case VALUE_REAL:
+    else if (p->type == VALUE_REAL)
         buf_printf(out, "%d.%03ue%d", (int)below(50) - 25, below(1000), (int)below(30) - 15);
-        break;
-    case VALUE_INTERVAL:
+    else if (p->type == VALUE_INTERVAL)
         buf_printf(out, "%d.%03u..%u.5e%u", -(int)below(50), below(1000), 1 + below(300), below(9));
-        break;
-    case VALUE_COLOUR:
+    else if (p->type == VALUE_COLOUR)
         buf_printf(out, "#%06x", below(1u << 24));
-        break;
-    case VALUE_COMMAND:
+    else if (p->type == VALUE_COMMAND)
         buf_add_text(out, command_at(below(command_count()))->name);
-        break;
-    default:
+    else if (p->type == VALUE_RANGE || p->type == VALUE_LIST)
+        add_ranges(out, p, p->type == VALUE_LIST ? 1 + below(3) : 1);
+    else if (p->type == VALUE_LABELS)
+        add_ranges(out, &(struct parameter){.most = 255}, 1 + below(3));
+    else
         add_word(out);
-    }
 }
 
 static void random_line(struct buf *out, const struct command *command)
@@ -364,10 +327,10 @@ static bool same_values(const struct call *a, const struct call *b)
 
 SCENE_STORY(a_random_line_and_its_canonical_form_mean_the_same)
 {
-    struct buf line = {0}, once = {0}, twice = {0};
+    OWNED(buf_release) struct buf line = {0}, once = {0}, twice = {0};
     seed = 1;
     for (unsigned i = 0; i < 40000 && check_failures < 5; i++) {
-        struct call first, second;
+        OWNED(call_release) struct call first = {0}, second = {0};
         random_line(&line, command_at(i % command_count()));
         if (!CHECK(command_parse(&first, buf_text(&line), interp->session, &fault) == OK)) {
             printf("#   %s: %s\n", buf_text(&line), fault.text);
@@ -380,29 +343,23 @@ SCENE_STORY(a_random_line_and_its_canonical_form_mean_the_same)
             command_write(&twice, &second);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
             CHECK(same_values(&first, &second));
-            call_release(&second);
         } else {
             printf("#   %s: %s\n", buf_text(&once), fault.text);
         }
-        call_release(&first);
     }
-    buf_release(&line);
-    buf_release(&once);
-    buf_release(&twice);
 }
 
 SCENE_STORY(a_radius_is_written_with_all_its_digits)
 {
     static const char *const word[] = {"0",         "32",          "0.000001mm", "0.00001mm",
                                        "0.05001mm", "999.99999mm", "1000mm"};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     char line[64];
     for (size_t i = 0; i < sizeof word / sizeof word[0]; i++) {
         snprintf(line, sizeof line, "seed 0,0,0 1 radius=%s", word[i]);
         canonical(&out, line, interp->session);
         CHECK_TEXT(buf_text(&out), line);
     }
-    buf_release(&out);
 }
 
 /* ---- positions ---- */
@@ -421,7 +378,7 @@ SCENE_STORY(millimetres_lead_to_the_nearest_voxel)
     static const char *const outside[] = {
         "seed 12,0,0 1",      "seed 0,11,0 1",       "seed 0,0,10 1", "seed -1,0,0 1",
         "seed 6.1,-20,7mm 1", "seed 999999,0,0mm 1", "why 900000,0,0"};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct call call;
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         canonical(&out, row[i][0], interp->session);
@@ -432,7 +389,6 @@ SCENE_STORY(millimetres_lead_to_the_nearest_voxel)
         CHECK_HAS(fault.text, "is outside the scene, whose voxels are 0,0,0 to 11,10,9");
         CHECK_HAS(fault.text, "nothing has changed");
     }
-    buf_release(&out);
 }
 
 /* ---- lines that are wrong ---- */
@@ -446,7 +402,7 @@ SCENE_STORY(each_synonym_suggests_one_command)
         struct choice word;
         while (choice_next(&word, &also)) {
             char line[64], key[66], words[160];
-            struct call call = {0};
+            OWNED(call_release) struct call call = {0};
             snprintf(line, sizeof line, "%.*s", (int)word.length, word.word);
             snprintf(key, sizeof key, "|%s|", line);
             snprintf(words, sizeof words, "unknown command %s; did you mean %s?", line,
@@ -455,13 +411,12 @@ SCENE_STORY(each_synonym_suggests_one_command)
             CHECK_TEXT(fault.text, words);
             CHECK(!strstr(said, key));
             strcat(said, key + 1);
-            call_release(&call);
         }
     }
     CHECK_HAS(said, "|exit|");
 }
 
-STORY(an_error_names_the_expected_form)
+SCENE_STORY(an_error_names_the_expected_form)
 {
     static const char *const row[][2] = {
         {"sede 1,1,1 1", "unknown command sede; did you mean seed?"},
@@ -612,20 +567,17 @@ STORY(an_error_names_the_expected_form)
         {"render missing-folder/x.exr", "there is no folder"},
         {"\x1b]0;title\x07", "\\x1b]0;title\\x07"},
     };
-    struct interpreter interp;
-    begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        is_refused(&interp, row[i][0], row[i][1]);
+        is_refused(interp, row[i][0], row[i][1]);
     char *lengthy = malloc(100001);
     if (CHECK(lengthy != NULL)) {
         memset(lengthy, 'a', 100000);
         lengthy[100000] = '\0';
-        is_refused(&interp, lengthy, "longer than 65535 bytes");
+        is_refused(interp, lengthy, "longer than 65535 bytes");
         lengthy[4000] = '\0';
-        is_refused(&interp, lengthy, "unknown command aaaa");
+        is_refused(interp, lengthy, "unknown command aaaa");
     }
     free(lengthy);
-    interpreter_release(&interp);
 }
 
 /* Check the word under the caret of an error; "" for a position behind the end. */
@@ -666,24 +618,21 @@ SCENE_STORY(an_error_has_the_position_of_the_wrong_word)
     CHECK_INT(fault.at, 0);
 }
 
-STORY(without_a_scene_only_what_needs_none_works)
+BEGUN_STORY(without_a_scene_only_what_needs_none_works, begin_interpreter)
 {
-    struct interpreter interp;
-    begin_interpreter(&interp);
     for (unsigned i = 0; i < command_count(); i++) {
         const struct command *c = command_at(i);
         if (c->flags & COMMAND_NEEDS_SCENE)
-            is_refused(&interp, c->example, "scene");
+            is_refused(interp, c->example, "scene");
     }
-    is_refused(&interp, "seed 1,1,1 1", "no scene is open; open one first");
-    is_refused(&interp, "run", "run needs a scene; open one first");
-    is_refused(&interp, "open synth:geom:333", "each of X, Y, Z 1 or 2");
-    is_refused(&interp, "open synth:cube", "nothing was opened");
-    MUST_MENTION(&interp, "label 1 liver; auto on; info", "no scene is open");
-    MUST_MENTION(&interp, "help seed", "radius=0..512");
-    must(&interp, "quit");
-    CHECK(interp.wish == WISH_QUIT);
-    interpreter_release(&interp);
+    is_refused(interp, "seed 1,1,1 1", "no scene is open; open one first");
+    is_refused(interp, "run", "run needs a scene; open one first");
+    is_refused(interp, "open synth:geom:333", "each of X, Y, Z 1 or 2");
+    is_refused(interp, "open synth:cube", "nothing was opened");
+    MUST_MENTION(interp, "label 1 liver; auto on; info", "no scene is open");
+    MUST_MENTION(interp, "help seed", "radius=0..512");
+    must(interp, "quit");
+    CHECK(interp->wish == WISH_QUIT);
 }
 
 SCENE_STORY(comments_and_empty_lines_do_nothing)
@@ -727,12 +676,12 @@ static void garbage(char *out, size_t capacity)
 
 SCENE_STORY(garbage_is_parsed_or_refused_in_one_plain_line)
 {
-    struct buf once = {0}, twice = {0};
+    OWNED(buf_release) struct buf once = {0}, twice = {0};
     char line[2048];
     unsigned parsed = 0;
     seed = 2;
     for (unsigned i = 0; i < 30000 && check_failures < 5; i++) {
-        struct call call;
+        OWNED(call_release) struct call call = {0};
         line[0] = '\0';
         garbage(line, sizeof line);
         fault = (struct fault){.text = ""};
@@ -745,9 +694,6 @@ SCENE_STORY(garbage_is_parsed_or_refused_in_one_plain_line)
             command_write(&once, &call);
             canonical(&twice, buf_text(&once), interp->session);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
-            call_release(&call);
-        } else {
-            call_release(&call);
         }
         buf_clear(&once);
         size_t start = 0, cursor = below((uint32_t)strlen(line) + 1);
@@ -755,8 +701,6 @@ SCENE_STORY(garbage_is_parsed_or_refused_in_one_plain_line)
         CHECK(start <= cursor);
     }
     CHECK(parsed > 300); /* else the mixture tests nothing */
-    buf_release(&once);
-    buf_release(&twice);
 }
 
 /* ---- completion ---- */
@@ -781,17 +725,16 @@ static void complete_words(struct buf *out, size_t *start, const char *line,
 static void completes(const struct interpreter *interp, const char *line, const char *expected,
                       size_t expected_start)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     size_t start = 99;
     complete_words(&out, &start, line, interp);
     CHECK_TEXT(buf_text(&out), expected);
     CHECK_INT(start, expected_start);
-    buf_release(&out);
 }
 
 SCENE_STORY(completion_offers_valid_words)
 {
-    struct buf out = {0}, names = {0};
+    OWNED(buf_release) struct buf out = {0}, names = {0};
     size_t start;
     must(interp, "label 7 cortex");
     complete_words(&out, &start, "", interp);
@@ -825,29 +768,27 @@ SCENE_STORY(completion_offers_valid_words)
     completes(interp, "view b", "back\nbottom\n", 5);
     completes(interp, "zoom f", "fit\n", 5);
     completes(interp, "adjacency ", "6\n26\n", 10);
-    buf_release(&out);
-    buf_release(&names);
 }
 
 static void means(const struct interpreter *interp, const char *line, const char *part)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     size_t start;
     command_complete(&out, &start, line, strlen(line), interp);
     CHECK_HAS(buf_text(&out), part);
-    buf_release(&out);
 }
 
 SCENE_STORY(completion_explains_words)
 {
     must(interp, "label 7 cortex; seed 1,1,1 7");
-    means(interp, "un", "undo\ttake back the last change of the segmentation\n");
-    means(interp, "help ", "keys\tthose of the prompt.\n");
+    means(interp, "un", "undo\tundo the last change of the segmentation\n");
+    means(interp, "help ", "keys\tlist the keys of the prompt.\n");
     means(interp, "shade ", "cubes\tthe faces of their voxels, with the normals of the surface.\n");
     means(interp, "shade ",
           "surface\tthe visible objects, smoothed.\n"); /* surface, the default: */
     means(interp, "weight so", "sobel\tthe 3-D Sobel operator.\n");
-    means(interp, "remove 1,1,1 of=t", "tree\tthe seed of the single tree that contains the voxel");
+    means(interp, "remove 1,1,1 of=t",
+          "tree\tremove only the seed of the tree that contains the voxel");
     means(interp, "seed-file x.nii er", "erode=\trounds; each removes the voxels");
     means(interp, "seed-file x.nii gen", "generator=\tthe number that the drawing starts");
     means(interp, "spin 9 x.gif del", "delay=\t20..60000\n");
@@ -879,12 +820,11 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
         CHECK(command_is_same(pair[i].a, pair[i].b) == pair[i].are_same);
         CHECK(command_is_same(pair[i].b, pair[i].a) == pair[i].are_same);
     }
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     CHECK(command_opens(&name, "open volume=2 \"a b.nii\" reduce=2"));
     CHECK_TEXT(buf_text(&name), "a b.nii");
     CHECK(!command_opens(&name, "mask a.nii"));
     CHECK(!command_opens(&name, "open volume=2"));
-    buf_release(&name);
 }
 
 /* Create files with names of all kinds in a folder, and change to it. */
@@ -909,43 +849,40 @@ static void begin_with_files(struct interpreter *interp)
     CHECK(chdir(place("files")) == 0);
 }
 
-STORY(completion_offers_files)
+BEGUN_STORY(completion_offers_files, begin_with_files)
 {
-    struct interpreter interp;
-    begin_with_files(&interp);
-    completes(&interp, "open a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
-    completes(&interp, "open a.", "a.nii\n", 5);
-    completes(&interp, "open \"a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
-    completes(&interp, "open \"a.", "\"a.nii\"\n", 5);
-    completes(&interp, "open \"a.nii\"", "", 12);
-    completes(&interp, "open m", "masks/\nmissing=\n", 5);
-    completes(&interp, "open l", "link/\n", 5);
-    completes(&interp, "open masks/", "masks/m.nii\n", 5);
-    completes(&interp, "open masks/n", "", 5);
-    completes(&interp, "open t", "\"to do/\ntype=\n", 5);
-    completes(&interp, "open \"to do/", "\"to do/one.nii\"\n", 5);
-    completes(&interp, "open ./a.", "./a.nii\n", 5);
-    completes(&interp, "open #", "\"#hash.nii\"\n", 5);
-    completes(&interp, "open ./#", "./#hash.nii\n", 5);
-    completes(&interp, "open \"\\\"", "\"\\\"q\\\\.nii\"\n", 5);
-    completes(&interp, "open b", "b\xc3\xa4r.nii\n", 5); /* others cannot be in a command */
-    completes(&interp, "open .", ".hidden\n", 5);
-    completes(&interp, "open \"\"x", "", 8);
-    completes(&interp, "save labels m", "masks/\n", 12);
-    completes(&interp, "weight m", "morph\nmasks/\n", 7);
-    completes(&interp, "slice axial m", "masks/\n", 12);
-    completes(&interp, "slice axial 3 m", "masks/\n", 14);
-    completes(&interp, "render l", "link/\nlayout=\n", 7);
-    completes(&interp, "render layout=l", "lines\n", 14);
-    completes(&interp, "seed 1,1,1 m", "", 11);
-    completes(&interp, "hide \"co", "\"cortex\"\n", 5);
-    completes(&interp, "save nowhere/", "", 5);
+    completes(interp, "open a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
+    completes(interp, "open a.", "a.nii\n", 5);
+    completes(interp, "open \"a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
+    completes(interp, "open \"a.", "\"a.nii\"\n", 5);
+    completes(interp, "open \"a.nii\"", "", 12);
+    completes(interp, "open m", "masks/\nmissing=\n", 5);
+    completes(interp, "open l", "link/\n", 5);
+    completes(interp, "open masks/", "masks/m.nii\n", 5);
+    completes(interp, "open masks/n", "", 5);
+    completes(interp, "open t", "\"to do/\ntype=\n", 5);
+    completes(interp, "open \"to do/", "\"to do/one.nii\"\n", 5);
+    completes(interp, "open ./a.", "./a.nii\n", 5);
+    completes(interp, "open #", "\"#hash.nii\"\n", 5);
+    completes(interp, "open ./#", "./#hash.nii\n", 5);
+    completes(interp, "open \"\\\"", "\"\\\"q\\\\.nii\"\n", 5);
+    completes(interp, "open b", "b\xc3\xa4r.nii\n", 5); /* others cannot be in a command */
+    completes(interp, "open .", ".hidden\n", 5);
+    completes(interp, "open \"\"x", "", 8);
+    completes(interp, "save labels m", "masks/\n", 12);
+    completes(interp, "weight m", "morph\nmasks/\n", 7);
+    completes(interp, "slice axial m", "masks/\n", 12);
+    completes(interp, "slice axial 3 m", "masks/\n", 14);
+    completes(interp, "render l", "link/\nlayout=\n", 7);
+    completes(interp, "render layout=l", "lines\n", 14);
+    completes(interp, "seed 1,1,1 m", "", 11);
+    completes(interp, "hide \"co", "\"cortex\"\n", 5);
+    completes(interp, "save nowhere/", "", 5);
     setenv("HOME", place("files/masks"), 1);
-    completes(&interp, "open ~/m", "~/m.nii\n", 5);
-    completes(&interp, "save labels \"~/", "\"~/m.nii\"\n", 12);
+    completes(interp, "open ~/m", "~/m.nii\n", 5);
+    completes(interp, "save labels \"~/", "\"~/m.nii\"\n", 12);
     unsetenv("HOME");
     CHECK(chdir(folder) == 0);
-    interpreter_release(&interp);
 }
 
 SCENE_STORY(a_key_that_is_given_is_not_offered_again)
@@ -959,9 +896,7 @@ SCENE_STORY(a_key_that_is_given_is_not_offered_again)
 
 STORY(goldens_branches_and_records_are_offered)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    interpreter_release(&interp);
+    OWNED(interpreter_release) struct interpreter interp;
     begin_with_journal(&interp, "offers.iftty");
     completes(&interp, "golden ", "of=\nfinished=\n", 7);
     must(&interp, "seed 1,1,1 2; seed 9,9,9 1; size 20 20; golden front-1; "
@@ -971,7 +906,6 @@ STORY(goldens_branches_and_records_are_offered)
     completes(&interp, "goto s", "stem\n", 5);
     completes(&interp, "goto ", "main\nstem\n1\n2\n3\n5\n", 5);
     completes(&interp, "goto 2", "2\n", 5);
-    interpreter_release(&interp);
 }
 
 /* ---- hints ---- */
@@ -1021,7 +955,7 @@ STORY(a_hint_is_the_rest_of_the_usage)
         {"# seed ", ""},
         {"seed \"1\"2 ", ""},
     };
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         buf_clear(&out);
         command_hint(&out, row[i][0], strlen(row[i][0]));
@@ -1029,7 +963,6 @@ STORY(a_hint_is_the_rest_of_the_usage)
             printf("#   %s\n", row[i][0]);
         CHECK_TEXT(buf_text(&out), row[i][1]);
     }
-    buf_release(&out);
 }
 
 /* ---- the door ---- */
@@ -1060,7 +993,8 @@ struct deed {
 static bool next_deed(struct deed *deed, const char **cursor)
 {
     const char *at = *cursor;
-    struct buf line = {0}, file = {0}, *to = &line;
+    OWNED(buf_release) struct buf line = {0}, file = {0};
+    struct buf *to = &line;
     if (!*at)
         return false;
     for (deed->only_looks = *at == '~', at += *at == '~'; *at && *at != ';'; at++)
@@ -1071,8 +1005,6 @@ static bool next_deed(struct deed *deed, const char **cursor)
     *cursor = at + strspn(at, "; ");
     snprintf(deed->line, sizeof deed->line, "%s", buf_text(&line));
     snprintf(deed->file, sizeof deed->file, "%s", buf_text(&file));
-    buf_release(&line);
-    buf_release(&file);
     return true;
 }
 
@@ -1122,8 +1054,8 @@ static void say_nothing(void *context, const char *text)
  * about a file that was changed since. */
 static void replay_tells(const char *words)
 {
-    struct buf told = {0};
-    struct interpreter interp;
+    OWNED(buf_release) struct buf told = {0};
+    OWNED(interpreter_release) struct interpreter interp;
     const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_interpreter(&interp);
     fault = (struct fault){.text = ""};
@@ -1132,8 +1064,6 @@ static void replay_tells(const char *words)
         printf("#   %s\n", fault.text);
     buf_add_text(&told, fault.text);
     CHECK_HAS(buf_text(&told), words ? words : "");
-    interpreter_release(&interp);
-    buf_release(&told);
 }
 
 static void journal_verifies(void)
@@ -1146,11 +1076,10 @@ static void journal_verifies(void)
 /* Copy weights.nii with other scl_slope and scl_inter, given as the bytes of two floats. */
 static void make_scaled(const char *name, const char scale[8])
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     CHECK(file_read(&file, place("weights.nii"), 1 << 20, NULL) == OK && file.length > 352);
     memcpy(file.data + 112, scale, 8);
     CHECK(file_write(place(name), file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
 }
 
 static void make_seed_files(void)
@@ -1324,9 +1253,9 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz; "
         "orient sform; landmark AC 3,4,5; landmark PC 3,2,5; landmark AC none; "
         "origin 74120d6c3f0cc54e2237dc0bced98ab5 volumes=1:900";
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     struct snapshot end, again;
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     begin_recording(&interp, "door.iftty");
     all_fail_then_work(&interp, before);
     all_fail_then_work(&interp, deeds);
@@ -1350,8 +1279,6 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     CHECK(is_same_kept(&again.kept, &end.kept)); /* maps have other addresses */
     again.kept = end.kept;
     CHECK(memcmp(&again, &end, sizeof end) == 0);
-    interpreter_release(&interp);
-    buf_release(&told);
 }
 
 /* Write the scene with voxels of this length. */
@@ -1369,72 +1296,55 @@ static void make_long(const char *name, double z_mm)
 
 STORY(zoom_fit_works_for_any_samples)
 {
-    static const char *const open[] = {"synth:geom:1x1x1", "synth:geom:3x2x1", "long.nii"};
+    static const char *const open[] = {"open synth:geom:1x1x1", "open synth:geom:3x2x1",
+                                       "open long.nii"};
     make_long("long.nii", 90);
     for (size_t i = 0; i < sizeof open / sizeof open[0]; i++) {
-        struct interpreter interp;
-        char line[PATH_MAX];
+        OWNED(interpreter_release) struct interpreter interp;
         begin_interpreter(&interp);
-        snprintf(line, sizeof line, "open %s", strchr(open[i], ':') ? open[i] : place(open[i]));
-        must(&interp, line);
+        must(&interp, open[i]);
         must(&interp, "size 1000 1000; samples 4; zoom fit; samples 1");
         must(&interp, "zoom fit"); /* may be larger now */
         must(&interp, "render");
-        interpreter_release(&interp);
     }
 }
 
-STORY(voxels_too_long_for_any_picture_are_rejected)
+BEGUN_STORY(voxels_too_long_for_any_picture_are_rejected, begin_interpreter)
 {
-    struct interpreter interp;
-    char line[PATH_MAX];
-    begin_interpreter(&interp);
     make_long("needles.nii", 3000);
-    snprintf(line, sizeof line, "open %s", place("needles.nii"));
-    must(&interp, line);
-    interpreter_release(&interp);
-    begin_interpreter(&interp);
-    struct buf file = {0};
+    must(interp, "open needles.nii");
+    interpreter_release(interp);
+    begin_interpreter(interp);
+    OWNED(buf_release) struct buf file = {0};
     const float thin = 0.1f;
     CHECK(file_read(&file, place("needles.nii"), 1 << 20, NULL) == OK);
     memcpy(file.data + 80, &thin, 4); /* pixdim[1] */
     CHECK(file_write(place("needles.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
-    CHECK(execute(&interp, line) == ERR_LIMIT);
+    CHECK(execute(interp, "open needles.nii") == ERR_LIMIT);
     CHECK_TEXT(fault.text, "voxels of 0.1x1x3000 mm are too long for their width: no picture could "
                            "show them; nothing was opened");
-    CHECK(!interp.session->has_scene);
-    interpreter_release(&interp);
+    CHECK(!interp->session->has_scene);
 }
 
-STORY(a_replaced_file_is_restored)
+SCENE_STORY(a_replaced_file_is_restored)
 {
-    struct interpreter interp;
-    char line[PATH_MAX + 64];
-    struct buf former = {0}, now = {0};
+    OWNED(buf_release) struct buf former = {0}, now = {0};
     snprintf(journal_file, sizeof journal_file, "%s", place("replaced.iftty"));
     failing_step = FILE_STEP_SYNC;
-    begin_with_scene(&interp);
-    CHECK(interpreter_create_journal(&interp, journal_file, &fault) == OK);
-    must(&interp, "seed 1,1,1 1");
-    snprintf(line, sizeof line, "save labels %s", place("replaced.nii"));
-    must(&interp, line);
-    CHECK(file_read(&former, place("replaced.nii"), 1 << 20, NULL) == OK);
-    must(&interp, "seed 1,1,1 2");
-    snprintf(line, sizeof line, "save labels %s replace=yes", place("replaced.nii"));
+    CHECK(interpreter_create_journal(interp, journal_file, &fault) == OK);
+    must(interp, "seed 1,1,1 1");
+    must(interp, "save labels replaced.nii");
+    CHECK(file_read(&former, "replaced.nii", 1 << 20, NULL) == OK);
+    must(interp, "seed 1,1,1 2");
     for (int tries = 0; tries < 2; tries++) {
         file_step_hook = tries == 0 ? fail_on_journal : NULL;
-        CHECK_INT(execute(&interp, line), tries == 0 ? ERR_IO : OK);
+        CHECK_INT(execute(interp, "save labels replaced.nii replace=yes"), tries ? OK : ERR_IO);
         file_step_hook = NULL;
-        CHECK(file_read(&now, place("replaced.nii"), 1 << 20, NULL) == OK);
+        CHECK(file_read(&now, "replaced.nii", 1 << 20, NULL) == OK);
         bool same = now.length == former.length && memcmp(now.data, former.data, now.length) == 0;
         CHECK(same == (tries == 0));
     }
-    snprintf(line, sizeof line, "ls -A %s | grep -q tmp", folder);
-    CHECK(system(line) != 0); /* no backup is left */
-    buf_release(&former);
-    buf_release(&now);
-    interpreter_release(&interp);
+    CHECK(system("ls -A | grep -q ^.iftty-") != 0); /* no backup is left */
 }
 
 STORY(a_replay_gives_the_recorded_results)
@@ -1734,7 +1644,7 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, un
 }
 
 /* A command is undone wherever it is stopped. */
-STORY(a_command_that_is_cancelled_is_undone)
+BEGUN_STORY(a_command_that_is_cancelled_is_undone, begin_interesting_work)
 {
     static const char lines[] =
         "adjacency 26; run; render; render mode=sp; weight sobel; weight gauss 2; hide 1; "
@@ -1742,24 +1652,20 @@ STORY(a_command_that_is_cancelled_is_undone)
         "range 0 300; undo 3; seed 4,4,4 1 radius=4 to=30,30,30 to=4,30,4; box 1,1,1 30,30,30 2; "
         "fill 1,1,5 1 to=30,1,5 to=15,30,5; outline 4,1,4 1 to=4,30,2 to=4,15,30; mosaic";
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
-    struct interpreter interp;
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     struct snapshot before;
     unsigned cancelled = 0;
-    begin_interesting_work(&interp);
-    take_snapshot(&before, &interp);
+    take_snapshot(&before, interp);
     for (const char *at = lines; next_line(&line, &at);)
         cancelled +=
-            stop_everywhere(&interp, buf_text(&line), looks_of(&interp, buf_text(&line)), &before);
-    buf_release(&line);
+            stop_everywhere(interp, buf_text(&line), looks_of(interp, buf_text(&line)), &before);
     CHECK(cancelled > 60);
-    must(&interp, "run; render");
-    take_snapshot(&before, &interp);
+    must(interp, "run; render");
+    take_snapshot(&before, interp);
     for (size_t i = 0; i < sizeof picture / sizeof picture[0]; i++) /* with nothing else to do */
-        CHECK(stop_everywhere(&interp, picture[i], 1, &before) == 1);
-    CHECK(forest_check(interp.session->forest, NULL));
-    CHECK(border_check(&interp.session->border, NULL));
-    interpreter_release(&interp);
+        CHECK(stop_everywhere(interp, picture[i], 1, &before) == 1);
+    CHECK(forest_check(interp->session->forest, NULL));
+    CHECK(border_check(&interp->session->border, NULL));
 }
 
 /* Stop a command at looks further and further apart until it succeeds; return the number of
@@ -1784,14 +1690,11 @@ static unsigned stop_until_done(struct interpreter *interp, const char *line)
     return cancelled;
 }
 
-STORY(interpolation_that_is_cancelled_is_undone)
+BEGUN_STORY(interpolation_that_is_cancelled_is_undone, begin_interpreter)
 {
-    struct interpreter interp;
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:120x100x90; range 0 300; render mode=sp");
-    CHECK(stop_until_done(&interp, "interpolate 2 1 1") > 5);
-    CHECK_INT(interp.session->scene->grid.size[0], 239);
-    interpreter_release(&interp);
+    must(interp, "open synth:geom:120x100x90; range 0 300; render mode=sp");
+    CHECK(stop_until_done(interp, "interpolate 2 1 1") > 5);
+    CHECK_INT(interp->session->scene->grid.size[0], 239);
 }
 
 STORY(opening_that_is_cancelled_opens_nothing)
@@ -1799,11 +1702,10 @@ STORY(opening_that_is_cancelled_opens_nothing)
     static const char *const line[] = {"open synth:geom:120x100x90", "open synth:geom:211",
                                        "open scene.nii"};
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin_interpreter(&interp);
         CHECK(stop_until_done(&interp, line[i]) > 0);
         CHECK(interp.session->has_scene);
-        interpreter_release(&interp);
     }
 }
 
@@ -1841,7 +1743,7 @@ static unsigned files_in(const char *path)
 static void fails_at_every_allocation(struct interpreter *interp, const char *line,
                                       const char *kept)
 {
-    struct buf former = {0}, now = {0};
+    OWNED(buf_release) struct buf former = {0}, now = {0};
     const unsigned files = files_in(folder);
     enum err err = ERR_MEMORY;
     CHECK(!kept || file_read(&former, place(kept), 1 << 20, NULL) == OK);
@@ -1865,8 +1767,6 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
             printf("#   allocation %u of %s: %s\n", n, line, fault.text);
     }
     CHECK(err == OK);
-    buf_release(&former);
-    buf_release(&now);
 }
 
 SCENE_STORY(pictures_without_memory_leave_everything_as_it_was)
@@ -2033,19 +1933,16 @@ SCENE_STORY(the_context_lies_behind_objects_and_goes_by_the_window)
     is_recorded_as(interp, "undo; render", words);
 }
 
-STORY(a_journal_that_cannot_begin_undoes_the_command)
+SCENE_STORY(a_journal_that_cannot_begin_undoes_the_command)
 {
-    struct interpreter interp;
     char missing[PATH_MAX];
     snprintf(missing, sizeof missing, "%s", place("no-folder/x.iftty"));
-    begin_with_scene(&interp);
-    interp.new_journal = missing;
-    is_refused(&interp, "seed 1,1,1 1", "No such file or directory");
-    is_refused(&interp, "seed 1,1,1 1", "No such file or directory");
-    must(&interp, "info"); /* a question needs no journal */
-    interp.new_journal = NULL;
-    must(&interp, "seed 1,1,1 1");
-    interpreter_release(&interp);
+    interp->new_journal = missing;
+    is_refused(interp, "seed 1,1,1 1", "No such file or directory");
+    is_refused(interp, "seed 1,1,1 1", "No such file or directory");
+    must(interp, "info"); /* a question needs no journal */
+    interp->new_journal = NULL;
+    must(interp, "seed 1,1,1 1");
 }
 
 int main(void)

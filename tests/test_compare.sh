@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Labels beside labels, by command and program: the measures are those of ITK, in words, JSON and
-# CSV; the picture shows where they differ; and what cannot be compared is refused. The measures
-# beside a slow computation, and distances: tests/test_comparison.c.
+# Comparison of labels by command and program: the measures equal those of ITK, as text, JSON and
+# CSV; the picture shows the differences; and other maps are rejected. tests/test_comparison.c
+# compares the measures with a slow computation, and tests distances.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
-# What two people segmented, voxels of 1 x 1 x 1 mm.
+# Segmentations of two people, voxels of 1 x 1 x 1 mm.
 record() { # NAME COMMANDS
     "$iftty" -c "open s.nii; label 1 liver; seed 2,3,4 0; seed 6,10,8 1; $2; run
         save labels $1.nii" --journal "$1.iftty" >/dev/null || fail "cannot record $1"
@@ -15,7 +15,7 @@ record() { # NAME COMMANDS
 record a 'seed 20,10,8 2'
 record b 'seed 20,12,3 2 radius=1; seed 3,15,12 3'
 
-# The voxels of a map, and what ITK says of two.
+# The voxels of a map, and ITK's measures of two.
 voxels_of() { tail -c +353 "$1"; }
 itk_says() { # NX NY NZ SX SY SZ A B LABELS, for maps A and B
     voxels_of "$7" >a.raw
@@ -43,13 +43,12 @@ near() { # FILE FILE
         END { if (NF != 12) exit 1 }' || fail "they differ:" "$(paste "$1" "$2")"
 }
 
-begin "the measures are those of ITK"
+begin "the measures equal those of ITK"
 itk_says 24 20 16 1 1 1 a.nii b.nii 3 >itk || fail "ITK cannot compare: $(cat itk)"
 expect 0 "$iftty" compare --csv a.nii b.nii
 ours "$work/out" >own
 [ "$(wc -l <own)" = 4 ] || fail "$(cat own)"
 near itk own
-close_story
 
 # Spacing along each axis of its own, in bytes 80 to 91 of the header: 0.957031, 0.5 and 3.3 mm.
 begin "and so they are with voxels that are not cubes, and cut off by the edge of the scene"
@@ -64,7 +63,6 @@ itk_says 24 20 16 0.95703125 0.5 3.29999995 a-long.nii b-long.nii 3 >itk
 expect 0 "$iftty" compare --csv a-long.nii b-long.nii
 ours "$work/out" >own
 near itk own
-close_story
 
 begin "objects that overlap, and one in which the other has a cavity"
 "$iftty" -c "open synth:geom:60x50x40; seed 1,1,1 0; box 10,8,6 30,26,22 1
@@ -77,16 +75,14 @@ for pair in "hollow solid" "solid two" "two hollow"; do
     ours "$work/out" | sed '/ - -$/d' >own
     near itk own
 done
-close_story
 
 begin "words, JSON and the command say the same"
 "$iftty" compare a.nii b.nii >words
 grep -q '^label  *Dice Jaccard' words || fail "$(cat words)"
 [ "$(grep -c '^[0-9] ' words)" = 3 ] || fail "$(cat words)"
 grep -q '^all ' words || fail "no line for all: $(cat words)"
-expect 0 "$iftty" -c 'compare b.nii report=r.json; compare b.nii report=r.csv' \
+expect_out "1 liver " 0 "$iftty" -c 'compare b.nii report=r.json; compare b.nii report=r.csv' \
     --journal a.iftty
-out_has "1 liver "
 sed '1,/^label/d' words | head -n 3 | cut -c 17- >from_program
 sed -n '/^    label/,$p' out | sed -n 2,4p | cut -c 21- >from_command
 same_files from_program from_command
@@ -106,15 +102,13 @@ for row, told in zip(rows, d['labels'] + [d['all']]):
 assert len(rows) == len(d['labels']) + 1 and d['b'] == 'b.nii'
 EOS
 fi
-close_story
 
 begin "a question changes nothing and is not recorded"
 cp a.iftty former.iftty
 expect 0 "$iftty" -c 'compare b.nii picture=seen.png' --journal a.iftty
 same_files a.iftty former.iftty
-close_story
 
-begin "the picture has the colours of what differs, and the scene is as before"
+begin "the picture has the colours of the differences, and the scene is unchanged"
 expect 0 "$iftty" -c 'compare b.nii picture=cut.png at=20,12,3; save labels after.nii' \
     --journal a.iftty
 same_files after.nii a.nii
@@ -130,9 +124,7 @@ if needs oiiotool; then
         done
     done
 fi
-expect 0 "$iftty" info cut.png
-out_has "iftty:differ"
-close_story
+expect_out "iftty:differ" 0 "$iftty" info cut.png
 
 # A box, and one that is 2 voxels larger on each side: all of the larger one is too large by as much
 # along the axes, and the smaller one too small; no colour but theirs, however the light falls.
@@ -159,13 +151,11 @@ out_has "iftty:distance: of A's surface from B's, -5 mm inside to 5 mm outside"
 expect 0 "$iftty" -c 'render; compare small.nii surface=red2.png; render' --journal boxes.iftty
 same "$(grep -c 'picture=' boxes.iftty)" 2
 same "$(grep -o 'picture=[0-9a-f]*' boxes.iftty | sort -u | wc -l)" 1
-expect 3 "$iftty" compare large.nii small.nii --surface red.png
-err_has "--surface: "
+expect_err "--surface: " 3 "$iftty" compare large.nii small.nii --surface red.png
 "$iftty" -c 'open synth:geom:60x50x40; seed 1,1,1 0; run; save labels none.nii empty=yes' \
     >/dev/null
 expect 3 "$iftty" compare large.nii none.nii --surface none.png
 err_has "expected an object in A and in B"
-close_story
 
 begin "one label, and regions of a map for it"
 expect 0 "$iftty" compare --binary --csv a.nii b.nii
@@ -178,7 +168,6 @@ count() { # MAP LABELS
 }
 same "$(sed -n 2p one.csv | cut -d , -f 1-4)" "1,\"liver\",$(count a.nii 1),$(count b.nii '[123]')"
 same "$(sed -n 2p two.csv | cut -d , -f 4)" "$(count b.nii '[23]')"
-close_story
 
 begin "the program compares chosen values of both maps, as labels that are chosen too"
 expect 0 "$iftty" compare a.nii b.nii --csv --regions 2
@@ -195,15 +184,12 @@ for words in '--as 1' '--regions 2,2' '--regions 1,2 --as 1' '--regions 1 --as 1
     expect 2 "$iftty" compare a.nii b.nii $words # words on purpose
 done
 err_has "--as: expected numbers 0..255, as in 1-90,105, not 256"
-close_story
 
-begin "a name with blanks stands between quotes, after its key too"
+begin "a name with blanks is quoted, also after its key"
 cp b.nii 'b 2.nii'
 expect 0 "$iftty" -c 'compare "b 2.nii" report="r 2.json" picture="p 2.png"' --journal a.iftty
 [ -f 'r 2.json' ] && [ -f 'p 2.png' ] || fail "$(ls)"
-expect 2 "$iftty" -c 'compare b.nii report="r 2.json' --journal a.iftty
-err_has "one word too many"
-close_story
+expect_err "one word too many" 2 "$iftty" -c 'compare b.nii report="r 2.json' --journal a.iftty
 
 begin "finished labels are compared where they are asked for"
 expect 0 "$iftty" -c 'finish majority radius=2; save labels smooth.nii finished=yes
@@ -211,10 +197,9 @@ expect 0 "$iftty" -c 'finish majority radius=2; save labels smooth.nii finished=
 grep -q '^    [1-9][0-9]* of 7680 voxels differ' out || fail "the forest is compared: $(cat out)"
 grep -q '^    0 of 7680 voxels differ' out || fail "finished labels are not: $(cat out)"
 out_has "the labels here, finished"
-close_story
 
 # 30 mm to the right, in the bytes of qoffset_x and of srow_x.
-begin "maps that lie elsewhere are refused with the distance"
+begin "displaced maps are rejected with their distance"
 {
     head -c 268 solid.nii
     printf '\000\000\360\101'
@@ -222,33 +207,25 @@ begin "maps that lie elsewhere are refused with the distance"
     printf '\000\000\360\101'
     tail -c +297 solid.nii
 } >moved.nii
-expect 3 "$iftty" compare solid.nii moved.nii
-err_has " mm"
+expect_err " mm" 3 "$iftty" compare solid.nii moved.nii
 err_has "; --resample uses its nearest voxels"
-expect 0 "$iftty" compare solid.nii moved.nii --resample --csv
-err_has "resampled"
+expect_err "resampled" 0 "$iftty" compare solid.nii moved.nii --resample --csv
 grep -q '^1,"",[0-9]*,[0-9]*,0,' out && fail "nothing overlaps: $(cat out)"
-close_story
 
-begin "what cannot be compared is refused, with what to type"
+begin "maps that cannot be compared are rejected, with the command to type"
 make_scene other.nii 24 20 15
-expect 3 "$iftty" compare a.nii other.nii
-err_has "24x20x16"
+expect_err "24x20x16" 3 "$iftty" compare a.nii other.nii
 expect 3 "$iftty" compare a.nii missing.nii
 expect 2 "$iftty" compare a.nii
-expect 2 "$iftty" compare a.nii b.nii --scene s.nii
-err_has "expected --picture too"
+expect_err "expected --picture too" 2 "$iftty" compare a.nii b.nii --scene s.nii
 expect 2 "$iftty" compare a.nii b.nii --picture x.exr
-expect 3 "$iftty" compare a.nii b.nii --picture maps.png
-err_has "exists already"
+expect_err "exists already" 3 "$iftty" compare a.nii b.nii --picture maps.png
 expect 3 "$iftty" compare missing.nii b.nii --picture nowhere/d.png # before anything is read
 err_has "there is no folder nowhere"
-expect 2 "$iftty" -c 'compare b.nii report=r.txt' --journal a.iftty
-err_has "ends in .json or .csv"
+expect_err "ends in .json or .csv" 2 "$iftty" -c 'compare b.nii report=r.txt' --journal a.iftty
 expect 2 "$iftty" -c 'compare b.nii at=1,1,1' --journal a.iftty
 expect 3 "$iftty" -c 'compare b.nii report=r.csv' --journal a.iftty
 expect 0 "$iftty" -c 'compare b.nii report=r.csv replace=yes' --journal a.iftty
-close_story
 
 begin "labels that are asked for or named have a row, though neither map has them"
 expect 0 "$iftty" compare --csv --regions 1,77 a.nii b.nii
@@ -264,6 +241,5 @@ expect 0 "$iftty" -c 'label 9 spleen; compare b.nii report=zero.csv' --journal a
 grep -q '^9,"spleen",0,0,0,' zero.csv || fail "$(cat zero.csv)"
 expect 0 "$iftty" -c 'compare b.nii regions=1,78 report=asked.csv' --journal a.iftty
 grep -q '^78,"",0,0,0,' asked.csv || fail "$(cat asked.csv)"
-close_story
 
 finish

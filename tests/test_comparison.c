@@ -114,21 +114,21 @@ STORY(a_contour_is_what_touches_other_voxels_of_the_scene)
 
 /* ---- comparisons ---- */
 
-/* Both of one label, in a row of voxels. */
-static struct comparison *compare_rows(const char *a, const char *b, uint32_t spacing_nm)
+/* Both of one label, in a row of voxels. The result is valid until the next one. */
+static const struct comparison *compare_rows(const char *a, const char *b, uint32_t spacing_nm)
 {
     struct compared compared = {.size = {(uint32_t)strlen(a), 1, 1},
                                 .spacing_nm = {spacing_nm, spacing_nm, spacing_nm}};
-    struct comparison *comparison = mem_new(sizeof *comparison);
+    static struct comparison comparison;
     for (int side = 0; side < 2; side++) {
         compared.label[side] = mem_array(strlen(a), 1);
         for (size_t i = 0; a[i]; i++)
             compared.label[side][i] = (uint8_t)((side ? b : a)[i] - '0');
     }
-    CHECK(comparison_make(comparison, &compared, NULL, NULL, NULL) == OK);
+    CHECK(comparison_make(&comparison, &compared, NULL, NULL, NULL) == OK);
     free(compared.label[0]);
     free(compared.label[1]);
-    return comparison;
+    return &comparison;
 }
 
 static bool is_near(double is, double expected)
@@ -139,7 +139,7 @@ static bool is_near(double is, double expected)
 STORY(rows_of_voxels_are_measured_as_worked_out_by_hand)
 {
     /* Contours: A at 2 and 4, B at 4 and 7. */
-    struct comparison *c = compare_rows("0011100000", "0000111100", 1500000);
+    const struct comparison *c = compare_rows("0011100000", "0000111100", 1500000);
     const struct label_distances *d = &c->distance[1];
     const struct overlap_counts counts = overlap_counts_of(&c->overlap, 1);
     CHECK_INT(c->labels, 1);
@@ -154,20 +154,18 @@ STORY(rows_of_voxels_are_measured_as_worked_out_by_hand)
     CHECK(is_near(d->percentile_95_mm, 0.95 * 3 * 1.5));
     CHECK(is_near(d->most_mm, 3 * 1.5));
     CHECK(memcmp(d, &c->distance[0], sizeof *d) == 0); /* there is no other label */
-    free(c);
 }
 
 STORY(sets_may_agree_more_than_their_surfaces)
 {
-    struct comparison *c = compare_rows("0111011110", "0111111110", 1000000);
+    const struct comparison *c = compare_rows("0111011110", "0111111110", 1000000);
     CHECK(is_near(c->distance[1].hausdorff_mm, 1)); /* from 4, which A has not */
     CHECK(is_near(c->distance[1].most_mm, 3));      /* from 5, a surface of A, to 8, one of B */
-    free(c);
 }
 
 STORY(what_is_not_there_has_no_distance)
 {
-    struct comparison *c = compare_rows("0110030000", "0110000400", 1000000);
+    const struct comparison *c = compare_rows("0110030000", "0110000400", 1000000);
     CHECK_INT(c->labels, 3);
     CHECK(comparison_has(c, 3) && comparison_has(c, 4) && !comparison_has(c, 2));
     CHECK(c->distance[1].has_hausdorff && c->distance[1].hausdorff_mm == 0);
@@ -176,18 +174,14 @@ STORY(what_is_not_there_has_no_distance)
     CHECK(is_near(c->distance[0].hausdorff_mm, 2)); /* all objects: from 5 to 7 */
     const struct overlap_counts all = overlap_counts_of(&c->overlap, 0);
     CHECK(all.a == 3 && all.b == 3 && all.both == 2);
-    free(c);
     c = compare_rows("0000", "0000", 1000000);
     CHECK(c->labels == 0 && !c->distance[0].has_hausdorff);
-    free(c);
     c = compare_rows("1111", "0100", 1000000); /* all of the scene has no contour */
     CHECK(c->distance[1].has_hausdorff && is_near(c->distance[1].hausdorff_mm, 2));
     CHECK(!c->distance[1].has_surfaces);
-    free(c);
     c = compare_rows("0022", "0011", 1000000); /* another label is no agreement, and the same set */
     CHECK(overlap_counts_of(&c->overlap, 0).both == 0);
     CHECK(c->distance[0].has_hausdorff && c->distance[0].hausdorff_mm == 0);
-    free(c);
 }
 
 /* ---- beside a slow computation ---- */

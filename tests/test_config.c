@@ -171,7 +171,7 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
 
 STORY(lines_and_their_number_are_limited)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     for (int i = 0; i < 20; i++)
         buf_add_text(&text, "no\n");
     CHECK_HAS(words_of(buf_text(&text)), "c:10: expected");
@@ -190,13 +190,12 @@ STORY(lines_and_their_number_are_limited)
           !strstr(buf_text(&config.start), "1001"));
     take("window a 1 2\nwindow b 1 2\nwindow c 1 2\nwindow d 1 2\nwindow e 1 2\nwindow f 1 2\n");
     CHECK_HAS(buf_text(&config.words), "c:6: there are 9 windows already, the most");
-    buf_release(&text);
 }
 
 STORY(the_environment_selects_the_file)
 {
     char folder[FOLDER_LENGTH];
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     CHECK(make_folder(folder, "config"));
     buf_printf(&path, "%s/iftty", folder);
     setenv("XDG_CONFIG_HOME", folder, 1);
@@ -235,7 +234,6 @@ STORY(the_environment_selects_the_file)
     config_release(&config);
     unsetenv("XDG_CONFIG_HOME");
     CHECK_INT(remove_folder(folder), 0);
-    buf_release(&path);
 }
 
 /* ---- keys of one's own ---- */
@@ -259,7 +257,7 @@ static const char *type(const char *letters)
 
 STORY(user_keys_override_the_table)
 {
-    struct buf page = {0};
+    OWNED(buf_release) struct buf page = {0};
     take("key undo s\nkey plant-label 7 ,0-9\nkey roll gg");
     CHECK_TEXT(buf_text(&config.words), "");
     pilot_state_init(&state, &config.setup);
@@ -278,16 +276,15 @@ STORY(user_keys_override_the_table)
     take("key next-plane q");
     pilot_keys_page(&page, &(struct pilot_keys_wish){&config.setup, false, 60, false, NULL});
     CHECK_HAS(buf_text(&page), "  -                back to the prompt\n");
-    buf_release(&page);
 }
 
 STORY(every_action_is_in_the_readme)
 {
     static const char mark[] = "<!-- actions: of the table of keys -->\n\n";
-    struct buf list = {0}, readme = {0};
+    OWNED(buf_release) struct buf list = {0}, readme = {0};
     size_t begin = 0;
     for (size_t i = 0; i < pilot_rows; i++) {
-        struct buf item = {0};
+        OWNED(buf_release) struct buf item = {0};
         if (!pilot_table[i].name)
             continue;
         buf_printf(&item, "%s (%s)", pilot_table[i].name, pilot_table[i].keys);
@@ -295,14 +292,11 @@ STORY(every_action_is_in_the_readme)
         buf_add_text(&list, list.length == 0 ? "    " : fits ? ", " : ",\n    ");
         begin = fits ? begin : list.length - 4;
         buf_add_text(&list, buf_text(&item));
-        buf_release(&item);
     }
     buf_add_text(&list, "\n\n<!-- end");
     CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
     const char *card = strstr(buf_text(&readme), mark);
     CHECK(card && strncmp(card + strlen(mark), buf_text(&list), list.length) == 0);
-    buf_release(&list);
-    buf_release(&readme);
 }
 
 static bool is_printable(const struct buf *text)
@@ -322,7 +316,7 @@ STORY(any_text_gives_a_valid_setup)
                                        "#",     "\x1b",  "\xc3",   "ä",    "1-9",   "Tab",  "''"};
     uint64_t seed = 7;
     for (int round = 0; round < 3000; round++) {
-        struct buf text = {0}, page = {0};
+        OWNED(buf_release) struct buf text = {0}, page = {0};
         for (uint64_t n = check_below(&seed, 60); n > 0; n--) {
             buf_add_text(&text, word[check_below(&seed, sizeof word / sizeof word[0])]);
             buf_add_text(&text, check_below(&seed, 3) ? " " : check_below(&seed, 2) ? "\n" : "");
@@ -336,8 +330,6 @@ STORY(any_text_gives_a_valid_setup)
         CHECK(!page.failed && !config.words.failed);
         pilot_state_init(&state, &config.setup);
         pilot_keys_hint(&state, &facts, &page);
-        buf_release(&text);
-        buf_release(&page);
     }
     config_release(&config);
     buf_release(&line);

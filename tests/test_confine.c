@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Confinement of the helpers, from outside: what the kernel reports of working helpers, and the end
  * of helpers that hang, whose client is killed, or that allocate all memory (probe/). */
-#include "check.h"
-#include "folder.h"
 #include "orphans.h"
 
 #include <signal.h>
@@ -16,19 +14,7 @@
 #include "image/volume.h"
 #include "image/volume_helper.h"
 #include "apply/registration.h"
-
-static char folder[FOLDER_LENGTH];
-static const char *build;
-
-/* Path of a program of this build. */
-static const char *program(const char *name)
-{
-    static char path[2][FILE_LENGTH];
-    static unsigned turn;
-    char *at = path[turn++ % 2];
-    snprintf(at, FILE_LENGTH, "%s/%s", build, name);
-    return at;
-}
+#include "folder_main.h"
 
 static const char *file_with(const char *name, const char *text)
 {
@@ -85,8 +71,8 @@ static void check_status(int process)
 STORY(the_image_helper_is_confined_before_the_first_pixel)
 {
     struct image_helper *helper = NULL;
-    struct picture picture;
-    CHECK_INT(image_helper_new(&helper, program("iftty-image"), NULL), OK);
+    OWNED(picture_release) struct picture picture;
+    CHECK_INT(image_helper_new(&helper, built_program("iftty-image"), NULL), OK);
     struct image_movie movie = {helper, file_in(folder, "a.gif"), .mode = FILE_REPLACE};
     CHECK_INT(picture_init(&picture, 8, 8, 0, NULL), OK);
     CHECK_INT(image_movie_begin(&movie, &picture, 2, 0, NULL), OK);
@@ -98,7 +84,6 @@ STORY(the_image_helper_is_confined_before_the_first_pixel)
     image_movie_abandon(&movie);
     WAIT_UNTIL(!works(worker));
     CHECK(child_of(getpid()) == 0 && !works(worker));
-    picture_release(&picture);
     image_helper_free(helper);
 }
 
@@ -107,7 +92,7 @@ STORY(the_volume_helper_is_confined_before_it_answers)
     static const char volume[] = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\n"
                                  "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n12345678";
     struct volume_reader reader;
-    volume_helper_program = program("iftty-volume");
+    volume_helper_program = built_program("iftty-volume");
     CHECK_INT(volume_open(&reader, file_with("a.mha", volume), NULL, NULL, NULL), OK);
     check_status(child_of(getpid()));
     volume_close(&reader);
@@ -130,7 +115,7 @@ STORY(the_register_helper_reaches_nothing)
         scene_free(scene);
         return;
     }
-    register_helper_program = program("tests/probe/iftty-register");
+    register_helper_program = built_program("tests/probe/iftty-register");
     CHECK_INT(registration_find(&found, &placed, &placed, NULL, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "registering: ");
     CHECK_HAS(fault.text, "attempts, all refused");
@@ -155,7 +140,7 @@ static const char *image_fault(const char *name)
     struct image_helper *helper = NULL;
     struct picture picture;
     fault = (struct fault){0};
-    CHECK_INT(image_helper_new(&helper, program("tests/probe/iftty-image"), NULL), OK);
+    CHECK_INT(image_helper_new(&helper, built_program("tests/probe/iftty-image"), NULL), OK);
     CHECK(image_helper_read(helper, file_with(name, "x"), &picture, &fault) != OK);
     image_helper_free(helper);
     return fault.text;
@@ -166,7 +151,7 @@ static const char *volume_fault(const char *name)
     static struct fault fault;
     struct volume volume;
     fault = (struct fault){0};
-    volume_helper_program = program("tests/probe/iftty-volume");
+    volume_helper_program = built_program("tests/probe/iftty-volume");
     CHECK(volume_read(&volume, file_with(name, "NRRD0004\n"), NULL, NULL, &fault) != OK);
     volume_helper_program = NULL;
     return fault.text;
@@ -243,13 +228,4 @@ STORY(an_answer_that_drips_is_refused)
     CHECK(volume_read(&volume, file_in(folder, "a.nrrd"), NULL, NULL, &fault) != OK);
     CHECK_HAS(fault.text, "invalid answer");
     volume_helper_program = NULL;
-}
-
-int main(void)
-{
-    build = getenv("IFTTY_BUILD") ? getenv("IFTTY_BUILD") : "build";
-    if (!make_folder(folder, "confine"))
-        return 1;
-    const int status = check_run();
-    return remove_folder(folder) == 0 ? status : 1;
 }

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The helpers are confined in every use, whoever asks: each is replaced by a probe (probe/), which
-# is the helper itself with what a hostile file would try in place of its decoders.
+# The helpers are confined in every use: each is replaced by a probe (probe/), the helper itself
+# with the attempts of a hostile file in place of its decoders.
 . "$(dirname "$0")/lib.sh"
 unset IFTTY_SCENES
 mkdir "$work/bin" "$work/there"
@@ -16,7 +16,7 @@ printf '\211PNG\r\n' >p.png
 mkdir slices
 cp p.png slices
 
-is_confined() { # whether this kernel has all that confines
+is_confined() { # true if this kernel has all mechanisms of confinement
     needs_landlock || return
     "$iftty" info | grep -q '^seccomp  *the helpers make few' ||
         { skip "the kernel has no seccomp"; return 1; }
@@ -40,7 +40,6 @@ if is_confined; then
     refused writing "$probed" -c "open s.nii; slice axial 3 r.jpg"
     refused writing "$probed" -c "open s.nii; spin 4 r.gif"
 fi
-close_story
 
 begin "volumes too: scenes, folders, masks, weights and maps of labels"
 if is_confined; then
@@ -57,7 +56,6 @@ if is_confined; then
     refused opening "$probed" -c "open s.nii; weight v.mha"
     refused opening "$probed" -c "open s.nii; labels v.mha"
 fi
-close_story
 
 begin "also in replay and verify, inside their own confinement"
 if is_confined; then
@@ -68,6 +66,5 @@ if is_confined; then
     printf 'open s.nii\nrender r.tif\n' >"$work/j"
     refused writing "$probed" replay "$work/j" --scene s.nii --out "$work/out-folder"
 fi
-close_story
 
 finish

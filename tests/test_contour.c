@@ -21,12 +21,8 @@ static uint8_t *label; /* by cell */
 static bool *piece;    /* by cell: the one at `from` or the largest, by the model */
 static unsigned axis, across[2];
 static uint32_t at, from[3]; /* the slice, and a place in it */
-static uint64_t seed = 33, from_seed = 5;
-
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+static uint64_t from_seed = 5;
+DRAW_FROM(33)
 
 static uint32_t cell_of(int64_t column, int64_t row)
 {
@@ -264,7 +260,7 @@ STORY(a_voxel_or_a_row_has_fewer_corners_and_nothing_has_none)
 STORY(there_are_no_more_corners_than_a_hand_would_drag)
 {
     const uint32_t size[3] = {4000, 3, 1};
-    struct polyline line = {0};
+    OWNED(polyline_release) struct polyline line = {0};
     CHECK(grid_init(&scene.grid, size, NULL) == OK);
     axis = 2, across[0] = 0, across[1] = 1, at = 0;
     memset(from, 0, sizeof from);
@@ -275,7 +271,6 @@ STORY(there_are_no_more_corners_than_a_hand_would_drag)
     const struct labels labels = all_labels();
     CHECK(contour_of_label(&line, &labels, LABEL, axis, from, NULL) == OK);
     CHECK(line.count > 400 && line.count <= CONTOUR_CORNERS_MOST);
-    polyline_release(&line);
     free(label);
 }
 
@@ -283,9 +278,9 @@ STORY(an_outline_that_was_drawn_is_found_again)
 {
     for (int round = 0; round < 200 && check_failures == 0; round++) {
         const uint32_t size[3] = {9 + below(SIDE), 9 + below(SIDE), 9 + below(SIDE)};
-        struct markers markers = {0};
-        struct polyline line = {0};
-        struct voxels drawn = {0}, again = {0};
+        OWNED(markers_release) struct markers markers = {0};
+        OWNED(polyline_release) struct polyline line = {0};
+        OWNED(voxels_release) struct voxels drawn = {0}, again = {0};
         uint32_t corner[4][3];
         CHECK(grid_init(&scene.grid, size, NULL) == OK);
         axis = below(3);
@@ -301,18 +296,13 @@ STORY(an_outline_that_was_drawn_is_found_again)
                                 NULL) == OK);
             CHECK(again.count <= drawn.count + 40);
         }
-        markers_release(&markers);
-        polyline_release(&line);
-        voxels_release(&drawn);
-        voxels_release(&again);
     }
     const uint32_t cell[2] = {grid_cell(&scene.grid, 1, 2, 3), grid_cell(&scene.grid, 2, 3, 4)};
-    struct markers markers = {0};
+    OWNED(markers_release) struct markers markers = {0};
     struct polyline line = {0};
     CHECK(markers_add(&markers, 1, cell, 2, NULL, NULL) == OK); /* in no one slice */
     CHECK(contour_of_marker(&line, &scene.grid, &markers, 1, NULL) == OK);
     CHECK_INT(line.count, 0);
-    markers_release(&markers);
 }
 
 STORY(without_memory_there_is_no_contour)
@@ -323,13 +313,12 @@ STORY(without_memory_there_is_no_contour)
         add_shape(LABEL);
     const struct labels labels = all_labels();
     for (size_t most = 0; most < 40000; most += most / 4 + 50) {
-        struct polyline line = {0};
+        OWNED(polyline_release) struct polyline line = {0};
         allow_bytes(most);
         const enum err err = contour_of_label(&line, &labels, LABEL, axis, from, NULL);
         mem_allows = NULL;
         CHECK(err == OK || (err == ERR_MEMORY && line.count == 0));
         failed += err != OK;
-        polyline_release(&line);
     }
     CHECK(failed > 3);
     end();

@@ -37,9 +37,8 @@ same "$(grep -c '^ok ' out)" 200
 expect 0 "$iftty" verify whole.iftty
 "$iftty" log --script whole.iftty | grep -v '^#' | cmp -s - canonical ||
     fail "the journal holds other commands"
-close_story
 
-# resumes JOURNAL: it goes on, verifies, and holds the beginning of the script
+# resumes JOURNAL: it continues, verifies, and has the beginning of the script
 resumes() {
     expect 0 "$iftty" run - --journal "$1" </dev/null
     expect 0 "$iftty" log --check "$1"
@@ -56,7 +55,7 @@ for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
     cuts="$cuts $((30 + seed % (bytes - 30)))"
 done
 
-begin "a run that was killed goes on when it is repeated, to the same bytes"
+begin "repeating a killed run continues it, to the same bytes"
 trial=0 early=0
 for after in 1 3 25 60 130 196; do
     trial=$((trial + 1)) journal=again$trial.iftty
@@ -77,7 +76,6 @@ for after in 1 3 25 60 130 196; do
 done
 [ "$early" -gt 2 ] || fail "only $early of $trial were killed in the middle"
 echo "# $trial times, $early of them in the middle"
-close_story
 
 begin "cut at any byte, and run again: the same bytes"
 for cut in $cuts; do
@@ -86,37 +84,31 @@ for cut in $cuts; do
     expect 0 "$iftty" run script --journal again.iftty
     same_files again.iftty whole.iftty
 done
-close_story
 
-begin "a torn tail is told, kept aside, and left alone by readers"
+begin "a torn tail is reported and saved, and not changed by readers"
 head -c $((bytes - 7)) whole.iftty >t.iftty
 cp -r whole.golden t.golden
 cp t.iftty t.kept
-expect 0 "$iftty" verify t.iftty
-out_has "an unfinished record at byte"
+expect_out "an unfinished record at byte" 0 "$iftty" verify t.iftty
 expect 0 "$iftty" replay t.iftty --out replayed
 expect 0 "$iftty" log t.iftty
 same_files t.iftty t.kept
 echo occupied >t.iftty.torn-1
-expect 0 "$iftty" run - --journal t.iftty </dev/null
-err_has "t.iftty.torn-2"
+expect_err "t.iftty.torn-2" 0 "$iftty" run - --journal t.iftty </dev/null
 same "$(wc -l <err | tr -d ' ')" 1
 same "$(cat t.iftty.torn-1)" occupied
 cat t.iftty t.iftty.torn-2 | cmp -s - t.kept || fail "bytes are lost"
-close_story
 
-begin "an empty journal begins anew"
+begin "an empty journal is started again"
 : >e.iftty # as it is if its writer was killed before it wrote the header
 expect 0 "$iftty" verify e.iftty
 expect 1 "$iftty" verify --strict e.iftty
 expect 0 "$iftty" run script --journal e.iftty
 same_files e.iftty whole.iftty
-close_story
 
 begin "the reader of the acknowledgements goes away"
 { commands; } | "$iftty" run - --journal p.iftty 2>errors | head -n 3 >/dev/null
 resumes p.iftty
 expect 0 "$iftty" verify p.iftty
-close_story
 
 finish

@@ -84,7 +84,7 @@ STORY(an_object_among_others_has_the_normals_that_it_has_alone)
     size_t same = 0;
     for (unsigned number = 0; number < check_scaled(100) && check_failures == 0; number++) {
         uint64_t random = number;
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         struct rendition all, alone;
         bool agree = true;
         stage_at_random(&s, &random);
@@ -102,7 +102,6 @@ STORY(an_object_among_others_has_the_normals_that_it_has_alone)
             printf("# number %u: mode %d\n", number, (int)s.look.mode);
         rendition_release(&alone);
         rendition_release(&all);
-        stage_release(&s);
     }
     CHECK(same > 1000);
 }
@@ -125,8 +124,8 @@ static void stage_wall(struct stage *s)
 
 STORY(there_is_a_crease_where_two_objects_touch_and_nowhere_else)
 {
-    struct stage s;
-    struct rendition smooth, creased;
+    OWNED(stage_release) struct stage s;
+    OWNED(rendition_release) struct rendition smooth, creased;
     stage_wall(&s);
     draw(&s, &smooth);
     s.look.creases = 1;
@@ -142,9 +141,6 @@ STORY(there_is_a_crease_where_two_objects_touch_and_nowhere_else)
         if (far < 2) /* it faces the other one */
             CHECK(creased.label[pixel] == 1 ? across > 4000 : across < -4000);
     }
-    rendition_release(&smooth);
-    rendition_release(&creased);
-    stage_release(&s);
 }
 
 /* ---- in a session ---- */
@@ -155,22 +151,19 @@ static uint64_t digest_after(struct interpreter *interp, const char *lines)
     return rendition_digest(session_frame(interp->session));
 }
 
-STORY(creases_follow_each_edit_of_a_session)
+BEGUN_STORY(creases_follow_each_edit_of_a_session, begin_interpreter)
 {
-    struct interpreter interp;
     uint64_t random = 3;
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x40x40; auto on; size 90 90; zoom 2; view 30 20; "
-                  "shade surface creases=yes ao=50");
+    must(interp, "open synth:geom:40x40x40; auto on; size 90 90; zoom 2; view 30 20; "
+                 "shade surface creases=yes ao=50");
     for (int i = 0; i < 40 && check_failures == 0; i++) {
         char line[80];
         random_command(line, sizeof line, "seed X,Y,Z <5> radius=3", (const uint32_t[]){40, 40, 40},
                        &random);
-        must(&interp, i % 5 == 4 ? "undo" : line);
+        must(interp, i % 5 == 4 ? "undo" : line);
         if (i % 10 == 6)
-            must(&interp, i % 20 == 6 ? "clip axial 0-20" : "clip none");
-        const uint64_t updated = digest_after(&interp, "render mode=ii");
-        CHECK_INT(digest_after(&interp, i % 2 ? "render mode=ray" : "render mode=sp"), updated);
+            must(interp, i % 20 == 6 ? "clip axial 0-20" : "clip none");
+        const uint64_t updated = digest_after(interp, "render mode=ii");
+        CHECK_INT(digest_after(interp, i % 2 ? "render mode=ray" : "render mode=sp"), updated);
     }
-    interpreter_release(&interp);
 }

@@ -53,7 +53,7 @@ static void cut_as(struct border *border, const struct cut *cut)
 
 STORY(slabs_boxes_and_planes_take_what_they_say)
 {
-    struct border border;
+    OWNED(border_release) struct border border;
     struct scene *scene = hand_scene(&border);
     const struct grid *grid = &scene->grid;
     struct cut cut = cut_none();
@@ -111,7 +111,6 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
         stage_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){-(1 << 29), -(1 << 29), 0});
     cut_as(&border, &cut);
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 2, 3, 0) && !shows(&border, 4, 3, 0));
-    border_release(&border);
     scene_free(scene);
 }
 
@@ -208,19 +207,18 @@ static void all_ways_agree(struct stage *s, const struct rendition *kept)
 {
     static projection *const way[] = {project_border, project_scene, project_rays};
     static const char *const name[] = {"border projection", "scene projection", "ray walk"};
-    struct rendition r;
+    OWNED(rendition_release) struct rendition r;
     CHECK(rendition_init(&r, s->view.width, s->view.height, NULL) == OK);
     for (int i = 0; i < 3; i++) {
         stage_render(s, &r, way[i]);
         CHECK(stage_same_pixels(&r, kept, name[i]));
     }
-    rendition_release(&r);
 }
 
 /* After another cut, what the shader kept of the previous one has no effect. */
 static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
 {
-    struct rendition kept, anew;
+    OWNED(rendition_release) struct rendition kept, anew;
     random_cut(s, random);
     CHECK(border_check(&s->border, NULL));
     CHECK(rendition_init(&kept, s->view.width, s->view.height, NULL) == OK);
@@ -230,16 +228,14 @@ static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
     mesh_release(&s->mesh);
     stage_render(s, &anew, project_border);
     CHECK(stage_same_pixels(&kept, &anew, "what a shader kept"));
-    rendition_release(&kept);
-    rendition_release(&anew);
 }
 
 /* A slab of two objects whose front half is cut away: the cut face shows the scene, the former
  * surface is shaded. */
 STORY(faces_that_are_cut_open_show_the_scene)
 {
-    struct stage s = {0};
-    struct rendition r;
+    OWNED(stage_release) struct stage s = {0};
+    OWNED(rendition_release) struct rendition r;
     struct cut cut = cut_none();
     CHECK(scene_new(&s.scene, (uint32_t[]){20, 20, 20}, NULL) == OK);
     CHECK(forest_new(&s.forest, s.scene, 6, NULL) == OK);
@@ -269,8 +265,6 @@ STORY(faces_that_are_cut_open_show_the_scene)
         CHECK_INT(open[2], (3 * 10 * z + s.palette.rgb[1][2] + 2) / 4);
         CHECK(z < 4 || z > 15 || closed[0] > 100);
     }
-    rendition_release(&r);
-    stage_release(&s);
 }
 
 STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
@@ -325,56 +319,48 @@ static bool is_shown(const struct interpreter *interp, uint32_t x, uint32_t y, u
     return shows(&interp->session->border, x, y, z);
 }
 
-STORY(slabs_are_counted_as_slices_are)
+BEGUN_STORY(slabs_are_counted_as_slices_are, begin)
 {
-    struct interpreter interp;
-    begin(&interp);
-    must(&interp, "clip axial 3-7");
-    CHECK(!is_shown(&interp, 5, 5, 2) && is_shown(&interp, 5, 5, 3) && is_shown(&interp, 5, 5, 7) &&
-          !is_shown(&interp, 5, 5, 8));
-    must(&interp, "clip coronal 10");
-    CHECK(is_shown(&interp, 5, 10, 5) && !is_shown(&interp, 5, 11, 5) &&
-          !is_shown(&interp, 5, 10, 8));
-    must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text),
-              "cut away  all but axial slices 3-7, all but coronal slices 10-10\n");
-    must(&interp, "clip axial 0-19");
-    CHECK(is_shown(&interp, 5, 10, 19));
-    MUST_MENTION(&interp, "info", "cut away  all but coronal slices 10-10\n");
+    must(interp, "clip axial 3-7");
+    CHECK(!is_shown(interp, 5, 5, 2) && is_shown(interp, 5, 5, 3) && is_shown(interp, 5, 5, 7) &&
+          !is_shown(interp, 5, 5, 8));
+    must(interp, "clip coronal 10");
+    CHECK(is_shown(interp, 5, 10, 5) && !is_shown(interp, 5, 11, 5) && !is_shown(interp, 5, 10, 8));
+    MUST_MENTION(interp, "info",
+                 "cut away  all but axial slices 3-7, all but coronal slices 10-10\n");
+    must(interp, "clip axial 0-19");
+    CHECK(is_shown(interp, 5, 10, 19));
+    MUST_MENTION(interp, "info", "cut away  all but coronal slices 10-10\n");
     /* If an axis is reversed, slice 0 is its first voxel, which used to be the last. */
-    must(&interp, "clip none");
-    interp.session->scene->world_sign[0] = -1;
-    must(&interp, "clip sagittal 0-1");
-    CHECK(is_shown(&interp, 0, 5, 5) && is_shown(&interp, 1, 5, 5) && !is_shown(&interp, 2, 5, 5));
-    MUST_MENTION(&interp, "info", "all but sagittal slices 0-1");
-    CHECK(execute(&interp, "clip sagittal 0-40") == ERR_INPUT);
-    CHECK_HAS(fault.text, "there are sagittal slices 0-39, right to left, not 40");
-    must(&interp, "clip none; info");
+    must(interp, "clip none");
+    interp->session->scene->world_sign[0] = -1;
+    must(interp, "clip sagittal 0-1");
+    CHECK(is_shown(interp, 0, 5, 5) && is_shown(interp, 1, 5, 5) && !is_shown(interp, 2, 5, 5));
+    MUST_MENTION(interp, "info", "all but sagittal slices 0-1");
+    MUST_FAIL(interp, "clip sagittal 0-40", ERR_INPUT,
+              "there are sagittal slices 0-39, right to left, not 40");
+    must(interp, "clip none; info");
     CHECK(!strstr(buf_text(&reply.text), "cut away"));
-    interpreter_release(&interp);
 }
 
-STORY(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient)
+BEGUN_STORY(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient, begin)
 {
-    struct interpreter interp;
-    begin(&interp);
-    const uint64_t whole = picture(&interp);
-    must(&interp, "view front"); /* from anterior: y counts towards us */
-    must(&interp, "plane 20,15,10");
-    CHECK(is_shown(&interp, 3, 15, 3) && !is_shown(&interp, 3, 16, 3));
-    must(&interp, "view left");
-    CHECK(is_shown(&interp, 3, 15, 3) && !is_shown(&interp, 3, 16, 3));
-    must(&interp, "plane 10,15,10"); /* from his left: x counts away from us */
-    CHECK(is_shown(&interp, 10, 15, 3) && !is_shown(&interp, 9, 15, 3) &&
-          !is_shown(&interp, 10, 16, 3));
+    const uint64_t whole = picture(interp);
+    must(interp, "view front"); /* from anterior: y counts towards us */
+    must(interp, "plane 20,15,10");
+    CHECK(is_shown(interp, 3, 15, 3) && !is_shown(interp, 3, 16, 3));
+    must(interp, "view left");
+    CHECK(is_shown(interp, 3, 15, 3) && !is_shown(interp, 3, 16, 3));
+    must(interp, "plane 10,15,10"); /* from his left: x counts away from us */
+    CHECK(is_shown(interp, 10, 15, 3) && !is_shown(interp, 9, 15, 3) &&
+          !is_shown(interp, 10, 16, 3));
     for (int more = 2; more < CUT_PLANES_MOST; more++)
-        must(&interp, "plane 10,15,10");
-    CHECK_INT(execute(&interp, "plane 1,1,1"), ERR_LIMIT);
-    CHECK_HAS(fault.text, "there are 8 planes already, the most; `plane none` removes them");
-    MUST_MENTION(&interp, "info", "cut away  8 planes\n");
-    must(&interp, "plane none; view front");
-    CHECK(picture(&interp) == whole);
-    interpreter_release(&interp);
+        must(interp, "plane 10,15,10");
+    MUST_FAIL(interp, "plane 1,1,1", ERR_LIMIT,
+              "there are 8 planes already, the most; `plane none` removes them");
+    MUST_MENTION(interp, "info", "cut away  8 planes\n");
+    must(interp, "plane none; view front");
+    CHECK(picture(interp) == whole);
 }
 
 /* Voxels that are shown of those with x + 2 y of this much. */
@@ -388,19 +374,17 @@ static unsigned shown_at(const struct interpreter *interp, uint32_t sum)
     return count;
 }
 
-STORY(a_plane_with_a_normal_is_the_same_from_everywhere)
+BEGUN_STORY(a_plane_with_a_normal_is_the_same_from_everywhere, begin)
 {
-    struct interpreter interp;
-    begin(&interp);
-    must(&interp, "view 33 20");
-    must(&interp, "plane 20,15,10 normal=right"); /* x counts to the right */
-    CHECK(is_shown(&interp, 20, 3, 3) && !is_shown(&interp, 21, 3, 3));
-    must(&interp, "plane none; plane 20,15,10 normal=bottom offset=2.5");
-    CHECK(is_shown(&interp, 20, 3, 8) && !is_shown(&interp, 20, 3, 7));
-    must(&interp, "plane none");
-    must(&interp, "plane 20,15,10 normal=back offset=-3"); /* the plane's own voxels stay */
-    CHECK(is_shown(&interp, 20, 18, 8) && !is_shown(&interp, 20, 17, 7));
-    must(&interp, "plane none");
+    must(interp, "view 33 20");
+    must(interp, "plane 20,15,10 normal=right"); /* x counts to the right */
+    CHECK(is_shown(interp, 20, 3, 3) && !is_shown(interp, 21, 3, 3));
+    must(interp, "plane none; plane 20,15,10 normal=bottom offset=2.5");
+    CHECK(is_shown(interp, 20, 3, 8) && !is_shown(interp, 20, 3, 7));
+    must(interp, "plane none");
+    must(interp, "plane 20,15,10 normal=back offset=-3"); /* the plane's own voxels stay */
+    CHECK(is_shown(interp, 20, 18, 8) && !is_shown(interp, 20, 17, 7));
+    must(interp, "plane none");
 
     /* All on the plane stay, and none beyond: 20 + 2 * 15 is 50. */
     static const char *const same[] = {"plane 20,15,10 normal=1,2,0", "plane 20,15,10 normal=1,2,0",
@@ -408,41 +392,39 @@ STORY(a_plane_with_a_normal_is_the_same_from_everywhere)
                                        "plane 20,15,10 normal=-500,-1000,0"};
     struct cut cut[4];
     for (int i = 0; i < 4; i++) {
-        must(&interp, "turn 31 17");
-        must(&interp, same[i]);
-        cut[i] = interp.session->now.kept.cut;
-        CHECK_INT(shown_at(&interp, 50), 20 * 20);
-        CHECK_INT(shown_at(&interp, i < 3 ? 49 : 51), 20 * 20);
-        CHECK_INT(shown_at(&interp, i < 3 ? 51 : 49), 0);
-        must(&interp, "plane none");
+        must(interp, "turn 31 17");
+        must(interp, same[i]);
+        cut[i] = interp->session->now.kept.cut;
+        CHECK_INT(shown_at(interp, 50), 20 * 20);
+        CHECK_INT(shown_at(interp, i < 3 ? 49 : 51), 20 * 20);
+        CHECK_INT(shown_at(interp, i < 3 ? 51 : 49), 0);
+        must(interp, "plane none");
     }
     CHECK(memcmp(&cut[0], &cut[1], sizeof cut[0]) == 0);
 
     /* Seen from the left of the subject, the voxels to the left are in front. */
-    must(&interp, "view left; plane 20,15,10 offset=1");
-    const struct cut seen = interp.session->now.kept.cut;
-    must(&interp, "view top; plane none; plane 20,15,10 normal=left offset=1");
+    must(interp, "view left; plane 20,15,10 offset=1");
+    const struct cut seen = interp->session->now.kept.cut;
+    must(interp, "view top; plane none; plane 20,15,10 normal=left offset=1");
     for (uint32_t x = 0; x < 40; x++) {
-        const uint32_t cell = grid_cell(&interp.session->scene->grid, x, 3, 3);
-        CHECK(cut_removes(&seen, &interp.session->scene->grid, cell) ==
-              !is_shown(&interp, x, 3, 3));
-        CHECK(is_shown(&interp, x, 3, 3) == (x >= 19));
+        const uint32_t cell = grid_cell(&interp->session->scene->grid, x, 3, 3);
+        CHECK(cut_removes(&seen, &interp->session->scene->grid, cell) ==
+              !is_shown(interp, x, 3, 3));
+        CHECK(is_shown(interp, x, 3, 3) == (x >= 19));
     }
-    CHECK(execute(&interp, "plane none normal=left") == ERR_USAGE);
-    CHECK(execute(&interp, "plane 1,1,1 normal=0,0,0") == ERR_USAGE);
-    CHECK(execute(&interp, "plane 1,1,1 normal=1,2") == ERR_USAGE);
-    CHECK(execute(&interp, "plane 1,1,1 normal=1,2,3,") == ERR_USAGE);
-    CHECK(execute(&interp, "plane 1,1,1 normal=1,2,1001") == ERR_USAGE);
-    CHECK_HAS(fault.text, "expected front|back|left|right|top|bottom or A,B,C, not all 0");
-    CHECK_INT(interp.session->now.kept.cut.planes, 1);
-    interp.session->scene->sides_unknown = true;
-    CHECK(execute(&interp, "plane 1,1,1 normal=left") == ERR_INPUT);
-    CHECK_HAS(fault.text, "orientation is unknown; expected A,B,C");
-    must(&interp, "plane 1,1,1 normal=1,0,0");
-    interp.session->scene->spacing_unknown = true;
-    CHECK(execute(&interp, "plane 1,1,1 normal=1,0,0 offset=1") == ERR_INPUT);
-    CHECK_HAS(fault.text, "there are no millimetres");
-    interpreter_release(&interp);
+    CHECK(execute(interp, "plane none normal=left") == ERR_USAGE);
+    CHECK(execute(interp, "plane 1,1,1 normal=0,0,0") == ERR_USAGE);
+    CHECK(execute(interp, "plane 1,1,1 normal=1,2") == ERR_USAGE);
+    CHECK(execute(interp, "plane 1,1,1 normal=1,2,3,") == ERR_USAGE);
+    MUST_FAIL(interp, "plane 1,1,1 normal=1,2,1001", ERR_USAGE,
+              "expected front|back|left|right|top|bottom or A,B,C, not all 0");
+    CHECK_INT(interp->session->now.kept.cut.planes, 1);
+    interp->session->scene->sides_unknown = true;
+    MUST_FAIL(interp, "plane 1,1,1 normal=left", ERR_INPUT,
+              "orientation is unknown; expected A,B,C");
+    must(interp, "plane 1,1,1 normal=1,0,0");
+    interp->session->scene->spacing_unknown = true;
+    MUST_FAIL(interp, "plane 1,1,1 normal=1,0,0 offset=1", ERR_INPUT, "there are no millimetres");
 }
 
 /* A turned grid of any spacing, mirrored or not; sheared by a little every other time. */
@@ -468,20 +450,18 @@ static void place_at_random(struct interpreter *interp, uint64_t *random)
     CHECK(geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_SFORM));
 }
 
-STORY(in_oblique_scenes_a_plane_cuts_what_lies_that_way_in_the_world)
+BEGUN_STORY(in_oblique_scenes_a_plane_cuts_what_lies_that_way_in_the_world, begin)
 {
     uint64_t random = 31;
-    struct interpreter interp;
     unsigned cut = 0, left = 0;
-    begin(&interp);
     for (int round = 0; round < 60 && check_failures == 0; round++) {
-        const double(*to_mm)[4] = (const double(*)[4])interp.session->geometry.to_mm;
+        const double(*to_mm)[4] = (const double(*)[4])interp->session->geometry.to_mm;
         const uint32_t at[3] = {check_below(&random, 40), check_below(&random, 30),
                                 check_below(&random, 20)};
         const int digits = (int)check_below(&random, 4);
         double normal[3], length = 0;
         char line[96];
-        place_at_random(&interp, &random);
+        place_at_random(interp, &random);
         for (int w = 0; w < 3; w++) {
             normal[w] = ((int)check_below(&random, 2001) - 1000) / pow(10, digits);
             length += normal[w] * normal[w];
@@ -489,69 +469,61 @@ STORY(in_oblique_scenes_a_plane_cuts_what_lies_that_way_in_the_world)
         const double offset = ((int)check_below(&random, 12001) - 6000) / 1000.0;
         snprintf(line, sizeof line, "plane %u,%u,%u normal=%.3f,%.3f,%.3f offset=%.3f", at[0],
                  at[1], at[2], normal[0], normal[1], normal[2], offset);
-        must(&interp, line);
-        for (uint32_t c = 0; c < interp.session->scene->grid.cells; c++) {
-            if (interp.session->scene->cell[c].flags & CELL_RIM)
+        must(interp, line);
+        for (uint32_t c = 0; c < interp->session->scene->grid.cells; c++) {
+            if (interp->session->scene->cell[c].flags & CELL_RIM)
                 continue;
-            const struct place p = grid_place(&interp.session->scene->grid, c);
+            const struct place p = grid_place(&interp->session->scene->grid, c);
             const double step[3] = {(double)p.x - at[0], (double)p.y - at[1], (double)p.z - at[2]};
             double beyond = -offset; /* in millimetres */
             for (int w = 0; w < 3; w++)
                 for (int a = 0; a < 3; a++)
                     beyond += normal[w] * to_mm[w][a] * step[a] / sqrt(length);
             if (fabs(beyond) > 1e-4) { /* steps are rounded to nanometres */
-                CHECK(border_shows(&interp.session->border, c) == (beyond < 0));
+                CHECK(border_shows(&interp->session->border, c) == (beyond < 0));
                 cut += beyond > 0;
                 left += beyond < 0;
             }
         }
-        must(&interp, "plane none");
+        must(interp, "plane none");
     }
     CHECK(cut > 100000 && left > 100000);
-    interpreter_release(&interp);
 }
 
-STORY(boxes_are_taken_out_and_put_back)
+BEGUN_STORY(boxes_are_taken_out_and_put_back, begin)
 {
-    struct interpreter interp;
-    begin(&interp);
-    must(&interp, "view 30 40");
-    const uint64_t whole = picture(&interp);
-    must(&interp, "cut 30,20,19 10,10,5"); /* any two corners */
-    CHECK(!is_shown(&interp, 10, 10, 5) && !is_shown(&interp, 30, 20, 19) &&
-          is_shown(&interp, 31, 20, 19));
-    CHECK(picture(&interp) != whole);
+    must(interp, "view 30 40");
+    const uint64_t whole = picture(interp);
+    must(interp, "cut 30,20,19 10,10,5"); /* any two corners */
+    CHECK(!is_shown(interp, 10, 10, 5) && !is_shown(interp, 30, 20, 19) &&
+          is_shown(interp, 31, 20, 19));
+    CHECK(picture(interp) != whole);
     for (int more = 1; more < CUT_BOXES_MOST; more++)
-        must(&interp, "cut 0,0,0 1,1,1");
-    CHECK_INT(execute(&interp, "cut 0,0,0 1,1,1"), ERR_LIMIT);
-    MUST_MENTION(&interp, "info", "cut away  8 boxes\n");
-    must(&interp, "cut none");
-    CHECK(picture(&interp) == whole);
-    interpreter_release(&interp);
+        must(interp, "cut 0,0,0 1,1,1");
+    CHECK_INT(execute(interp, "cut 0,0,0 1,1,1"), ERR_LIMIT);
+    MUST_MENTION(interp, "info", "cut away  8 boxes\n");
+    must(interp, "cut none");
+    CHECK(picture(interp) == whole);
 }
 
 STORY(a_cut_scene_is_not_interpolated)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     CHECK(interpreter_init(&interp, NULL) == OK);
     must(&interp, "open synth:geom:20x20x20; clip axial 3-7");
-    CHECK_INT(execute(&interp, "interpolate 2 2 2"), ERR_USAGE);
-    CHECK_HAS(fault.text, "a cut belongs to the present grid");
+    MUST_FAIL(&interp, "interpolate 2 2 2", ERR_USAGE, "a cut belongs to the present grid");
     must(&interp, "clip none; focus 3,4,5; interpolate 2 1 2");
     CHECK_INT(interp.session->now.outlook.view.focus[0], (2 * 6 - 38) * (1 << 15));
     CHECK_INT(interp.session->now.outlook.view.focus[1], (2 * 4 - 19) * (1 << 15));
-    interpreter_release(&interp);
 }
 
-STORY(a_picture_notes_what_is_cut_away_and_in_focus)
+BEGUN_STORY(a_picture_notes_what_is_cut_away_and_in_focus, begin)
 {
-    struct interpreter interp;
     struct picture p;
     char line[PATH_MAX + 16], path[PATH_MAX];
     snprintf(path, sizeof path, "%s/whole.exr", folder);
     snprintf(line, sizeof line, "render %s", path);
-    begin(&interp);
-    must(&interp, line);
+    must(interp, line);
     CHECK(exr_read(&p, path, NULL) == OK);
     CHECK(!picture_find(&p, "iftty:cut"));
     const char *note = picture_find(&p, "iftty:view");
@@ -559,10 +531,10 @@ STORY(a_picture_notes_what_is_cut_away_and_in_focus)
         note ? note : "",
         "yaw 0 pitch 0 roll 0 degrees, zoom 1.5, 64x64 pixels, voxel 19.5,14.5,9.5 in the middle");
     picture_release(&p);
-    must(&interp, "view right; focus 0,0,0; clip axial 3-7; plane 20,15,10; cut 1,2,3 6,5,4");
+    must(interp, "view right; focus 0,0,0; clip axial 3-7; plane 20,15,10; cut 1,2,3 6,5,4");
     snprintf(path, sizeof path, "%s/open.exr", folder);
     snprintf(line, sizeof line, "render %s", path);
-    must(&interp, line);
+    must(interp, line);
     CHECK(exr_read(&p, path, NULL) == OK);
     note = picture_find(&p, "iftty:cut");
     CHECK_TEXT(note ? note : "", "kept x 0-39 y 0-29 z 3-7 plane -1048576000000 0 0 from "
@@ -571,5 +543,4 @@ STORY(a_picture_notes_what_is_cut_away_and_in_focus)
     CHECK_TEXT(note ? note : "",
                "yaw 270 pitch 0 roll 0 degrees, zoom 1.5, 64x64 pixels, voxel 0,0,0 in the middle");
     picture_release(&p);
-    interpreter_release(&interp);
 }

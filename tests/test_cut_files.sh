@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Files of every format that were cut: at a quarter, a half, 99 of 100, and by one byte. Writers of
 # ITK, teem and others made them (volumes/cut.py). Each is refused, and the words name the file, the
-# bytes that it has and those that it should have; nothing is filled up.
+# actual and the expected number of bytes; no missing voxel is replaced.
 . "$(dirname "$0")/lib.sh"
 PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
@@ -11,8 +11,7 @@ begin "files of other programs are made, and copies of them cut"
 mkdir "$work/v"
 "$PYTHON" -B -W ignore "$top/tests/volumes/cut.py" "$work/v" >"$work/cuts" 2>"$work/made" ||
     fail "$(tail -n 3 "$work/made")"
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 cd "$work/v" || exit 1
 
 begin "whole, they open"
@@ -31,7 +30,6 @@ for name in packed.mha packed.mhd itk.mhd text.mha itk.nrrd LPS-short.nrrd packe
     itk.gipl itk.vtk unu.vtk itk.h5; do
     same "$name $(cat "$work/digest-$name")" "$name $(cat "$work/digest-itk.mha")"
 done
-close_story
 
 # refused COMMAND FILE COUNTING LEFT MOST: in words that tell how much is missing
 refused() {
@@ -66,7 +64,6 @@ while read -r name file counting left most; do
     refused "open $name" "$file" "$counting" "$left" "$most"
 done <"$work/cuts"
 same "$(wc -l <"$work/cuts" | tr -d ' ')" 120
-close_story
 
 begin "a mask, seeds, a start or weights that were cut are refused, too; and info refuses a header"
 cp itk.mha whole.mha
@@ -82,10 +79,8 @@ END
     words="cut short: it has $left bytes, and its header promises"
     same "$name: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
         "$name: 4 of 4"
-    expect 3 "$iftty" info "$name"
-    err_has "cut short: it has $left bytes"
+    expect_err "cut short: it has $left bytes" 3 "$iftty" info "$name"
 done <"$work/cuts"
-close_story
 
 begin "voxels that never came: after LOCAL, in a file that is empty, none or in no list"
 sed '/^ElementDataFile/q' itk.mha >empty.mha
@@ -103,11 +98,8 @@ for name in itk.mhd list.mhd; do
     expect 3 "$iftty" -c "open $name volume=1"
 done
 sed -i '$d' list.mhd
-expect 3 "$iftty" -c "open list.mhd volume=1"
-err_has "its header names 1 file, and says that it has 2 pieces"
-expect 3 "$iftty" -c "open loose.mha"
-err_has "its voxels are packed, and its header lacks CompressedDataSize"
-close_story
+refuses "its header names 1 file, and says that it has 2 pieces" "open list.mhd volume=1"
+refuses "its voxels are packed, and its header lacks CompressedDataSize" "open loose.mha"
 
 begin "a bit of packed voxels that turned over"
 for name in packed.mha RAS-byte.nrrd; do
@@ -117,12 +109,10 @@ data = bytearray(open(sys.argv[1], "rb").read())
 data[-40] ^= 4
 open(sys.argv[2], "wb").write(data)
 END
-    expect 3 "$iftty" -c "open turned-$name"
-    err_has "cut short or damaged: of its packed voxels"
+    refuses "cut short or damaged: of its packed voxels" "open turned-$name"
 done
-close_story
 
-begin "HDF5: a data set of which nothing was written is refused, and of a part that is said"
+begin "HDF5: an unwritten data set is rejected, and a partly written one is reported"
 "$PYTHON" - <<'END'
 import h5py, numpy
 with h5py.File("part.h5", "w") as file:
@@ -132,13 +122,11 @@ with h5py.File("none.h5", "w") as file:
 with h5py.File("all.h5", "w") as file:
     file.create_dataset("a", data=numpy.ones((8, 9, 10), "i2"), chunks=(3, 4, 4))
 END
-expect 3 "$iftty" -c "open none.h5"
-err_has "nothing of the data set was written: it holds no voxel"
+refuses "nothing of the data set was written: it holds no voxel" "open none.h5"
 expect 0 "$iftty" -c "open part.h5"
 out_has "3 of the 4 pieces of the data set are not in the file: voxels there have the value"
 expect 0 "$iftty" -c "open all.h5"
 ! grep -q pieces "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 begin "a TIFF whose pages lead back to one another ends at once"
 "$PYTHON" - <<'END'
@@ -150,9 +138,7 @@ count = struct.unpack_from(order + "H", data, first)[0]
 struct.pack_into(order + "I", data, first + 2 + 12 * count, first)
 open("round.tif", "wb").write(data)
 END
-expect 3 timeout 20 "$iftty" -c "open round.tif"
-err_has "its pages lead back to one another"
-close_story
+expect_err "its pages lead back to one another" 3 timeout 20 "$iftty" -c "open round.tif"
 
 begin "bytes that are left over change nothing"
 while read -r name; do
@@ -165,6 +151,5 @@ while read -r name; do
     expect 0 "$iftty" -c "open more/$name" --journal j.iftty
     same "$name $(last_word sha256 j.iftty)" "$name $(cat "$work/digest-$name")"
 done <"$work/names"
-close_story
 
 finish

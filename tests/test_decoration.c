@@ -58,7 +58,7 @@ STORY(letters_name_the_sides_that_lie_there)
 {
     uint64_t random = 5;
     for (int round = 0; round < 400; round++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         char word[4][DECORATION_WORD];
         begin(&s, &random);
         decoration_sides(word, &s.camera);
@@ -79,14 +79,13 @@ STORY(letters_name_the_sides_that_lie_there)
                 former = there;
             }
         }
-        stage_release(&s);
     }
 }
 
 STORY(of_unknown_orientation_the_axes_are_named)
 {
     uint64_t random = 1;
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     char word[4][DECORATION_WORD];
     begin(&s, &random);
     s.scene->sides_unknown = true;
@@ -97,13 +96,12 @@ STORY(of_unknown_orientation_the_axes_are_named)
     CHECK_TEXT(word[1], "-x");
     CHECK_TEXT(word[2], "+z");
     CHECK_TEXT(word[3], "-z");
-    stage_release(&s);
 }
 
 /* From the front, with samples, for voxels of 0.7 mm. */
 STORY(the_bar_is_as_long_as_it_says)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     uint64_t random = 1;
     begin(&s, &random);
     memset(s.view.angle, 0, sizeof s.view.angle);
@@ -129,7 +127,6 @@ STORY(the_bar_is_as_long_as_it_says)
     CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     char words[32];
     CHECK_INT(decoration_scale(words, &s.camera, 1, 300), 0);
-    stage_release(&s);
 }
 
 /* Pictures of any size, with any number of labels. */
@@ -137,7 +134,7 @@ STORY(every_size_has_what_fits)
 {
     static const uint32_t side[] = {1, 47, 48, 128, 191, 512, 2048};
     struct legend_line line[255];
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     uint64_t random = 9;
     begin(&s, &random);
     for (int i = 0; i < 255; i++) {
@@ -147,7 +144,7 @@ STORY(every_size_has_what_fits)
     }
     for (size_t i = 0; i < sizeof side / sizeof *side; i++)
         for (size_t lines = 0; lines <= 255; lines += 51) {
-            struct canvas canvas;
+            OWNED(canvas_release) struct canvas canvas;
             s.view.width = side[i], s.view.height = side[sizeof side / sizeof *side - 1 - i];
             CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
             rendition_release(&s.rendition);
@@ -172,9 +169,7 @@ STORY(every_size_has_what_fits)
                 drawn += rgba[3] > 0;
             }
             CHECK(drawn > 0 || canvas.width < 48 || canvas.height < 48);
-            canvas_release(&canvas);
         }
-    stage_release(&s);
 }
 
 /* ---- in a session ---- */
@@ -195,67 +190,58 @@ static uint64_t digest_of(struct interpreter *interp, const char *line)
     return word ? strtoull(word + 8, NULL, 16) : 0;
 }
 
-STORY(every_way_of_drawing_has_the_same_and_none_takes_all_away)
+BEGUN_STORY(every_way_of_drawing_has_the_same_and_none_takes_all_away, begin_with_object)
 {
     static const char *const mode[] = {"render mode=sp", "render mode=bp", "render mode=ray",
                                        "render mode=ii", "render"};
-    struct interpreter interp;
-    begin_with_object(&interp);
     for (int samples = 1; samples <= 4; samples *= 4) {
-        must(&interp, samples == 1 ? "samples 1" : "samples 4");
-        const uint64_t plain = digest_of(&interp, "render");
-        must(&interp, "decorate all");
-        const uint64_t decorated = digest_of(&interp, "render");
+        must(interp, samples == 1 ? "samples 1" : "samples 4");
+        const uint64_t plain = digest_of(interp, "render");
+        must(interp, "decorate all");
+        const uint64_t decorated = digest_of(interp, "render");
         CHECK(decorated != plain);
         for (size_t i = 0; i < sizeof mode / sizeof *mode; i++)
-            CHECK(digest_of(&interp, mode[i]) == decorated);
-        must(&interp, "seed 30,20,10 1 radius=2"); /* nothing must be drawn twice */
-        const uint64_t after = digest_of(&interp, "render");
-        CHECK(digest_of(&interp, "render mode=bp") == after);
-        must(&interp, "undo");
-        CHECK(digest_of(&interp, "render") == decorated);
-        must(&interp, "decorate none");
-        CHECK(digest_of(&interp, "render") == plain);
+            CHECK(digest_of(interp, mode[i]) == decorated);
+        must(interp, "seed 30,20,10 1 radius=2"); /* nothing must be drawn twice */
+        const uint64_t after = digest_of(interp, "render");
+        CHECK(digest_of(interp, "render mode=bp") == after);
+        must(interp, "undo");
+        CHECK(digest_of(interp, "render") == decorated);
+        must(interp, "decorate none");
+        CHECK(digest_of(interp, "render") == plain);
     }
-    interpreter_release(&interp);
 }
 
-STORY(what_is_below_stays_what_it_is)
+BEGUN_STORY(what_is_below_stays_what_it_is, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "render");
-    const struct rendition *frame = session_frame(interp.session);
+    must(interp, "render");
+    const struct rendition *frame = session_frame(interp->session);
     const uint64_t before = rendition_digest(frame);
-    must(&interp, "decorate all; render");
-    const struct rendition shown = session_picture(interp.session);
-    CHECK(rendition_digest(session_frame(interp.session)) == before);
+    must(interp, "decorate all; render");
+    const struct rendition shown = session_picture(interp->session);
+    CHECK(rendition_digest(session_frame(interp->session)) == before);
     CHECK(shown.cell == frame->cell && shown.depth == frame->depth && shown.rgba != frame->rgba);
-    MUST_MENTION(&interp, "info", ", decorate letters scale legend seeds cross, ");
-    must(&interp, "decorate scale letters");
-    MUST_MENTION(&interp, "info", ", decorate letters scale, ");
-    interpreter_release(&interp);
+    MUST_MENTION(interp, "info", ", decorate letters scale legend seeds cross, ");
+    must(interp, "decorate scale letters");
+    MUST_MENTION(interp, "info", ", decorate letters scale, ");
 }
 
 /* Seeds and cross-hair are inside, until the object is cut open in front of them. */
-STORY(what_no_pixel_shows_has_no_mark)
+BEGUN_STORY(what_no_pixel_shows_has_no_mark, begin_with_object)
 {
     static const char *const part[] = {"decorate seeds", "decorate cross"};
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "view top; cross 20,20,10");
+    must(interp, "view top; cross 20,20,10");
     for (int i = 0; i < 2; i++) {
-        must(&interp, "decorate none");
-        const uint64_t plain = digest_of(&interp, "render");
-        must(&interp, part[i]);
-        CHECK(digest_of(&interp, "render") == plain);
-        must(&interp, "clip axial 0-10");
-        const uint64_t marked = digest_of(&interp, "render");
-        must(&interp, "decorate none");
-        CHECK(digest_of(&interp, "render") != marked);
-        must(&interp, "clip none");
+        must(interp, "decorate none");
+        const uint64_t plain = digest_of(interp, "render");
+        must(interp, part[i]);
+        CHECK(digest_of(interp, "render") == plain);
+        must(interp, "clip axial 0-10");
+        const uint64_t marked = digest_of(interp, "render");
+        must(interp, "decorate none");
+        CHECK(digest_of(interp, "render") != marked);
+        must(interp, "clip none");
     }
-    interpreter_release(&interp);
 }
 
 /* Only the seeds of a piece of a file are visible: marks would surround its silhouette, and in
@@ -263,7 +249,7 @@ STORY(what_no_pixel_shows_has_no_mark)
 STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
 {
     char save[FILE_LENGTH + 16], labels[FILE_LENGTH + 16];
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     snprintf(save, sizeof save, "save labels %s", file_in(folder, "map.nii"));
     snprintf(labels, sizeof labels, "labels %s", file_in(folder, "map.nii"));
     begin_with_object(&interp);
@@ -285,29 +271,22 @@ STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
         must(&interp, "seed 20,20,10 1 radius=12"); /* reaches the surface */
         must(&interp, "run");
     }
-    interpreter_release(&interp);
 }
 
-STORY(mosaics_are_not_decorated)
+BEGUN_STORY(mosaics_are_not_decorated, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    const uint64_t plain = digest_of(&interp, "mosaic");
-    must(&interp, "decorate all; render");
-    CHECK(digest_of(&interp, "mosaic") == plain);
-    interpreter_release(&interp);
+    const uint64_t plain = digest_of(interp, "mosaic");
+    must(interp, "decorate all; render");
+    CHECK(digest_of(interp, "mosaic") == plain);
 }
 
-STORY(what_is_no_part_is_refused)
+BEGUN_STORY(what_is_no_part_is_refused, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "decorate scale");
-    CHECK(execute(&interp, "decorate none letters") == ERR_USAGE);
-    CHECK(execute(&interp, "decorate") == ERR_USAGE);
-    CHECK(execute(&interp, "decorate cube") == ERR_USAGE);
-    CHECK_INT(interp.session->now.outlook.decorations, DECORATE_SCALE);
-    must(&interp, "decorate cross seeds legend scale letters");
-    CHECK_INT(interp.session->now.outlook.decorations, DECORATE_ALL);
-    interpreter_release(&interp);
+    must(interp, "decorate scale");
+    CHECK(execute(interp, "decorate none letters") == ERR_USAGE);
+    CHECK(execute(interp, "decorate") == ERR_USAGE);
+    CHECK(execute(interp, "decorate cube") == ERR_USAGE);
+    CHECK_INT(interp->session->now.outlook.decorations, DECORATE_SCALE);
+    must(interp, "decorate cross seeds legend scale letters");
+    CHECK_INT(interp->session->now.outlook.decorations, DECORATE_ALL);
 }

@@ -8,12 +8,6 @@
 begin "files of several images at each place are made"
 made_by kinds.py
 
-refused() { # WORDS COMMAND: in one line
-    expect 3 "$iftty" -c "$2"
-    err_has "$1"
-    same "$2: $(wc -l <"$work/err" | tr -d ' ') line" "$2: 1 line"
-}
-
 # scene_of OPEN: the digests of a scene, which hold its voxels, spacing and place
 scene_of() {
     rm -f "$work/c.iftty"
@@ -61,14 +55,12 @@ volumes_of echo-phase "echo 5 ms, image type 1 of 2 (magnitude)" \
     "echo 5 ms, image type 2 of 2 (phase)" "echo 9 ms, image type 1 of 2 (magnitude)" \
     "echo 9 ms, image type 2 of 2 (phase)"
 volumes_of b-twice "b 0, acquisition number 1" "b 0, acquisition number 3" "b 800"
-close_story
 
 begin "a time that differs from slice to slice divides a series by its order at each place"
 volumes_of trigger "trigger time 12 to 20 ms" "trigger time 500 to 512 ms"
 volumes_of time "acquisition time +0 to 0.04 s" "acquisition time +22 to 22.04 s"
 volumes_of content "content time +0 to 0.04 s" "content time +1 to 1.04 s"
 volumes_of midnight "acquisition time +0 to 240 s" "acquisition time +600 to 840 s"
-close_story
 
 begin "frames of an enhanced image are divided by the tags of their groups, in whatever order"
 opened_as enhanced-echo enhanced-echo-1.twin.nii volume=1
@@ -84,7 +76,6 @@ volumes_of enhanced-temporal "temporal position 2" "temporal position 11"
 volumes_of enhanced-acquisition "acquisition number 9" "acquisition number 10"
 volumes_of enhanced-time "acquisition time +0 to 0.04 s" "acquisition time +22 to 22.04 s"
 volumes_of enhanced-index "dimension index 3: 1" "dimension index 3: 2"
-close_story
 
 begin "InstanceNumber decides where nothing else differs, and it divides the series in blocks"
 volumes_of numbers "instance number 20 to 24" "instance number 40 to 44"
@@ -92,9 +83,8 @@ for name in numbers numbers-by-place; do
     same_scene $name volume=0 $name-0.twin.nii
     out_has "its images of one place differ in nothing but InstanceNumber, which divides them"
 done
-close_story
 
-begin "what no tag divides into whole volumes of one kind is refused, with what differs"
+begin "a series that no tag divides into complete volumes is rejected, with the differences"
 refuses="each place along the series holds 2 slices, and no tag divides them into whole volumes; \
 those of one place differ in"
 refused "$refuses instance number (10 values)" "open jumbled volume=0"
@@ -107,26 +97,21 @@ refused "$refuses b (2 values), instance number (10 values)" "open one-wrong vol
 refused "place 1 of 5 along the series holds 2 slices and place 3 holds 1; those of one place \
 differ in echo (2 values)" "open incomplete volume=0"
 opened_as by-slice by-slice.twin.nii
-close_story
 
 begin "info lists the volumes of a series"
-expect 0 "$iftty" info b
-out_has "volumes   3"
+expect_out "volumes   3" 0 "$iftty" info b
 out_has "note      volume 2: b 1000, 5 slices"
-close_story
 
 begin "a Modality LUT is applied, and a slope of 0 is none"
 opened_as lookup lookup.twin.nii
 out_has "its values are those of its Modality LUT"
-opened_as lookup-short lookup-short.twin.nii
-opened_as lookup-bytes lookup-bytes.twin.nii
+twins % lookup-short lookup-bytes
 for name in lookup-cut lookup-slope; do
     refused "an image whose Modality LUT is damaged, or contradicts its RescaleSlope" "open $name"
 done
 opened_as slope-0 slope-0.twin.nii
 out_has "its slope is 0 and its intercept -1000: values are not scaled"
 refused "is scaled by a slope of 0, and other slices are not; skip=IM" "open slope-0-once"
-close_story
 
 begin "files of one SOPInstanceUID are copies only if their place, tags and pixels are the same"
 opened_as one-object one-object.twin.nii
@@ -135,7 +120,6 @@ volumes_of one-object-echoes "echo 5 ms" "echo 9 ms"
 refused "those of one place differ in no tag" "open one-object-pixels volume=0"
 opened_as packed-copy packed-copy.twin.nii
 out_has "1 file is a copy of others, and left out"
-close_story
 
 begin "a decimal comma is refused in every number that is read, by its tag"
 while read -r name words; do
@@ -153,9 +137,8 @@ EchoTime Echo Time (0018,0081)
 SliceLocation Slice Location (0020,1041)
 END
 refused "Rescale Slope (0028,1053) is no decimal number with a point" "open comma-enhanced"
-close_story
 
-begin "slices without a place are in the order of SliceLocation, or of their numbers, as is said"
+begin "slices without a position are ordered by SliceLocation or number, which is reported"
 says=unknown
 for name in location location-down location-numbers location-jumbled; do
     opened_as $name $name.twin.nii
@@ -166,11 +149,9 @@ for name in numbers-alone location-once; do
     out_has "they are in the order of their numbers"
 done
 refused "a slice is missing (1 after slice 3) of 6" "open location-gap"
-expect 0 "$iftty" -c "open frames-unplaced"
-out_has "they are in the order of their frames"
+answers "they are in the order of their frames" "open frames-unplaced"
 refused "no SliceLocation, and no InstanceNumber that differs from file to file" "open nothing"
 says=file
-close_story
 
 begin "objects that are no images are refused by name, in every command that reads a volume"
 while read -r name words; do
@@ -187,8 +168,7 @@ weight $file
 END2
     same "$file: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
         "$file: 4 of 4"
-    expect 3 "$iftty" compare by-slice.twin.nii "$file"
-    err_has "$words"
+    expect_err "$words" 3 "$iftty" compare by-slice.twin.nii "$file"
 done <<'END'
 seg-binary a segmentation (DICOM SEG), which is not read; `segimage2itkimage
 seg-fractional a segmentation (DICOM SEG), which is not read; `segimage2itkimage
@@ -210,6 +190,5 @@ cp objects/seg-fractional.dcm by-slice
 refused "it holds 2 series" "open by-slice"
 opened_as by-slice by-slice.twin.nii series=1
 refused "seg-fractional.dcm is a segmentation (DICOM SEG)" "open by-slice series=2"
-close_story
 
 finish

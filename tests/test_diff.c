@@ -13,25 +13,29 @@
 
 /* ---- where commands part ---- */
 
-static struct first_difference find(const char *a, const char *b, size_t last)
+/* The last difference that was looked for; the next one replaces it. */
+static struct first_difference first;
+static struct fault why;
+
+static void find(const char *a, const char *b, size_t last, enum err err)
 {
-    struct first_difference first_difference = {0};
     struct buf bytes[2] = {{0}, {0}};
     buf_add_text(bytes, a);
     buf_add_text(bytes + 1, b);
-    CHECK(first_difference_find(&first_difference, FIRST_COMMAND, (const char *const[]){"a", "b"},
-                                bytes, last, NULL) == OK);
+    first_difference_release(&first);
+    first = (struct first_difference){0};
+    CHECK_INT(first_difference_find(&first, FIRST_COMMAND, (const char *const[]){"a", "b"}, bytes,
+                                    last, &why),
+              err);
     buf_release(bytes);
     buf_release(bytes + 1);
-    return first_difference;
 }
 
 static void check_same(const char *a, const char *b, size_t same)
 {
-    struct first_difference p = find(a, b, 0);
-    CHECK(!p.is_there);
-    CHECK_INT(p.same, same);
-    first_difference_release(&p);
+    find(a, b, 0, OK);
+    CHECK(!first.is_there);
+    CHECK_INT(first.same, same);
 }
 
 STORY(the_same_commands_do_not_part)
@@ -45,63 +49,43 @@ STORY(the_same_commands_do_not_part)
 STORY(results_and_comments_are_no_commands)
 {
     const char seal[] = " chain=00000000000000000000000000000000\n";
-    struct buf a = {0}, b = {0};
+    OWNED(buf_release) struct buf a = {0}, b = {0};
     buf_printf(&a, "# iftty journal 1 semantics 3\nopen s.nii\n= 1 scene=1%srun\n= 2 forest=1%s",
                seal, seal);
     buf_printf(&b, "# iftty journal 1 semantics 2\n# why\nopen s.nii\n= 1 scene=9%srun\n= 2%s",
                seal, seal);
     check_same(buf_text(&a), buf_text(&b), 2);
     check_same(buf_text(&a), "open s.nii\nrun\n", 2);
-    buf_release(&a);
-    buf_release(&b);
 }
 
 STORY(the_first_other_command_is_named_in_both)
 {
-    struct first_difference p =
-        find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0);
-    CHECK(p.is_there && p.side[0].has_command && p.side[1].has_command);
-    CHECK_INT(p.same, 1);
-    CHECK_INT(p.side[0].number, 2);
-    CHECK_INT(p.side[0].line, 3);
-    CHECK_TEXT(buf_text(&p.side[0].command), "seed 1,1,1 1");
-    CHECK_INT(p.side[1].number, 3);
-    CHECK_INT(p.side[1].line, 3);
-    CHECK_TEXT(buf_text(&p.side[1].command), "seed 1,1,2 1");
-    first_difference_release(&p);
-    p = find("open s\nrun\n", "open s\n", 0);
-    CHECK(p.is_there && p.side[0].has_command && !p.side[1].has_command);
-    CHECK_TEXT(buf_text(&p.side[0].command), "run");
-    first_difference_release(&p);
-    p = find("open s\nrun\n", "open s\nauto on\n", 1);
-    CHECK(!p.is_there);
-    first_difference_release(&p);
-    p = find("label 1 a\n", "label 1a\n", 0); /* words, not letters */
-    CHECK(p.is_there);
-    first_difference_release(&p);
-    p = find("open \"s\n", "open \"s \n", 0); /* which do not end */
-    CHECK(p.is_there);
-    first_difference_release(&p);
+    find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0, OK);
+    CHECK(first.is_there && first.side[0].has_command && first.side[1].has_command);
+    CHECK_INT(first.same, 1);
+    CHECK_INT(first.side[0].number, 2);
+    CHECK_INT(first.side[0].line, 3);
+    CHECK_TEXT(buf_text(&first.side[0].command), "seed 1,1,1 1");
+    CHECK_INT(first.side[1].number, 3);
+    CHECK_INT(first.side[1].line, 3);
+    CHECK_TEXT(buf_text(&first.side[1].command), "seed 1,1,2 1");
+    find("open s\nrun\n", "open s\n", 0, OK);
+    CHECK(first.is_there && first.side[0].has_command && !first.side[1].has_command);
+    CHECK_TEXT(buf_text(&first.side[0].command), "run");
+    find("open s\nrun\n", "open s\nauto on\n", 1, OK);
+    CHECK(!first.is_there);
+    find("label 1 a\n", "label 1a\n", 0, OK); /* words, not letters */
+    CHECK(first.is_there);
+    find("open \"s\n", "open \"s \n", 0, OK); /* which do not end */
+    CHECK(first.is_there);
 }
 
 STORY(what_cannot_be_read_is_named)
 {
-    struct first_difference p = {0};
-    struct buf bytes[2] = {{0}, {0}};
-    struct fault why = {0};
-    buf_add_text(bytes, "run\n");
-    buf_add_text(bytes + 1, "# iftty journal 1 semantics 3\n= 1 x\n");
-    CHECK(first_difference_find(&p, FIRST_COMMAND, (const char *const[]){"a", "b"}, bytes, 0,
-                                &why) == ERR_INPUT);
+    find("run\n", "# iftty journal 1 semantics 3\n= 1 x\n", 0, ERR_INPUT);
     CHECK(strncmp(why.text, "b: ", 3) == 0);
-    buf_clear(bytes + 1);
-    buf_add_text(bytes + 1, "# iftty journal 77 semantics 3\n");
-    CHECK(first_difference_find(&p, FIRST_COMMAND, (const char *const[]){"a", "b"}, bytes, 0,
-                                &why) == ERR_INPUT);
+    find("run\n", "# iftty journal 77 semantics 3\n", 0, ERR_INPUT);
     CHECK(strncmp(why.text, "b: ", 3) == 0);
-    first_difference_release(&p);
-    buf_release(bytes);
-    buf_release(bytes + 1);
 }
 
 /* ---- how far labels differ ---- */
@@ -110,7 +94,7 @@ STORY(voxels_are_counted_and_dice_is_exact)
 {
     static const uint8_t a[] = {0, 1, 1, 1, 2, 2, 0, 7}, b[] = {0, 1, 1, 2, 2, 1, 2, 255};
     static struct overlap o;
-    overlap_count(&o, a, b, sizeof a);
+    overlap_add(&o, a, b, sizeof a);
     CHECK_INT(o.voxels, 8);
     CHECK_INT(o.differing, 4);
     CHECK_INT(o.a[1], 3);
@@ -195,8 +179,8 @@ enum { RED, GREEN, BLUE };
 static void draw(struct picture *picture, struct interpreter *a, const uint8_t *label_a,
                  const uint8_t *label_b)
 {
-    static struct overlap overlap;
-    overlap_count(&overlap, label_a, label_b, a->session->scene->grid.voxels);
+    struct overlap overlap = {0};
+    overlap_add(&overlap, label_a, label_b, a->session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {"a.iftty", "b.iftty"}, .label = {label_a, label_b}, .overlap = &overlap};
     CHECK(difference_picture_draw(picture, a->session, &difference_picture, NULL) == OK);
@@ -205,7 +189,7 @@ static void draw(struct picture *picture, struct interpreter *a, const uint8_t *
 STORY(the_picture_shows_both_and_where_they_differ)
 {
     static struct interpreter a, b;
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
     begin(&b, "seed 33,33,14 2");
     CHECK(session_render(a.session, RENDER_RAY, NULL) == OK);
@@ -234,7 +218,6 @@ STORY(the_picture_shows_both_and_where_they_differ)
     for (size_t i = 0; i < (size_t)picture.width * picture.height; i++)
         if (!CHECK(picture.rgba[4 * i + 3] == 255))
             break;
-    picture_release(&picture);
     free(label_a);
     free(label_b);
     interpreter_release(&a);
@@ -245,13 +228,12 @@ STORY(the_picture_shows_both_and_where_they_differ)
 STORY(where_nothing_differs_all_is_grey)
 {
     static struct interpreter a;
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
     uint8_t *label = labels_of(a.session);
     draw(&picture, &a, label, label);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, RED, BLUE), 0);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, BLUE, RED), 0);
-    picture_release(&picture);
     free(label);
     interpreter_release(&a);
 }
@@ -282,8 +264,8 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     CHECK_INT(picture.width, 7);
     picture_release(&picture);
     a.session->now.outlook.view.width = 8192;
-    static struct overlap overlap;
-    overlap_count(&overlap, label, other, a.session->scene->grid.voxels);
+    struct overlap overlap = {0};
+    overlap_add(&overlap, label, other, a.session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {"a", "b"}, .label = {label, other}, .overlap = &overlap};
     CHECK(difference_picture_draw(&picture, a.session, &difference_picture, NULL) == ERR_LIMIT);

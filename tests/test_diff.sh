@@ -6,7 +6,7 @@
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
-# record JOURNAL COMMANDS: what all begin with, and these
+# record JOURNAL COMMANDS: the common commands, and these
 record() {
     "$iftty" -c "open s.nii; label 1 liver; seed 2,3,4 0; seed 6,10,8 1; $2" --journal "$1" \
         >/dev/null || fail "cannot record $1"
@@ -18,17 +18,14 @@ proof=$(tr ' ' '\n' <a.iftty | grep -E '=[0-9a-f]{64}$' | sed 's/.*=//')
 
 begin "a journal and itself"
 same "${#proof}" 64
-expect 0 "$iftty" diff a.iftty a.iftty
-out_has "commands  8, all equal"
+expect_out "commands  8, all equal" 0 "$iftty" diff a.iftty a.iftty
 out_has "scenes    the same: 24x20x16 voxels, SHA-256 $proof"
 out_has "voxels    0 of 7680 differ"
 grep -qE '^1 liver +1\.0000 ' out || fail "$(cat out)"
 [ ! -s err ] || fail "it warns: $(cat err)"
-close_story
 
 begin "the first command at which two part, and every figure as the label maps have it"
-expect 1 "$iftty" diff a.iftty b.iftty
-err_has "of 7680 voxels have another label"
+expect_err "of 7680 voxels have another label" 1 "$iftty" diff a.iftty b.iftty
 out_has "commands  4 equal, then they differ"
 out_has "    A  a.iftty, command 5, line 10: seed 20,10,8 2"
 out_has "    B  b.iftty, command 5, line 10: seed 20,12,3 2 radius=1"
@@ -47,7 +44,6 @@ sed -nE 's/^([0-9]) (liver|spleen|) *([0-9.]*) *([0-9]*) *([0-9]*) *([0-9]*)$/\1
         s/^voxels *(.* differ)/voxels \1/p' told >figures
 same_files figures expected
 grep -q '^3 spleen' told || fail "no name that B alone has: $(cat told)"
-close_story
 
 begin "the same for programs"
 expect 1 "$iftty" diff --json a.iftty b.iftty
@@ -64,24 +60,18 @@ print('voxels', d['differing'], 'of', d['voxels'], 'differ')
 EOS
     same_files figures expected
 fi
-close_story
 
 begin "comments, results and questions are no commands"
 "$iftty" log --script a.iftty | grep -v '^save' | sed 's/^run$/# why\ninfo\nrun/' >a.txt
-expect 0 "$iftty" diff a.txt plain.iftty
-out_has "commands  8, all equal"
+expect_out "commands  8, all equal" 0 "$iftty" diff a.txt plain.iftty
 sed 's/^run$/# by hand\nrun/' a.iftty >hand.iftty
-expect 0 "$iftty" diff a.iftty hand.iftty
-out_has "commands  9, all equal"
+expect_out "commands  9, all equal" 0 "$iftty" diff a.iftty hand.iftty
 err_has "# hand.iftty was edited by hand; it reproduces its recorded results"
-close_story
 
 begin "up to a record"
-expect 0 "$iftty" diff a.iftty b.iftty --until 4
-out_has "commands  4, all equal"
+expect_out "commands  4, all equal" 0 "$iftty" diff a.iftty b.iftty --until 4
 err_has "# a.iftty ends with pending edits"
 expect 2 "$iftty" diff a.iftty b.iftty --until 0
-close_story
 
 begin "scenes that are not the same"
 mkdir other larger
@@ -99,7 +89,6 @@ err_has "# the scenes are not the same: voxels were compared place by place"
 expect 3 "$iftty" diff a.txt larger/a.txt
 err_has "scenes of 24x20x16 and 25x20x16 voxels: expected two of one size"
 expect 0 "$iftty" diff a.txt larger/a.txt --scene s.nii
-close_story
 
 begin "the picture: three panes, whole, over nothing"
 expect 1 "$iftty" diff a.iftty b.iftty --picture d.png
@@ -108,17 +97,14 @@ grep -q '184x' info || fail "not three views of 60 and two seams: $(cat info)"
 grep -q "iftty:differ: $(sed -n 's/voxels *\(.*\) differ/\1/p' told) voxels" info ||
     fail "$(cat info)"
 cp d.png kept.png
-expect 3 "$iftty" diff a.iftty b.iftty --picture d.png
-err_has "d.png"
+expect_err "d.png" 3 "$iftty" diff a.iftty b.iftty --picture d.png
 [ ! -s out ] || fail "it carried out before it looked"
 same_files d.png kept.png
 expect 1 "$iftty" diff a.iftty b.iftty --picture d2.png
 same_files d.png d2.png
-expect 2 "$iftty" diff a.iftty b.iftty --picture d.exr
-err_has "expected a name that ends in .png"
+expect_err "expected a name that ends in .png" 2 "$iftty" diff a.iftty b.iftty --picture d.exr
 expect 3 "$iftty" diff a.iftty b.iftty --picture nowhere/d.png
 expect 0 "$iftty" diff a.iftty a.iftty --picture same.png
-close_story
 
 begin "a picture of a private scene does not name the journals"
 sed 's/^open s.nii/& private=yes/' a.txt >private.txt
@@ -126,41 +112,32 @@ cp private.txt another.txt
 expect 0 "$iftty" diff private.txt private.txt --picture one.png
 expect 0 "$iftty" diff another.txt another.txt --picture two.png
 same_files one.png two.png
-close_story
 
 begin "a journal is trusted no more than by verify"
 mkdir inside
 { grep -v '^open' a.txt | sed '1s/^/open ..\/s.nii\n/'; } >inside/out.txt
-expect 3 "$iftty" diff inside/out.txt a.txt
-err_has "inside/out.txt: "
+expect_err "inside/out.txt: " 3 "$iftty" diff inside/out.txt a.txt
 { cat a.txt; echo 'render r.png'; echo 'save labels l.nii'; echo 'golden g'; } >writes.txt
 listing . | grep -vE ' ./(out|err|before|d)$' >before
 expect 0 "$iftty" diff writes.txt a.txt
 listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
-expect 3 "$iftty" diff a.txt a.iftty --limit-memory 1M
-err_has "--limit-memory"
-close_story
+expect_err "--limit-memory" 3 "$iftty" diff a.txt a.iftty --limit-memory 1M
 
-begin "what cannot be compared is one line, that names the file"
+begin "an error of comparison is one line that names the file"
 expect 3 "$iftty" diff a.iftty missing.iftty
-expect 2 "$iftty" diff a.iftty
-err_has 'expected `iftty diff A B`, and there is 1 operand'
+expect_err 'expected `iftty diff A B`, and there is 1 operand' 2 "$iftty" diff a.iftty
 expect 2 "$iftty" diff a.iftty a.iftty a.iftty
 echo '# nothing' >empty.txt
-expect 3 "$iftty" diff a.iftty empty.txt
-err_has "empty.txt: it opens no scene"
+expect_err "empty.txt: it opens no scene" 3 "$iftty" diff a.iftty empty.txt
 sed 's/^= \([0-9]*\) forest=[0-9a-f]*/= \1 forest=0123456789abcdef/' a.iftty >lies.iftty
 expect 3 "$iftty" diff a.iftty lies.iftty
 err_has "lies.iftty: its results differ from the recorded ones; see iftty verify"
 head -c 300 a.iftty >torn.iftty
-expect 0 "$iftty" diff torn.iftty torn.iftty
-err_has "# torn.iftty ends with an unfinished record"
+expect_err "# torn.iftty ends with an unfinished record" 0 "$iftty" diff torn.iftty torn.iftty
 printf 'open s.nii\nseed 999,1,1 1\n' >bad.txt
-expect 3 "$iftty" diff bad.txt a.iftty
-err_has "bad.txt: "
+expect_err "bad.txt: " 3 "$iftty" diff bad.txt a.iftty
 err_has "(line 2)"
 same "$(wc -l <err | tr -d ' ')" 1
-close_story
 
 begin "Ctrl-C ends the processes; one that dies is named"
 echo 'open synth:geom:222' >large.txt
@@ -192,6 +169,5 @@ kill -ABRT "$child" # which no sanitiser catches
 wait "$program"
 same "$?" 3
 err_has "large.txt: its process was ended by signal 6 (Aborted)"
-close_story
 
 finish

@@ -10,12 +10,7 @@
 #include "tests/scene_main.h"
 
 static struct interpreter interp;
-static uint64_t seed = 34;
-
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+DRAW_FROM(34)
 
 /* ---- by the model ---- */
 

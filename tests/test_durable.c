@@ -12,14 +12,9 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#define RUN_IN_FOLDER
 #include "tests/folder_main.h"
 #include "tests/journals.h"
-
-/* A path in the test's own folder; it stays until four others were asked for. */
-static const char *place(const char *name)
-{
-    return file_in(folder, name);
-}
 
 static enum err open_again(struct journal **journal, const char *path, struct fault *fault)
 {
@@ -44,7 +39,7 @@ enum harm { DELETED, MOVED, REPLACED, LONGER, SHORTER, CHANGED, HARMS };
 
 static void do_harm(const char *path, enum harm harm)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     char moved[FILE_LENGTH + 32];
     snprintf(moved, sizeof moved, "%s.moved", path);
     content(&bytes, path);
@@ -64,18 +59,17 @@ static void do_harm(const char *path, enum harm harm)
         fputs("# not ours\n", file);
         fclose(file);
     }
-    buf_release(&bytes);
 }
 
 STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
 {
     static const char *const words[] = {"is gone",     "is gone",     "was replaced",
                                         "was changed", "was changed", "its byte 40 differs"};
-    const char *path = place("harmed.iftty");
-    const char *other = place("harmed-2.iftty");
+    const char *path = "harmed.iftty";
+    const char *other = "harmed-2.iftty";
     for (enum harm harm = DELETED; harm < HARMS; harm++) {
         struct fault fault;
-        struct buf left = {0};
+        OWNED(buf_release) struct buf left = {0};
         struct journal *journal = make_journal(path, 3);
         unlink(other);
         do_harm(path, harm);
@@ -94,13 +88,12 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
         CHECK(left.data ? is_file_of(path, left.data, left.length) : !file_exists(path));
         journal_close(journal);
         holds(other, 4);
-        buf_release(&left);
     }
 }
 
 STORY(a_file_whose_times_alone_have_changed_is_written_to)
 {
-    const char *path = place("touched.iftty");
+    const char *path = "touched.iftty";
     struct journal *journal = make_journal(path, 3);
     usleep(20000);
     CHECK(chmod(path, 0640) == 0 && utimensat(AT_FDCWD, path, NULL, 0) == 0);
@@ -112,10 +105,10 @@ STORY(a_file_whose_times_alone_have_changed_is_written_to)
 
 STORY(line_ends_of_windows_are_named)
 {
-    struct buf bytes = {0}, windows = {0};
+    OWNED(buf_release) struct buf bytes = {0}, windows = {0};
     struct journal_condition condition;
     struct journal *journal;
-    const char *path = place("windows.iftty");
+    const char *path = "windows.iftty";
     journal_close(make_journal(path, 2));
     content(&bytes, path);
     for (size_t from = 0; from < 60;
@@ -130,8 +123,6 @@ STORY(line_ends_of_windows_are_named)
         CHECK(open_again(&journal, path, &fault) == ERR_INPUT);
         CHECK_HAS(fault.text, "line ends of Windows");
     }
-    buf_release(&bytes);
-    buf_release(&windows);
 }
 
 static unsigned steps_left;
@@ -152,8 +143,8 @@ static int fail_step(enum file_step step, const char *path)
 STORY(going_on_elsewhere_is_all_or_nothing)
 {
     unsigned failures = 0;
-    const char *path = place("from.iftty");
-    const char *other = place("to.iftty");
+    const char *path = "from.iftty";
+    const char *other = "to.iftty";
     for (unsigned steps = 0; steps < 24; steps++) {
         struct journal *journal = make_journal(path, 3);
         struct fault fault = {.text = ""};
@@ -181,7 +172,7 @@ STORY(going_on_elsewhere_is_all_or_nothing)
     struct fault fault;
     CHECK(journal_continue(journal, other, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "exists already");
-    CHECK(journal_continue(journal, place("no/such/folder.iftty"), &fault) == ERR_IO);
+    CHECK(journal_continue(journal, "no/such/folder.iftty", &fault) == ERR_IO);
     CHECK(append(journal, 2, NULL) == OK);
     journal_close(journal);
     holds(path, 2);
@@ -203,7 +194,7 @@ static int count_syncs(enum file_step step, const char *path)
 
 STORY(records_are_synced_when_that_was_asked_for)
 {
-    const char *path = place("modes.iftty");
+    const char *path = "modes.iftty";
     struct journal *journal = make_journal(path, 1);
     syncs = bad_syncs = 0;
     file_step_hook = count_syncs;
@@ -235,7 +226,7 @@ STORY(records_are_synced_when_that_was_asked_for)
 STORY(what_a_failed_sync_may_have_lost_is_written_again)
 {
     struct fault fault;
-    const char *path = place("doubt.iftty");
+    const char *path = "doubt.iftty";
     struct journal *journal = make_journal(path, 2);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     for (size_t n = 3; n <= 6; n++)
@@ -244,7 +235,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     file_step_hook = count_syncs;
     CHECK(journal_sync(journal, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "cannot sync");
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     content(&bytes, path);
     FILE *file = fopen(path, "r+e"); /* the pages are gone */
     for (size_t at = bytes.length - 100; file && at < bytes.length; at++) {
@@ -260,12 +251,11 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     CHECK(journal_audit(journal));
     journal_close(journal);
     holds(path, 7);
-    buf_release(&bytes);
 }
 
 STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
 {
-    const char *path = place("views.iftty");
+    const char *path = "views.iftty";
     struct journal *journal = make_journal(path, 1);
     syncs = bad_syncs = 0;
     file_step_hook = count_syncs;
@@ -280,7 +270,7 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     CHECK(journal_catch_up(journal, NULL) == OK);
     CHECK_INT(syncs, 2);
     CHECK(journal_catch_up(journal, NULL) == OK && syncs == 2); /* nothing waits */
-    struct buf synced = {0}, bytes = {0};
+    OWNED(buf_release) struct buf synced = {0}, bytes = {0};
     content(&synced, path);
     CHECK(journal_append(journal, "turn 15", NULL, NULL) == OK);
     bad_syncs = 1; /* that of the next record, or of the thread: the page is gone */
@@ -296,8 +286,6 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     file_step_hook = NULL;
     CHECK(journal_audit(journal));
     journal_close(journal);
-    buf_release(&synced);
-    buf_release(&bytes);
 }
 
 static unsigned threads(void)
@@ -313,7 +301,7 @@ static unsigned threads(void)
 
 STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
 {
-    const char *path = place("off.iftty");
+    const char *path = "off.iftty";
     struct journal *journal = make_journal(path, 1);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     const unsigned before = threads();
@@ -329,9 +317,9 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
 {
     char wanted[64];
     struct fault fault;
-    struct buf before = {0};
-    const char *path = place("held.iftty");
-    const char *other = place("mine.iftty");
+    OWNED(buf_release) struct buf before = {0};
+    const char *path = "held.iftty";
+    const char *other = "mine.iftty";
     struct journal *journal = make_journal(path, 3), *second;
     snprintf(wanted, sizeof wanted, "process %ld (test_durable)", (long)getpid());
     CHECK(open_again(&second, path, &fault) == ERR_IO);
@@ -353,14 +341,13 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
     CHECK(append(journal, 4, NULL) == OK);
     journal_close(journal);
     holds(path, 4); /* the lock went with it */
-    buf_release(&before);
 }
 
 /* A process that is being started holds the locks of its parent until it runs its own program. */
 STORY(a_lock_that_a_child_holds_for_a_moment_is_waited_for)
 {
     struct fault fault;
-    const char *path = place("moment.iftty");
+    const char *path = "moment.iftty";
     struct journal *journal = make_journal(path, 2), *second;
     fflush(stdout);
     const pid_t child = fork();
@@ -392,7 +379,7 @@ STORY(where_there_are_no_locks_a_file_stands_for_one)
     char lock[FILE_LENGTH + 8];
     struct fault fault;
     struct journal *journal, *second;
-    const char *path = place("nfs.iftty");
+    const char *path = "nfs.iftty";
     snprintf(lock, sizeof lock, "%s.lock", path);
     file_step_hook = has_no_locks;
     journal = make_journal(path, 2);
@@ -426,7 +413,7 @@ STORY(no_empty_journal_stays_where_no_lock_can_be_had)
 {
     struct journal *journal;
     struct fault fault;
-    const char *path = place("none.iftty");
+    const char *path = "none.iftty";
     file_step_hook = has_no_locks_and_no_room;
     CHECK(journal_create(&journal, path, 1, &fault) == ERR_IO);
     file_step_hook = NULL;
@@ -437,8 +424,8 @@ STORY(no_empty_journal_stays_where_no_lock_can_be_had)
 STORY(looking_leaves_a_torn_tail_alone)
 {
     struct journal *journal;
-    struct buf bytes = {0}, notice = {0};
-    const char *path = place("looked.iftty");
+    OWNED(buf_release) struct buf bytes = {0}, notice = {0};
+    const char *path = "looked.iftty";
     journal_close(make_journal(path, 3));
     CHECK(truncate(path, 200) == 0);
     content(&bytes, path);
@@ -447,9 +434,7 @@ STORY(looking_leaves_a_torn_tail_alone)
     CHECK_HAS(buf_text(&notice), "left where it is");
     journal_close(journal);
     CHECK(is_file_of(path, bytes.data, bytes.length));
-    CHECK(!file_exists(place("looked.iftty.torn-1")));
-    buf_release(&bytes);
-    buf_release(&notice);
+    CHECK(!file_exists("looked.iftty.torn-1"));
 }
 
 /* ---- flips ---- */
@@ -458,7 +443,7 @@ STORY(looking_leaves_a_torn_tail_alone)
 static void open_flipped(const char *path, const struct buf *bytes, size_t before, bool is_last)
 {
     struct journal *journal;
-    struct buf told = {0}, left = {0};
+    OWNED(buf_release) struct buf told = {0}, left = {0};
     put(path, bytes->data, bytes->length);
     const enum err err = open_again(&journal, path, NULL);
     if (err) {
@@ -473,17 +458,15 @@ static void open_flipped(const char *path, const struct buf *bytes, size_t befor
         content(&left, path);
         CHECK(left.length < bytes->length || before == 0);
     }
-    buf_release(&told);
-    buf_release(&left);
 }
 
 STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
 {
     enum { RECORDS = 3 };
-    struct buf bytes = {0};
-    char path[FILE_LENGTH], name[32];
+    OWNED(buf_release) struct buf bytes = {0};
+    const char *path = "flip.iftty";
+    char name[32];
     size_t before = 0;
-    strcpy(path, place("flip.iftty"));
     journal_close(make_journal(path, RECORDS));
     content(&bytes, path);
     for (size_t at = 0; at < bytes.length; at++) {
@@ -493,12 +476,11 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
             bytes.data[at] = (char)(bytes.data[at] ^ 1 << bit);
             for (unsigned n = 1; n < 4; n++) {
                 snprintf(name, sizeof name, "flip.iftty.torn-%u", n);
-                unlink(place(name));
+                unlink(name);
             }
         }
         const char *line = memrchr(bytes.data, '\n', at);
         before += bytes.data[at] == '\n' && line && line[1] == '=';
     }
     CHECK_INT(before, RECORDS);
-    buf_release(&bytes);
 }

@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the program does when its journal is held, gone, full, damaged: it says so, nothing that was
-# acknowledged is lost, and the session goes on elsewhere.
+# A journal that is locked, deleted, full or damaged: the program reports it, loses no acknowledged
+# command, and continues in another file.
 . "$(dirname "$0")/lib.sh"
 private_mounts "$0"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 # A session whose commands are written one after the other: begin_session ARGUMENTS..., tell LINE,
-# end_session. What it says is in acks and errors.
+# end_session. Its output is in acks and errors.
 begin_session() {
     rm -f line
     mkfifo line
@@ -34,12 +34,11 @@ errors_have() {
     grep -qF -e "$1" errors || fail "no '$1' in the errors:" "$(cat errors)"
 }
 
-begin "a second session is told who holds the journal, and may look"
+begin "a second session is told the owner of the journal, and may read it"
 begin_session --journal a.iftty
 tell 'open s.nii'
 tell 'seed 3,4,5 1'
-expect 3 "$iftty" run - --journal a.iftty </dev/null
-err_has "process $session (iftty)"
+expect_err "process $session (iftty)" 3 "$iftty" run - --journal a.iftty </dev/null
 err_has "--read-only"
 cp a.iftty a.kept
 expect 0 "$iftty" -c 'stats; seed 9,9,9 2; journal; journal mine.iftty; seed 8,8,8 3' --read-only \
@@ -47,20 +46,15 @@ expect 0 "$iftty" -c 'stats; seed 9,9,9 2; journal; journal mine.iftty; seed 8,8
 out_has "4 records, read-only: nothing is written" # a question has applied the seed
 err_has "a.iftty is open read-only"
 same_files a.iftty a.kept
-expect 0 "$iftty" verify mine.iftty
-out_has "5 commands, 5 results with "
+expect_out "5 commands, 5 results with " 0 "$iftty" verify mine.iftty
 echo 'golden g' >script
-expect 2 "$iftty" run script --read-only --journal a.iftty
-err_has "open read-only"
+expect_err "open read-only" 2 "$iftty" run script --read-only --journal a.iftty
 tell 'seed 6,6,6 2'
 end_session
-expect 0 "$iftty" verify a.iftty
-out_has "3 commands"
-expect 3 "$iftty" -c 'info' --read-only --journal none.iftty
-err_has "there is no journal none.iftty"
+expect_out "3 commands" 0 "$iftty" verify a.iftty
+expect_err "there is no journal none.iftty" 3 "$iftty" -c 'info' --read-only --journal none.iftty
 [ ! -e none.iftty ] || fail "it was created"
 expect 2 "$iftty" --read-only </dev/null
-close_story
 
 begin "a journal in a folder that cannot be written to can be looked at"
 mkdir closed
@@ -72,10 +66,9 @@ expect 0 "$iftty" verify later.iftty
 expect 3 with_permissions "$iftty" -c 'stats' --journal closed/a.iftty
 err_has "--read-only opens it for looking"
 expect 3 with_permissions "$iftty" -c 'open s.nii' --journal closed/new.iftty
-close_story
 
 for harm in deleted replaced shorter longer; do
-    begin "a journal that was $harm: said, undone, and gone on with elsewhere"
+    begin "a journal that was $harm: reported, undone, and continued in another file"
     rm -rf ./*.iftty ./*.golden
     begin_session --journal b.iftty
     tell 'open s.nii'
@@ -95,15 +88,13 @@ for harm in deleted replaced shorter longer; do
     tell 'seed 7,7,7 2'
     end_session
     [ $harm = deleted ] || same_files b.iftty b.kept
-    expect 0 "$iftty" verify elsewhere.iftty
-    out_has "4 commands, 4 results with "
+    expect_out "4 commands, 4 results with " 0 "$iftty" verify elsewhere.iftty
     expect 0 "$iftty" log --script elsewhere.iftty
     grep -q 'seed 6,6,6' out && fail "the undone command is there"
     [ -f elsewhere.golden/first.exr ] || fail "the golden image did not come along"
-    close_story
 done
 
-begin "a disk that is full: the session goes on on another"
+begin "a full disk: the session continues on another one"
 small=$work/small
 mkdir "$small"
 if can_mount && mount -t tmpfs -o size=16k none "$small"; then
@@ -116,19 +107,16 @@ if can_mount && mount -t tmpfs -o size=16k none "$small"; then
     tell 'journal roomy.iftty'
     tell 'seed 9,9,9 3'
     end_session
-    expect 0 "$iftty" verify roomy.iftty
-    out_has "$((said + 1)) commands"
-    expect 0 "$iftty" log --check "$small/c.iftty"
-    out_has "$said records"
+    expect_out "$((said + 1)) commands" 0 "$iftty" verify roomy.iftty
+    expect_out "$said records" 0 "$iftty" log --check "$small/c.iftty"
     umount "$small"
 fi
-close_story
 
 begin "a disk that is full: no file is half written, and the command works when there is room"
 disk=$work/disk
 mkdir "$disk"
-# leave KIB: so much room on the disk. With its source said, mount asks for this alone: its owner,
-# whom it would ask for again, is nobody where an ordinary user may mount.
+# leave KIB: leave this free space on the disk. With its source named, mount requests only this
+# change; it would also request the owner, who does not exist where an ordinary user may mount.
 leave() {
     used=$(df -k --output=used "$disk" | tail -n 1)
     mount -t tmpfs -o remount,size=$((used + $1))k none "$disk"
@@ -168,9 +156,8 @@ if can_mount && mount -t tmpfs -o size=1m none "$disk"; then
     [ -z "$(find "$disk" -name '.iftty-*')" ] || fail "a draft is left"
     umount "$disk"
 fi
-close_story
 
-begin "a link to a journal: golden images lie beside the journal itself"
+begin "a link to a journal: golden images are next to the journal itself"
 mkdir real
 cp s.nii real
 expect_in real 0 "$iftty" -c 'open s.nii; seed 3,4,5 1; golden a' --journal l.iftty
@@ -183,16 +170,12 @@ expect_in real 0 "$iftty" verify l.iftty
 mv real/l.golden link.golden # where they lay before
 expect 0 "$iftty" verify link.iftty
 expect 1 "$iftty" verify real/l.iftty
-close_story
 
-begin "a journal with the line ends of Windows is named, and mended by what it says"
+begin "a journal with the line ends of Windows is reported, with a command that repairs it"
 sed 's/$/\r/' real/l.iftty >w.iftty
-expect 3 "$iftty" -c info --journal w.iftty
-err_has "it has the line ends of Windows"
-expect 3 "$iftty" verify w.iftty
-out_has "it has the line ends of Windows"
+expect_err "it has the line ends of Windows" 3 "$iftty" -c info --journal w.iftty
+expect_out "it has the line ends of Windows" 3 "$iftty" verify w.iftty
 tr -d '\r' <w.iftty | cmp -s - real/l.iftty || fail "that does not mend it"
-close_story
 
 begin "a file system that cannot rename to a new name: bindfs"
 mkdir below above
@@ -207,33 +190,26 @@ if can_fuse below above; then
     [ -z "$(find below -name '.iftty-*')" ] || fail "a draft is left"
     fusermount3 -u above || fusermount -u above
 fi
-close_story
 
-begin "journal FILE where there is something, or nothing to go on from"
+begin "journal FILE with an existing file, or without a journal to continue"
 expect 0 "$iftty" -c 'open s.nii; journal; journal d.iftty; seed 1,2,3 1; journal' --journal e.iftty
 out_has "e.iftty, 1 record"
 out_has "d.iftty, 2 records"
 cp d.iftty d.kept
-expect 3 "$iftty" -c 'journal d.iftty' --journal e.iftty
-err_has "d.iftty exists already"
+expect_err "d.iftty exists already" 3 "$iftty" -c 'journal d.iftty' --journal e.iftty
 same_files d.iftty d.kept
 expect 0 "$iftty" -c 'journal f.iftty; open s.nii'
 expect 0 "$iftty" verify f.iftty
-expect 2 "$iftty" -c 'open s.nii; journal g.iftty'
-err_has "without a journal"
+expect_err "without a journal" 2 "$iftty" -c 'open s.nii; journal g.iftty'
 [ ! -e g.iftty ] || fail "it was created"
 echo 'journal h.iftty' >script
 expect 3 "$iftty" replay script
 [ ! -e h.iftty ] || fail "a replay wrote a journal"
-close_story
 
-begin "ways of syncing are told"
-expect 0 "$iftty" -c 'sync; sync off; sync' --journal k.iftty
-out_has "before it is acknowledged"
+begin "modes of syncing are reported"
+expect_out "before it is acknowledged" 0 "$iftty" -c 'sync; sync off; sync' --journal k.iftty
 out_has "since the last"
-expect 2 "$iftty" -c 'sync never'
-err_has "always"
-close_story
+expect_err "always" 2 "$iftty" -c 'sync never'
 
 begin "a golden image without its record goes after its PNG, or stays to be found again"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first' --journal g.iftty >acks
@@ -244,25 +220,20 @@ expect 0 "$iftty" -c stats --journal g.iftty
 [ -e g.golden/first.exr ] || fail "nothing leads to the PNG any more"
 rm -r g.golden/first.png
 : >g.golden/first.png
-expect 0 "$iftty" -c stats --journal g.iftty
-err_has "first.exr was removed"
+expect_err "first.exr was removed" 0 "$iftty" -c stats --journal g.iftty
 same "$(ls g.golden 2>&1)" ""
-close_story
 
-begin "a repair keeps what is sound, and the rest beside it"
+begin "a repair keeps the sound records, and saves the rest in another file"
 printf 'open s.nii\nseed 1,2,3 1\n# why\nseed 4,5,6 2\nseed 7,8,9 3\n' >script
 expect 0 "$iftty" run script --journal r.iftty
-expect 0 "$iftty" log --repair r.iftty
-out_has "intact, 4 records; nothing was changed"
+expect_out "intact, 4 records; nothing was changed" 0 "$iftty" log --repair r.iftty
 cp r.iftty r.kept
 flip_byte r.iftty "$(grep -b -o 'seed 4' r.iftty | cut -d : -f 1)"
 cp r.iftty r.harmed
-expect 3 "$iftty" run - --journal r.iftty </dev/null
-err_has "record 3"
+expect_err "record 3" 3 "$iftty" run - --journal r.iftty </dev/null
 err_has "byte"
 err_has "iftty log --repair"
-expect 0 "$iftty" log --repair r.iftty
-out_has "record 3"
+expect_out "record 3" 0 "$iftty" log --repair r.iftty
 out_has "r.iftty.torn-1"
 out_has "2 records left"
 cat r.iftty r.iftty.torn-1 | cmp -s - r.harmed || fail "bytes are lost"
@@ -273,12 +244,10 @@ expect 0 "$iftty" log --repair v.iftty # record 1 covers the header
 out_has "0 records left"
 cat v.iftty v.iftty.torn-1 | cmp -s - v.kept || fail "bytes are lost"
 echo 'open s.nii' >script
-expect 3 "$iftty" log --repair script
-err_has "a script, not a journal"
+expect_err "a script, not a journal" 3 "$iftty" log --repair script
 expect 3 "$iftty" log --repair none.iftty
-close_story
 
-begin "the folder of a replay that is killed goes with the next one; those of others stay"
+begin "the folder of a killed replay is removed by the next one; other folders are kept"
 mkdir tmp few
 printf '%s\n' 'open s.nii' 'seed 2,3,4 1' run 'save labels few.nii' >script
 expect 0 "$iftty" run script --journal few.iftty
@@ -303,6 +272,5 @@ same "$(ls tmp | wc -l | tr -d ' ')" 5
 same "$(ls tmp/iftty-*/few.nii | wc -l | tr -d ' ')" 3
 [ -e few/1.nii ] || fail "what a link leads to is gone"
 [ -z "$(ls -A tmp/iftty-*/.iftty* 2>/dev/null)" ] || fail "$(ls -A tmp/*)"
-close_story
 
 finish

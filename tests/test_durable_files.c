@@ -87,10 +87,10 @@ static uint64_t digest_below(const char *path)
 /* The journal verifies: no golden image differs, is missing, or is one too many. */
 static void verifies(void)
 {
-    struct interpreter interp;
-    struct replay_report report = {0};
+    OWNED(interpreter_release) struct interpreter interp;
+    OWNED(replay_report_release) struct replay_report report = {0};
     struct evidence evidence = {0};
-    struct buf told = {0}, orphans = {0};
+    OWNED(buf_release) struct buf told = {0}, orphans = {0};
     const struct golden_judge judge = evidence_judge(&evidence);
     begin_interpreter(&interp);
     interp.judge = &judge;
@@ -100,10 +100,6 @@ static void verifies(void)
                            &fault) == OK))
         printf("#   %s\n", fault.text);
     CHECK_TEXT(buf_text(&told), "");
-    replay_report_release(&report);
-    interpreter_release(&interp);
-    buf_release(&orphans);
-    buf_release(&told);
 }
 
 /* ---- stories ---- */
@@ -207,7 +203,7 @@ static void reseal_it(struct interpreter *interp)
 static void remove_it(struct interpreter *interp)
 {
     struct golden_files files;
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     (void)interp;
     CHECK(golden_files_open(&files, "s.iftty", &fault) == OK);
     CHECK(file_read(&bytes, "s.iftty", 1 << 20, &fault) == OK);
@@ -218,7 +214,6 @@ static void remove_it(struct interpreter *interp)
     }
     may_fail = false;
     CHECK(golden_files_remove(&files, "last.exr", &fault) == OK);
-    buf_release(&bytes);
     golden_files_close(&files);
 }
 
@@ -226,10 +221,9 @@ static const char *const golden_files[] = {"first.exr", "first.png", "last.exr",
 
 static void copy_file(const char *from, const char *to)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     CHECK(file_read(&bytes, from, 1 << 24, &fault) == OK);
     CHECK(file_write(to, buf_text(&bytes), bytes.length, FILE_REPLACE, &fault) == OK);
-    buf_release(&bytes);
 }
 
 static void copy_folder(const char *from, const char *to)

@@ -124,7 +124,7 @@ static double taken(struct stage *s, uint32_t samples)
 /* Between two objects on one plane, which is not dark by itself, as rounded silhouettes are. */
 STORY(a_line_is_as_strong_at_every_number_of_samples)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     begin(&s);
     fill(&s, 1, in_right);
     fill(&s, 2, in_left);
@@ -135,12 +135,12 @@ STORY(a_line_is_as_strong_at_every_number_of_samples)
         if (!CHECK(one > 18 && fabs(two / one - 1) < 0.2 && fabs(four / one - 1) < 0.2))
             printf("# view %d: %.1f %.1f %.1f\n", i, one, two, four);
     }
-    stage_release(&s);
 }
 
 /* Light outside, dark within: no background hides both. */
 static void outline_shows(struct stage *s, uint32_t samples)
 {
+    OWNED(rendition_release)
     struct rendition plain = draw(s, samples, false), lined = draw(s, samples, true);
     const uint32_t width = PIXELS * samples;
     for (uint32_t y = width / 4; y < width * 3 / 4; y++) {
@@ -153,18 +153,15 @@ static void outline_shows(struct stage *s, uint32_t samples)
         }
     }
     CHECK_INT(red_at(&lined, 20, 32), red_at(&plain, 20, 32));
-    rendition_release(&plain);
-    rendition_release(&lined);
 }
 
 STORY(an_outline_shows_against_black_and_against_white)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     begin(&s);
     fill(&s, 1, in_ball);
     for (uint32_t samples = 1; samples <= 4; samples *= 2)
         outline_shows(&s, samples);
-    stage_release(&s);
 }
 
 /* ---- where ---- */
@@ -172,12 +169,11 @@ STORY(an_outline_shows_against_black_and_against_white)
 /* A line through all of 40 rows, one pixel wide. */
 static void has_one_line(struct stage *s, uint32_t samples)
 {
-    struct rendition out = draw(s, samples, true);
+    OWNED(rendition_release) struct rendition out = draw(s, samples, true);
     const int dark = count(s, EDGE_DARK, 20), rows = 40 * (int)samples;
     if (!CHECK(dark >= rows * (int)samples * 9 / 10 && dark <= rows * (int)samples * 11 / 10))
         printf("# yaw %d, %u samples: %d pixels in %d rows\n", s->view.angle[0], samples, dark,
                rows);
-    rendition_release(&out);
 }
 
 STORY(what_hides_a_part_of_itself_has_a_line_and_so_has_a_fold)
@@ -187,19 +183,18 @@ STORY(what_hides_a_part_of_itself_has_a_line_and_so_has_a_fold)
         int32_t yaw;
     } shape[] = {{in_step, 0}, {in_step, 4000}, {in_roof, 0}, {in_roof, 9000}};
     for (size_t i = 0; i < sizeof shape / sizeof *shape; i++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         begin(&s);
         fill(&s, 1, shape[i].holds);
         s.view.angle[0] = shape[i].yaw;
         for (uint32_t samples = 1; samples <= 4; samples *= 2)
             has_one_line(&s, samples);
-        stage_release(&s);
     }
 }
 
 STORY(objects_that_touch_have_one_line_between_them)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     begin(&s);
     fill(&s, 1, in_right);
     fill(&s, 2, in_left);
@@ -208,13 +203,12 @@ STORY(objects_that_touch_have_one_line_between_them)
         for (uint32_t samples = 1; samples <= 4; samples *= 2)
             has_one_line(&s, samples);
     }
-    stage_release(&s);
 }
 
 STORY(what_is_round_or_steep_has_no_line_but_its_outline)
 {
     for (int shape = 0; shape < 2; shape++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         begin(&s);
         fill(&s, 1, shape ? in_slope : in_ball);
         for (int i = 0; i < 12; i++) {
@@ -222,13 +216,11 @@ STORY(what_is_round_or_steep_has_no_line_but_its_outline)
             s.view.angle[0] = shape ? i * 1500 : i * 31000;
             s.view.angle[1] = i * (shape ? 2000 : 17000);
             for (uint32_t samples = 1; samples <= 2; samples++) {
-                struct rendition out = draw(&s, samples, true);
+                OWNED(rendition_release) struct rendition out = draw(&s, samples, true);
                 const int margin = shape ? 8 : 16;
                 if (!CHECK(count(&s, EDGE_DARK, margin) + count(&s, EDGE_LIGHT, margin) == 0))
                     printf("# shape %d view %d\n", shape, i);
-                rendition_release(&out);
             }
         }
-        stage_release(&s);
     }
 }

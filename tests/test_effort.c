@@ -47,7 +47,7 @@ static void is_at(const uint32_t place[3], uint32_t x, uint32_t y, uint32_t z)
 
 STORY(the_first_ball_is_at_the_deepest_voxel)
 {
-    struct effort_robot robot;
+    OWNED(effort_robot_release) struct effort_robot robot;
     struct effort_gesture gesture;
     begin(&robot);
     CHECK(effort_robot_object(&robot, &gesture, NULL) == OK);
@@ -58,12 +58,11 @@ STORY(the_first_ball_is_at_the_deepest_voxel)
     truth[at(17, 15, 13)] = 0; /* now that is 5 voxels from the background */
     CHECK(effort_robot_object(&robot, &gesture, NULL) == OK);
     is_at(gesture.at, 21, 15, 14);
-    effort_robot_release(&robot);
 }
 
 STORY(the_first_background_ball_is_outside_and_near)
 {
-    struct effort_robot robot;
+    OWNED(effort_robot_release) struct effort_robot robot;
     struct effort_gesture gesture;
     begin(&robot);
     CHECK(effort_robot_background(&robot, SHAPE_BALL, &gesture, NULL) == OK);
@@ -76,7 +75,6 @@ STORY(the_first_background_ball_is_outside_and_near)
     }
     const int64_t radius = gesture.radius; /* the ball is more than 2 and at most 10 away */
     CHECK(squared > (radius + 2) * (radius + 2) && squared <= (10 - radius) * (10 - radius));
-    effort_robot_release(&robot);
 }
 
 STORY(a_sphere_encloses_the_object)
@@ -109,7 +107,7 @@ STORY(a_sphere_encloses_the_object)
 
 STORY(the_largest_error_is_corrected_at_its_deepest_voxel)
 {
-    struct effort_robot robot;
+    OWNED(effort_robot_release) struct effort_robot robot;
     struct effort_gesture gesture;
     bool found = true;
     begin(&robot);
@@ -132,7 +130,6 @@ STORY(the_largest_error_is_corrected_at_its_deepest_voxel)
     CHECK(effort_robot_next(&robot, label, &gesture, &found, NULL) == OK);
     is_at(gesture.at, 0, 0, 0);
     CHECK_INT(gesture.radius, 0);
-    effort_robot_release(&robot);
 }
 
 /* ---- counts ---- */
@@ -163,7 +160,7 @@ STORY(counts_of_a_curve)
 
 STORY(a_gesture_is_a_command)
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     struct effort_gesture gesture = {
         .shape = SHAPE_BALL, .at = {1, 2, 3}, .label = 1, .within = 12};
     effort_write_command(&line, &gesture, false);
@@ -175,7 +172,6 @@ STORY(a_gesture_is_a_command)
     gesture.shape = SHAPE_SPHERE;
     effort_write_command(&line, &gesture, true);
     CHECK_TEXT(buf_text(&line), "seed 1,2,3 0 radius=3 shell=yes around=1");
-    buf_release(&line);
 }
 
 STORY(a_plain_object_is_found_at_once_and_runs_agree)

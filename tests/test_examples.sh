@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Every example journal verifies, digest for digest and pixel for pixel; what the READMEs say of
-# commands is what the program says, and the commands of its sections work.
+# Every example journal verifies, digest for digest and pixel for pixel; the READMEs list the
+# commands of the program, and the commands in them work.
 . "$(dirname "$0")/lib.sh"
 
 can_open() { # SCENE
@@ -18,26 +18,23 @@ for journal in examples/*.iftty; do
         expect 0 "$iftty" verify --strict "$journal" </dev/null ||
             fail "$(cat "$work/out")"
     fi
-    close_story
 done
 
-begin "what is carried to another subject is what its lesson corrects"
+begin "the lesson corrects the labels that apply transfers to the subject"
 if can_open subject.nii.gz; then
     expect_in "$work/scenes" 0 "$iftty" apply "$top/examples/first-organ.iftty" subject.nii.gz \
         --by landmarks --landmarks "$top/examples/subject-marks.txt" --fit similarity
     carried=$(sed -n 's/^labels .* copy=\([0-9a-f]*\).*/\1/p' "$work/scenes/subject.iftty")
     same "$carried" "$(sed -n 's/^labels .* copy=\([0-9a-f]*\).*/\1/p' examples/subject.iftty)"
 fi
-close_story
 
 begin "journal/README.md lists the commands as help does"
 "$iftty" help | sed 's/^./    &/' >"$work/help"
 sed -n '/^<!-- commands/,/^<!-- end of commands/p' journal/README.md | sed '1,2d;$d' | sed '$d' |
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
-close_story
 
-# On a scene that has all that examples name; what wants another one, or a fresh one, has it.
-begin "the example in the help of every command does what it says"
+# Run on a scene with all files that examples name; some examples have their own scene.
+begin "the example in the help of every command works"
 mkdir "$work/run"
 "$iftty" help | sed -n 's/^\([a-z][a-z-]*\)\( .*\)\{0,1\}$/\1/p' | sort -u >"$work/commands"
 while read -r name; do
@@ -64,7 +61,7 @@ while read -r line; do
         before='open synth:geom:20x20x20; seed 9,9,9 1; run'
         rm -f "$work/run/brain.png"
         ;;
-    pilot) continue ;; # wants a terminal: test_pilot.sh
+    pilot) continue ;; # needs a terminal: test_pilot.sh
     *)
         echo "$line" >>"$work/run/script"
         continue
@@ -74,9 +71,8 @@ while read -r line; do
 done <"$work/lines"
 expect_in "$work/run" 0 "$iftty" run script --keep-going || fail "$(cat "$work/err")"
 same "$(grep -c '^ok' "$work/out")" "$(wc -l <"$work/run/script")"
-close_story
 
-begin "what the READMEs name is there"
+begin "the READMEs name existing files and tests"
 find . -path ./build -prune -o -type f -print | sed 's|.*/||' | sort -u >"$work/files"
 for readme in $(find . -path ./build -prune -o -name README.md -print); do
     for name in $(grep -oE '\b[a-z_-]+\.(c|h|cc|sh|md|txt|py)\b' "$readme" | sort -u); do
@@ -87,13 +83,11 @@ for readme in $(find . -path ./build -prune -o -name README.md -print); do
             fail "$readme: there is no $name"
     done
 done
-close_story
 
 begin "journal/README.md lists the programs as --help does"
 "$iftty" --help | sed -n '/^    iftty/,/^$/p' >"$work/help"
 sed -n '/^<!-- programs/,/^<!-- end of programs/p' journal/README.md | sed '1,2d;$d' |
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
-close_story
 
 # The commands of its sections, each of which ends with a pick.
 for section in views slices; do
@@ -105,7 +99,6 @@ for section in views slices; do
         grep -q '^ok 1[0-9] ' "$work/out" && grep -q '^ok - pick' "$work/out" ||
             fail "$(cat "$work/out")"
     fi
-    close_story
 done
 
 finish

@@ -301,8 +301,6 @@ static bool agree(const void *expected, const struct scene *scene, const uint8_t
 
 /* ---- stories ---- */
 
-static struct team *team_of[4];
-
 static bool finish_as_model(const struct volume *v, const struct finish_list *list,
                             struct team *team)
 {
@@ -333,11 +331,10 @@ STORY(each_step_is_what_a_plain_model_makes)
         fill(&v, 7);
         list.step[0] = random_step(&v);
         if (!CHECK(finish_as_model(&v, &list, team_of[round % 4]))) {
-            struct buf words = {0};
+            OWNED(buf_release) struct buf words = {0};
             finish_write(&words, &list);
             printf("# round %d: %dx%dx%d, %s\n", round, v.size[0], v.size[1], v.size[2],
                    buf_text(&words));
-            buf_release(&words);
         }
     }
 }
@@ -373,7 +370,7 @@ STORY(a_stop_is_heard_wherever_it_comes)
     fill(&v, 7);
     struct scene *scene = scene_of(&v);
     model(&v, &list);
-    CHECK(stop_finish_everywhere(scene, &list, team_of, agree, &v) > 50);
+    CHECK(stop_finish_everywhere(scene, &list, agree, &v) > 50);
     scene_free(scene);
 }
 
@@ -387,15 +384,4 @@ STORY(memory_that_runs_out_is_an_error)
     model(&v, &list);
     CHECK(starve_finish_everywhere(scene, &list, agree, &v) > 10);
     scene_free(scene);
-}
-
-int main(void)
-{
-    for (unsigned workers = 1; workers < 4; workers++)
-        if (team_new(&team_of[workers], workers, NULL) != OK)
-            abort();
-    const int status = check_run();
-    for (unsigned workers = 1; workers < 4; workers++)
-        team_free(team_of[workers]);
-    return status;
 }

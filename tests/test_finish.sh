@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The finish as users meet it: a setting that is recorded, undone and gone on with, whose outcome is
-# in the records, and checked when a journal is verified.
+# The finish for users: a setting that is recorded, undone and resumed, whose result is in the
+# records and checked by verify.
 . tests/lib.sh
 cd "$work" || exit 1
 make_scene scene.nii 30 24 20
@@ -43,18 +43,15 @@ tail -c +353 plain.nii >plain && tail -c +353 none.nii >none && same_files plain
 has_line smooth.nii "iftty labels, finished: majority radius=1, largest label=2, holes" ||
     fail "the file does not say that it is finished"
 same "$(last_word labels a.iftty)" "$labels"
-close_story
 
 begin "a journal with finished labels verifies, for any number of threads, and resumes"
 for threads in 1 2 5; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
 done
 printf 'finish\nsave labels resumed.nii finished=yes\n' >more
-expect 0 "$iftty" run more --journal a.iftty
-out_has "finish    majority radius=1, largest label=2"
+expect_out "finish    majority radius=1, largest label=2" 0 "$iftty" run more --journal a.iftty
 same_files eight.nii resumed.nii
 expect 0 "$iftty" verify a.iftty
-close_story
 
 begin "relaxed labels follow seeds that change no label, and verify for any number of threads"
 cat >settle <<'END'
@@ -75,26 +72,22 @@ out_has "finish    relax sweeps=9 reach=2, relax sweeps=60 reach=5 label=2"
 for threads in 1 2 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify settle.iftty
 done
-expect 2 "$iftty" -c 'open scene.nii; finish relax radius=2'
-err_has "radius: \`finish relax\` has none"
+expect_err "radius: \`finish relax\` has none" 2 "$iftty" -c 'open scene.nii; finish relax radius=2'
 expect 2 "$iftty" -c 'open scene.nii; finish relax sweeps=0'
 err_has "sweeps: expected a number 1..1000, not 0"
 expect 2 "$iftty" -c 'open scene.nii; finish relax reach=17'
 err_has "reach: expected a number 1..16, not 17"
 expect 2 "$iftty" -c 'open scene.nii; finish largest reach=2'
 err_has "reach: \`finish largest\` has none"
-close_story
 
 begin "another outcome than the recorded one is found, with its record"
 sed 's/radius=1/radius=2/; s/\(save labels \)\([a-z]*\)/\1other-\2/' script >other
 expect 0 "$iftty" run other --journal other.iftty
-expect 1 "$iftty" verify --bisect a.iftty other.iftty
-out_has "record 6 is the first that differs"
+expect_out "record 6 is the first that differs" 1 "$iftty" verify --bisect a.iftty other.iftty
 sed '/^= 10 /s/finished=./finished=x/' a.iftty >b.iftty
 expect 1 "$iftty" verify b.iftty
 cat "$work/out" "$work/err" >said
 has_line said "10" || fail "$(cat said)"
-close_story
 
 begin "pictures show the finished labels, and say so; the next ones show the forest again"
 cat >pictures <<'END'
@@ -126,10 +119,9 @@ same "$(picture 11)" "$(picture 12)"
 same "$(picture 7)" "$(picture 13)"
 [ "$(picture 7)" != "$(picture 11)" ] || fail "the rendition shows nothing of the finish"
 for exr in f s m spin0 p.golden/ball p.golden/plane; do
-    expect 0 "$iftty" info $exr.exr
-    out_has "majority radius=2, open radius=1"
+    expect_out "majority radius=2, open radius=1" 0 "$iftty" info $exr.exr
 done
-# The same pictures of a forest that has these labels: each voxel is a seed of its own.
+# The same pictures of a forest that has these labels: each voxel is a seed.
 cat >others <<'END'
 open scene.nii
 size 200 160
@@ -143,12 +135,10 @@ END
 expect 0 "$iftty" run others --journal o.iftty
 sed -n 's/^= .*picture=\([0-9a-f]*\).*/\1/p' o.iftty >pictured
 same "$(picture 11; picture 14; picture 15)" "$(cat pictured)"
-expect 0 "$iftty" verify p.iftty
-out_has "p.iftty"
+expect_out "p.iftty" 0 "$iftty" verify p.iftty
 IFTTY_THREADS=3 expect 0 "$iftty" verify p.iftty
-close_story
 
-begin "finished on has pictures follow what is planted; it is recorded, verified and gone on with"
+begin "finished on updates pictures after each seed; it is recorded, verified and resumed"
 cat >live <<'END'
 open scene.nii
 size 200 160
@@ -177,8 +167,7 @@ picture() { # RECORD
 same "$(picture 8) $(picture 6)" "$(picture 10) $(picture 11)"
 same "$(picture 16) $(picture 18)" "$(picture 8) $(picture 6)"
 [ "$(picture 13)" != "$(picture 10)" ] || fail "the seed is not seen"
-expect 0 "$iftty" info slice.exr
-out_has "relax sweeps=20"
+expect_out "relax sweeps=20" 0 "$iftty" info slice.exr
 for threads in 1 2 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify l.iftty
 done
@@ -186,11 +175,8 @@ printf 'finished on\nrender\n' >more
 expect 0 "$iftty" run more --journal l.iftty
 same "$(picture 20)" "$(picture 10)"
 expect 0 "$iftty" verify l.iftty
-expect 2 "$iftty" -c "open scene.nii; finished perhaps"
-err_has "on|off"
-expect 2 "$iftty" -c "finished on"
-err_has "finished needs a scene"
-close_story
+expect_err "on|off" 2 "$iftty" -c "open scene.nii; finished perhaps"
+expect_err "finished needs a scene" 2 "$iftty" -c "finished on"
 
 begin "labels that the finish deletes, halves or breaks are named, with voxels and pieces"
 cat >walls <<'END'
@@ -228,14 +214,12 @@ expect 0 "$iftty" run walls
 out_has "the finish deletes label 3 wall" # as soon as the finish is chosen
 printf '%s\n' 'open scene.nii' 'box 0,0,0 29,23,19 0' 'box 1,1,1 12,12,12 1' run \
     'finish open radius=9' 'stats finished=yes' >thick
-expect 0 "$iftty" run thick
-out_has "the finish deletes label 1: 1728 voxels"
+expect_out "the finish deletes label 1: 1728 voxels" 0 "$iftty" run thick
 out_has "the finish changes 216 voxels more than 3 voxels from any border"
 sed 's/^finish majority/finish holes/' script2 >kept
 sed -i 's/lost.nii/kept.nii/' kept
 expect 0 "$iftty" run kept
 ! grep -q 'the finish [drb]' out || fail "nothing is lost: $(cat out)"
-close_story
 
 begin "at the prompt a loss is named once, as soon as a picture is made of finished labels"
 expect 0 "$iftty" <<END
@@ -252,12 +236,10 @@ render
 END
 same "$(grep '^the finish' out)" "the finish deletes label 2; see \`stats\`
 the finish deletes label 3; see \`stats\`"
-close_story
 
-begin "what a step does not take is refused, and so is what reaches too far"
+begin "an invalid argument of a step is rejected, and so is a too large reach"
 refused() { # COMMAND WORDS
-    expect 2 "$iftty" -c "open scene.nii; $1"
-    err_has "$2"
+    expect_err "$2" 2 "$iftty" -c "open scene.nii; $1"
 }
 refused "finish polish" "majority|largest|components|holes|open|close|none"
 refused "finish largest radius=2" "radius: \`finish largest\` has none"
@@ -272,8 +254,6 @@ for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16; do echo "finish holes"; done >s
 { echo "open scene.nii"; cat sixteen; } >many
 expect 0 "$iftty" run many
 echo "finish holes" >>many
-expect 3 "$iftty" run many
-err_has "no room for more"
-close_story
+expect_err "no room for more" 3 "$iftty" run many
 
 finish

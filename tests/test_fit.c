@@ -168,98 +168,85 @@ static void begin_with_object(struct interpreter *interp)
     must(interp, "open synth:geom:60x50x40; seed 12,12,10 1 radius=4; size 90 70; view 30 20");
 }
 
-STORY(fit_is_recorded_as_what_it_comes_to)
+BEGUN_STORY(fit_is_recorded_as_what_it_comes_to, begin_with_object)
 {
-    struct interpreter interp;
-    begin_with_object(&interp);
-    must(&interp, "zoom fit"); /* the seed waits: no object yet */
+    must(interp, "zoom fit"); /* the seed waits: no object yet */
     CHECK_TEXT(buf_text(&reply.text), "no object is shown: the scene fits\n"
                                       "without the 257 edits that wait for `run`\n");
-    const uint32_t whole = interp.session->now.outlook.view.zoom;
-    must(&interp, "run; clip axial 5-12; cut 20,0,0 59,49,39; zoom fit");
-    const struct view fitted = interp.session->now.outlook.view;
+    const uint32_t whole = interp->session->now.outlook.view.zoom;
+    must(interp, "run; clip axial 5-12; cut 20,0,0 59,49,39; zoom fit");
+    const struct view fitted = interp->session->now.outlook.view;
     CHECK(fitted.zoom > whole + whole / 4);
     CHECK_TEXT(buf_text(&reply.text), "");
     CHECK_HAS(buf_text(&reply.canonical), "zoom ");
     CHECK_HAS(buf_text(&reply.canonical), " at=");
     char line[64];
     snprintf(line, sizeof line, "%s", buf_text(&reply.canonical));
-    must(&interp, "zoom 1 at=0,0,0");
-    must(&interp, line);
+    must(interp, "zoom 1 at=0,0,0");
+    must(interp, line);
     CHECK_TEXT(buf_text(&reply.canonical), line);
-    CHECK(memcmp(&interp.session->now.outlook.view, &fitted, sizeof fitted) == 0);
-    CHECK_INT(execute(&interp, "zoom fit at=1,1,1"), ERR_USAGE);
+    CHECK(memcmp(&interp->session->now.outlook.view, &fitted, sizeof fitted) == 0);
+    CHECK_INT(execute(interp, "zoom fit at=1,1,1"), ERR_USAGE);
     CHECK_HAS(fault.text, "fit finds the place");
-    must(&interp, "hide 1");
-    MUST_MENTION(&interp, "zoom fit", "no object is shown: the scene fits");
-    interpreter_release(&interp);
+    must(interp, "hide 1");
+    MUST_MENTION(interp, "zoom fit", "no object is shown: the scene fits");
 }
 
 /* ---- turntables ---- */
 
 static bool same_picture(const char *a, const char *b)
 {
-    struct picture p = {0}, q = {0};
+    OWNED(picture_release) struct picture p = {0}, q = {0};
     const bool read = CHECK(exr_read(&p, a, NULL) == OK) && CHECK(exr_read(&q, b, NULL) == OK);
     const bool same = read && memcmp(p.rgba, q.rgba, (size_t)4 * p.width * p.height) == 0;
-    picture_release(&p);
-    picture_release(&q);
     return same;
 }
 
 /* Each turn begins with the view, and turns one of its angles. */
-STORY(a_turntable_turns_about_one_axis_after_the_other)
+BEGUN_STORY(a_turntable_turns_about_one_axis_after_the_other, begin_with_object)
 {
     static const char *const turned[] = {"view 30 20",     "view 210 20", "view 30 20",
                                          "view 30 20 180", "view 30 20",  "view 30 200"};
-    struct interpreter interp;
     char line[64];
-    begin_with_object(&interp);
-    must(&interp, "run");
-    MUST_ANSWER(&interp, "spin 2 turn%d.exr axis=yaw,roll,pitch", "wrote turn0.exr to turn5.exr\n");
+    must(interp, "run");
+    MUST_ANSWER(interp, "spin 2 turn%d.exr axis=yaw,roll,pitch", "wrote turn0.exr to turn5.exr\n");
     CHECK_TEXT(buf_text(&reply.canonical), "spin 2 turn%d.exr axis=yaw,roll,pitch");
     for (unsigned i = 0; i < sizeof turned / sizeof turned[0]; i++) {
-        must(&interp, turned[i]);
-        must(&interp, "render one.exr replace=yes");
+        must(interp, turned[i]);
+        must(interp, "render one.exr replace=yes");
         snprintf(line, sizeof line, "turn%u.exr", i);
         CHECK(same_picture(line, "one.exr"));
     }
-    must(&interp, "view 30 20; spin 2 yaw%d.exr axis=yaw; spin 2 plain%d.exr");
+    must(interp, "view 30 20; spin 2 yaw%d.exr axis=yaw; spin 2 plain%d.exr");
     CHECK(same_picture("yaw1.exr", "plain1.exr"));
-    interpreter_release(&interp);
 }
 
-STORY(axes_are_each_named_once)
+BEGUN_STORY(axes_are_each_named_once, begin_with_object)
 {
     static const char *const bad[] = {
         "yaw,yaw", "yaw,", ",yaw", "yaw,,roll", "spin", "yaw pitch", "yaw,pitch,roll,yaw",
         "yawpitch"};
-    struct interpreter interp;
     char line[64];
-    begin_with_object(&interp);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         snprintf(line, sizeof line, "spin 2 no%%d.exr \"axis=%s\"", bad[i]);
-        CHECK_INT(execute(&interp, line), ERR_USAGE);
+        CHECK_INT(execute(interp, line), ERR_USAGE);
         CHECK_HAS(fault.text, "axis: expected yaw, pitch or roll");
     }
-    CHECK_INT(execute(&interp, "spin 400 no%d.exr axis=yaw,pitch,roll"), ERR_USAGE);
+    CHECK_INT(execute(interp, "spin 400 no%d.exr axis=yaw,pitch,roll"), ERR_USAGE);
     CHECK_HAS(fault.text, "3 turns of 400 pictures: at most 1000 pictures in all");
-    interpreter_release(&interp);
 }
 
 /* No picture of the turn is cut off, one of them is filled, and the view is as it was. */
-STORY(a_turntable_that_fits_fits_all_its_pictures)
+BEGUN_STORY(a_turntable_that_fits_fits_all_its_pictures, begin_with_object)
 {
-    struct interpreter interp;
     char name[32];
     uint32_t most = 0, least[2] = {90, 70};
-    begin_with_object(&interp);
-    must(&interp, "run; cut 30,0,0 59,49,39; zoom 7");
-    const struct view before = interp.session->now.outlook.view;
-    must(&interp, "spin 12 fit%d.exr fit=yes axis=yaw,pitch");
-    CHECK(memcmp(&interp.session->now.outlook.view, &before, sizeof before) == 0);
+    must(interp, "run; cut 30,0,0 59,49,39; zoom 7");
+    const struct view before = interp->session->now.outlook.view;
+    must(interp, "spin 12 fit%d.exr fit=yes axis=yaw,pitch");
+    CHECK(memcmp(&interp->session->now.outlook.view, &before, sizeof before) == 0);
     for (unsigned i = 0; i < 24; i++) {
-        struct picture p = {0};
+        OWNED(picture_release) struct picture p = {0};
         snprintf(name, sizeof name, "fit%u.exr", i);
         CHECK_INT(exr_read(&p, name, NULL), OK);
         for (uint32_t k = 0; p.label && k < 90 * 70; k++) {
@@ -270,8 +257,6 @@ STORY(a_turntable_that_fits_fits_all_its_pictures)
             least[1] = at[1] < least[1] ? at[1] : least[1];
             most = at[1] > most ? at[1] : most;
         }
-        picture_release(&p);
     }
     CHECK(least[1] <= 5 || most >= 64);
-    interpreter_release(&interp);
 }

@@ -27,6 +27,7 @@ static void random_stage(struct stage *s, uint64_t *random)
 
 static void draw(struct rendition *r, struct stage *s)
 {
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(r, s->view.width, s->view.height, NULL) == OK);
     CHECK(mesh_update(&s->mesh, &s->border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
     project_border(r, &s->camera, &s->mesh);
@@ -36,8 +37,8 @@ STORY(the_voxel_in_focus_is_in_the_middle_of_the_picture)
 {
     uint64_t random = 1;
     for (int round = 0; round < 300 && check_failures == 0; round++) {
-        struct stage s;
-        struct rendition r;
+        OWNED(stage_release) struct stage s;
+        OWNED(rendition_release) struct rendition r;
         uint32_t place[3];
         random_stage(&s, &random);
         s.view.width |= 1, s.view.height |= 1; /* an odd number of pixels has one in the middle */
@@ -48,11 +49,8 @@ STORY(the_voxel_in_focus_is_in_the_middle_of_the_picture)
         s.scene->cell[cell].label = 9;
         border_recount(&s.border);
         view_focus_on(&s.view, s.scene, place);
-        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         draw(&r, &s);
         CHECK_INT(r.cell[(size_t)(r.height / 2) * r.width + r.width / 2], cell);
-        rendition_release(&r);
-        stage_release(&s);
     }
 }
 
@@ -72,7 +70,7 @@ STORY(a_pan_moves_what_is_seen_by_so_many_pixels_and_back)
 {
     uint64_t random = 3;
     for (int round = 0; round < 500 && check_failures == 0; round++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         uint32_t place[3];
         int64_t before[2], after[2];
         random_stage(&s, &random);
@@ -90,7 +88,6 @@ STORY(a_pan_moves_what_is_seen_by_so_many_pixels_and_back)
             for (int a = 0; a < 3; a++)
                 CHECK(llabs(s.view.focus[a]) <= 2);
         }
-        stage_release(&s);
     }
 }
 
@@ -107,7 +104,7 @@ STORY(angles_turn_the_way_they_say)
         {{0, 90000, 0}, {{10, 0}, {0, 10}, {0, 0}}},
         {{0, 0, 90000}, {{0, -10}, {0, 0}, {-10, 0}}},
     };
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     struct rendition r;
     CHECK(stage_init(&s, (uint32_t[]){21, 21, 21}, 6, NULL) == OK);
     for (int i = 0; i < 3; i++)
@@ -117,30 +114,26 @@ STORY(angles_turn_the_way_they_say)
     s.view.zoom = VIEW_ZOOM_ONE;
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         memcpy(s.view.angle, row[i].angle, sizeof s.view.angle);
-        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         draw(&r, &s);
         for (int k = 0; k < 3; k++)
             CHECK_INT(r.cell[(size_t)(20 + row[i].at[k][1]) * 41 + (size_t)(20 + row[i].at[k][0])],
                       grid_cell(&s.scene->grid, end[k][0], end[k][1], end[k][2]));
         rendition_release(&r);
     }
-    stage_release(&s);
 }
 
 STORY(the_focus_changes_no_depth)
 {
-    struct stage s;
-    struct rendition centred, panned;
+    OWNED(stage_release) struct stage s;
+    OWNED(rendition_release) struct rendition centred, panned;
     CHECK(stage_init(&s, (uint32_t[]){40, 30, 20}, 6, NULL) == OK);
     for (uint32_t x = 12; x < 28; x++)
         s.scene->cell[grid_cell(&s.scene->grid, x, 7 + x / 3, 10)].label = 1;
     border_recount(&s.border);
     s.view.width = s.view.height = 99;
     s.view.zoom = 2000;
-    CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     draw(&centred, &s);
     view_pan(&s.view, &s.camera, 10000, -4000);
-    CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     draw(&panned, &s);
     unsigned seen = 0;
     for (uint32_t y = 4; y < 99; y++)
@@ -153,14 +146,11 @@ STORY(the_focus_changes_no_depth)
             seen += centred.cell[from] != CELL_NONE;
         }
     CHECK(seen > 50);
-    rendition_release(&centred);
-    rendition_release(&panned);
-    stage_release(&s);
 }
 
 STORY(a_focus_beyond_all_proportion_is_refused)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     struct fault fault;
     CHECK(stage_init(&s, (uint32_t[]){100, 50, 1}, 6, NULL) == OK);
     for (int a = 0; a < 3; a++) {
@@ -173,7 +163,6 @@ STORY(a_focus_beyond_all_proportion_is_refused)
         CHECK_INT(camera_init(&s.camera, s.scene, &s.view, NULL), ERR_LIMIT);
         s.view.focus[a] = 0;
     }
-    stage_release(&s);
 }
 
 /* A ball of millimetres has the same width and height from every direction, whatever the spacing.
@@ -187,8 +176,8 @@ STORY(a_ball_is_round_from_everywhere)
                                            {3000000, 1000000, 1000000}};
     uint64_t random = 4;
     for (int round = 0; round < 60; round++) {
-        struct stage s;
-        struct rendition r;
+        OWNED(stage_release) struct stage s;
+        OWNED(rendition_release) struct rendition r;
         uint32_t size[3], first[2] = {300, 300}, last[2] = {0, 0};
         const uint32_t *nm = spacing[round % 5];
         uint32_t least = nm[0], most = nm[0];
@@ -217,7 +206,6 @@ STORY(a_ball_is_round_from_everywhere)
             s.view.angle[i] = (int32_t)check_below(&random, 360000);
         s.view.width = s.view.height = 300;
         s.view.zoom = (uint32_t)(4 * (uint64_t)least / 1000); /* 4 pixels a millimetre */
-        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         draw(&r, &s);
         for (uint32_t y = 0; y < 300; y++)
             for (uint32_t x = 0; x < 300; x++)
@@ -234,7 +222,5 @@ STORY(a_ball_is_round_from_everywhere)
             const uint32_t wide = last[k] - first[k] + 1;
             CHECK(wide + margin >= 224 && wide <= 224 + margin);
         }
-        rendition_release(&r);
-        stage_release(&s);
     }
 }

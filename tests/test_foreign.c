@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Formats that nobody here reads (image/volume.h): each row of their table says what it is there
  * for, unless a format that is read has taken what the row is known by. */
-#include "check.h"
-#include "folder.h"
-
 #include <string.h>
 
 #include "base/choice.h"
 #include "image/volume.h"
-
-static char folder[FOLDER_LENGTH];
+#include "folder_main.h"
 
 /* A file with such a name and the first bytes of the row, and an unknown rest. */
 static const char *make(const struct foreign *row, const char *ending, size_t length)
@@ -42,13 +38,4 @@ STORY(each_row_is_still_refused_with_its_advice)
             remove(path);
         }
     }
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "foreign"))
-        return 1;
-    const int status = check_run();
-    rmdir(folder);
-    return status;
 }

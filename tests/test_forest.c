@@ -5,15 +5,13 @@
 
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "tests/border_check.h"
 #include "engine/roi.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
 #include "tests/plain_forest.h"
+#include "tests/scarce_memory.h"
 #include "tests/stopping.h"
-
-static const struct weight_choice morph = {WEIGHT_MORPH, 1};
 
 /* Undoes the last successful edit by an edit of its own. */
 static enum err revert(struct forest *forest, struct fault *fault)
@@ -29,8 +27,7 @@ static struct cell *voxel(struct world *w, uint32_t x, uint32_t y, uint32_t z)
 
 static void plant_at(struct world *w, uint32_t x, uint32_t y, uint32_t z, int label)
 {
-    struct edit edit = {grid_cell(&w->scene->grid, x, y, z), (int16_t)label, 0};
-    CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK);
+    world_plant(w, grid_cell(&w->scene->grid, x, y, z), label);
 }
 
 static void set_row_weights(struct world *w, const char *digits)
@@ -51,7 +48,7 @@ static const char *row_labels(struct world *w)
 
 STORY(two_seeds_meet_at_the_ridge)
 {
-    struct world w = world_new(9, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(9, 1, 1, 6);
     set_row_weights(&w, "110130111");
     plant_at(&w, 0, 0, 0, 1);
     plant_at(&w, 8, 0, 0, 2);
@@ -59,21 +56,19 @@ STORY(two_seeds_meet_at_the_ridge)
      * either: the smaller root decides. Beyond it the right seed is cheaper. */
     CHECK_TEXT(row_labels(&w), "111112222");
     CHECK_INT(key_cost(voxel(&w, 4, 0, 0)->key), 3);
-    world_free(&w);
 }
 
 STORY(on_a_plateau_hops_decide_and_then_the_smaller_root)
 {
-    struct world w = world_new(7, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(7, 1, 1, 6);
     plant_at(&w, 6, 0, 0, 2);
     plant_at(&w, 0, 0, 0, 1);
     CHECK_TEXT(row_labels(&w), "1111222");
-    world_free(&w);
 }
 
 STORY(erasing_a_seed_gives_its_tree_to_the_neighbours)
 {
-    struct world w = world_new(7, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(7, 1, 1, 6);
     plant_at(&w, 0, 0, 0, 1);
     uint64_t before = forest_digest(w.forest);
     plant_at(&w, 6, 0, 0, 2);
@@ -83,19 +78,17 @@ STORY(erasing_a_seed_gives_its_tree_to_the_neighbours)
     plant_at(&w, 0, 0, 0, EDIT_ERASE);
     CHECK_TEXT(row_labels(&w), "0000000");
     CHECK(forest_digest(w.forest) == 0 && forest_seeds(w.forest) == 0);
-    world_free(&w);
 }
 
 STORY(the_last_edit_of_a_voxel_in_a_batch_wins)
 {
-    struct world w = world_new(3, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(3, 1, 1, 6);
     uint32_t at = grid_cell(&w.scene->grid, 1, 0, 0);
     struct edit batch[] = {{at, 4, 0}, {at, EDIT_ERASE, 0}, {at, 5, 0}};
     CHECK(forest_edit(w.forest, batch, 3, NULL) == OK);
     CHECK_TEXT(row_labels(&w), "555");
     CHECK(revert(w.forest, NULL) == OK);
     CHECK_TEXT(row_labels(&w), "000");
-    world_free(&w);
 }
 
 /* ---- arcs and regions of interest, by hand ---- */
@@ -124,7 +117,7 @@ static void row_costs_are(struct world *w, const uint32_t *expected)
 
 STORY(a_difference_is_the_same_both_ways)
 {
-    struct world w = world_new(6, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(6, 1, 1, 6);
     set_row_intensities(&w, (const uint16_t[]){10, 12, 50, 50, 20, 65535});
     plant_at(&w, 0, 0, 0, 1);
     set_arcs(&w, ARC_DIFFERENCE, 0, 0);
@@ -133,12 +126,11 @@ STORY(a_difference_is_the_same_both_ways)
     CHECK_TEXT(row_labels(&w), "111112"); /* 20 costs 65515 from the right */
     plant_at(&w, 0, 0, 0, EDIT_ERASE);
     row_costs_are(&w, (const uint32_t[]){65515, 65515, 65515, 65515, 65515, 0});
-    world_free(&w);
 }
 
 STORY(polarity_makes_one_way_over_an_edge_dearer)
 {
-    struct world w = world_new(6, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(6, 1, 1, 6);
     set_row_intensities(&w, (const uint16_t[]){100, 100, 55, 55, 100, 60000});
     plant_at(&w, 0, 0, 0, 1);
     set_arcs(&w, ARC_POLARITY, 0, 0);
@@ -151,12 +143,11 @@ STORY(polarity_makes_one_way_over_an_edge_dearer)
     row_costs_are(&w, (const uint32_t[]){0, 0, 90, 90, 90, 90});
     set_arcs(&w, ARC_POLARITY, -100, 0);
     row_costs_are(&w, (const uint32_t[]){0, 0, 0, 0, 90, 65535});
-    world_free(&w);
 }
 
 STORY(polarity_goes_by_the_label_of_the_root)
 {
-    struct world w = world_new(5, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(5, 1, 1, 6);
     set_row_intensities(&w, (const uint16_t[]){90, 90, 50, 10, 10});
     plant_at(&w, 0, 0, 0, 1);
     plant_at(&w, 4, 0, 0, 2);
@@ -169,7 +160,6 @@ STORY(polarity_goes_by_the_label_of_the_root)
     plant_at(&w, 4, 0, 0, 3); /* whose polarity is 0 */
     CHECK_TEXT(row_labels(&w), "11333");
     CHECK(forest_check(w.forest, NULL));
-    world_free(&w);
 }
 
 /* Puts a region of interest up where the forest has its seeds inside. */
@@ -183,7 +173,7 @@ static void put_up(struct world *w, const struct roi *roi)
 
 STORY(no_tree_passes_a_roi)
 {
-    struct world w = world_new(7, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(7, 1, 1, 6);
     struct roi range = {NULL, 5, 9}, none = roi_none(), mask = {NULL, 0, 9};
     set_row_intensities(&w, (const uint16_t[]){5, 9, 7, 4, 10, 5, 5});
     CHECK_INT(roi_tally(&range, w.scene).inside, 5);
@@ -214,12 +204,11 @@ STORY(no_tree_passes_a_roi)
     plant_at(&w, 4, 0, 0, 1);
     CHECK_INT(roi_tally(&mask, w.scene).seeds_outside, 1);
     free(bits);
-    world_free(&w);
 }
 
 STORY(changes_name_each_voxel_that_got_another_label_once)
 {
-    struct world w = world_new(64, 1, 1, 6);
+    OWNED(world_free) struct world w = world_new(64, 1, 1, 6);
     plant_at(&w, 0, 0, 0, 1);
     CHECK(forest_changes(w.forest).everything);
     CHECK_INT(forest_stats(w.forest).touched, 64);
@@ -237,7 +226,6 @@ STORY(changes_name_each_voxel_that_got_another_label_once)
     CHECK_INT(changes.item[0].former_label, 4);
     CHECK_INT(changes.item[0].label, 5);
     CHECK(forest_check(w.forest, NULL));
-    world_free(&w);
 }
 
 STORY(a_plateau_longer_than_hops_can_count_is_refused_and_undone)
@@ -272,120 +260,16 @@ STORY(a_plateau_longer_than_hops_can_count_is_refused_and_undone)
 
 /* ---- random edits ---- */
 
-enum texture { FLAT, FLAT_HIGH, NOISY, STEEP, GRADIENT, TEXTURES };
-
-static void paint(struct world *w, enum texture texture, uint64_t *random)
+STORY(tens_of_thousands_of_random_edits_each_equal_a_run_from_scratch)
 {
-    const struct grid *g = &w->scene->grid;
-    for (uint32_t z = 0; z < g->size[2]; z++)
-        for (uint32_t y = 0; y < g->size[1]; y++)
-            for (uint32_t x = 0; x < g->size[0]; x++) {
-                struct cell *c = voxel(w, x, y, z);
-                uint32_t r = (uint32_t)check_random(random);
-                c->intensity = (uint16_t)(texture == GRADIENT ? r % 5 : r);
-                c->weight = (uint16_t)(texture == FLAT        ? 0
-                                       : texture == FLAT_HIGH ? 65535
-                                       : texture == NOISY     ? r % 4
-                                                              : r);
-            }
-    if (texture == GRADIENT)
-        weight_compute(w->scene, forest_adjacency(w->forest), &morph, &(struct weight_work){0});
+    for (unsigned i = 0; i < check_scaled(6000) && check_failures == 0; i++)
+        random_session(i, i % 200 ? 5 : 40, false, NULL);
 }
 
 /* The same seeds planted at once into an empty forest. */
 static bool equals_scratch(const struct world *w)
 {
     return world_equals_scratch(w, NULL, NULL, 0);
-}
-
-/* The fixed point of the equation, and so the textbook's costs. */
-static bool equals_fixed_point(const struct world *w)
-{
-    static struct planted planted;
-    static struct plain key[CELLS_MOST];
-    for (size_t i = 0; i < w->scene->grid.cells; i++) {
-        const struct cell *cell = w->scene->cell + i;
-        planted.label[i] = cell->flags & CELL_SEED ? cell->label : EDIT_ERASE;
-    }
-    return equals_plain(w, &planted, key);
-}
-
-/* One to four edits: plantings of three labels, erasures of seeds and of nothing, and now and then
- * every seed at once. */
-static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random)
-{
-    const struct grid *g = &w->scene->grid;
-    size_t count = 0;
-    uint32_t kind = check_below(random, 40);
-    if (kind == 0) {
-        for (size_t i = 0; i < g->cells; i++)
-            if (w->scene->cell[i].flags & CELL_SEED)
-                batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE, 0};
-        return count;
-    }
-    for (uint32_t n = 1 + check_below(random, 4); n > 0; n--) {
-        uint32_t at = random_voxel(g, random);
-        int16_t label = (int16_t)check_below(random, 3);
-        if (check_below(random, 5) < 2) { /* the seed whose tree holds the voxel: an eliminator */
-            const struct cell *cell = w->scene->cell + at;
-            at = cell_is_reached(cell) ? key_root(cell->key) : at;
-            label = check_below(random, 4) ? EDIT_ERASE : label;
-        }
-        batch[count++] = (struct edit){at, label, 0};
-    }
-    return count;
-}
-
-static void random_arcs(struct world *w, uint64_t *random)
-{
-    struct arc_rule rule = {.kind = check_below(random, 3)};
-    for (int label = 0; label < 3; label++)
-        rule.polarity[label] =
-            (int8_t)(check_below(random, 5) ? (int)check_below(random, 201) - 100 : 0);
-    forest_set_arcs(w->forest, &rule);
-}
-
-static void random_session(uint64_t seed, unsigned steps)
-{
-    static const uint32_t shape[][3] = {{1, 1, 1}, {9, 1, 1}, {1, 7, 6}, {6, 1, 8},
-                                        {4, 4, 4}, {5, 6, 3}, {8, 7, 6}, {2, 2, 9}};
-    uint64_t random = seed;
-    const uint32_t *size = shape[check_below(&random, 8)];
-    struct world w = world_new(size[0], size[1], size[2], check_below(&random, 2) ? 26 : 6);
-    struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
-    struct fault fault = {0};
-    struct border border;
-    CHECK(border_init(&border, w.scene, NULL) == OK);
-    paint(&w, check_below(&random, TEXTURES), &random);
-    for (unsigned step = 0; step < steps; step++) {
-        size_t count = random_batch(&w, batch, &random);
-        const bool reverts = step > 0 && check_below(&random, 6) == 0; /* undone, redone, ... */
-        bool fine = CHECK((reverts ? revert(w.forest, NULL)
-                                   : forest_edit(w.forest, batch, count, NULL)) == OK) &&
-                    CHECK(equals_scratch(&w)) && CHECK(forest_check(w.forest, &fault));
-        struct changes changes = forest_changes(w.forest);
-        border_update(&border, &changes);
-        fine = fine && CHECK(border_check(&border, &fault));
-        if (step == 3) {
-            border.visible[1] = false;
-            border_recount(&border);
-        }
-        if (fine && step % 8 == 0)
-            fine = CHECK(equals_fixed_point(&w));
-        if (!fine) {
-            printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
-            break;
-        }
-    }
-    free(batch);
-    border_release(&border);
-    world_free(&w);
-}
-
-STORY(tens_of_thousands_of_random_edits_each_equal_a_run_from_scratch)
-{
-    for (unsigned i = 0; i < check_scaled(6000) && check_failures == 0; i++)
-        random_session(i, i % 200 ? 5 : 40);
 }
 
 /* ---- edits that do not go through ---- */
@@ -413,17 +297,12 @@ static bool is_as_before(struct world *w, struct state before)
 }
 
 /* At most 14 voxels a side, less `smaller`. */
-static struct world random_world(uint64_t *random, unsigned seeds, unsigned smaller)
+static struct world planted_world(uint64_t *random, unsigned seeds, unsigned smaller)
 {
-    struct world w =
-        world_new(1 + check_below(random, 14 - smaller), 1 + check_below(random, 12 - smaller),
-                  1 + check_below(random, 10 - smaller), check_below(random, 2) ? 26 : 6);
-    paint(&w, check_below(random, TEXTURES), random);
-    random_arcs(&w, random);
-    for (unsigned i = 0; i < seeds; i++) {
-        struct edit edit = {random_voxel(&w.scene->grid, random), (int16_t)(i % 3), 0};
-        CHECK(forest_edit(w.forest, &edit, 1, NULL) == OK);
-    }
+    const uint32_t most[3] = {14 - smaller, 12 - smaller, 10 - smaller};
+    struct world w = random_world(random, most, false);
+    for (unsigned i = 0; i < seeds; i++)
+        world_plant(&w, random_voxel(&w.scene->grid, random), (int)(i % 3));
     return w;
 }
 
@@ -432,8 +311,8 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
 {
     struct fault fault = {0};
     uint64_t random = 3;
-    struct world w = world_new(64, 60, 56, 6);
-    paint(&w, NOISY, &random);
+    OWNED(world_free) struct world w = world_new(64, 60, 56, 6);
+    paint(&w, NOISY, 65536, &random);
     plant_at(&w, 30, 30, 30, 1);
     plant_at(&w, 2, 2, 2, 2);
     const struct state before = state_of(&w);
@@ -455,7 +334,6 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     CHECK(forest_check(w.forest, NULL) && equals_scratch(&w));
     CHECK(revert(w.forest, NULL) == OK);
     is_as_before(&w, before);
-    world_free(&w);
 }
 
 /* After every level, and in every third round within each loop too, at more and more voxels. Most
@@ -465,7 +343,7 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
     struct fault fault = {0};
     uint64_t random = 5;
     for (unsigned round = 0; round < check_scaled(150) && check_failures == 0; round++) {
-        struct world w = random_world(&random, 6, round % 10 ? 6 : 0);
+        OWNED(world_free) struct world w = planted_world(&random, 6, round % 10 ? 6 : 0);
         struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
         size_t count = random_batch(&w, batch, &random);
         const struct state before = state_of(&w);
@@ -487,7 +365,6 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
         CHECK(revert(w.forest, NULL) == OK);
         is_as_before(&w, before);
         free(batch);
-        world_free(&w);
     }
 }
 
@@ -550,7 +427,7 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
     if (!CHECK(team_new(&team, 3, NULL) == OK))
         return;
     for (unsigned round = 0; round < check_scaled(120) && check_failures == 0; round++) {
-        struct world w = random_world(&random, round % 2 ? 6 : 0, 0);
+        OWNED(world_free) struct world w = planted_world(&random, round % 2 ? 6 : 0, 0);
         struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
         const size_t count = random_batch(&w, batch, &random);
         struct showing showing = {.w = &w};
@@ -568,18 +445,9 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
         finals += showing.finals;
         CHECK(equals_scratch(&w));
         free(batch);
-        world_free(&w);
     }
     CHECK(shows > check_scaled(1000) && finals > check_scaled(10000));
     team_free(team);
-}
-
-static int allowed; /* allocations before one fails; all after it succeed again */
-
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allowed-- != 0;
 }
 
 /* Everything that allocates, once; true when it went through. */
@@ -619,9 +487,8 @@ STORY(an_allocation_that_fails_leaves_the_forest_as_it_was)
 {
     for (uint64_t seed = 0; seed < check_scaled(40) && check_failures == 0; seed++) {
         bool done = false;
-        mem_allows = allow_some;
-        for (int n = 0; !done && n < 1000 && check_failures == 0; n++) {
-            allowed = n;
+        for (size_t n = 0; !done && n < 1000 && check_failures == 0; n++) {
+            fail_allocation(n);
             done = live_once(seed);
         }
         mem_allows = NULL;
@@ -632,12 +499,11 @@ STORY(an_allocation_that_fails_leaves_the_forest_as_it_was)
 STORY(both_adjacencies_hold_each_direction_and_its_opposite)
 {
     for (unsigned count = 6; count <= 26; count += 20) {
-        struct world w = world_new(4, 4, 4, count);
+        OWNED(world_free) struct world w = world_new(4, 4, 4, count);
         const struct adjacency *a = forest_adjacency(w.forest);
         CHECK_INT(a->count, count);
         for (unsigned i = 0; i < count; i++)
             CHECK_INT(a->offset[i], -a->offset[count - 1 - i]);
-        world_free(&w);
     }
 }
 
@@ -648,7 +514,8 @@ STORY(the_synthetic_scene_is_the_same_everywhere)
     CHECK_INT(scene->grid.voxels, 4000000);
     struct adjacency six;
     adjacency_init(&six, 6, &scene->grid);
-    weight_compute(scene, &six, &morph, &(struct weight_work){0});
+    weight_compute(scene, &six, &(const struct weight_choice){WEIGHT_MORPH, 1},
+                   &(struct weight_work){0});
     printf("# geom %016" PRIx64 " morph %016" PRIx64 "\n", scene_digest(scene),
            weight_digest(scene, &(struct arc_rule){0}, NULL));
     scene_free(scene);

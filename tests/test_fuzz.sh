@@ -9,12 +9,10 @@ for folder in tests/fuzz/corpus/*; do
     expect 0 "$build/tests/fuzz/replay" "${folder##*/}" "${IFTTY_TEST_SCALE:-1}" "$folder"/* \
         </dev/null
     out_has "$(find "$folder" -type f | wc -l | tr -d ' ') files"
-    close_story
 done
 
 begin "every target has a corpus"
 expect 2 "$build/tests/fuzz/replay"
 [ "$(cat "$work/out")" = "$(ls tests/fuzz/corpus)" ] || fail "targets are not the corpora"
-close_story
 
 finish

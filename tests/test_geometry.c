@@ -21,21 +21,20 @@ static char notes[VOLUME_NOTES_BYTES];
 static void begin(void)
 {
     header = (struct nifti_header){.bytes = NIFTI_LEAST_BYTES,
-                                   .pixdim = {1, 1, 1.5, 2},
                                    .dim = {3, 24, 20, 16},
-                                   .xyzt_units = 2};
+                                   .fields = {.pixdim = {1, 1, 1.5, 2}, .xyzt_units = 2}};
 }
 
 /* An sform whose axes run towards these letters, moved by so much. */
 static void put_sform(const char *letters, double moved_mm)
 {
     struct geometry g = {.slope = 1};
-    geometry_place_plain(&g, header.pixdim + 1);
+    geometry_place_plain(&g, header.fields.pixdim + 1);
     CHECK(geometry_orient(&g, letters));
-    memcpy(header.srow, g.to_mm, sizeof g.to_mm);
+    memcpy(header.fields.srow, g.to_mm, sizeof g.to_mm);
     for (int w = 0; w < 3; w++)
-        header.srow[w][3] = moved_mm + w;
-    header.sform_code = 1;
+        header.fields.srow[w][3] = moved_mm + w;
+    header.fields.sform_code = 1;
 }
 
 /* The same as a qform, by the way of the writer. */
@@ -43,15 +42,15 @@ static void put_qform(const char *letters, double moved_mm)
 {
     struct nifti_header other = header;
     struct geometry g = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
-    geometry_place_plain(&g, header.pixdim + 1);
+    geometry_place_plain(&g, header.fields.pixdim + 1);
     CHECK(geometry_orient(&g, letters));
     g.orientation = ORIENTATION_FILE;
     nifti_header_place(&other, &g);
-    memcpy(header.quatern, other.quatern, sizeof header.quatern);
-    header.pixdim[0] = other.pixdim[0];
+    memcpy(header.fields.quatern, other.fields.quatern, sizeof header.fields.quatern);
+    header.fields.pixdim[0] = other.fields.pixdim[0];
     for (int w = 0; w < 3; w++)
-        header.qoffset[w] = moved_mm + w;
-    header.qform_code = 2;
+        header.fields.qoffset[w] = moved_mm + w;
+    header.fields.qform_code = 2;
 }
 
 static void read_it(void)
@@ -86,7 +85,7 @@ STORY(nothing_is_known_without_codes)
     begin();
     put_sform("LPS", 0); /* without a code */
     put_qform("LPS", 0);
-    header.sform_code = header.qform_code = 0;
+    header.fields.sform_code = header.fields.qform_code = 0;
     read_it();
     CHECK_INT(geometry.orientation, ORIENTATION_UNKNOWN);
     CHECK(!geometry.spacing_unknown && !geometry_has_place(&geometry));
@@ -154,10 +153,10 @@ STORY(what_is_rounded_does_not_contradict)
                                      {sin(angle), 1.5 * cos(angle), 0, 0},
                                      {0, 0, 2, 0}};
         begin();
-        memcpy(header.srow, turned, sizeof turned);
-        header.sform_code = 1;
-        header.quatern[2] = (double)(float)sqrt((1 - half) / 2);
-        header.qform_code = 1;
+        memcpy(header.fields.srow, turned, sizeof turned);
+        header.fields.sform_code = 1;
+        header.fields.quatern[2] = (double)(float)sqrt((1 - half) / 2);
+        header.fields.qform_code = 1;
         read_it();
         CHECK_INT(geometry.orientation, ORIENTATION_SFORM);
         CHECK_TEXT(notes, "");
@@ -175,7 +174,7 @@ STORY(a_form_that_cannot_be_used_is_said_and_the_other_holds)
             put_sform("RAS", 0);
             if (with)
                 put_qform("LPS", 0);
-            header.srow[1][1] = bad[i];
+            header.fields.srow[1][1] = bad[i];
             read_it();
             CHECK_HAS(notes, "its sform (code 1) is no number, or cannot be inverted");
             CHECK_INT(geometry.orientation, with ? ORIENTATION_QFORM : ORIENTATION_UNKNOWN);
@@ -185,7 +184,7 @@ STORY(a_form_that_cannot_be_used_is_said_and_the_other_holds)
             put_qform("LPS", 0);
             if (with)
                 put_sform("RAS", 0);
-            (i % 2 ? header.qoffset : header.quatern)[1] = bad[i] == 0 ? NAN : bad[i];
+            (i % 2 ? header.fields.qoffset : header.fields.quatern)[1] = bad[i] == 0 ? NAN : bad[i];
             read_it();
             CHECK_HAS(notes, "its qform (code 2) is no number, or cannot be inverted");
             CHECK_INT(geometry.orientation, with ? ORIENTATION_SFORM : ORIENTATION_UNKNOWN);
@@ -198,7 +197,7 @@ STORY(a_distance_that_is_none_is_unknown_or_the_sforms)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         for (int a = 1; a <= 3; a++) {
             begin();
-            header.pixdim[a] = bad[i];
+            header.fields.pixdim[a] = bad[i];
             read_it();
             CHECK(geometry.spacing_unknown && !geometry_has_place(&geometry));
             CHECK_INT(geometry.spacing_nm[0] + geometry.spacing_nm[1] + geometry.spacing_nm[2],
@@ -206,7 +205,7 @@ STORY(a_distance_that_is_none_is_unknown_or_the_sforms)
             CHECK_HAS(notes, ", which is no distance of voxels\n");
             begin();
             put_sform("RAS", 0);
-            header.pixdim[a] = bad[i];
+            header.fields.pixdim[a] = bad[i];
             read_it();
             CHECK(!geometry.spacing_unknown && geometry_has_place(&geometry));
             CHECK_INT(geometry.spacing_nm[0] + geometry.spacing_nm[1] + geometry.spacing_nm[2],
@@ -219,7 +218,7 @@ STORY(lengths_are_by_pixdim_where_the_sform_is_a_templates)
 {
     begin();
     put_sform("RAS", 0);
-    header.pixdim[3] = 1.9;
+    header.fields.pixdim[3] = 1.9;
     read_it();
     CHECK_INT(geometry.spacing_nm[2], 1900000);
     CHECK_HAS(notes, "its sform has voxels of 1x1.5x2 mm: lengths are by pixdim");
@@ -231,7 +230,7 @@ STORY(shear_is_measured)
     put_sform("RAS", 0);
     read_it();
     CHECK(geometry_shear(&geometry) < 1e-6);
-    header.srow[0][2] = 2; /* z leans over by 45 degrees */
+    header.fields.srow[0][2] = 2; /* z leans over by 45 degrees */
     read_it();
     CHECK(fabs(geometry_shear(&geometry) - 45) < 1e-6);
 }
@@ -246,9 +245,10 @@ STORY(a_tilt_is_the_angle_of_an_axis_and_the_side_that_names_it)
     }
     begin();
     put_sform("RAS", 0);
-    header.srow[0][0] = header.srow[1][1] = cos(acos(-1) / 6); /* 30 degrees about z */
-    header.srow[1][0] = 0.5;
-    header.srow[0][1] = -0.5;
+    header.fields.srow[0][0] = header.fields.srow[1][1] =
+        cos(acos(-1) / 6); /* 30 degrees about z */
+    header.fields.srow[1][0] = 0.5;
+    header.fields.srow[0][1] = -0.5;
     read_it();
     CHECK(fabs(geometry_tilt(&geometry) - 30) < 1e-6);
     geometry.orientation = ORIENTATION_UNKNOWN;
@@ -395,13 +395,15 @@ STORY(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place)
         begin();
         put_sform(towards(i % 48), 0);
         for (int w = 0; w < 3; w++) { /* into the scene, so that they share about half */
-            header.srow[w][3] =
-                header.srow[w][0] + header.srow[w][1] + header.srow[w][2] < 0 ? 21 : 3;
+            header.fields.srow[w][3] =
+                header.fields.srow[w][0] + header.fields.srow[w][1] + header.fields.srow[w][2] < 0
+                    ? 21
+                    : 3;
             for (int a = 0; a < 3; a++)
-                header.srow[w][a] += (double)check_below(&chance, 1000) / 3000;
+                header.fields.srow[w][a] += (double)check_below(&chance, 1000) / 3000;
         }
         read_it();
-        struct volume map = map_of(is, &geometry);
+        OWNED(volume_release) struct volume map = map_of(is, &geometry);
         const struct geometry place = map.geometry;
         size_t n = 0, wrong = 0, beyond = 0;
         CHECK_INT(regrid(&map, size, &scene, true, NULL, &fault), OK);
@@ -425,7 +427,6 @@ STORY(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place)
         CHECK(map.geometry.intercept == -7);
         CHECK_HAS(map.notes, "resampled from 19x23x6 voxels by the nearest\n");
         CHECK((beyond > 0) == (strstr(map.notes, "are outside the map: set to 0\n") != NULL));
-        volume_release(&map);
     }
 }
 
@@ -440,9 +441,8 @@ STORY(a_map_out_of_all_proportion_is_refused)
                 place.to_mm[1][3] = far[i];
             else
                 place.to_mm[0][0] = 1 / far[i];
-            struct volume map = map_of(size, &place);
+            OWNED(volume_release) struct volume map = map_of(size, &place);
             CHECK_INT(regrid(&map, size, &scene, true, NULL, &fault), ERR_INPUT);
             CHECK_HAS(fault.text, "too far apart, or their voxels differ too much");
-            volume_release(&map);
         }
 }

@@ -34,25 +34,20 @@ out_has "lengths and volumes are in voxels"
 out_has "up; orientation unknown"
 out_has "all but z slices 3-9"
 out_has "through 12,10,8: z 8, y 10, x 12; "
-expect 2 "$iftty" -c 'open unplaced.nii.gz; clip axial'
-err_has "expected z slices A-B within 0-15"
+expect_err "expected z slices A-B within 0-15" 2 "$iftty" -c 'open unplaced.nii.gz; clip axial'
 grep -qE "$sides" "$work/err" && fail "$(cat "$work/err")"
-close_story
 
 begin "the same voxels shown with sides and without differ in letters alone, which vanish"
 for how in LAS file; do
     expect 0 "$iftty" -c "open unplaced.nii.gz; orient $how; overlay none cross=off; size 200 200
         slice axial 8 $how.exr replace=yes; overlay words=off; slice axial 8 $how-plain.exr"
 done
-expect 0 "$iftty" info file.exr
-out_has "iftty:orientation: unknown"
+expect_out "iftty:orientation: unknown" 0 "$iftty" info file.exr
 out_has "iftty:slice: z through 12,10,8"
-expect 0 "$iftty" info LAS.exr
-out_has "iftty:orientation: set by the user"
+expect_out "iftty:orientation: set by the user" 0 "$iftty" info LAS.exr
 out_has "iftty:slice: axial through "
-close_story
 
-begin "what is odd of a place is said by open and info, and what is plain is not"
+begin "open and info report unusual geometry, and do not report usual geometry"
 make_scene plain.nii 12 10 8
 expect 0 "$iftty" -c 'open plain.nii'
 cp "$work/out" plain
@@ -75,9 +70,8 @@ expect 0 "$iftty" info --json tilted.nii
 same "$(python3 -c 'import json, sys; print(*json.load(sys.stdin)["open_notes"], sep="\n")' \
     <"$work/out")" "$(cat said)"
 ! grep -q 'oblique\|come after' plain || fail "$(cat plain)"
-close_story
 
-begin "what the user tells is recorded, undone, and shown as told"
+begin "an orientation set by the user is recorded, undone, and shown as set by the user"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; orient LPI; info; undo; info; redo; info' \
     --journal told.iftty
 [ "$(grep -c 'axes towards LPI set by the user' "$work/out")" = 3 ] || fail "$(cat "$work/out")"
@@ -86,13 +80,10 @@ grep -q '^= 1 .* orientation=unknown' told.iftty || fail "$(cat told.iftty)"
 grep -q '^= 2 orientation=told' told.iftty || fail "$(cat told.iftty)"
 expect 0 "$iftty" verify told.iftty
 expect 0 "$iftty" run - --journal told.iftty </dev/null
-expect 3 "$iftty" -c 'open unplaced.nii.gz; orient LPX'
-err_has "three letters for the sides that the axes run towards"
-expect 3 "$iftty" -c 'open unplaced.nii.gz; orient sform'
-err_has "HOW: the file has no sform; nothing has changed"
+refuses "three letters for the sides that the axes run towards" 'open unplaced.nii.gz; orient LPX'
+refuses "HOW: the file has no sform; nothing has changed" 'open unplaced.nii.gz; orient sform'
 expect 3 "$iftty" -c 'open synth:geom:9x8x7; orient LAS'
 err_has "the file says that its axes run towards RAS; where that is wrong, correct the file"
-close_story
 
 begin "an sform and a qform that contradict each other are chosen between"
 expect 0 "$iftty" -c 'open contrary.nii.gz; info; orient sform; info; orient qform; info' \
@@ -103,23 +94,19 @@ out_has "2 mm, orientation unknown"
 out_has "2 mm, axes towards LAS,"
 out_has "2 mm, axes towards RAS,"
 expect 0 "$iftty" verify chosen.iftty
-expect 3 "$iftty" -c 'open contrary.nii.gz; seed 12,4,9mm 1'
-err_has "the position of this scene in the world is unknown"
+refuses "the position of this scene in the world is unknown" 'open contrary.nii.gz; seed 12,4,9mm 1'
 expect 0 "$iftty" -c 'open contrary.nii.gz; orient sform; seed 12,4,9mm 1; orient qform
     seed 5,6,9mm 1'
 out_has "seed 8,8,1 1"
 out_has "seed 8,4,2 1"
-close_story
 
-begin "a scene that does not say it gives maps that do not say it"
+begin "maps of a scene without orientation have no orientation"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii empty=yes; orient LPI
 save labels b.nii empty=yes'
 [ "$(grep -c "its position is as unknown as that of the scene" "$work/out")" = 2 ] ||
     fail "$(cat "$work/out")"
 cmp -s a.nii b.nii || fail "what was told is in the map"
-expect 0 "$iftty" info a.nii
-out_has "axes      unknown"
-close_story
+expect_out "axes      unknown" 0 "$iftty" info a.nii
 
 # A scene of 1 mm with an sform, and maps of it that are moved along x.
 placed() { # FILE BYTES: the x of voxel 0, as a float
@@ -135,10 +122,9 @@ placed far.nii '\000\000\360\101'   # 30 mm
 placed near.nii '\315\314\314\076'  # 0.4 mm
 placed beside.nii '\000\000\300\077' # 1.5 mm
 
-begin "a map that lies elsewhere is refused with the distance, unless it is to be resampled"
+begin "a displaced map is rejected with its distance, unless it is resampled"
 for command in "mask far.nii" "seed-file far.nii label=1" "weight far.nii"; do
-    expect 3 "$iftty" -c "open here.nii; $command"
-    err_has "far.nii: the map is up to 30 mm away from the scene"
+    refuses "far.nii: the map is up to 30 mm away from the scene" "open here.nii; $command"
     err_has "resample=yes uses its nearest voxels; nothing has changed"
     expect 0 "$iftty" -c "open here.nii; ${command%%far.nii*}near.nii"
     ! grep -q resampled "$work/out" || fail "$(cat "$work/out")"
@@ -150,9 +136,8 @@ grep -q '^mask beside.nii resample=yes$' resampled.iftty || fail "$(cat resample
 expect 0 "$iftty" verify resampled.iftty
 expect 2 "$iftty" -c "open here.nii; weight sobel resample=yes"
 err_has "resample: \`weight sobel\` has none"
-close_story
 
-begin "a map less than half a voxel off is used, and the shift is said in mm"
+begin "a map less than half a voxel off is used, and the shift is printed in mm"
 expect 0 "$iftty" -c "open here.nii; seed 3,3,3 1; seed 20,16,12 2; run; save labels map.nii
     save labels same.nii"
 cp map.nii shifted.nii
@@ -169,12 +154,10 @@ expect 0 "$iftty" -c "open here.nii; labels shifted.nii; save labels saved.nii" 
     --journal off.iftty
 same_files saved.nii same.nii # at the scene's place, not the map's
 expect 0 "$iftty" verify off.iftty
-expect 0 "$iftty" compare same.nii shifted.nii
-err_has "the map is 0.4 mm off the scene's grid"
+expect_err "the map is 0.4 mm off the scene's grid" 0 "$iftty" compare same.nii shifted.nii
 expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels shifted.nii"
 out_has "the map is 0.4 mm off the scene's grid"
 expect 0 "$iftty" -c "open here.nii crop=2-20,1-18,0-9 reduce=3; labels same.nii"
 ! grep -q "off the scene's grid" "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 finish

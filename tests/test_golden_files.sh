@@ -24,13 +24,11 @@ untouched() {
 begin "the folder of golden images is a link: nothing there is listed, removed or replaced"
 "$iftty" -c 'open s.nii; seed 1,1,1 1; run' --journal l.iftty >/dev/null
 ln -s "$work/precious" l.golden
-expect 0 "$iftty" verify l.iftty
-out_has "l.golden is a link, or no folder"
+expect_out "l.golden is a link, or no folder" 0 "$iftty" verify l.iftty
 grep -qF -e a.png -e b.exr "$work/out" && fail "its files are listed"
 expect 1 "$iftty" verify --strict l.iftty
 expect 1 "$iftty" verify --remove-orphans l.iftty
-expect 3 "$iftty" -c 'golden first' --journal l.iftty
-err_has "l.golden is a link, or no folder"
+expect_err "l.golden is a link, or no folder" 3 "$iftty" -c 'golden first' --journal l.iftty
 cp j.iftty m.iftty
 ln -s "$work/precious" m.golden
 expect 3 "$iftty" verify m.iftty --accept why
@@ -50,7 +48,6 @@ for cut in 9 99; do
     untouched
 done
 same "$(cd same && echo *)" "j.golden j.iftty s.nii"
-close_story
 
 begin "a link further up is the user's own way to the folder"
 mkdir there
@@ -65,9 +62,8 @@ expect 0 "$iftty" verify --remove-orphans via/j.iftty
 expect 0 "$iftty" verify --strict via/j.iftty
 expect 0 "$iftty" log --reseal via/j.iftty
 same "$(cd there/j.golden && echo *)" "first.exr first.png next.exr next.png"
-close_story
 
-begin "another name of the same file keeps what it has"
+begin "a second name of the same file keeps its content"
 mkdir hard
 cp s.nii hard
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last' \
@@ -92,7 +88,6 @@ for file in first.exr first.png last.exr last.png; do
     same_files linked/$file hard/before/$file
 done
 same_files linked/i.iftty hard/former
-close_story
 
 begin "a golden image that is a link is read; accepting replaces the link"
 cp j.iftty k.iftty
@@ -118,11 +113,9 @@ expect 1 "$iftty" verify gone.iftty
 same "$(ls ../nowhere)" ""
 ln -s "$work/precious/first.exr" k.golden/more.exr
 expect 1 "$iftty" verify k.iftty
-expect 1 "$iftty" verify --remove-orphans k.iftty
-out_has "more.exr was left alone"
+expect_out "more.exr was left alone" 1 "$iftty" verify --remove-orphans k.iftty
 [ -h k.golden/more.exr ] || fail "the link is gone"
 untouched
-close_story
 
 begin "a journal that continues elsewhere takes along files that its records name, of a link a link"
 mkdir along
@@ -137,7 +130,6 @@ expect 0 "$iftty" -c 'journal along/mine.iftty' --journal along/j.iftty
 same "$(cd along/mine.golden && echo *)" "first.exr first.png"
 [ -h along/mine.golden/first.png ] || fail "what the link leads to was copied"
 expect 0 "$iftty" verify along/mine.iftty
-close_story
 
 begin "an orphan that the journal cannot have made is left alone"
 cp ../precious/a.png ../precious/b.exr j.golden
@@ -155,8 +147,7 @@ expect 0 "$iftty" verify j.iftty
 expect 1 "$iftty" verify --strict j.iftty
 rm j.golden/first.txt
 ln -s ../../precious/first.exr j.golden/more.exr
-expect 1 "$iftty" verify --remove-orphans j.iftty
-out_has "more.exr was left alone"
+expect_out "more.exr was left alone" 1 "$iftty" verify --remove-orphans j.iftty
 rm j.golden/more.exr
 cp j.golden/first.exr j.golden/more.exr # with a PNG that is the user's
 printf x >j.golden/more.png
@@ -166,35 +157,29 @@ out_has "more.exr was left alone: no record of this journal can have made its PN
 rm j.golden/more.*
 cp j.iftty j # has the same folder
 sed '/^golden first/,$d' j.iftty >j
-expect 1 "$iftty" verify --remove-orphans j
-out_has "first.exr was left alone"
+expect_out "first.exr was left alone" 1 "$iftty" verify --remove-orphans j
 [ -e j.golden/first.exr ] || fail "another journal's golden image is gone"
 rm j
-close_story
 
 begin "a picture without a record passes only after the last record"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last' \
     --journal p.iftty >/dev/null
 sed '/^golden last/,$d' p.iftty >q.iftty
 cp q.iftty p.iftty
-expect 0 "$iftty" verify --strict p.iftty
-out_has "last.exr was ignored"
+expect_out "last.exr was ignored" 0 "$iftty" verify --strict p.iftty
 printf x >p.golden/last.png
 expect 1 "$iftty" verify p.iftty
 rm p.golden/last.png
 cp j.golden/first.exr j.golden/early.exr
 expect 1 "$iftty" verify j.iftty
 rm j.golden/early.exr
-close_story
 
 begin "a golden image that is gone while its PNG is there is named"
 mv j.golden/first.exr kept.exr
-expect 1 "$iftty" verify j.iftty
-out_has "its PNG exists, but not j.golden/first.exr, which is compared"
+expect_out "its PNG exists, but not j.golden/first.exr, which is compared" 1 "$iftty" verify j.iftty
 expect 1 "$iftty" log --reseal j.iftty
 mv kept.exr j.golden/first.exr
 expect 0 "$iftty" verify --strict j.iftty
-close_story
 
 begin "an OpenEXR file with anything that is not compared fails"
 # forge WAY [FROM TO]: another file in the place of first.exr, whose pixels are the same where they
@@ -366,9 +351,8 @@ cp slice.golden/slice.exr side.exr
 /usr/bin/python3 forge.py context side.exr slice.golden/slice.exr
 expect 1 "$iftty" verify slice.iftty
 out_has "its note iftty:context is all is well, which is no note of the new picture"
-close_story
 
-begin "a PNG with bytes or words that nobody compares fails"
+begin "a PNG with bytes or texts that are not compared fails"
 png() { # WAY
     /usr/bin/python3 - "$1" <<'END'
 import re, struct, sys, zlib
@@ -406,9 +390,8 @@ for way in none packed scale journal packed-text text after; do
     expect $wanted "$iftty" verify j.iftty || fail "$way"
 done
 cp kept.png j.golden/first.png
-close_story
 
-begin "a leftover passes only where it and its PNG are what golden draws after the last record"
+begin "a leftover image passes only if golden draws the same image and PNG after the last record"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first; golden last;
     golden side of=axial' --journal f.iftty >/dev/null
 sed '/^golden last/,$d' f.iftty >q.iftty
@@ -426,8 +409,7 @@ END
 rm kept/side.png
 cp kept/side.exr f.golden
 rm f.golden/side.png
-expect 0 "$iftty" verify --strict f.iftty
-out_has "last.exr was ignored"
+expect_out "last.exr was ignored" 0 "$iftty" verify --strict f.iftty
 out_has "side.exr was ignored"
 for way in none half colour layer within after text giant; do
     /usr/bin/python3 forge.py $way kept/last.exr f.golden/last.exr || fail "$way"
@@ -446,7 +428,6 @@ expect 1 "$iftty" verify f.iftty
 rm f.golden/side.* f.golden/last.exr
 expect 1 "$iftty" verify f.iftty
 cp kept/last.exr f.golden
-close_story
 
 begin "leftovers are judged within the limits"
 /usr/bin/python3 forge.py colour kept/last.exr colour.exr
@@ -455,24 +436,20 @@ cp s.nii many
 cp f.iftty many
 cp -r f.golden many
 seq -f many/f.golden/l%g.exr 1000 | xargs -n 1 ln colour.exr
-expect 3 "$iftty" verify --limit-time 0.5 many/f.iftty
-out_has "than the 0.5 s of --limit-time"
+expect_out "than the 0.5 s of --limit-time" 3 "$iftty" verify --limit-time 0.5 many/f.iftty
 rm many/f.golden/l*.exr
 cp f.golden/* many/f.golden
 /usr/bin/python3 forge.py wide j.golden/first.exr wide.exr # not drawn again: of another journal
 seq -f many/f.golden/l%g.exr 3000 | xargs -n 1 ln wide.exr
-expect 3 "$iftty" verify --limit-time 0.2 many/f.iftty
-out_has "than the 0.2 s of --limit-time"
+expect_out "than the 0.2 s of --limit-time" 3 "$iftty" verify --limit-time 0.2 many/f.iftty
 rm -r many
-close_story
 
 begin "a journal that is a link, and other golden images next to the link"
 mkdir links
 ln -s ../j.iftty links/j.iftty
 expect 0 "$iftty" verify --scene s.nii links/j.iftty
 cp j.golden/first.exr j.golden/more.exr
-expect 1 "$iftty" verify --remove-orphans --scene s.nii links/j.iftty
-out_has "is a link to"
+expect_out "is a link to" 1 "$iftty" verify --remove-orphans --scene s.nii links/j.iftty
 [ -e j.golden/more.exr ] || fail "it was removed by way of a link"
 rm j.golden/more.exr
 cp -r j.golden links
@@ -487,8 +464,6 @@ rm links/j.golden/note.txt
 printf more >>links/j.golden/first.exr
 expect 1 "$iftty" verify --scene s.nii links/j.iftty
 out_has "is a link, and links/j.golden/first.exr is another file than"
-expect 3 "$iftty" verify links/j.iftty --accept why
-err_has "is a link; name the journal itself"
-close_story
+expect_err "is a link; name the journal itself" 3 "$iftty" verify links/j.iftty --accept why
 
 finish

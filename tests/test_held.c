@@ -7,11 +7,7 @@
 #include "session/session.h"
 #include "tests/scene_main.h"
 
-static uint64_t random_state = 5;
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&random_state, bound);
-}
+DRAW_FROM(5)
 
 static void plant_somewhere(struct interpreter *interp)
 {
@@ -39,7 +35,7 @@ static uint32_t random_cell(const struct session *session)
 STORY(a_tree_has_the_voxels_that_name_its_root)
 {
     for (unsigned round = 0; round < 20; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin(&interp, 5);
         must(&interp, "run");
         const struct session *session = interp.session;
@@ -59,7 +55,6 @@ STORY(a_tree_has_the_voxels_that_name_its_root)
                 CHECK_INT(tree_voxels(session->forest, c, 2), 3);
         }
         free(voxels);
-        interpreter_release(&interp);
     }
 }
 
@@ -120,7 +115,7 @@ static void ask(struct interpreter *interp)
 STORY(what_is_held_is_what_is_removed_then)
 {
     for (unsigned round = 0; round < 60; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin(&interp, 2 + below(6));
         for (unsigned i = 0; i < 6; i++) {
             if (below(3))
@@ -128,22 +123,19 @@ STORY(what_is_held_is_what_is_removed_then)
             ask(&interp);
             plant_somewhere(&interp);
         }
-        interpreter_release(&interp);
     }
 }
 
-STORY(a_single_tree_is_held_by_itself)
+SCENE_STORY(a_single_tree_is_held_by_itself)
 {
-    struct interpreter interp;
     struct held held;
-    begin_with_scene(&interp);
-    const struct session *session = interp.session;
+    const struct session *session = interp->session;
     const uint32_t cell = grid_cell(&session->scene->grid, 3, 3, 3);
     CHECK(session_find_held(&held, session, cell, true, &fault) == ERR_INPUT);
-    must(&interp, "seed 3,3,3 2 radius=1");
+    must(interp, "seed 3,3,3 2 radius=1");
     CHECK(session_find_held(&held, session, cell, true, &fault) == OK);
     CHECK(held.marker == 0 && held.seed == cell && held.waits == 1 && held.trees == 0);
-    must(&interp, "run");
+    must(interp, "run");
     CHECK(session_find_held(&held, session, cell, true, &fault) == OK);
     CHECK(held.marker == 0 && held.waits == 0 && held.trees == 1 && held.label == 2);
     CHECK(session_is_held(session, &held, cell) && !session_is_held(session, &held, cell + 1));
@@ -151,22 +143,18 @@ STORY(a_single_tree_is_held_by_itself)
     CHECK_INT(held.trees, 7);
     CHECK_INT(held.voxels, session->scene->grid.voxels);
     CHECK(session_is_held(session, &held, cell + 1));
-    interpreter_release(&interp);
 }
 
-STORY(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too)
+SCENE_STORY(an_outline_holds_what_its_label_has_and_goes_by_its_ring_too)
 {
-    struct interpreter interp;
     struct held held;
-    begin_with_scene(&interp);
-    const struct session *session = interp.session;
+    const struct session *session = interp->session;
     const struct grid *grid = &session->scene->grid;
-    must(&interp, "outline 4,4,5 2 to=6,4,5 to=6,6,5 to=4,6,5 ring=1; run");
+    must(interp, "outline 4,4,5 2 to=6,4,5 to=6,6,5 to=4,6,5 ring=1; run");
     CHECK(session_find_held(&held, session, grid_cell(grid, 3, 5, 5), false, &fault) == OK);
     CHECK(held.marker == 1 && held.label == 2 && held.trees == 9 && !held.has_more);
     uint64_t voxels = 0;
     for (uint32_t cell = 0; cell < grid->cells; cell++)
         voxels += session->scene->cell[cell].label == 2;
     CHECK_INT(held.voxels, voxels);
-    interpreter_release(&interp);
 }

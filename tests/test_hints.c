@@ -9,38 +9,26 @@
 #include "engine/way.h"
 #include "tests/scarce_memory.h"
 #include "tests/scene_main.h"
+#include "tests/world.h"
 
-static struct scene *scene;
-static struct forest *forest;
+static struct world w;
 static uint16_t *margin;
 static uint8_t heat[4096];
 static struct hint_list hints;
-
-static void begin_world(const uint32_t sides[3], unsigned adjacency)
-{
-    CHECK(scene_new(&scene, sides, NULL) == OK);
-    CHECK(forest_new(&forest, scene, adjacency, NULL) == OK);
-}
 
 static void end_world(void)
 {
     hints_release(&hints);
     free(margin);
     margin = NULL;
-    forest_free(forest);
-    scene_free(scene);
-}
-
-static void plant(uint32_t cell, int16_t label)
-{
-    CHECK(forest_edit(forest, &(struct edit){cell, label, 0}, 1, NULL) == OK);
+    world_free(&w);
 }
 
 static void find(void)
 {
     memset(heat, 0, sizeof heat);
-    CHECK(margin_new(&margin, forest, NULL) == OK);
-    CHECK(hints_find(&hints, forest, margin, heat, NULL) == OK);
+    CHECK(margin_new(&margin, w.forest, NULL) == OK);
+    CHECK(hints_find(&hints, w.forest, margin, heat, NULL) == OK);
 }
 
 /* ---- by hand ---- */
@@ -48,13 +36,13 @@ static void find(void)
 STORY(a_border_without_an_edge_is_less_certain_than_one_on_an_edge)
 {
     /* Three labels in a row: an edge of 9 between 1 and 2, none between 2 and 3. */
-    begin_world((const uint32_t[3]){16, 1, 1}, 6);
-    const uint32_t first = grid_cell(&scene->grid, 0, 0, 0);
+    w = world_new(16, 1, 1, 6);
+    const uint32_t first = grid_cell(&w.scene->grid, 0, 0, 0);
     for (uint32_t x = 0; x < 16; x++)
-        scene->cell[first + x].weight = x == 3 ? 9 : 1;
-    plant(first, 1);
-    plant(first + 5, 2);
-    plant(first + 15, 3);
+        w.scene->cell[first + x].weight = x == 3 ? 9 : 1;
+    world_plant(&w, first, 1);
+    world_plant(&w, first + 5, 2);
+    world_plant(&w, first + 15, 3);
     find();
     CHECK_INT(hints.border, 4);
     CHECK_INT(hints.count, 1);
@@ -69,11 +57,11 @@ STORY(a_border_without_an_edge_is_less_certain_than_one_on_an_edge)
 
 STORY(where_no_labels_meet_there_are_none)
 {
-    begin_world((const uint32_t[3]){5, 4, 3}, 26);
+    w = world_new(5, 4, 3, 26);
     find();
     CHECK_INT(hints.count, 0);
     free(margin);
-    plant(grid_cell(&scene->grid, 1, 1, 1), 1);
+    world_plant(&w, grid_cell(&w.scene->grid, 1, 1, 1), 1);
     find();
     CHECK(hints.count == 0 && hints.border == 0 && hints.weak == 0);
     end_world();
@@ -83,17 +71,17 @@ STORY(a_way_leads_back_to_the_seed)
 {
     static const uint16_t weight[] = {1, 1, 4, 2, 4, 7, 2, 2};
     struct way way = {0};
-    begin_world((const uint32_t[3]){8, 1, 1}, 6);
-    const uint32_t first = grid_cell(&scene->grid, 0, 0, 0);
+    w = world_new(8, 1, 1, 6);
+    const uint32_t first = grid_cell(&w.scene->grid, 0, 0, 0);
     for (uint32_t x = 0; x < 8; x++)
-        scene->cell[first + x].weight = weight[x];
-    plant(first, 1);
-    CHECK(way_find(&way, forest, first + 4, NULL) == OK);
+        w.scene->cell[first + x].weight = weight[x];
+    world_plant(&w, first, 1);
+    CHECK(way_find(&way, w.forest, first + 4, NULL) == OK);
     CHECK(way.count == 5 && way.cell[0] == first + 4 && way.cell[4] == first);
     CHECK_INT(way.edge, first + 2); /* the other 4 costs no more */
-    CHECK(way_find(&way, forest, first + 7, NULL) == OK);
+    CHECK(way_find(&way, w.forest, first + 7, NULL) == OK);
     CHECK_INT(way.edge, first + 5);
-    CHECK(way_find(&way, forest, first, NULL) == OK);
+    CHECK(way_find(&way, w.forest, first, NULL) == OK);
     CHECK(way.count == 1 && way.edge == CELL_NONE);
     way_release(&way);
     end_world();
@@ -112,23 +100,23 @@ struct model_voxel {
 
 static uint32_t cost_of(uint32_t cell)
 {
-    return key_cost(scene->cell[cell].key);
+    return key_cost(w.scene->cell[cell].key);
 }
 
 static uint32_t step(uint32_t from, uint32_t to)
 {
-    return arc_weight_now(forest_arcs(forest), scene->cell + from, scene->cell + to);
+    return arc_weight_now(forest_arcs(w.forest), w.scene->cell + from, w.scene->cell + to);
 }
 
 static bool look(struct model_voxel *v, uint32_t at)
 {
     struct adjacency faces;
     uint32_t least = UINT32_MAX, beside = 0, back = at;
-    adjacency_init(&faces, 6, &scene->grid);
-    for (unsigned i = 0; i < 6 && cell_is_reached(scene->cell + at); i++) {
+    adjacency_init(&faces, 6, &w.scene->grid);
+    for (unsigned i = 0; i < 6 && cell_is_reached(w.scene->cell + at); i++) {
         const uint32_t from = at + (uint32_t)faces.offset[i];
-        if (!cell_is_reached(scene->cell + from) ||
-            scene->cell[from].label == scene->cell[at].label)
+        if (!cell_is_reached(w.scene->cell + from) ||
+            w.scene->cell[from].label == w.scene->cell[at].label)
             continue;
         const uint32_t offer = step(from, at) > cost_of(from) ? step(from, at) : cost_of(from);
         beside = offer < least ? from : beside;
@@ -136,17 +124,18 @@ static bool look(struct model_voxel *v, uint32_t at)
     }
     if (least == UINT32_MAX || margin[at] == MARGIN_NONE)
         return false;
-    for (int i = 0; i < HINT_BACK && forest_predecessor(forest, back) != CELL_NONE; i++)
-        back = forest_predecessor(forest, back);
+    for (int i = 0; i < HINT_BACK && forest_predecessor(w.forest, back) != CELL_NONE; i++)
+        back = forest_predecessor(w.forest, back);
     const uint32_t to = step(beside, at), from = step(at, beside);
     *v = (struct model_voxel){at, (int64_t)margin[at] + (to > from ? to : from) - cost_of(back),
-                              scene->cell[at].label, scene->cell[beside].label, at};
+                              w.scene->cell[at].label, w.scene->cell[beside].label, at};
     return true;
 }
 
 static bool hangs_together(const struct model_voxel *a, const struct model_voxel *b)
 {
-    const struct place p = grid_place(&scene->grid, a->cell), q = grid_place(&scene->grid, b->cell);
+    const struct place p = grid_place(&w.scene->grid, a->cell),
+                       q = grid_place(&w.scene->grid, b->cell);
     const int64_t x = (int64_t)p.x - q.x, y = (int64_t)p.y - q.y, z = (int64_t)p.z - q.z;
     return x * x <= 1 && y * y <= 1 && z * z <= 1 && p.x / HINT_BLOCK == q.x / HINT_BLOCK &&
            p.y / HINT_BLOCK == q.y / HINT_BLOCK && p.z / HINT_BLOCK == q.z / HINT_BLOCK &&
@@ -191,7 +180,7 @@ static void check_against_model(void)
     static struct model_voxel v[CELLS_MOST];
     size_t count = 0, weak = 0, places = 0;
     find();
-    for (uint32_t c = 0; c < scene->grid.cells; c++)
+    for (uint32_t c = 0; c < w.scene->grid.cells; c++)
         count += look(v + count, c);
     CHECK_INT(hints.border, count);
     const int64_t limit = count ? limit_of(v, count) : 0;
@@ -224,25 +213,23 @@ static void check_against_model(void)
     margin = NULL;
 }
 
-static uint64_t state = 1;
-static uint32_t draw(uint32_t below)
-{
-    return check_below(&state, below);
-}
+DRAW_FROM(1)
 
 STORY(hints_are_those_of_a_plain_search)
 {
     for (int round = 0; round < 60; round++) {
-        const uint32_t sides[3] = {2 + draw(20), 1 + draw(9), 1 + draw(7)};
-        const unsigned weights = 2 + draw(20), labels = 2 + draw(3);
-        begin_world(sides, round % 2 ? 26 : 6);
+        const uint32_t sides[3] = {2 + below(20), 1 + below(9), 1 + below(7)};
+        const unsigned weights = 2 + below(20), labels = 2 + below(3);
+        w = world_new(sides[0], sides[1], sides[2], round % 2 ? 26 : 6);
         for (uint32_t z = 0; z < sides[2]; z++)
             for (uint32_t y = 0; y < sides[1]; y++)
                 for (uint32_t x = 0; x < sides[0]; x++)
-                    scene->cell[grid_cell(&scene->grid, x, y, z)].weight = (uint16_t)draw(weights);
+                    w.scene->cell[grid_cell(&w.scene->grid, x, y, z)].weight =
+                        (uint16_t)below(weights);
         for (int seeds = 0; seeds < 5; seeds++) {
-            plant(grid_cell(&scene->grid, draw(sides[0]), draw(sides[1]), draw(sides[2])),
-                  (int16_t)draw(labels));
+            world_plant(
+                &w, grid_cell(&w.scene->grid, below(sides[0]), below(sides[1]), below(sides[2])),
+                (int16_t)below(labels));
             check_against_model();
         }
         end_world();
@@ -252,14 +239,14 @@ STORY(hints_are_those_of_a_plain_search)
 STORY(memory_that_runs_out_is_an_error)
 {
     struct fault why = {0};
-    begin_world((const uint32_t[3]){6, 5, 4}, 6);
-    plant(grid_cell(&scene->grid, 1, 1, 1), 3);
-    plant(grid_cell(&scene->grid, 4, 3, 2), 4);
-    CHECK(margin_new(&margin, forest, NULL) == OK);
+    w = world_new(6, 5, 4, 6);
+    world_plant(&w, grid_cell(&w.scene->grid, 1, 1, 1), 3);
+    world_plant(&w, grid_cell(&w.scene->grid, 4, 3, 2), 4);
+    CHECK(margin_new(&margin, w.forest, NULL) == OK);
     enum err err = ERR_MEMORY;
     for (size_t n = 0; n < 40 && err; n++) {
         allow_allocations(n);
-        err = hints_find(&hints, forest, margin, NULL, &why);
+        err = hints_find(&hints, w.forest, margin, NULL, &why);
         mem_allows = NULL;
         CHECK(err == OK || (err == ERR_MEMORY && hints.count == 0));
     }
@@ -276,46 +263,39 @@ static void begin(struct interpreter *interp)
     must(interp, "auto on");
 }
 
-STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to)
+BEGUN_STORY(a_hint_is_recorded_as_the_cross_that_it_comes_to, begin)
 {
-    struct interpreter interp;
     uint32_t at[3];
-    begin(&interp);
-    MUST_ANSWER(&interp, "hints", "no labels meet: there is no border to be uncertain of\n");
-    is_refused(&interp, "hint 1", "no labels meet");
-    must(&interp, "seed 1,1,1 1; seed 10,9,8 2; hints 2");
+    MUST_ANSWER(interp, "hints", "no labels meet: there is no border to be uncertain of\n");
+    is_refused(interp, "hint 1", "no labels meet");
+    must(interp, "seed 1,1,1 1; seed 10,9,8 2; hints 2");
     CHECK_TEXT(buf_text(&reply.words), "");
     CHECK_HAS(buf_text(&reply.text), "1  at ");
     CHECK_HAS(buf_text(&reply.text), " an edge of ");
     CHECK(sscanf(buf_text(&reply.text), "1  at %u,%u,%u", &at[0], &at[1], &at[2]) == 3);
-    must(&interp, "hint 1");
-    CHECK(memcmp(interp.session->now.outlook.slices.cross, at, sizeof at) == 0);
+    must(interp, "hint 1");
+    CHECK(memcmp(interp->session->now.outlook.slices.cross, at, sizeof at) == 0);
     char cross[64];
     snprintf(cross, sizeof cross, "cross %u,%u,%u", at[0], at[1], at[2]);
     CHECK_TEXT(buf_text(&reply.canonical), cross);
-    is_refused(&interp, "hint 999", "expected one of the ");
-    MUST_ANSWER(&interp, "hints label=3", "none at the border of that label\n");
-    must(&interp, "undo"); /* undoes the seeds: hints follow */
-    is_refused(&interp, "hint 1", "no labels meet");
-    must(&interp, "redo; hint 1");
+    is_refused(interp, "hint 999", "expected one of the ");
+    MUST_ANSWER(interp, "hints label=3", "none at the border of that label\n");
+    must(interp, "undo"); /* undoes the seeds: hints follow */
+    is_refused(interp, "hint 1", "no labels meet");
+    must(interp, "redo; hint 1");
     CHECK_TEXT(buf_text(&reply.canonical), cross);
-    must(&interp, "weight polarity");
-    is_refused(&interp, "hint 1", "under `weight polarity`");
-    interpreter_release(&interp);
+    must(interp, "weight polarity");
+    is_refused(interp, "hint 1", "under `weight polarity`");
 }
 
-STORY(a_report_has_all_of_them)
+BEGUN_STORY(a_report_has_all_of_them, begin)
 {
-    struct interpreter interp;
-    struct buf text = {0};
-    begin(&interp);
-    must(&interp, "seed 1,1,1 1; seed 10,9,8 2");
-    is_refused(&interp, "hints report=h.csv", "expected a name that ends in .json");
-    MUST_MENTION(&interp, "hints 1 report=h.json", "wrote ");
+    OWNED(buf_release) struct buf text = {0};
+    must(interp, "seed 1,1,1 1; seed 10,9,8 2");
+    is_refused(interp, "hints report=h.csv", "expected a name that ends in .json");
+    MUST_MENTION(interp, "hints 1 report=h.json", "wrote ");
     CHECK(file_read(&text, "h.json", 1 << 20, NULL) == OK);
     CHECK_HAS(buf_text(&text), "{\"number\": 1, \"place\": \"");
     CHECK_HAS(buf_text(&text), "\"volume_mm3\": ");
     CHECK_HAS(buf_text(&text), "\"certainty_most\": ");
-    buf_release(&text);
-    interpreter_release(&interp);
 }

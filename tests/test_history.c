@@ -7,19 +7,15 @@
 
 #include "command/execute.h"
 #include "base/file.h"
-#include "base/mem.h"
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "session/state.h"
 #include "show/slicing.h"
 #include "tests/random_commands.h"
+#include "tests/scarce_memory.h"
 #include "tests/small_scene.h"
 
-static uint64_t seed = 7;
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+DRAW_FROM(7)
 
 static void make_maps(void)
 {
@@ -44,7 +40,7 @@ enum { DEEDS = 43 };
 /* Undoes and redoes a command: both states must be as they were. */
 static void goes_back_and_forth(struct interpreter *interp, const char *line)
 {
-    struct snapshot before, after, now;
+    struct snapshot before, after;
     const unsigned failures = check_failures;
     take_snapshot(&before, interp);
     must(interp, line);
@@ -52,11 +48,9 @@ static void goes_back_and_forth(struct interpreter *interp, const char *line)
     if (after.points == before.points)
         return; /* it changed nothing of the segmentation */
     must(interp, "undo");
-    take_snapshot(&now, interp);
-    is_same_segmentation(&before, &now);
+    is_segmented_as(&before, interp);
     must(interp, "redo");
-    take_snapshot(&now, interp);
-    is_same_segmentation(&after, &now);
+    is_segmented_as(&after, interp);
     if (check_failures > failures)
         printf("#   %s\n", line);
 }
@@ -64,8 +58,8 @@ static void goes_back_and_forth(struct interpreter *interp, const char *line)
 STORY(every_kind_of_command_is_undone_and_done_again)
 {
     for (int by_itself = 0; by_itself < 2; by_itself++) {
-        struct interpreter interp;
-        struct snapshot first, now;
+        OWNED(interpreter_release) struct interpreter interp;
+        struct snapshot first;
         begin_with_scene(&interp);
         must(&interp, "size 24 24");
         must(&interp, by_itself ? "auto on" : "auto off");
@@ -79,14 +73,12 @@ STORY(every_kind_of_command_is_undone_and_done_again)
             continue;
         CHECK_HAS(fault.text, "there is nothing to undo since the scene was opened");
         must(&interp, "redo 2"); /* the two labels of the beginning */
-        take_snapshot(&now, &interp);
-        is_same_segmentation(&first, &now);
+        is_segmented_as(&first, &interp);
         must(&interp, "redo 20; redo 1000"); /* as many as there are */
         CHECK_HAS(buf_text(&reply.text), "commands could be done again, not 1000\n");
         CHECK(execute(&interp, "redo 2") == ERR_INPUT);
         MUST_MENTION(&interp, "undo 1000", "commands could be undone, not 1000\n");
         CHECK(execute(&interp, "undo") == ERR_INPUT);
-        interpreter_release(&interp);
     }
 }
 
@@ -233,38 +225,26 @@ static void walk_straight_to(struct interpreter *interp, const struct history *h
 
 static void a_straight_way_leads_there_too(const struct interpreter *interp, uint32_t at)
 {
-    struct interpreter straight;
-    struct snapshot now;
+    OWNED(interpreter_release) struct interpreter straight;
     begin_at_root(&straight, NULL);
     walk_straight_to(&straight, &interp->history, at);
-    take_snapshot(&now, &straight);
-    is_same_segmentation(&state_at[interp->history.point[at].record], &now);
-    interpreter_release(&straight);
+    is_segmented_as(&state_at[interp->history.point[at].record], &straight);
 }
 
 STORY(random_walks_come_back_to_the_very_same_states)
 {
     for (unsigned round = 0; round < 6; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin_at_root(&interp, NULL);
         take_snapshot(&state_at[1], &interp);
         walk_about(&interp, 300);
         CHECK(interp.history.points > 60);
         for (unsigned i = 0; i < 8; i++)
             a_straight_way_leads_there_too(&interp, below((uint32_t)interp.history.points));
-        interpreter_release(&interp);
     }
 }
 
 /* ---- out of memory, cancelled, not recorded ---- */
-
-static unsigned allowed; /* allocations before one fails; all after it succeed again */
-
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allowed-- > 0;
-}
 
 /* A watch that stops after a number of looks and may have each run shown as often as possible. */
 struct stopping {
@@ -318,11 +298,10 @@ static unsigned starve_everywhere(struct interpreter *interp, const char *line, 
     take_snapshot(&before, interp);
     unsigned few = 0;
     for (; few < 80; few++) {
-        allowed = few;
-        mem_allows = allow_some;
+        fail_allocation(few);
         const enum err err = execute(interp, line);
         mem_allows = NULL;
-        const bool sufficed = allowed <= few; /* else it wrapped when it refused */
+        const bool sufficed = allocations_left <= few; /* else it wrapped when it refused */
         if (err == OK && back) {
             must(interp, back);
             take_snapshot(&before, interp);
@@ -411,17 +390,14 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, bo
     return stopped;
 }
 
-STORY(who_is_stopped_on_the_way_is_where_he_was)
+BEGUN_STORY(who_is_stopped_on_the_way_is_where_he_was, begin_with_history)
 {
-    struct interpreter interp;
     unsigned stopped = 0;
-    begin_with_history(&interp);
     for (size_t i = 0; i < TRAVELS; i++) {
-        stopped += stop_everywhere(&interp, travels[i], false, false);
-        must(&interp, "goto 17");
+        stopped += stop_everywhere(interp, travels[i], false, false);
+        must(interp, "goto 17");
     }
     CHECK(stopped > 2 * TRAVELS);
-    interpreter_release(&interp);
 }
 
 STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
@@ -432,11 +408,10 @@ STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
         must(&interp, "size 24 24");
         must(&interp, by_itself ? "auto on" : "auto off");
         must(&interp, "seed 1,1,1 1; seed 10,9,8 2 radius=1; render");
-        struct buf work = {0};
+        OWNED(buf_release) struct buf work = {0};
         for (const char *at = works; next_line(&work, &at);)
             if (!CHECK(stop_everywhere(&interp, buf_text(&work), by_itself, true) > 1))
                 printf("#   %s\n", buf_text(&work));
-        buf_release(&work);
         CHECK(unlink(place("labels.nii")) == 0 && unlink(place("root.nii.gz")) == 0);
         interpreter_release(&interp);
     }
@@ -445,7 +420,7 @@ STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
 /* Showing progress changes neither what is computed nor what is drawn later. */
 STORY(what_is_shown_on_the_way_changes_nothing)
 {
-    struct interpreter interp, plain;
+    OWNED(interpreter_release) struct interpreter interp, plain;
     struct snapshot shown, expected;
     begin_with_scene(&interp);
     struct stopping stopping = {.watch = {.context = &stopping, .poll = not_now, .show = show_all},
@@ -453,7 +428,7 @@ STORY(what_is_shown_on_the_way_changes_nothing)
     begin_with_scene(&plain);
     must(&interp, "size 24 24");
     must(&plain, "size 24 24");
-    struct buf deed = {0};
+    OWNED(buf_release) struct buf deed = {0};
     const char *at = deeds;
     for (size_t i = 0; i < 2 * DEEDS; i++) {
         if (i % 2 == 0)
@@ -477,24 +452,20 @@ STORY(what_is_shown_on_the_way_changes_nothing)
             printf("#   %s\n", line);
     }
     CHECK(!*at);
-    buf_release(&deed);
     CHECK(stopping.shows > 100);
-    interpreter_release(&interp);
-    interpreter_release(&plain);
 }
 
 STORY(a_scene_is_opened_and_interpolated_or_is_not)
 {
     static const char *const scenes[] = {"scene.nii", "synth:geom:5x4x3"};
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         char line[64];
         begin_interpreter(&interp);
         snprintf(line, sizeof line, "open %s", scenes[i]);
         CHECK(stop_everywhere(&interp, line, false, true) > 20);
         CHECK(stop_everywhere(&interp, "interpolate 2 1 2", true, true) > 20);
         CHECK(starve_everywhere(&interp, "interpolate 1 2 1", NULL) > 4);
-        interpreter_release(&interp);
     }
 }
 
@@ -528,8 +499,8 @@ static void has_same_history(const struct history *a, const struct history *b)
  * if it is NULL. */
 static void forge_taken(const char *from, const char *to, const char *key, const char *taken)
 {
-    struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
-    struct walk walk;
+    OWNED(buf_release) struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
+    OWNED(walk_release) struct walk walk;
     struct record record;
     struct record_chain chain = record_chain_zero;
     CHECK(file_read(&bytes, from, JOURNAL_BYTES_MAX, NULL) == OK);
@@ -556,16 +527,11 @@ static void forge_taken(const char *from, const char *to, const char *key, const
                             NULL) == OK);
     }
     CHECK(file_write(to, out.data, out.length, FILE_REPLACE, NULL) == OK);
-    walk_release(&walk);
-    buf_release(&bytes);
-    buf_release(&out);
-    buf_release(&words);
-    buf_release(&header);
 }
 
 static void resumes_as(const char *path, struct interpreter *interp, bool slowly)
 {
-    struct snapshot expected, now;
+    struct snapshot expected;
     struct interpreter again;
     if (!CHECK(resume(&again, path, slowly) == OK)) {
         printf("#   %s\n", fault.text);
@@ -573,9 +539,8 @@ static void resumes_as(const char *path, struct interpreter *interp, bool slowly
         return;
     }
     take_snapshot(&expected, interp);
-    take_snapshot(&now, &again);
-    is_same_segmentation(&expected, &now);
-    CHECK(outlook_equals(&expected.outlook, &now.outlook));
+    is_segmented_as(&expected, &again);
+    CHECK(outlook_equals(&expected.outlook, &again.session->now.outlook));
     has_same_history(&interp->history, &again.history);
     for (unsigned i = 0; i < 12; i++) { /* wherever one goes from there */
         const uint32_t at = below((uint32_t)again.history.points);
@@ -583,8 +548,7 @@ static void resumes_as(const char *path, struct interpreter *interp, bool slowly
         snprintf(line, sizeof line, "goto %zu", again.history.point[at].record);
         const unsigned failures = check_failures;
         must(&again, line);
-        take_snapshot(&now, &again);
-        is_same_segmentation(&state_at[again.history.point[at].record], &now);
+        is_segmented_as(&state_at[again.history.point[at].record], &again);
         if (check_failures > failures)
             printf("#   %s of %s, %s\n", line, path, slowly ? "carried out" : "skimmed");
     }
@@ -594,7 +558,7 @@ static void resumes_as(const char *path, struct interpreter *interp, bool slowly
 STORY(what_is_skimmed_is_what_was_carried_out)
 {
     for (unsigned round = 0; round < 4; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         char path[PATH_MAX + 8], bare[PATH_MAX + 8];
         snprintf(path, sizeof path, "%s-%u", place("walk.iftty"), round);
         snprintf(bare, sizeof bare, "%s-%u", place("bare.iftty"), round);
@@ -610,7 +574,6 @@ STORY(what_is_skimmed_is_what_was_carried_out)
         resumes_as(path, &interp, false);
         forge_taken(path, bare, NULL, NULL);
         resumes_as(bare, &interp, false);
-        interpreter_release(&interp);
     }
 }
 
@@ -625,8 +588,7 @@ static void lies_are_found(const char *before, const char *line, const char *key
     begin_at_root(&interp, path);
     must(&interp, "auto on; seed 1,1,1 1; seed 10,9,8 2; seed 10,9,9 2 joined=yes");
     must(&interp, before);
-    must(&interp, line);
-    CHECK_HAS(buf_text(&reply.words), truth);
+    MUST_RECORD(&interp, line, truth);
     interpreter_release(&interp);
     snprintf(found, sizeof found, "record 8 (line 16) diverges: %s is %s", key, truth);
     for (size_t i = 0; i < lies; i++) {
@@ -672,8 +634,7 @@ STORY(what_is_put_away_comes_back)
     }
     for (unsigned few = 0; few < 2; few++) {
         struct packed *packed;
-        allowed = few;
-        mem_allows = allow_some;
+        fail_allocation(few);
         CHECK(packed_new(&packed, bytes, 10, NULL, NULL) == ERR_MEMORY && !packed);
         mem_allows = NULL;
     }
@@ -700,28 +661,25 @@ static unsigned syncs_of(struct interpreter *interp, const char *line)
     return syncs;
 }
 
-STORY(only_what_changes_how_one_looks_waits_to_be_synced)
+BEGUN_STORY(only_what_changes_how_one_looks_waits_to_be_synced, begin_interpreter)
 {
     static const char *const looks[] = {"turn 3",      "cross 2,2,2", "zoom 2",     "window 1 90",
                                         "shade cubes", "auto off",    "size 20 20", "view left"};
     static const char *const others[] = {
         "label 1 head", "hide 1",   "seed 1,1,1 1",   "run",    "weight sobel",        "undo",
         "goto 2",       "branch b", "clip axial 1-5", "render", "remove 1,1,1 of=tree"};
-    struct interpreter interp;
     own = pthread_self();
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, place("syncs.iftty"), &fault) == OK);
-    must(&interp, "open scene.nii; seed 5,5,5 2; seed 1,1,1 1; run");
+    CHECK(interpreter_create_journal(interp, place("syncs.iftty"), &fault) == OK);
+    must(interp, "open scene.nii; seed 5,5,5 2; seed 1,1,1 1; run");
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         const char *look = looks[i % (sizeof looks / sizeof *looks)];
-        if (!CHECK(syncs_of(&interp, look) == 0))
+        if (!CHECK(syncs_of(interp, look) == 0))
             printf("#   %s\n", look);
-        if (!CHECK(syncs_of(&interp, others[i]) >= 1))
+        if (!CHECK(syncs_of(interp, others[i]) >= 1))
             printf("#   %s\n", others[i]);
     }
-    CHECK_INT(syncs_of(&interp, "turn 4"), 0);
-    CHECK(syncs_of(&interp, "save labels labels.nii empty=yes") >= 1);
-    interpreter_release(&interp);
+    CHECK_INT(syncs_of(interp, "turn 4"), 0);
+    CHECK(syncs_of(interp, "save labels labels.nii empty=yes") >= 1);
 }
 
 int main(void)

@@ -62,16 +62,15 @@ STORY(lines_are_appended_as_they_are_entered)
 
 STORY(a_line_that_somebody_left_half_written_is_ended)
 {
-    struct line_history h = {0};
+    OWNED(line_history_release) struct line_history h = {0};
     write_file("one\nhal");
     CHECK(enter(&h, "two"));
     CHECK_TEXT(content(), "one\nhal\ntwo\n");
-    line_history_release(&h);
 }
 
 STORY(what_the_file_holds_is_not_trusted)
 {
-    struct line_history h = {0};
+    OWNED(line_history_release) struct line_history h = {0};
     static const char text[] =
         "one\n\x1b[31mred\nbell\a\n\n blank\n\xff\xfe\ntwo\r\nthree\0four\nfive";
     CHECK(file_write(path, text, sizeof text - 1, FILE_REPLACE, NULL) == OK);
@@ -80,13 +79,12 @@ STORY(what_the_file_holds_is_not_trusted)
     CHECK_TEXT(h.line[0], "one");
     CHECK_TEXT(h.line[1], "\xff\xfe"); /* drawn as \xff\xfe */
     CHECK_TEXT(h.line[2], "five");
-    line_history_release(&h);
 }
 
 STORY(the_file_and_the_memory_are_bounded)
 {
     struct line_history h = {0};
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     for (int i = 0; i < LINE_HISTORY_MOST + 500; i++)
         buf_printf(&text, "line %d\n", i);
     write_file(buf_text(&text));
@@ -105,7 +103,6 @@ STORY(the_file_and_the_memory_are_bounded)
     struct stat status;
     CHECK(stat(path, &status) == 0 && status.st_size <= LINE_HISTORY_BYTES_MOST);
     line_history_release(&h);
-    buf_release(&text);
 }
 
 /* Others that trim all the time are in the way. */
@@ -125,7 +122,7 @@ static void enter_many(int number, int lines)
 STORY(many_sessions_at_once_lose_no_line)
 {
     enum { SESSIONS = 8, LINES = 200 };
-    struct buf filler = {0};
+    OWNED(buf_release) struct buf filler = {0};
     int status;
     while (filler.length < 96000) /* so that there is always something to trim */
         buf_add_text(&filler, "an old line that may go\n");
@@ -146,12 +143,11 @@ STORY(many_sessions_at_once_lose_no_line)
         }
     CHECK_INT(found, SESSIONS * LINES);
     CHECK(strlen(text) < 102000);
-    buf_release(&filler);
 }
 
 STORY(a_lock_that_is_never_given_back_delays_a_line_and_no_more)
 {
-    struct line_history h = {0};
+    OWNED(line_history_release) struct line_history h = {0};
     write_file("one\n");
     FILE *holder = fopen(path, "re");
     if (!CHECK(holder != NULL) || !CHECK(flock(fileno(holder), LOCK_EX) == 0))
@@ -166,7 +162,6 @@ STORY(a_lock_that_is_never_given_back_delays_a_line_and_no_more)
     file_lines_patience_ms = patience_ms;
     CHECK(file_lines_trim(path, 1, 100, &fault) == OK);
     CHECK_TEXT(content(), "two\n");
-    line_history_release(&h);
 }
 
 /* A hook: stops this process before the new file gets the name of the old one. */
@@ -234,7 +229,7 @@ STORY(a_line_is_written_to_the_file_that_has_the_name_at_last)
 
 STORY(what_is_no_regular_file_is_left_alone)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct stat status;
     char pipe_path[FILE_LENGTH], link_path[FILE_LENGTH];
     snprintf(pipe_path, sizeof pipe_path, "%s/pipe", folder);
@@ -251,7 +246,6 @@ STORY(what_is_no_regular_file_is_left_alone)
     CHECK(file_lines_trim(link_path, 1, 100, &fault) == OK);
     CHECK_TEXT(content(), "two\n");
     CHECK(lstat(link_path, &status) == 0 && S_ISLNK(status.st_mode));
-    buf_release(&out);
 }
 
 static enum file_step failing;
@@ -264,7 +258,7 @@ static int fail(enum file_step step, const char *at)
 STORY(a_disk_that_fails_is_told_of)
 {
     static const enum file_step step[] = {FILE_STEP_OPEN, FILE_STEP_WRITE};
-    struct line_history h = {0};
+    OWNED(line_history_release) struct line_history h = {0};
     write_file("one\ntwo\n");
     CHECK(line_history_add(&h, "three", 5));
     for (size_t i = 0; i < 2; i++) {
@@ -276,7 +270,6 @@ STORY(a_disk_that_fails_is_told_of)
         CHECK_HAS(fault.text, "No space left on device");
         CHECK_TEXT(content(), "one\ntwo\n");
     }
-    line_history_release(&h);
 }
 
 static int lack_locks(enum file_step step, const char *at)

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The image helper: pictures through other formats, and a helper that misbehaves. */
-#include "check.h"
-#include "folder.h"
-
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -14,9 +11,12 @@
 #include "base/mem.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
+#include "tests/folder.h"
 
-static char folder[FOLDER_LENGTH];
 static struct image_helper *helper;
+#define BEFORE_STORIES image_helper_new(&helper, built_program("iftty-image"), NULL)
+#define NO_DRAFT_IS_LEFT
+#include "tests/folder_main.h"
 
 static struct picture sample(uint32_t width, uint32_t height)
 {
@@ -47,64 +47,54 @@ STORY(lossless_formats_bring_every_pixel_back)
 {
     static const char *const name[] = {"a.png", "a.tif", "a.bmp", "a.tga", "a.ppm", "a.PNG"};
     for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) {
-        struct picture p = sample(61, 47), q;
+        OWNED(picture_release) struct picture p = sample(61, 47), q;
         CHECK_TEXT(there_and_back(&p, name[i], &q), "");
         CHECK_INT(q.width, 61);
         CHECK_INT(q.height, 47);
         CHECK(q.rgba && memcmp(p.rgba, q.rgba, (size_t)61 * 47 * 4) == 0);
-        picture_release(&p);
-        picture_release(&q);
     }
 }
 
 STORY(a_jpeg_comes_back_about_the_same)
 {
-    struct picture p = sample(64, 64), q;
+    OWNED(picture_release) struct picture p = sample(64, 64), q;
     memset(p.rgba, 200, (size_t)64 * 64 * 4);
     CHECK_TEXT(there_and_back(&p, "a.jpg", &q), "");
     CHECK(q.rgba && q.rgba[0] > 60 && q.rgba[0] < 250 && q.rgba[3] == 255);
-    picture_release(&p);
-    picture_release(&q);
 }
 
 STORY(what_is_transparent_comes_out_black)
 {
-    struct picture p = sample(2, 1), q;
+    OWNED(picture_release) struct picture p = sample(2, 1), q;
     memcpy(p.rgba, (const uint8_t[]){200, 100, 50, 0, 200, 100, 50, 128}, 8);
     CHECK_TEXT(there_and_back(&p, "a.png", &q), "");
     CHECK(memcmp(q.rgba, (const uint8_t[]){0, 0, 0, 255, 100, 50, 25, 255}, 8) == 0);
-    picture_release(&p);
-    picture_release(&q);
 }
 
 STORY(a_png_keeps_each_note)
 {
-    struct picture p = sample(8, 8), q;
+    OWNED(picture_release) struct picture p = sample(8, 8), q;
     CHECK_TEXT(there_and_back(&p, "a.png", &q), "");
     const char *scene = picture_find(&q, "scene"), *view = picture_find(&q, "view");
     CHECK_TEXT(scene ? scene : "missing", "sha256:0123abcd");
     CHECK_TEXT(view ? view : "missing", "yaw 30 pitch 20");
-    picture_release(&p);
-    picture_release(&q);
 }
 
 STORY(other_formats_keep_the_notes_as_a_description)
 {
     static const char *const name[] = {"a.tif", "a.jpg"};
     for (size_t i = 0; i < 2; i++) {
-        struct picture p = sample(8, 8), q;
+        OWNED(picture_release) struct picture p = sample(8, 8), q;
         CHECK_TEXT(there_and_back(&p, name[i], &q), "");
         const char *all = picture_find(&q, "ImageDescription");
         CHECK_HAS(all ? all : "missing", "scene: sha256:0123abcd\nview: yaw 30 pitch 20");
-        picture_release(&p);
-        picture_release(&q);
     }
 }
 
 STORY(the_same_picture_gives_the_same_bytes)
 {
     static const char *const name[] = {"a.png", "a.tif", "a.jpg", "a.bmp"};
-    struct picture p = sample(20, 20);
+    OWNED(picture_release) struct picture p = sample(20, 20);
     struct buf first[4] = {0}, second = {0};
     for (int round = 0; round < 2; round++) {
         for (size_t i = 0; i < 4; i++) {
@@ -121,26 +111,23 @@ STORY(the_same_picture_gives_the_same_bytes)
     for (size_t i = 0; i < 4; i++)
         buf_release(&first[i]);
     buf_release(&second);
-    picture_release(&p);
 }
 
 STORY(exr_goes_without_the_helper)
 {
     struct image_helper *none;
-    struct picture p = sample(9, 9), q;
+    OWNED(picture_release) struct picture p = sample(9, 9), q;
     CHECK_INT(image_helper_new(&none, "/nonexistent/iftty-image", NULL), OK);
     CHECK_INT(image_write(none, file_in(folder, "a.exr"), FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(exr_read(&q, file_in(folder, "a.exr"), NULL), OK);
     CHECK(q.voxel != NULL && memcmp(p.rgba, q.rgba, 9 * 9 * 4) == 0);
     image_helper_free(none);
-    picture_release(&p);
-    picture_release(&q);
 }
 
 STORY(a_name_without_a_known_format_is_told_off)
 {
     static const char *const name[] = {"a.xyz", "plain", ".png", "a.", "a.term", "a.null"};
-    struct picture p = sample(4, 4);
+    OWNED(picture_release) struct picture p = sample(4, 4);
     for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) {
         struct fault fault = {0};
         CHECK(image_write(helper, file_in(folder, name[i]), FILE_KEEP, &p, &fault) != OK);
@@ -148,17 +135,15 @@ STORY(a_name_without_a_known_format_is_told_off)
         CHECK_HAS(fault.text, file_in(folder, name[i]));
         CHECK(!file_exists(file_in(folder, name[i])));
     }
-    picture_release(&p);
 }
 
 STORY(an_existing_file_is_kept_unless_told)
 {
-    struct picture p = sample(4, 4);
+    OWNED(picture_release) struct picture p = sample(4, 4);
     struct fault fault = {0};
     CHECK_INT(image_write(helper, file_in(folder, "a.png"), FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(image_write(helper, file_in(folder, "a.png"), FILE_KEEP, &p, &fault), ERR_IO);
     CHECK_HAS(fault.text, "exists already");
-    picture_release(&p);
 }
 
 STORY(what_is_no_image_is_told_in_a_line)
@@ -177,7 +162,7 @@ STORY(what_is_no_image_is_told_in_a_line)
 STORY(damaged_images_never_end_the_session)
 {
     struct picture p = sample(30, 30), q;
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     uint64_t chance = 7;
     CHECK_INT(image_write(helper, file_in(folder, "a.png"), FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(file_read(&file, file_in(folder, "a.png"), 1 << 20, NULL), OK);
@@ -195,7 +180,6 @@ STORY(damaged_images_never_end_the_session)
         picture_release(&q);
         file.data[at] = kept;
     }
-    buf_release(&file);
     picture_release(&p);
 }
 
@@ -222,7 +206,7 @@ STORY(a_file_of_several_frames_says_so)
 {
     static const char *const name[] = {"a.gif", "a.tif"};
     for (size_t i = 0; i < 2; i++) {
-        struct image_facts facts;
+        OWNED(image_facts_release) struct image_facts facts;
         CHECK_TEXT(write_frames(name[i], 5, 80), "");
         CHECK_INT(image_helper_about(helper, file_in(folder, name[i]), &facts, NULL), OK);
         CHECK_INT(facts.frames, 5);
@@ -231,7 +215,6 @@ STORY(a_file_of_several_frames_says_so)
         CHECK_TEXT(facts.format, i ? "tiff" : "gif");
         CHECK_TEXT(facts.type, "uint8");
         CHECK_TEXT(facts.channels, i ? "R,G,B" : "R,G,B,A");
-        image_facts_release(&facts);
     }
 }
 
@@ -244,28 +227,23 @@ STORY(a_format_of_one_picture_refuses_several)
 
 STORY(frames_that_never_come_cost_one_helper)
 {
-    struct picture p = sample(40, 30), q;
+    OWNED(picture_release) struct picture p = sample(40, 30), q;
     struct image_movie movie = {helper, file_in(folder, "a.gif"), .mode = FILE_REPLACE};
     CHECK_INT(image_movie_begin(&movie, &p, 3, 0, NULL), OK);
     CHECK_INT(image_movie_add(&movie, &p, NULL), OK);
     image_movie_abandon(&movie);
     CHECK_TEXT(there_and_back(&p, "a.png", &q), "");
-    picture_release(&p);
-    picture_release(&q);
 }
 
 STORY(linear_formats_get_linear_light)
 {
-    struct picture p = sample(1, 1), q;
-    struct buf file = {0};
+    OWNED(picture_release) struct picture p = sample(1, 1), q;
+    OWNED(buf_release) struct buf file = {0};
     memcpy(p.rgba, (const uint8_t[]){188, 188, 188, 255}, 4); /* 0.503 of full light */
     CHECK_TEXT(there_and_back(&p, "a.hdr", &q), "");
     CHECK_INT(file_read(&file, file_in(folder, "a.hdr"), 1 << 20, NULL), OK);
     const uint8_t *last = (const uint8_t *)file.data + file.length - 4;
     CHECK(file.length > 4 && last[3] == 128 && last[0] >= 127 && last[0] <= 129);
-    buf_release(&file);
-    picture_release(&p);
-    picture_release(&q);
 }
 
 STORY(about_what_is_no_image_is_told_in_a_line)
@@ -422,26 +400,4 @@ STORY(a_helper_is_held_to_the_memory_that_it_is_given_or_that_is_free)
     image_helper_memory_most = 512000000;
     CHECK_HAS(ask_its_memory(), "a.png: 500000");
     image_helper_memory_most = 0;
-}
-
-int main(void)
-{
-    static const char *const leftover[] = {"a.png", "a.PNG", "a.tif",   "a.bmp",
-                                           "a.tga", "a.ppm", "a.gif",   "a.hdr",
-                                           "a.jpg", "a.exr", "bad.png", "helper.sh"};
-    const char *build = getenv("IFTTY_BUILD");
-    struct buf program = {0};
-    buf_printf(&program, "%s/iftty-image", build ? build : "build");
-    if (!make_folder(folder, "helper") || image_helper_new(&helper, buf_text(&program), NULL) != OK)
-        return 1;
-    int status = check_run();
-    image_helper_free(helper);
-    buf_release(&program);
-    for (size_t i = 0; i < sizeof leftover / sizeof leftover[0]; i++)
-        unlink(file_in(folder, leftover[i]));
-    if (rmdir(folder) != 0) {
-        printf("not ok 24 - no_draft_is_left_behind\n");
-        status = 1;
-    }
-    return status;
 }

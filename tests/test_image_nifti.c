@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* NIfTI: each kind of file that is read, each kind that is refused, and written files. */
-#include "check.h"
-#include "folder.h"
-
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -13,9 +10,11 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/volume.h"
+#define NO_DRAFT_IS_LEFT
+#define RUN_IN_FOLDER
+#include "folder_main.h"
 
-static char folder[FOLDER_LENGTH];
-static char plain[FILE_LENGTH], packed[FILE_LENGTH];
+static const char plain[] = "a.nii", packed[] = "a.nii.gz";
 
 /* ---- files made by hand; the places of fields are those of nifti1.h ---- */
 
@@ -76,6 +75,20 @@ static struct made make(int datatype, bool big)
     return m;
 }
 
+/* The same as a NIfTI-2 of 16 bits, along these sides. */
+static struct made make_nifti_2(const uint64_t side[3], bool big)
+{
+    struct made m = {.big = big, .length = 1000};
+    put(&m, 0, 540, 4);
+    memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
+    put(&m, 12, 512, 2);
+    put(&m, 16, 3, 8);
+    for (unsigned a = 0; a < 3; a++)
+        put(&m, 24 + 8 * a, side[a], 8);
+    put(&m, 168, 544, 8);
+    return m;
+}
+
 static void put_sform(struct made *m, const float row[12])
 {
     put(m, SFORM, 1, 2);
@@ -118,6 +131,15 @@ static const char *refusal_of(const char *path)
     CHECK(strpbrk(fault.text, "\n\033") == NULL);
     volume_release(&v);
     return fault.text;
+}
+
+/* Check that two volumes have the same 900 intensities, of the same scale; release both. */
+static void are_same(struct volume *a, struct volume *b)
+{
+    CHECK(a->intensity && b->intensity && memcmp(a->intensity, b->intensity, 900 * 2) == 0);
+    CHECK(a->geometry.slope == b->geometry.slope && a->geometry.intercept == b->geometry.intercept);
+    volume_release(a);
+    volume_release(b);
 }
 
 /* The message that refuses the bytes. */
@@ -217,7 +239,7 @@ STORY(numbers_of_each_type_become_intensities_and_keep_their_values)
             put_voxel(&m, row[k].datatype, begin, n,
                       row[k].value[n < 4 ? n : 3] + (n < 4 ? 0 : (n - 3.0) * row[k].rise * step));
         m.length = begin + voxels * width_of(row[k].datatype);
-        struct volume v = read_made(&m);
+        OWNED(volume_release) struct volume v = read_made(&m);
         for (int n = 0; n < (int)voxels; n++)
             CHECK_INT(v.intensity[n],
                       row[k].intensity[n < 4 ? n : 3] + (n < 4 ? 0 : (n - 3) * row[k].rise));
@@ -227,7 +249,6 @@ STORY(numbers_of_each_type_become_intensities_and_keep_their_values)
                                       : v.geometry.intercept == row[k].intercept);
         CHECK(v.size[0] == NX && v.size[1] == NY && v.size[2] == (is_slice ? 1 : NZ));
         CHECK_HAS(v.notes, row[k].note);
-        volume_release(&v);
     }
 }
 
@@ -275,11 +296,7 @@ STORY(a_gzip_gives_the_voxels_of_the_plain_file_however_it_is_inflated)
         if (i / 40 == 2)
             append(packed, "what follows is nobody's");
         CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL), OK);
-        CHECK(v.intensity && memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
-        CHECK(v.geometry.slope == expected.geometry.slope &&
-              v.geometry.intercept == expected.geometry.intercept);
-        volume_release(&v);
-        volume_release(&expected);
+        are_same(&v, &expected);
     }
 }
 
@@ -287,36 +304,30 @@ STORY(a_false_length_at_the_end_of_a_gzip_is_told)
 {
     uint64_t chance = 15;
     const struct made m = make_larger(512, false, false, &chance);
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     save_packed(packed, m.bytes, m.length + 100); /* longer than its voxels; its end denies it */
     CHECK_INT(file_read(&file, packed, 8192, NULL), OK);
     file.data[file.length - 4] = (char)(m.length & 255);
     file.data[file.length - 3] = (char)(m.length >> 8);
     save(packed, file.data, file.length);
     CHECK_HAS(refusal_of(packed), "damaged: its gzip data or checksum is wrong");
-    buf_release(&file);
 }
 
 STORY(nifti_2_is_read_in_both_byte_orders)
 {
     for (int big = 0; big < 2; big++) {
-        struct made m = {.big = big, .length = 544 + VOXELS * 2};
-        static const uint64_t dim[8] = {3, NX, NY, NZ, 1, 1, 1, 1};
-        put(&m, 0, 540, 4);
-        memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
-        put(&m, 12, 512, 2);
-        for (unsigned i = 0; i < 8; i++) {
-            put(&m, 16 + 8 * i, dim[i], 8);
+        struct made m = make_nifti_2((const uint64_t[]){NX, NY, NZ}, big);
+        m.length = 544 + VOXELS * 2;
+        for (unsigned i = 0; i < 8; i++)
             put_double(&m, 104 + 8 * i, 0.25);
-        }
-        put(&m, 168, 544, 8);
+        for (unsigned i = 4; i < 8; i++)
+            put(&m, 16 + 8 * i, 1, 8);
         put_double(&m, 176, 2.0);
         put(&m, 500, 2, 4);
         put(&m, 544 + 2 * 23, 815, 2);
-        struct volume v = read_made(&m);
+        OWNED(volume_release) struct volume v = read_made(&m);
         CHECK(v.intensity && v.intensity[23] == 815);
         CHECK(v.geometry.slope == 2 && v.geometry.spacing_nm[1] == 250000);
-        volume_release(&v);
     }
 }
 
@@ -327,9 +338,9 @@ static struct volume read_pair(const struct made *m, size_t begin)
 {
     struct volume v;
     struct fault fault = {0};
-    save(file_in(folder, "a.hdr"), m->bytes, 348);
-    save(file_in(folder, "a.img"), m->bytes + begin, m->length - begin);
-    CHECK_INT(volume_read(&v, file_in(folder, "a.hdr"), NULL, NULL, &fault), OK);
+    save("a.hdr", m->bytes, 348);
+    save("a.img", m->bytes + begin, m->length - begin);
+    CHECK_INT(volume_read(&v, "a.hdr", NULL, NULL, &fault), OK);
     CHECK_TEXT(fault.text, "");
     return v;
 }
@@ -345,11 +356,9 @@ STORY(a_pair_is_what_the_single_file_is)
         memcpy(m.bytes + MAGIC, "ni1", 4);
         put_float(&m, OFFSET, i / 10 ? 32 : 0); /* bytes before the voxels */
         struct volume v = read_pair(&m, i / 10 ? DATA - 32 : DATA);
-        CHECK(memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
         CHECK(memcmp(v.geometry.to_mm, expected.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
         CHECK_INT(v.geometry.orientation, ORIENTATION_SFORM);
-        volume_release(&v);
-        volume_release(&expected);
+        are_same(&v, &expected);
     }
 }
 
@@ -393,12 +402,8 @@ STORY(types_and_scales_of_spm_are_read)
         put(&m, DATATYPE, (uint64_t)type[i].by_spm, 2);
         put_float(&m, OFFSET, 0);
         struct volume v = read_pair(&m, DATA);
-        CHECK(memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
-        CHECK(v.geometry.slope == expected.geometry.slope &&
-              v.geometry.intercept == expected.geometry.intercept);
         CHECK_HAS(v.notes, "its values are multiplied by 0.5, then 7 is added");
-        volume_release(&v);
-        volume_release(&expected);
+        are_same(&v, &expected);
     }
 }
 
@@ -442,7 +447,7 @@ STORY(the_place_is_the_sform_or_the_qform_or_the_axes_of_the_world)
         apply_edits(&m, row[i].edit, 8);
         if (row[i].sform_code)
             put_sform(&m, row[i].srow);
-        struct volume v = read_made(&m);
+        OWNED(volume_release) struct volume v = read_made(&m);
         for (int k = 0; k < 12; k++)
             CHECK(fabs(v.geometry.to_mm[k / 4][k % 4] - (double)row[i].to_mm[k]) < 1e-6);
         for (int a = 0; a < 3; a++)
@@ -451,7 +456,6 @@ STORY(the_place_is_the_sform_or_the_qform_or_the_axes_of_the_world)
         CHECK_TEXT(axes, row[i].axes);
         CHECK_INT(v.geometry.sform.code, row[i].sform_code);
         CHECK_INT(v.geometry.qform.code, row[i].qform_code);
-        volume_release(&v);
     }
 }
 
@@ -470,11 +474,10 @@ STORY(a_matrix_that_cannot_be_inverted_falls_back)
             put_sform(&m, bad[i]);
             put(&m, QFORM, 1, 2);
             put_float(&m, QUATERN + 8, turned ? 1.0f : NAN); /* half a turn, or nonsense */
-            struct volume v = read_made(&m);
+            OWNED(volume_release) struct volume v = read_made(&m);
             CHECK(fabs(v.geometry.to_mm[0][0] - (turned ? -1 : 1)) < 1e-6);
             CHECK_INT(v.geometry.sform.code, 0);
             CHECK_INT(v.geometry.qform.code, turned);
-            volume_release(&v);
         }
 }
 
@@ -487,14 +490,13 @@ STORY(the_axes_are_a_permutation_whatever_the_matrix)
         for (int i = 0; i < 12; i++)
             row[i] = (float)((int)check_below(&chance, 7) - 3);
         put_sform(&m, row);
-        struct volume v = read_made(&m);
+        OWNED(volume_release) struct volume v = read_made(&m);
         int seen = 0;
         for (int a = 0; a < 3; a++) {
             seen |= 1 << v.geometry.world_axis[a];
             CHECK(v.geometry.world_sign[a] == 1 || v.geometry.world_sign[a] == -1);
         }
         CHECK_INT(seen, 7);
-        volume_release(&v);
     }
 }
 
@@ -514,12 +516,11 @@ STORY(units_of_length_are_honoured)
     for (size_t i = 0; i < sizeof unit / sizeof unit[0]; i++) {
         struct made m = make(2, false);
         m.bytes[UNITS] = unit[i].units;
-        struct volume v = read_made(&m);
+        OWNED(volume_release) struct volume v = read_made(&m);
         CHECK_INT(v.geometry.spacing_nm[0], unit[i].spacing_nm);
         CHECK(fabs(v.geometry.to_mm[0][0] * 1e6 - unit[i].spacing_nm) < 1e-3);
         CHECK_HAS(v.notes, unit[i].note);
         CHECK(*unit[i].note || !strstr(v.notes, "unit"));
-        volume_release(&v);
     }
 }
 
@@ -579,38 +580,27 @@ STORY(wrong_headers_are_refused_with_what_was_expected)
     put(&m, DIM + 4, 10000, 2);
     save_packed(packed, m.bytes, m.length);
     CHECK_HAS(refusal_of(packed), "bytes of gzip hold at most");
-    m = make(2, false);
-    put(&m, 0, 540, 4);
+    m = make_nifti_2((const uint64_t[]){NX, NY, NZ}, false);
     m.length = 400;
-    memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
     CHECK_HAS(refusal(&m), "ends within the header");
 }
 
 STORY(a_format_is_known_by_content_or_by_name)
 {
-    char other[sizeof folder + 16];
+    static const char other[] = "a.scene";
     struct made m = make(2, false);
-    struct volume v;
     m.bytes[DATA + 7] = 47;
-    snprintf(other, sizeof other, "%s/a.scene", folder);
-    save(other, m.bytes, m.length);
-    CHECK_INT(volume_read(&v, other, NULL, NULL, NULL), OK);
-    CHECK(v.intensity && v.intensity[7] == 47);
-    volume_release(&v);
-    save_packed(other, m.bytes, m.length);
-    CHECK_INT(volume_read(&v, other, NULL, NULL, NULL), OK);
-    CHECK(v.intensity && v.intensity[7] == 47);
-    volume_release(&v);
-    m.bytes[DATA + 7] = 47;
-    save_packed(plain, m.bytes, m.length);
-    CHECK_INT(volume_read(&v, plain, NULL, NULL, NULL), OK);
-    CHECK(v.intensity && v.intensity[7] == 47);
-    volume_release(&v);
+    for (int i = 0; i < 3; i++) {
+        const char *path = i < 2 ? other : plain;
+        OWNED(volume_release) struct volume v;
+        (i == 0 ? save : save_packed)(path, m.bytes, m.length);
+        CHECK_INT(volume_read(&v, path, NULL, NULL, NULL), OK);
+        CHECK(v.intensity && v.intensity[7] == 47);
+    }
     save(other, "x,y,z,label\n", 12);
     CHECK_HAS(refusal_of(other), "a.scene: not a volume; expected NIfTI (.nii or .nii.gz)");
     save(plain, "x,y,z,label\n", 12);
     CHECK_HAS(refusal_of(plain), "a.nii: not a NIfTI file: 12 bytes");
-    unlink(other);
 }
 
 STORY(one_volume_of_a_series_is_read)
@@ -623,19 +613,15 @@ STORY(one_volume_of_a_series_is_read)
         m.length += 4 * 2 * VOXELS;
         for (uint32_t i = 0; i < 5 * VOXELS; i++)
             put(&m, DATA + 2 * i, 1000 * (i / VOXELS) + i % VOXELS, 2);
-        if (packs)
-            save_packed(path, m.bytes, m.length);
-        else
-            save(path, m.bytes, m.length);
+        (packs ? save_packed : save)(path, m.bytes, m.length);
         for (uint32_t n = 0; n <= 5; n++) {
             const struct volume_choice choice = {.has_volume = true, .volume = n};
             struct fault fault = {0};
-            struct volume v;
+            OWNED(volume_release) struct volume v;
             CHECK_INT(volume_read(&v, path, &choice, NULL, &fault), n < 5 ? OK : ERR_INPUT);
             for (uint32_t i = 0; n < 5 && i < VOXELS; i++)
                 CHECK_INT(v.intensity[i], 1000 * n + i);
             CHECK(n < 5 || strstr(fault.text, "there is no volume 5; it holds 5, counted from 0"));
-            volume_release(&v);
         }
     }
 }
@@ -644,14 +630,7 @@ STORY(nifti_2_dimensions_beyond_64_bits_are_refused)
 {
     static const uint64_t side[] = {UINT64_C(1) << 62, 65535, UINT64_C(0xffffffffffffffff)};
     for (size_t i = 0; i < 3; i++) {
-        struct made m = {.length = 1000};
-        put(&m, 0, 540, 4);
-        memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
-        put(&m, 12, 512, 2);
-        put(&m, 16, 3, 8);
-        for (unsigned a = 1; a < 4; a++)
-            put(&m, 16 + 8 * a, side[i], 8);
-        put(&m, 168, 544, 8);
+        struct made m = make_nifti_2((const uint64_t[]){side[i], side[i], side[i]}, false);
         CHECK_HAS(refusal(&m), i == 2 ? "dim[1] is -1" : "65534");
     }
 }
@@ -685,22 +664,20 @@ STORY(voxels_that_are_no_numbers_are_background_and_counted)
         for (unsigned k = 0; k < VOXELS; k++)
             put_voxel(&m, datatype, DATA, k, k % 5 == 2 ? odd[k % 3] : low + k);
         put_voxel(&m, datatype, DATA, 0, low);
-        struct volume v = read_made(&m);
+        OWNED(volume_release) struct volume v = read_made(&m);
         CHECK_HAS(v.notes, low < 0 ? "5 voxels are no number or infinite: taken for -8\n"
                                    : "5 voxels are no number or infinite: taken for 0\n");
         for (unsigned k = 0; k < VOXELS; k++) {
             const double is = geometry_value(&v.geometry, v.intensity[k]);
             CHECK(fabs(is - (k % 5 == 2 ? zero : low + k)) < 1e-3);
         }
-        volume_release(&v);
     }
     struct made m = make(64, false); /* none is a number */
     for (unsigned k = 0; k < VOXELS; k++)
         put_voxel(&m, 64, DATA, k, NAN);
-    struct volume v = read_made(&m);
+    OWNED(volume_release) struct volume v = read_made(&m);
     CHECK_HAS(v.notes, "24 voxels are no number");
     CHECK(v.intensity[3] == 0 && v.geometry.slope == 1 && v.geometry.intercept == 0);
-    volume_release(&v);
 }
 
 /* Whole numbers of a type, between `low` and `high`: exact in 16 bits, or to half a step. */
@@ -713,7 +690,7 @@ static void check_whole(int datatype, bool big, int64_t low, uint64_t range, uin
         above[i] = i == 3 ? 0 : i == 4 ? range : check_random(chance) % range;
         put(&m, DATA + width * i, (uint64_t)low + above[i], width);
     }
-    struct volume v = read_made(&m);
+    OWNED(volume_release) struct volume v = read_made(&m);
     const bool fits = low >= 0 && (uint64_t)low + range <= 65535;
     const double step = v.geometry.slope;
     CHECK(v.is_coarse == (range > 65535) && (step == 1) == (range <= 65535));
@@ -724,7 +701,6 @@ static void check_whole(int datatype, bool big, int64_t low, uint64_t range, uin
         const double is = v.intensity[i] * step + (fits ? -(double)low : 0);
         CHECK(fabs(is - (double)above[i]) <= (step == 1 ? 0 : step / 2 + (double)range * 1e-15));
     }
-    volume_release(&v);
 }
 
 STORY(whole_numbers_of_any_width_are_exact_where_they_fit)
@@ -761,7 +737,7 @@ STORY(whole_numbers_of_any_width_are_exact_where_they_fit)
 STORY(a_gzip_cut_short_or_damaged_is_told)
 {
     struct made m = make(512, false);
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     for (unsigned i = 0; i < 2 * VOXELS; i++)
         m.bytes[DATA + i] = (uint8_t)(i * 37);
     save_packed(packed, m.bytes, m.length);
@@ -775,7 +751,6 @@ STORY(a_gzip_cut_short_or_damaged_is_told)
     file.data[file.length - 6] ^= 1;
     save(packed, file.data, file.length);
     CHECK_HAS(refusal_of(packed), "damaged: its gzip data or checksum is wrong");
-    buf_release(&file);
 }
 
 STORY(a_gzip_bomb_is_inflated_no_further_than_its_voxels)
@@ -787,10 +762,9 @@ STORY(a_gzip_bomb_is_inflated_no_further_than_its_voxels)
     for (int i = 0; i < 100; i++)
         gzwrite(file, zeros, sizeof zeros);
     gzclose(file);
-    struct volume v;
+    OWNED(volume_release) struct volume v;
     CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL),
               OK); /* the first voxels are fine; nothing more is read */
-    volume_release(&v);
 }
 
 STORY(words_of_the_file_never_reach_the_terminal)
@@ -798,11 +772,8 @@ STORY(words_of_the_file_never_reach_the_terminal)
     struct made m = make(128, false);
     memcpy(m.bytes + DESCRIP, "\033]0;owned\a\n", 11);
     CHECK(strstr(refusal(&m), "owned") == NULL);
-    char odd[FILE_LENGTH];
-    snprintf(odd, sizeof odd, "%s/\033[31m\n.nii", folder);
-    save(odd, m.bytes, m.length);
-    CHECK_HAS(refusal_of(odd), "\\x1b[31m\\x0a.nii");
-    unlink(odd);
+    save("\033[31m\n.nii", m.bytes, m.length);
+    CHECK_HAS(refusal_of("\033[31m\n.nii"), "\\x1b[31m\\x0a.nii");
 }
 
 STORY(damaged_files_never_do_harm)
@@ -828,7 +799,7 @@ STORY(damaged_files_never_do_harm)
 STORY(damaged_gzip_never_does_harm)
 {
     struct made m = make(512, false);
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     uint64_t chance = 12;
     for (unsigned i = 0; i < 2 * VOXELS; i++)
         m.bytes[DATA + i] = (uint8_t)check_random(&chance);
@@ -848,7 +819,6 @@ STORY(damaged_gzip_never_does_harm)
         volume_release(&v);
         file.data[at] = kept;
     }
-    buf_release(&file);
 }
 
 /* ---- writing ---- */
@@ -909,7 +879,7 @@ STORY(maps_come_back_as_they_were_written)
         for (int zip = 0; zip < 2; zip++) {
             const enum voxel_type type = wide ? VOXEL_UINT16 : VOXEL_UINT8;
             const char *path = zip ? packed : plain;
-            struct volume v;
+            OWNED(volume_release) struct volume v;
             CHECK_INT(write_sample(path, size, &plain_geometry, type, FILE_REPLACE, NULL), OK);
             CHECK_INT(volume_read(&v, path, NULL, NULL, NULL), OK);
             for (uint32_t i = 0; i < 37 * 11 * 5; i++) {
@@ -917,14 +887,13 @@ STORY(maps_come_back_as_they_were_written)
                 CHECK_INT(v.intensity[i], wide ? (uint16_t)e : (uint8_t)e);
             }
             CHECK_INT(v.geometry.sform.code, 1);
-            volume_release(&v);
         }
 }
 
 STORY(a_map_of_32_bits_is_little_endian_after_its_header)
 {
     static const uint32_t size[3] = {3, 2, 2};
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     CHECK_INT(write_sample(plain, size, &plain_geometry, VOXEL_UINT32, FILE_REPLACE, NULL), OK);
     CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
     CHECK_INT(file.length, 352 + 12 * 4);
@@ -935,7 +904,6 @@ STORY(a_map_of_32_bits_is_little_endian_after_its_header)
                   value_at(i % 3, i / 3 % 2, i / 6));
     }
     CHECK_TEXT(file.data + DESCRIP, "iftty \xc3\xa4");
-    buf_release(&file);
 }
 
 STORY(the_place_in_the_world_is_kept)
@@ -951,7 +919,7 @@ STORY(the_place_in_the_world_is_kept)
             put_float(&m, QUATERN + 4 * i, round < 8 ? (float)(round >> i & 1) * 0.57f : part);
             put_float(&m, QUATERN + 12 + 4 * i, part * 100);
         }
-        struct volume v = read_made(&m), w, only_q;
+        OWNED(volume_release) struct volume v = read_made(&m), w, only_q;
         v.geometry.fields.given = false; /* as of another format, or a derived grid */
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
         CHECK_INT(volume_read(&w, plain, NULL, NULL, NULL), OK);
@@ -969,9 +937,6 @@ STORY(the_place_in_the_world_is_kept)
         }
         CHECK(memcmp(v.geometry.spacing_nm, w.geometry.spacing_nm, 12) == 0);
         CHECK(memcmp(v.geometry.world_axis, w.geometry.world_axis, 3) == 0);
-        volume_release(&v);
-        volume_release(&w);
-        volume_release(&only_q);
     }
 }
 
@@ -999,8 +964,8 @@ STORY(a_quaternion_longer_than_1_is_normalised_on_saving)
         put(&m, QFORM, 1, 2);
         for (unsigned k = 0; k < 3; k++)
             put_float(&m, QUATERN + 4 * k, given[i][k]);
-        struct volume v = read_made(&m);
-        struct buf file = {0};
+        OWNED(volume_release) struct volume v = read_made(&m);
+        OWNED(buf_release) struct buf file = {0};
         float q[3];
         CHECK_INT(strstr(v.notes, "its quaternion is longer than 1") != NULL, i < 3);
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
@@ -1009,12 +974,9 @@ STORY(a_quaternion_longer_than_1_is_normalised_on_saving)
         const double square = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2];
         CHECK(square < 1 + 3e-7);
         CHECK(i < 4 || memcmp(q, given[i], sizeof q) == 0); /* a rounded one is not changed */
-        struct volume again;
+        OWNED(volume_release) struct volume again;
         CHECK_INT(volume_read(&again, plain, NULL, NULL, NULL), OK);
         CHECK(geometry_apart(&v.geometry, &again.geometry, size) < 1e-5);
-        volume_release(&again);
-        buf_release(&file);
-        volume_release(&v);
     }
 }
 
@@ -1035,16 +997,14 @@ STORY(what_a_file_says_of_its_place_is_written_bit_for_bit)
         if (round % 3 == 0)
             put_float(&m, (round % 2 ? PIXDIM : QUATERN) + 4 * check_below(&chance, 4),
                       odd[check_below(&chance, 7)]);
-        struct volume v = read_made(&m);
-        struct buf file = {0};
+        OWNED(volume_release) struct volume v = read_made(&m);
+        OWNED(buf_release) struct buf file = {0};
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
         CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
         shorten_quaternion(&m);
         CHECK(memcmp(file.data + PIXDIM, m.bytes + PIXDIM, 16) == 0);
         CHECK(file.data[UNITS] == (char)m.bytes[UNITS]);
         CHECK(memcmp(file.data + QFORM, m.bytes + QFORM, SROW + 48 - QFORM) == 0);
-        buf_release(&file);
-        volume_release(&v);
     }
 }
 
@@ -1054,7 +1014,7 @@ STORY(doubles_of_a_nifti_2_are_written_as_one)
     for (int wide = 0; wide < 2; wide++) {
         const double third = wide ? 1.0 / 3 : 0.25;
         struct geometry g = plain_geometry;
-        struct volume v;
+        OWNED(volume_release) struct volume v;
         g.fields = (struct geometry_fields){.given = true,
                                             .xyzt_units = 2,
                                             .sform_code = 2,
@@ -1068,7 +1028,6 @@ STORY(doubles_of_a_nifti_2_are_written_as_one)
         CHECK_INT(volume_read(&v, plain, NULL, NULL, NULL), OK);
         CHECK(memcmp(&v.geometry.fields.srow, &g.fields.srow, sizeof g.fields.srow) == 0);
         CHECK(v.geometry.fields.pixdim[1] == third);
-        volume_release(&v);
     }
 }
 
@@ -1079,31 +1038,28 @@ STORY(a_sheared_matrix_is_kept_by_the_sform_alone)
     put(&m, QFORM, 2, 2);
     put_sform(&m, (const float[12]){1, 1, 0, 5, 0, 2, 0, 6, 0, 0, 3, 7});
     put(&m, SFORM, 4, 2);
-    struct volume v = read_made(&m), w;
+    OWNED(volume_release) struct volume v = read_made(&m), w;
     v.geometry.fields.given = false;
     CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
     CHECK_INT(volume_read(&w, plain, NULL, NULL, NULL), OK);
     CHECK(memcmp(v.geometry.to_mm, w.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
     CHECK(w.geometry.sform.code == 4 && w.geometry.qform.code == 0);
-    volume_release(&v);
-    volume_release(&w);
 }
 
 STORY(a_side_too_long_for_nifti_1_makes_nifti_2)
 {
     static const uint32_t size[3] = {40000, 2, 1};
-    struct volume v;
+    OWNED(volume_release) struct volume v;
     CHECK_INT(write_sample(packed, size, &plain_geometry, VOXEL_UINT16, FILE_REPLACE, NULL), OK);
     CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL), OK);
     CHECK_INT(v.size[0], 40000);
     CHECK(v.intensity && v.intensity[79999] == (uint16_t)value_at(39999, 1, 0));
-    volume_release(&v);
 }
 
 STORY(the_same_map_gives_the_same_gzip)
 {
     static const uint32_t size[3] = {30, 30, 30};
-    struct buf first = {0}, second = {0};
+    OWNED(buf_release) struct buf first = {0}, second = {0};
     CHECK_INT(write_sample(packed, size, &plain_geometry, VOXEL_UINT16, FILE_REPLACE, NULL), OK);
     CHECK_INT(file_read(&first, packed, 1 << 20, NULL), OK);
     CHECK(memcmp(first.data + 4, "\0\0\0\0", 4) == 0); /* no time */
@@ -1111,28 +1067,26 @@ STORY(the_same_map_gives_the_same_gzip)
     CHECK_INT(write_sample(packed, size, &plain_geometry, VOXEL_UINT16, FILE_REPLACE, NULL), OK);
     CHECK_INT(file_read(&second, packed, 1 << 20, NULL), OK);
     CHECK(first.length == second.length && memcmp(first.data, second.data, first.length) == 0);
-    buf_release(&first);
-    buf_release(&second);
 }
 
 STORY(names_and_existing_files_are_checked)
 {
     static const uint32_t size[3] = {2, 2, 2};
-    struct fault fault = {0};
-    char other[FILE_LENGTH];
-    snprintf(other, sizeof other, "%s/a.img", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault),
-              ERR_USAGE);
-    CHECK_HAS(fault.text, "expected the name of a volume, NIfTI (.nii or .nii.gz)");
-    snprintf(other, sizeof other, "%s/.nii", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault),
-              ERR_USAGE);
+    static const struct {
+        const char *name;
+        enum err err;
+        const char *words;
+    } row[] = {{"a.img", ERR_USAGE, "expected the name of a volume, NIfTI (.nii or .nii.gz)"},
+               {".nii", ERR_USAGE, ""},
+               {"a.nii", ERR_IO, "exists already"},
+               {"none/a.nii", ERR_IO, "there is no folder"}};
     save(plain, "mine", 4);
-    CHECK_INT(write_sample(plain, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault), ERR_IO);
-    CHECK_HAS(fault.text, "exists already");
-    snprintf(other, sizeof other, "%s/none/a.nii", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault), ERR_IO);
-    CHECK_HAS(fault.text, "there is no folder");
+    for (int i = 0; i < 4; i++) {
+        struct fault fault = {0};
+        CHECK_INT(write_sample(row[i].name, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault),
+                  row[i].err);
+        CHECK_HAS(fault.text, row[i].words);
+    }
 }
 
 /* A limit on the size of files simulates a full disk: the write itself fails, early or only
@@ -1155,26 +1109,7 @@ STORY(a_disk_that_fills_leaves_the_former_file)
         CHECK_INT(err, ERR_IO);
         CHECK_HAS(fault.text, "a.nii: File too large");
     }
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     CHECK_INT(file_read(&file, plain, 100, NULL), OK);
     CHECK_TEXT(buf_text(&file), "mine");
-    buf_release(&file);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "nifti"))
-        return 1;
-    snprintf(plain, sizeof plain, "%s/a.nii", folder);
-    snprintf(packed, sizeof packed, "%s/a.nii.gz", folder);
-    int status = check_run();
-    unlink(plain);
-    unlink(packed);
-    unlink(file_in(folder, "a.hdr"));
-    unlink(file_in(folder, "a.img"));
-    if (rmdir(folder) != 0) {
-        printf("not ok 42 - no_draft_is_left_behind\n");
-        status = 1;
-    }
-    return status;
 }

@@ -34,9 +34,8 @@ expect_in "$work" 0 "$tree/bin/iftty" -c 'open labels.nrrd' </dev/null
 mv "$work/away" "$tree/libexec"
 ln -s "$tree/bin/iftty" "$work/linked"
 expect_in "$work" 0 "$work/linked" info picture.png </dev/null
-close_story
 
-begin "programs are stripped, and what was not built is named with what is missing without it"
+begin "programs are stripped, and each part that was not built is named with its missing function"
 for program in "$tree/bin/iftty" "$tree"/libexec/iftty/iftty-*; do
     ! readelf -SW "$program" | grep -q '\.debug_info\|\.symtab' || fail "$program is not stripped"
 done
@@ -48,15 +47,14 @@ err_has "left out: $work/half/iftty-volume was not built, so DICOM, "
 err_has "left out: $work/half/iftty-register was not built, so scenes are not registered"
 [ -x "$work/part/usr/libexec/iftty/iftty-image" ] || fail "the image helper is not there"
 rm -rf "$work/part"
-close_story
 
-begin "with it come the changes, how to cite it, and what is promised"
+begin "the list of changes, the citation and the promises are installed"
 version=$("$iftty" --version | sed -n 's/^iftty //p')
 date=$(sed -n 's/^#define PROGRAM_DATE *"\(.*\)".*/\1/p' src/base/version.h)
 grep -qx "## $version" "$doc/CHANGELOG.md" || fail "no changes of $version"
 grep -qx "version: \"$version\"" "$doc/CITATION.cff" || fail "another version is cited"
 grep -qx "date-released: $date" "$doc/CITATION.cff" || fail "another date is cited"
-# What it says is tested, is there.
+# The tests that it names exist.
 for test in $(grep -ho '`test_[a-z_]*\(\.sh\)\{0,1\}`' "$doc/SECURITY.md" "$doc/PROMISES.md" |
     tr -d '`' | sort -u); do
     [ -x "tests/$test" ] || [ -f "tests/$test.c" ] || fail "there is no $test"
@@ -67,7 +65,6 @@ same "$(sed -n "/^## Promised/,/^## /p" "$doc/PROMISES.md" | tr '\n' ' ' |
 for file in "$doc/SECURITY.md" "$doc/README.md" "$tree/share/man/man1/iftty.1"; do
     tr '\n' ' ' <"$file" | grep -qE 'no(t a)? medical device' || fail "$file: no word of medicine"
 done
-close_story
 
 programs=$("$iftty" --help | sed -n 's/^    iftty \([a-z][a-z]*\)\( .*\)\{0,1\}$/\1/p' | sort -u)
 begin "every program has a page, and each page is set without a warning"
@@ -85,7 +82,6 @@ for page in iftty.1 iftty-journal.5 $(printf 'iftty-%s.1\n' $programs); do
     fi
 done
 same "$(find "$tree/share/man" -type f | wc -l)" "$(($(printf '%s\n' "$programs" | wc -l) + 2))"
-close_story
 
 begin "pages have each option of the programs, and each command"
 for program in $programs; do
@@ -102,7 +98,6 @@ done >"$work/missing"
             echo "journal $command"
     done >>"$work/missing"
 [ ! -s "$work/missing" ] || fail "$(cat "$work/missing")"
-close_story
 
 # complete WORD...: what bash offers for the last one
 complete_bash() {
@@ -131,7 +126,6 @@ complete_bash run a | offers bash 'a scene.nii'
 same "$(complete_bash run --str)" ""
 same "$(complete_bash 'a scene.nii' veri)" ""
 cd "$top" || exit 1
-close_story
 
 begin "zsh completes programs and options"
 if needs zsh; then
@@ -162,7 +156,6 @@ if needs zsh; then
         rm -f "$work/zsh"
     done
 fi
-close_story
 
 begin "fish completes programs, options and words"
 if needs fish; then
@@ -176,9 +169,8 @@ if needs fish; then
     complete_fish 'iftty show --graphics si' | offers fish sixel
     same "$(complete_fish 'iftty run --str')" ""
 fi
-close_story
 
-begin "what is uninstalled is gone, and what others have put there stays"
+begin "uninstalling removes all installed files, and keeps other files"
 expect 0 .package/install -u "$work/moved" /opt/iftty
 same "$(find "$work/moved" -mindepth 1)" ""
 expect 0 .package/install "$build" "$work/moved" /opt/iftty
@@ -186,8 +178,6 @@ expect 0 .package/install "$build" "$work/moved" /opt/iftty # over itself
 touch "$tree/bin/other"
 expect 0 .package/install -u "$work/moved" /opt/iftty
 same "$(find "$work/moved" -type f)" "$tree/bin/other"
-expect 1 .package/install -u "$work/moved" /opt/iftty
-err_has "nothing is installed"
-close_story
+expect_err "nothing is installed" 1 .package/install -u "$work/moved" /opt/iftty
 
 finish

@@ -5,7 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
-begin "an interrupted run goes on after its last record, whatever that was"
+begin "an interrupted run continues after its last record of any kind"
 mkdir again
 
 cat >again/script <<'END'
@@ -65,7 +65,6 @@ for made in $(seq 1 "$records"); do
         fi
     done
 done
-close_story
 
 begin "the ring of an outline, where the journal is gone on with, is the one recorded"
 mkdir ring
@@ -87,7 +86,6 @@ for made in 6 7; do
     expect_in ring 0 "$iftty" -c "$rest" --journal k.iftty
     same_files ring/k.iftty ring/whole.iftty
 done
-close_story
 
 begin "one that is another than the script is named, and nothing is added to it"
 beginning() {
@@ -134,9 +132,8 @@ for line in 'undo' 'branch other' 'seed 9,9,9 1'; do # somebody went on by hand
     cp again/script again/other
     differs "and record 5 of k.iftty is \`$line\`"
 done
-close_story
 
-begin "files are the same ones wherever the journal lies, and beside the folder that one is in"
+begin "file names lead to the same files for any folder of the journal and any current folder"
 mkdir -p far/subj far/out far/home far/tables
 make_scene far/subj/s.nii 24 20 16
 make_scene far/subj/m.nii 24 20 16
@@ -161,15 +158,13 @@ done
 sed 's/link.nii/m.nii/' far/script >far/other
 HOME=$work/far/home expect_in far 3 "$iftty" run other --journal out/k.iftty
 err_has 'other:1: this line is `open subj/m.nii`, and record 1 of out/k.iftty is `open ../subj/link'
-close_story
 
-begin "comments of the script that were changed stay as they are in the journal, which is said"
+begin "the journal keeps its comments if those of the script changed, and the run reports it"
 beginning 5
 sed 's/# where/# and where/' again/script >again/other
 expect_in again 0 "$iftty" run other --journal k.iftty
 err_has "the comments before its record 3 are others than those of the script; they stay"
 same_files again/k.iftty again/whole.iftty
-close_story
 
 begin "lines that failed under --keep-going have no record, and fail again"
 rm -rf again/k.*
@@ -181,7 +176,6 @@ for made in 2 3 9; do
     expect_in again 3 "$iftty" run other --journal k.iftty --keep-going
     same_files again/k.iftty again/whole.iftty
 done
-close_story
 
 begin "a question after the last record is asked again, and its report is left alone"
 rm -rf again/k.*
@@ -191,7 +185,6 @@ cp again/k.iftty again/former
 expect_in again 0 "$iftty" run other --journal k.iftty
 err_has "other:20: report.csv exists already and was left alone"
 same_files again/k.iftty again/former
-close_story
 
 begin "with --whole the journal appears when all is done, to the same bytes, wherever it was killed"
 for made in 0 1 $(seq 4 3 "$records"); do
@@ -213,9 +206,8 @@ expect_in again 0 "$iftty" run other --journal l.iftty --whole
 expect_in again 0 "$iftty" verify --strict l.iftty
 grep -aq 'l\.iftty' again/l.golden/last.exr || fail "the golden image does not name the journal"
 grep -aq 'iftty\.part' again/l.golden/last.exr && fail "the golden image names the part"
-close_story
 
-begin "what fails stays a part; what is whole is never added to"
+begin "a failed run remains a FILE.part; a complete journal is never extended"
 rm -rf again/k.*
 sed '6a seed 99,99,99 1' again/script >again/other
 for way in '' --keep-going; do
@@ -233,7 +225,6 @@ err_has "the journal has another run"
 same_files again/k.iftty again/whole.iftty
 expect_in again 2 "$iftty" run script --whole
 err_has "needs --journal FILE"
-close_story
 
 begin "a script that opens no scene adds to the journal, as ever"
 beginning 5
@@ -256,6 +247,5 @@ rm -rf again/k.*
 expect_in again 0 "$iftty" -c 'label 7 seven' --journal k.iftty # without a scene yet
 expect_in again 0 "$iftty" run script --journal k.iftty
 same "$(grep -c '^= ' again/k.iftty)" 16
-close_story
 
 finish

@@ -13,6 +13,7 @@
 #include "tests/check_main.h"
 
 enum { RECORDS = 5, SEMANTICS = 1 };
+#define HEADER "# iftty journal 1 semantics 1\n"
 
 static const struct {
     const char *comments, *command, *words;
@@ -25,24 +26,36 @@ static const struct {
 };
 
 /* The story as a journal; where[i] is the offset behind record i, where[0] behind the header. */
-static void make_journal(struct buf *out, size_t where[RECORDS + 1])
+static struct buf journal;
+static size_t where[RECORDS + 1];
+
+static void make_journal(void)
 {
     struct record_chain chain = record_chain_zero;
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     record_header(&header, SEMANTICS);
-    buf_clear(out);
-    buf_add_text(out, buf_text(&header));
-    where[0] = out->length;
+    buf_add_text(&journal, buf_text(&header));
+    where[0] = journal.length;
     for (size_t i = 0; i < RECORDS; i++) {
         struct fault fault;
         const struct record record = {
             .number = i + 1, .command = story[i].command, .result = story[i].words};
-        CHECK(record_encode(out, &chain, i == 0 ? buf_text(&header) : "", story[i].comments,
+        CHECK(record_encode(&journal, &chain, i == 0 ? buf_text(&header) : "", story[i].comments,
                             &record, &fault) == OK);
-        where[i + 1] = out->length;
+        where[i + 1] = journal.length;
     }
-    buf_release(&header);
 }
+
+/* Define a story about that journal. */
+#define JOURNAL_STORY(told)                                                                        \
+    static void told_##told(void);                                                                 \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        make_journal();                                                                            \
+        told_##told();                                                                             \
+        buf_release(&journal);                                                                     \
+    }                                                                                              \
+    static void told_##told(void)
 
 /* Walks bytes that may not be read behind their end: a copy of their exact size tells ASan. */
 struct outcome {
@@ -76,14 +89,11 @@ static struct outcome walk_all(const char *bytes, size_t length, bool only_sound
     return out;
 }
 
-STORY(what_is_encoded_is_walked)
+JOURNAL_STORY(what_is_encoded_is_walked)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
-    make_journal(&bytes, where);
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
+    CHECK(walk_begin(&walk, journal.data, journal.length, NULL) == OK);
     CHECK(walk.is_journal);
     CHECK_INT(walk.semantics, SEMANTICS);
     const size_t line[RECORDS] = {3, 5, 10, 12, 15};
@@ -101,8 +111,6 @@ STORY(what_is_encoded_is_walked)
         CHECK(record_judge(&record, NULL) == OK);
     }
     CHECK(walk_next(&walk, &record) == WALK_END);
-    walk_release(&walk);
-    buf_release(&bytes);
 }
 
 /* ---- FORMAT.md ---- */
@@ -128,33 +136,32 @@ static bool read_example(struct buf *out)
 
 STORY(the_example_in_FORMAT_is_decoded)
 {
-    struct buf bytes = {0};
+    static const char *const expected[3][2] = {
+        {"open synth:geom:222", "scene=8c1f0e52a7b3d946 size=222,222,222"},
+        {"label 2 cerebellum #40c060", ""},
+        {"seed 20,30,40 2 radius=3",
+         "forest=0123456789abcdef labels=fedcba9876543210 seeds=123 changed=1200"}};
+    OWNED(buf_release) struct buf bytes = {0};
     struct walk walk;
     struct record record;
     if (!read_example(&bytes))
         return;
     CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
-    CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
-    CHECK_TEXT(record.command, "open synth:geom:222");
-    CHECK_TEXT(record.result, "scene=8c1f0e52a7b3d946 size=222,222,222");
-    CHECK_INT(record.line, 3);
-    CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
-    CHECK_TEXT(record.command, "label 2 cerebellum #40c060");
-    CHECK_TEXT(record.result, "");
-    CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
-    CHECK_TEXT(record.command, "seed 20,30,40 2 radius=3");
-    CHECK_TEXT(record.result,
-               "forest=0123456789abcdef labels=fedcba9876543210 seeds=123 changed=1200");
+    for (size_t i = 0; i < 3; i++) {
+        CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
+        CHECK_TEXT(record.command, expected[i][0]);
+        CHECK_TEXT(record.result, expected[i][1]);
+        CHECK(i > 0 || record.line == 3);
+    }
     CHECK(walk_next_sound(&walk, &record) == WALK_END);
     CHECK_INT(walk.records, 3);
     walk_release(&walk);
-    buf_release(&bytes);
 }
 
 /* By the words of FORMAT.md and SHA-256 alone, without record.c. */
 STORY(the_chain_in_FORMAT_is_what_its_words_say)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     char chain[33] = "00000000000000000000000000000000";
     unsigned records = 0;
     if (!read_example(&bytes))
@@ -174,23 +181,20 @@ STORY(the_chain_in_FORMAT_is_what_its_words_say)
     }
     CHECK_INT(records, 3);
     CHECK(*begin == '\0');
-    buf_release(&bytes);
 }
 
 /* ---- cuts and flips ---- */
 
 /* The rest of a record may be missing, or be zeros, as file systems leave them. */
-STORY(every_prefix_is_sound_records_and_a_torn_tail)
+JOURNAL_STORY(every_prefix_is_sound_records_and_a_torn_tail)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1], whole = 0;
-    make_journal(&bytes, where);
-    char *zeroed = calloc(1, bytes.length + 5000);
-    for (size_t cut = 0; cut <= bytes.length; cut++) {
+    size_t whole = 0;
+    char *zeroed = calloc(1, journal.length + 5000);
+    for (size_t cut = 0; cut <= journal.length; cut++) {
         whole += whole < RECORDS && where[whole + 1] == cut;
         const size_t sound = cut < where[0] ? 0 : where[whole];
-        const struct outcome prefix = walk_all(bytes.data, cut, true);
-        const struct outcome zeros = walk_all(zeroed, bytes.length + (cut % 2 ? 5000 : 1), true);
+        const struct outcome prefix = walk_all(journal.data, cut, true);
+        const struct outcome zeros = walk_all(zeroed, journal.length + (cut % 2 ? 5000 : 1), true);
         CHECK(prefix.err == OK && zeros.err == OK);
         CHECK_INT(prefix.records, whole);
         CHECK_INT(zeros.records, whole);
@@ -199,14 +203,13 @@ STORY(every_prefix_is_sound_records_and_a_torn_tail)
         CHECK_INT(prefix.place.offset, sound);
         CHECK_INT(zeros.place.offset, sound);
         CHECK_INT(prefix.place.number, whole + 1);
-        zeroed[cut] = cut < bytes.length ? bytes.data[cut] : '\0';
+        zeroed[cut] = cut < journal.length ? journal.data[cut] : '\0';
     }
     free(zeroed);
-    buf_release(&bytes);
 }
 
 /* Which record holds this byte; the header belongs to the first. */
-static size_t record_of(const size_t where[RECORDS + 1], size_t offset)
+static size_t record_of(size_t offset)
 {
     size_t number = 1;
     while (number < RECORDS && where[number] <= offset)
@@ -214,16 +217,16 @@ static size_t record_of(const size_t where[RECORDS + 1], size_t offset)
     return number;
 }
 
-static void check_flip(const struct buf *bytes, const size_t where[RECORDS + 1], size_t at)
+static void check_flip(size_t at)
 {
     struct journal_condition found;
-    struct outcome out = walk_all(bytes->data, bytes->length, true);
-    enum err err = journal_check(&found, bytes->data, bytes->length, NULL);
-    const size_t number = record_of(where, at);
+    struct outcome out = walk_all(journal.data, journal.length, true);
+    enum err err = journal_check(&found, journal.data, journal.length, NULL);
+    const size_t number = record_of(at);
     CHECK_INT(err, ERR_CHECK);
     CHECK(found.state != JOURNAL_INTACT && found.state != JOURNAL_SCRIPT);
     if (!CHECK(found.number == number))
-        printf("#   byte %zu is now %02x: %s\n", at, (unsigned char)bytes->data[at], found.text);
+        printf("#   byte %zu is now %02x: %s\n", at, (unsigned char)journal.data[at], found.text);
     if (found.state == JOURNAL_TORN)
         CHECK_INT(number, RECORDS);
     /* a flip in the first letters of the header leaves a script, which no journal_open takes */
@@ -233,83 +236,69 @@ static void check_flip(const struct buf *bytes, const size_t where[RECORDS + 1],
         CHECK_INT(out.place.number, number);
 }
 
-STORY(every_flip_of_a_byte_is_noticed_in_its_record)
+JOURNAL_STORY(every_flip_of_a_byte_is_noticed_in_its_record)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
-    make_journal(&bytes, where);
-    for (size_t at = 0; at < bytes.length; at++) {
-        const char kept = bytes.data[at];
+    for (size_t at = 0; at < journal.length; at++) {
+        const char kept = journal.data[at];
         for (unsigned bit = 0; bit < 8; bit++) {
-            bytes.data[at] = (char)(kept ^ (1 << bit));
-            check_flip(&bytes, where, at);
+            journal.data[at] = (char)(kept ^ (1 << bit));
+            check_flip(at);
         }
         for (const char *c = "\n#= 0x\t\r"; *c; c++)
             if (*c != kept) {
-                bytes.data[at] = *c;
-                check_flip(&bytes, where, at);
+                journal.data[at] = *c;
+                check_flip(at);
             }
-        bytes.data[at] = '\0';
-        check_flip(&bytes, where, at);
-        bytes.data[at] = kept;
+        journal.data[at] = '\0';
+        check_flip(at);
+        journal.data[at] = kept;
     }
-    CHECK(walk_all(bytes.data, bytes.length, true).step == WALK_END);
-    buf_release(&bytes);
+    CHECK(walk_all(journal.data, journal.length, true).step == WALK_END);
 }
 
-STORY(every_byte_left_out_or_doubled_is_noticed)
+JOURNAL_STORY(every_byte_left_out_or_doubled_is_noticed)
 {
-    struct buf bytes = {0}, other = {0};
-    size_t where[RECORDS + 1];
-    make_journal(&bytes, where);
-    for (size_t at = 0; at < bytes.length; at++) {
+    OWNED(buf_release) struct buf other = {0};
+    for (size_t at = 0; at < journal.length; at++) {
         struct journal_condition found;
         for (int doubled = 0; doubled < 2; doubled++) {
             buf_clear(&other);
-            buf_add(&other, bytes.data, at + (doubled != 0));
-            buf_add(&other, bytes.data + at + (doubled == 0), bytes.length - at - (doubled == 0));
+            buf_add(&other, journal.data, at + (doubled != 0));
+            buf_add(&other, journal.data + at + (doubled == 0),
+                    journal.length - at - (doubled == 0));
             CHECK_INT(journal_check(&found, other.data, other.length, NULL), ERR_CHECK);
-            CHECK(found.number <= record_of(where, at) + 1);
+            CHECK(found.number <= record_of(at) + 1);
         }
     }
-    buf_release(&other);
-    buf_release(&bytes);
 }
 
 /* Whole records taken out, doubled or exchanged. */
-STORY(records_moved_about_are_noticed)
+JOURNAL_STORY(records_moved_about_are_noticed)
 {
-    struct buf bytes = {0}, other = {0};
-    size_t where[RECORDS + 1];
+    OWNED(buf_release) struct buf other = {0};
     struct journal_condition found;
-    make_journal(&bytes, where);
     for (size_t i = 1; i < RECORDS; i++) { /* without record i: the one behind it is named */
         buf_clear(&other);
-        buf_add(&other, bytes.data, where[i - 1]);
-        buf_add(&other, bytes.data + where[i], bytes.length - where[i]);
+        buf_add(&other, journal.data, where[i - 1]);
+        buf_add(&other, journal.data + where[i], journal.length - where[i]);
         CHECK(journal_check(&found, other.data, other.length, NULL) == ERR_CHECK);
         CHECK_INT(found.state, JOURNAL_EDITED);
         CHECK_INT(found.number, i);
         CHECK_INT(found.offset, where[i - 1]);
     }
     buf_clear(&other);
-    buf_add(&other, bytes.data, where[2]);
-    buf_add(&other, bytes.data + where[1], bytes.length - where[1]);
+    buf_add(&other, journal.data, where[2]);
+    buf_add(&other, journal.data + where[1], journal.length - where[1]);
     CHECK(journal_check(&found, other.data, other.length, NULL) == ERR_CHECK);
     CHECK_INT(found.number, 3);
-    buf_release(&other);
-    buf_release(&bytes);
 }
 
-STORY(only_the_record_that_was_edited_is_unsound)
+JOURNAL_STORY(only_the_record_that_was_edited_is_unsound)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
-    make_journal(&bytes, where);
-    *strstr(bytes.data, "20,30,40") = '1';
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
+    *strstr(journal.data, "20,30,40") = '1';
+    CHECK(walk_begin(&walk, journal.data, journal.length, NULL) == OK);
     for (size_t i = 1; i <= RECORDS; i++) {
         struct fault fault = {.text = ""};
         CHECK(walk_next(&walk, &record) == WALK_RECORD);
@@ -317,8 +306,6 @@ STORY(only_the_record_that_was_edited_is_unsound)
         if (i == 3)
             CHECK_HAS(fault.text, "record 3 (line 10, from byte ");
     }
-    walk_release(&walk);
-    buf_release(&bytes);
 }
 
 /* ---- headers, scripts ---- */
@@ -329,7 +316,7 @@ STORY(headers_have_one_spelling)
         const char *text;
         const char *words; /* part of the refusal; NULL: fine */
     } c[] = {
-        {"# iftty journal 1 semantics 1\n", NULL},
+        {HEADER, NULL},
         {"# iftty journal 1 semantics 999999999\n", NULL},
         {"# iftty journal 2 semantics 1\n", "format 2"},
         {"# iftty journal 01 semantics 1\n", "malformed"},
@@ -353,7 +340,7 @@ STORY(headers_have_one_spelling)
 STORY(a_script_is_walked_too)
 {
     static const char text[] = "\n# a script\nopen ch2.nii\n  seed 1,2,3 4\n\t\n# end\nrun";
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
     static const struct {
         const char *command;
@@ -371,21 +358,18 @@ STORY(a_script_is_walked_too)
         CHECK_TEXT(record.result, "");
     }
     CHECK(walk_next(&walk, &record) == WALK_END);
-    walk_release(&walk);
 }
 
-STORY(the_log_prints_the_commands_alone)
+JOURNAL_STORY(the_log_prints_the_commands_alone)
 {
-    struct buf bytes = {0}, script = {0};
-    size_t where[RECORDS + 1];
-    make_journal(&bytes, where);
+    OWNED(buf_release) struct buf script = {0};
     static const char expected[] = "# opened first\nopen synth:geom:64\n"
                                    "label 2 cervelet \xC3\xA9 #40c060\n"
                                    "\n# why\n\nseed 20,30,40 2\nundo\n#\nredo\n";
-    CHECK(journal_script(&script, bytes.data, bytes.length, NULL) == OK);
+    CHECK(journal_script(&script, journal.data, journal.length, NULL) == OK);
     CHECK_TEXT(buf_text(&script), expected);
     buf_clear(&script); /* a torn tail was never acknowledged */
-    CHECK(journal_script(&script, bytes.data, bytes.length - 1, NULL) == OK);
+    CHECK(journal_script(&script, journal.data, journal.length - 1, NULL) == OK);
     CHECK(strncmp(buf_text(&script), expected, sizeof expected - 8) == 0);
     CHECK_INT(script.length, sizeof expected - 1 - 7);
     static const char text[] = "  run # now\n# last";
@@ -397,50 +381,45 @@ STORY(the_log_prints_the_commands_alone)
     buf_clear(&script);
     CHECK(journal_script(&script, NULL, 0, NULL) == OK);
     CHECK_INT(script.length, 0);
-    buf_release(&script);
-    buf_release(&bytes);
 }
 
-STORY(the_log_says_whether_a_journal_is_intact)
+/* Check bytes, and the condition of their journal: its state and words. */
+static struct journal_condition condition_is(const char *bytes, size_t length,
+                                             enum journal_state state, const char *words)
 {
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
+    const bool is_fine = state == JOURNAL_INTACT || state == JOURNAL_SCRIPT;
     struct journal_condition found;
     struct fault fault;
-    make_journal(&bytes, where);
-    CHECK(journal_check(&found, bytes.data, bytes.length, NULL) == OK);
-    CHECK_INT(found.state, JOURNAL_INTACT);
+    CHECK_INT(journal_check(&found, bytes, length, &fault), is_fine ? OK : ERR_CHECK);
+    CHECK_INT(found.state, state);
+    CHECK_HAS(found.text, words);
+    CHECK(is_fine || strcmp(fault.text, found.text) == 0);
+    return found;
+}
+
+JOURNAL_STORY(the_log_says_whether_a_journal_is_intact)
+{
+    const char *bytes = journal.data;
+    size_t length = journal.length;
+    struct journal_condition found = condition_is(bytes, length, JOURNAL_INTACT, "");
     CHECK_INT(found.records, RECORDS);
-    CHECK(strncmp(found.chain.hex, bytes.data + bytes.length - 33, 32) == 0);
+    CHECK(strncmp(found.chain.hex, bytes + length - 33, 32) == 0);
     CHECK_TEXT(found.text, "intact, 5 records");
-    CHECK(journal_check(&found, bytes.data, bytes.length - 7, &fault) == ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_TORN);
+    found = condition_is(bytes, length - 7, JOURNAL_TORN, "record 5 is torn");
     CHECK_INT(found.offset, where[RECORDS - 1]);
     CHECK_INT(found.records, RECORDS - 1);
-    CHECK_HAS(fault.text, "record 5 is torn");
-    CHECK(journal_check(&found, "run\n", 4, NULL) == OK);
-    CHECK_INT(found.state, JOURNAL_SCRIPT);
-    CHECK_INT(found.records, 1);
-    CHECK(journal_check(&found, NULL, 0, NULL) == ERR_CHECK); /* its header was not written yet */
-    CHECK_INT(found.state, JOURNAL_TORN);
-    CHECK_INT(found.records, 0);
-    CHECK(journal_check(&found, bytes.data + where[0], bytes.length - where[0], &fault) ==
-          ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_EDITED);
+    CHECK_INT(condition_is("run\n", 4, JOURNAL_SCRIPT, "").records, 1);
+    /* Its header was not written yet. */
+    CHECK_INT(condition_is(NULL, 0, JOURNAL_TORN, "").records, 0);
+    found = condition_is(bytes + where[0], length - where[0], JOURNAL_EDITED, "header");
     CHECK_INT(found.number, 1);
-    CHECK_HAS(fault.text, "header");
-    buf_add_text(&bytes, "undo\nredo\n"); /* two commands behind the end are nobody's torn write */
-    CHECK(journal_check(&found, bytes.data, bytes.length, &fault) == ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_EDITED);
+    buf_add_text(&journal, "undo\nredo\n"); /* two commands behind the end are no torn write */
+    bytes = journal.data;
+    length = journal.length;
+    found = condition_is(bytes, length, JOURNAL_EDITED, "no result line");
     CHECK_INT(found.number, RECORDS + 1);
-    CHECK_HAS(fault.text, "no result line");
-    bytes.length -= 3; /* nor is a command and the beginning of another */
-    CHECK(journal_check(&found, bytes.data, bytes.length, &fault) == ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_EDITED);
-    bytes.length -= 2; /* one command is */
-    CHECK(journal_check(&found, bytes.data, bytes.length, &fault) == ERR_CHECK);
-    CHECK_INT(found.state, JOURNAL_TORN);
-    buf_release(&bytes);
+    condition_is(bytes, length - 3, JOURNAL_EDITED, ""); /* nor is one, and a begin of another */
+    condition_is(bytes, length - 5, JOURNAL_TORN, "");   /* one command is */
 }
 
 /* ---- lines that no writer of ours writes, sealed all the same ---- */
@@ -448,7 +427,7 @@ STORY(the_log_says_whether_a_journal_is_intact)
 /* A journal of one record: these lines, and the seal that fits them. */
 static void seal(struct buf *out, const char *lines, size_t length)
 {
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     struct record_chain chain;
     record_header(&header, SEMANTICS);
     record_chain_compute(&chain, &record_chain_zero, header.data, header.length, lines, length);
@@ -456,7 +435,6 @@ static void seal(struct buf *out, const char *lines, size_t length)
     buf_add(out, header.data, header.length);
     buf_add(out, lines, length);
     buf_printf(out, " chain=%s\n", chain.hex);
-    buf_release(&header);
 }
 
 STORY(a_seal_does_not_make_a_line_valid)
@@ -490,7 +468,7 @@ STORY(a_seal_does_not_make_a_line_valid)
         {"# run\n= 1", WALK_DAMAGED, "has no command line"},
         {"run = 1", WALK_DAMAGED, "runs into the line before"},
     };
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     for (size_t i = 0; i < sizeof c / sizeof c[0]; i++) {
         seal(&bytes, c[i].lines, strlen(c[i].lines));
         struct outcome out = walk_all(bytes.data, bytes.length, true);
@@ -503,7 +481,6 @@ STORY(a_seal_does_not_make_a_line_valid)
     CHECK_HAS(walk_all(bytes.data, bytes.length, true).fault.text, "zero byte");
     seal(&bytes, zero_in_result, sizeof zero_in_result - 1);
     CHECK_HAS(walk_all(bytes.data, bytes.length, true).fault.text, "zero byte");
-    buf_release(&bytes);
 }
 
 /* ---- what may be written, and what hostile bytes do ---- */
@@ -517,7 +494,7 @@ STORY(what_would_break_a_record_is_refused)
                                             " a=b",     "a=b  c=d", "A=b",  "a=b a=c",  "chain=1",
                                             "a=b\nc=d", "a=\x1b",   "1a=b", "a=b\tc=d", "a b=c"};
     static const char *const good_words[] = {"", "a=b", "a=b=c", "a-1_=\xC3\xA9 b=,", "chains=1"};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct record_chain chain = record_chain_zero;
     struct fault fault;
     buf_add_text(&out, "kept");
@@ -539,12 +516,11 @@ STORY(what_would_break_a_record_is_refused)
     CHECK(record_comment_check("# a\nrun", NULL) == ERR_INPUT);
     CHECK_TEXT(out.data, "kept");
     CHECK_TEXT(chain.hex, record_chain_zero.hex);
-    buf_release(&out);
 }
 
 STORY(lines_have_a_limit_on_both_sides)
 {
-    struct buf out = {0}, words = {0};
+    OWNED(buf_release) struct buf out = {0}, words = {0};
     struct record_chain chain = record_chain_zero;
     char *line = malloc(RECORD_LINE_MAX + 2);
     memset(line, 'x', RECORD_LINE_MAX + 1);
@@ -553,7 +529,7 @@ STORY(lines_have_a_limit_on_both_sides)
     CHECK(walk_all(line, RECORD_LINE_MAX + 1, false).step == WALK_DAMAGED);
     line[RECORD_LINE_MAX] = '\0';
     CHECK(record_command_check(line, NULL) == OK);
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     record_header(&header, SEMANTICS);
     buf_add_text(&out, buf_text(&header));
     struct record record = {.number = 1, .command = line, .result = "a=1"};
@@ -585,33 +561,16 @@ STORY(lines_have_a_limit_on_both_sides)
     buf_add_text(&words, " last=1");
     CHECK(record_words_check(buf_text(&words), NULL) == ERR_INPUT);
     free(line);
-    buf_release(&header);
-    buf_release(&words);
-    buf_release(&out);
 }
 
 STORY(random_bytes_end_in_order)
 {
-    static const char *const piece[] = {"# iftty journal 1 semantics 1\n",
-                                        "# iftty",
-                                        "\n",
-                                        "= ",
-                                        "= 1",
-                                        " chain=",
-                                        "0123456789abcdef0123456789abcdef",
-                                        "a=b",
-                                        " ",
-                                        "run",
-                                        "#",
-                                        "\x1b[2J",
-                                        "\xff\xfe",
-                                        "\xE2\x80\xAE",
-                                        "\r\n",
-                                        "chain=",
-                                        "1",
-                                        "="};
+    static const char *const piece[] = {
+        HEADER, "# iftty", "\n",  "= ", "= 1",     " chain=",  "0123456789abcdef0123456789abcdef",
+        "a=b",  " ",       "run", "#",  "\x1b[2J", "\xff\xfe", "\xE2\x80\xAE",
+        "\r\n", "chain=",  "1",   "="};
     uint64_t random = 7;
-    struct buf bytes = {0}, script = {0};
+    OWNED(buf_release) struct buf bytes = {0}, script = {0};
     for (int round = 0; round < 20000; round++) {
         struct journal_condition found;
         struct fault fault = {.text = ""};
@@ -631,6 +590,4 @@ STORY(random_bytes_end_in_order)
         CHECK(strpbrk(found.text, "\x1b\n") == NULL);
         journal_script(&script, bytes.data, bytes.length, &fault);
     }
-    buf_release(&script);
-    buf_release(&bytes);
 }

@@ -9,23 +9,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#define RUN_IN_FOLDER
 #include "tests/folder_main.h"
 #include "tests/journals.h"
-
-/* A path in the test's own folder; it stays. */
-static const char *place(const char *name)
-{
-    static char path[64][FILE_LENGTH];
-    static unsigned count;
-    char wanted[FILE_LENGTH];
-    snprintf(wanted, sizeof wanted, "%s/%s", folder, name);
-    for (unsigned i = 0; i < count; i++)
-        if (strcmp(path[i], wanted) == 0)
-            return path[i];
-    if (count == 64)
-        abort();
-    return strcpy(path[count++], wanted);
-}
 
 static enum err count_record(void *context, const struct record *record, struct fault *fault)
 {
@@ -66,8 +52,8 @@ STORY(a_journal_is_created_continued_and_kept)
 {
     struct journal *journal;
     struct fault fault;
-    struct buf first = {0}, second = {0}, notice = {0};
-    const char *path = place("a.iftty");
+    OWNED(buf_release) struct buf first = {0}, second = {0}, notice = {0};
+    const char *path = "a.iftty";
     make(path, 3);
     content(&first, path);
     CHECK(journal_create(&journal, path, 1, &fault) == ERR_IO); /* nothing is overwritten */
@@ -86,16 +72,13 @@ STORY(a_journal_is_created_continued_and_kept)
     journal_close(journal);
     journal_close(reopen(path, 4, NULL));
     journal_close(NULL);
-    buf_release(&first);
-    buf_release(&second);
-    buf_release(&notice);
 }
 
 STORY(comments_become_part_of_the_next_record)
 {
     struct journal *journal;
-    struct buf bytes = {0};
-    const char *path = place("comments.iftty");
+    OWNED(buf_release) struct buf bytes = {0};
+    const char *path = "comments.iftty";
     CHECK(journal_create(&journal, path, 1, NULL) == OK);
     CHECK(journal_comment(journal, "# first", NULL) == OK);
     CHECK(journal_comment(journal, "", NULL) == OK);
@@ -112,14 +95,13 @@ STORY(comments_become_part_of_the_next_record)
     CHECK(strncmp(bytes.data, first, sizeof first - 1) == 0);
     CHECK(strstr(bytes.data, second) == bytes.data + behind);
     CHECK_INT(bytes.length, behind + sizeof second - 1 + 33);
-    buf_release(&bytes);
 }
 
 STORY(a_refused_command_changes_nothing)
 {
     struct journal *journal;
     struct fault fault;
-    const char *path = place("refused.iftty");
+    const char *path = "refused.iftty";
     make(path, 2);
     journal = reopen(path, 2, NULL);
     CHECK(journal_append(journal, "seed\x1b[2J", "", &fault) == ERR_INPUT);
@@ -137,8 +119,8 @@ STORY(a_refused_command_changes_nothing)
 
 STORY(a_torn_tail_is_kept_aside_and_cut_for_every_cut)
 {
-    struct buf bytes = {0}, notice = {0};
-    const char *path = place("torn.iftty"), *kept = place("torn.iftty.torn-1");
+    OWNED(buf_release) struct buf bytes = {0}, notice = {0};
+    const char *path = "torn.iftty", *kept = "torn.iftty.torn-1";
     make(path, 3);
     content(&bytes, path);
     size_t records = 0, begin = 0;
@@ -171,36 +153,32 @@ STORY(a_torn_tail_is_kept_aside_and_cut_for_every_cut)
         CHECK(is_file_of(path, bytes.data, bytes.length));
     }
     CHECK_INT(records, 3);
-    buf_release(&bytes);
-    buf_release(&notice);
 }
 
 STORY(torn_bytes_never_replace_earlier_ones)
 {
-    struct buf notice = {0};
-    const char *path = place("twice.iftty");
+    OWNED(buf_release) struct buf notice = {0};
+    const char *path = "twice.iftty";
     for (int n = 1; n <= 3; n++) {
         char name[64];
         make(path, 1);
-        struct buf bytes = {0};
+        OWNED(buf_release) struct buf bytes = {0};
         content(&bytes, path);
         buf_printf(&bytes, "seed %d", n);
         put(path, bytes.data, bytes.length);
         journal_close(reopen(path, 1, &notice));
         snprintf(name, sizeof name, "twice.iftty.torn-%d", n);
-        CHECK(is_file_of(place(name), bytes.data + bytes.length - 6, 6));
+        CHECK(is_file_of(name, bytes.data + bytes.length - 6, 6));
         CHECK_HAS(buf_text(&notice), name);
-        buf_release(&bytes);
     }
-    buf_release(&notice);
 }
 
 STORY(damage_is_refused_and_cut_only_on_request)
 {
-    struct buf bytes = {0}, notice = {0};
+    OWNED(buf_release) struct buf bytes = {0}, notice = {0};
     struct journal *journal;
     struct fault fault;
-    const char *path = place("damaged.iftty");
+    const char *path = "damaged.iftty";
     make(path, 4);
     content(&bytes, path);
     char *third = strstr(bytes.data, "# every third\nseed 3,");
@@ -220,13 +198,10 @@ STORY(damage_is_refused_and_cut_only_on_request)
     CHECK(journal_open(&journal, path, &resume, &notice, &fault) == OK);
     CHECK_INT(count, 2);
     CHECK_HAS(buf_text(&notice), "2 records left");
-    CHECK(is_file_of(place("damaged.iftty.torn-1"), third,
-                     bytes.length - (size_t)(third - bytes.data)));
+    CHECK(is_file_of("damaged.iftty.torn-1", third, bytes.length - (size_t)(third - bytes.data)));
     CHECK(append(journal, 3, NULL) == OK);
     journal_close(journal);
     journal_close(reopen(path, 3, NULL));
-    buf_release(&bytes);
-    buf_release(&notice);
 }
 
 static enum err refuse_second(void *context, const struct record *record, struct fault *fault)
@@ -245,7 +220,7 @@ STORY(what_is_no_journal_of_ours_is_refused_untouched)
 {
     struct journal *journal;
     struct fault fault;
-    const char *path = place("other.iftty");
+    const char *path = "other.iftty";
     const struct journal_resume resume = {.semantics = 1, .on_semantics = refuse_two};
     static const struct {
         const char *text, *words;
@@ -261,11 +236,11 @@ STORY(what_is_no_journal_of_ours_is_refused_untouched)
         CHECK_HAS(fault.text, c[i].words);
         CHECK(is_file_of(path, c[i].text, strlen(c[i].text)));
     }
-    CHECK(journal_open(&journal, place("missing.iftty"), &resume, NULL, &fault) == ERR_IO);
+    CHECK(journal_open(&journal, "missing.iftty", &resume, NULL, &fault) == ERR_IO);
     CHECK(journal_open(&journal, folder, &resume, NULL, &fault) == ERR_IO);
     /* a callback that refuses leaves even a torn tail where it is */
     make(path, 3);
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     content(&bytes, path);
     put(path, bytes.data, bytes.length - 3);
     const struct journal_resume refusing = {
@@ -273,7 +248,6 @@ STORY(what_is_no_journal_of_ours_is_refused_untouched)
     CHECK(journal_open(&journal, path, &refusing, NULL, &fault) == ERR_CHECK);
     CHECK_HAS(fault.text, "it diverges");
     CHECK(is_file_of(path, bytes.data, bytes.length - 3));
-    buf_release(&bytes);
 }
 
 /* ---- failing steps ---- */
@@ -305,8 +279,8 @@ static void fail_after(unsigned steps, bool stay_failed, int number)
     file_step_hook = fail_step;
 }
 
-/* How many records a file holds now, without opening it. */
-static size_t records_in(const char *path)
+/* How many records a file holds now, without opening it, and how they end. */
+static size_t records_in(const char *path, enum walk_step *over)
 {
     struct buf bytes = {0};
     struct walk walk;
@@ -316,6 +290,7 @@ static size_t records_in(const char *path)
     while (walk_next_sound(&walk, &record) == WALK_RECORD)
         ;
     const size_t records = walk.records;
+    *over = walk.over;
     walk_release(&walk);
     buf_release(&bytes);
     return records;
@@ -326,10 +301,11 @@ static size_t records_in(const char *path)
  * the session ends there. Returns whether a step failed. */
 static bool run_failing_session(unsigned steps, bool stay_failed, int number)
 {
-    const char *path = place("failing.iftty");
+    const char *path = "failing.iftty";
     struct journal *journal;
     struct fault fault = {.text = ""};
     size_t acknowledged = 0;
+    enum walk_step over;
     bool failed = false;
     unlink(path);
     fail_after(steps, stay_failed, number);
@@ -356,7 +332,7 @@ static bool run_failing_session(unsigned steps, bool stay_failed, int number)
     }
     journal_close(journal);
     file_step_hook = NULL;
-    if (cut_failed && stay_failed && records_in(path) == acknowledged + 1)
+    if (cut_failed && stay_failed && records_in(path, &over) == acknowledged + 1)
         acknowledged++;
     journal = reopen(path, acknowledged, NULL);
     CHECK(journal && append(journal, acknowledged + 1, &fault) == OK);
@@ -379,7 +355,7 @@ STORY(every_step_of_writing_may_fail)
 /* Reopens a journal with a torn tail, of which `bytes` hold `cut`. Returns whether that failed. */
 static bool fail_reopening(const struct buf *bytes, size_t cut, unsigned steps, bool stay_failed)
 {
-    const char *path = place("mending.iftty"), *kept = place("mending.iftty.torn-1");
+    const char *path = "mending.iftty", *kept = "mending.iftty.torn-1";
     struct journal *journal;
     struct fault fault = {.text = ""};
     const struct journal_resume resume = {.semantics = 1};
@@ -394,29 +370,28 @@ static bool fail_reopening(const struct buf *bytes, size_t cut, unsigned steps, 
     CHECK(is_file_of(path, bytes->data, cut) || file_exists(kept));
     journal_close(journal);
     journal_close(reopen(path, 2, NULL));
-    unlink(place("mending.iftty.torn-2"));
+    unlink("mending.iftty.torn-2");
     return err != OK;
 }
 
 STORY(every_step_of_reopening_may_fail)
 {
-    struct buf bytes = {0};
-    make(place("mending.iftty"), 3);
-    content(&bytes, place("mending.iftty"));
+    OWNED(buf_release) struct buf bytes = {0};
+    make("mending.iftty", 3);
+    content(&bytes, "mending.iftty");
     for (int stay_failed = 0; stay_failed < 2; stay_failed++) {
         unsigned failures = 0;
         for (unsigned steps = 0; steps < 20; steps++)
             failures += fail_reopening(&bytes, bytes.length - 20, steps, stay_failed != 0);
         CHECK(failures >= 9 && failures < 20); /* open to the sync of the cut */
     }
-    buf_release(&bytes);
 }
 
 /* A failed append is cut off, and where even that fails nothing is appended until it succeeds:
  * otherwise a short record could stand before the rest of a long one. */
 STORY(nothing_follows_an_append_that_could_not_be_taken_back)
 {
-    const char *path = place("ragged.iftty");
+    const char *path = "ragged.iftty";
     struct fault fault;
     make(path, 1);
     struct journal *journal = reopen(path, 1, NULL);
@@ -435,12 +410,12 @@ STORY(nothing_follows_an_append_that_could_not_be_taken_back)
 /* The kernel itself writes only a part: the file may not grow beyond a limit. */
 STORY(a_short_write_is_taken_back)
 {
-    const char *path = place("short.iftty");
+    const char *path = "short.iftty";
     struct rlimit former;
     struct fault fault;
     make(path, 2);
     struct journal *journal = reopen(path, 2, NULL);
-    struct buf before = {0}, grown = {0};
+    OWNED(buf_release) struct buf before = {0}, grown = {0};
     content(&before, path);
     getrlimit(RLIMIT_FSIZE, &former);
     void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
@@ -458,8 +433,6 @@ STORY(a_short_write_is_taken_back)
     CHECK(append(journal, 3, NULL) == OK);
     journal_close(journal);
     journal_close(reopen(path, 3, NULL));
-    buf_release(&before);
-    buf_release(&grown);
 }
 
 /* ---- processes ---- */
@@ -484,9 +457,9 @@ static int die_at_step(enum file_step step, const char *path)
 /* Like a loss of power between any two steps, with and without half a record written. */
 STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
 {
-    const char *path = place("dying.iftty");
+    const char *path = "dying.iftty";
     unsigned deaths = 0, torn = 0;
-    struct buf notice = {0}, bytes = {0};
+    OWNED(buf_release) struct buf notice = {0}, bytes = {0};
     make(path, 2);
     content(&bytes, path);
     for (unsigned steps = 0; steps < 8; steps++)
@@ -511,23 +484,13 @@ STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
             const int status = wait_for(child);
             CHECK(WIFEXITED(status) && (WEXITSTATUS(status) == 7 || WEXITSTATUS(status) == 0));
             deaths += WIFEXITED(status) && WEXITSTATUS(status) == 7;
-            struct walk walk;
-            struct record record;
-            struct buf left = {0};
-            content(&left, path);
-            CHECK(walk_begin(&walk, left.data, left.length, NULL) == OK);
-            while (walk_next_sound(&walk, &record) == WALK_RECORD)
-                ;
-            CHECK(walk.over == WALK_END || walk.over == WALK_TORN);
-            CHECK(walk.records >= 2);
-            torn += walk.over == WALK_TORN;
-            const size_t records = walk.records;
-            walk_release(&walk);
-            buf_release(&left);
+            enum walk_step over;
+            const size_t records = records_in(path, &over);
+            CHECK(over == WALK_END || over == WALK_TORN);
+            CHECK(records >= 2);
+            torn += over == WALK_TORN;
             journal_close(reopen(path, records, &notice));
             CHECK(notice.length == 0 || strstr(notice.data, "torn"));
         }
     CHECK(deaths > 8 && torn > 0);
-    buf_release(&notice);
-    buf_release(&bytes);
 }

@@ -43,216 +43,175 @@ static enum err add(void *context, const char *command, struct buf *words, struc
 static const char *const commands[] = {"add 5", "add 7", "add -2", "add 30"};
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
-/* What an adder in order writes. */
-static void make_journal(struct buf *out)
+/* The journal that an adder in order writes, its last replay, and why that failed. */
+static struct buf journal;
+static struct replay_report report;
+static struct fault why;
+
+static void make_journal(void)
 {
     struct adder adder = {0};
-    struct buf header = {0}, words = {0};
+    OWNED(buf_release) struct buf header = {0}, words = {0};
     struct record_chain chain = record_chain_zero;
     record_header(&header, 3);
-    buf_clear(out);
-    buf_add_text(out, buf_text(&header));
+    buf_clear(&journal);
+    buf_add_text(&journal, buf_text(&header));
     for (size_t i = 0; i < COMMANDS; i++) {
         buf_clear(&words);
         CHECK(add(&adder, commands[i], &words, NULL) == OK);
         const struct record record = {
             .number = i + 1, .command = commands[i], .result = buf_text(&words)};
-        CHECK(record_encode(out, &chain, i ? "" : buf_text(&header), i == 1 ? "# two\n" : "",
+        CHECK(record_encode(&journal, &chain, i ? "" : buf_text(&header), i == 1 ? "# two\n" : "",
                             &record, NULL) == OK);
     }
-    buf_release(&words);
-    buf_release(&header);
 }
 
-/* Replays with this adder; the caller releases the report. */
-static enum err replay(const struct buf *bytes, struct adder adder, struct replay_report *report,
-                       struct fault *fault)
+static enum err replay_by(const struct replay_host *host, struct replay_options options)
+{
+    replay_report_release(&report);
+    report = (struct replay_report){.outcome = REPLAY_SAME};
+    why = (struct fault){.text = ""};
+    return replay_run(journal.data, journal.length, host, &options, &report, &why);
+}
+
+/* Replay by this adder; check the result, the outcome, and the record at which it stopped. */
+static void replay(struct adder adder, enum err err, enum replay_outcome outcome, size_t number)
 {
     const struct replay_host host = {.context = &adder, .execute = add};
-    const struct replay_options options = {0};
-    *report = (struct replay_report){.outcome = REPLAY_SAME};
-    *fault = (struct fault){.text = ""};
-    return replay_run(bytes->data, bytes->length, &host, &options, report, fault);
+    CHECK_INT(replay_by(&host, (struct replay_options){0}), err);
+    CHECK_INT(report.outcome, outcome);
+    CHECK_INT(report.number, number);
 }
 
-STORY(a_replay_reproduces_every_word)
+/* Define a story about the journal. */
+#define JOURNAL_STORY(told)                                                                        \
+    static void told_##told(void);                                                                 \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        make_journal();                                                                            \
+        told_##told();                                                                             \
+        replay_report_release(&report);                                                            \
+        buf_release(&journal);                                                                     \
+    }                                                                                              \
+    static void told_##told(void)
+
+JOURNAL_STORY(a_replay_reproduces_every_word)
 {
-    struct buf bytes = {0};
-    struct replay_report report;
-    struct fault fault;
-    make_journal(&bytes);
-    CHECK(replay(&bytes, (struct adder){.extra = "later=1"}, &report, &fault) == OK);
-    CHECK_INT(report.outcome, REPLAY_SAME);
+    replay((struct adder){.extra = "later=1"}, OK, REPLAY_SAME, 0);
     CHECK_INT(report.executed, COMMANDS);
     CHECK_INT(report.compared, COMMANDS);
     CHECK_INT(report.semantics, 3);
     CHECK(report.is_journal && report.is_intact && !report.is_torn);
-    CHECK_INT(report.number, 0);
-    replay_report_release(&report);
-    buf_release(&bytes);
 }
 
-STORY(it_stops_at_the_first_word_that_differs)
+JOURNAL_STORY(it_stops_at_the_first_word_that_differs)
 {
-    struct buf bytes = {0};
-    struct replay_report report;
-    struct fault fault;
-    make_journal(&bytes);
-    CHECK(replay(&bytes, (struct adder){.is_wrong_from_third = true}, &report, &fault) ==
-          ERR_CHECK);
-    CHECK_INT(report.outcome, REPLAY_DIVERGED);
+    replay((struct adder){.is_wrong_from_third = true}, ERR_CHECK, REPLAY_DIVERGED, 3);
     CHECK_INT(report.executed, 2); /* and the fourth was never carried out */
-    CHECK_INT(report.number, 3);
     CHECK_INT(report.line, 7);
     CHECK_TEXT(buf_text(&report.command), "add -2");
     CHECK_TEXT(buf_text(&report.word), "sum");
     CHECK_TEXT(buf_text(&report.expected), "10");
     CHECK_TEXT(buf_text(&report.actual), "11");
     CHECK(report.is_intact);
-    CHECK_TEXT(fault.text, "record 3 (line 7) diverges: sum is 11, 10 was recorded; "
-                           "command: add -2");
-    replay_report_release(&report);
+    CHECK_TEXT(why.text, "record 3 (line 7) diverges: sum is 11, 10 was recorded; "
+                         "command: add -2");
 
-    CHECK(replay(&bytes, (struct adder){.missing = "add 7"}, &report, &fault) == ERR_CHECK);
-    CHECK_INT(report.number, 2);
+    replay((struct adder){.missing = "add 7"}, ERR_CHECK, REPLAY_DIVERGED, 2);
     CHECK_TEXT(buf_text(&report.expected), "12");
     CHECK_TEXT(buf_text(&report.actual), "");
-    CHECK_HAS(fault.text, "sum is missing, 12 was recorded");
-    replay_report_release(&report);
-    buf_release(&bytes);
+    CHECK_HAS(why.text, "sum is missing, 12 was recorded");
 }
 
-STORY(a_command_that_fails_now_is_named)
+JOURNAL_STORY(a_command_that_fails_now_is_named)
 {
     static const struct {
         enum err host, replay;
     } c[] = {{ERR_USAGE, ERR_CHECK},   {ERR_CHECK, ERR_CHECK},         {ERR_INPUT, ERR_INPUT},
              {ERR_MEMORY, ERR_MEMORY}, {ERR_CANCELLED, ERR_CANCELLED}, {ERR_IO, ERR_IO}};
-    struct buf bytes = {0};
-    make_journal(&bytes);
     for (size_t i = 0; i < sizeof c / sizeof c[0]; i++) {
-        struct replay_report report;
-        struct fault fault;
         const struct adder adder = {.failing = "add 7", .failure = c[i].host};
-        CHECK_INT(replay(&bytes, adder, &report, &fault), c[i].replay);
-        CHECK_INT(fault.code, c[i].replay);
-        CHECK_INT(report.outcome, REPLAY_FAILED);
-        CHECK_INT(report.number, 2);
+        replay(adder, c[i].replay, REPLAY_FAILED, 2);
+        CHECK_INT(why.code, c[i].replay);
         CHECK_INT(report.executed, 1);
         CHECK_TEXT(buf_text(&report.actual), "the adder is out of order");
-        CHECK_HAS(fault.text, "record 2 (line 5) fails: add 7: the adder is out of order");
-        replay_report_release(&report);
+        CHECK_HAS(why.text, "record 2 (line 5) fails: add 7: the adder is out of order");
     }
-    buf_release(&bytes);
 }
 
-STORY(an_edited_journal_fails_and_names_the_first_command_that_differs)
+JOURNAL_STORY(an_edited_journal_fails_and_names_the_first_command_that_differs)
 {
-    struct buf bytes = {0};
-    struct replay_report report;
-    struct fault fault;
-    make_journal(&bytes);
-    *strstr(bytes.data, "add 7") = 'A'; /* a command that the host does not know */
-    CHECK(replay(&bytes, (struct adder){0}, &report, &fault) == ERR_CHECK);
-    CHECK_INT(report.outcome, REPLAY_FAILED);
-    CHECK_INT(report.number, 2);
+    *strstr(journal.data, "add 7") = 'A'; /* a command that the host does not know */
+    replay((struct adder){0}, ERR_CHECK, REPLAY_FAILED, 2);
     CHECK_INT(report.edited_number, 2);
-    CHECK_HAS(fault.text, "edited or damaged at record 2 (line 5)");
-    replay_report_release(&report);
+    CHECK_HAS(why.text, "edited or damaged at record 2 (line 5)");
 
-    make_journal(&bytes);
-    strstr(bytes.data, "add 5")[4] = '6'; /* the sum differs at once */
-    CHECK(replay(&bytes, (struct adder){0}, &report, &fault) == ERR_CHECK);
-    CHECK_INT(report.outcome, REPLAY_DIVERGED);
-    CHECK_INT(report.number, 1);
+    make_journal();
+    strstr(journal.data, "add 5")[4] = '6'; /* the sum differs at once */
+    replay((struct adder){0}, ERR_CHECK, REPLAY_DIVERGED, 1);
     CHECK_INT(report.edited_number, 1);
     CHECK_TEXT(buf_text(&report.actual), "6");
-    replay_report_release(&report);
 
-    make_journal(&bytes);
-    strstr(bytes.data, "count=3")[-1] = '\t'; /* a tab between words */
-    CHECK(replay(&bytes, (struct adder){0}, &report, &fault) == ERR_INPUT);
-    replay_report_release(&report);
+    make_journal();
+    strstr(journal.data, "count=3")[-1] = '\t'; /* a tab between words */
+    replay((struct adder){0}, ERR_INPUT, REPLAY_UNREADABLE, 3);
 
-    make_journal(&bytes);
-    char *last_chain = bytes.data + bytes.length - 33;
-    memset(last_chain, '0', 32);          /* a second edit is not the one that is named */
-    strstr(bytes.data, "# two")[2] = 'T'; /* a comment: nothing diverges, and yet it is no proof */
-    CHECK(replay(&bytes, (struct adder){0}, &report, &fault) == ERR_CHECK);
-    CHECK_INT(report.outcome, REPLAY_SAME);
+    make_journal();
+    char *last_chain = journal.data + journal.length - 33;
+    memset(last_chain, '0', 32); /* a second edit is not the one that is named */
+    strstr(journal.data, "# two")[2] =
+        'T'; /* a comment: nothing diverges, and yet it is no proof */
+    replay((struct adder){0}, ERR_CHECK, REPLAY_SAME, 0);
     CHECK_INT(report.executed, COMMANDS);
     CHECK(!report.is_intact);
     CHECK_INT(report.edited_number, 2);
     CHECK_INT(report.edited_line, 5);
-    CHECK_INT(report.edited_offset, strstr(bytes.data, "# Two") - bytes.data);
-    CHECK_HAS(fault.text, "though every command reproduces its result");
-    replay_report_release(&report);
-    buf_release(&bytes);
+    CHECK_INT(report.edited_offset, strstr(journal.data, "# Two") - journal.data);
+    CHECK_HAS(why.text, "though every command reproduces its result");
 }
 
-STORY(a_command_added_by_hand_is_an_edit)
+JOURNAL_STORY(a_command_added_by_hand_is_an_edit)
 {
-    struct buf bytes = {0}, other = {0};
-    struct replay_report report;
-    struct fault fault;
-    make_journal(&bytes);
-    const char *third = strstr(bytes.data, "add -2");
-    buf_add(&other, bytes.data, (size_t)(third - bytes.data));
+    struct buf other = {0};
+    const char *third = strstr(journal.data, "add -2");
+    buf_add(&other, journal.data, (size_t)(third - journal.data));
     buf_add_text(&other, "add 0\n");
     buf_add_text(&other, third);
-    CHECK(replay(&other, (struct adder){0}, &report, &fault) == ERR_CHECK);
-    CHECK_INT(report.outcome, REPLAY_DIVERGED); /* it counts one more */
+    buf_release(&journal);
+    journal = other;
+    replay((struct adder){0}, ERR_CHECK, REPLAY_DIVERGED, 4); /* it counts one more */
     CHECK_TEXT(buf_text(&report.word), "count");
-    CHECK_INT(report.number, 4);
     CHECK_INT(report.edited_number, 3);
     CHECK_INT(report.executed, 3);
     CHECK_INT(report.compared, 2);
-    replay_report_release(&report);
-    buf_release(&other);
-    buf_release(&bytes);
 }
 
-STORY(torn_and_unreadable_journals_are_replayed_as_far_as_they_go)
+JOURNAL_STORY(torn_and_unreadable_journals_are_replayed_as_far_as_they_go)
 {
-    struct buf bytes = {0};
-    struct replay_report report;
-    struct fault fault;
-    make_journal(&bytes);
-    const size_t length = bytes.length;
-    bytes.length -= 3;
-    CHECK(replay(&bytes, (struct adder){0}, &report, &fault) == OK);
+    const size_t length = journal.length;
+    journal.length -= 3;
+    replay((struct adder){0}, OK, REPLAY_SAME, 0);
     CHECK(report.is_torn);
-    CHECK_INT(report.torn_offset, strstr(bytes.data, "add 30") - bytes.data);
+    CHECK_INT(report.torn_offset, strstr(journal.data, "add 30") - journal.data);
     CHECK_INT(report.executed, COMMANDS - 1);
-    replay_report_release(&report);
-    bytes.length = length;
-    strstr(bytes.data, "= 3")[1] = '_';
-    CHECK(replay(&bytes, (struct adder){0}, &report, &fault) == ERR_INPUT);
-    CHECK_INT(report.outcome, REPLAY_UNREADABLE);
+    journal.length = length;
+    strstr(journal.data, "= 3")[1] = '_';
+    replay((struct adder){0}, ERR_INPUT, REPLAY_UNREADABLE, 3);
     CHECK_INT(report.executed, 2);
-    CHECK_INT(report.number, 3);
-    CHECK_HAS(fault.text, "malformed");
-    replay_report_release(&report);
-    bytes.data[16] = '7';
-    CHECK(replay(&bytes, (struct adder){0}, &report, &fault) == ERR_INPUT);
-    CHECK_INT(report.outcome, REPLAY_UNREADABLE);
-    CHECK_HAS(fault.text, "format 7");
-    replay_report_release(&report);
-    buf_release(&bytes);
+    CHECK_HAS(why.text, "malformed");
+    journal.data[16] = '7';
+    replay((struct adder){0}, ERR_INPUT, REPLAY_UNREADABLE, 0);
+    CHECK_HAS(why.text, "format 7");
 }
 
-STORY(a_script_is_carried_out_and_compared_with_nothing)
+JOURNAL_STORY(a_script_is_carried_out_and_compared_with_nothing)
 {
-    struct buf script = {0};
-    struct replay_report report;
-    struct fault fault;
-    buf_add_text(&script, "# adds\nadd 1\n  add 2");
-    CHECK(replay(&script, (struct adder){0}, &report, &fault) == OK);
+    buf_clear(&journal);
+    buf_add_text(&journal, "# adds\nadd 1\n  add 2");
+    replay((struct adder){0}, OK, REPLAY_SAME, 0);
     CHECK(!report.is_journal && report.is_intact);
     CHECK_INT(report.executed, 2);
     CHECK_INT(report.compared, 0);
-    replay_report_release(&report);
-    buf_release(&script);
 }
 
 static enum err refuse_three(void *context, unsigned semantics, struct fault *fault)
@@ -261,47 +220,32 @@ static enum err refuse_three(void *context, unsigned semantics, struct fault *fa
     return semantics == 3 ? fault_set(fault, ERR_INPUT, "semantics 3") : OK;
 }
 
-STORY(a_replay_may_stop_early_and_a_host_may_refuse_semantics)
+JOURNAL_STORY(a_replay_may_stop_early_and_a_host_may_refuse_semantics)
 {
-    struct buf bytes = {0};
     struct adder adder = {.is_wrong_from_third = true};
     const struct replay_host host = {.context = &adder, .execute = add};
-    struct replay_report report = {.outcome = REPLAY_SAME};
-    struct fault fault;
-    make_journal(&bytes);
-    const struct replay_options two = {.last = 2};
-    CHECK(replay_run(bytes.data, bytes.length, &host, &two, &report, NULL) == OK);
+    CHECK(replay_by(&host, (struct replay_options){.last = 2}) == OK);
     CHECK_INT(report.executed, 2);
     CHECK_INT(adder.count, 2);
-    replay_report_release(&report);
-    report = (struct replay_report){.outcome = REPLAY_SAME};
     adder = (struct adder){.is_wrong_from_third = true};
     const struct replay_host strict = {.context = &adder, .execute = add, .begin = refuse_three};
-    const struct replay_options all = {0};
-    CHECK(replay_run(bytes.data, bytes.length, &strict, &all, &report, &fault) == ERR_INPUT);
-    CHECK_TEXT(fault.text, "semantics 3");
+    CHECK(replay_by(&strict, (struct replay_options){0}) == ERR_INPUT);
+    CHECK_TEXT(why.text, "semantics 3");
     CHECK_INT(report.outcome, REPLAY_UNREADABLE);
     CHECK_INT(adder.count, 0);
-    replay_report_release(&report);
-    buf_release(&bytes);
 }
 
-STORY(hostile_commands_are_harmless_in_messages)
+JOURNAL_STORY(hostile_commands_are_harmless_in_messages)
 {
-    struct replay_report report;
-    struct fault fault;
-    struct buf script = {0};
-    buf_add_text(&script, "\x1b]0;title\x07 \xE2\x80\xAE rm\n");
-    CHECK(replay(&script, (struct adder){0}, &report, &fault) == ERR_CHECK);
-    CHECK_HAS(fault.text, "\\x1b]0;title\\x07");
-    CHECK(strpbrk(fault.text, "\x1b\x07\n\xE2") == NULL);
-    replay_report_release(&report);
-    buf_clear(&script); /* and of any length */
+    buf_clear(&journal);
+    buf_add_text(&journal, "\x1b]0;title\x07 \xE2\x80\xAE rm\n");
+    replay((struct adder){0}, ERR_CHECK, REPLAY_FAILED, 1);
+    CHECK_HAS(why.text, "\\x1b]0;title\\x07");
+    CHECK(strpbrk(why.text, "\x1b\x07\n\xE2") == NULL);
+    buf_clear(&journal); /* and of any length */
     for (int i = 0; i < 60000; i++)
-        buf_add_text(&script, "\xC3");
-    CHECK(replay(&script, (struct adder){0}, &report, &fault) == ERR_CHECK);
-    replay_report_release(&report);
-    buf_release(&script);
+        buf_add_text(&journal, "\xC3");
+    replay((struct adder){0}, ERR_CHECK, REPLAY_FAILED, 1);
 }
 
 /* ---- golden images ---- */
@@ -326,34 +270,55 @@ static struct golden_planes planes(const struct picture *p)
     return (struct golden_planes){WIDTH, HEIGHT, {p->rgba, p->depth, p->label, p->voxel}};
 }
 
-static void compare(const struct picture *actual, struct golden_difference *out)
+/* The difference of two pictures, and its words. */
+static struct golden_difference d;
+static struct buf words;
+
+static enum err compare_planes(const struct golden_planes *a, const struct golden_planes *b)
+{
+    golden_difference_release(&d);
+    const enum err err = golden_compare(a, b, &d, NULL);
+    buf_clear(&words);
+    golden_describe(&words, &d);
+    return err;
+}
+
+static void compare(const struct picture *actual)
 {
     const struct golden_planes a = planes(&plain), b = planes(actual);
-    CHECK(golden_compare(&a, &b, out, NULL) == OK);
+    CHECK(compare_planes(&a, &b) == OK);
 }
 
-STORY(equal_pictures_are_the_same)
+/* Define a story about such differences. */
+#define GOLDEN_STORY(told)                                                                         \
+    static void told_##told(void);                                                                 \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        told_##told();                                                                             \
+        golden_difference_release(&d);                                                             \
+        buf_release(&words);                                                                       \
+    }                                                                                              \
+    static void told_##told(void)
+
+GOLDEN_STORY(equal_pictures_are_the_same)
 {
     struct picture copy = plain;
-    struct golden_difference d;
-    compare(&copy, &d);
+    compare(&copy);
     CHECK(d.is_same && !d.image && d.pixels == 0);
-    golden_difference_release(&d);
 }
 
-STORY(every_plane_of_every_pixel_is_compared)
+GOLDEN_STORY(every_plane_of_every_pixel_is_compared)
 {
     for (uint32_t pixel = 0; pixel < PIXELS; pixel++)
         for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++) {
             struct picture other = plain;
-            struct golden_difference d;
             if (plane == GOLDEN_RGBA)
                 other.rgba[pixel][pixel % 4] ^= 1;
             else if (plane == GOLDEN_DEPTH)
                 other.depth[pixel] += 0.25f;
             else
                 (plane == GOLDEN_LABEL ? other.label : other.voxel)[pixel] += 7;
-            compare(&other, &d);
+            compare(&other);
             CHECK(!d.is_same && !d.shape_differs);
             CHECK_INT(d.pixels, 1);
             CHECK_INT(d.pixels_of[plane], 1);
@@ -368,93 +333,70 @@ STORY(every_plane_of_every_pixel_is_compared)
                 CHECK(is_red == (i == pixel));
                 CHECK_INT(d.image[4 * i + 3], 255);
             }
-            golden_difference_release(&d);
         }
 }
 
-STORY(the_first_difference_is_told_in_words)
+GOLDEN_STORY(the_first_difference_is_told_in_words)
 {
     struct picture other = plain;
-    struct golden_difference d;
-    struct buf words = {0};
     other.depth[1] = 12.5f;
     other.label[1] = 9;
     other.rgba[4][0] = 3;
     other.voxel[1] = 201;
-    compare(&other, &d);
+    compare(&other);
     CHECK_INT(d.pixels, 2);
     CHECK_INT(d.image[0], 30); /* grey 90 at a third, equal in all channels */
     CHECK_INT(d.image[2], 30);
-    golden_describe(&words, &d);
     CHECK_TEXT(buf_text(&words),
                "2 of 6 pixels differ, first column 1, row 0: depth is 12.5 (0x41480000), "
                "2.5 (0x40200000) was expected; labels differ in 1 pixel, voxels differ in 1 pixel; "
                "it shows voxel 201 instead of 200");
-    golden_difference_release(&d);
     other = plain;
     other.rgba[0][3] = 0;
-    compare(&other, &d);
+    compare(&other);
     CHECK_TEXT(d.expected, "90,90,90,255");
     CHECK_TEXT(d.actual, "90,90,90,0");
-    buf_clear(&words);
-    golden_describe(&words, &d);
     CHECK_HAS(buf_text(&words), "; colours alone differ, labels and voxels are the same");
-    golden_difference_release(&d);
     other.voxel[1] = UINT32_MAX;
     other.rgba[0][3] = 255;
-    compare(&other, &d);
-    buf_clear(&words);
-    golden_describe(&words, &d);
+    compare(&other);
     CHECK_HAS(buf_text(&words), "; it shows nothing instead of voxel 200");
-    golden_difference_release(&d);
     other = plain;
     other.depth[3] += 1;
-    compare(&other, &d);
-    buf_clear(&words);
-    golden_describe(&words, &d);
+    compare(&other);
     CHECK_HAS(buf_text(&words), "; depths differ, labels and voxels are the same");
-    golden_difference_release(&d);
-    buf_release(&words);
 }
 
-STORY(depths_are_compared_as_bits)
+GOLDEN_STORY(depths_are_compared_as_bits)
 {
     struct picture other = plain;
-    struct golden_difference d;
     other.depth[2] = -0.0f;
-    compare(&other, &d);
+    compare(&other);
     CHECK_INT(d.pixels, 1);
-    golden_difference_release(&d);
     struct picture nan = plain;
     const uint32_t bits = 0x7fc00000;
     memcpy(&nan.depth[2], &bits, sizeof bits);
     const struct golden_planes a = planes(&nan), b = planes(&nan);
-    CHECK(golden_compare(&a, &b, &d, NULL) == OK);
+    CHECK(compare_planes(&a, &b) == OK);
     CHECK(d.is_same);
-    golden_difference_release(&d);
 }
 
-STORY(another_size_or_a_missing_plane_is_told)
+GOLDEN_STORY(another_size_or_a_missing_plane_is_told)
 {
-    struct golden_difference d;
-    struct buf words = {0};
     struct golden_planes a = planes(&plain), b = planes(&plain);
     b.width--;
-    CHECK(golden_compare(&a, &b, &d, NULL) == OK);
+    CHECK(compare_planes(&a, &b) == OK);
     CHECK(d.shape_differs && !d.is_same && !d.image);
-    golden_describe(&words, &d);
     CHECK_HAS(buf_text(&words), "sizes");
-    golden_difference_release(&d);
     b = planes(&plain);
     b.plane[GOLDEN_VOXEL] = NULL;
-    CHECK(golden_compare(&a, &b, &d, NULL) == OK);
+    CHECK(compare_planes(&a, &b) == OK);
     CHECK(d.shape_differs);
     a.plane[GOLDEN_VOXEL] = NULL; /* missing in both is fine */
-    CHECK(golden_compare(&a, &b, &d, NULL) == OK);
+    CHECK(compare_planes(&a, &b) == OK);
     CHECK(d.is_same);
     a = b = (struct golden_planes){.width = UINT32_MAX, .height = UINT32_MAX};
-    CHECK(golden_compare(&a, &b, &d, NULL) == ERR_MEMORY);
-    buf_release(&words);
+    CHECK(compare_planes(&a, &b) == ERR_MEMORY);
 }
 
 STORY(golden_names_lead_nowhere_else)
@@ -467,7 +409,7 @@ STORY(golden_names_lead_nowhere_else)
         "../a", "-a",  "_a",  "A",
         "a.b",  "a b", "a\n", "\xC3\xA9",
         "/a",   "a\\", "a*",  "01234567890123456789012345678901234567890123456789012345678901234"};
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     struct fault fault;
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
         CHECK(golden_name_is_valid(good[i]));
@@ -486,5 +428,4 @@ STORY(golden_names_lead_nowhere_else)
     }
     CHECK(golden_folder(&path, "brain.iftty", NULL) == OK);
     CHECK_TEXT(buf_text(&path), "brain.golden");
-    buf_release(&path);
 }

@@ -197,10 +197,10 @@ static unsigned look_through(const char *below)
 /* The journal verifies: no golden image differs, is missing, or is one too many. */
 static void verifies(struct buf *told)
 {
-    struct interpreter interp;
-    struct replay_report report = {0};
+    OWNED(interpreter_release) struct interpreter interp;
+    OWNED(replay_report_release) struct replay_report report = {0};
     struct evidence evidence = {0};
-    struct buf orphans = {0};
+    OWNED(buf_release) struct buf orphans = {0};
     const struct golden_judge judge = evidence_judge(&evidence);
     begin_interpreter(&interp);
     interp.judge = &judge;
@@ -211,16 +211,13 @@ static void verifies(struct buf *told)
                OK) ||
         !CHECK(!orphans.length))
         printf("#   %s\n", fault.text);
-    buf_release(&orphans);
-    replay_report_release(&report);
-    interpreter_release(&interp);
 }
 
 /* A golden image for each name, and nothing else. */
 static void has_goldens(void)
 {
     struct golden_files files;
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     unsigned images = 0, names = 0;
     char path[PATH_LENGTH];
     CHECK(file_read(&bytes, HERE "j.iftty", JOURNAL_BYTES_MAX, NULL) == OK &&
@@ -242,7 +239,6 @@ static void has_goldens(void)
     }
     CHECK_INT(images, names);
     golden_files_close(&files);
-    buf_release(&bytes);
 }
 
 /* What was not acknowledged is carried out now. A file that is there already, whole, without its
@@ -263,8 +259,8 @@ static void go_on(struct interpreter *interp, unsigned from)
 
 static void continue_after(unsigned acknowledged, bool goes_on)
 {
-    struct interpreter interp;
-    struct buf told = {0};
+    OWNED(interpreter_release) struct interpreter interp;
+    OWNED(buf_release) struct buf told = {0};
     CHECK(chdir(HERE) == 0);
     begin_interpreter(&interp);
     if (CHECK(interpreter_resume_journal(&interp, "j.iftty", &told, &fault) == OK)) {
@@ -283,8 +279,6 @@ static void continue_after(unsigned acknowledged, bool goes_on)
         CHECK(chdir("..") == 0);
         printf("#   %s\n", fault.text);
     }
-    interpreter_release(&interp);
-    buf_release(&told);
 }
 
 static void empty_folder(void)
@@ -296,7 +290,7 @@ static void empty_folder(void)
 STORY(a_kill_at_any_step_leaves_whole_files_and_a_journal_that_verifies)
 {
     unsigned acknowledged, points = 0, drafts = 0, leftovers = 0;
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     scale = check_scaled(1);
     dies = true;
     for (unsigned step = 0; check_failures == 0 && kill_at(step, &acknowledged); points++) {
@@ -320,7 +314,6 @@ STORY(a_kill_at_any_step_leaves_whole_files_and_a_journal_that_verifies)
     printf("# killed at %u steps; %u times with a draft left, %u with a golden image\n", points,
            drafts, leftovers);
     CHECK(points > 60 && drafts > 20 && leftovers >= 8);
-    buf_release(&told);
 }
 
 int main(void)

@@ -148,7 +148,7 @@ STORY(names_that_a_format_cannot_hold_are_counted)
         {TABLE_SLICER, 2, 1, "left_hemi"},         {TABLE_FREESURFER, 2, 1, "left_hemi"},
         {TABLE_MRICRON, 2, 1, "left_hemi"},        {TABLE_LUT, 3, 1, ""},
     };
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     CHECK_INT(
         take("1 left hemi 1 2 3 0\n2 3rd vent, \"left\" 1 2 3 0\n3 4th 1 2 3 0\n", NULL, NULL), OK);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
@@ -160,7 +160,6 @@ STORY(names_that_a_format_cannot_hold_are_counted)
         CHECK_TEXT(writing.first_written, row[i].written);
         CHECK(strstr(buf_text(&text), row[i].written));
     }
-    buf_release(&text);
 }
 
 STORY(regions_choose_entries_and_their_labels)
@@ -232,7 +231,7 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
 
 STORY(a_table_has_no_more_labels_than_a_map_has_regions)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     for (int i = 0; i <= REGION_MOST; i++)
         buf_add_text(&text, "1 a\n");
     CHECK_INT(read_text(buf_text(&text)), OK);
@@ -242,41 +241,40 @@ STORY(a_table_has_no_more_labels_than_a_map_has_regions)
     CHECK_INT(read_text(buf_text(&text)), ERR_LIMIT);
     CHECK_HAS(fault.text, "line 65535: more than 65534 labels");
     CHECK(!table.entry);
-    buf_release(&text);
+}
+
+/* Write the table for a file of this name, whose ending has this format. */
+static const char *written_for(const char *path, struct buf *text, enum label_table_format expected)
+{
+    static const bool used[256] = {[3] = true};
+    struct label_writing writing = {0};
+    enum label_table_format format;
+    buf_clear(text);
+    CHECK(label_table_ending(path, &format) && format == expected);
+    label_table_write(text, &writing, format, &state.kept, used);
+    return buf_text(text);
 }
 
 STORY(what_is_written_is_read_again)
 {
-    static const bool used[256] = {[3] = true};
-    struct label_writing writing = {0};
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     enum label_table_format format;
     CHECK_INT(take("1 1 2 3 1 1 1 \"left hemi\"\n2 4 5 6 1 1 1 \"spleen\"\n", NULL, NULL), OK);
-    CHECK(label_table_ending("a/b.txt", &format) && format == TABLE_ITKSNAP);
-    label_table_write(&text, &writing, format, &state.kept, used);
-    CHECK_HAS(buf_text(&text), "\n    1      1    2    3        1  1  1    \"left hemi\"\n");
+    CHECK_HAS(written_for("a/b.txt", &text, TABLE_ITKSNAP),
+              "\n    1      1    2    3        1  1  1    \"left hemi\"\n");
     CHECK_HAS(buf_text(&text), "\"Label 3\"\n");
     CHECK_INT(take(buf_text(&text), NULL, NULL), OK);
     CHECK_TEXT(told(2), "spleen 040506");
     CHECK_INT(tally.names, 3);
-    buf_clear(&text);
-    CHECK(label_table_ending("b.CTBL", &format) && format == TABLE_SLICER);
-    label_table_write(&text, &writing, format, &state.kept, used);
-    CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 255\n2 spleen 4 5 6 255\n"); /* opaque */
-    buf_clear(&text);
-    CHECK(label_table_ending("b.ctab", &format) && format == TABLE_FREESURFER);
-    label_table_write(&text, &writing, format, &state.kept, used);
-    CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 0\n2 spleen 4 5 6 0\n"); /* as opaque */
-    buf_clear(&text);
-    CHECK(label_table_ending("b.nii.txt", &format) && format == TABLE_MRICRON);
-    label_table_write(&text, &writing, format, &state.kept, used);
-    CHECK_TEXT(buf_text(&text), "1 left_hemi\n2 spleen\n3 Label_3\n");
-    buf_clear(&text);
-    CHECK(label_table_ending("b.lut", &format) && format == TABLE_LUT);
-    label_table_write(&text, &writing, format, &state.kept, used);
+    CHECK_HAS(written_for("b.CTBL", &text, TABLE_SLICER),
+              "\n1 left_hemi 1 2 3 255\n2 spleen 4 5 6 255\n"); /* opaque */
+    CHECK_HAS(written_for("b.ctab", &text, TABLE_FREESURFER),
+              "\n1 left_hemi 1 2 3 0\n2 spleen 4 5 6 0\n"); /* as opaque */
+    CHECK_TEXT(written_for("b.nii.txt", &text, TABLE_MRICRON),
+               "1 left_hemi\n2 spleen\n3 Label_3\n");
+    written_for("b.lut", &text, TABLE_LUT);
     CHECK(text.length == 768 && text.data[256 + 2] == 5);
     CHECK(!label_table_ending("b.nii", &format));
-    buf_release(&text);
 }
 
 STORY(memory_that_runs_out_is_an_error)

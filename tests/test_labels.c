@@ -155,7 +155,7 @@ STORY(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves)
     static struct slow slow;
     for (int round = 0; round < 1500; round++) {
         struct grid grid;
-        struct piece_seeds seeds;
+        OWNED(piece_seeds_release) struct piece_seeds seeds;
         const unsigned erode = check_below(&seed, 5);
         const struct piece_choice choice = {erode, 0, REGION_NONE};
         slow.voxels = 1;
@@ -168,7 +168,6 @@ STORY(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves)
         solve(&slow, erode);
         CHECK(piece_seeds_make(&seeds, slow.region, &grid, &choice, NULL, NULL) == OK);
         check_pieces(&slow, &seeds, &grid);
-        piece_seeds_release(&seeds);
     }
 }
 
@@ -177,7 +176,7 @@ STORY(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene)
     static const uint16_t row[] = {1, 1, 1, 1, 0, 0, 0, 0, 0, 2, 0};
     const uint32_t sides[3] = {11, 1, 1};
     struct grid grid;
-    struct piece_seeds seeds;
+    OWNED(piece_seeds_release) struct piece_seeds seeds;
     CHECK(grid_init(&grid, sides, NULL) == OK);
     CHECK(piece_seeds_make(&seeds, row, &grid, &(const struct piece_choice){2, 0, REGION_NONE},
                            NULL, NULL) == OK);
@@ -188,7 +187,6 @@ STORY(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene)
     for (size_t i = 0; i < seeds.count; i++)
         CHECK_INT(grid_voxel(&grid, seeds.cell[i]), x[i]);
     CHECK_INT(seeds.labels[0], 2);
-    piece_seeds_release(&seeds);
 }
 
 STORY(all_labels_beside_regions_that_are_not_chosen_are_refused)
@@ -318,68 +316,59 @@ static void begin_leaking(struct interpreter *interp)
     must_in_folder(interp, "labels", "leak.nii", "erode=0");
 }
 
-STORY(a_correction_moves_the_border_of_a_file)
+BEGUN_STORY(a_correction_moves_the_border_of_a_file, begin_leaking)
 {
-    struct interpreter interp;
     uint64_t digest;
-    begin_leaking(&interp);
-    CHECK_INT(differing(interp.session), 0);
-    digest = forest_digest(interp.session->forest);
-    must(&interp, "seed 7,4,3 2");
-    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 2);
-    CHECK_INT(at_voxel(&interp, 8, 4, 3)->flags & CELL_SEED, 0);
-    CHECK_INT(at_voxel(&interp, 9, 4, 3)->flags & CELL_SEED, CELL_SEED); /* of its own label */
-    CHECK_INT(at_voxel(&interp, 8, 8, 3)->label, 1);                     /* four voxels away */
-    must(&interp, "remove 7,4,3");
-    CHECK(forest_digest(interp.session->forest) == digest);
-    must(&interp, "undo");
-    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 2);
-    must(&interp, "undo");
-    CHECK(forest_digest(interp.session->forest) == digest);
-    must(&interp, "box 6,1,2 7,3,4 2");
-    CHECK_INT(at_voxel(&interp, 8, 2, 3)->label, 2);
-    must(&interp, "undo; fill 7,1,1 2 to=7,4,1 to=7,4,4");
-    CHECK_INT(at_voxel(&interp, 8, 3, 2)->label, 2);
-    must(&interp, "undo");
-    CHECK(forest_digest(interp.session->forest) == digest);
-    must(&interp, "seed 7,4,3 2 within=4");
-    CHECK_INT(at_voxel(&interp, 8, 6, 3)->flags & CELL_SEED, 0);
-    must(&interp, "undo; seed 7,4,3 1 radius=1"); /* the label that it has */
-    CHECK_INT(at_voxel(&interp, 8, 4, 3)->label, 1);
-    CHECK_INT(at_voxel(&interp, 9, 5, 3)->flags & CELL_SEED, CELL_SEED);
-    interpreter_release(&interp);
+    CHECK_INT(differing(interp->session), 0);
+    digest = forest_digest(interp->session->forest);
+    must(interp, "seed 7,4,3 2");
+    CHECK_INT(at_voxel(interp, 8, 4, 3)->label, 2);
+    CHECK_INT(at_voxel(interp, 8, 4, 3)->flags & CELL_SEED, 0);
+    CHECK_INT(at_voxel(interp, 9, 4, 3)->flags & CELL_SEED, CELL_SEED); /* of its own label */
+    CHECK_INT(at_voxel(interp, 8, 8, 3)->label, 1);                     /* four voxels away */
+    must(interp, "remove 7,4,3");
+    CHECK(forest_digest(interp->session->forest) == digest);
+    must(interp, "undo");
+    CHECK_INT(at_voxel(interp, 8, 4, 3)->label, 2);
+    must(interp, "undo");
+    CHECK(forest_digest(interp->session->forest) == digest);
+    must(interp, "box 6,1,2 7,3,4 2");
+    CHECK_INT(at_voxel(interp, 8, 2, 3)->label, 2);
+    must(interp, "undo; fill 7,1,1 2 to=7,4,1 to=7,4,4");
+    CHECK_INT(at_voxel(interp, 8, 3, 2)->label, 2);
+    must(interp, "undo");
+    CHECK(forest_digest(interp->session->forest) == digest);
+    must(interp, "seed 7,4,3 2 within=4");
+    CHECK_INT(at_voxel(interp, 8, 6, 3)->flags & CELL_SEED, 0);
+    must(interp, "undo; seed 7,4,3 1 radius=1"); /* the label that it has */
+    CHECK_INT(at_voxel(interp, 8, 4, 3)->label, 1);
+    CHECK_INT(at_voxel(interp, 9, 5, 3)->flags & CELL_SEED, CELL_SEED);
 }
 
-STORY(what_belongs_to_third_labels_does_not_give_way)
+BEGUN_STORY(what_belongs_to_third_labels_does_not_give_way, begin_leaking)
 {
-    struct interpreter interp;
-    begin_leaking(&interp);
-    must(&interp, "seed 7,5,7 2 radius=1"); /* in 1, next to 3 */
-    CHECK_INT(at_voxel(&interp, 8, 6, 8)->flags & CELL_SEED, 0);
-    CHECK_INT(at_voxel(&interp, 8, 7, 8)->flags & CELL_SEED, CELL_SEED);
-    CHECK_INT(at_voxel(&interp, 8, 8, 7)->label, 3);
-    must(&interp, "seed 7,7,7 2"); /* in 3 itself */
-    CHECK_INT(at_voxel(&interp, 8, 7, 8)->flags & CELL_SEED, 0);
-    interpreter_release(&interp);
+    must(interp, "seed 7,5,7 2 radius=1"); /* in 1, next to 3 */
+    CHECK_INT(at_voxel(interp, 8, 6, 8)->flags & CELL_SEED, 0);
+    CHECK_INT(at_voxel(interp, 8, 7, 8)->flags & CELL_SEED, CELL_SEED);
+    CHECK_INT(at_voxel(interp, 8, 8, 7)->label, 3);
+    must(interp, "seed 7,7,7 2"); /* in 3 itself */
+    CHECK_INT(at_voxel(interp, 8, 7, 8)->flags & CELL_SEED, 0);
 }
 
-STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing)
+BEGUN_STORY(a_file_decides_in_all_of_its_pieces_and_regions_left_out_take_nothing, begin_leaking)
 {
-    struct interpreter interp;
-    begin_leaking(&interp);
-    must(&interp, "undo; seed 3,4,4 7 radius=1"); /* within what will be label 1 */
-    must_in_folder(&interp, "labels", "leak.nii", "");
-    CHECK_INT(differing(interp.session), 0);
-    must(&interp, "undo 2");
-    must_in_folder(&interp, "labels", "leak.nii", "regions=3 as=5");
-    CHECK_INT(at_voxel(&interp, 7, 8, 8)->label, 5);
-    CHECK_INT(at_voxel(&interp, 0, 0, 0)->label, 0);
-    must_in_folder(&interp, "labels", "leak.nii", "regions=2 as=6");
-    CHECK_INT(at_voxel(&interp, 7, 8, 8)->label, 5);
-    CHECK_INT(at_voxel(&interp, 8, 8, 8)->label, 5); /* next to label 6 */
-    CHECK_INT(at_voxel(&interp, 9, 8, 8)->label, 6);
-    CHECK_INT(at_voxel(&interp, 8, 4, 4)->label, 0);
-    interpreter_release(&interp);
+    must(interp, "undo; seed 3,4,4 7 radius=1"); /* within what will be label 1 */
+    must_in_folder(interp, "labels", "leak.nii", "");
+    CHECK_INT(differing(interp->session), 0);
+    must(interp, "undo 2");
+    must_in_folder(interp, "labels", "leak.nii", "regions=3 as=5");
+    CHECK_INT(at_voxel(interp, 7, 8, 8)->label, 5);
+    CHECK_INT(at_voxel(interp, 0, 0, 0)->label, 0);
+    must_in_folder(interp, "labels", "leak.nii", "regions=2 as=6");
+    CHECK_INT(at_voxel(interp, 7, 8, 8)->label, 5);
+    CHECK_INT(at_voxel(interp, 8, 8, 8)->label, 5); /* next to label 6 */
+    CHECK_INT(at_voxel(interp, 9, 8, 8)->label, 6);
+    CHECK_INT(at_voxel(interp, 8, 4, 4)->label, 0);
 }
 
 /* Any command of a session that begins with a file. */
@@ -394,7 +383,7 @@ static const char any[] =
 /* Compares with a new session that carries out the commands up to the current state. */
 static void same_from_scratch(const struct interpreter *interp)
 {
-    struct interpreter other;
+    OWNED(interpreter_release) struct interpreter other;
     uint32_t way[64];
     size_t count = 0;
     const struct history *history = &interp->history;
@@ -407,7 +396,6 @@ static void same_from_scratch(const struct interpreter *interp)
         must(&other, history->point[way[count]].command);
     CHECK_INT(forest_seeds(other.session->forest), forest_seeds(interp->session->forest));
     CHECK(forest_digest(other.session->forest) == forest_digest(interp->session->forest));
-    interpreter_release(&other);
 }
 
 STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
@@ -416,7 +404,6 @@ STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
     paint_leak();
     write_painted("leak.nii");
     for (int round = 0; round < 40 && check_failures < 5; round++) {
-        struct replay_report report = {0};
         char line[PATH_MAX];
         begin_with_journal(&interp, "leak.iftty");
         interp.sync = FILE_SYNC_OFF;
@@ -433,19 +420,12 @@ STORY(what_gives_way_is_a_function_of_the_commands_that_stand)
         }
         CHECK(forest_check(interp.session->forest, NULL));
         const uint64_t digest = forest_digest(interp.session->forest);
-        interpreter_release(&interp);
-        begin_interpreter(&interp);
-        CHECK(interpreter_resume_journal(&interp, place("leak.iftty"), NULL, &fault) == OK);
+        resume_journal(&interp, "leak.iftty");
         CHECK(forest_digest(interp.session->forest) == digest);
         execute(&interp, "undo");
         same_from_scratch(&interp);
         interpreter_release(&interp);
-        begin_interpreter(&interp);
-        if (!CHECK(replay_file(&interp, place("leak.iftty"), 0, 0, NULL, NULL, &report, &fault) ==
-                   OK))
-            printf("#   %s\n", fault.text);
-        replay_report_release(&report);
-        interpreter_release(&interp);
+        verify_journal("leak.iftty");
     }
 }
 
@@ -487,8 +467,7 @@ SCENE_STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
     CHECK_HAS(buf_text(&reply.words), "marker=1");
     CHECK_HAS(buf_text(&reply.text),
               "nothing holds label 2 cerebellum back, and a run grows it over all of the scene\n");
-    must(interp, "undo; range 100 255");
-    MUST_MENTION(interp, "object 2 threshold 100..255 from=11,10,9",
+    MUST_MENTION(interp, "undo; range 100 255; object 2 threshold 100..255 from=11,10,9",
                  "all of the region of interest\n");
     must_leave_seeds(interp, "undo 2", 0);
     must(interp, "seed 11,10,9 2; object 2 threshold 100..255");

@@ -13,17 +13,13 @@ for size in 1624x1624x1624 65534x65534x65534 65535x1x1 4294967295x1x1; do
     grep -qE 'at most (2\^32 cells|65534) are held|at most 65534' err || fail "$size: $(cat err)"
 done
 for size in 0x1x1 4294967296x1x1 18446744073709551617x1x1 1x1 1x1x1x1 1x1x 10x-1x10 10X10X10; do
-    expect 3 "$iftty" -c "open synth:geom:$size"
-    err_has "expected synth:geom"
+    refuses "expected synth:geom" "open synth:geom:$size"
 done
 nifti_header 1700 1700 1700 >huge.nii
 truncate -s $((352 + 1700 * 1700 * 1700)) huge.nii
-expect 3 "$iftty" -c "open huge.nii"
-err_has "at most 2^32 cells are held"
+refuses "at most 2^32 cells are held" "open huge.nii"
 err_has "open a part of it, with crop=A-B,C-D,E-F or reduce=2"
-expect 0 "$iftty" -c "open huge.nii crop=0-9,1690-1699,1600-1699"
-out_has "10x10x100 voxels"
-close_story
+answers "10x10x100 voxels" "open huge.nii crop=0-9,1690-1699,1600-1699"
 
 begin "a scene that there is no memory for is refused before it is loaded"
 if [ "${free_gb:-0}" -gt 0 ] && [ "$free_gb" -lt 75 ]; then
@@ -33,17 +29,14 @@ if [ "${free_gb:-0}" -gt 0 ] && [ "$free_gb" -lt 75 ]; then
 else
     skip "this machine has memory for every scene"
 fi
-close_story
 
-begin "a scene of a given size opens, and says what it is; geom's own size is geom"
+begin "a scene of a given size opens and prints its size; geom with its default size is geom"
 expect 0 "$iftty" -c "open synth:geom:200x200x100" --journal sized.iftty
 expect 0 "$iftty" -c "open synth:geom" --journal plain.iftty
 same "$(last_word scene sized.iftty)" "$(last_word scene plain.iftty)"
-expect 0 "$iftty" -c "open synth:geom:7x5x3; seed 3,2,1 1; run; stats"
-out_has "label 1: 1 seed, 105 voxels"
-close_story
+answers "label 1: 1 seed, 105 voxels" "open synth:geom:7x5x3; seed 3,2,1 1; run; stats"
 
-begin "a large scene says what it needs, on standard error, and nothing else stands there"
+begin "a large scene reports its memory on standard error, which has no other lines"
 if [ "${free_gb:-0}" -le 2 ]; then
     skip "this machine has less than 2 GB of memory free"
 else
@@ -51,9 +44,8 @@ else
     same "$(sed 's/, [0-9.]* GB/, N GB/' err)" \
         "iftty: 400x400x340 voxels: needs 1.0 GB of memory, N GB are free"
 fi
-close_story
 
-begin "a scene takes less than 20 bytes a voxel at the peak, and info prints what else there is"
+begin "a scene needs less than 20 bytes per voxel at the peak, and info prints the other memory"
 if [ "${free_gb:-0}" -le 2 ]; then
     skip "this machine has less than 2 GB of memory free"
 elif needs python3; then
@@ -87,9 +79,8 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" r
     grep -qE 'scene [0-9.]+, 1[0-9]\.[0-9] bytes a voxel' out || fail "$(grep memory out)"
     grep -qE 'pictures [1-9][0-9]*\.[0-9]; and ' out || fail "$(grep memory out)"
 fi
-close_story
 
-begin "a turntable of large pictures takes less than 14 bytes a pixel beside its session"
+begin "a turntable of large pictures needs less than 14 bytes per pixel in addition to its session"
 # 4 for the picture, 5 for the rows of samples that two threads draw; its maps would take 25 more.
 # The image helper, whose libraries hold more than that, has no part in a verification.
 if needs python3; then
@@ -111,9 +102,8 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$@" >peak
     [ "$held" -lt $((14 * 2048 * 2048)) ] || is_sanitised || fail "$held bytes"
     rm -f held?.png
 fi
-close_story
 
-begin "how far things are stands on a terminal, and is gone afterwards"
+begin "progress is shown on a terminal, and erased afterwards"
 if needs script; then
     line="$iftty -c 'open synth:geom:360x360x360; seed 180,180,180 1; seed 1,1,1 0; run'"
     script -qec "$line" /dev/null </dev/null >seen
@@ -123,7 +113,6 @@ if needs script; then
         fail "acknowledgements are garbled: $(cat lines)"
     case $(tail -n 1 lines) in "" | "    "*) ;; *) fail "it stays: $(tail -n 1 lines)" ;; esac
 fi
-close_story
 
 # interrupted NAME DELAY [DELAY]: runs `script` with a journal, and sends SIGINT after each delay.
 interrupted() {
@@ -155,7 +144,7 @@ samples 4
 spin 4 turn%d.png replace=yes
 EOS
 
-begin "Ctrl-C at any moment takes the command at hand back, and the journal holds the others"
+begin "Ctrl-C at any moment undoes the current command, and the journal has all others"
 "$iftty" run script --journal whole.iftty >whole.out 2>err || fail "$(cat err)"
 rm -f turn?.png
 commands=$(wc -l <script)
@@ -181,7 +170,6 @@ for delay in 0.01 0.04 0.1 0.2 0.35 0.6; do
     rm -f at.* turn?.png
 done
 [ "$stopped" -ge 2 ] || fail "only $stopped of the runs were stopped"
-close_story
 
 begin "a second Ctrl-C does no more than the first"
 for delay in 0.05 0.2; do
@@ -190,7 +178,6 @@ for delay in 0.05 0.2; do
         fail "$(cat err)"
     rm -rf twice.* replayed
 done
-close_story
 
 # Whether a process acts on SIGINT by itself, or has ended. Before that it is lost: what a shell
 # starts in the background ignores it.
@@ -221,7 +208,6 @@ for _ in 1 2 3 4 5 6 7 8 9 10; do
 done
 same "$got" 130
 [ ! -s out ] || fail "$(cat out)"
-close_story
 
 begin "Ctrl-C while a script is waited for ends the program at once"
 mkfifo pipe
@@ -235,8 +221,6 @@ wait $pid
 got=$?
 exec 3>&-
 same "$got" 130
-expect 0 "$iftty" log --check fifo.iftty
-out_has "1 record"
-close_story
+expect_out "1 record" 0 "$iftty" log --check fifo.iftty
 
 finish

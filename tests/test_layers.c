@@ -109,7 +109,7 @@ STORY(each_pixel_has_the_layers_that_its_ray_passes)
     const int scenes = (int)check_scaled(1500);
     size_t pixels = 0, others = 0, layers = 0;
     for (int i = 0; i < scenes; i++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         random_scene(&s, &random);
         s.look.mode = SHADE_CUBES;
         s.border.opacity[1] = 30;
@@ -125,7 +125,6 @@ STORY(each_pixel_has_the_layers_that_its_ray_passes)
                     !layers_are(&s.layers, (size_t)y * s.view.width + x, passed, count, &last);
             }
         free(passed);
-        stage_release(&s);
     }
     if (!CHECK(others * 50 < pixels && layers > pixels / 4))
         printf("# %zu of %zu pixels differ, of %zu layers\n", others, pixels, layers);
@@ -136,9 +135,9 @@ STORY(in_whatever_order_layers_are_put_they_are_the_same)
 {
     enum { PUTS = 24 };
     uint64_t random = 2;
-    struct stage s;
-    struct layers one = {0}, other = {0};
-    struct rendition r;
+    OWNED(stage_release) struct stage s;
+    OWNED(layers_release) struct layers one = {0}, other = {0};
+    OWNED(rendition_release) struct rendition r;
     CHECK(stage_init(&s, (uint32_t[]){2, 2, 2}, 6, NULL) == OK);
     s.border.opacity[1] = 50;
     CHECK(rendition_init(&r, 8, 8, NULL) == OK);
@@ -163,10 +162,6 @@ STORY(in_whatever_order_layers_are_put_they_are_the_same)
             CHECK(next.depth > p.depth || (next.depth == p.depth && next.cell > p.cell));
         }
     }
-    rendition_release(&r);
-    layers_release(&one);
-    layers_release(&other);
-    stage_release(&s);
 }
 
 /* ---- what they come to ---- */
@@ -197,7 +192,7 @@ static uint8_t label_in_the_middle(const struct stage *s)
 
 STORY(shares_of_squares_add_up_from_the_front)
 {
-    struct stage s = {0};
+    OWNED(stage_release) struct stage s = {0};
     uint8_t front[4], back[4];
     memcpy(front, see_plates(&s, 1, (uint8_t[]){100}), 4);
     s.palette.rgb[1][0] = 0;
@@ -227,12 +222,11 @@ STORY(shares_of_squares_add_up_from_the_front)
     CHECK_INT(seen[3], 223); /* 7 of 8 */
     seen = see_plates(&s, 2, (uint8_t[]){90, 97});
     CHECK_INT(seen[3], 255); /* less than a 256th is left */
-    stage_release(&s);
 }
 
 STORY(what_has_the_largest_share_is_what_a_pixel_shows)
 {
-    struct stage s = {0};
+    OWNED(stage_release) struct stage s = {0};
     static const struct {
         uint8_t opacity[3], label;
     } seen[] = {{{30, 100, 100}, 2}, {{50, 100, 100}, 1}, {{30, 30, 100}, 3}, {{30, 50, 90}, 2},
@@ -245,12 +239,11 @@ STORY(what_has_the_largest_share_is_what_a_pixel_shows)
         const int16_t *n = s.rendition.normal + 4 * pixel; /* towards the viewer: +y */
         CHECK(abs(n[0]) < 200 && n[1] > 16000 && abs(n[2]) < 200);
     }
-    stage_release(&s);
 }
 
 STORY(an_opaque_object_is_seen_however_many_are_before_it)
 {
-    struct stage s = {0};
+    OWNED(stage_release) struct stage s = {0};
     uint8_t opacity[11];
     memset(opacity, 10, sizeof opacity);
     opacity[10] = 100;
@@ -261,7 +254,6 @@ STORY(an_opaque_object_is_seen_however_many_are_before_it)
         CHECK_INT(layers_at(&s.layers, pixel, k).label, k + 1);
     CHECK_INT(s.rendition.rgba[4 * pixel + 3], 255);
     CHECK_INT(s.layers.last[pixel].label, 11);
-    stage_release(&s);
 }
 
 /* Set a ball of this radius in the middle of a scene of 61x61x61. */
@@ -278,7 +270,7 @@ static void put_ball(struct stage *s, int radius, uint8_t label)
  * the head a second time. */
 STORY(each_of_three_balls_within_each_other_is_seen)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     CHECK(stage_init(&s, (uint32_t[]){61, 61, 61}, 6, NULL) == OK);
     put_ball(&s, 28, 1);
     put_ball(&s, 18, 2);
@@ -297,7 +289,6 @@ STORY(each_of_three_balls_within_each_other_is_seen)
             CHECK_INT(s.rendition.rgba[4 * pixel + 3], seen[i].alpha);
         }
     }
-    stage_release(&s);
 }
 
 /* ---- smooth ---- */
@@ -313,7 +304,7 @@ static double radius_seen(const struct stage *s, uint32_t times)
 
 STORY(a_translucent_ball_is_as_wide_as_its_surface)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     CHECK(stage_init(&s, (uint32_t[]){61, 61, 61}, 6, NULL) == OK);
     put_ball(&s, 25, 1);
     s.border.opacity[1] = 50;
@@ -330,7 +321,6 @@ STORY(a_translucent_ball_is_as_wide_as_its_surface)
     s.look.mode = SHADE_CUBES;
     draw(&s, 61 * 8);
     CHECK(radius_seen(&s, 8) > 25.3);
-    stage_release(&s);
 }
 
 /* Two plates of one label are two layers, however close: each has its own front. */

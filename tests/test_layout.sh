@@ -153,7 +153,6 @@ for kind in comments messages readme; do
                 "see sh tests/test_layout.sh words $room"
     done
 done
-close_story
 
 # One line for every such pair that the law does not allow.
 violations() {
@@ -172,7 +171,6 @@ begin "every include is allowed by tests/layout.txt"
 includes "$work/code" >"$work/includes"
 found=$(violations "$work/includes")
 [ -z "$found" ] || fail "$found"
-close_story
 
 begin "the law is seen to be broken where it is"
 fake=$work/fake
@@ -197,7 +195,6 @@ printf '#include "verify/verify.h"\n' >"$fake/src/main.c"
 same "$(broken | sed 's/ .*//' | sort | tr '\n' ' ')" \
     "journal/two.c render/three.h src/base/four.h src/base/seven.cc src/engine/one.c src/main.c \
 src/odd/six.c tui/five.c "
-close_story
 
 # A unit is x.c with x.h: what either includes, it needs.
 circles() { # the units of each circle of such pairs, in lines
@@ -214,7 +211,6 @@ same "$(circles "$work/circle")" ""
 found=$(sed -nE 's/^([a-z]+(\/[a-z]+)?): (base.*)/\1 \3/p' "$law" |
     awk '{ for (i = 2; i <= NF; i++) print $1 ".c", $i ".h" }' | circles)
 [ -z "$found" ] || fail "rooms:" "$found"
-close_story
 
 # Pairs of files of a folder, of which the first calls a function, or reads a table, of the second.
 calls_of() {
@@ -229,13 +225,11 @@ calls_of() {
 begin "files of tui/pilot call downward alone"
 [ "$(calls_of tui/pilot | wc -l)" -gt 15 ] || fail "no calls are found"
 calls_of tui/pilot | tsort >/dev/null 2>"$work/circle" || fail "a circle of" "$(cat "$work/circle")"
-close_story
 
 begin "only src/session writes the members of a session"
 found=$(grep -rnE 'session->(inside|[a-z_.]+(\[[^]]*\])? ?([-+|&]?=[^=]|\+\+|--))' \
     --include='*.[ch]' src tui | grep -v '^src/session/')
 [ -z "$found" ] || fail "$found"
-close_story
 
 begin "no two files have one name"
 found=$(sources src journal render tui | sed 's|.*/||; s/\.[a-z]*$//' | sort | uniq -d |
@@ -244,7 +238,6 @@ found=$(sources src journal render tui | sed 's|.*/||; s/\.[a-z]*$//' | sort | u
             paste -sd ' ' - | grep ' '
     done)
 [ -z "$found" ] || fail "$found"
-close_story
 
 # What is made anew when a header changes, as the compiler sees it: of all objects, so many parts of
 # a hundred.
@@ -266,7 +259,6 @@ while read -r header percent; do
     [ "$percent" -le "$share" ] || fail "$header is known to $percent % of all objects"
 done <"$work/shares"
 for header in $widely; do [ -e "$header" ] || fail "there is no $header"; done
-close_story
 
 # That of a file x.c is proven by the compiler where it comes first in it.
 begin "every header compiles alone"
@@ -279,7 +271,6 @@ for header in $(sources src journal render tui tests | grep '\.h$' | grep -vxFf 
         -Isrc -I. $flags "$header" \
         >"$work/err" 2>&1 || fail "$header:" "$(sed 3q "$work/err")"
 done
-close_story
 
 begin "no floating point in engine and render"
 floats() { # "CODE FILE:LINE:" of code that has any
@@ -293,7 +284,6 @@ printf 'int a; /* a float\n double */ int doubled = 1;\n' >"$work/a.c"
 same "$(code_of "" "$work/a.c" | sed 's|.*/||' | floats)" ""
 printf 'int b;\nstatic float c;\n' >"$work/b.c"
 same "$(code_of "" "$work/b.c" | sed 's|.*/||' | floats | wc -l | tr -d ' ')" 1
-close_story
 
 # The programs that it is measured against (tests/peers), and what writes files for tests, are no
 # part of it; the probes (tests/probe) are the helpers.
@@ -301,14 +291,12 @@ begin "C++ in the helpers alone"
 same "$(sources src journal render tui tests | grep -v '\.[ch]$' |
     grep -vE -e '^tests/(peers|probe|transforms)/' \
         -e '^src/helper/[-_a-z0-9]*\.(cc|hh)$')" ""
-close_story
 
 begin "the program loads no large library"
 libraries=$(ldd "$iftty" 2>&1) || fail "ldd: $libraries"
 found=$(printf '%s\n' "$libraries" |
     grep -E 'ncurses|tinfo|readline|libedit|OpenImageIO|ITK|gdcm|stdc\+\+')
 [ -z "$found" ] || is_sanitised || fail "$found"
-close_story
 
 # Programs of the command line (src/main.c) may share a name with a command; they are not commands.
 # A key of JSON may be the same word, a parameter that an act asks for, and what progress is of.
@@ -322,17 +310,15 @@ found=$(grep -E '^src/(command|session|show)/' "$work/code" |
 [ -z "$found" ] || fail "$found"
 found=$(grep -v '^[^:]*/table\.c:' "$work/code" | grep -E "str(n|case)?cmp\([^;]*($pattern)")
 [ -z "$found" ] || fail "$found"
-close_story
 
 # Tests write below $TMPDIR, in a folder that goes away: make_folder (folder.h), $work (lib.sh).
-begin "no test names a place for files of its own"
+begin "no test names a folder for temporary files"
 apart=" $(sed -n 's/^places: //p' "$law") "
 for file in $(find tests -type f ! -path '*/corpus/*' | sort); do
     case $apart in *" $file "*) continue ;; esac
     found=$(grep -nE '(^|[^[:alnum:]_}])/(tmp|var/tmp|dev/shm)([^[:alnum:]_]|$)' "$file")
     [ -z "$found" ] || fail "$file: $found"
 done
-close_story
 
 # The first in PATH that is version 14: others put lines otherwise.
 formatter() {
@@ -351,7 +337,6 @@ if formatter; then
         fail "make format: $(grep -c warning: "$work/err") places:" \
             "$(grep warning: "$work/err" | sed 5q)"
 fi
-close_story
 
 # Comments too, which no formatter touches. Columns are counted: letters in UTF-8, not their bytes.
 too_long() { # FILE...
@@ -366,7 +351,6 @@ found=$(too_long Makefile $(find .ci .package src journal render tui tests examp
 [ -z "$found" ] || fail "$found"
 printf '%0100d\n%0101d\n%099d\303\244\n' 0 0 0 >"$work/wide"
 same "$(too_long "$work/wide")" "$work/wide:2 has 101 columns"
-close_story
 
 # A promise "S3 text" in the middle of a line of a comment, though "S2" begins one: what a formatter
 # makes of a list.
@@ -398,14 +382,12 @@ found=$(glued $(sources src journal render tui tests))
 printf '/*\n * Q1 one; as in Q3\n * Q2 two; see\n * Q3 three\n */\n' >"$work/fine.h"
 printf '/*\n * Q1 one\n * that holds; Q2 two\n */\n' >"$work/glued.h"
 same "$(glued "$work/fine.h" "$work/glued.h" | wc -l | tr -d ' ')" 1
-close_story
 
 # Help apart, which every program has (src/program/program.c).
 begin "an option is looked for in the table of programs alone"
 found=$(sed 's/"--help"//; s/"-h"//' "$work/code" | grep -v '^src/program/program_table\.c:' |
     grep -E '(cmp|getopt(_long)?)\([^;]*"-{1,2}[a-z]')
 [ -z "$found" ] || fail "$found"
-close_story
 
 begin "a command, program, weight, format or protocol is one file and one row"
 apart=" $(sed -n 's/^apart: //p' "$law") "
@@ -431,7 +413,6 @@ for path in $(sed -n '/^## Where to add/,/^## /s/`\([a-z_/]*\.[ch]\)`/\n\1\n/gp'
         [ -e "tui/pilot/$path" ] ||
         fail "src/README.md: there is no $path"
 done
-close_story
 
 # src/image/README.md says for each format which property is read, refused or not applicable. Each
 # cell names tests (N1) or, where nothing applies, a reason (a), which a list below the table has.
@@ -521,7 +502,6 @@ maybe [A1]@not applicable [a]@@ A `a`  type : neither read, refused nor not appl
 read [A1] [B2]@not applicable [a]@@ A `a`  type : no [B2]
 read [A1]@not applicable [a]@    B1 test_b: b_is_b@B1: there is no story "b_is_b" in tests/test_b
 END
-close_story
 
 # Rooms are those that may include something by tests/layout.txt.
 rooms=$(sed -nE 's/^([a-z]+(\/[a-z]+)?): base.*/\1/p' "$law")
@@ -547,7 +527,6 @@ done
 printf 'void a(void)\n{\n    b(); /* c */\n    /*\n     * d */\n\n    // e\n    f("/*");\n}\n' \
     >"$work/a.c"
 same "$(code_of "" "$work/a.c" | grep -vcE ':[[:space:]]*$')" 5
-close_story
 
 # What README says of the licence, where machines look for it; first, or after the line of a script
 # that says what runs it.
@@ -561,7 +540,6 @@ named='^(/\*|#) SPDX-License-Identifier: (MIT|Bitstream-Vera)( \*/)?$'
     sed 2q "$file" | grep -qE "$named" || echo "$file"
 done >"$work/without"
 [ ! -s "$work/without" ] || fail "$(cat "$work/without")"
-close_story
 
 # The commit before: HEAD, where the file was changed since, else what HEAD was made of.
 raised() { # FORMER NOW: ceilings of NOW that are higher, without a new line that says why
@@ -572,7 +550,7 @@ raised() { # FORMER NOW: ceilings of NOW that are higher, without a new line tha
         echo "the ceiling of $room rose from $before, and no new line says why"
     done
 }
-begin "a ceiling falls, or a line beside it says why not"
+begin "a ceiling falls, or the line next to it has the reason"
 before=HEAD
 git diff --quiet HEAD -- "$law" 2>/dev/null && before=HEAD^
 if git show "$before:tests/layout.txt" >"$work/former" 2>/dev/null; then
@@ -585,7 +563,6 @@ same "$(raised "$work/one" "$work/two")" \
     "the ceiling of a rose from 5, and no new line says why"
 printf 'ceiling a: 6\nraised a: another\n' >"$work/two"
 same "$(raised "$work/one" "$work/two")" ""
-close_story
 
 # ROOM and what it includes, without what comes with that anyway.
 way() {
@@ -616,18 +593,16 @@ shown() { # FILE HEADING
 }
 begin "README and src/README.md draw the rooms as tests/layout.txt has them"
 house >"$work/house"
-shown README.md "The house" | grep -v '^    \(tests\|examples\) ' >"$work/drawn"
-cmp -s "$work/house" "$work/drawn" || fail "README.md, The house; it is" "$(cat "$work/house")"
+shown README.md "The folders" | grep -v '^    \(tests\|examples\) ' >"$work/drawn"
+cmp -s "$work/house" "$work/drawn" || fail "README.md, The folders; it is" "$(cat "$work/house")"
 way >"$work/way"
-shown src/README.md "The rooms, and which way includes point" >"$work/drawn"
+shown src/README.md "The rooms, and the direction of includes" >"$work/drawn"
 cmp -s "$work/way" "$work/drawn" || fail "src/README.md, The rooms; it is" "$(cat "$work/way")"
-close_story
 
 begin "the behaviours of tests/guess.txt are where it says"
 sed -n 's/^[^#].*: //p' tests/guess.txt >"$work/guessed"
 [ "$(wc -l <"$work/guessed")" = 30 ] || fail "there are $(wc -l <"$work/guessed") behaviours"
 while read -r file; do [ -f "$file" ] || fail "there is no $file"; done <"$work/guessed"
-close_story
 
 begin "no function of a test hides a tool, and a tool is looked for by needs"
 tools=$(sed -n 's/^tools: //p' "$law")
@@ -645,9 +620,8 @@ for file in tests/*.sh tests/*/*.sh; do
         case " $tools " in *" $name "*) fail "$file: the function $name hides a tool" ;; esac
     done
 done
-close_story
 
-begin "the top level holds what it may hold"
+begin "the top level has only the listed files"
 allowed=" $(sed -n 's/^top: //p' "$law") "
 if [ -e .git ] && git ls-files >/dev/null 2>&1; then
     entries=$({ git ls-files; git ls-files -o --exclude-standard; } | sed 's|/.*||' | sort -u)
@@ -658,6 +632,5 @@ fi
 for entry in $entries; do
     case $allowed in *" $entry "*) ;; *) fail "$entry" ;; esac
 done
-close_story
 
 finish

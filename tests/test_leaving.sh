@@ -19,8 +19,7 @@ is_guarded() { # by a process that has its name by now
     [ "$(processes | sort | tr '\n' ' ')" = "iftty iftty-guardian " ]
 }
 start_session() { # JOURNAL [WORDS...]
-    enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --journal $*'"
-    see '^[a-z]+>$'
+    enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --journal $*'" '^[a-z]+>$'
 }
 nothing_left() {
     [ -z "$(processes)" ]
@@ -32,10 +31,8 @@ state_is() {
 begin "killed at the prompt: a sane terminal, a whole journal, no process"
 start_session one.iftty s.nii
 comes_true is_guarded || fail "there are: $(processes)"
-enter "seed 2,3,4 1"
-see '^[0-9]+ voxels changed'
-type_letters "half a li"
-see '> half a li$'
+entering "seed 2,3,4 1" '^[0-9]+ voxels changed'
+typing "half a li" '> half a li$'
 kill -KILL "$(cat pid)"
 see '[Kk]illed'
 comes_true nothing_left
@@ -43,12 +40,10 @@ sane
 state_is 001 || fail "the state is $(state)"
 expect 0 "$iftty" verify one.iftty
 grep -qx 'seed 2,3,4 1' one.iftty || fail "the seed is not in the journal"
-close_story
 
 begin "killed while it has the whole screen: the same"
 start_session two.iftty s.nii
-enter "seed 2,3,4 1"
-see '^[0-9]+ voxels changed'
+entering "seed 2,3,4 1" '^[0-9]+ voxels changed'
 enter "pilot"
 comes_true state_is 110
 comes_true is_guarded || fail "there are: $(processes)"
@@ -57,7 +52,6 @@ comes_true state_is 001 # what the shell says may have gone with that screen
 comes_true nothing_left
 sane
 expect 0 "$iftty" verify two.iftty
-close_story
 
 begin "stopped and continued while it has the whole screen: that, and the mouse, come back"
 start_session stop.iftty s.nii
@@ -72,7 +66,6 @@ kill -KILL "$(cat pid)"
 comes_true state_is 001
 comes_true nothing_left
 sane
-close_story
 
 begin "aborted while it has the whole screen: the same"
 start_session three.iftty s.nii
@@ -83,7 +76,6 @@ comes_true state_is 001
 see '[Aa]borted'
 comes_true nothing_left
 sane
-close_story
 
 # The rows of a sixel picture have no text: the answer, ten of them or more, and the prompt.
 has_sixel_rows() {
@@ -93,8 +85,7 @@ has_sixel_rows() {
 
 begin "in tmux that passes everything through: blocks or sixels, and nothing else"
 tmux_here set-option -g allow-passthrough on 2>/dev/null
-enter_anew "printf '\\033[c'; sleep 0.5; echo as\"\"ked"
-see '^.*asked'
+enter_anew "printf '\\033[c'; sleep 0.5; echo as\"\"ked" '^.*asked'
 by_text=yes # but in a tmux that shows sixel, as that of Debian 13 does
 shows '[?;]4[;c]' && by_text=no
 pressing Enter 'c: .*not found' # the rest of the answer, as a command of the shell
@@ -107,28 +98,22 @@ if [ $by_text = yes ]; then
 else
     comes_true has_sixel_rows || fail "the screen is:" "$(screen_text)"
 fi
-enter "quit"
-see '^journal: four'
+entering "quit" '^journal: four'
 sane
-close_story
 
 begin "in GNU screen: blocks, and nothing else"
 if needs screen; then
     mkdir -m 700 screens
     screen="SCREENDIR=./screens screen -U -c /dev/null"
-    enter_anew "$screen sh -c 'exec $iftty --journal five.iftty s.nii'"
-    see '^[a-z]+>$'
+    enter_anew "$screen sh -c 'exec $iftty --journal five.iftty s.nii'" '^[a-z]+>$'
     screen_text >before
     ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"
-    enter "slice axial"
-    see "$half_block"
-    enter "quit"
-    see 'screen is terminating'
+    entering "slice axial" "$half_block"
+    entering "quit" 'screen is terminating'
     sane
 fi
-close_story
 
-begin "what takes long says so at a terminal"
+begin "a long command reports progress at a terminal"
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; save labels s.mha' >/dev/null
 "$iftty" -c 'open s.mha; seed 2,3,4 1; run' --journal slow.iftty >/dev/null
 mkdir slow
@@ -137,19 +122,15 @@ cp /usr/bin/sort slow/iftty-volume # takes a request, and answers nothing
 for words in "verifying: verify slow.iftty" "replaying: diff slow.iftty slow.iftty" \
     "replaying: log --procedure - slow.iftty" \
     "replaying: apply slow.iftty s.nii --by world --out none"; do
-    enter_anew "slow/iftty ${words#*: }; echo sta\"\"tus \$?"
-    see "^${words%%:*} +[0-9]+ s"
-    press C-c
-    see "^status 130"
+    enter_anew "slow/iftty ${words#*: }; echo sta\"\"tus \$?" "^${words%%:*} +[0-9]+ s"
+    pressing C-c "^status 130"
 done
 [ ! -e none ] || fail "apply has left a folder"
 sane
-close_story
 
 begin "the line is gone: the process too, and the journal is whole"
 start_session six.iftty s.nii
-enter "seed 2,3,4 1"
-see '^[0-9]+ voxels changed'
+entering "seed 2,3,4 1" '^[0-9]+ voxels changed'
 enter "render late.png"
 type_letters "seed 20,10"
 tmux_here kill-server
@@ -160,6 +141,5 @@ comes_true gone
 expect 0 "$iftty" verify six.iftty
 grep -qx 'seed 2,3,4 1' six.iftty || fail "the seed is not in the journal"
 ! grep -q 'seed 20' six.iftty || fail "half a line is in the journal"
-close_story
 
 finish

@@ -11,16 +11,12 @@
 #include "image/image_inside.h"
 #include "image/volume.h"
 
-static uint64_t state = 28;
-static uint32_t draw(uint32_t below)
-{
-    return check_below(&state, below);
-}
+DRAW_FROM(28)
 
 /* 0..1, of 20 bits */
 static double part(void)
 {
-    return draw(1u << 20) / 1048576.0;
+    return below(1u << 20) / 1048576.0;
 }
 
 /* ---- decimals ---- */
@@ -84,12 +80,12 @@ STORY(a_number_is_taken_as_it_is_written_and_written_one_way)
 STORY(decimals_of_whole_units_and_of_doubles)
 {
     for (int i = 0; i < 20000; i++) {
-        const int64_t units = (int64_t)check_random(&state) >> draw(63);
+        const int64_t units = (int64_t)check_random(&seed) >> below(63);
         const struct decimal d = decimal_of(units, 3), same = decimal(written(&d));
         CHECK(memcmp(&d, &same, sizeof d) == 0);
         if (llabs(units) < INT64_C(1) << 53) /* as ranges were before */
             CHECK(decimal_value(&d) == (double)units / 1000);
-        const double value = ldexp(part() - 0.5, (int)draw(100) - 50);
+        const double value = ldexp(part() - 0.5, (int)below(100) - 50);
         const struct decimal near = decimal_near(value, 17);
         CHECK(decimal_value(&near) == value);
     }
@@ -209,22 +205,22 @@ static bool has_outliers(const struct sorted *s, double core[2], unsigned *thinn
 enum { KINDS = 9 };
 static void fill(unsigned kind, size_t count)
 {
-    const double scale = ldexp(1, (int)draw(40) - 10), shift = draw(2) ? 0 : scale * draw(2000);
+    const double scale = ldexp(1, (int)below(40) - 10), shift = below(2) ? 0 : scale * below(2000);
     for (size_t i = 0; i < count; i++) {
         const double p = part(), z = part() + part() + part() - 1.5;
         number[i] = kind == 0   ? p
-                    : kind == 1 ? 1 / (p + 1e-6)            /* a tail, as quotients have */
-                    : kind == 2 ? draw(20) * 0.1            /* few numbers */
-                    : kind == 3 ? (draw(100) ? 0 : p)       /* mostly background */
-                    : kind == 4 ? 7                         /* constant */
-                    : kind == 5 ? (draw(50) ? z * 1e-7 : p) /* a bright object in noise */
-                    : kind == 6 ? (draw(3) ? p : -9999)     /* a fill value */
+                    : kind == 1 ? 1 / (p + 1e-6)             /* a tail, as quotients have */
+                    : kind == 2 ? below(20) * 0.1            /* few numbers */
+                    : kind == 3 ? (below(100) ? 0 : p)       /* mostly background */
+                    : kind == 4 ? 7                          /* constant */
+                    : kind == 5 ? (below(50) ? z * 1e-7 : p) /* a bright object in noise */
+                    : kind == 6 ? (below(3) ? p : -9999)     /* a fill value */
                     : kind == 7 ? z / (fabs(z) + 1e-5) / (p + 1e-4)
                                 : z;
         number[i] = number[i] * scale + shift;
     }
-    for (uint32_t far = draw(2) ? draw(12) : 0; far > 0; far--)
-        number[draw((uint32_t)count)] = (draw(2) ? -1 : 1) * ldexp(1 + part(), (int)draw(60));
+    for (uint32_t far = below(2) ? below(12) : 0; far > 0; far--)
+        number[below((uint32_t)count)] = (below(2) ? -1 : 1) * ldexp(1 + part(), (int)below(60));
 }
 
 static const enum voxel_type types[] = {VOXEL_FLOAT32, VOXEL_FLOAT64, VOXEL_INT32,
@@ -278,13 +274,13 @@ STORY(the_scale_is_the_one_that_sorted_numbers_have)
     static struct sorted s;
     unsigned clamped = 0, kept = 0, thinning = 0;
     for (unsigned i = 0; i < 900; i++) {
-        const enum voxel_type type = types[draw(6)];
-        const size_t count = 1 + draw(draw(3) ? MOST : 60);
+        const enum voxel_type type = types[below(6)];
+        const size_t count = 1 + below(below(3) ? MOST : 60);
         double core[2] = {0, 0};
         fill(i % KINDS, count);
         fit_type(type, count);
-        for (size_t k = 0; is_real(type) && i % 5 == 0 && k < count; k += 1 + draw(40))
-            number[k] = draw(2) ? NAN : INFINITY;
+        for (size_t k = 0; is_real(type) && i % 5 == 0 && k < count; k += 1 + below(40))
+            number[k] = below(2) ? NAN : INFINITY;
         struct volume v = make(type, count, 1, false);
         sort(&s, count);
         const double range = s.high - s.low;
@@ -328,29 +324,27 @@ STORY(the_order_of_voxels_does_not_matter)
     for (unsigned i = 0; i < 60; i++) {
         const size_t count = 2000;
         fill(1 + i % 2 * 6, count);
-        struct volume v = make(types[i % 2], count, 1, false);
+        OWNED(volume_release) struct volume v = make(types[i % 2], count, 1, false);
         for (size_t k = count - 1; k > 0; k--) {
-            const size_t other = draw((uint32_t)k + 1);
+            const size_t other = below((uint32_t)k + 1);
             const double was = number[k];
             number[k] = number[other];
             number[other] = was;
         }
-        struct volume w = make(types[i % 2], count, 1, false);
+        OWNED(volume_release) struct volume w = make(types[i % 2], count, 1, false);
         CHECK(v.geometry.slope == w.geometry.slope && v.geometry.intercept == w.geometry.intercept);
         CHECK(levels_digest(v.levels) == levels_digest(w.levels));
         CHECK_TEXT(v.notes, w.notes);
-        volume_release(&v);
-        volume_release(&w);
     }
 }
 
 STORY(the_scale_of_a_map_is_from_the_least_to_the_greatest)
 {
     for (unsigned i = 0; i < 200; i++) {
-        const size_t count = 2 + draw(MOST - 2);
+        const size_t count = 2 + below(MOST - 2);
         fill(i % KINDS, count);
         number[0] = number[1] - 1.5;
-        struct volume v = make(types[i % 2], count, 1, true);
+        OWNED(volume_release) struct volume v = make(types[i % 2], count, 1, true);
         bool are_whole = true; /* which may be exact */
         for (size_t k = 0; k < count; k++)
             are_whole &= number[k] == floor(number[k]);
@@ -362,7 +356,6 @@ STORY(the_scale_of_a_map_is_from_the_least_to_the_greatest)
             stands &= v.intensity[k] == (uint16_t)((number[k] - s.low) / range * 65535 + 0.5);
         CHECK(are_whole || (stands && v.geometry.intercept == s.low));
         CHECK(!v.levels);
-        volume_release(&v);
     }
 }
 
@@ -375,13 +368,12 @@ STORY(one_voxel_far_off_takes_no_levels_from_the_others)
         for (unsigned k = 0; k < 2000; k++)
             number[k] = k / 2000.0;
         number[77] = far[i];
-        struct volume v = make(VOXEL_FLOAT32, 2000, 1, false);
+        OWNED(volume_release) struct volume v = make(VOXEL_FLOAT32, 2000, 1, false);
         CHECK(v.levels && v.levels->step < 1e-4);
         CHECK(fabs(value_of(&v, 1574) - 0.787) < 1e-4);
         CHECK_INT(v.intensity[77], far[i] < 0 ? 0 : 65535);
         CHECK_HAS(v.notes, far[i] < 0 ? "1 voxel below and 0 above are clamped to its ends\n"
                                       : "0 voxels below and 1 above are clamped to its ends\n");
-        volume_release(&v);
     }
     for (unsigned k = 0; k < 4000; k++) /* CT, and 2e9 */
         number[k] = -1000 + (int)k;
@@ -411,16 +403,15 @@ STORY(numbers_beyond_what_doubles_tell_apart_are_noted)
 {
     for (unsigned k = 0; k < 100; k++)
         number[k] = 4503599627370496.0 * 256 + 65536.0 * k;
-    struct volume v = make(VOXEL_INT64, 100, 1, false);
+    OWNED(volume_release) struct volume v = make(VOXEL_INT64, 100, 1, false);
     CHECK_HAS(v.notes, "its values are beyond 2^53");
-    volume_release(&v);
 }
 
 /* ---- ranges ---- */
 
 static struct decimal near(double value)
 {
-    return decimal_near(value, 1 + draw(9));
+    return decimal_near(value, 1 + below(9));
 }
 
 /* If no level is split, exactly the voxels whose number is in the range. A split level has numbers
@@ -429,13 +420,13 @@ STORY(a_range_takes_the_voxels_whose_numbers_are_in_it)
 {
     unsigned split = 0, exact = 0;
     for (unsigned i = 0; i < 900; i++) {
-        const size_t count = 100 + draw(MOST - 100);
-        const enum voxel_type type = types[draw(4)];
-        const double slope = draw(3) ? 1 : draw(2) ? -0.5 : 2;
+        const size_t count = 100 + below(MOST - 100);
+        const enum voxel_type type = types[below(4)];
+        const double slope = below(3) ? 1 : below(2) ? -0.5 : 2;
         fill(i % KINDS, count);
         fit_type(type, count);
-        struct volume v = make(type, count, slope, false);
-        double a = number[draw((uint32_t)count)], b = number[draw((uint32_t)count)];
+        OWNED(volume_release) struct volume v = make(type, count, slope, false);
+        double a = number[below((uint32_t)count)], b = number[below((uint32_t)count)];
         struct decimal range[2] = {near(slope * (a < b ? a : b)), near(slope * (a < b ? b : a))};
         if (decimal_value(&range[0]) > decimal_value(&range[1])) {
             const struct decimal was = range[0];
@@ -466,7 +457,6 @@ STORY(a_range_takes_the_voxels_whose_numbers_are_in_it)
         }
         split += in.split[0] >= 0;
         exact += v.levels && in.split[0] < 0;
-        volume_release(&v);
     }
     CHECK(split > 20 && exact > 200);
 }
@@ -475,13 +465,12 @@ STORY(numbers_of_single_precision_are_compared_as_such)
 {
     for (unsigned k = 0; k <= 1000; k++)
         number[k] = k / 100.0;
-    struct volume v = make(VOXEL_FLOAT32, 1001, 1, false);
+    OWNED(volume_release) struct volume v = make(VOXEL_FLOAT32, 1001, 1, false);
     for (unsigned k = 0; k <= 1000; k++) {
         const struct decimal range[2] = {decimal_of(k, 2), decimal_of(k, 2)};
         const struct interval in = levels_within(&v.geometry, v.levels, range);
         CHECK(in.split[0] < 0 && in.low == v.intensity[k] && in.high == v.intensity[k]);
     }
-    volume_release(&v);
 }
 
 static const char *word(const struct volume *v, size_t i)

@@ -12,19 +12,17 @@ out_lacks() { # a fixed string
 
 begin "scenes are made"
 "$PYTHON" -W ignore "$top/tests/levels/make.py" . 2>made || fail "$(tail -n 3 made)"
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 
 # in_range FILE LOW HIGH [OPTION]: as many voxels as numpy finds in the file
 in_range() {
     truth=$("$PYTHON" -W ignore "$top/tests/levels/make.py" count "$1" "$2" "$3")
-    expect 0 "$iftty" -c "open $1; range $2 $3"
-    out_has "    $truth of 1680 voxels"
+    answers "    $truth of 1680 voxels" "open $1; range $2 $3"
     expect 0 "$iftty" -c "open $1; seed 0,0,0 1 radius=32 range=$2..$3"
     out_has "    left out, intensities beyond the range: $((1680 - truth)) voxels"
 }
 
-begin "a range takes the voxels whose value in the file is in it"
+begin "a range contains the voxels whose value in the file is in it"
 for file in plain far4 far20 low holes; do
     in_range $file.nii 0.3 0.5
     in_range $file.nii 1e-1 8.75e-1
@@ -45,9 +43,8 @@ in_range ct-far.nii 1500000000 3000000000
 in_range counts.nii 1000000000000 2500000000000
 in_range unsigned.nii 3000000000 4294967295
 in_range quotients.nii.gz 0.25 1.5
-close_story
 
-begin "values that are far from all others are counted and said, and take no levels"
+begin "values far from all others are counted, reported, and use no levels"
 expect 0 "$iftty" -c 'open far4.nii; why 3,4,5; why 7,7,7; info; profile 7,7,7 9,7,7'
 out_has 'outliers: the scale is 0 to 1.9'
 out_has '0 voxels below and 1 above are clamped to its ends'
@@ -67,32 +64,24 @@ expect 0 "$iftty" -c 'open far4.nii; interpolate 2 2 2; why 6,8,10; why 7,8,10'
 same "$(grep -c 'intensity [0-9.]* +-[0-9.e-]* within the scale, ' "$work/out")" 2
 expect 0 "$iftty" -c 'open plain.nii; interpolate 2 2 2; why 7,8,10'
 out_lacks 'within the scale'
-expect 0 "$iftty" -c 'open far20.nii; why 3,4,5'
-out_has 'intensity 1e+20, '
+answers 'intensity 1e+20, ' 'open far20.nii; why 3,4,5'
 expect 0 "$iftty" -c 'open holes.nii'
-expect 0 "$iftty" -c 'open holes.nii; why 0,0,0; why 1,1,1'
-out_has 'intensity no number, '
+answers 'intensity no number, ' 'open holes.nii; why 0,0,0; why 1,1,1'
 out_has 'intensity 1e+300, '
 out_has '121 voxels are no number or infinite: taken for less than 0'
-expect 0 "$iftty" -c 'open ct-far.nii; why 0,0,0; why 5,6,7'
-out_has 'the scale is -1000 to 6'
+answers 'the scale is -1000 to 6' 'open ct-far.nii; why 0,0,0; why 5,6,7'
 out_has 'intensity -1000, '
-expect 0 "$iftty" -c 'open quotients.nii.gz; info'
-out_has 'outliers: the scale'
+answers 'outliers: the scale' 'open quotients.nii.gz; info'
 expect 0 "$iftty" -c 'open plain.nii; info'
 out_lacks 'outliers: the scale'
 expect 0 "$iftty" info --histogram holes.nii
 out_has "note      $((12 * 10 + 1)) voxels are no number or infinite: taken for "
-expect 0 "$iftty" info --histogram far4.nii
-out_has 'scale     0..1.9'
+expect_out 'scale     0..1.9' 0 "$iftty" info --histogram far4.nii
 out_has '0 voxels below, 1 above'
-expect 0 "$iftty" -c 'open series.nii volume=1 crop=0-13,0-11,2-9'
-out_has '0 voxels below and 1 above'
+answers '0 voxels below and 1 above' 'open series.nii volume=1 crop=0-13,0-11,2-9'
 expect 0 "$iftty" -c 'open series.nii volume=0; info'
 out_lacks 'outliers: the scale'
-expect 0 "$iftty" -c 'open far4.nii reduce=2; info'
-out_has 'outliers: the scale'
-close_story
+answers 'outliers: the scale' 'open far4.nii reduce=2; info'
 
 begin "whole numbers are exact, whatever they are held as"
 expect 0 "$iftty" -c 'open ct.nii; why 7,7,7' --journal a.iftty
@@ -103,7 +92,6 @@ same "$(last_word scene a.iftty)" "$(last_word scene b.iftty)"
 expect 0 "$iftty" -c 'open counts.nii; why 0,0,1'
 out_has "intensity $("$PYTHON" -W ignore -c 'import nibabel
 print(nibabel.load("counts.nii").dataobj[0, 0, 1])'), "
-close_story
 
 begin "a range that ends within a level says so, and how large a level is"
 expect 0 "$iftty" -c 'open low.nii; seed 1,1,1 0
@@ -122,8 +110,7 @@ nibabel.save(image, "close.nii")
 PY
 expect 0 "$iftty" -c 'open close.nii; range 0.2 0.500000015'
 out_has '120 voxels have a level that contains an end of the range: its width is 1.53e-05'
-expect 0 "$iftty" -c 'open close.nii; why 6,1,1; why 0,0,1'
-out_has 'intensity 0.500008 +-7.6e-06, '
+answers 'intensity 0.500008 +-7.6e-06, ' 'open close.nii; why 6,1,1; why 0,0,1'
 out_has 'intensity 0.000595593, '
 expect 0 "$iftty" -c 'open close.nii; seed 6,6,6 1 radius=1 range=0.2..0.500000015'
 out_has 'voxels have a level that contains an end of the range'
@@ -131,11 +118,9 @@ expect 0 "$iftty" -c 'open close.nii; object 1 threshold 0.2..0.500000015 from=4
 out_has '120 voxels have a level that contains an end of the range'
 expect 0 "$iftty" -c 'open close.nii; range 0.2 0.45'
 out_lacks 'cuts'
-expect 0 "$iftty" -c 'open close.nii; interpolate 2 1 1; range 0.2 0.5; info'
-out_has 'a level is 1.53e-05'
-close_story
+answers 'a level is 1.53e-05' 'open close.nii; interpolate 2 1 1; range 0.2 0.5; info'
 
-begin "numbers are recorded as they were typed, with what the scene was made of"
+begin "numbers are recorded as typed, with the source of the scene"
 expect 0 "$iftty" -c 'open far4.nii; range 1e-1 8.5e-1; window 2.5e-7 1e20; window 0.0015 40
 seed 2,2,2 1 range=0..12345678901234567890; run' --journal j.iftty
 grep -q '^= 1 .* scale=0\.\.1\.9[0-9]* beyond=0,1 values=[0-9a-f]* ' j.iftty ||
@@ -146,13 +131,11 @@ grep -q '^seed 2,2,2 1 range=0..12345678901234567890$' j.iftty ||
     fail "$(cat j.iftty)"
 expect 0 "$iftty" verify j.iftty
 expect 0 "$iftty" log --script j.iftty
-expect 2 "$iftty" -c 'open far4.nii; range 1 123456789012345678901'
-err_has 'of at most 19 digits'
+expect_err 'of at most 19 digits' 2 "$iftty" -c 'open far4.nii; range 1 123456789012345678901'
 cp far20.nii far4.nii # the same levels of other values
 expect 1 "$iftty" verify j.iftty
-close_story
 
-begin "one value far from all others takes no levels from them"
+begin "one value far from all others leaves them all levels"
 "$PYTHON" - <<'PY' || fail "far.nii"
 import struct
 values = [i * 7919 % 1009 / 1009 for i in range(1728)]
@@ -170,13 +153,10 @@ open("far.nii", "wb").write(bytes(head) + struct.pack("<1728f", *values))
 PY
 expect 0 "$iftty" -c 'open far.nii; range 0 0.9'
 out_has "$("$PYTHON" -W ignore "$top/tests/levels/make.py" count far.nii 0 0.9) of 1728"
-close_story
 
-begin "what chooses from files of another format is refused"
+begin "options of another file format are rejected"
 for word in series=1 missing=blank data=a/b; do
-    expect 2 "$iftty" -c "open plain.nii $word"
-    err_has "${word%=*}="
+    expect_err "${word%=*}=" 2 "$iftty" -c "open plain.nii $word"
     err_has ', and this is nifti-1: leave it out'
 done
-close_story
 finish

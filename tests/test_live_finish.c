@@ -11,11 +11,7 @@
 #include "tests/scarce_memory.h"
 #include "tests/scene_main.h"
 
-static uint64_t state;
-static uint32_t below(uint32_t end)
-{
-    return check_below(&state, end);
-}
+DRAW_FROM(0)
 
 /* The picture's digest among the words of the last line's record. */
 static uint64_t pictured(void)
@@ -40,86 +36,74 @@ static void begin_with_objects(struct interpreter *interp)
 
 /* ---- commands ---- */
 
-STORY(pictures_are_finished_where_finished_is_on)
+BEGUN_STORY(pictures_are_finished_where_finished_is_on, begin_with_objects)
 {
     static const char *const shown[] = {"render", "slice axial", "slice coronal", "mosaic"};
-    struct interpreter interp;
     char line[64];
-    begin_with_objects(&interp);
-    must(&interp, "finish majority radius=2");
+    must(interp, "finish majority radius=2");
     for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
         snprintf(line, sizeof line, "%s finished=yes", shown[i]);
-        must(&interp, "finished off");
-        const uint64_t plain = picture_of(&interp, shown[i]), asked = picture_of(&interp, line);
+        must(interp, "finished off");
+        const uint64_t plain = picture_of(interp, shown[i]), asked = picture_of(interp, line);
         CHECK(plain != asked);
-        must(&interp, "finished on");
-        CHECK(picture_of(&interp, shown[i]) == asked);
+        must(interp, "finished on");
+        CHECK(picture_of(interp, shown[i]) == asked);
         CHECK_HAS(buf_text(&reply.words), "finished=");
-        CHECK(picture_of(&interp, line) == asked);
+        CHECK(picture_of(interp, line) == asked);
         snprintf(line, sizeof line, "%s finished=no", shown[i]);
-        CHECK(picture_of(&interp, line) == plain);
-        CHECK(picture_of(&interp, shown[i]) == asked);
+        CHECK(picture_of(interp, line) == plain);
+        CHECK(picture_of(interp, shown[i]) == asked);
     }
-    interpreter_release(&interp);
 }
 
-STORY(every_way_to_draw_finished_labels_gives_the_same)
+BEGUN_STORY(every_way_to_draw_finished_labels_gives_the_same, begin_with_objects)
 {
     static const char *const mode[] = {"render mode=sp", "render mode=bp", "render mode=ii",
                                        "render mode=ray"};
-    struct interpreter interp;
-    begin_with_objects(&interp);
-    must(&interp, "finish relax sweeps=20; finished on");
-    const uint64_t first = picture_of(&interp, "render");
+    must(interp, "finish relax sweeps=20; finished on");
+    const uint64_t first = picture_of(interp, "render");
     for (size_t i = 0; i < sizeof mode / sizeof mode[0]; i++)
-        CHECK(picture_of(&interp, mode[i]) == first);
-    must(&interp, "seed 8,9,8 2 radius=2");
-    CHECK(picture_of(&interp, "render mode=ii") != first);
-    must(&interp, "undo");
-    CHECK(picture_of(&interp, "render mode=ii") == first);
-    interpreter_release(&interp);
+        CHECK(picture_of(interp, mode[i]) == first);
+    must(interp, "seed 8,9,8 2 radius=2");
+    CHECK(picture_of(interp, "render mode=ii") != first);
+    must(interp, "undo");
+    CHECK(picture_of(interp, "render mode=ii") == first);
 }
 
-STORY(finished_says_what_pictures_show)
+BEGUN_STORY(finished_says_what_pictures_show, begin_with_objects)
 {
-    struct interpreter interp;
-    begin_with_objects(&interp);
-    MUST_MENTION(&interp, "finished on", "the finish has no step yet; `finish relax` adds one");
-    const uint64_t plain = picture_of(&interp, "render");
-    MUST_ANSWER(&interp, "finish relax", "finish    relax sweeps=60 reach=2; pictures show it\n");
-    CHECK(picture_of(&interp, "render") != plain);
-    MUST_MENTION(&interp, "info", "finish    relax sweeps=60 reach=2; pictures show it\n");
-    MUST_MENTION(&interp, "save labels x.nii",
+    MUST_MENTION(interp, "finished on", "the finish has no step yet; `finish relax` adds one");
+    const uint64_t plain = picture_of(interp, "render");
+    MUST_ANSWER(interp, "finish relax", "finish    relax sweeps=60 reach=2; pictures show it\n");
+    CHECK(picture_of(interp, "render") != plain);
+    MUST_MENTION(interp, "info", "finish    relax sweeps=60 reach=2; pictures show it\n");
+    MUST_MENTION(interp, "save labels x.nii",
                  "`finished=yes` writes the labels shown in pictures\n");
-    must(&interp, "save labels x.nii finished=yes replace=yes");
+    must(interp, "save labels x.nii finished=yes replace=yes");
     CHECK(!strstr(buf_text(&reply.text), "pictures show"));
-    MUST_ANSWER(&interp, "finished off", "pictures show the labels of the forest\n");
-    CHECK(picture_of(&interp, "render") == plain);
-    interpreter_release(&interp);
+    MUST_ANSWER(interp, "finished off", "pictures show the labels of the forest\n");
+    CHECK(picture_of(interp, "render") == plain);
 }
 
 /* The pixels that a pick names are those of the picture that is shown. */
-STORY(what_is_picked_is_what_is_shown)
+BEGUN_STORY(what_is_picked_is_what_is_shown, begin_with_objects)
 {
-    struct interpreter interp;
     char line[64];
     unsigned others = 0;
-    begin_with_objects(&interp);
-    must(&interp, "finish majority radius=2; finished on; render");
-    const struct session *session = interp.session;
+    must(interp, "finish majority radius=2; finished on; render");
+    const struct session *session = interp->session;
     for (uint32_t row = 0; row < 60; row++)
         for (uint32_t column = 0; column < 64; column++) {
             const struct rendition *frame = session_frame(session);
             const uint8_t label = frame->label[row * 64 + column];
             const uint32_t cell = frame->cell[row * 64 + column];
             snprintf(line, sizeof line, "pick %u %u", column, row);
-            must(&interp, line);
+            must(interp, line);
             const bool differs = cell != CELL_NONE && session->scene->cell[cell].label != label;
             CHECK(!strstr(buf_text(&reply.text), "finished: label") == !differs);
             others += differs;
         }
     CHECK(others > 0);
-    interpreter_release(&interp);
 }
 
 /* ---- panels ---- */
@@ -283,44 +267,37 @@ static bool goes_on(struct interpreter *interp)
     return is_rough;
 }
 
-STORY(what_is_shown_follows_each_edit_and_is_exact_in_the_end)
+BEGUN_STORY(what_is_shown_follows_each_edit_and_is_exact_in_the_end, begin_with_objects)
 {
     enum { ROUNDS = 250 };
-    struct interpreter interp;
     unsigned roughs = 0;
-    begin_with_objects(&interp);
     for (unsigned round = 0; round < ROUNDS; round++) {
-        state = round;
-        if (interp.session->now.kept.finish.count > 4)
-            must(&interp, "finish none");
-        if (interp.session->now.kept.finish.count == 0)
-            must(&interp, "finish relax sweeps=7");
-        if (!interp.session->now.outlook.shows_finished)
-            must(&interp, "finished on");
-        roughs += goes_on(&interp);
+        seed = round;
+        if (interp->session->now.kept.finish.count > 4)
+            must(interp, "finish none");
+        if (interp->session->now.kept.finish.count == 0)
+            must(interp, "finish relax sweeps=7");
+        if (!interp->session->now.outlook.shows_finished)
+            must(interp, "finished on");
+        roughs += goes_on(interp);
     }
     CHECK(roughs > ROUNDS / 3);
-    interpreter_release(&interp);
 }
 
-STORY(memory_that_runs_out_leaves_what_is_shown)
+BEGUN_STORY(memory_that_runs_out_leaves_what_is_shown, begin_with_objects)
 {
-    struct interpreter interp;
     struct slicing_panel panel = {.screen = {320, 320, 8, 16, true, MOSAIC_AXIAL}};
     size_t refused = 0;
     enum err err = ERR_MEMORY;
-    begin_with_objects(&interp);
-    must(&interp, "finish relax sweeps=5; finished on");
+    must(interp, "finish relax sweeps=5; finished on");
     for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++, refused++) {
-        struct canvas canvas = {0};
+        OWNED(canvas_release) struct canvas canvas = {0};
         allow_allocations(n);
-        err = slicing_draw_panel(&canvas, interp.session, &panel, &fault);
+        err = slicing_draw_panel(&canvas, interp->session, &panel, &fault);
         if (!err)
-            err = session_refine(interp.session, NULL, &fault);
+            err = session_refine(interp->session, NULL, &fault);
         mem_allows = NULL;
-        canvas_release(&canvas);
     }
     CHECK(err == OK && refused > 15);
-    is_exact(&interp);
-    interpreter_release(&interp);
+    is_exact(interp);
 }

@@ -7,26 +7,9 @@
 #include "engine/margin.h"
 #include "engine/roi.h"
 #include "tests/scarce_memory.h"
+#include "tests/world.h"
 
-static struct scene *scene;
-static struct forest *forest;
-
-static void begin_world(const uint32_t size[3], unsigned adjacency)
-{
-    CHECK(scene_new(&scene, size, NULL) == OK);
-    CHECK(forest_new(&forest, scene, adjacency, NULL) == OK);
-}
-
-static void end_world(void)
-{
-    forest_free(forest);
-    scene_free(scene);
-}
-
-static void plant(uint32_t cell, int16_t label)
-{
-    CHECK(forest_edit(forest, &(struct edit){cell, label, 0}, 1, NULL) == OK);
-}
+static struct world w;
 
 /* ---- by hand ---- */
 
@@ -36,34 +19,34 @@ STORY(a_margin_is_what_the_other_label_would_have_to_pay_more)
     /* From voxel 0 label 1 pays 1 up to the 5; from voxel 7, label 2 pays 2 up to the 9. */
     static const uint16_t expected[] = {9, 8, 4, 4, 4, 0, 7, 9};
     uint16_t *margin;
-    begin_world((const uint32_t[3]){8, 1, 1}, 6);
-    const uint32_t first = grid_cell(&scene->grid, 0, 0, 0);
+    w = world_new(8, 1, 1, 6);
+    const uint32_t first = grid_cell(&w.scene->grid, 0, 0, 0);
     for (uint32_t x = 0; x < 8; x++)
-        scene->cell[first + x].weight = weight[x];
-    plant(first, 1);
-    plant(first + 7, 2);
-    CHECK(margin_new(&margin, forest, NULL) == OK);
+        w.scene->cell[first + x].weight = weight[x];
+    world_plant(&w, first, 1);
+    world_plant(&w, first + 7, 2);
+    CHECK(margin_new(&margin, w.forest, NULL) == OK);
     for (uint32_t x = 0; x < 8; x++)
         CHECK_INT(margin[first + x], expected[x]);
     free(margin);
-    end_world();
+    world_free(&w);
 }
 
 STORY(where_one_label_is_alone_there_is_no_margin)
 {
     uint16_t *margin;
-    begin_world((const uint32_t[3]){4, 3, 2}, 26);
-    CHECK(margin_new(&margin, forest, NULL) == OK);
-    for (size_t c = 0; c < scene->grid.cells; c++)
+    w = world_new(4, 3, 2, 26);
+    CHECK(margin_new(&margin, w.forest, NULL) == OK);
+    for (size_t c = 0; c < w.scene->grid.cells; c++)
         CHECK_INT(margin[c], MARGIN_NONE);
     free(margin);
-    plant(grid_cell(&scene->grid, 1, 1, 1), 3);
-    plant(grid_cell(&scene->grid, 3, 2, 0), 3);
-    CHECK(margin_new(&margin, forest, NULL) == OK);
-    for (size_t c = 0; c < scene->grid.cells; c++)
+    world_plant(&w, grid_cell(&w.scene->grid, 1, 1, 1), 3);
+    world_plant(&w, grid_cell(&w.scene->grid, 3, 2, 0), 3);
+    CHECK(margin_new(&margin, w.forest, NULL) == OK);
+    for (size_t c = 0; c < w.scene->grid.cells; c++)
         CHECK_INT(margin[c], MARGIN_NONE);
     free(margin);
-    end_world();
+    world_free(&w);
 }
 
 STORY(arcs_that_depend_on_the_label_are_refused)
@@ -71,50 +54,50 @@ STORY(arcs_that_depend_on_the_label_are_refused)
     const struct arc_rule arcs = {.kind = ARC_POLARITY};
     struct fault fault = {0};
     uint16_t *margin;
-    begin_world((const uint32_t[3]){4, 3, 2}, 6);
-    forest_set_arcs(forest, &arcs);
+    w = world_new(4, 3, 2, 6);
+    forest_set_arcs(w.forest, &arcs);
     struct rival rival;
-    CHECK_INT(rival_find(&rival, forest, grid_cell(&scene->grid, 1, 1, 1), &fault), ERR_USAGE);
-    CHECK_INT(margin_new(&margin, forest, &fault), ERR_USAGE);
+    CHECK_INT(rival_find(&rival, w.forest, grid_cell(&w.scene->grid, 1, 1, 1), &fault), ERR_USAGE);
+    CHECK_INT(margin_new(&margin, w.forest, &fault), ERR_USAGE);
     CHECK_HAS(fault.text, "weight polarity");
     CHECK(margin == NULL);
-    end_world();
+    world_free(&w);
 }
 
 STORY(memory_that_runs_out_is_an_error)
 {
     uint16_t *margin;
     struct fault fault = {0};
-    begin_world((const uint32_t[3]){4, 3, 2}, 6);
-    plant(grid_cell(&scene->grid, 1, 1, 1), 3);
-    plant(grid_cell(&scene->grid, 2, 1, 1), 4);
+    w = world_new(4, 3, 2, 6);
+    world_plant(&w, grid_cell(&w.scene->grid, 1, 1, 1), 3);
+    world_plant(&w, grid_cell(&w.scene->grid, 2, 1, 1), 4);
     enum err err = ERR_MEMORY;
     for (size_t n = 0; n < 9 && err; n++) {
         allow_allocations(n);
-        err = margin_new(&margin, forest, &fault);
+        err = margin_new(&margin, w.forest, &fault);
         mem_allows = NULL;
         CHECK(err == OK || (err == ERR_MEMORY && margin == NULL));
     }
     CHECK_INT(err, OK);
     free(margin);
-    end_world();
+    world_free(&w);
 }
 
 /* ---- the oracle ---- */
 
 static bool is_inside(size_t cell)
 {
-    return !(scene->cell[cell].flags & (CELL_RIM | CELL_OUTSIDE));
+    return !(w.scene->cell[cell].flags & (CELL_RIM | CELL_OUTSIDE));
 }
 
 /* Costs of the best paths from the seeds of one label, by rounds over all voxels until nothing
  * changes. */
 static void search(uint32_t *cost, uint8_t label)
 {
-    const struct adjacency *adjacency = forest_adjacency(forest);
-    const size_t cells = scene->grid.cells;
+    const struct adjacency *adjacency = forest_adjacency(w.forest);
+    const size_t cells = w.scene->grid.cells;
     for (size_t c = 0; c < cells; c++) {
-        const struct cell *cell = scene->cell + c;
+        const struct cell *cell = w.scene->cell + c;
         cost[c] = cell->flags & CELL_SEED && cell->label == label ? 0 : MARGIN_NONE;
     }
     for (bool changed = true; changed;) {
@@ -122,9 +105,9 @@ static void search(uint32_t *cost, uint8_t label)
         for (size_t c = 0; c < cells; c++)
             for (unsigned i = 0; i < adjacency->count && is_inside(c); i++) {
                 const size_t from = c + (size_t)adjacency->offset[i];
-                const uint32_t w =
-                    arc_weight_now(forest_arcs(forest), scene->cell + from, scene->cell + c);
-                const uint32_t offered = w > cost[from] ? w : cost[from];
+                const uint32_t step =
+                    arc_weight_now(forest_arcs(w.forest), w.scene->cell + from, w.scene->cell + c);
+                const uint32_t offered = step > cost[from] ? step : cost[from];
                 changed |= offered < cost[c];
                 cost[c] = offered < cost[c] ? offered : cost[c];
             }
@@ -137,11 +120,11 @@ enum { LABELS = 4, CELLS_MOST = 8 * 8 * 8 };
 static void check_rival(uint32_t cell, uint32_t expected, uint32_t cost[LABELS][CELLS_MOST])
 {
     struct rival rival;
-    CHECK(rival_find(&rival, forest, cell, NULL) == OK);
+    CHECK(rival_find(&rival, w.forest, cell, NULL) == OK);
     CHECK(rival.exists == (expected != MARGIN_NONE));
     if (rival.exists) {
         CHECK_INT(rival.cost, expected);
-        CHECK(rival.label != scene->cell[cell].label && cost[rival.label][cell] == expected);
+        CHECK(rival.label != w.scene->cell[cell].label && cost[rival.label][cell] == expected);
     }
 }
 
@@ -149,11 +132,11 @@ static void check_against_search(void)
 {
     static uint32_t cost[LABELS][CELLS_MOST];
     uint16_t *margin;
-    CHECK(margin_new(&margin, forest, NULL) == OK);
+    CHECK(margin_new(&margin, w.forest, NULL) == OK);
     for (uint8_t l = 0; l < LABELS; l++)
         search(cost[l], l);
-    for (size_t c = 0; c < scene->grid.cells; c++) {
-        const struct cell *cell = scene->cell + c;
+    for (size_t c = 0; c < w.scene->grid.cells; c++) {
+        const struct cell *cell = w.scene->cell + c;
         uint32_t other = MARGIN_NONE;
         for (uint8_t l = 0; l < LABELS && cell_is_reached(cell); l++)
             if (l != cell->label && cost[l][c] < other)
@@ -166,34 +149,30 @@ static void check_against_search(void)
     free(margin);
 }
 
-static uint64_t state = 1;
-static uint32_t draw(uint32_t below)
-{
-    return check_below(&state, below);
-}
+DRAW_FROM(1)
 
 STORY(margins_are_those_of_a_search_for_each_label)
 {
     for (int round = 0; round < 400; round++) {
-        const uint32_t size[3] = {1 + draw(6), 1 + draw(6), 1 + draw(6)};
-        const struct arc_rule arcs = {.kind = draw(2) ? ARC_TARGET : ARC_DIFFERENCE};
+        const uint32_t size[3] = {1 + below(6), 1 + below(6), 1 + below(6)};
+        const struct arc_rule arcs = {.kind = below(2) ? ARC_TARGET : ARC_DIFFERENCE};
         const uint32_t steepest = round % 3 ? 6 : 65536;
-        begin_world(size, draw(2) ? 6 : 26);
-        forest_set_arcs(forest, &arcs);
-        for (size_t c = 0; c < scene->grid.cells; c++)
-            if (!(scene->cell[c].flags & CELL_RIM)) {
-                scene->cell[c].weight = (uint16_t)draw(steepest);
-                scene->cell[c].intensity = (uint16_t)draw(steepest);
+        w = world_new(size[0], size[1], size[2], below(2) ? 6 : 26);
+        forest_set_arcs(w.forest, &arcs);
+        for (size_t c = 0; c < w.scene->grid.cells; c++)
+            if (!(w.scene->cell[c].flags & CELL_RIM)) {
+                w.scene->cell[c].weight = (uint16_t)below(steepest);
+                w.scene->cell[c].intensity = (uint16_t)below(steepest);
             }
-        const struct roi roi = {NULL, 0, (uint16_t)(draw(3) ? 65535 : steepest / 2)};
-        roi_apply(&roi, scene);
-        for (uint32_t seeds = draw(8); seeds > 0; seeds--) {
+        const struct roi roi = {NULL, 0, (uint16_t)(below(3) ? 65535 : steepest / 2)};
+        roi_apply(&roi, w.scene);
+        for (uint32_t seeds = below(8); seeds > 0; seeds--) {
             const uint32_t at =
-                grid_cell(&scene->grid, draw(size[0]), draw(size[1]), draw(size[2]));
-            if (!(scene->cell[at].flags & CELL_OUTSIDE))
-                plant(at, (int16_t)draw(LABELS));
+                grid_cell(&w.scene->grid, below(size[0]), below(size[1]), below(size[2]));
+            if (!(w.scene->cell[at].flags & CELL_OUTSIDE))
+                world_plant(&w, at, (int16_t)below(LABELS));
         }
         check_against_search();
-        end_world();
+        world_free(&w);
     }
 }

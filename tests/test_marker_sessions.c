@@ -11,7 +11,7 @@
 #include "command/execute.h"
 #include "tests/paint_model.h"
 #include "tests/random_commands.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 #include "tests/stopping.h"
 
 enum { CELLS = 14 * 13 * 12, PUT_MOST = 400, RECORDS_MOST = 600, COMMANDS = 10, LINE = 400 };
@@ -29,12 +29,7 @@ struct standing {
 static struct standing state_after[RECORDS_MOST];
 
 static struct interpreter interp;
-static uint64_t seed = 2006;
-
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+DRAW_FROM(2006)
 
 /* ---- the model ---- */
 
@@ -271,13 +266,10 @@ static void do_one(char line[LINE])
     state_after[interp.history.records] = now;
 }
 
-static void begin(const char *journal)
+static void begin(void)
 {
-    begin_interpreter(&interp);
-    unlink(journal);
+    begin_with_journal(&interp, "markers.iftty");
     interp.sync = FILE_SYNC_OFF;
-    CHECK(interpreter_create_journal(&interp, journal, NULL) == OK);
-    open_scene(&interp, "scene.nii");
     must(&interp, "auto on; size 16 16; label 1 one; label 2 two");
     put_count = 0;
     now = (struct standing){{0}};
@@ -286,13 +278,10 @@ static void begin(const char *journal)
 }
 
 /* A session that resumes the journal has the same seeds and goes to the same states. */
-static void restart(const char *journal)
+static void restart(void)
 {
     char line[LINE];
-    interpreter_release(&interp);
-    begin_interpreter(&interp);
-    if (!CHECK(interpreter_resume_journal(&interp, journal, NULL, &fault) == OK))
-        printf("#   %s\n", fault.text);
+    resume_journal(&interp, "markers.iftty");
     planted_as(&now, "a restart");
     has_just_planted = false;
     for (int i = 0; i < 3; i++)
@@ -300,24 +289,12 @@ static void restart(const char *journal)
     planted_as(&now, line);
 }
 
-/* Carrying every command out again gives the recorded result. */
-static void verifies(const char *journal)
-{
-    struct replay_report report = {0};
-    begin_interpreter(&interp);
-    if (!CHECK(replay_file(&interp, journal, 0, 0, NULL, NULL, &report, &fault) == OK))
-        printf("#   %s\n", fault.text);
-    replay_report_release(&report);
-    interpreter_release(&interp);
-}
-
 STORY(seeds_are_what_the_commands_that_stand_give)
 {
     const int rounds = (int)check_scaled(25);
-    char journal[PATH_MAX], line[LINE] = "";
-    snprintf(journal, sizeof journal, "%s", place("markers.iftty"));
+    char line[LINE] = "";
     for (int i = 0; i < rounds && check_failures < 5; i++) { /* each of 40 sessions */
-        begin(journal);
+        begin();
         for (int k = 0; k < 40 && check_failures < 5; k++) {
             must(&interp, "goto 5"); /* with no seed */
             has_just_planted = false;
@@ -331,10 +308,10 @@ STORY(seeds_are_what_the_commands_that_stand_give)
                 break;
         }
         CHECK(forest_check(interp.session->forest, NULL));
-        restart(journal);
+        restart();
         interpreter_release(&interp);
         if (i % 5 == 0)
-            verifies(journal);
+            verify_journal("markers.iftty");
     }
 }
 
@@ -374,7 +351,6 @@ STORY(maps_regions_and_corrections_come_in_any_order)
     unsigned refused = 0, carried_out = 0;
     make_regions("regions.nii", size[0], 0);
     make_weights("mask.nii", 0); /* 0 in one voxel of forty: holes in every piece */
-    CHECK(chdir(folder) == 0);
     for (int i = 0; i < rounds && check_failures < 5; i++) {
         struct snapshot before, after;
         begin_with_journal(&interp, "order.iftty");
@@ -395,13 +371,10 @@ STORY(maps_regions_and_corrections_come_in_any_order)
         }
         CHECK(forest_check(interp.session->forest, NULL));
         take_snapshot(&before, &interp);
+        resume_journal(&interp, "order.iftty");
+        is_segmented_as(&before, &interp);
         interpreter_release(&interp);
-        begin_interpreter(&interp);
-        CHECK(interpreter_resume_journal(&interp, place("order.iftty"), NULL, &fault) == OK);
-        take_snapshot(&after, &interp);
-        is_same_segmentation(&before, &after);
-        interpreter_release(&interp);
-        verifies(place("order.iftty"));
+        verify_journal("order.iftty");
     }
     CHECK(refused * 10 > carried_out);
     CHECK(carried_out > refused);
@@ -420,7 +393,6 @@ STORY(no_removal_brings_a_seed_back_outside_the_region)
 {
     write_map("hole.nii", size, VOXEL_UINT8, hole_row, NULL);
     make_regions("regions.nii", size[0], 0);
-    CHECK(chdir(folder) == 0);
     begin_with_scene(&interp);
     must(&interp, "auto on; labels regions.nii erode=0");
     must(&interp, "seed 3,5,5 2 radius=1"); /* 3,5,3 was a seed of label 1, and is free */
@@ -440,7 +412,6 @@ STORY(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated)
     struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
     struct snapshot plain, after;
     make_regions("regions.nii", size[0], 0);
-    CHECK(chdir(folder) == 0);
     for (int has_pieces = 0; has_pieces < 2; has_pieces++) {
         begin_with_journal(&interp, "finer.iftty");
         must(&interp, "auto on");
@@ -456,7 +427,7 @@ STORY(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated)
             must(&interp, corrections[i]);
         take_snapshot(has_pieces ? &after : &plain, &interp);
         interpreter_release(&interp);
-        verifies(place("finer.iftty"));
+        verify_journal("finer.iftty");
         stopped = 0;
     }
     CHECK(after.forest == plain.forest && after.labels == plain.labels);
@@ -467,7 +438,8 @@ STORY(no_seed_frees_pieces_of_the_scene_before_it_was_interpolated)
 
 static uint8_t region_at[CELLS];
 
-/* A map of random boxes in one of the labels 0 to 5: few and large ones have voxels that are no seeds. */
+/* A map of random boxes in one of the labels 0 to 5: few and large ones have voxels that are no
+ * seeds. */
 static void write_random_map(void)
 {
     memset(region_at, (int)below(6), sizeof region_at);
@@ -542,7 +514,6 @@ STORY(exact_gestures_change_only_voxels_that_they_name)
     unsigned gestures = 0;
     struct record_word word;
     char line[LINE], threads[2] = "1";
-    const char *journal = place("exact.iftty");
     make_regions("regions.nii", size[0], 0);
     CHECK(chdir(folder) == 0);
     for (int i = 0; i < rounds && check_failures < 5; i++) {
@@ -596,25 +567,13 @@ STORY(exact_gestures_change_only_voxels_that_they_name)
         }
         CHECK(forest_check(interp.session->forest, NULL));
         take_snapshot(&whole, &interp);
-        interpreter_release(&interp);
-        begin_interpreter(&interp);
-        CHECK(interpreter_resume_journal(&interp, journal, NULL, &fault) == OK);
+        resume_journal(&interp, "exact.iftty");
         take_snapshot(&resumed, &interp);
         is_same_segmentation(&whole, &resumed);
         interpreter_release(&interp);
-        verifies(journal);
+        verify_journal("exact.iftty");
     }
     unsetenv("IFTTY_THREADS");
     printf("# %u exact gestures\n", gestures);
     CHECK(gestures > 20 * (unsigned)rounds);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "markers"))
-        return 1;
-    make_scene();
-    const int status = check_run();
-    reply_release(&reply);
-    return remove_folder(folder) | status;
 }

@@ -122,7 +122,7 @@ STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
     uint64_t random = 14;
     struct plain plain[MARKERS_MOST];
     for (int round = 0; round < 5000; round++) {
-        struct markers markers = {0};
+        OWNED(markers_release) struct markers markers = {0};
         for (int step = 0; step < 40; step++) {
             const uint32_t what = check_below(&random, 8), count = (uint32_t)markers.count;
             if (what < 3 || !count) {
@@ -139,13 +139,12 @@ STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
             }
         }
         compare(&markers, plain);
-        markers_release(&markers);
     }
 }
 
 STORY(what_memory_cannot_hold_changes_nothing)
 {
-    struct markers markers = {0};
+    OWNED(markers_release) struct markers markers = {0};
     uint32_t cell[300];
     for (uint32_t i = 0; i < 300; i++)
         cell[i] = i;
@@ -161,5 +160,4 @@ STORY(what_memory_cannot_hold_changes_nothing)
     CHECK_INT(markers_at(&markers, 3), 1);
     markers.marker[1].is_valid = true;
     CHECK_INT(markers_at(&markers, 3), 2);
-    markers_release(&markers);
 }

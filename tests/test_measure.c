@@ -10,7 +10,7 @@
 STORY(a_chart_is_drawn_in_eighths_or_in_ascii)
 {
     static const uint16_t eighths[] = {0, 1, 5, 8, 9, 16, 20, 3};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct chart chart = {eighths, 8, 2, "9", "-1", 3, true};
     chart_write(&out, &chart);
     CHECK_TEXT(buf_text(&out), "  9 |    ▁██\n -1 | ▁▅████▃\n");
@@ -18,35 +18,31 @@ STORY(a_chart_is_drawn_in_eighths_or_in_ascii)
     chart.has_blocks = false;
     chart_write(&out, &chart);
     CHECK_TEXT(buf_text(&out), "  9 |    .##\n -1 | .:####.\n");
-    buf_release(&out);
 }
 
 /* The scene's world is oblique: its voxels are 1, 1.5 and 2.02 mm apart, y leans towards z. */
-STORY(distances_and_angles_are_those_of_the_world)
+SCENE_STORY(distances_and_angles_are_those_of_the_world)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    MUST_ANSWER(&interp, "measure 1,2,3 4,2,3", "3.00 mm, 3.00 voxels from 1,2,3 to 4,2,3\n");
-    must(&interp, "measure 1,2,3 1,4,3"); /* 2 steps of 0, 1.5, 0.25 mm */
+    MUST_ANSWER(interp, "measure 1,2,3 4,2,3", "3.00 mm, 3.00 voxels from 1,2,3 to 4,2,3\n");
+    must(interp, "measure 1,2,3 1,4,3"); /* 2 steps of 0, 1.5, 0.25 mm */
     HAS("3.04 mm, 2.00 voxels");
-    must(&interp, "measure 1,2,3 1,2,3");
+    must(interp, "measure 1,2,3 1,2,3");
     HAS("0.00 mm, 0.00 voxels");
-    must(&interp, "measure 2,2,3 1,2,3 1,2,5");
+    must(interp, "measure 2,2,3 1,2,3 1,2,5");
     HAS("1.00 mm, 1.00 voxels from 2,2,3 to 1,2,3\n");
     HAS("4.00 mm, 2.00 voxels from 1,2,3 to 1,2,5\n");
     HAS("90.0 degrees at 1,2,3\n");
-    must(&interp, "measure 1,4,3 1,2,3 1,2,5"); /* y leans by atan(1/6) */
+    must(interp, "measure 1,4,3 1,2,3 1,2,5"); /* y leans by atan(1/6) */
     HAS("80.5 degrees at 1,2,3\n");
-    must(&interp, "measure 0,2,3 1,2,3 4,2,3");
+    must(interp, "measure 0,2,3 1,2,3 4,2,3");
     HAS("180.0 degrees");
-    CHECK_INT(execute(&interp, "measure 1,2,3 1,2,3 4,2,3"), ERR_INPUT);
-    CHECK_HAS(fault.text, "there is no angle at 1,2,3: expected two other voxels");
-    must(&interp, "measure 4.5,-17,10.5mm 1,2,3"); /* voxel 1,2,1 or 1,2,2 */
+    MUST_FAIL(interp, "measure 1,2,3 1,2,3 4,2,3", ERR_INPUT,
+              "there is no angle at 1,2,3: expected two other voxels");
+    must(interp, "measure 4.5,-17,10.5mm 1,2,3"); /* voxel 1,2,1 or 1,2,2 */
     HAS(" from 1,2,");
-    CHECK_INT(execute(&interp, "measure 1,2,3 99,2,3"), ERR_INPUT);
-    CHECK_INT(execute(&interp, "measure 1,2,3"), ERR_USAGE);
-    CHECK_INT(interp.acknowledged, 0); /* nothing is recorded */
-    interpreter_release(&interp);
+    CHECK_INT(execute(interp, "measure 1,2,3 99,2,3"), ERR_INPUT);
+    CHECK_INT(execute(interp, "measure 1,2,3"), ERR_USAGE);
+    CHECK_INT(interp->acknowledged, 0); /* nothing is recorded */
 }
 
 /* Count the columns of the line of labels in an answer's chart. */
@@ -89,24 +85,22 @@ STORY(a_profile_has_the_voxels_of_a_stroke)
     interpreter_release(&interp);
 }
 
-STORY(a_histogram_counts_each_voxel_once)
+SCENE_STORY(a_histogram_counts_each_voxel_once)
 {
     static uint32_t count[UINT16_MAX + 1];
-    struct interpreter interp;
     struct histogram h;
     struct geometry geometry = {.slope = -2, .intercept = 100};
     uint64_t random = 3;
-    begin_with_scene(&interp);
     for (int window = 0; window < 3; window++) {
         static const char *const line[] = {"window auto", "window 20 70", "window 500 900"};
-        must(&interp, line[window]);
-        histogram_of_session(&h, interp.session);
+        must(interp, line[window]);
+        histogram_of_session(&h, interp->session);
         uint64_t sum = h.below + h.above;
         for (unsigned i = 0; i < h.bins; i++)
             sum += h.bin[i];
-        CHECK_INT(sum, interp.session->scene->grid.voxels);
-        CHECK_INT(h.voxels, interp.session->scene->grid.voxels);
-        must(&interp, "info");
+        CHECK_INT(sum, interp->session->scene->grid.voxels);
+        CHECK_INT(h.voxels, interp->session->scene->grid.voxels);
+        must(interp, "info");
         HAS("histogram |");
         HAS("heights are square roots of counts");
     }
@@ -116,5 +110,4 @@ STORY(a_histogram_counts_each_voxel_once)
     CHECK(h.least < h.most); /* values fall as intensities rise */
     CHECK(h.bins <= HISTOGRAM_BINS && h.voxels == 5000);
     CHECK(h.below > 0 && h.below < 50 && h.above < 75);
-    interpreter_release(&interp);
 }

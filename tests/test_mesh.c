@@ -217,7 +217,7 @@ STORY(a_mesh_that_follows_is_the_one_from_nothing)
 {
     for (unsigned number = 0; number < check_scaled(70) && check_failures == 0; number++) {
         uint64_t random = number;
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         enum mesh_kind kind = MESH_SMOOTH;
         stage_at_random(&s, &random);
         for (int step = 0; step < 25 && check_failures == 0; step++) {
@@ -228,7 +228,6 @@ STORY(a_mesh_that_follows_is_the_one_from_nothing)
             if (!is_right(&s.mesh, &s.border, kind))
                 printf("# number %u step %d kind %d\n", number, step, (int)kind);
         }
-        stage_release(&s);
     }
 }
 
@@ -237,8 +236,8 @@ STORY(a_mesh_that_follows_is_the_one_from_nothing)
 STORY(a_voxel_that_is_repainted_changes_what_is_around_it)
 {
     enum { SIDE = 24, MIDDLE = SIDE / 2, RADIUS = 8 };
-    struct stage s;
-    struct mesh mesh = {0};
+    OWNED(stage_release) struct stage s;
+    OWNED(mesh_release) struct mesh mesh = {0};
     uint64_t random = 11;
     CHECK(stage_init(&s, (uint32_t[]){SIDE, SIDE, SIDE}, 6, NULL) == OK);
     const struct grid *grid = &s.scene->grid;
@@ -269,14 +268,12 @@ STORY(a_voxel_that_is_repainted_changes_what_is_around_it)
             break;
         round++;
     }
-    mesh_release(&mesh);
-    stage_release(&s);
 }
 
 /* No voxel becomes visible or hidden, and yet a face is no longer closed. */
 STORY(what_was_cut_away_and_is_hidden_now_leaves_an_open_face)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     CHECK(stage_init(&s, (uint32_t[]){24, 24, 24}, 6, NULL) == OK);
     for (uint32_t v = 0; v < s.scene->grid.voxels; v++)
         s.scene->cell[grid_cell(&s.scene->grid, v % 24, v / 24 % 24, v / 576)].label =
@@ -289,7 +286,6 @@ STORY(what_was_cut_away_and_is_hidden_now_leaves_an_open_face)
     border_recount(&s.border);
     CHECK(mesh_update(&s.mesh, &s.border, MESH_SMOOTH, NULL, NULL, NULL) == OK);
     is_right(&s.mesh, &s.border, MESH_SMOOTH);
-    stage_release(&s);
 }
 
 STORY(any_number_of_threads_makes_the_same_mesh)
@@ -300,7 +296,7 @@ STORY(any_number_of_threads_makes_the_same_mesh)
         CHECK(team_new(&team, threads[i], NULL) == OK);
         for (unsigned number = 0; number < check_scaled(8) && check_failures == 0; number++) {
             uint64_t random = 100 + number;
-            struct stage s;
+            OWNED(stage_release) struct stage s;
             enum mesh_kind kind = MESH_SMOOTH;
             stage_at_random(&s, &random);
             for (int step = 0; step < 20 && check_failures == 0; step++) {
@@ -309,7 +305,6 @@ STORY(any_number_of_threads_makes_the_same_mesh)
                 if (step % 4 == 3 && !is_right(&s.mesh, &s.border, kind))
                     printf("# number %u step %d, %u threads\n", number, step, threads[i]);
             }
-            stage_release(&s);
         }
         team_free(team);
     }
@@ -319,7 +314,7 @@ STORY(any_number_of_threads_makes_the_same_mesh)
 STORY(a_mesh_keeps_little_of_what_making_it_takes)
 {
     enum { SIDE = 70, TABLES = 1 << 20 };
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     uint64_t random = 5;
     size_t bricks = 0;
     CHECK(stage_init(&s, (uint32_t[]){SIDE, SIDE, SIDE}, 6, NULL) == OK);
@@ -334,7 +329,6 @@ STORY(a_mesh_keeps_little_of_what_making_it_takes)
                       s.mesh.brick[i]->quads * sizeof *s.mesh.brick[i]->quad;
     CHECK(bricks > MESH_SCRATCH_MOST);
     CHECK(mesh_bytes(&s.mesh) <= bricks + MESH_SCRATCH_MOST + TABLES);
-    stage_release(&s);
 }
 
 /* ---- updates that fail ---- */
@@ -366,7 +360,7 @@ static void make_copy(struct mesh *copy, const struct mesh *mesh)
 static void fails_and_comes_right(unsigned number, bool is_stopped)
 {
     uint64_t random = 1000 + number;
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     enum mesh_kind kind = MESH_SMOOTH;
     stage_at_random(&s, &random);
     for (int i = 0; i < 3; i++)
@@ -403,7 +397,6 @@ static void fails_and_comes_right(unsigned number, bool is_stopped)
     CHECK(mesh_update(&s.mesh, &s.border, kind, NULL, NULL, NULL) == OK);
     if (!is_right(&s.mesh, &s.border, kind))
         printf("# number %u\n", number);
-    stage_release(&s);
 }
 
 STORY(an_update_without_memory_changes_nothing_and_the_next_is_right)
@@ -442,8 +435,8 @@ STORY(who_listens_hears_of_every_brick_that_becomes_another)
 {
     for (unsigned number = 0; number < check_scaled(10) && check_failures == 0; number++) {
         uint64_t random = 50 + number;
-        struct stage s;
-        struct mesh copy;
+        OWNED(stage_release) struct stage s;
+        OWNED(mesh_release) struct mesh copy;
         enum mesh_kind kind = MESH_SMOOTH;
         stage_at_random(&s, &random);
         CHECK(mesh_update(&s.mesh, &s.border, kind, NULL, NULL, NULL) == OK);
@@ -456,7 +449,5 @@ STORY(who_listens_hears_of_every_brick_that_becomes_another)
             CHECK(is_same_mesh(&s.mesh, &copy));
         }
         CHECK(heard.bricks > 0 && heard.others == 0);
-        mesh_release(&copy);
-        stage_release(&s);
     }
 }

@@ -72,8 +72,8 @@ STORY(a_pixel_is_as_bright_as_the_brightest_voxel_on_its_ray)
     for (unsigned i = 2; i < 4; i++)
         CHECK(team_new(&team[i], i, NULL) == OK);
     for (unsigned i = 0; i < check_scaled(400) && check_failures == 0; i++) {
-        struct stage s;
-        struct mip mip = {0};
+        OWNED(stage_release) struct stage s;
+        OWNED(mip_release) struct mip mip = {0};
         stage_at_random(&s, &random);
         for (int look = 0; look < 3 && check_failures == 0; look++) {
             struct mip_source of = {.scene = s.scene, .cut = s.border.cut};
@@ -86,8 +86,6 @@ STORY(a_pixel_is_as_bright_as_the_brightest_voxel_on_its_ray)
             is_right(&s, &mip, &of);
             s.border.cut = cut_none(); /* change cut and view, but not the scene */
         }
-        mip_release(&mip);
-        stage_release(&s);
     }
     for (unsigned i = 2; i < 4; i++)
         team_free(team[i]);

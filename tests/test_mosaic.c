@@ -94,9 +94,9 @@ STORY(panes_are_slices_at_one_scale)
     style.crosses = true;
     for (uint32_t side = 61; side < 200; side += 23) {
         const uint32_t width = side % 2 ? side : 2 * side, height = side % 2 ? 2 * side : side;
-        struct rendition r = noisy_rendition(width, height);
+        OWNED(rendition_release) struct rendition r = noisy_rendition(width, height);
         const struct mosaic_choice choice = {.place = {3, 4, 5}};
-        struct canvas mosaic = take(scene, &r, &choice, &style);
+        OWNED(canvas_release) struct canvas mosaic = take(scene, &r, &choice, &style);
         uint64_t pixel_pm = 0;
         for (int p = 0; p < 3; p++) {
             const struct mosaic_box box = mosaic_box(width, height, pane_of[p]);
@@ -108,16 +108,13 @@ STORY(panes_are_slices_at_one_scale)
             const struct mosaic_box box = mosaic_box(width, height, pane_of[p]);
             const struct slice_choice slice = {
                 (enum slice_plane)p, {3, 4, 5}, pixel_pm, true, 0, NULL, false, {0}, 0};
-            struct canvas alone;
+            OWNED(canvas_release) struct canvas alone;
             CHECK(canvas_init(&alone, box.width, box.height, 0, NULL) == OK);
             CHECK(slice_draw(&alone, scene, &slice, &style, NULL) == OK);
             for (uint32_t y = 0; y < box.height; y++)
                 CHECK(memcmp(canvas_pixel(&mosaic, box.left, box.top + y),
                              canvas_pixel(&alone, 0, y), 4 * (size_t)box.width) == 0);
-            canvas_release(&alone);
         }
-        canvas_release(&mosaic);
-        rendition_release(&r);
     }
     scene_free(scene);
 }
@@ -129,11 +126,11 @@ STORY(the_lines_of_the_cross_hair_run_on)
     struct scene *scene = NULL;
     struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {3, 4, 5}};
-    struct rendition r = noisy_rendition(100, 100);
+    OWNED(rendition_release) struct rendition r = noisy_rendition(100, 100);
     uint32_t columns[2] = {0}, rows[2] = {0};
     CHECK(scene_new(&scene, size, NULL) == OK);
     style.crosses = true;
-    struct canvas mosaic = take(scene, &r, &choice, &style);
+    OWNED(canvas_release) struct canvas mosaic = take(scene, &r, &choice, &style);
     for (uint32_t i = 0; i < 49; i++) {
         columns[0] += canvas_pixel(&mosaic, i, 0)[0] ? i : 0;
         columns[1] += canvas_pixel(&mosaic, i, 99)[0] ? i : 0;
@@ -142,8 +139,6 @@ STORY(the_lines_of_the_cross_hair_run_on)
     }
     CHECK(columns[0] > 24 && columns[0] == columns[1]); /* left of the middle of the patient */
     CHECK(rows[0] > 0 && rows[0] < 24 && rows[0] == rows[1]);
-    canvas_release(&mosaic);
-    rendition_release(&r);
     scene_free(scene);
 }
 
@@ -169,7 +164,7 @@ STORY(a_pixel_of_the_pane_is_what_samples_come_to)
     memset(fine.normal, 0, 20 * 20 * 4 * sizeof *fine.normal);
     CHECK(rendition_init(&reduced, 10, 10, NULL) == OK);
     rendition_reduce(&reduced, &fine, 2, NULL);
-    struct canvas mosaic = take(scene, &r, &choice, &style);
+    OWNED(canvas_release) struct canvas mosaic = take(scene, &r, &choice, &style);
     for (uint32_t y = 0; y < 10; y++)
         for (uint32_t x = 0; x < 10; x++) {
             uint8_t expected[3];
@@ -179,7 +174,6 @@ STORY(a_pixel_of_the_pane_is_what_samples_come_to)
             CHECK_INT(mosaic_cell_at(scene, 21, 21, &r, &choice, 11 + x, 11 + y),
                       reduced.cell[y * 10 + x]);
         }
-    canvas_release(&mosaic);
     rendition_release(&reduced);
     rendition_release(&fine);
     rendition_release(&r);
@@ -192,20 +186,19 @@ STORY(the_rendition_lies_in_the_middle_of_its_pane)
     struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {0, 0, 0}};
+    OWNED(rendition_release)
     struct rendition r = black_rendition(130, 131); /* the pane has 64x65 */
     r.cell[0] = 5;
     r.cell[1] = 6;
     r.cell[130 * 130 + 128] = 7;
     r.cell[130 * 130 + 129] = 8;
-    struct canvas mosaic = take(scene, &r, &choice, &style);
+    OWNED(canvas_release) struct canvas mosaic = take(scene, &r, &choice, &style);
     CHECK_INT(mosaic.cell[66 * 130 + 66], 6);
     CHECK_INT(mosaic.cell[66 * 130 + 67], CELL_NONE);
     CHECK_INT(mosaic.cell[130 * 130 + 129], CELL_NONE); /* the last row has no other */
     r.cell[129 * 130 + 128] = 9;
     r.depth[129 * 130 + 128] = 0;
     CHECK_INT(mosaic_cell_at(scene, r.width, r.height, &r, &choice, 129, 130), 9);
-    canvas_release(&mosaic);
-    rendition_release(&r);
     scene_free(scene);
 }
 
@@ -218,12 +211,13 @@ STORY(a_pixel_of_a_mosaic_knows_its_voxel)
     for (int i = 0; i < 90; i++) {
         const struct mosaic_choice choice = {
             .place = {check_below(&seed, 14), check_below(&seed, 10), check_below(&seed, 6)}};
+        OWNED(rendition_release)
         struct rendition r = noisy_rendition(MOSAIC_SIDE_LEAST + check_below(&seed, 130),
                                              MOSAIC_SIDE_LEAST + check_below(&seed, 130));
         const bool is_fitted = i % 3 > 0;
         const uint32_t width = is_fitted ? MOSAIC_SIDE_LEAST + check_below(&seed, 200) : r.width;
         const uint32_t height = is_fitted ? MOSAIC_SIDE_LEAST + check_below(&seed, 200) : r.height;
-        struct canvas mosaic;
+        OWNED(canvas_release) struct canvas mosaic;
         CHECK(canvas_init(&mosaic, width, height, CANVAS_CELLS, NULL) == OK);
         CHECK(mosaic_draw(&mosaic, scene, &r, &choice, &style, NULL) == OK);
         uint32_t wrong = 0, shown = 0;
@@ -234,8 +228,6 @@ STORY(a_pixel_of_a_mosaic_knows_its_voxel)
         }
         CHECK_INT(wrong, 0);
         CHECK(shown > 0);
-        canvas_release(&mosaic);
-        rendition_release(&r);
     }
     scene_free(scene);
 }
@@ -248,9 +240,9 @@ STORY(a_rendition_of_another_size_is_fitted_in)
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {0, 0, 0}};
     for (size_t i = 0; i < sizeof side / sizeof side[0]; i++) {
-        struct rendition r = noisy_rendition(side[i][0], side[i][1]);
+        OWNED(rendition_release) struct rendition r = noisy_rendition(side[i][0], side[i][1]);
         const struct mosaic_box box = mosaic_box(200, 160, MOSAIC_RENDITION);
-        struct canvas mosaic;
+        OWNED(canvas_release) struct canvas mosaic;
         uint32_t seen = 0, wrong = 0;
         for (size_t p = 0; p < (size_t)r.width * r.height; p++)
             memcpy(r.rgba + 4 * p, (uint8_t[]){10, 200, 90, 255}, 4);
@@ -268,8 +260,6 @@ STORY(a_rendition_of_another_size_is_fitted_in)
             wide < high ? wide / side[i][0] * box.width : high / side[i][1] * box.height;
         CHECK(seen * 4 >=
               least - least / 8); /* enlarged by whole numbers: a quarter at the least */
-        canvas_release(&mosaic);
-        rendition_release(&r);
     }
     scene_free(scene);
 }
@@ -279,8 +269,8 @@ STORY(without_memory_there_is_no_mosaic)
     struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {0, 0, 0}, .notes = true};
-    struct rendition r = noisy_rendition(40, 40);
-    struct canvas canvas;
+    OWNED(rendition_release) struct rendition r = noisy_rendition(40, 40);
+    OWNED(canvas_release) struct canvas canvas;
     unsigned refused = 0;
     enum err err = ERR_MEMORY;
     CHECK(canvas_init(&canvas, 40, 40, 0, NULL) == OK);
@@ -294,7 +284,5 @@ STORY(without_memory_there_is_no_mosaic)
     }
     CHECK_INT(err, OK);
     CHECK_INT(refused, allocations_made);
-    canvas_release(&canvas);
-    rendition_release(&r);
     scene_free(scene);
 }

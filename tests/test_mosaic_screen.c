@@ -180,7 +180,7 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
     static struct palette palette;
     static bool visible[256];
     struct scene *scene = scene_of(30, 36, 20);
-    struct rendition r;
+    OWNED(rendition_release) struct rendition r;
     uint64_t seed = 8;
     style.palette = &palette;
     style.visible = visible;
@@ -195,7 +195,7 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
                       cell[i % 4][1]);
         struct mosaic_layout layout;
         struct mosaic_choice choice = {.layout = &layout, .times = 1000 + check_below(&seed, 9000)};
-        struct canvas canvas;
+        OWNED(canvas_release) struct canvas canvas;
         uint32_t wrong = 0;
         screen.shows_all = i % 3;
         screen.alone = (enum mosaic_pane)check_below(&seed, 4);
@@ -229,8 +229,6 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
             canvas_release(&alone);
         }
         CHECK_INT(wrong, 0);
-        canvas_release(&canvas);
     }
-    rendition_release(&r);
     scene_free(scene);
 }

@@ -31,7 +31,6 @@ for plane in colour depth label voxel; do
     red "a golden image's $plane"
     out_has "golden image body"
 done
-close_story
 
 begin "a change of one datum of a journal is detected"
 changed "a seed, by one voxel" 's/^seed 100,40,50 1/seed 101,40,50 1/'
@@ -41,7 +40,6 @@ changed "the scene's digest" 's/scene=\(.*\)\([0-9a-e]\) size/scene=\1f size/'
 changed "a chain" 's/\(^= 3 .*\)[0-9a-e]$/\1f/'
 changed "a picture's digest" '0,/picture=0*[0-9a-e]/s/picture=[0-9a-e]/picture=f/'
 changed "a command left out" '/^seed 120,70,45 3/,+1d'
-close_story
 
 # ---- the program ----
 
@@ -85,17 +83,15 @@ mutate() { # FILE SED-SCRIPT
 }
 
 begin "the unchanged copy verifies"
-[ "$build" = "$top/build" ] || { skip "only the release is copied"; close_story; finish; }
+[ "$build" = "$top/build" ] || { skip "only the release is copied"; finish; }
 copy_tree
 make -C "$work/tree" VARIANT=release build/iftty </dev/null >"$work/make" 2>&1 ||
     fail "$(tail -n 3 "$work/make")"
 expect 0 "$work/tree/build/iftty" verify examples/geom.iftty examples/looks.iftty </dev/null
-close_story
 printf '%s\n' "$programs" >"$work/programs"
 while IFS='|' read -r what file script; do
     begin "$(printf '%s' "$what" | sed 's/ *$//')"
     mutate "$(printf '%s' "$file" | tr -d ' ')" "$script"
-    close_story
 done <"$work/programs"
 
 finish

@@ -218,7 +218,7 @@ static void relabel_hidden(void)
 
 static void check_parts(bool is_cubes, uint64_t seed)
 {
-    struct net whole = net_of_scene(is_cubes);
+    OWNED(net_release) struct net whole = net_of_scene(is_cubes);
     relabel_hidden(); /* which counts for nothing */
     for (uint64_t trial = 0; trial < 12; trial++) {
         int32_t first[3];
@@ -228,7 +228,7 @@ static void check_parts(bool is_cubes, uint64_t seed)
             size[a] = 1 + (uint32_t)(r % 13);
             first[a] = (int32_t)((r >> 20) % (uint64_t)(scene.side + 2)) - 1;
         }
-        struct net part = net_of(first, size, is_cubes);
+        OWNED(net_release) struct net part = net_of(first, size, is_cubes);
         bool same = true;
         for (uint32_t q = 0; q < whole.quads; q++) {
             const struct net_quad *is = &whole.quad[q];
@@ -246,9 +246,7 @@ static void check_parts(bool is_cubes, uint64_t seed)
         }
         CHECK(same);
         CHECK_INT(part.quads, quads);
-        net_release(&part);
     }
-    net_release(&whole);
 }
 
 STORY(a_box_has_the_same_net_as_a_part_of_a_larger_one)
@@ -276,18 +274,16 @@ STORY(every_edge_has_its_partner)
     for (uint64_t k = 0; k < 6; k++) {
         scene_init(24);
         scene_random(k, 100 + 150 * (uint32_t)k, 4, k & 1 ? 300 : 0);
-        struct net net = net_of_scene(false);
+        OWNED(net_release) struct net net = net_of_scene(false);
         CHECK_INT(lonely_edges(&net), 0);
-        net_release(&net);
     }
     scene_init(5); /* all of a scene */
     scene_random(1, 1024, 1, 0);
-    struct net net = net_of_scene(false);
+    OWNED(net_release) struct net net = net_of_scene(false);
     CHECK_INT(lonely_edges(&net), 0);
     CHECK_INT(net.quads, 6 * 25);
     CHECK_INT(net.vertices, 6 * 6 * 6 - 4 * 4 * 4);
     CHECK(fabs(volume_of(&net) - 125) < 1e-9);
-    net_release(&net);
 }
 
 /* ---- symmetry ---- */
@@ -303,7 +299,7 @@ STORY(turned_and_mirrored_labels_have_the_turned_and_mirrored_net)
     scene_init(22);
     scene_blobs(5, 3);
     *scene_at(3, 4, 5) = *scene_at(9, 20, 7) = NET_CLOSED;
-    struct net plain = net_of_scene(false);
+    OWNED(net_release) struct net plain = net_of_scene(false);
     qsort(plain.vertex, plain.vertices, sizeof *plain.vertex, by_place);
     for (int t = 0; t < 48; t++) {
         static const int turn[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
@@ -312,7 +308,7 @@ STORY(turned_and_mirrored_labels_have_the_turned_and_mirrored_net)
             scene.turn[a] = turn[t / 8][a];
             scene.flip[a] = t >> a & 1;
         }
-        struct net net = net_of_scene(false);
+        OWNED(net_release) struct net net = net_of_scene(false);
         for (uint32_t v = 0; v < net.vertices; v++) {
             struct net_vertex from = net.vertex[v], to = from;
             to.air = 0;
@@ -335,9 +331,7 @@ STORY(turned_and_mirrored_labels_have_the_turned_and_mirrored_net)
         for (uint32_t v = 0; v < plain.vertices && same; v++)
             same &= is_same_vertex(&net.vertex[v], &plain.vertex[v]);
         CHECK(same);
-        net_release(&net);
     }
-    net_release(&plain);
 }
 
 /* ---- small and thin things ---- */
@@ -348,9 +342,8 @@ static double kept(void)
     double voxels = 0;
     for (size_t k = 0; k < sizeof scene.voxel / sizeof *scene.voxel; k++)
         voxels += scene.voxel[k] != 0 && scene.voxel[k] != NET_CLOSED;
-    struct net net = net_of_scene(false);
+    OWNED(net_release) struct net net = net_of_scene(false);
     const double volume = volume_of(&net);
-    net_release(&net);
     return volume / voxels;
 }
 
@@ -414,7 +407,7 @@ STORY(a_border_between_labels_is_smooth_along_the_surface)
         const int32_t p[3] = {5 + k % 20, 5 + k / 20 % 20, 5 + k / 400};
         *scene_at(p[0], p[1], p[2]) = p[1] < 14 + p[0] % 2 ? 1 : 2;
     }
-    struct net net = net_of_scene(false);
+    OWNED(net_release) struct net net = net_of_scene(false);
     uint8_t *labels = labels_on_top(&net);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const double y = place_of(&net.vertex[v], 1), z = place_of(&net.vertex[v], 2);
@@ -429,7 +422,6 @@ STORY(a_border_between_labels_is_smooth_along_the_surface)
     CHECK(most_z - least_z < 0.01);
     CHECK_NEAR(volume_of(&net) / 8000, 1, 0.002);
     free(labels);
-    net_release(&net);
 }
 
 /* The top of a block, with label 1 below a line that rises by 1 in `run`, otherwise 2: the width of
@@ -442,7 +434,7 @@ static double off_the_line(int32_t run)
         const int32_t p[3] = {3 + k % 38, 3 + k / 38 % 38, 3 + k / (38 * 38)};
         *scene_at(p[0], p[1], p[2]) = run * (p[1] - 20) < p[0] - 20 ? 1 : 2;
     }
-    struct net net = net_of_scene(false);
+    OWNED(net_release) struct net net = net_of_scene(false);
     uint8_t *labels = labels_on_top(&net);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const double x = place_of(&net.vertex[v], 0), y = place_of(&net.vertex[v], 1);
@@ -452,7 +444,6 @@ static double off_the_line(int32_t run)
         most = fmax(most, y - x / run);
     }
     free(labels);
-    net_release(&net);
     return most - least;
 }
 
@@ -472,14 +463,13 @@ static double area_on_top(int32_t side)
     scene_block(8);
     for (int32_t k = 0; k < side * side; k++)
         *scene_at(12 + k % side, 12 + k / side, 12) = 2;
-    struct net net = net_of_scene(false);
+    OWNED(net_release) struct net net = net_of_scene(false);
     for (uint32_t q = 0; q < net.quads; q++)
         for (int k = 0; k < 4 && net.quad[q].label == 2 && net.quad[q].face == 5; k++) {
             const struct net_vertex *a = &net.vertex[net.quad[q].corner[k]];
             const struct net_vertex *b = &net.vertex[net.quad[q].corner[(k + 1) % 4]];
             sum += (place_of(a, 0) * place_of(b, 1) - place_of(a, 1) * place_of(b, 0)) / 2;
         }
-    net_release(&net);
     return sum;
 }
 
@@ -498,7 +488,7 @@ static double normals_off(double run)
     scene_init(SIDE);
     for (int32_t k = 0; k < SIDE * SIDE * SIDE; k++)
         scene.voxel[k] = k / (SIDE * SIDE) < 20 + k % SIDE / run;
-    struct net net = net_of_scene(false);
+    OWNED(net_release) struct net net = net_of_scene(false);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const struct net_vertex *is = &net.vertex[v];
         double cosine = 0;
@@ -508,7 +498,6 @@ static double normals_off(double run)
             is->cube[2] > 10)
             most = fmax(most, acos(fmin(1, cosine)) * 180 / 3.14159265358979);
     }
-    net_release(&net);
     return most;
 }
 
@@ -519,7 +508,7 @@ STORY(normals_of_gentle_slopes_hardly_ripple_and_those_of_a_box_stay)
     CHECK_NEAR(normals_off(12), 0, 6.3);
     CHECK_NEAR(normals_off(20), 0, 8.2);
     scene_block(20);
-    struct net net = net_of_scene(false);
+    OWNED(net_release) struct net net = net_of_scene(false);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const struct net_vertex *is = &net.vertex[v];
         if (is->cube[1] != 14 || is->cube[2] != 24 || is->cube[0] < 14)
@@ -528,7 +517,6 @@ STORY(normals_of_gentle_slopes_hardly_ripple_and_those_of_a_box_stay)
         static const double most[] = {46, 25, 11, 6, 2.5, 1};
         CHECK(slant < (is->cube[0] > 18 ? most[24 - is->cube[0]] : 0.2));
     }
-    net_release(&net);
 }
 
 STORY(cuts_and_cubes_lie_on_faces_of_voxels)
@@ -539,7 +527,7 @@ STORY(cuts_and_cubes_lie_on_faces_of_voxels)
         if (k / 24 % 24 > 13)
             *scene_at(k % 24, k / 24 % 24, k / 576) = NET_CLOSED;
     for (int is_cubes = 0; is_cubes < 2; is_cubes++) {
-        struct net net = net_of_scene(is_cubes);
+        OWNED(net_release) struct net net = net_of_scene(is_cubes);
         bool flat = true, whole = true;
         uint32_t closed = 0;
         for (uint32_t q = 0; q < net.quads; q++)
@@ -550,7 +538,6 @@ STORY(cuts_and_cubes_lie_on_faces_of_voxels)
                 whole &= net.vertex[v].at[a] == NET_ONE / 2;
         CHECK(closed > 100 && flat);
         CHECK(whole == is_cubes);
-        net_release(&net);
     }
 }
 

@@ -108,7 +108,7 @@ static void light_surface(uint8_t rgb[3], const struct light *light, const struc
 STORY(many_surfaces_at_once_are_lit_like_each_one)
 {
     uint64_t random = 2;
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     CHECK(stage_init(&s, (uint32_t[]){5, 5, 5}, 6, NULL) == OK);
     for (unsigned round = 0; round < check_scaled(3000) && check_failures == 0; round++) {
         const int32_t angle[2] = {(int32_t)check_below(&random, 360001) - 180000,
@@ -136,5 +136,4 @@ STORY(many_surfaces_at_once_are_lit_like_each_one)
             for (int k = 0; k < 3; k++)
                 CHECK_INT(lit.colour[k][i], rgb[i][k]);
     }
-    stage_release(&s);
 }

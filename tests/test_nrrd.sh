@@ -28,7 +28,7 @@ told() {
     sed "s|${2%.*}.[a-z]*|FILE|g" "$work/out" "$work/err" | grep -v '^ok\|^    memory' >"$work/told"
 }
 
-begin "read without a helper, a file is what ITK says of it"
+begin "a file read without the helper equals the file read by ITK"
 count=0
 for file in ours/*.nrrd; do
     told "$iftty" "${file%.nrrd}.nhdr"
@@ -39,14 +39,12 @@ for file in ours/*.nrrd; do
     count=$((count + 1))
 done
 [ "$count" -gt 100 ] || fail "$count files"
-close_story
 
-begin "what is not certain goes on to ITK, and is read or refused as before"
+begin "an uncertain header is passed to ITK, and read or rejected as before"
 for file in left/*.nrrd; do
     "$alone" info "$file" >"$work/out" 2>"$work/err" </dev/null
     err_has "cannot start the volume helper" || fail "$file"
 done
-close_story
 
 # The world of a map that is saved runs to the left, the back and the head: y alone is the other way
 # than in left-anterior-superior.
@@ -54,10 +52,8 @@ begin "left-anterior-superior: x runs to the left, y to the front, with and with
 for name in plain gzip hex dots series; do
     for file in las/$name.nrrd las/$name.nhdr; do
         rm -f "$work/map.nrrd"
-        expect 0 "$iftty" info $file
-        out_has "axes      LAS"
-        expect 0 "$iftty" -c "open $file; info; save labels $work/map.nrrd empty=yes"
-        out_has "2.5 mm, axes towards LAS,"
+        expect_out "axes      LAS" 0 "$iftty" info $file
+        answers "2.5 mm, axes towards LAS," "open $file; info; save labels $work/map.nrrd empty=yes"
         ! grep -q "sides are wrong" "$work/out" || fail "$file: $(cat "$work/out")"
         grep -a '^space' "$work/map.nrrd" >"$work/space"
         printf '%s\n' "space: left-posterior-superior" \
@@ -66,31 +62,24 @@ for name in plain gzip hex dots series; do
     done
 done
 for file in las/plain.nrrd las/gzip.nrrd; do
-    expect 0 "$alone" info $file
-    out_has "axes      LAS"
+    expect_out "axes      LAS" 0 "$alone" info $file
 done
-close_story
 
-begin "where it is not certain how such a file lies no side is named, and it says so"
+begin "a file of uncertain orientation has no named sides, and this is reported"
 for name in none nan words; do
     for file in las/$name.nrrd las/$name.nhdr; do
-        expect 0 "$iftty" info $file
-        out_has "axes      unknown"
+        expect_out "axes      unknown" 0 "$iftty" info $file
         out_has "left-anterior-superior, and the place of its voxels in it is uncertain: sides of"
     done
 done
-close_story
 
-begin "a map in left-anterior-superior lies where it says over a scene in another space"
+begin "a map in left-anterior-superior is placed correctly over a scene in another space"
 for file in las/plain.nrrd las/hex.nhdr; do
-    expect 0 "$iftty" -c "open las/ras.nrrd; labels $file; run; stats"
-    out_has "label 7: "
+    answers "label 7: " "open las/ras.nrrd; labels $file; run; stats"
     out_has "centre 3.0,1.0,2.0 at 9.8,21.1,8.0 mm" # 12.5 - 3 * 0.9, 20 + 1.1, 3 + 2 * 2.5
-    expect 0 "$iftty" -c "open las/turned.nrrd; labels $file; run; stats"
-    out_has "centre 1.0,1.0,2.0 at 9.8,21.1,8.0 mm"
+    answers "centre 1.0,1.0,2.0 at 9.8,21.1,8.0 mm" "open las/turned.nrrd; labels $file; run; stats"
     expect 0 "$iftty" -c "open $file; labels las/turned.nrrd; run; stats"
     out_has "centre 1.0,1.0,2.0 at 11.6,21.1,8.0 mm"
 done
-close_story
 
 finish

@@ -110,7 +110,7 @@ STORY(bricks_are_what_is_counted_and_follow_edits_cuts_and_what_is_hidden)
 {
     for (unsigned number = 0; number < check_scaled(30) && check_failures == 0; number++) {
         uint64_t random = number;
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         struct bricks bricks = {0};
         stage_at_random(&s, 1, number % 3 ? 40 : 90, &random);
         for (int i = 0; i < 12 && check_failures == 0; i++) {
@@ -124,7 +124,6 @@ STORY(bricks_are_what_is_counted_and_follow_edits_cuts_and_what_is_hidden)
         CHECK(bricks_bytes(&bricks) > 0);
         bricks_release(&bricks);
         CHECK_INT(bricks_bytes(&bricks), 0);
-        stage_release(&s);
     }
 }
 
@@ -176,7 +175,7 @@ STORY(nothing_counts_that_is_beyond_the_reach)
     static const uint32_t spacing[][3] = {{1, 1, 1}, {1, 1, 2}, {5, 1, 1}, {2, 3, 2}, {1, 6, 40}};
     for (unsigned number = 0; number < check_scaled(25) && check_failures == 0; number++) {
         uint64_t random = number;
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         uint32_t voxel[3];
         CHECK(stage_init(&s, (uint32_t[]){80, 80, 80}, 6, NULL) == OK);
         for (int a = 0; a < 3; a++) {
@@ -189,7 +188,6 @@ STORY(nothing_counts_that_is_beyond_the_reach)
         CHECK_INT(most_around(&s, voxel, &random), 0);
         show_beyond(&s, voxel, reach - 7);
         CHECK(most_around(&s, voxel, &random) > 0 || reach > 40);
-        stage_release(&s);
     }
 }
 
@@ -264,7 +262,7 @@ STORY(what_is_flat_or_convex_stays_as_it_is)
     enum { SPACINGS = sizeof spacing / sizeof spacing[0] };
     for (unsigned number = 0; number < check_scaled(30) && check_failures == 0; number++) {
         uint64_t random = number;
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         struct brightness b;
         CHECK(stage_init(&s, (uint32_t[]){60, 60, 60}, 6, NULL) == OK);
         const uint32_t *unit = spacing[number % SPACINGS];
@@ -284,13 +282,12 @@ STORY(what_is_flat_or_convex_stays_as_it_is)
         const int of_ball = is_smooth ? most_lost(&b) : 0; /* cubes are stairs */
         if (!CHECK(of_box <= 10 && of_ball <= 10))
             printf("# number %u: %d and %d of 1000 are lost\n", number, of_box, of_ball);
-        stage_release(&s);
     }
 }
 
 STORY(a_groove_is_darker_than_its_rim_and_no_darker_than_the_look_says)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     struct brightness b;
     CHECK(stage_init(&s, (uint32_t[]){60, 60, 60}, 6, NULL) == OK);
     CHECK(view_by_name("front", s.view.angle));
@@ -302,7 +299,6 @@ STORY(a_groove_is_darker_than_its_rim_and_no_darker_than_the_look_says)
     CHECK(floor > 600 && rim < floor / 8 && flat == 0);
     draw(&s, 40, b.all);
     CHECK(lost_at(&b, 60, 60) > 200 && lost_at(&b, 60, 60) <= 400);
-    stage_release(&s);
 }
 
 /* ---- ways to a picture ---- */
@@ -319,14 +315,12 @@ static bool agrees(struct stage *s, const struct rendition *kept)
     static projection *const ways[] = {project_border, project_scene, project_rays};
     bool fine = true;
     for (int i = 0; i < 3; i++) {
-        struct rendition other;
-        struct shader shader = {.window = {0, 4000}};
+        OWNED(rendition_release) struct rendition other;
+        OWNED(shader_release) struct shader shader = {.window = {0, 4000}};
         CHECK(rendition_init(&other, s->view.width, s->view.height, NULL) == OK);
         ways[i](&other, &s->camera, &s->mesh);
         colour(s, &other, &shader);
         fine = CHECK(stage_same_pixels(&other, kept, "another way")) && fine;
-        rendition_release(&other);
-        shader_release(&shader);
     }
     return fine;
 }
@@ -348,7 +342,7 @@ static void begin_halves(struct stage *s)
 static void sitting(unsigned number, struct team *team)
 {
     uint64_t random = number;
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     size_t repaired = 0, tiles = 0;
     stage_at_random(&s, 30, 80, &random);
     begin_halves(&s);
@@ -376,7 +370,6 @@ static void sitting(unsigned number, struct team *team)
             printf("# number %u look %d: mode %d, %zu of %zu tiles were repaired\n", number, look,
                    (int)s.look.mode, repaired, tiles);
     }
-    stage_release(&s);
 }
 
 STORY(four_ways_agree_and_the_incremental_image_follows_edits)
@@ -390,7 +383,7 @@ STORY(four_ways_agree_and_the_incremental_image_follows_edits)
 
 STORY(translucent_objects_let_the_light_in)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     uint8_t none[60 * 60], all[60 * 60];
     CHECK(stage_init(&s, (uint32_t[]){60, 60, 60}, 6, NULL) == OK);
     CHECK(view_by_name("front", s.view.angle));
@@ -408,12 +401,11 @@ STORY(translucent_objects_let_the_light_in)
     draw(&s, 100, all);
     CHECK(memcmp(none, all, sizeof none) != 0);
     CHECK(shader_bytes(&s.shader) > without);
-    stage_release(&s);
 }
 
 STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     size_t failed = 0;
     CHECK(stage_init(&s, (uint32_t[]){60, 60, 60}, 6, NULL) == OK);
     s.view.width = s.view.height = 60;
@@ -446,5 +438,4 @@ STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
             break;
     }
     CHECK_INT(failed, allocations_made);
-    stage_release(&s);
 }

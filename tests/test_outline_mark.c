@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Outlines drawn and outlines found: pixels of panes compared with a plain list of voxels, and the
- * outline that is found for a correction.
+ * outline that is found for a correction; pixels of the rendition's pane.
  */
 #include "program/programs.h"
 #include "session/paint.h"
@@ -68,7 +68,7 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     const struct pilot_wish mark = {
         .corner = corner, .corners = 4, .label = 7, .marks_outline = true};
     struct panes with = {0}, without = {0};
-    struct voxels inside = {0};
+    OWNED(voxels_release) struct voxels inside = {0};
     unsigned dots, others, all = 0;
     begin();
     must(&interp, "label 7 outline #fa0a82");
@@ -96,7 +96,6 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     must(&interp, "cross 12,14,9");
     must(&interp, "magnify 300 at=12,14,9"); /* its corners are far outside of the pane */
     draw(&with, &mark);
-    voxels_release(&inside);
     panes_release(&with);
     panes_release(&without);
     interpreter_release(&interp);
@@ -105,14 +104,12 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
 /* Find an outline at a place: return its marker, or -1, and the number of corners. */
 static int find(unsigned label, enum pilot_pane pane, const uint32_t place[3], size_t *corners)
 {
-    struct polyline line = {0};
-    struct buf words = {0};
+    OWNED(polyline_release) struct polyline line = {0};
+    OWNED(buf_release) struct buf words = {0};
     uint32_t marker = 99;
     const bool found = host.outline(&pilot, label, pane, place, &line, &marker, &words);
     *corners = line.count;
     CHECK(words.length > 0);
-    polyline_release(&line);
-    buf_release(&words);
     return found ? (int)marker : -1;
 }
 
@@ -143,7 +140,7 @@ STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
 
 STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     enum pilot_pane pane;
     uint32_t place[3];
     begin();
@@ -158,7 +155,7 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     const enum pilot_pane first = pane;
     const unsigned axis = PILOT_SAGITTAL - pane; /* perpendicular to the slice */
     const uint32_t at = place[axis];
-    struct buf line = {0}; /* an outline there */
+    OWNED(buf_release) struct buf line = {0}; /* an outline there */
     const unsigned across = (axis + 1) % 3, along = (axis + 2) % 3;
     for (int i = 0; i < 4; i++) {
         uint32_t corner[3];
@@ -172,7 +169,32 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     must(&interp, "run");
     for (unsigned rank = 1; host.doubt(&pilot, 1, rank, &pane, place, &words); rank++)
         CHECK(pane != first || place[axis] != at);
-    buf_release(&line);
-    buf_release(&words);
+    interpreter_release(&interp);
+}
+
+/* The rendition in a large pane has more pixels than the view, also before it is drawn. */
+STORY(a_pixel_of_the_rendition_is_one_of_its_pane)
+{
+    static const char *const lines[] = {"size 16 16", "size 40 20", "size 512 512",
+                                        "size 16 16; render"};
+    const struct pilot_wish wish = {
+        .width = 320, .height = 320, .cell_width = 8, .cell_height = 16};
+    struct pilot_facts facts;
+    struct image_view view;
+    uint32_t place[3];
+    begin();
+    must(&interp, "seed 12,14,9 1; run");
+    CHECK(host.picture(&pilot, &wish, &view, NULL) == OK); /* as large as the pane will be */
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        must(&interp, lines[i]);
+        CHECK(host.facts(&pilot, &facts));
+        const uint32_t middle[] = {facts.frame_width / 2, facts.frame_height / 2};
+        CHECK(!host.voxel_of_frame(&pilot, middle[0], middle[1], place)); /* not drawn yet */
+        CHECK(host.picture(&pilot, &wish, &view, NULL) == OK);
+        CHECK_INT(facts.frame_width, session_frame(interp.session)->width);
+        CHECK_INT(facts.frame_height, session_frame(interp.session)->height);
+        CHECK(host.voxel_of_frame(&pilot, middle[0], middle[1], place));
+    }
+    panes_release(&pilot.panes);
     interpreter_release(&interp);
 }

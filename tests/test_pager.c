@@ -9,11 +9,10 @@ static struct buf wrapped;
 
 static void wrap(const char *words, unsigned columns)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     buf_add_text(&text, words);
     buf_clear(&wrapped);
     cells_wrap(&wrapped, &text, columns);
-    buf_release(&text);
 }
 
 /* The bytes of each page, to the end. */
@@ -83,7 +82,7 @@ STORY(a_page_fits_the_screen_whatever_the_text)
     static struct screen screen;
     uint64_t seed = 5;
     for (int round = 0; round < 300; round++) {
-        struct buf text = {0};
+        OWNED(buf_release) struct buf text = {0};
         const struct term_size size = {.columns = 4 + check_below(&seed, 40),
                                        .rows = 2 + check_below(&seed, 20)};
         for (uint64_t n = check_below(&seed, 300); n > 0; n--)
@@ -101,6 +100,5 @@ STORY(a_page_fits_the_screen_whatever_the_text)
             const bool is_one = !feed || feed + 1 == buf_text(&wrapped) + end;
             CHECK(is_one || screen.row < size.rows);
         }
-        buf_release(&text);
     }
 }

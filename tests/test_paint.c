@@ -5,22 +5,18 @@
  */
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "base/polyline.h"
 #include "session/paint.h"
 #include "tests/check_main.h"
 #include "tests/paint_model.h"
+#include "tests/scarce_memory.h"
+#include "tests/stopping.h"
 
 enum { SIDE = 17, CORNERS_MOST = 12 };
 
 static struct grid grid;
 static bool wanted[(SIDE + 2) * (SIDE + 2) * (SIDE + 2)]; /* by cell, according to the model */
-static uint64_t seed = 14;
-
-static uint32_t below(uint32_t bound)
-{
-    return check_below(&seed, bound);
-}
+DRAW_FROM(14)
 
 static void begin(void)
 {
@@ -60,7 +56,7 @@ STORY(a_stroke_is_balls_at_the_voxels_nearest_to_each_step)
         const size_t corners = 1 + below(4);
         uint32_t corner[4][3];
         struct voxels voxels = {0};
-        struct brush brush;
+        OWNED(brush_release) struct brush brush;
         begin();
         for (size_t i = 0; i < corners; i++)
             random_place(corner[i]);
@@ -68,7 +64,6 @@ STORY(a_stroke_is_balls_at_the_voxels_nearest_to_each_step)
         CHECK(brush_init(&brush, unit, radius, BRUSH_REACH_MOST, NULL) == OK);
         CHECK(paint_stroke(&voxels, &grid, &brush, (corners_of)corner, corners, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
-        brush_release(&brush);
     }
 }
 
@@ -92,9 +87,9 @@ STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
         uint32_t place[40][3];
         int step[3] = {0};
         const uint32_t count = 1 + below(40);
-        struct polyline line = {0};
+        OWNED(polyline_release) struct polyline line = {0};
         struct voxels voxels = {0};
-        struct brush brush;
+        OWNED(brush_release) struct brush brush;
         begin();
         random_place(place[0]);
         for (uint32_t i = 1; i < count; i++) {
@@ -110,8 +105,6 @@ STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
         CHECK(are_wanted(&voxels));
         places += count;
         corners += line.count;
-        brush_release(&brush);
-        polyline_release(&line);
     }
     CHECK(corners < places * 2 / 3);
 }
@@ -120,13 +113,12 @@ STORY(only_what_lies_straight_ahead_is_no_corner)
 {
     static const uint32_t place[][3] = {{1, 1, 1}, {1, 1, 1}, {2, 2, 2}, {4, 4, 4},
                                         {3, 3, 3}, {9, 3, 3}, {9, 4, 3}, {9, 6, 3}};
-    struct polyline line = {0};
+    OWNED(polyline_release) struct polyline line = {0};
     for (size_t i = 0; i < sizeof place / sizeof place[0]; i++)
         CHECK(polyline_add(&line, place[i]));
     CHECK_INT(line.count, 5); /* back from 4,4,4 to 3,3,3 is a corner */
     CHECK(memcmp(line.corner[1], place[3], sizeof place[0]) == 0);
     CHECK(memcmp(line.corner[4], place[7], sizeof place[0]) == 0);
-    polyline_release(&line);
 }
 
 /* Return four times the squared distance of a place from the segment from a to b, rounded down. */
@@ -151,7 +143,7 @@ STORY(a_simplified_line_is_within_half_a_voxel_and_keeps_its_ends)
 {
     size_t before = 0, after = 0;
     for (int round = 0; round < 3000 && check_failures == 0; round++) {
-        struct polyline line = {0}, whole = {0};
+        OWNED(polyline_release) struct polyline line = {0}, whole = {0};
         uint32_t place[3];
         int way[2] = {1 + (int)below(5), 1 + (int)below(5)};
         random_place(place);
@@ -176,22 +168,19 @@ STORY(a_simplified_line_is_within_half_a_voxel_and_keeps_its_ends)
         CHECK(line.count == 0 || at + 1 == line.count);
         before += whole.count;
         after += line.count;
-        polyline_release(&line);
-        polyline_release(&whole);
     }
     CHECK(after < before * 2 / 3);
 }
 
 STORY(a_way_of_small_steps_is_one_and_a_way_back_is_another)
 {
-    struct polyline line = {0};
+    OWNED(polyline_release) struct polyline line = {0};
     for (uint32_t i = 0; i < 40; i++)
         CHECK(polyline_add(&line, (uint32_t[]){i + 3, (i + 1) / 3, 7}));
     CHECK(line.count > 20);
     CHECK(polyline_add(&line, (uint32_t[]){3, 2, 7}));
     polyline_simplify(&line);
     CHECK(line.count == 3 && line.corner[1][0] == 42 && line.corner[2][0] == 3);
-    polyline_release(&line);
 }
 
 STORY(a_ball_in_the_world_is_no_ellipsoid)
@@ -235,7 +224,7 @@ STORY(a_shell_is_what_of_a_ball_has_a_neighbour_outside)
         const int64_t radius = (int64_t)below(12 * unit[0]);
         struct adjacency adjacency;
         struct voxels voxels = {0};
-        struct brush brush;
+        OWNED(brush_release) struct brush brush;
         uint32_t middle[3];
         begin();
         random_place(middle);
@@ -248,7 +237,6 @@ STORY(a_shell_is_what_of_a_ball_has_a_neighbour_outside)
         CHECK(brush_hollow(&brush, adjacency.count, NULL) == OK);
         CHECK(paint_shell(&voxels, &grid, &brush, middle, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
-        brush_release(&brush);
     }
 }
 
@@ -261,7 +249,7 @@ STORY(a_box_is_all_between_two_corners_and_its_faces_are_what_a_smaller_one_leav
         random_place(a);
         random_place(b);
         model_box(wanted, &grid, a, b);
-        CHECK(paint_box(&voxels, &grid, a, b, NULL, NULL) == OK);
+        CHECK(paint_box(&voxels, &grid, a, b, false, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
         memset(wanted, 0, sizeof wanted);
         bool *covers = wanted;
@@ -269,7 +257,7 @@ STORY(a_box_is_all_between_two_corners_and_its_faces_are_what_a_smaller_one_leav
                               is_between(a[2], z, b[2]) &&
                               (x == a[0] || x == b[0] || y == a[1] || y == b[1] || z == a[2] ||
                                z == b[2]));
-        CHECK(paint_faces(&voxels, &grid, a, b, NULL, NULL) == OK);
+        CHECK(paint_box(&voxels, &grid, a, b, true, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
     }
 }
@@ -284,7 +272,7 @@ STORY(a_polygon_is_what_its_outline_winds_around_or_meets_and_a_ring_is_what_is_
         const int axis = (int)below(3), width = (int)below(5);
         const size_t corners = 1 + below(CORNERS_MOST);
         uint32_t corner[CORNERS_MOST][3];
-        struct voxels inside = {0}, again = {0}, ring = {0};
+        OWNED(voxels_release) struct voxels inside = {0}, again = {0}, ring = {0};
         begin();
         for (size_t i = 0; i < corners; i++) {
             random_place(corner[i]);
@@ -303,7 +291,6 @@ STORY(a_polygon_is_what_its_outline_winds_around_or_meets_and_a_ring_is_what_is_
             around += ring.count;
             CHECK(are_wanted(&ring));
         }
-        voxels_release(&inside);
     }
     CHECK(filled > 50000 && around > 10000);
 }
@@ -321,14 +308,6 @@ STORY(corners_in_several_slices_are_refused)
 }
 
 /* ---- what is not there, or takes too long ---- */
-
-static size_t bytes_left;
-static bool allows(size_t bytes)
-{
-    const bool fits = bytes <= bytes_left;
-    bytes_left -= fits ? bytes : 0;
-    return fits;
-}
 
 /* Paint everything, under a watch or a limit of memory. */
 static unsigned paint_all(struct watch *watch, enum err expected)
@@ -348,7 +327,8 @@ static unsigned paint_all(struct watch *watch, enum err expected)
         failed += err != OK;
         voxels_release(&voxels);
         if (i == 0)
-            err = paint_box(&voxels, &grid, corner[0], (uint32_t[]){90, 80, 99}, watch, NULL);
+            err =
+                paint_box(&voxels, &grid, corner[0], (uint32_t[]){90, 80, 99}, false, watch, NULL);
         else if (i == 1)
             err = paint_polygon(&voxels, &grid, corner, 4, watch, NULL);
         else if (i == 2)
@@ -357,25 +337,19 @@ static unsigned paint_all(struct watch *watch, enum err expected)
     return failed;
 }
 
-static bool stops(void *context, const char *what, uint64_t done, uint64_t total)
-{
-    (void)context, (void)what, (void)done, (void)total;
-    return true;
-}
-
 STORY(without_memory_or_time_nothing_is_painted)
 {
     const uint32_t size[3] = {100, 100, 100};
     unsigned failed = 0;
+    int looks = 0;
     CHECK(grid_init(&grid, size, NULL) == OK);
-    mem_allows = allows;
     for (size_t most = 0; most < 20000000; most += most / 2 + 100) {
-        bytes_left = most;
+        allow_bytes(most);
         failed += paint_all(NULL, ERR_MEMORY);
     }
     mem_allows = NULL;
     CHECK(failed > 20);
-    struct watch watch = {.poll = stops};
+    struct watch watch = {.context = &looks, .poll = stop_after_looks};
     watch_begin(&watch);
     CHECK(paint_all(&watch, ERR_CANCELLED) > 0);
 }
@@ -386,19 +360,16 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
     enum { MANY = 1000000 };
     const uint32_t size[3] = {64, 64, 64};
     uint32_t(*corner)[3] = malloc(MANY * sizeof *corner);
-    struct voxels voxels = {0};
-    struct brush brush;
+    OWNED(voxels_release) struct voxels voxels = {0};
+    OWNED(brush_release) struct brush brush;
     CHECK(grid_init(&grid, size, NULL) == OK);
     CHECK(brush_init(&brush, units[0], 2, BRUSH_REACH_MOST, NULL) == OK);
     for (size_t i = 0; corner && i < MANY; i++)
         random_place(corner[i]);
-    bytes_left = (64 * 64 * 64) * 5;
-    mem_allows = allows;
+    allow_bytes((64 * 64 * 64) * 5);
     CHECK(corner &&
           paint_stroke(&voxels, &grid, &brush, (corners_of)corner, MANY, NULL, NULL) == OK);
     mem_allows = NULL;
     CHECK_INT(voxels.count, 64 * 64 * 64);
-    voxels_release(&voxels);
-    brush_release(&brush);
     free(corner);
 }

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Parts of volumes: every box and every block against the whole, read and averaged plainly. */
-#include "check.h"
-#include "folder.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -12,16 +9,13 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/volume.h"
+#define RUN_IN_FOLDER
+#include "folder_main.h"
 
-static char folder[FOLDER_LENGTH];
-static char path[FILE_LENGTH], packed[FILE_LENGTH];
+static const char path[] = "v.nii", packed[] = "v.nii.gz";
 enum { NX = 11, NY = 9, NZ = 7, VOXELS = NX * NY * NZ };
 
-static uint64_t state = 1;
-static uint32_t draw(uint32_t below)
-{
-    return check_below(&state, below);
-}
+DRAW_FROM(1)
 
 /* ---- files ---- */
 
@@ -95,7 +89,7 @@ static void make_file(const struct type *type, bool big)
     const size_t length = 352 + VOXELS * type->width;
     make_header(bytes, size, type->code, type->width, big);
     for (unsigned i = 0; i < VOXELS; i++) {
-        value[i] = type->least + (double)draw(type->width == 1 ? 256 : 65536);
+        value[i] = type->least + (double)below(type->width == 1 ? 256 : 65536);
         put_value(bytes + 352 + i * type->width, value[i], type, big);
     }
     CHECK(file_write(path, bytes, length, FILE_REPLACE, NULL) == OK);
@@ -168,13 +162,13 @@ static void check_part(const char *file, const struct volume_choice *choice, boo
 STORY(a_part_is_what_the_whole_has_there)
 {
     for (int round = 0; round < 400; round++) {
-        struct volume_choice choice = {.has_crop = draw(4) > 0, .nearest = draw(2) == 0};
+        struct volume_choice choice = {.has_crop = below(4) > 0, .nearest = below(2) == 0};
         const uint32_t size[3] = {NX, NY, NZ};
         for (int a = 0; a < 3; a++) {
-            choice.first[a] = draw(size[a]);
-            choice.last[a] = choice.first[a] + draw(size[a] - choice.first[a]);
+            choice.first[a] = below(size[a]);
+            choice.last[a] = choice.first[a] + below(size[a] - choice.first[a]);
         }
-        choice.reduce = draw(5);
+        choice.reduce = below(5);
         const struct type *type = &types[round % TYPES];
         make_file(type, round / TYPES % 2);
         check_part(round % 3 ? path : packed, &choice, !type->is_real);
@@ -209,7 +203,7 @@ STORY(a_box_outside_is_refused_and_what_is_left_out_is_noted)
     struct volume_choice choice = {
         .has_crop = true, .first = {0, 0, 0}, .last = {NX - 1, NY, NZ - 1}};
     struct fault fault = {0};
-    struct volume v;
+    OWNED(volume_release) struct volume v;
     make_file(&types[0], false);
     CHECK_INT(volume_read(&v, path, &choice, NULL, &fault), ERR_USAGE);
     CHECK_HAS(fault.text, "crop: 0-9 is not in the 9 voxels along y, 0-8");
@@ -217,7 +211,6 @@ STORY(a_box_outside_is_refused_and_what_is_left_out_is_noted)
     CHECK_INT(volume_read(&v, path, &choice, NULL, &fault), OK);
     CHECK_HAS(v.notes, "the last 3 of 11 voxels along x left out");
     CHECK_HAS(v.notes, "the last 1 of 9 voxels along y left out");
-    volume_release(&v);
 }
 
 static long peak_kb(void)
@@ -247,16 +240,4 @@ STORY(a_large_file_takes_the_memory_of_the_part_alone)
     CHECK_HAS(fault.text, "at most 2^32 cells are held");
     CHECK_HAS(fault.text, "open a part of it, with crop=A-B,C-D,E-F or reduce=2");
     CHECK(unlink(path) == 0);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "part"))
-        return 1;
-    snprintf(path, sizeof path, "%s", file_in(folder, "v.nii"));
-    snprintf(packed, sizeof packed, "%s", file_in(folder, "v.nii.gz"));
-    const int status = check_run();
-    unlink(path);
-    unlink(packed);
-    return rmdir(folder) == 0 ? status : 1;
 }

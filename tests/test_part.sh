@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Parts of files as scenes: what is recorded, resumed and saved of them, and maps of the whole file.
-# What a part holds is tested in test_part.c.
+# Parts of files as scenes: their records, resumed sessions, saved files, and maps of the whole
+# file. The voxels of a part are tested in test_part.c.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -26,7 +26,6 @@ expect 0 "$iftty" -c "open s.nii reduce=2 $crop; seed 1,1,1 1; run" --journal r.
 out_has '8x8x5 voxels of 2x2x2 mm'
 grep -q "^open s.nii $crop reduce=2 weight=morph\$" r.iftty || fail "$(cat r.iftty)"
 expect 0 "$iftty" verify r.iftty
-close_story
 
 begin "maps on the grid of the whole file are taken by the same part"
 expect 0 "$iftty" -c 'open s.nii; seed 6,10,8 1; seed 20,10,8 2; run; save labels whole.nii'
@@ -37,12 +36,10 @@ tail -c +353 whole.nii | od -An -v -tu1 -w1 | awk '{ i = NR - 1; x = i % 24
     if (x > 3 && x < 20 && y > 1 && y < 18 && z > 2 && z < 13) print $1 == 1 ? 1 : 0 }' >expected
 tail -c +353 part.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
 same_files expected got
-expect 0 "$iftty" -c "open s.nii $crop reduce=2; seed-file whole.nii; run"
-out_has '2 regions'
+answers '2 regions' "open s.nii $crop reduce=2; seed-file whole.nii; run"
 out_has '320 seeds'
-expect 0 "$iftty" -c "open s.nii $crop; seed-file part.nii"
-out_has '1 region'
-# What else the user said of the scene's file is not said of the map's.
+answers '1 region' "open s.nii $crop; seed-file part.nii"
+# Other options for the scene's file do not apply to the map's file.
 tail -c +353 s.nii >s.raw
 raw='raw:s.raw size=24,20,16 type=uint8'
 for more in '' spacing=1,1,1; do
@@ -52,7 +49,6 @@ for more in '' spacing=1,1,1; do
     tail -c +353 part.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
     same_files expected got
 done
-close_story
 
 # place FILE X: its first voxel lies at X,0,0 mm
 place() {
@@ -65,7 +61,7 @@ with open(sys.argv[1], 'r+b') as f:
     f.write(struct.pack('<12f', 1, 0, 0, float(sys.argv[2]), 0, 1, 0, 0, 0, 0, 1, 0))
 END
 }
-begin "a map of the whole file that lies elsewhere is refused, or resampled"
+begin "a displaced map of the whole file is rejected, or resampled"
 for x in 0 3; do
     cp s.nii at$x.nii
     place at$x.nii $x
@@ -73,8 +69,7 @@ for x in 0 3; do
 done
 expect 0 "$iftty" -c "open at0.nii $crop; seed 2,8,5 1; mask map0.nii regions=1"
 for less in "$crop" "$crop reduce=2"; do
-    expect 3 "$iftty" -c "open at0.nii $less; mask map3.nii regions=1"
-    err_has '3 mm'
+    refuses '3 mm' "open at0.nii $less; mask map3.nii regions=1"
 done
 # Voxel x of the part is 4 + x of the file, and 3 mm less in the map: all of it is there.
 expect 0 "$iftty" -c "open at0.nii $crop; seed-file map3.nii resample=yes; run; save labels got.nii"
@@ -83,20 +78,17 @@ tail -c +353 map3.nii | od -An -v -tu1 -w1 | awk '{ i = NR - 1; x = i % 24
     if (x > 0 && x < 17 && y > 1 && y < 18 && z > 2 && z < 13) print $1 + 0 }' >expected
 tail -c +353 got.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
 same_files expected got
-close_story
 
 begin "other maps are refused with the reason, as is a box that is not in the file"
 make_scene other.nii 23 20 16
 expect 3 "$iftty" -c "open s.nii $crop; mask other.nii"
 err_has 'the map has 23x20x16 voxels, the scene 16x16x10, and its file 24x20x16; a map must be'
-expect 3 "$iftty" -c "open s.nii $crop; interpolate 2 1 1; mask s.nii"
-err_has 'a map must be on the grid'
+refuses 'a map must be on the grid' "open s.nii $crop; interpolate 2 1 1; mask s.nii"
 expect 2 "$iftty" -c 'open s.nii crop=0-24,0-1,0-1'
 err_has 'crop: 0-24 is not in the 24 voxels along x, 0-23'
 expect 2 "$iftty" -c 'open s.nii crop=0-3,0-1'
 err_has 'crop: expected A-B,C-D,E-F, the voxels along x, y and z, and not 2 ranges'
-expect 2 "$iftty" -c 'open s.nii reduce=17'
-err_has 'reduce: expected a number 2..16, not 17'
+expect_err 'reduce: expected a number 2..16, not 17' 2 "$iftty" -c 'open s.nii reduce=17'
 { # voxels 2.5 m apart along z, which may be, and 5 m, which may not
     head -c 88 s.nii
     printf '\000\100\034\105'
@@ -105,33 +97,26 @@ err_has 'reduce: expected a number 2..16, not 17'
 expect 0 "$iftty" -c 'open far.nii crop=0-5,0-5,0-5; info'
 expect 3 "$iftty" -c 'open far.nii reduce=2'
 err_has 'reduce=2: its voxels would be more than 4 m apart; those of the file are 1 x 1 x 2500 mm'
-expect 2 "$iftty" -c 'open synth:geom reduce=2'
-err_has 'volume, crop and reduce apply to files'
+expect_err 'volume, crop and reduce apply to files' 2 "$iftty" -c 'open synth:geom reduce=2'
 for word in series=1 data=x missing=blank spacing=1,1,2 huge=yes; do
     expect 2 "$iftty" -c "open synth:geom:9x9x9 $word"
     err_has 'are for files, not for synthetic scenes; nothing was opened'
     printf 'open synth:geom:9x9x9 %s\n' "$word" >recorded # before it was refused
     expect 0 "$iftty" replay recorded
 done
-close_story
 
 begin "words for other formats are refused, and left out of records that have them"
 raw='raw:s.raw size=24,20,16 type=uint8'
 for word in series=1 missing=blank data=x; do
-    expect 2 "$iftty" -c "open s.nii $word"
-    err_has "s.nii: ${word%%=*}="
+    expect_err "s.nii: ${word%%=*}=" 2 "$iftty" -c "open s.nii $word"
     err_has "and this is nifti-1: leave it out"
-    expect 2 "$iftty" -c "open $raw $word"
-    err_has "and this is raw: leave it out"
+    expect_err "and this is raw: leave it out" 2 "$iftty" -c "open $raw $word"
     for file in s.nii "$raw"; do
         printf 'open %s %s\n' "$file" "$word" >recorded # before it was refused
-        expect 0 "$iftty" replay recorded
-        out_has "${word%%=*}="
+        expect_out "${word%%=*}=" 0 "$iftty" replay recorded
         out_has ": left out"
     done
 done
-expect 2 "$iftty" -c "open s.nii series=2"
-err_has "series=N is for series of DICOM in a folder"
+expect_err "series=N is for series of DICOM in a folder" 2 "$iftty" -c "open s.nii series=2"
 expect 0 "$iftty" -c "open s.nii volume=0 huge=yes" # which are true of it
-close_story
 finish

@@ -117,7 +117,7 @@ STORY(a_border_beyond_reach_is_not_searched_for)
 
 STORY(every_pixel_tells_the_voxel_it_shows)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     char line[64], words[128];
     CHECK(interpreter_init(&interp, NULL) == OK);
     must(&interp, "open synth:geom:40x30x20; size 40 30; label 1 torus; seed 20,15,10 1; "
@@ -160,12 +160,11 @@ STORY(every_pixel_tells_the_voxel_it_shows)
     CHECK_INT(execute(&interp, "pick 8193 0"), ERR_USAGE);
     CHECK_INT(execute(&interp, "pick 1"), ERR_USAGE);
     CHECK_HAS(fault.text, "missing: ROW");
-    interpreter_release(&interp);
 }
 
 STORY(a_cut_shows_how_deep_a_voxel_lies)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     CHECK(interpreter_init(&interp, NULL) == OK);
     must(&interp, "open synth:geom:41x41x41; size 41 41; zoom 1; seed 20,20,20 1");
     must(&interp, "plane 20,20,20"); /* from the front; the whole scene is label 1 */
@@ -175,7 +174,6 @@ STORY(a_cut_shows_how_deep_a_voxel_lies)
     must(&interp, "pick 17 20"); /* from the front, the right side is on the left */
     CHECK_HAS(buf_text(&reply.text), "voxel 23,20,20 ");
     CHECK_HAS(buf_text(&reply.text), "17.00 mm from the border of label 1, at 40,20,20\n");
-    interpreter_release(&interp);
 }
 
 STORY(info_tells_how_the_patient_lies_in_the_picture)
@@ -195,7 +193,7 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
         {"view 0 0 90", "the patient's front towards you, his feet on the right, his left up\n"},
         {"view 10 -10", "the patient's front towards you, his left on the right, his head up\n"},
     };
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     CHECK(interpreter_init(&interp, NULL) == OK);
     must(&interp, "open synth:geom:40x30x20");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
@@ -206,5 +204,4 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
     must(&interp, "focus 3,4,5");
     MUST_MENTION(&interp, "info", "pixels, 3,4,5 in the middle\n");
     CHECK_HAS(command_find("view")->detail, "his left is on your right from the front");
-    interpreter_release(&interp);
 }

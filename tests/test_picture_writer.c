@@ -2,9 +2,6 @@
 /* The picture writer: jobs in their order, outcomes reported once, memory bounded. Runs under
  * ThreadSanitizer too.
  */
-#include "check.h"
-#include "folder.h"
-
 #include <poll.h>
 #include <stdlib.h>
 #include <sys/wait.h>
@@ -15,9 +12,8 @@
 #include "image/exr.h"
 #include "image/image_helper.h"
 #include "image/picture_writer.h"
-
-static char folder[FOLDER_LENGTH];
-static char program[4096];
+#define NO_DRAFT_IS_LEFT
+#include "folder_main.h"
 
 static struct picture sample(uint8_t level)
 {
@@ -32,7 +28,7 @@ static struct picture sample(uint8_t level)
 static struct picture_writer *begin(void)
 {
     struct picture_writer *writer = NULL;
-    CHECK_INT(picture_writer_new(&writer, program, NULL), OK);
+    CHECK_INT(picture_writer_new(&writer, built_program("iftty-image"), NULL), OK);
     return writer;
 }
 
@@ -89,7 +85,7 @@ static struct picture_writer *scripted(const char *script)
 STORY(a_picture_is_there_when_the_news_say_so)
 {
     struct picture_writer *writer = begin();
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     char wrote[FILE_LENGTH + 8];
     CHECK(!has_news(writer, 0));
     give(writer, "a.png", FILE_KEEP, 9);
@@ -102,14 +98,13 @@ STORY(a_picture_is_there_when_the_news_say_so)
     picture_writer_news(writer, &text); /* reported once */
     CHECK_TEXT(buf_text(&text), wrote);
     picture_writer_free(writer);
-    buf_release(&text);
 }
 
 STORY(jobs_are_done_in_their_order)
 {
     struct picture_writer *writer = begin();
     char expected[12 * FILE_LENGTH] = "", line[FILE_LENGTH + 8];
-    struct picture q;
+    OWNED(picture_release) struct picture q;
     for (unsigned i = 0; i < 12; i++) {
         give(writer, "same.exr", FILE_REPLACE, (uint8_t)i);
         snprintf(line, sizeof line, "wrote %s\n", file_in(folder, "same.exr"));
@@ -120,7 +115,6 @@ STORY(jobs_are_done_in_their_order)
     CHECK_TEXT(news(writer), expected);
     CHECK_INT(exr_read(&q, file_in(folder, "same.exr"), NULL), OK);
     CHECK_INT(q.rgba[0], 11); /* the last one */
-    picture_release(&q);
     picture_writer_free(writer);
 }
 
@@ -200,7 +194,7 @@ STORY(waiting_can_be_given_up)
 {
     struct picture_writer *writer = scripted(": >${0%/*}/busy; exec sleep 30");
     struct watch watch = {.poll = stop};
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     image_helper_patience_ms = 1500;
     for (unsigned i = 0; i < 3; i++)
         give(writer, i == 0 ? "up0.tif" : i == 1 ? "up1.tif" : "up2.tif", FILE_KEEP, 1);
@@ -211,7 +205,6 @@ STORY(waiting_can_be_given_up)
     CHECK_HAS(buf_text(&text), "did not answer"); /* the one at work had its time */
     CHECK(!file_exists(file_in(folder, "up0.tif")) && !file_exists(file_in(folder, "up2.tif")));
     image_helper_patience_ms = 60000;
-    buf_release(&text);
     picture_writer_free(writer);
 }
 
@@ -234,17 +227,4 @@ STORY(only_well_known_formats_are_taken)
           picture_writer_takes("a.tiff"));
     CHECK(!picture_writer_takes("png") && !picture_writer_takes("a.xyz") &&
           !picture_writer_takes("a.png/b"));
-}
-
-int main(void)
-{
-    const char *build = getenv("IFTTY_BUILD");
-    snprintf(program, sizeof program, "%s/iftty-image", build ? build : "build");
-    if (!make_folder(folder, "writer"))
-        return 1;
-    int status = check_run();
-    char command[2 * FILE_LENGTH];
-    snprintf(command, sizeof command, "ls -A %s | grep -q '^\\.tmp' && exit 1; rm -rf %s", folder,
-             folder);
-    return status | (system(command) != 0);
 }

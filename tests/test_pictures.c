@@ -34,13 +34,11 @@ static void begin_with_object(struct interpreter *interp)
 
 /* ---- content ---- */
 
-STORY(an_exr_in_tiles_holds_what_one_in_lines_holds)
+BEGUN_STORY(an_exr_in_tiles_holds_what_one_in_lines_holds, begin_with_object)
 {
-    struct interpreter interp;
-    struct picture lines, tiles;
-    begin_with_object(&interp);
-    must(&interp, "render lines.exr; render same.exr layout=lines; "
-                  "render tiles.exr layout=tiled");
+    OWNED(picture_release) struct picture lines, tiles;
+    must(interp, "render lines.exr; render same.exr layout=lines; "
+                 "render tiles.exr layout=tiled");
     CHECK_INT(exr_read(&lines, "lines.exr", NULL), OK);
     CHECK_INT(exr_read(&tiles, "tiles.exr", NULL), OK);
     CHECK(!lines.tiled && tiles.tiled);
@@ -50,28 +48,23 @@ STORY(an_exr_in_tiles_holds_what_one_in_lines_holds)
     CHECK(memcmp(lines.label, tiles.label, bytes) == 0);
     CHECK(memcmp(lines.voxel, tiles.voxel, bytes) == 0);
     CHECK(memcmp(lines.normal, tiles.normal, 3 * bytes) == 0);
-    is_refused(&interp, "render a.png layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
-    is_refused(&interp, "render layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
+    is_refused(interp, "render a.png layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
+    is_refused(interp, "render layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
     CHECK(!file_exists("a.png"));
-    picture_release(&lines);
-    picture_release(&tiles);
-    interpreter_release(&interp);
 }
 
-STORY(normals_are_unit_vectors_that_face_the_viewer)
+BEGUN_STORY(normals_are_unit_vectors_that_face_the_viewer, begin_with_object)
 {
     static const struct {
         const char *view;
         int axis, sign;
     } side[] = {{"view front", 1, 1}, {"view left", 0, -1}, {"view top", 2, 1}};
-    struct interpreter interp;
     struct picture p;
-    begin_with_object(&interp);
     for (size_t k = 0; k < 3; k++) {
         double towards = 0;
         size_t seen = 0, odd = 0;
-        must(&interp, side[k].view);
-        must(&interp, "render normals.exr replace=yes");
+        must(interp, side[k].view);
+        must(interp, "render normals.exr replace=yes");
         CHECK_INT(exr_read(&p, "normals.exr", NULL), OK);
         for (size_t i = 0; i < (size_t)p.width * p.height; i++) {
             const float *n = p.normal + 3 * i;
@@ -86,20 +79,17 @@ STORY(normals_are_unit_vectors_that_face_the_viewer)
         CHECK(towards > 0.5 * (double)seen);
         picture_release(&p);
     }
-    interpreter_release(&interp);
 }
 
-STORY(a_picture_says_what_it_is_of)
+BEGUN_STORY(a_picture_says_what_it_is_of, begin_interpreter)
 {
-    struct interpreter interp;
-    struct picture p;
-    begin_interpreter(&interp);
-    CHECK_INT(interpreter_create_journal(&interp, "notes.iftty", &fault), OK);
-    must(&interp, "open synth:geom:40x40x20; view 30 20 10");
+    OWNED(picture_release) struct picture p;
+    CHECK_INT(interpreter_create_journal(interp, "notes.iftty", &fault), OK);
+    must(interp, "open synth:geom:40x40x20; view 30 20 10");
     char chain[64], scene[32];
-    snprintf(chain, sizeof chain, "%s", journal_chain(interp.journal));
-    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)interp.session->scene_digest);
-    must(&interp, "render notes.exr");
+    snprintf(chain, sizeof chain, "%s", journal_chain(interp->journal));
+    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)interp->session->scene_digest);
+    must(interp, "render notes.exr");
     CHECK_INT(exr_read(&p, "notes.exr", NULL), OK);
     const struct {
         const char *name, *value;
@@ -116,24 +106,18 @@ STORY(a_picture_says_what_it_is_of)
     CHECK_HAS(view ? view : "", "yaw 30 pitch 20 roll 10 degrees, zoom ");
     const char *look = picture_find(&p, "iftty:look");
     CHECK_HAS(look ? look : "", "shade surface, light -25 30, cue 30, ");
-    picture_release(&p);
-    interpreter_release(&interp);
 }
 
 /* Visible labels, with their names and colours; and the scale. */
-STORY(a_picture_says_which_labels_it_shows)
+BEGUN_STORY(a_picture_says_which_labels_it_shows, begin_with_object)
 {
-    struct interpreter interp;
-    struct picture p;
-    begin_with_object(&interp);
-    must(&interp, "label 1 core #102030; label 2 unseen; zoom 2; render labels.exr");
+    OWNED(picture_release) struct picture p;
+    must(interp, "label 1 core #102030; label 2 unseen; zoom 2; render labels.exr");
     CHECK_INT(exr_read(&p, "labels.exr", NULL), OK);
     CHECK_TEXT(picture_find(&p, "iftty:labels"),
                "{\"1\": {\"name\": \"core\", \"colour\": \"#102030\"}}");
     CHECK_TEXT(picture_find(&p, "iftty:mm-per-pixel"), "0.5");
     CHECK(p.is_associated);
-    picture_release(&p);
-    interpreter_release(&interp);
 }
 
 /* ---- where it was seen from ---- */
@@ -181,34 +165,31 @@ static size_t check_places(const struct picture *p, const struct session *sessio
 static bool after_mark(const char *path, const char *mark, size_t length, size_t skipped, void *out,
                        size_t bytes)
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     bool fine = file_read(&file, path, 1 << 24, NULL) == OK;
     const char *at = fine ? memmem(buf_text(&file), file.length, mark, length) : NULL;
     fine = at && at + length + skipped + bytes <= buf_text(&file) + file.length;
     if (fine)
         memcpy(out, at + length + skipped, bytes);
-    buf_release(&file);
     return fine;
 }
 
 /* The camera of Blender and Nuke is a rotation, and a place: a pixel is where x to the right, y up
  * and Z ahead, against the third axis, lead from there. */
-STORY(an_exr_has_a_camera_that_is_a_rotation)
+BEGUN_STORY(an_exr_has_a_camera_that_is_a_rotation, begin_with_object)
 {
     static const char mark[] = "iftty:cameraToWorld\0m44f";
-    struct interpreter interp;
-    struct picture p;
+    OWNED(picture_release) struct picture p;
     float m[16];
-    begin_with_object(&interp);
-    must(&interp, "view 77 -31 140; render camera.exr");
-    CHECK_INT(export_picture(&p, interp.session, NULL), OK);
+    must(interp, "view 77 -31 140; render camera.exr");
+    CHECK_INT(export_picture(&p, interp->session, PICTURE_BUT_NORMAL, NULL), OK);
     CHECK(after_mark("camera.exr", mark, sizeof mark, 4, m, sizeof m));
     const double a = (double)m[0], b = (double)m[1], c = (double)m[2], d = (double)m[4],
                  e = (double)m[5], f = (double)m[6], g = (double)m[8], h = (double)m[9],
                  i = (double)m[10];
     const double determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
     CHECK(fabs(determinant - 1) < 1e-5);
-    const double mm = seen_mm_per_pixel(interp.session);
+    const double mm = seen_mm_per_pixel(interp->session);
     const struct picture_space *space = &((const struct picture *)&p)->space;
     for (uint32_t y = 5; y < p.height; y += 20)
         for (uint32_t x = 5; x < p.width; x += 20) {
@@ -224,25 +205,20 @@ STORY(an_exr_has_a_camera_that_is_a_rotation)
             CHECK(fabs(ndc[1] * p.height - y - 0.5) < 0.01);
             CHECK(fabs(camera[2] - z) < 0.01);
         }
-    picture_release(&p);
-    interpreter_release(&interp);
 }
 
 /* Pixels per metre of the scene, the same in both directions, and perceptual intent for colours. An
  * unknown scale is omitted. */
-STORY(a_png_says_how_large_it_is_and_what_its_colours_are)
+BEGUN_STORY(a_png_says_how_large_it_is_and_what_its_colours_are, begin_with_object)
 {
-    struct interpreter interp;
     uint8_t scale[9], intent[1];
-    begin_with_object(&interp);
-    must(&interp, "zoom 2; render scale.png");
+    must(interp, "zoom 2; render scale.png");
     CHECK(after_mark("scale.png", "pHYs", 4, 0, scale, sizeof scale));
     CHECK(memcmp(scale, "\0\0\x07\xd0\0\0\x07\xd0\1", 9) == 0);
     CHECK(after_mark("scale.png", "sRGB", 4, 0, intent, 1) && intent[0] == 0);
-    interp.session->geometry.spacing_unknown = true;
-    must(&interp, "render scale.png replace=yes");
+    interp->session->geometry.spacing_unknown = true;
+    must(interp, "render scale.png replace=yes");
     CHECK(!after_mark("scale.png", "pHYs", 4, 0, scale, sizeof scale));
-    interpreter_release(&interp);
 }
 
 /* An oblique scene: turned by 30 degrees about z, then 20 about x. */
@@ -250,30 +226,26 @@ static const double oblique[3][4] = {{0.866025404, -0.5, 0, 17},
                                      {0.469846310, 0.813797681, -0.342020143, -40},
                                      {0.171010072, 0.296198133, 0.939692621, 900}};
 
-STORY(matrices_lead_from_the_world_to_the_pixel)
+BEGUN_STORY(matrices_lead_from_the_world_to_the_pixel, begin_with_object)
 {
     static const char *const view[] = {"view front", "view 77 -31 140", "view bottom"};
-    struct interpreter interp;
-    struct picture p;
-    begin_with_object(&interp);
-    must(&interp, "clip axial 3-11");
+    OWNED(picture_release) struct picture p;
+    must(interp, "clip axial 3-11");
     for (int turned = 0; turned < 2; turned++) {
         if (turned)
-            CHECK(geometry_place(&interp.session->geometry, oblique, ORIENTATION_SFORM));
+            CHECK(geometry_place(&interp->session->geometry, oblique, ORIENTATION_SFORM));
         for (size_t i = 0; i < sizeof view / sizeof view[0]; i++) {
-            must(&interp, view[i]);
-            must(&interp, "zoom 1.7 at=15,22,4; render");
-            CHECK_INT(export_picture(&p, interp.session, NULL), OK);
+            must(interp, view[i]);
+            must(interp, "zoom 1.7 at=15,22,4; render");
+            CHECK_INT(export_picture(&p, interp->session, PICTURE_BUT_NORMAL, NULL), OK);
             CHECK(p.space.has_world);
-            CHECK(check_places(&p, interp.session) > 500);
+            CHECK(check_places(&p, interp->session) > 500);
             picture_release(&p);
         }
     }
-    interp.session->geometry.orientation = ORIENTATION_TOLD; /* axes, and no place */
-    CHECK_INT(export_picture(&p, interp.session, NULL), OK);
+    interp->session->geometry.orientation = ORIENTATION_TOLD; /* axes, and no place */
+    CHECK_INT(export_picture(&p, interp->session, PICTURE_BUT_NORMAL, NULL), OK);
     CHECK(!p.space.has_world && p.space.eye_mm > 0);
-    picture_release(&p);
-    interpreter_release(&interp);
 }
 
 STORY(normals_of_an_oblique_scene_are_turned_with_it)
@@ -325,22 +297,21 @@ static unsigned count_files(const char *prefix)
     return count;
 }
 
-STORY(a_turntable_shows_what_turning_shows)
+BEGUN_STORY(a_turntable_shows_what_turning_shows, begin_with_object)
 {
     static const char *const turned[] = {"view 350 20", "view 80 20", "view 170 20", "view 260 20"};
-    struct interpreter interp;
     struct picture p, q;
     char line[64];
-    begin_with_object(&interp);
-    must(&interp, "view 350 20; render");
-    const uint64_t before = rendition_digest(session_frame(interp.session));
-    MUST_ANSWER(&interp, "spin 4 turn%02d.exr", "wrote turn00.exr to turn03.exr\n");
+    must(interp, "view 350 20; render");
+    const uint64_t before = rendition_digest(session_frame(interp->session));
+    MUST_ANSWER(interp, "spin 4 turn%02d.exr", "wrote turn00.exr to turn03.exr\n");
     CHECK_HAS(buf_text(&reply.words), "spin=");
-    CHECK(session_rendered(interp.session) && interp.session->now.outlook.view.angle[0] == 350000);
-    CHECK(rendition_digest(session_frame(interp.session)) == before);
+    CHECK(session_rendered(interp->session) &&
+          interp->session->now.outlook.view.angle[0] == 350000);
+    CHECK(rendition_digest(session_frame(interp->session)) == before);
     for (unsigned i = 0; i < 4; i++) {
-        must(&interp, turned[i]);
-        must(&interp, "render one.exr replace=yes");
+        must(interp, turned[i]);
+        must(interp, "render one.exr replace=yes");
         snprintf(line, sizeof line, "turn%02u.exr", i);
         CHECK_INT(exr_read(&p, line, NULL), OK);
         CHECK_INT(exr_read(&q, "one.exr", NULL), OK);
@@ -350,26 +321,23 @@ STORY(a_turntable_shows_what_turning_shows)
         picture_release(&q);
     }
     CHECK_INT(count_files("turn"), 4);
-    interpreter_release(&interp);
 }
 
 /* Compare the bytes of two files, and remove the second. */
 static bool same_file(const char *one, const char *other)
 {
-    struct buf a = {0}, b = {0};
+    OWNED(buf_release) struct buf a = {0}, b = {0};
     const bool are_read =
         file_read(&a, one, 1 << 24, NULL) == OK && file_read(&b, other, 1 << 24, NULL) == OK;
     const bool same =
         are_read && a.length == b.length && memcmp(buf_text(&a), buf_text(&b), a.length) == 0;
-    buf_release(&a);
-    buf_release(&b);
     unlink(other);
     return CHECK(same);
 }
 
 /* Pictures with colours alone, and with all planes, have the same bytes as when they are written
  * one by one, with their notes; and the record has all of them. */
-STORY(files_of_a_turntable_are_those_that_turning_writes)
+BEGUN_STORY(files_of_a_turntable_are_those_that_turning_writes, begin_with_object)
 {
     static const struct {
         const char *setting, *ending;
@@ -386,41 +354,36 @@ STORY(files_of_a_turntable_are_those_that_turning_writes)
                {"samples 1", "exr"},          {"shade cubes", "png"},
                {"cut 0,0,0 20,20,10", "exr"}, {"shade cubes", "png"},
                {"opacity 1 100", "png"}};
-    struct interpreter interp;
     char line[80], name[2][32], whole[256];
-    begin_with_object(&interp);
-    must(&interp, "label 1 core; size 150 140; zoom 3");
+    must(interp, "label 1 core; size 150 140; zoom 3");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        must(&interp, row[i].setting);
-        must(&interp, "spin 3 whole%d.exr replace=yes");
+        must(interp, row[i].setting);
+        must(interp, "spin 3 whole%d.exr replace=yes");
         snprintf(whole, sizeof whole, "%s", buf_text(&reply.words));
         snprintf(line, sizeof line, "spin 3 file%%d.%s", row[i].ending);
-        must(&interp, line);
+        must(interp, line);
         CHECK_TEXT(buf_text(&reply.words), whole);
         for (unsigned turn = 0; turn < 3; turn++) {
             snprintf(name[0], sizeof name[0], "file%u.%s", turn, row[i].ending);
             snprintf(name[1], sizeof name[1], "alone.%s", row[i].ending);
             snprintf(line, sizeof line, "render %s", name[1]);
-            must(&interp, line);
+            must(interp, line);
             if (!same_file(name[0], name[1]))
                 printf("# %s after %s\n", name[0], row[i].setting);
             unlink(name[0]);
-            must(&interp, "turn 120 0");
+            must(interp, "turn 120 0");
         }
     }
-    interpreter_release(&interp);
 }
 
-STORY(parts_of_a_turn_are_whole_thousandths)
+BEGUN_STORY(parts_of_a_turn_are_whole_thousandths, begin_with_object)
 {
     static const char *const angle[] = {"yaw 0 ",       "yaw 51.429 ",  "yaw 102.857 ",
                                         "yaw 154.286 ", "yaw 205.714 ", "yaw 257.143 ",
                                         "yaw 308.571 "};
-    struct interpreter interp;
     struct picture p;
     char name[32];
-    begin_with_object(&interp);
-    must(&interp, "size 9 7; spin 7 part%d.exr");
+    must(interp, "size 9 7; spin 7 part%d.exr");
     for (unsigned i = 0; i < 7; i++) {
         snprintf(name, sizeof name, "part%u.exr", i);
         CHECK_INT(exr_read(&p, name, NULL), OK);
@@ -428,109 +391,91 @@ STORY(parts_of_a_turn_are_whole_thousandths)
         CHECK(view && strncmp(view, angle[i], strlen(angle[i])) == 0);
         picture_release(&p);
     }
-    interpreter_release(&interp);
 }
 
-STORY(an_animated_picture_has_every_frame)
+BEGUN_STORY(an_animated_picture_has_every_frame, begin_with_object)
 {
-    struct interpreter interp;
     struct image_facts facts;
-    struct picture p, q;
-    begin_with_object(&interp);
-    MUST_ANSWER(&interp, "spin 5 round.gif delay=80", "wrote round.gif, 5 pictures\n");
-    must(&interp, "spin 5 round.tif");
-    CHECK_INT(image_helper_about(interp.helper, "round.gif", &facts, NULL), OK);
+    OWNED(picture_release) struct picture p, q;
+    MUST_ANSWER(interp, "spin 5 round.gif delay=80", "wrote round.gif, 5 pictures\n");
+    must(interp, "spin 5 round.tif");
+    CHECK_INT(image_helper_about(interp->helper, "round.gif", &facts, NULL), OK);
     CHECK_INT(facts.frames, 5);
     image_facts_release(&facts);
-    CHECK_INT(image_helper_about(interp.helper, "round.tif", &facts, NULL), OK);
+    CHECK_INT(image_helper_about(interp->helper, "round.tif", &facts, NULL), OK);
     CHECK_INT(facts.frames, 5);
     image_facts_release(&facts);
-    must(&interp, "render round.png");
-    CHECK_INT(image_helper_read(interp.helper, "round.tif", &p, NULL), OK);
-    CHECK_INT(image_helper_read(interp.helper, "round.png", &q, NULL), OK);
+    must(interp, "render round.png");
+    CHECK_INT(image_helper_read(interp->helper, "round.tif", &p, NULL), OK);
+    CHECK_INT(image_helper_read(interp->helper, "round.png", &q, NULL), OK);
     CHECK(p.rgba && q.rgba && memcmp(p.rgba, q.rgba, (size_t)4 * 90 * 70) == 0);
-    picture_release(&p);
-    picture_release(&q);
-    interpreter_release(&interp);
 }
 
-STORY(a_pattern_is_one_number_in_the_name)
+BEGUN_STORY(a_pattern_is_one_number_in_the_name, begin_with_object)
 {
     static const char *const bad[] = {"a.png",    "a%d%d.png", "a%5d.png", "a%s.png",
                                       "a%%.png",  "a%d/x.png", "a%",       "a%0d.png",
                                       "%n%d.png", "a%03i.png"};
-    struct interpreter interp;
     char line[64];
-    begin_with_object(&interp);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         snprintf(line, sizeof line, "spin 3 %s", bad[i]);
-        is_refused(&interp, line, ERR_USAGE, "expected one %d or %0Nd in its name");
+        is_refused(interp, line, ERR_USAGE, "expected one %d or %0Nd in its name");
         CHECK_HAS(fault.text, bad[i]);
     }
-    is_refused(&interp, "spin 1 a%d.png", ERR_USAGE, "expected a number 2..1000");
-    is_refused(&interp, "spin 3 none/a%d.png", ERR_IO, "there is no folder none");
-    is_refused(&interp, "spin 3 a%d.xyz", ERR_INPUT, "no known format");
+    is_refused(interp, "spin 1 a%d.png", ERR_USAGE, "expected a number 2..1000");
+    is_refused(interp, "spin 3 none/a%d.png", ERR_IO, "there is no folder none");
+    is_refused(interp, "spin 3 a%d.xyz", ERR_INPUT, "no known format");
     CHECK_INT(count_files("a"), 0);
-    must(&interp, "spin 11 n%09d.ppm");
+    must(interp, "spin 11 n%09d.ppm");
     CHECK(file_exists("n000000010.ppm"));
-    interpreter_release(&interp);
 }
 
-STORY(a_turntable_is_all_or_nothing)
+BEGUN_STORY(a_turntable_is_all_or_nothing, begin_with_object)
 {
-    struct interpreter interp;
-    struct buf kept = {0};
-    begin_with_object(&interp);
+    OWNED(buf_release) struct buf kept = {0};
     CHECK_INT(file_write("all2.png", "mine", 4, FILE_KEEP, NULL), OK);
-    is_refused(&interp, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
+    is_refused(interp, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
     CHECK_INT(count_files("all"), 1);
-    CHECK(session_rendered(interp.session) && interp.session->now.outlook.view.angle[0] == 0);
-    must(&interp, "spin 4 all%d.png replace=yes");
+    CHECK(session_rendered(interp->session) && interp->session->now.outlook.view.angle[0] == 0);
+    must(interp, "spin 4 all%d.png replace=yes");
     CHECK_INT(count_files("all"), 4);
     CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
     CHECK(kept.length > 100);
-    CHECK_INT(count_files(".tmp"), 0);
-    buf_release(&kept);
-    interpreter_release(&interp);
+    CHECK_INT(count_files(".iftty-"), 0);
 }
 
-STORY(a_turntable_that_is_cancelled_leaves_nothing)
+BEGUN_STORY(a_turntable_that_is_cancelled_leaves_nothing, begin_with_object)
 {
     int looks = INT_MAX;
     struct watch watch = {.context = &looks, .poll = stop_after_looks};
     static const char *const line[] = {"spin 6 gone%d.png", "spin 6 gone.gif",
                                        "spin 6 all%d.png replace=yes"};
-    struct interpreter interp;
-    struct buf before = {0}, after = {0};
-    begin_with_object(&interp);
-    must(&interp, "spin 6 all%d.png replace=yes");
+    OWNED(buf_release) struct buf before = {0}, after = {0};
+    must(interp, "spin 6 all%d.png replace=yes");
     CHECK_INT(file_read(&before, "all1.png", 1 << 20, NULL), OK);
-    const uint64_t digest = rendition_digest(session_frame(interp.session));
-    interp.session->watch = &watch;
-    must(&interp, "view front");
+    const uint64_t digest = rendition_digest(session_frame(interp->session));
+    interp->session->watch = &watch;
+    must(interp, "view front");
     for (size_t i = 0; i < 3; i++)
         for (int most = 1; most < 12; most += 5) {
             looks = most;
-            enum err err = execute(&interp, line[i]);
+            enum err err = execute(interp, line[i]);
             looks = INT_MAX;
             if (!CHECK(err == ERR_CANCELLED))
                 continue;
-            CHECK_INT(count_files("gone") + count_files(".tmp"), 0);
-            CHECK(interp.session->now.outlook.view.angle[0] == 0);
+            CHECK_INT(count_files("gone") + count_files(".iftty-"), 0);
+            CHECK(interp->session->now.outlook.view.angle[0] == 0);
         }
-    must(&interp, "render");
-    CHECK(rendition_digest(session_frame(interp.session)) == digest);
+    must(interp, "render");
+    CHECK(rendition_digest(session_frame(interp->session)) == digest);
     CHECK_INT(file_read(&after, "all1.png", 1 << 20, NULL), OK);
     CHECK(after.length == before.length && memcmp(after.data, before.data, after.length) == 0);
-    buf_release(&before);
-    buf_release(&after);
-    interpreter_release(&interp);
 }
 
 STORY(a_turntable_is_the_same_when_replayed)
 {
-    struct interpreter interp;
-    struct buf told = {0};
+    OWNED(interpreter_release) struct interpreter interp;
+    OWNED(buf_release) struct buf told = {0};
     begin_interpreter(&interp);
     CHECK_INT(interpreter_create_journal(&interp, "spun.iftty", &fault), OK);
     must(&interp, "open synth:geom:40x40x20; seed 20,20,10 1 radius=3; run; spin 3 spun%d.png; "
@@ -542,8 +487,6 @@ STORY(a_turntable_is_the_same_when_replayed)
         printf("#   %s\n", fault.text);
     CHECK_INT(journal_count(interp.journal), 6);
     CHECK(!file_exists("spun.gif")); /* replaying writes nothing */
-    buf_release(&told);
-    interpreter_release(&interp);
 }
 
 /* ---- in the background ---- */
@@ -563,34 +506,28 @@ static void begin_beside(struct interpreter *interp)
     CHECK_INT(picture_writer_new(&interp->writer, helper_program(), NULL), OK);
 }
 
-STORY(at_a_prompt_a_picture_is_written_beside_the_session)
+BEGUN_STORY(at_a_prompt_a_picture_is_written_beside_the_session, begin_beside)
 {
-    struct interpreter interp;
-    begin_beside(&interp);
-    MUST_ANSWER(&interp, "render beside.png", "writing beside.png\n");
-    CHECK_TEXT(news_of(&interp), "wrote beside.png\n");
+    MUST_ANSWER(interp, "render beside.png", "writing beside.png\n");
+    CHECK_TEXT(news_of(interp), "wrote beside.png\n");
     CHECK(file_exists("beside.png"));
-    must(&interp, "render beside.exr");
-    must(&interp, "seed 1,1,3 2"); /* continues meanwhile, without an effect on the file */
-    must(&interp, "run");
-    CHECK_TEXT(news_of(&interp), "wrote beside.exr\n");
-    interpreter_release(&interp);
+    must(interp, "render beside.exr");
+    must(interp, "seed 1,1,3 2"); /* continues meanwhile, without an effect on the file */
+    must(interp, "run");
+    CHECK_TEXT(news_of(interp), "wrote beside.exr\n");
 }
 
-STORY(what_is_there_is_left_alone_at_once)
+BEGUN_STORY(what_is_there_is_left_alone_at_once, begin_beside)
 {
-    struct interpreter interp;
-    begin_beside(&interp);
-    must(&interp, "render twice.png");
-    is_refused(&interp, "render twice.png", ERR_IO,
+    must(interp, "render twice.png");
+    is_refused(interp, "render twice.png", ERR_IO,
                "twice.png exists already and was left alone; replace=yes writes over it");
-    must(&interp, "render twice.png replace=yes");
-    is_refused(&interp, "render none/a.png", ERR_IO, "there is no folder none");
-    is_refused(&interp, "render odd.xyz", ERR_INPUT, "no known format writes .xyz");
-    must(&interp, "render odd.sgi"); /* not known that well: written before the prompt is back */
+    must(interp, "render twice.png replace=yes");
+    is_refused(interp, "render none/a.png", ERR_IO, "there is no folder none");
+    is_refused(interp, "render odd.xyz", ERR_INPUT, "no known format writes .xyz");
+    must(interp, "render odd.sgi"); /* not known that well: written before the prompt is back */
     CHECK_TEXT(buf_text(&reply.text), "wrote odd.sgi\n");
-    CHECK_TEXT(news_of(&interp), "wrote twice.png\nwrote twice.png\n");
-    interpreter_release(&interp);
+    CHECK_TEXT(news_of(interp), "wrote twice.png\nwrote twice.png\n");
 }
 
 static int journal_fails(enum file_step step, const char *path)
@@ -598,33 +535,27 @@ static int journal_fails(enum file_step step, const char *path)
     return step == FILE_STEP_SYNC && strstr(path, "beside.iftty") ? 28 /* ENOSPC */ : 0;
 }
 
-STORY(what_is_not_recorded_is_not_written)
+BEGUN_STORY(what_is_not_recorded_is_not_written, begin_beside)
 {
-    struct interpreter interp;
-    begin_beside(&interp);
-    CHECK_INT(interpreter_create_journal(&interp, "beside.iftty", &fault), OK);
+    CHECK_INT(interpreter_create_journal(interp, "beside.iftty", &fault), OK);
     file_step_hook = journal_fails;
-    is_refused(&interp, "render lost.png", ERR_IO, "could not be recorded");
+    is_refused(interp, "render lost.png", ERR_IO, "could not be recorded");
     file_step_hook = NULL;
-    CHECK_TEXT(news_of(&interp), "");
+    CHECK_TEXT(news_of(interp), "");
     CHECK(!file_exists("lost.png"));
-    must(&interp, "render found.png");
-    CHECK_TEXT(news_of(&interp), "wrote found.png\n");
-    interpreter_release(&interp);
+    must(interp, "render found.png");
+    CHECK_TEXT(news_of(interp), "wrote found.png\n");
 }
 
-STORY(a_picture_that_fails_later_changes_nothing_else)
+BEGUN_STORY(a_picture_that_fails_later_changes_nothing_else, begin_beside)
 {
-    struct interpreter interp;
-    begin_beside(&interp);
     CHECK_INT(file_make_folder("going", NULL), OK);
-    picture_writer_free(interp.writer);
-    CHECK_INT(picture_writer_new(&interp.writer, "/nonexistent/iftty-image", NULL), OK);
-    must(&interp, "render going/a.tif");
-    CHECK_HAS(news_of(&interp), "error: cannot start the image helper /nonexistent/iftty-image");
-    CHECK(session_rendered(interp.session) && !file_exists("going/a.tif"));
-    must(&interp, "pick 45 35");
-    interpreter_release(&interp);
+    picture_writer_free(interp->writer);
+    CHECK_INT(picture_writer_new(&interp->writer, "/nonexistent/iftty-image", NULL), OK);
+    must(interp, "render going/a.tif");
+    CHECK_HAS(news_of(interp), "error: cannot start the image helper /nonexistent/iftty-image");
+    CHECK(session_rendered(interp->session) && !file_exists("going/a.tif"));
+    must(interp, "pick 45 35");
 }
 
 STORY(releasing_an_interpreter_waits_for_its_pictures)

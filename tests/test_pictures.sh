@@ -6,7 +6,7 @@
 cd "$work" || exit 1
 
 begin "pictures as other programs see them"
-needs exrheader oiiotool idiff || { close_story; finish; }
+needs exrheader oiiotool idiff || finish
 
 make_scene s.nii 24 20 16
 heic='' fits='' # in Debian 13 OpenImageIO does not write HEIC, and oiiotool aborts on its own FITS
@@ -82,7 +82,6 @@ same "$(attribute lines.exr iftty:journal)" session.iftty
 same "$(attribute tiled.exr iftty:journal)" session.iftty
 same "$(attribute lines.exr Software)" "$("$iftty" --version | sed 1q)"
 [ -n "$(attribute lines.exr iftty:chain)" ] || fail "no chain"
-close_story
 
 begin "no folder's name is in a picture, and under private=yes not even the file's or the journal's"
 mkdir -p Smith_John
@@ -107,9 +106,8 @@ for private in "" " private=yes"; do
     rm -r elsewhere.*
 done
 same "$(sed -n 2p study.iftty)" "open Smith_John/scan.nii private=yes weight=morph"
-close_story
 
-begin "info says what exrheader and oiiotool say"
+begin "info prints the same as exrheader and oiiotool"
 oiiotool --info -v lines.exr tiled.exr a.png a.tif a.jpg |
     awk '/^[^ ]+ +: +[0-9]+ x/ { name = $1 } name { print > ("theirs-" name) }'
 for file in lines.exr tiled.exr a.png a.tif a.jpg; do
@@ -125,18 +123,15 @@ done
 expect 0 "$iftty" info tiled.exr
 same "$(note out iftty:view)" "$(attribute tiled.exr iftty:view)"
 same "$(sed -n 's/^format *//p' out)" "openexr, tiled"
-close_story
 
 begin "tiles and lines hold the same pixels, in every channel"
 expect 0 idiff -q lines.exr tiled.exr
 compared 0 lines.exr --ch R,G,B,A,Z -o flat-lines.exr tiled.exr --ch R,G,B,A,Z -o flat-tiled.exr
-close_story
 
-begin "the colours of the OpenEXR file are those of the PNG"
+begin "the OpenEXR file has the colours of the PNG"
 # Back from linear light: not one level off.
 compared 0 lines.exr --ch R,G,B --colorconvert linear sRGB -d uint8 -o levels.ppm a.png -o a-png.ppm
 same_files levels.ppm a-png.ppm
-close_story
 
 begin "other programs see a white background, and none behind a transparent picture"
 {
@@ -155,9 +150,8 @@ same_files tif.ppm exr.ppm
 compared 0 white.png --cut 1x1+0+0 --printstats clear.png --printstats
 out_has 'Constant Color: 1.000000 1.000000 1.000000'
 grep -q 'Min: *[0-9]* [0-9]* [0-9]* 0 ' out || fail "no pixel is clear"
-close_story
 
-begin "what is drawn over a rendition changes colours alone, and the picture says so"
+begin "decorations change only colours, and the picture records them"
 {
     sed '/^render/d' script
     printf '%s\n' 'render plain.exr' 'decorate letters scale legend' 'render over.exr' \
@@ -166,10 +160,8 @@ begin "what is drawn over a rendition changes colours alone, and the picture say
 expect 0 "$iftty" run decorations --journal over.iftty
 compared 0 plain.exr --ch Z,label,voxel,N.X over.exr --ch Z,label,voxel,N.X --diff
 compared 1 plain.exr --ch R,G,B over.exr --ch R,G,B --diff # something is drawn
-expect 0 "$iftty" info over.png
-out_has 'decorate letters scale legend'
+expect_out 'decorate letters scale legend' 0 "$iftty" info over.png
 expect 0 "$iftty" verify over.iftty
-close_story
 
 begin "a compositor that knows OpenEXR puts our picture over its own, and finds it in the world"
 # Edges too, up to the difference between the mean of sRGB values and the mean of light.
@@ -185,7 +177,6 @@ for name in worldToCamera worldToNDC; do
 done
 same "$(attribute placed.exr iftty:alpha)" associated
 same "$(attribute placed.exr iftty:labels)" '{"1": {"name": "core", "colour": "#fc961e"}}'
-close_story
 
 begin "formats without loss agree with the PNG, pixel for pixel"
 lossless="tif tiff bmp tga ppm sgi iff rla dpx $fits ico jp2"
@@ -195,7 +186,6 @@ for format in $lossless; do
 done
 compared 0 "$@"
 for format in $lossless; do same_files back-$format.ppm a-png.ppm; done
-close_story
 
 begin "formats with loss come near it"
 set --
@@ -204,7 +194,6 @@ for format in jpg webp $heic gif; do
 done
 compared 0 --fail 0.1 --failpercent 2 --hardfail 0.4 --warn 1 "$@"
 compared 0 --fail 0.01 --warn 1 a.hdr --colorconvert linear sRGB a.png --diff
-close_story
 
 begin "every extension is written whole, or refused in one line with no file left"
 mkdir every
@@ -228,9 +217,8 @@ same "$(wc -l <err | tr -d ' ')" "$(grep -c '^all:[0-9]*: cannot write' err)"
 same "$(ls -A every | wc -l)" "$(grep -c '^    wrote' out)"
 [ "$(ls every | wc -l)" -gt 35 ] || fail "only $(ls every)"
 same "$(oiiotool --info every/* 2>&1 | grep -c ' : *150 x  *110, ')" "$(ls every | wc -l)"
-close_story
 
-begin "the same picture gives the same bytes, today and tomorrow"
+begin "the same picture has the same bytes on any date"
 mkdir again
 cp -p a.* lines.exr tiled.exr again/
 rm -f a.* lines.exr tiled.exr session.iftty
@@ -242,14 +230,12 @@ for file in a.* lines.exr tiled.exr; do
     *) same_files $file again/$file ;;
     esac
 done
-close_story
 
 begin "info tells scenes and journals, as text and as JSON"
 expect 0 "$iftty" info s.nii
 same "$(sed -n 's/^voxels *//p' out)" 24x20x16
 out_has "uint8"
-expect 0 "$iftty" info session.iftty
-out_has "iftty journal"
+expect_out "iftty journal" 0 "$iftty" info session.iftty
 same "$(sed -n 's/^records *//p' out)" "$(grep -c '^= ' session.iftty)"
 for file in s.nii session.iftty lines.exr a.png a.tif a.gif; do
     expect 0 "$iftty" info $file --json
@@ -262,15 +248,12 @@ done
 "$iftty" info a.tif --json >out
 out_has "\"iftty:scene\": \"$scene\""
 expect 0 "$iftty" -c 'open s.nii; seed 3,3,3 1; save root root.nii.gz' # of other types too
-expect 0 "$iftty" info root.nii.gz
-out_has "uint32"
-expect 0 "$iftty" -c 'open root.nii.gz'
-out_has "ok 1 open root.nii.gz"
+expect_out "uint32" 0 "$iftty" info root.nii.gz
+answers "ok 1 open root.nii.gz" 'open root.nii.gz'
 flip_byte session.iftty 300
 expect 1 "$iftty" info session.iftty
-close_story
 
-begin "info is not fooled: no picture, half a picture, and what a terminal would obey"
+begin "info rejects files that are no picture or half a picture, and prints no escape sequences"
 printf 'P6 nothing' >no.png
 head -c 900 a.png >half.png
 head -c 2000 lines.exr >half.exr
@@ -288,16 +271,13 @@ out_has '\x1b[31m'
 expect 0 "$iftty" info odd.png --json
 ! grep -q "$(printf '\033')" out || fail "an escape sequence came through"
 out_has 'red \u001b[31m \"quoted\" \\ text'
-close_story
 
-begin "what other programs write is told too"
+begin "pictures of other programs are described too"
 oiiotool lines.exr --ch R,G,B -d float --compression piz -o other.exr \
     a.png a.png --siappend -d uint8 -o two.tif
-expect 0 "$iftty" info other.exr
-out_has "R G B float"
+expect_out "R G B float" 0 "$iftty" info other.exr
 expect 0 "$iftty" info two.tif
 same "$(sed -n 's/^frames *//p' out)" 2
-close_story
 
 # A helper that forks while threads of its library start hangs once in thirty times.
 begin "dozens of openings, eight at once: every helper answers"
@@ -309,6 +289,5 @@ for column in 1 2 3 4 5 6 7 8; do
 done
 wait
 same "$(cat bad)" ""
-close_story
 
 finish

@@ -28,7 +28,7 @@ static void move(void *context, const int64_t by[3], uint32_t place[3])
     }
 }
 
-static bool has_tree = true;
+static unsigned has_tree = 1;
 static bool held(void *context, const uint32_t place[3], bool alone, struct buf *out)
 {
     (void)context;
@@ -67,7 +67,8 @@ static unsigned hints(void *context)
     return hint_count;
 }
 
-static bool has_seed = true, hidden[256];
+static unsigned has_seed = 1;
+static bool hidden[256];
 static bool seed_of(void *context, unsigned of, int64_t by, uint32_t place[3])
 {
     (void)context;
@@ -122,7 +123,7 @@ static void label(void *context, unsigned number, struct buf *out)
     buf_printf(out, "%u%s%s", number, *label_name ? " " : "", label_name);
 }
 
-static bool shows = true;
+static unsigned shows = 1;
 static enum pilot_pane shown_pane;
 static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t place[3],
                      enum pilot_pane *pane)
@@ -147,7 +148,7 @@ static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t p
     pixel[1] = row / 2;
 }
 
-static bool goes_on = true;
+static unsigned goes_on = 1;
 static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
                 uint32_t place[3])
 {
@@ -184,7 +185,6 @@ static void begin(void)
 {
     facts = (struct pilot_facts){.size = {size[0], size[1], size[2]},
                                  .place = {20, 25, 30},
-                                 .index = {30, 25, 20},
                                  .plane = {"axial", "coronal", "sagittal"},
                                  .axis = {2, 1, 0},
                                  .window = {0, 100},
@@ -192,7 +192,7 @@ static void begin(void)
                                  .times = PILOT_TIMES_ONE,
                                  .frame_width = 64,
                                  .frame_height = 48};
-    has_tree = has_seed = shows = true;
+    has_tree = has_seed = shows = 1;
     memset(hidden, 0, sizeof hidden);
     pilot_state_release(&state);
     pilot_state_init(&state, &pilot_setup_default);
@@ -223,26 +223,67 @@ static const char *type(const char *letters)
     return buf_text(&line);
 }
 
-static const char *arrow(enum key key, unsigned modifiers)
+static const char *hint_now(void)
 {
-    press(key, modifiers, 0);
+    buf_clear(&line);
+    pilot_keys_hint(&state, &facts, &line);
     return buf_text(&line);
 }
 
-/* Place the cross-hair by "at 1,2,3", or along one axis by "x=4" or "y+2". */
-static void place_by(const char *words)
+static const struct {
+    const char *name;
+    struct mouse mouse;
+    unsigned modifiers;
+} use[] = {{"press", {MOUSE_PRESSED, MOUSE_LEFT, 0, 0}, 0},
+           {"move", {MOUSE_MOVED, MOUSE_LEFT, 0, 0}, 0},
+           {"release", {MOUSE_RELEASED, MOUSE_LEFT, 0, 0}, 0},
+           {"right-press", {MOUSE_PRESSED, MOUSE_RIGHT, 0, 0}, 0},
+           {"right-move", {MOUSE_MOVED, MOUSE_RIGHT, 0, 0}, 0},
+           {"right-release", {MOUSE_RELEASED, MOUSE_RIGHT, 0, 0}, 0},
+           {"wheel-up", {MOUSE_WHEEL_UP, MOUSE_LEFT, 0, 0}, 0},
+           {"wheel-down", {MOUSE_WHEEL_DOWN, MOUSE_LEFT, 0, 0}, 0},
+           {"Ctrl-wheel-up", {MOUSE_WHEEL_UP, MOUSE_NO_BUTTON, 0, 0}, KEY_CONTROL}};
+
+static const struct {
+    const char *name;
+    unsigned *value;
+} fact[] = {
+    {"times", &facts.times},     {"zoom", &facts.zoom},   {"overlay", &facts.overlay},
+    {"hints", &hint_count},      {"doubts", &doubts},     {"side", &outline_side},
+    {"marker", &outline_marker}, {"has_seed", &has_seed}, {"has_tree", &has_tree},
+    {"shows", &shows},           {"goes_on", &goes_on},   {"x", &facts.place[0]},
+    {"y", &facts.place[1]},      {"z", &facts.place[2]},  {"pane", (unsigned *)&shown_pane}};
+
+/* Use the mouse at a pixel, "press 5,6", place the cross-hair, "at 1,2,3", or set a fact,
+ * "times=2000"; "y+2" adds to it. */
+static void set_stage(const char *words)
 {
+    const size_t length = strcspn(words, " =+");
     unsigned n[3] = {0};
-    char op = '=';
-    uint32_t *at = facts.place;
-    if (sscanf(words, "at %u,%u,%u", &n[0], &n[1], &n[2]) == 3)
-        memcpy(at, n, sizeof facts.place);
-    else if (CHECK(sscanf(words + 1, "%c%u", &op, &n[0]) == 2))
-        at[*words - 'x'] = n[0] + (op == '+' ? at[*words - 'x'] : 0);
+    const int count = sscanf(words + length + 1, "%u,%u,%u", &n[0], &n[1], &n[2]);
+    bool is_known = count == 3;
+    buf_clear(&line);
+    buf_clear(&message);
+    if (count == 3)
+        memcpy(facts.place, n, sizeof facts.place);
+    for (size_t i = 0; i < sizeof fact / sizeof *fact && count == 1; i++)
+        if (strlen(fact[i].name) == length && memcmp(fact[i].name, words, length) == 0) {
+            *fact[i].value = n[0] + (words[length] == '+' ? *fact[i].value : 0);
+            is_known = true;
+        }
+    for (size_t i = 0; i < sizeof use / sizeof *use && count == 2; i++)
+        if (strlen(use[i].name) == length && memcmp(use[i].name, words, length) == 0) {
+            const struct key_event event = {
+                .key = KEY_MOUSE, .mouse = use[i].mouse, .modifiers = use[i].modifiers};
+            click_on(&event, n[0], n[1]);
+            is_known = true;
+        }
+    if (!CHECK(is_known))
+        printf("#   %s\n", words);
 }
 
-/* Press keys: characters; in angle brackets other keys as the configuration names them, or a place.
- * With `walks` each key moves the cross-hair to the place in its line. */
+/* Press keys: characters; in angle brackets other keys as the configuration names them, or words of
+ * set_stage. With `walks` each moves the cross-hair to the place in its line. */
 static void press_all(const char *keys, bool walks)
 {
     for (; *keys; keys++) {
@@ -251,12 +292,10 @@ static void press_all(const char *keys, bool walks)
         const size_t length = *keys == '<' ? strcspn(keys, ">") : 0;
         snprintf(word, sizeof word, "%.*s", length ? (int)length - 1 : 1, keys + (length > 0));
         keys += length;
-        if (length && strcmp(word, "lt") != 0 && strpbrk(word, "=+,")) {
-            place_by(word);
-            continue;
-        }
         const bool is_key = length && strcmp(word, "lt") != 0;
-        if (is_key && CHECK(chord_read(word, strlen(word), &chord)))
+        if (is_key && strpbrk(word, "=+,"))
+            set_stage(word);
+        else if (is_key && CHECK(chord_read(word, strlen(word), &chord)))
             press(chord.key, chord.modifiers, (char)chord.first);
         else
             press(KEY_CHARACTER, 0, length ? '<' : *word);
@@ -280,7 +319,7 @@ static void check_pressed(const char *const *row, bool walks, int at)
 {
     for (; *row; row++) {
         char text[400], any[] = "*", *part[4], *end = text;
-        struct buf got = {0};
+        OWNED(buf_release) struct buf got = {0};
         snprintf(text, sizeof text, "%s", *row);
         for (int i = 0; i < 4; i++) {
             part[i] = end ? end : any;
@@ -300,7 +339,6 @@ static void check_pressed(const char *const *row, bool walks, int at)
             (*part[3] == '*' || strcmp(mode, part[3]) == 0);
         if (!check_report(fine, __FILE__, at, *row))
             printf("#   is %s|%s|%s\n", buf_text(&got), said, mode);
-        buf_release(&got);
     }
 }
 
@@ -373,8 +411,7 @@ STORY(slices_marks_and_seeds_to_go_to)
          "Db||*there is no mark b; mb sets it", "'a|cross 20,25,30",
          "<at 20,25,30>''|cross 1,2,3", /* the place before the jump */
          "n|cross 1,11,5", "3N|cross 1,7,5", "bgc|cross 2,1,2");
-    has_seed = false;
-    KEYS("n||*label 2 has no seed", "gc||*label 2 has no voxel",
+    KEYS("<has_seed=0>n||*label 2 has no seed", "gc||*label 2 has no voxel",
          "vgg|cross 20,25,0" /* a jump draws nothing */);
 }
 
@@ -464,17 +501,8 @@ STORY(messages_name_the_keys_that_the_user_has)
          "0|*|a count begins with 1-9; ,0 plants a seed of label 0",
          "'q|*|there is no mark q; Sq sets it", "Sq|*|'q leads back here",
          "x|*|marker 7 of 5 voxels at 20; y removes it", "y|remove 20,25,30");
-    buf_clear(&message);
-    pilot_keys_hint(&state, &facts, &message);
-    CHECK_TEXT(buf_text(&message),
+    CHECK_TEXT(hint_now(),
                "nothing to show yet: i plants a seed here, ,0 background; F keys  q back");
-}
-
-static const char *hint_now(void)
-{
-    buf_clear(&line);
-    pilot_keys_hint(&state, &facts, &line);
-    return buf_text(&line);
 }
 
 STORY(boxes_and_polygons_are_set_by_their_corners)
@@ -506,106 +534,60 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
     CHECK_TEXT(hint_now(), "one end of a stroke  i plants it to here  Escape drops it");
 }
 
-/* Press letters, each of which moves the cross-hair to the place in its line. */
-static const char *walk(const char *letters)
-{
-    for (; *letters; letters++) {
-        press(KEY_CHARACTER, 0, *letters);
-        sscanf(buf_text(&line), "cross %u,%u,%u", &facts.place[0], &facts.place[1],
-               &facts.place[2]);
-    }
-    return buf_text(&line);
-}
-
 STORY(an_outline_is_drawn_freehand_by_keys)
 {
     begin();
-    CHECK_TEXT(walk("@"), "");
-    CHECK(state.mode == PILOT_OUTLINING && message.length == 0);
-    pilot_keys_hint(&state, &facts, &message);
-    CHECK_TEXT(buf_text(&message),
-               "moving, or the mouse, draws an outline  Enter plants it  Escape drops it");
+    WALK("@|||outlining");
+    CHECK_TEXT(hint_now(), "moving, or the mouse, draws an outline  Enter plants it  "
+                           "Escape drops it");
     WALK("5h|cross 25,25,30",       /* with counts, and nothing is planted */
          "4ki||*does nothing here", /* nor by keys of other modes */
          "5lr|turn 15",             /* which one may look around meanwhile */
          "w|", "<Enter>|*|*|outlining");
     CHECK_INT(state.outline.count, 4);
-    KEYS("<Enter>|outline 20,25,30 1 to=25,25,30 to=25,29,30 to=20,29,30");
-    CHECK(state.mode == PILOT_MOVING && state.outline.count == 0);
-    CHECK_TEXT(walk("K"), "cross 20,29,31\n");
-    CHECK_TEXT(type("."), "outline 20,25,31 1 to=25,25,31 to=25,29,31 to=20,29,31\n");
-    WALK("@ll@||*3 corners or more, and there are 2; Escape drops it",
-         "<Escape>|*|the outline is dropped");
-    CHECK(state.mode == PILOT_MOVING && state.outline.count == 0);
+    KEYS("<Enter>|outline 20,25,30 1 to=25,25,30 to=25,29,30 to=20,29,30|*|moving");
+    CHECK_INT(state.outline.count, 0);
+    WALK("K|cross 20,29,31", ".|outline 20,25,31 1 to=25,25,31 to=25,29,31 to=20,29,31",
+         "@ll@||*3 corners or more, and there are 2; Escape drops it",
+         "<Escape>|*|the outline is dropped|moving");
+    CHECK_INT(state.outline.count, 0);
     WALK("@@||the pen is up", /* down, and up again */
          "@lK|*|*another slice" /* and goes there */);
     CHECK_INT(state.outline.count, 2);
     WALK("Jk0", /* no label plants the rest, without a ring */
-         "<Escape>vl");
-    CHECK_HAS(walk("@"), " to="); /* the stroke of the other pen ends */
+         "<Escape>vl@");
+    CHECK_HAS(buf_text(&line), " to="); /* the stroke of the other pen ends */
     CHECK(!state.pen.is_down);
-}
-
-/* Use the left button at a voxel of the shown slice, z = 7. */
-static const char *mouse(enum mouse_action action, uint32_t x, uint32_t y)
-{
-    const struct key_event event = {.key = KEY_MOUSE,
-                                    .mouse = {.action = action, .button = MOUSE_LEFT}};
-    buf_clear(&line);
-    buf_clear(&message);
-    click_on(&event, x, y);
-    sscanf(buf_text(&line), "cross %u,%u,%u", &facts.place[0], &facts.place[1], &facts.place[2]);
-    return buf_text(&line);
 }
 
 STORY(the_mouse_draws_an_outline_and_letting_go_closes_it)
 {
     begin();
-    shown_pane = PILOT_AXIAL;
-    walk("2b@");
-    CHECK_TEXT(mouse(MOUSE_PRESSED, 5, 5), "cross 5,5,7\n");
-    mouse(MOUSE_MOVED, 15, 5);
-    mouse(MOUSE_MOVED, 15, 10);
-    mouse(MOUSE_MOVED, 15, 15);
-    mouse(MOUSE_MOVED, 5, 15);
-    CHECK_TEXT(mouse(MOUSE_RELEASED, 5, 15), "outline 5,5,7 2 to=15,5,7 to=15,15,7 to=5,15,7\n");
-    CHECK(state.mode == PILOT_OUTLINING && state.outline.count == 0); /* on to the next */
-    CHECK_TEXT(type("u"), "undo\n");
-    for (uint32_t i = 0; i < 4; i++) { /* corners by clicks, the last by a hand that shakes */
-        CHECK_HAS(mouse(MOUSE_PRESSED, 8 + 8 * (i == 1 || i == 2), 8 + 8 * (i / 2)), "cross ");
-        CHECK_TEXT(mouse(MOUSE_RELEASED, 9, 9), "");
-    }
+    WALK("<pane=0>2b@", "<press 5,5>|cross 5,5,7", "<move 15,5><move 15,10><move 15,15><move 5,15>",
+         "<release 5,15>|outline 5,5,7 2 to=15,5,7 to=15,15,7 to=5,15,7|*|outlining");
+    CHECK_INT(state.outline.count, 0); /* on to the next */
+    WALK("u|undo",                     /* corners by clicks, the last by a hand that shakes */
+         "<press 8,8>|cross 8,8,7", "<release 9,9>|", "<press 16,8>|cross 16,8,7", "<release 9,9>|",
+         "<press 16,16>|cross 16,16,7", "<release 9,9>|", "<press 8,16>|cross 8,16,7",
+         "<release 9,9>|");
     CHECK_INT(state.outline.count, 4);
-    shown_pane = PILOT_RENDITION; /* does not take the corners away */
-    mouse(MOUSE_PRESSED, 3, 3);
-    mouse(MOUSE_RELEASED, 3, 3);
-    CHECK(state.mode == PILOT_OUTLINING);
-    KEYS("<Enter>|outline 8,8,7 2 to=16,8,7 to=16,16,7 to=8,16,7", "<z=9><x=8><y=16>");
-    CHECK_HAS(type("."), ",9 2 to=");
+    WALK("<pane=3><press 3,3><release 3,3>|*|*|outlining", /* does not take the corners away */
+         "<Enter>|outline 8,8,7 2 to=16,8,7 to=16,16,7 to=8,16,7", "<at 8,16,9>.");
+    CHECK_HAS(buf_text(&line), ",9 2 to=");
 }
 
 STORY(an_outline_that_is_there_is_dragged_and_planted)
 {
     begin();
-    outline_side = 20;
-    outline_marker = 0;
-    KEYS("<z=7>U||a square of label 1|shaping");
+    KEYS("<side=20><marker=0><z=7>U||a square of label 1|shaping");
     CHECK_TEXT(hint_now(), "the mouse drags it  Enter plants it  v grabs, lets go  "
                            "Escape drops it");
-    KEYS("<Enter>|outline 4,4,7 1 to=24,4,7 to=24,24,7 to=4,24,7" /* as it is */);
-    outline_marker = 12;
-    type("U");
-    shown_pane = PILOT_AXIAL;
-    mouse(MOUSE_PRESSED, 14, 14); /* far from the line */
-    CHECK_TEXT(buf_text(&message), "the outline is more than 8 voxels from here");
-    mouse(MOUSE_MOVED, 14, 20);
+    WALK("<Enter>|outline 4,4,7 1 to=24,4,7 to=24,24,7 to=4,24,7", /* as it is */
+         "<marker=12>U", "<pane=0><press 14,14>|*|the outline is more than 8 voxels from here",
+         "<move 14,20>");
     CHECK(!state.is_bent);
-    mouse(MOUSE_RELEASED, 14, 20);
-    mouse(MOUSE_PRESSED, 14, 5);
-    mouse(MOUSE_MOVED, 14, 9);
-    mouse(MOUSE_MOVED, 14, 1);
-    mouse(MOUSE_RELEASED, 14, 1);
-    CHECK(state.is_bent && !state.hold.is_set && state.mode == PILOT_SHAPING);
+    WALK("<release 14,20><press 14,5><move 14,9><move 14,1><release 14,1>|*|*|shaping");
+    CHECK(state.is_bent && !state.hold.is_set);
     uint32_t top = 99; /* top of the line: a bulge of 4 at x = 14, none at the corners */
     for (size_t i = 0; i < state.outline.count; i++)
         top = state.outline.corner[i][1] < top ? state.outline.corner[i][1] : top;
@@ -615,45 +597,37 @@ STORY(an_outline_that_is_there_is_dragged_and_planted)
          "<Enter>");
     CHECK_HAS(buf_text(&line), "outline 4,3,7 1 to=");
     CHECK_HAS(buf_text(&line), " instead=12\n");
-    KEYS("U<at 4,14,7>v");
-    walk("2h");
-    const size_t bent = state.outline.count;
-    CHECK(state.hold.is_set && bent > 4);
-    press(KEY_ESCAPE, 0, 0); /* as it was, */
-    CHECK(state.mode == PILOT_SHAPING && state.outline.count == 4);
-    press(KEY_ESCAPE, 0, 0); /* and gone */
-    CHECK(state.mode == PILOT_MOVING && state.outline.count == 0 && state.instead == 0);
-    outline_side = 0;
-    KEYS("U|*|label 1 is not here; @ draws an outline|moving");
+    WALK("U<at 4,14,7>v2h");
+    CHECK(state.hold.is_set && state.outline.count > 4);
+    KEYS("<Escape>|*|*|shaping"); /* as it was, */
+    CHECK_INT(state.outline.count, 4);
+    KEYS("<Escape>|*|*|moving"); /* and gone */
+    CHECK(state.outline.count == 0 && state.instead == 0);
+    KEYS("<side=0>U|*|label 1 is not here; @ draws an outline|moving");
 }
 
 STORY(the_slice_that_is_least_certain_comes_with_its_outline)
 {
     begin();
-    outline_side = 20;
-    outline_marker = 0;
-    doubts = 2;
-    type("\t");
+    KEYS("<side=20><marker=0><doubts=2>\t");
     state.pane = PILOT_SAGITTAL;
-    CHECK_TEXT(type("}"), "cross 9,9,1\n");
-    CHECK(state.pane == PILOT_AXIAL && state.mode == PILOT_SHAPING);
-    CHECK_HAS(buf_text(&message), "label 1, rank 1; a square of label 1");
+    KEYS("}|cross 9,9,1|*label 1, rank 1; a square of label 1|shaping");
+    CHECK_INT(state.pane, PILOT_AXIAL);
     KEYS("}|cross 9,9,2", "}|cross 9,9,1", /* after the last one the first */
          "2}|cross 9,9,2", "{|cross 9,9,1", "<Enter>");
     CHECK_HAS(buf_text(&line), "outline 4,4,1 1 to=");
     CHECK_INT(state.doubt, 0);
-    outline_side = 0; /* it has no outline there yet */
-    KEYS("2}|cross 9,9,2|*label 1 is not here; @ draws an outline|moving");
-    doubts = 0;
-    KEYS("}||nothing of label 1 is in doubt");
+    /* it has no outline there yet */
+    KEYS("<side=0>2}|cross 9,9,2|*label 1 is not here; @ draws an outline|moving",
+         "<doubts=0>}||nothing of label 1 is in doubt");
 }
 
 STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
 {
     begin();
-    CHECK_TEXT(walk("v2+lllkk"), "cross 17,27,30\nseed 17,27,30 1 radius=2 to=17,26,30\n");
+    WALK("v2+lllkk|cross 17,27,30 / seed 17,27,30 1 radius=2 to=17,26,30");
     CHECK(state.sketches && state.is_silent);
-    CHECK_TEXT(walk("v"), "cross 17,27,30\nseed 20,25,30 1 radius=2 to=17,25,30 to=17,27,30\n");
+    WALK("v|cross 17,27,30 / seed 20,25,30 1 radius=2 to=17,25,30 to=17,27,30");
     CHECK(!state.sketches && !state.pen.is_down && !state.is_silent);
     WALK("v|", /* down again, and nothing drawn */
          "v|", "vhr|cross 18,27,30 / seed 17,27,30 1 radius=2 to=18,27,30 / turn 15");
@@ -665,10 +639,8 @@ STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
          "l?|", /* a key that changes nothing ends nothing */
          "12|", "<Escape>" /* cancels the count */);
     CHECK(!state.drops && state.pen.is_down);
-    press(KEY_ESCAPE, 0, 0);
+    KEYS("<Escape>||the stroke is dropped, and the pen is up");
     CHECK(state.drops && !state.pen.is_down);
-    CHECK_TEXT(buf_text(&line), "");
-    CHECK_TEXT(buf_text(&message), "the stroke is dropped, and the pen is up");
     WALK("vlq|cross 17,27,29 / seed 18,27,29 2 radius=2 to=17,27,29");
     CHECK(request == PILOT_LEAVE);
 }
@@ -677,12 +649,12 @@ STORY(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined)
 {
     unsigned x = 20, y = 25, z = 30, from[3], label, steps = 0, lines = 0;
     begin();
-    walk("v");
+    press_all("v", true);
     for (int i = 0; i < 12000; i++)
-        walk(i % 2 ? "k" : "l"); /* stairs, as far as the scene goes */
+        press_all(i % 2 ? "k" : "l", true); /* stairs, as far as the scene goes */
     for (int i = 0; i < 12000; i++)
-        walk(i % 4 == 0 ? "k" : i % 4 == 1 ? "l" : i % 4 == 2 ? "j" : "h");
-    walk("v");
+        press_all((const char *[]){"k", "l", "j", "h"}[i % 4], true);
+    press_all("v", true);
     const char *at = buf_text(&line);
     CHECK(sscanf(at, "cross %u", &x) == 1);
     at = strchr(at, '\n') + 1;
@@ -709,8 +681,7 @@ STORY(an_eliminator_shows_first_what_it_takes)
          "XX|remove 20,25,30 of=tree|*|moving",
          "xl|cross 19,25,30", /* another key has its usual effect, and nothing is removed */
          "x10l|cross 10,25,30", "xs2|seed 20,25,30 2", "x<Escape>||*|moving");
-    has_tree = false;
-    KEYS("x|*|*no tree holds this voxel|moving");
+    KEYS("<has_tree=0>x|*|*no tree holds this voxel|moving");
 }
 
 STORY(a_path_is_shown_and_its_strongest_edge_corrected)
@@ -719,10 +690,8 @@ STORY(a_path_is_shown_and_its_strongest_edge_corrected)
     shown_way = (struct pilot_way){
         .label = 1, .next = 3, .root = {5, 6, 7}, .has_edge = true, .edge = {9, 10, 11}};
     KEYS("P||why 20|explaining");
-    buf_clear(&message);
-    pilot_keys_hint(&state, &facts, &message);
-    CHECK_TEXT(buf_text(&message), "P to its strongest edge  i the next label there  S shell  "
-                                   "I stroke  Escape ends");
+    CHECK_TEXT(hint_now(), "P to its strongest edge  i the next label there  S shell  I stroke  "
+                           "Escape ends");
     KEYS("P|cross 9,10,11|*|moving", "''|", /* whence it jumped */
          "2+Pi|cross 9,10,11 / seed 9,10,11 3 radius=2");
     CHECK_INT(state.brush.label, 3);
@@ -733,27 +702,22 @@ STORY(a_path_is_shown_and_its_strongest_edge_corrected)
          "P4|",              /* no digit alone plants */
          "l|cross 5,14,11", "P<Escape>|*|*|moving");
     shown_way.has_edge = false;
-    KEYS("Pi||*there is no edge to go to");
-    has_tree = false;
-    KEYS("P||*|moving");
-    has_tree = true;
-    CHECK_TEXT(type("pP"), "cross 32,24,9\n"); /* the voxel that the rendition shows */
-    CHECK(state.mode == PILOT_EXPLAINING && state.base == PILOT_PICKING);
+    KEYS("Pi||*there is no edge to go to", "<has_tree=0>P||*|moving",
+         "<has_tree=1>pP|cross 32,24,9|*|explaining"); /* the voxel that the rendition shows */
+    CHECK_INT(state.base, PILOT_PICKING);
 }
 
 STORY(hints_are_walked_round_and_round)
 {
     begin();
-    hint_count = 3;
-    KEYS(")|hint 1", ")|hint 2", "(|hint 1", "(|hint 3", ")|hint 1",
-         "7)|hint 7", /* which the command refuses */
-         "(|hint 3", "2(|hint 2");
-    hint_count = 0; /* the command says why */
-    KEYS(")|hint 1", "(|hint 1", "<x=3>''|cross 20,25,30");
+    KEYS("<hints=3>)|hint 1", ")|hint 2", "(|hint 1", "(|hint 3", ")|hint 1",
+         "7)|hint 7",                                  /* which the command refuses */
+         "(|hint 3", "2(|hint 2", "<hints=0>)|hint 1", /* the command says why */
+         "(|hint 1", "<x=3>''|cross 20,25,30");
     CHECK(!state.heat);
-    CHECK_TEXT(type("gh"), "");
+    KEYS("gh|");
     CHECK(state.heat && message.length);
-    type("gh");
+    KEYS("gh");
     CHECK(!state.heat);
 }
 
@@ -765,7 +729,7 @@ STORY(a_change_is_repeated)
          "xx.|remove 15,25,30", "c|plane 15,25,30", "C|plane none", ".|plane 15,25,30",
          "12e|hide 12");
     hidden[12] = true;
-    CHECK_TEXT(type("."), "show 12\n");
+    KEYS(".|show 12");
 }
 
 STORY(a_box_or_a_polygon_is_repeated_beside_the_cross_hair)
@@ -784,26 +748,20 @@ STORY(a_box_or_a_polygon_is_repeated_beside_the_cross_hair)
 STORY(what_is_shown)
 {
     begin();
-    CHECK_TEXT(type("e"), "hide 1\n");
+    KEYS("e|hide 1");
     hidden[1] = hidden[7] = true;
-    CHECK_TEXT(type("e"), "show 1\n");
-    has_seed = false; /* nor a voxel */
-    KEYS("e|show 1", "5e||there is no label 5 to hide: it has no voxel and no seed");
-    has_seed = true;
-    CHECK_TEXT(type("E"), "show all\n");
+    KEYS("e|show 1", "<has_seed=0>e|show 1", /* nor a voxel */
+         "5e||there is no label 5 to hide: it has no voxel and no seed", "<has_seed=1>E|show all");
     memset(hidden, 0, sizeof hidden);
     KEYS("E|", "s0e||*never shown", /* the background is in no picture */
-         "300e|", "o|overlay tint");
-    facts.overlay = 1;
-    CHECK_TEXT(type("o"), "overlay contour\n");
-    facts.overlay = 2;
-    KEYS("o|overlay none", "y||*`:finish relax` settles them");
+         "300e|", "o|overlay tint", "<overlay=1>o|overlay contour", "<overlay=2>o|overlay none",
+         "y||*`:finish relax` settles them");
     facts.has_finish = true;
-    CHECK_TEXT(type("y"), "finished on\n");
+    KEYS("y|finished on");
     facts.shows = PILOT_ROUGH;
-    CHECK_TEXT(type("y"), "finished off\n");
+    KEYS("y|finished off");
     facts.shows = PILOT_FINISHED;
-    CHECK_TEXT(type("y"), "finished off\n");
+    KEYS("y|finished off");
 }
 
 STORY(the_view_and_the_window)
@@ -812,9 +770,7 @@ STORY(the_view_and_the_window)
     KEYS("r|turn 15", "3R|turn -45", "<Shift-Up>|turn 0 15", "<Shift-Left>|turn -15",
          ">|turn 0 0 15", "2<lt>|turn 0 0 -30", "<Alt-Down>|pan 0 16", "<Alt-l>|pan 16 0",
          "Va|view front", "Vp|view back", "Vl|view left", "Vr|view right", "Vs|view top",
-         "Vi|view bottom", "F|zoom fit", "z|zoom 1.251", "Z|zoom 0.8");
-    facts.zoom = 64000;
-    CHECK_TEXT(type("z"), "zoom 64\n");
+         "Vi|view bottom", "F|zoom fit", "z|zoom 1.251", "Z|zoom 0.8", "<zoom=64000>z|zoom 64");
     facts.is_fitted = true; /* fitted automatically: continue from there */
     facts.middle[0] = 4, facts.middle[1] = 5, facts.middle[2] = 6;
     KEYS("Z|zoom 51.2 at=4,5,6", "<Alt-Down>|focus 4,5,6 / pan 0 16");
@@ -829,12 +785,11 @@ STORY(the_view_and_the_window)
 STORY(corrections_are_made_on_the_rendition)
 {
     begin();
-    type("p");
-    CHECK(state.mode == PILOT_PICKING && state.pixel[0] == 32 && state.pixel[1] == 24);
+    KEYS("p|*|*|picking");
+    CHECK(state.pixel[0] == 32 && state.pixel[1] == 24);
     KEYS("llj|", "2|cross 34,25,9 / seed 34,25,9 2|*|picking" /* a digit plants there, */
          /* and the pixel stays */);
-    facts.place[0] = 34, facts.place[2] = 9;
-    KEYS("<Enter>|seed 34,25,9 2", "K|");
+    KEYS("<x=34><z=9><Enter>|seed 34,25,9 2", "K|");
     CHECK_INT(state.pixel[1], 9);
     KEYS("s0|cross 34,9,9 / seed 34,9,9 0", "u|undo", "r|turn 15",
          "x|cross 34,9,9|*marker 7 of 5 voxels at 34", /* the one that is seen there */
@@ -846,24 +801,21 @@ STORY(corrections_are_made_on_the_rendition)
     for (int i = 0; i < 20; i++)
         type("L"); /* as far as the picture goes */
     CHECK_INT(state.pixel[0], 63);
-    shows = false;
-    KEYS("<Enter>||*that pixel shows no object", "x||*|picking", "<Escape>|*|*|moving");
+    KEYS("<shows=0><Enter>||*that pixel shows no object", "x||*|picking", "<Escape>|*|*|moving");
 }
 
 STORY(what_is_no_command)
 {
+    static const struct {
+        const char *keys;
+        enum pilot_request request;
+    } rows[] = {{":|", PILOT_PROMPT},        {"q", PILOT_LEAVE},     {"<Ctrl-l>", PILOT_REDRAW},
+                {"<Ctrl-z>", PILOT_SUSPEND}, {"?", PILOT_SHOW_KEYS}, {"Y||*? shows the keys", 0}};
     begin();
-    CHECK_TEXT(type(":"), "");
-    CHECK(request == PILOT_PROMPT);
-    type("q");
-    CHECK(request == PILOT_LEAVE);
-    press(KEY_CHARACTER, KEY_CONTROL, 'l');
-    CHECK(request == PILOT_REDRAW);
-    press(KEY_CHARACTER, KEY_CONTROL, 'z');
-    CHECK(request == PILOT_SUSPEND);
-    type("?");
-    CHECK(request == PILOT_SHOW_KEYS);
-    KEYS("Y||*? shows the keys");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        KEYS(rows[i].keys);
+        CHECK_INT(request, rows[i].request);
+    }
     press(KEY_OTHER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
     CHECK_TEXT(buf_text(&message), "");
@@ -876,98 +828,50 @@ STORY(what_was_chosen_stays_from_one_time_to_the_next)
     pilot_state_enter(&state);
     CHECK(state.mode == PILOT_MOVING && !state.pen.is_down && state.count == 0);
     CHECK(state.brush.label == 7 && state.brush.radius == 3 && state.pane == PILOT_CORONAL);
-    CHECK_TEXT(type("i"), "seed 20,25,30 7 radius=3\n");
-    memset(facts.place, 0, sizeof facts.place);
-    CHECK_TEXT(type("'k"), "cross 20,25,30\n");
+    KEYS("i|seed 20,25,30 7 radius=3", "<at 0,0,0>'k|cross 20,25,30");
 }
 
 /* ---- the mouse ---- */
 
-static enum mouse_button button = MOUSE_LEFT;
-static const char *click(enum mouse_action action, uint32_t column, uint32_t row)
-{
-    const struct key_event event = {.key = KEY_MOUSE,
-                                    .mouse = {.action = action, .button = button}};
-    buf_clear(&line);
-    buf_clear(&message);
-    click_on(&event, column, row);
-    return buf_text(&line);
-}
-
 STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
 {
     begin();
-    shown_pane = PILOT_CORONAL;
-    CHECK_TEXT(click(MOUSE_PRESSED, 3, 4), "cross 3,4,7\n");
+    KEYS("<pane=1><press 3,4>|cross 3,4,7");
     CHECK(state.pane == PILOT_CORONAL);
-    memcpy(facts.place, (uint32_t[]){3, 4, 7}, sizeof facts.place);
-    CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\n");
-    CHECK_TEXT(click(MOUSE_RELEASED, 5, 4), "");
-    CHECK_TEXT(click(MOUSE_MOVED, 6, 4), ""); /* not held */
-    type("v2bi");
-    click(MOUSE_PRESSED, 3, 4);
-    CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\nseed 5,4,7 2 to=3,4,7\n");
+    KEYS("<at 3,4,7><move 5,4>|cross 5,4,7", "<release 5,4>|", "<move 6,4>|", /* not held */
+         "v2bi", "<press 3,4>", "<move 5,4>|cross 5,4,7 / seed 5,4,7 2 to=3,4,7");
     CHECK(state.sketches);
-    shown_pane = PILOT_AXIAL; /* not from pane to pane */
-    CHECK_TEXT(click(MOUSE_MOVED, 9, 4), "");
-    facts.place[0] = 5;
-    CHECK_TEXT(click(MOUSE_RELEASED, 9, 4), "cross 5,4,7\nseed 3,4,7 2 to=5,4,7\n");
-    CHECK_TEXT(click(MOUSE_RELEASED, 9, 4), "");
-    facts.place[0] = 3;
-    CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 3,4,8\n");
-    shown_pane = PILOT_RENDITION;
-    CHECK_TEXT(click(MOUSE_WHEEL_DOWN, 1, 1), "zoom 0.8\n");
-    CHECK_TEXT(click(MOUSE_PRESSED, 8, 9), "cross 8,9,7\n");
-    shows = false;
-    CHECK_TEXT(click(MOUSE_PRESSED, 8, 9), "");
-    CHECK_HAS(buf_text(&message), "that pixel shows nothing");
+    KEYS("<pane=0><move 9,4>|", /* not from pane to pane */
+         "<x=5><release 9,4>|cross 5,4,7 / seed 3,4,7 2 to=5,4,7", "<release 9,4>|",
+         "<x=3><wheel-up 1,1>|cross 3,4,8", "<pane=3><wheel-down 1,1>|zoom 0.8",
+         "<press 8,9>|cross 8,9,7", "<shows=0><press 8,9>||*that pixel shows nothing");
 }
 
 STORY(the_right_button_pulls_a_shell_open)
 {
     begin();
-    type("2b");
-    button = MOUSE_RIGHT;
-    shown_pane = PILOT_CORONAL;
-    CHECK_TEXT(click(MOUSE_PRESSED, 3, 4), "cross 3,4,7\n");
-    memcpy(facts.place, (uint32_t[]){3, 4, 7}, sizeof facts.place);
-    CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\n");
-    CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "seed 3,4,7 0 shell=yes around=2 through=8,4,7\n");
-    CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "");
-    CHECK_TEXT(click(MOUSE_MOVED, 8, 4), "");
-    click(MOUSE_PRESSED, 3, 4); /* and lets go of it in the middle */
-    CHECK_TEXT(click(MOUSE_RELEASED, 3, 4), "");
+    KEYS("2b", "<pane=1><right-press 3,4>|cross 3,4,7", "<at 3,4,7><right-move 5,4>|cross 5,4,7",
+         "<right-release 8,4>|seed 3,4,7 0 shell=yes around=2 through=8,4,7",
+         "<right-release 8,4>|", "<right-move 8,4>|",
+         "<right-press 3,4><right-release 3,4>|"); /* lets go of it in the middle */
     CHECK_INT(state.outline.count, 0);
-    click(MOUSE_PRESSED, 3, 4);
-    button = MOUSE_LEFT; /* another button ends it */
-    click(MOUSE_PRESSED, 4, 4);
+    KEYS("<right-press 3,4><press 4,4>"); /* another button ends it */
     CHECK_INT(state.outline.count, 0);
-    button = MOUSE_RIGHT;
-    CHECK_TEXT(click(MOUSE_RELEASED, 9, 4), "");
-    click(MOUSE_PRESSED, 3, 4);
-    shown_pane = PILOT_RENDITION; /* no voxel of a slice */
-    CHECK_TEXT(click(MOUSE_MOVED, 8, 4), "");
+    KEYS("<right-release 9,4>|", "<right-press 3,4>",
+         "<pane=3><right-move 8,4>|"); /* no voxel of a slice */
     CHECK_INT(state.outline.count, 1);
-    CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "");
+    KEYS("<right-release 8,4>|");
     CHECK_INT(state.outline.count, 0);
-    shown_pane = PILOT_CORONAL;
-    CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "");
-    shown_pane = PILOT_RENDITION;
-    CHECK_TEXT(click(MOUSE_PRESSED, 3, 4), "");
-    button = MOUSE_LEFT;
+    KEYS("<pane=1><right-release 8,4>|", "<pane=3><right-press 3,4>|");
 }
 
 STORY(where_one_corrects_a_click_takes_the_pixel_there)
 {
     begin();
-    type("p");
-    shown_pane = PILOT_RENDITION;
-    CHECK_TEXT(click(MOUSE_PRESSED, 20, 30), "");
-    CHECK(state.mode == PILOT_PICKING && state.pixel[0] == 10 && state.pixel[1] == 15);
-    CHECK_TEXT(type("2"), "cross 10,15,9\nseed 10,15,9 2\n");
-    shown_pane = PILOT_AXIAL;
-    CHECK_TEXT(click(MOUSE_PRESSED, 20, 31), "cross 20,31,7\n");
-    CHECK(state.mode == PILOT_MOVING); /* a slice is somewhere else */
+    KEYS("p<pane=3><press 20,30>||*|picking");
+    CHECK(state.pixel[0] == 10 && state.pixel[1] == 15);
+    KEYS("2|cross 10,15,9 / seed 10,15,9 2",
+         "<pane=0><press 20,31>|cross 20,31,7|*|moving"); /* a slice is somewhere else */
 }
 
 /* Presses a key so often, each time with the facts that the last one made. */
@@ -989,52 +893,39 @@ static uint32_t magnified(const char *key, unsigned often)
 STORY(slices_are_magnified_around_the_cross_hair)
 {
     begin();
-    CHECK_TEXT(type("]"), "magnify 1.25 at=20,25,30\n");
+    KEYS("]|magnify 1.25 at=20,25,30");
     CHECK(state.is_silent);
     KEYS("4]|magnify 2.5 at=20,25,30", "[||*slices are shown whole", "W|",
-         "gz||*] shows them larger");
-    facts.times = 1250;
-    CHECK_TEXT(type("["), "magnify fit\n");
-    facts.times = 2345; /* typed at the prompt */
-    KEYS("]|magnify 2.5 at=20,25,30", "[|magnify 2 at=20,25,30", "gz|magnify 2.345 at=20,25,30",
-         "W|magnify fit");
-    facts.times = PILOT_TIMES_ONE;
+         "gz||*] shows them larger", "<times=1250>[|magnify fit",
+         "<times=2345>]|magnify 2.5 at=20,25,30", /* typed at the prompt */
+         "[|magnify 2 at=20,25,30", "gz|magnify 2.345 at=20,25,30", "W|magnify fit",
+         "<times=1000>");
     CHECK_INT(magnified("]", 100), PILOT_TIMES_MOST);
     CHECK_HAS(buf_text(&message), "slices cannot be larger");
-    CHECK_TEXT(type("["), "magnify 3072 at=20,25,30\n");
-    shown_pane = PILOT_CORONAL;
-    facts.times = 2000;
-    const struct key_event wheel = {.key = KEY_MOUSE,
-                                    .modifiers = KEY_CONTROL,
-                                    .mouse = {MOUSE_WHEEL_UP, MOUSE_NO_BUTTON, 1, 1}};
-    buf_clear(&line);
-    click_on(&wheel, 8, 8);
-    CHECK_TEXT(buf_text(&line), "magnify 2.5 at=20,25,30\n");
+    KEYS("[|magnify 3072 at=20,25,30",
+         "<pane=1><times=2000><Ctrl-wheel-up 8,8>|magnify 2.5 at=20,25,30");
 }
 
 STORY(what_is_magnified_can_be_moved)
 {
     begin();
-    CHECK_TEXT(arrow(KEY_LEFT, KEY_ALT), "pan -16 0\n"); /* whole slices: the rendition */
-    facts.times = 3000;
-    KEYS("<Alt-Right>|magnify 3 at=11,10,0", "v|",
+    KEYS("<Alt-Left>|pan -16 0", /* whole slices: the rendition */
+         "<times=3000><Alt-Right>|magnify 3 at=11,10,0", "v|",
          "<Alt-Left>|cross 21,25,30 / magnify 3 at=9,10,0", /* no stroke */
-         "v<Tab>2|", "<Alt-Down>|magnify 3 at=10,12,1");
-    goes_on = false;
-    KEYS("<Alt-Down>||*the slice ends there");
-    goes_on = true;
-    KEYS("p<Alt-Down>|pan 0 16" /* the rendition, while correcting */);
+         "v<Tab>2|", "<Alt-Down>|magnify 3 at=10,12,1",
+         "<goes_on=0><Alt-Down>||*the slice ends there",
+         "<goes_on=1>p<Alt-Down>|pan 0 16"); /* the rendition, while correcting */
 }
 
 STORY(one_pane_has_the_whole_screen_or_none)
 {
     begin();
     CHECK(!state.is_alone);
-    CHECK_TEXT(type("f"), "");
-    CHECK(state.is_alone && state.mode == PILOT_MOVING);
-    type("pf");
-    CHECK(!state.is_alone && state.mode == PILOT_PICKING);
-    type("f");
+    KEYS("f||*|moving");
+    CHECK(state.is_alone);
+    KEYS("pf|*|*|picking");
+    CHECK(!state.is_alone);
+    KEYS("f");
     pilot_state_enter(&state); /* and so the next time */
     CHECK(state.is_alone);
 }
@@ -1042,13 +933,10 @@ STORY(one_pane_has_the_whole_screen_or_none)
 STORY(the_wheel_takes_the_question_about_a_tree_away)
 {
     begin();
-    shown_pane = PILOT_AXIAL;
-    KEYS("x|*|*|confirming");
-    CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 20,25,31\n"); /* another tree may be there */
-    CHECK(state.mode == PILOT_MOVING);
-    KEYS("x||*x removes it", "x|remove 20,25,30");
-    facts.place[2] = size[2] - 1;
-    CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), ""); /* at the edge there is nothing to record */
+    KEYS("<pane=0>x|*|*|confirming",
+         "<wheel-up 1,1>|cross 20,25,31|*|moving", /* another tree may be there */
+         "x||*x removes it", "x|remove 20,25,30",
+         "<z=59><wheel-up 1,1>|"); /* at the edge there is nothing to record */
 }
 
 STORY(what_a_click_says_takes_the_place_of_what_was_said)
@@ -1056,8 +944,7 @@ STORY(what_a_click_says_takes_the_place_of_what_was_said)
     const struct key_event event = {.key = KEY_MOUSE,
                                     .mouse = {.action = MOUSE_PRESSED, .button = MOUSE_LEFT}};
     begin();
-    shows = false;
-    buf_clear(&message);
+    KEYS("<shows=0>");
     for (int i = 0; i < 2; i++)
         click_on(&event, 8, 9);
     CHECK_TEXT(buf_text(&message), "that pixel shows nothing");
@@ -1085,96 +972,73 @@ static bool clash(const struct pilot_row *one, const struct pilot_row *other)
     return false;
 }
 
-/* Two files have it, each after a mark. */
-static void is_card_of(const char *path, const struct buf *page)
+/* Static storage. */
+static const struct buf *page_of(bool watches, unsigned columns, bool has_colours,
+                                 const char *wanted)
 {
-    static const char mark[] = "<!-- keys: the page that `?` shows -->\n\n```\n";
-    struct buf readme = {0};
-    CHECK(file_read(&readme, path, 1 << 20, NULL) == OK);
-    const char *card = strstr(buf_text(&readme), mark);
-    CHECK(card != NULL);
-    if (card) {
-        card += strlen(mark);
-        CHECK(strncmp(card, buf_text(page), page->length) == 0);
-        CHECK(strncmp(card + page->length, "```\n", 4) == 0);
-    }
-    buf_release(&readme);
+    static struct buf page;
+    buf_clear(&page);
+    pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, watches, columns,
+                                                     has_colours, wanted});
+    return &page;
 }
 
+static const char *page_with(const char *wanted, bool has_colours)
+{
+    return buf_text(page_of(false, 80, has_colours, wanted));
+}
+
+/* The README has it after a mark. */
 STORY(the_page_of_keys_fits_and_is_the_card_in_the_readme)
 {
-    struct buf page = {0};
-    pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, false, 80, false, NULL});
-    for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
+    static const char mark[] = "<!-- keys: the page that `?` shows -->\n\n```\n";
+    OWNED(buf_release) struct buf readme = {0}, card = {0};
+    for (const char *at = page_with(NULL, false); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 78);
-    is_card_of("tui/README.md", &page);
-    buf_release(&page);
+    buf_printf(&card, "%s%s```\n", mark, page_with(NULL, false));
+    CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
+    CHECK_HAS(buf_text(&readme), buf_text(&card));
 }
 
 STORY(the_page_of_keys_fits_any_window)
 {
     for (unsigned columns = 20; columns < 100; columns++) {
-        struct buf page = {0}, wrapped = {0};
-        pilot_keys_page(
-            &page, &(struct pilot_keys_wish){&pilot_setup_default, false, columns, false, NULL});
-        cells_wrap(&wrapped, &page, columns);
+        OWNED(buf_release) struct buf wrapped = {0};
+        cells_wrap(&wrapped, page_of(false, columns, false, NULL), columns);
         for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
             CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);
-        buf_release(&page);
-        buf_release(&wrapped);
     }
-}
-
-static const char *page_with(struct buf *page, const char *wanted, bool has_colours)
-{
-    buf_clear(page);
-    pilot_keys_page(
-        page, &(struct pilot_keys_wish){&pilot_setup_default, false, 80, has_colours, wanted});
-    return buf_text(page);
 }
 
 STORY(the_page_of_keys_is_filtered)
 {
-    struct buf page = {0};
-    CHECK_TEXT(page_with(&page, "CONT", false),
+    CHECK_TEXT(page_with("CONT", false),
                "Display\n"
                "  o                overlay               contour; finish; greys\n"
                "  y                finished              contour; finish; greys\n"
                "  w                window                contour; finish; greys\n");
-    CHECK_HAS(page_with(&page, "undo", false), "\n  u                undo  ");
-    CHECK(!strstr(buf_text(&page), "contour"));
-    CHECK_TEXT(page_with(&page, "xyzzy", false), "no key matches xyzzy\n");
-    buf_release(&page);
+    CHECK_HAS(page_with("undo", false), "\n  u                undo  ");
+    CHECK(!strstr(page_with("undo", false), "contour"));
+    CHECK_TEXT(page_with("xyzzy", false), "no key matches xyzzy\n");
 }
 
 STORY(headings_and_keys_have_colours_where_there_are_any)
 {
-    struct buf page = {0};
-    CHECK_HAS(page_with(&page, "", true), "\033[1;36mPlanting\033[m\n");
-    CHECK_HAS(buf_text(&page), "  \033[33mi Enter\033[m          a seed of the label ");
-    CHECK(!strchr(page_with(&page, "", false), '\033'));
-    buf_release(&page);
+    CHECK_HAS(page_with("", true), "\033[1;36mPlanting\033[m\n");
+    CHECK_HAS(page_with("", true), "  \033[33mi Enter\033[m          a seed of the label ");
+    CHECK(!strchr(page_with("", false), '\033'));
 }
 
 STORY(what_is_dangerous_and_how_to_begin_are_said)
 {
-    struct buf hint = {0};
     begin();
-    pilot_keys_hint(&state, &facts, &hint);
-    CHECK_HAS(buf_text(&hint), "nothing to show yet: i plants a seed here");
+    CHECK_HAS(hint_now(), "nothing to show yet: i plants a seed here");
     facts.has_object = true;
-    buf_clear(&hint);
-    pilot_keys_hint(&state, &facts, &hint);
-    CHECK_HAS(buf_text(&hint), "i seed  b label");
+    CHECK_HAS(hint_now(), "i seed  b label");
     facts.has_one_object = true;
-    buf_clear(&hint);
-    pilot_keys_hint(&state, &facts, &hint);
-    CHECK_HAS(buf_text(&hint), "fills all: a here, then beyond its edge S encloses it; s0 back");
-    type("v");
-    buf_clear(&hint);
-    pilot_keys_hint(&state, &facts, &hint);
-    CHECK_HAS(buf_text(&hint), "moving draws; v ends the stroke, Escape drops it");
-    buf_release(&hint);
+    CHECK_HAS(hint_now(), "fills all: a here, then beyond its edge S encloses it; s0 back");
+    KEYS("v");
+    CHECK_HAS(hint_now(), "moving draws; v ends the stroke, Escape drops it");
 }
 
 /* ---- how keys come ---- */
@@ -1293,7 +1157,6 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
                                        "  3 wait for space"};
     begin();
     label_name = "ventricle";
-    facts.index[0] = 30;
     facts.axis[0] = 2;
     facts.plane[0] = "axial";
     facts.times = PILOT_TIMES_ONE;
@@ -1343,31 +1206,24 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
 
 STORY(where_one_watches_keys_lead_from_step_to_step)
 {
-    struct buf page = {0};
     begin();
     state.watches = true;
     pilot_state_enter(&state);
     KEYS(" |step on 1", "12 |step on 12", "<Backspace>|step back 1", "20G|step to 20",
          "G|step to last", "gg|step to 0", "c|step comments");
     CHECK(state.has_pages);
-    CHECK_TEXT(type("l"), "cross 19,25,30\n"); /* and one looks as ever */
+    KEYS("l|cross 19,25,30"); /* and one looks as ever */
     CHECK(!state.has_pages);
-    CHECK_TEXT(type("w"), "");
-    CHECK_INT(state.mode, PILOT_WINDOWING);
-    press(KEY_ENTER, 0, 0);
-    CHECK_INT(state.mode, PILOT_WATCHING);
+    KEYS("w||*|windowing", "<Enter>|*|*|watching");
     for (const char *none = "isuxvdSOPCI.+-M"; *none; none++) {
-        press(KEY_CHARACTER, 0, *none);
-        CHECK_TEXT(buf_text(&line), "");
-        CHECK_HAS(buf_text(&message), "this key does nothing here; ? shows the keys");
+        char row[60];
+        snprintf(row, sizeof row, "%c||*this key does nothing here; ? shows the keys", *none);
+        KEYS(row);
     }
-    pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, true, 80, false, NULL});
-    CHECK_HAS(buf_text(&page), "Space Backspace  next, previous step");
-    CHECK(strstr(buf_text(&page), "undo, redo") == NULL);
-    buf_clear(&page);
-    pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, false, 80, false, NULL});
-    CHECK(strstr(buf_text(&page), "next, previous step") == NULL);
-    buf_release(&page);
+    const char *page = buf_text(page_of(true, 80, false, NULL));
+    CHECK_HAS(page, "Space Backspace  next, previous step");
+    CHECK(strstr(page, "undo, redo") == NULL);
+    CHECK(strstr(page_with(NULL, false), "next, previous step") == NULL);
 }
 
 STORY(no_key_has_two_meanings)
@@ -1423,7 +1279,7 @@ static size_t differing(const struct image_view *shown)
 
 STORY(with_room_enough_all_is_fine_at_once)
 {
-    struct refine r = {0};
+    OWNED(refine_release) struct refine r = {0};
     struct image_view shown;
     uint64_t seed = 1;
     paint(&seed, 0, 0, WIDTH, HEIGHT);
@@ -1431,13 +1287,12 @@ STORY(with_room_enough_all_is_fine_at_once)
     CHECK_INT(differing(&shown), 0);
     CHECK(!r.is_coarse);
     refine_sent(&r, 5000);
-    refine_release(&r);
 }
 
 STORY(with_little_room_it_is_coarse_first_and_fine_in_the_end)
 {
     for (uint64_t seed = 1; seed < 30; seed++) {
-        struct refine r = {0};
+        OWNED(refine_release) struct refine r = {0};
         struct image_view shown;
         unsigned frames = 0;
         paint(&seed, 0, 0, WIDTH, HEIGHT);
@@ -1455,13 +1310,12 @@ STORY(with_little_room_it_is_coarse_first_and_fine_in_the_end)
         paint(&seed, 20, 20, 30, 25); /* a small change fits, and leaves the rest alone */
         CHECK(refine_begin(&r, &view, true, 300, &shown));
         CHECK_INT(differing(&shown), 0);
-        refine_release(&r);
     }
 }
 
 STORY(what_tiles_cost_is_learnt)
 {
-    struct refine r = {0};
+    OWNED(refine_release) struct refine r = {0};
     struct image_view shown;
     uint64_t seed = 1;
     for (int i = 0; i < 12; i++) {
@@ -1472,7 +1326,6 @@ STORY(what_tiles_cost_is_learnt)
     CHECK(r.level > 0);
     refine_forget(&r);
     CHECK(!r.is_coarse);
-    refine_release(&r);
 }
 
 /* The middle of each block is a pixel of a word, whose colour no other pixel of the block gets. */
@@ -1480,7 +1333,7 @@ STORY(words_stay_sharp)
 {
     static uint8_t words[WIDTH * HEIGHT];
     struct image_view with_words = view, shown;
-    struct refine r = {0};
+    OWNED(refine_release) struct refine r = {0};
     uint64_t seed = 7;
     memset(words, 0, sizeof words);
     paint(&seed, 0, 0, WIDTH, HEIGHT);
@@ -1499,13 +1352,12 @@ STORY(words_stay_sharp)
             CHECK(memcmp(shown.rgba + 4 * i, wanted + 4 * i, 4) == 0);
         else
             CHECK(shown.rgba[4 * i] < 128);
-    refine_release(&r);
 }
 
 STORY(where_one_looks_gets_fine_first)
 {
     struct image_view focused = view, shown;
-    struct refine r = {0};
+    OWNED(refine_release) struct refine r = {0};
     uint64_t seed = 8;
     size_t left = 1;
     focused.focus = (struct raster_box){40, 20, 20, 20};
@@ -1522,18 +1374,20 @@ STORY(where_one_looks_gets_fine_first)
     }
     CHECK_INT(left, 0);
     CHECK(r.is_coarse && differing(&shown) > WIDTH * HEIGHT / 3);
-    refine_release(&r);
 }
 
 /* ---- typed while a command is carried out ---- */
 
 static struct typed_ahead ahead;
 
-static void type_ahead(enum key key, char character)
+static void type_ahead(const char *letters)
 {
-    const struct key_event event = {.key = key, .point = (uint8_t)character};
-    if (typed_ahead_has_room(&ahead))
-        typed_ahead_add(&ahead, &event);
+    for (; *letters; letters++) {
+        const struct key_event event = {.key = *letters == '\t' ? KEY_TAB : KEY_CHARACTER,
+                                        .point = (uint8_t)*letters};
+        if (typed_ahead_has_room(&ahead))
+            typed_ahead_add(&ahead, &event);
+    }
 }
 
 STORY(keys_typed_ahead_are_taken_in_their_order)
@@ -1541,17 +1395,16 @@ STORY(keys_typed_ahead_are_taken_in_their_order)
     struct key_event event;
     ahead = (struct typed_ahead){.count = 0};
     for (unsigned round = 0; round < 3; round++) {
-        for (char c = 'a'; c <= 'z'; c++)
-            type_ahead(KEY_CHARACTER, c);
+        type_ahead("abcdefghijklmnopqrstuvwxyz");
         for (char c = 'a'; c <= 'z'; c++)
             CHECK(typed_ahead_take(&ahead, &event) && event.point == (uint8_t)c);
         CHECK(!typed_ahead_take(&ahead, &event));
     }
     for (unsigned i = 0; i < 2 * TYPED_AHEAD_MOST; i++)
-        type_ahead(KEY_CHARACTER, 'x');
+        type_ahead("x");
     CHECK_INT(ahead.count, TYPED_AHEAD_MOST); /* the rest stays with the terminal */
     ahead = (struct typed_ahead){.count = 0};
-    type_ahead(KEY_PASTE_END, 0);
+    typed_ahead_add(&ahead, &(struct key_event){.key = KEY_PASTE_END});
     CHECK(!typed_ahead_has_room(&ahead)); /* its text is kept once */
 }
 
@@ -1560,24 +1413,17 @@ STORY(keys_typed_ahead_show_where_the_cross_hair_goes_and_no_more)
     begin();
     ahead = (struct typed_ahead){.count = 0};
     peeks = 0;
-    type_ahead(KEY_CHARACTER, '1');
-    type_ahead(KEY_CHARACTER, '0');
-    type_ahead(KEY_CHARACTER, 'l');
-    type_ahead(KEY_CHARACTER, 'l');
-    type_ahead(KEY_TAB, 0);
-    type_ahead(KEY_CHARACTER, 'K');
+    type_ahead("10ll\tK");
     struct pilot_state shown = state;
     typed_ahead_show(&ahead, &shown, &host);
     CHECK(facts.place[0] == 9 && peeks == 3);
     CHECK(shown.pane == PILOT_CORONAL && state.pane == PILOT_AXIAL);
     CHECK_INT(ahead.count, 6); /* they are still to be taken */
-    type_ahead(KEY_CHARACTER, 'x');
-    type_ahead(KEY_CHARACTER, 'l');
+    type_ahead("xl");
     begin();
     shown = state;
     typed_ahead_show(&ahead, &shown, &host);
     CHECK(facts.place[0] == 9 && shown.mode == PILOT_MOVING); /* up to what does more */
-    state.pen.is_down = true;
     begin();
     state.pen.is_down = true;
     shown = state;

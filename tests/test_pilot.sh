@@ -36,7 +36,7 @@ commands() {
 }
 commanding() {
     type_letters ":"
-    entering "$1" "$2"
+    entering "$@"
 }
 # The magnified slices are around another voxel than this.
 has_panned() {
@@ -58,28 +58,23 @@ no_words() {
 }
 begin_terminal
 
-begin "pilot takes the whole screen: slices, and where the cross-hair is"
+begin "pilot uses the whole screen, with slices and the place of the cross-hair"
 enter_anew "$iftty --graphics blocks s.nii"
-see '^24x20x16 voxels'
-see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
+see '^24x20x16 voxels' '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 entering "pilot" '^axial at 12,10,8  brush 1 r3  no label  intensity [0-9]*  [-0-9.,]* mm$'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
-close_story
 
-begin "what has nothing to show says how to begin"
+begin "an empty session shows how to begin"
 see '^nothing to show yet: i plants a seed here'
-close_story
 
 begin "the brush has a radius, which - makes smaller"
 typing "3-" '^axial at 12,10,8  brush 1  no label  intensity '
-close_story
 
 begin "keys move, seed, undo and turn, each as the command it is"
 presses Right "cross 11,10,8"
 types "3k" "cross 11,13,8"
 types "s2" "seed 11,13,8 2"
-see 'voxels changed'
-see '^axial at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
+see 'voxels changed' '^axial at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm'
 pressing Tab '^coronal at [0-9]*,13,[0-9]* '
 see '^one label fills all: a here, then beyond its edge S encloses it; s0 background$'
 types "++s1" "seed 11,13,8 1 radius=2"
@@ -91,17 +86,14 @@ presses S-Right "turn 15"
 type_letters "I"
 press Up
 types "-s3" "seed 11,13,9 3 radius=1 to=11,13,8"
-close_story
 
-begin "the pen that is down is told in colour, and by what the keys do"
+begin "a lowered pen is shown by its colour and by the help of keys"
 type_letters "v"
-pressing Tab '^PEN DOWN  sagittal '
-see '^moving draws; v ends the stroke, Escape drops it$'
+pressing Tab '^PEN DOWN  sagittal ' '^moving draws; v ends the stroke, Escape drops it$'
 tmux_here capture-pane -e -p -t prompt | grep -q '41m.*PEN DOWN' || fail "it is not in colour"
 pressing Escape '^sagittal '
 press Tab Tab
 see '^coronal '
-close_story
 
 begin "a stroke of the pen is one record when it is lifted, and none when it is dropped"
 at=$(last_record)
@@ -113,7 +105,6 @@ types "vlljjv" "seed 11,13,9 3 radius=1 to=9,13,9 to=9,13,7"
 typing "u" '^undone: [0-9]+ seed '
 commands "cross 11,13,9"
 pressing Escape '^i seed '
-close_story
 
 begin "an Alt-KEY that does nothing is Escape, then KEY; one that pans still does"
 press M-:
@@ -127,15 +118,13 @@ press M-:
 type_letters "zoom 2"
 presses Enter "zoom 2"
 commands "zoom 1"
-type_letters "?" # a page of keys: Escape leaves it
-see 'keys'
+typing "?" 'keys' # a page of keys: Escape leaves it
 press M-:
 type_letters "zoom 3"
 presses Enter "zoom 3"
 commands "zoom 1"
 presses M-h "pan -16 0"
 presses M-l "pan 16 0"
-close_story
 
 begin "finished labels are shown as one works, and the forest's again, by one key"
 typing "y" '`:finish relax` settles them on the edges'
@@ -154,7 +143,6 @@ types "uy" "finished off"
 see '^coronal .*at 11,13,9  brush 1 r1  here '
 type_letters "3b"
 pressing Escape '^i seed '
-close_story
 
 begin "keys walk through hints, and tell how a voxel came to its label"
 is_cross() {
@@ -169,9 +157,8 @@ press Escape
 type_letters "gh:cross 11,13,9"
 presses Enter "cross 11,13,9"
 pressing Escape '^i seed '
-close_story
 
-begin "what is pasted acts nowhere: it stands in the line of the colon"
+begin "pasted text presses no key: it is inserted in the line of the colon"
 tmux_here set-buffer -b paste "$(printf 'box 10 xx u\nseed 1,1,1 2\nq ')"
 before=$(last_record)
 tmux_here paste-buffer -p -b paste -t prompt
@@ -188,44 +175,35 @@ sleep 0.3
 see 'a seed of the label' # a page of text takes none
 pressing Escape '^coronal '
 same "$(last_record)" "$before"
-close_story
 
 begin "x shows the marker first, and removes it then"
 typing "x" '^marker [0-9]+: [0-9]+ trees?, [0-9]+ voxels?, label [0-9].*; x removes it'
 types "x" "remove 11,13,9"
-close_story
 
 begin "? tells the keys, and any key goes back"
 typing "?" 'a seed of the label'
 typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
-close_story
 
 begin "Tab finds commands and keys by a piece of a word, each with its key"
 type_letters ":cont"
-pressing Tab '^context  '
-see '^overlay contour  o in the pilot: '
-see '^:cont$'
+pressing Tab '^context  ' '^overlay contour  o in the pilot: ' '^:cont$'
 pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":pen"
-pressing Tab "^v  *in the pilot, pen: pen draws; stroke's end$"
-see '^:pen$'
+pressing Tab "^v  *in the pilot, pen: pen draws; stroke's end$" '^:pen$'
 pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":und" # what begins so is completed as ever
 pressing Tab '^:undo \[COUNT\]$'
 pressing Escape '^i seed ' # the row above stays while a line is edited
-close_story
 
 begin "/ shows the keys that have a word in them"
 typing "?" '^Planting$'
-typing "/contour" '^/contour$'
-see '^  o  *overlay  *contour; finish; greys$'
+typing "/contour" '^/contour$' '^  o  *overlay  *contour; finish; greys$'
 pressing Enter '^/ finds keys by a word; any other key leaves$'
 typing "i" '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
-close_story
 
-begin "a colon takes a command; what says more than a line has a page"
+begin "a colon reads a command; an answer of several lines has a page"
 commands "label 3 node"
 tmux_here resize-window -t prompt -x 100 -y 24 # the brush's name is left out first
 see '^coronal at 11,13,9  brush 3 node r1  here '
@@ -235,7 +213,6 @@ commanding "help seed" 'plant a seed'
 see '\(any key\)'
 pressing Enter '^coronal at [0-9]*,13,[0-9]* '
 commanding "sed 1" 'error: unknown command sed'
-close_story
 
 begin "an answer longer than the screen comes page by page"
 commanding "help" '^The scene'
@@ -253,22 +230,18 @@ for page in 1 2 3 4 5 6 7 8 9; do
     press Space
     comes_true is_another_page || fail "no page follows:" "$(cat former)"
 done
-see '^quit  *leave'
-see '^[(]any key[)]$'
+see '^quit  *end the session' '^[(]any key[)]$'
 pressing Escape '^coronal at [0-9]*,13,[0-9]* '
-close_story
 
-begin "a message of more than a row takes both, until the next key"
+begin "a message longer than a row uses both rows, until the next key"
 type_letters ":"
-enter "seed 1,1,1 a-name-that-no-label-has-been-given-and-that-is-long"
-see '^error: LABEL: expected'
+entering "seed 1,1,1 a-name-that-no-label-has-been-given-and-that-is-long" '^error: LABEL: expected'
 see 'name one with'
 pressing Tab '^sagittal '
 press Tab Tab
 see '^coronal at [0-9]*,13,[0-9]* '
-close_story
 
-begin "what the keys do in a mode stands below as long as it lasts, and fits"
+begin "the keys of a mode are listed below while it lasts, and the list fits"
 type_letters "w"
 pressing Left '^window [-0-9.]+ [-0-9.]+  arrows  a auto  Enter done  1 bone  2 brain  3 lung'
 pressing Enter '^i seed '
@@ -283,9 +256,8 @@ type_letters "plllllllllllllljjjjjjjjjjjjjj" # to the last of the pane's pixels,
 see '^CORRECT at pixel [2-9][0-9],[2-9][0-9]  '
 pressing Escape '^i seed '
 commands "size 512 512"
-close_story
 
-begin "slices are magnified and moved by commands; what has the screen is no command"
+begin "slices are magnified and moved by commands; enlarging a pane is no command"
 types "]]" "magnify 1.5 at=11,13,9"
 see '^coronal x1.5 at 11,13,9 '
 press M-Up # no part of the width is hidden
@@ -299,9 +271,8 @@ comes_true sides_are_not 'S' 'I' 40 || fail "$(screen_text)"
 same "$(grep -c . s-1.iftty)" "$before"
 types "W" "magnify fit"
 see '^coronal at 11,13,9 '
-close_story
 
-begin "the patient's sides and a scale bar stand in cells"
+begin "the patient's sides and a scale bar are drawn in cells"
 see '^ *[0-9]+ mm'
 screen_text | head -n 22 | grep -q '^R' || fail "$(screen_text)"
 screen_text | head -n 22 | grep -q '^A' && fail "there is no A on the left of a coronal slice"
@@ -309,7 +280,6 @@ type_letters ":"
 enter "overlay words=off"
 comes_true no_words || fail "$(screen_text)"
 commanding "overlay words=on" '^ *[0-9]+ mm'
-close_story
 
 begin "boxes, polygons, millimetres and intensities, each as the command it is"
 commanding "cross 12,13,8" '^coronal at 12,13,8'
@@ -324,11 +294,9 @@ see '^intensities LOW..HIGH, or none: -99999..99999_  Enter sets it  Escape leav
 pressing Enter '^coronal at 11,13,10  brush 2 r1 -99999..99999  '
 typing "M" 'radius 1mm, intensities'
 types "i" "seed 11,13,10 2 radius=1mm range=-99999..99999"
-type_letters "M-T"
-pressing Enter '^the brush: label 2, radius 0$'
-close_story
+entering "M-T" '^the brush: label 2, radius 0$'
 
-begin "an outline is drawn, closed, taken up again, dragged, and takes the place of what it was"
+begin "an outline is drawn, closed, edited again, dragged, and replaces the former one"
 commanding "cross 12,13,8" '^coronal at 12,13,8'
 typing "@" '^OUTLINE  coronal at 12,13,8'
 see '^moving, or the mouse, draws an outline  Enter plants it  Escape drops it$'
@@ -336,8 +304,7 @@ typing "4l4k4h" '^OUTLINE  coronal at 12,13,12  brush 2 4 corners'
 presses Enter "outline 12,13,8 2 to=8,13,8 to=8,13,12 to=12,13,12"
 typing "U" '^the outline of marker [0-9]+$'
 typing "v" '^grabbed: moving drags it  Enter plants it  v grabs, lets go  Escape drops it$'
-type_letters "2h"
-press Enter
+enter "2h"
 comes_true replaces_outline || fail "$(last_record)"
 typing "}" ' in doubt; the (border|outline) of '
 pressing Escape '^the outline is dropped$'
@@ -348,12 +315,10 @@ for plane in 1 2 3; do # it may be any of them
     shows '^coronal ' && break
 done
 see '^coronal at 11,13,10'
-close_story
 
 begin "stopped and continued, the screen comes back"
 pressing C-z '[Ss]topped'
 entering "fg" '^coronal at [0-9]*,13,[0-9]* '
-close_story
 
 begin "another size of the window is another picture"
 stands_in_row() {
@@ -373,15 +338,12 @@ entering ":cross 11,13,10" '^through 11,13,10'
 typing "lh" '^i seed  b label'
 tmux_here resize-window -t prompt -x 80 -y 24
 comes_true stands_in_row 23 || fail "the screen is:" "$(screen_text | grep .)"
-close_story
 
 begin "the smallest window: the keys page by page, and the pen is loud"
 tmux_here resize-window -t prompt -x 20 -y 10
 see '^coronal at 11,13,10$'
 see '^i seed  q back$' # nothing is cut within a word, and how to leave is there
-typing "?" '^h j k l arrows$'
-see '^  move the$'
-see '^-- more --$'
+typing "?" '^h j k l arrows$' '^  move the$' '^-- more --$'
 tmux_here resize-window -t prompt -x 80 -y 24
 see 'h j k l arrows   move the cross-hair     H L Ctrl-arrows'
 tmux_here resize-window -t prompt -x 20 -y 10
@@ -391,45 +353,35 @@ typing "v" '^PEN DOWN  coronal$'
 pressing Escape '^coronal at 11'
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal at'
-close_story
 
 begin "q goes back to the prompt, with the screen as it was before"
-typing "q" '^s>$'
-see '^24x20x16 voxels'
+typing "q" '^s>$' '^24x20x16 voxels'
 entering "quit" '^journal: '
 sane
-close_story
 
-begin "what was done in the pilot replays like any other session"
+begin "a session in the pilot replays like any other session"
 expect 0 "$iftty" verify s-1.iftty
 grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
-close_story
 
-begin "no side is named where nobody knows it"
-enter_anew "$iftty --graphics blocks u.nii"
-see '^u>$'
-pressing C-o '^ *10 mm'
-see '^z=8 at 12,10,8 .* orientation unknown'
+begin "no side is named if the orientation is unknown"
+enter_anew "$iftty --graphics blocks u.nii" '^u>$'
+pressing C-o '^ *10 mm' '^z=8 at 12,10,8 .* orientation unknown'
 pressing Tab '^y=10 at 12,10,8 '
 screen_text | head -n 22 | grep -q '[RLAPSI]' && fail "$(screen_text)"
 typing "q" '^u>$'
 entering "quit" '^journal: '
 sane
-close_story
 
 begin "Ctrl-O is the pilot too; killed there, the terminal is sane"
-enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
-see '^s-1>$'
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'" '^s-1>$'
 pressing C-o '^axial'
 kill -TERM "$(cat pid)"
 see '[Tt]erminated'
 sane
 expect 0 "$iftty" verify s-1.iftty
-close_story
 
 begin "killed while the pen is down, all but that stroke is in the journal"
-enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'"
-see '^s-1>$'
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty --graphics blocks s-1.iftty'" '^s-1>$'
 pressing C-o '^axial'
 type_letters "s4"
 comes_true grep -q '^seed .* 4' s-1.iftty || fail "$(last_record)"
@@ -451,12 +403,10 @@ same "$(last_record)" "$last"
 expect 0 "$iftty" verify s-1.iftty
 expect 0 "$iftty" log --check s-1.iftty
 grep -q '^intact' out || fail "$(cat out)"
-enter_anew "$iftty --graphics blocks s-1.iftty"
-see '^s-1>$'
+enter_anew "$iftty --graphics blocks s-1.iftty" '^s-1>$'
 entering "undo" "^undone: [0-9]* $last"
 entering "quit" '^journal: '
 sane
-close_story
 
 begin "the ten keys of README.md segment a brain"
 cat >reference <<END
@@ -466,8 +416,7 @@ seed 60,108,90 1
 run
 END
 if "$iftty" run reference >/dev/null 2>&1; then
-    enter_anew "IFTTY_CONFIG= $iftty --graphics blocks ch2.nii.gz"
-    see '^ch2>$'
+    enter_anew "IFTTY_CONFIG= $iftty --graphics blocks ch2.nii.gz" '^ch2>$'
     pressing C-o '^axial at 90,108,90  brush 1 r6'
     keys=$(sed -n '/^<!-- organ/,/^<!-- end of organ/s/^    \([^ ]*\) .*/\1/p' "$top/README.md")
     same "$(printf '%s\n' "$keys" | wc -l)" 10
@@ -488,9 +437,8 @@ if "$iftty" run reference >/dev/null 2>&1; then
 else
     skip "there is no ch2.nii.gz here"
 fi
-close_story
 
-begin "what a user has written down: keys, a brush, commands; and what of it is wrong"
+begin "the configuration: keys, a brush, commands; and its errors"
 cat >config <<END
 theme light
 brush 7 2
@@ -503,8 +451,7 @@ END
 rm -f s-*.iftty
 enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
 see '^config:4: there is no action undu; did you mean undo\?; left out$'
-see '^config:7: LABELS: expected '
-see '^s>$'
+see '^config:7: LABELS: expected ' '^s>$'
 pressing C-o '^axial at 12,10,8  brush 7 r2'
 types "P" "seed 12,10,8 7 radius=2"
 typing "?" '^  P +a seed of the label'
@@ -513,8 +460,7 @@ types "w5" "window -20 140"
 type_letters "q"
 entering "quit" '^journal: '
 grep -qx 'overlay tint' s-1.iftty || fail "the command is not recorded"
-enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s-1.iftty"
-see 'records* resumed'
+enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s-1.iftty" 'records* resumed'
 entering "quit" '^journal: '
 same "$(grep -cx 'overlay tint' s-1.iftty)" 1 # a session that goes on does not begin
 expect 0 "$iftty" verify s-1.iftty
@@ -522,12 +468,10 @@ IFTTY_CONFIG=config expect 0 "$iftty" -c "open s.nii"
 ! grep -q overlay out || fail "a script is not begun with it"
 echo "open s.nii" | IFTTY_CONFIG=config "$iftty" >out 2>err
 ! grep -q 'config\|overlay' out err || fail "nor is what is no terminal"
-close_story
 
 begin "a theme without colours has none anywhere"
 echo "theme none" >config
-enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
-see '^s>$'
+enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii" '^s>$'
 type_letters "see"
 press C-u
 pressing C-o '^axial'
@@ -537,12 +481,10 @@ typing "v" '^PEN DOWN'
 typing "q" '^s>$'
 entering "quit" '^journal: '
 sane
-close_story
 
 begin "keys typed while a command runs are taken after it, in their order"
 rm -f synth-*.iftty
-enter_anew "$iftty --graphics blocks synth:geom:240x240x240"
-see '^Ctrl-O: the pilot'
+enter_anew "$iftty --graphics blocks synth:geom:240x240x240" '^Ctrl-O: the pilot'
 pressing C-o '^axial at 120,120,120'
 type_letters "ilK2ls2u"
 comes_true grep -q '^undo$' synth-1.iftty || fail "$(cat synth-1.iftty)"
@@ -552,11 +494,9 @@ seed 117,120,121 2 radius=3 undo"
 type_letters "q"
 enter "quit"
 expect 0 "$iftty" verify synth-1.iftty
-close_story
 
 begin "in a script there is no pilot"
 expect 2 "$iftty" -c "open s.nii; pilot"
 grep -q "the pilot needs the prompt of a terminal" err || fail "$(cat err)"
-close_story
 
 finish

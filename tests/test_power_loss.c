@@ -71,11 +71,6 @@ static void forget_everything(void)
     files_on_disk = names_on_disk = 0;
 }
 
-static void path_in(char out[512], const char *where, const char *name)
-{
-    snprintf(out, 512, "%s/%s", where, name);
-}
-
 static void read_all(struct buf *out, const char *path)
 {
     FILE *file = fopen(path, "re"); /* not by the layer under test */
@@ -88,9 +83,7 @@ static void read_all(struct buf *out, const char *path)
 
 static unsigned list_names(struct synced_name out[FILES_MOST], unsigned count, const char *below)
 {
-    char path[512];
-    path_in(path, folder, below);
-    DIR *listing = opendir(path);
+    DIR *listing = opendir(file_in(folder, below));
     for (struct dirent *entry; listing && (entry = readdir(listing));) {
         struct synced_name *name = &out[count];
         struct stat status;
@@ -99,15 +92,15 @@ static unsigned list_names(struct synced_name out[FILES_MOST], unsigned count, c
         if (*entry->d_name == '.')
             continue; /* drafts are nobody's before they are published */
         const int length = snprintf(name->name, sizeof name->name, "%s%s", below, entry->d_name);
-        path_in(path, folder, name->name);
-        if (length >= (int)sizeof name->name || stat(path, &status) != 0)
+        if (length >= (int)sizeof name->name || stat(file_in(folder, name->name), &status) != 0)
             continue;
         name->inode = status.st_ino;
         name->is_folder = S_ISDIR(status.st_mode);
         count++;
-        snprintf(path, sizeof path, "%s/", name->name);
+        char inside[sizeof name->name + 1];
+        snprintf(inside, sizeof inside, "%s/", name->name);
         if (name->is_folder)
-            count = list_names(out, count, path);
+            count = list_names(out, count, inside);
     }
     if (listing)
         closedir(listing);
@@ -211,11 +204,10 @@ static bool has_folder(const char *path)
 /* One name after the loss: what it leads to now, or what the folder on the disk says. */
 static void leave(const char *name, const struct synced_name *now, unsigned count)
 {
-    struct buf written = {0}, left = {0};
-    char path[512];
+    OWNED(buf_release) struct buf written = {0}, left = {0};
+    const char *path = file_in(after, name);
     const ino_t is = inode_of(now, count, name), was = inode_of(names, names_on_disk, name);
     const ino_t inode = is == was || coin() ? is : was;
-    path_in(path, after, name);
     unlink(path);
     if (inode == 0 || !has_folder(path))
         return;
@@ -225,9 +217,7 @@ static void leave(const char *name, const struct synced_name *now, unsigned coun
         return;
     }
     if (present) {
-        char source[512];
-        path_in(source, folder, present->name);
-        read_all(&written, source);
+        read_all(&written, file_in(folder, present->name));
         survive(&left, synced_bytes(inode), &written);
     } else {
         buf_add(&left, synced_bytes(inode)->data, synced_bytes(inode)->length);
@@ -237,27 +227,39 @@ static void leave(const char *name, const struct synced_name *now, unsigned coun
         fwrite(left.data ? left.data : "", 1, left.length, file);
         fclose(file);
     }
-    buf_release(&written);
-    buf_release(&left);
+}
+
+/* Record n is a seed, an edit, or a turn of the view, whose sync waits. */
+static bool is_view[64];
+
+static void command_of(size_t n, char out[64])
+{
+    snprintf(out, 64, is_view[n] ? "turn %zu" : "seed %zu,2,3 1", n);
 }
 
 static enum err count_record(void *context, const struct record *record, struct fault *why)
 {
     char command[64];
     size_t *count = context;
-    snprintf(command, sizeof command, "seed %zu,2,3 1", ++*count);
-    CHECK_TEXT(record->command, command);
     (void)why;
+    command_of(++*count, command);
+    CHECK_TEXT(record->command, command);
     return OK;
+}
+
+/* Open the journal that a loss left, and count its records. */
+static enum err open_left(struct journal **journal, size_t *count, struct fault *why)
+{
+    const struct journal_resume how = {.semantics = 1, .on_record = count_record, .context = count};
+    *count = 0;
+    return journal_open(journal, file_in(after, opened), &how, NULL, why);
 }
 
 /* The torn bytes, or those of them that the loss left in the journal, are beside it. */
 static bool is_kept(const char *name)
 {
     struct buf bytes = {0};
-    char path[512];
-    path_in(path, after, name);
-    read_all(&bytes, path);
+    read_all(&bytes, file_in(after, name));
     const bool is_there = bytes.length == torn_length && memcmp(bytes.data, torn, torn_length) == 0;
     buf_release(&bytes);
     return is_there;
@@ -265,21 +267,15 @@ static bool is_kept(const char *name)
 
 static void open_acknowledged(void)
 {
-    char path[512];
     struct journal *journal;
     struct fault why = {.text = ""};
-    struct buf before = {0};
-    size_t count = 0;
-    const struct journal_resume how = {
-        .semantics = 1, .on_record = count_record, .context = &count};
-    path_in(path, after, opened);
+    size_t count;
     losses++;
-    if (!file_exists(path)) {
+    if (!file_exists(file_in(after, opened))) {
         CHECK_INT(acknowledged, 0);
         return;
     }
-    read_all(&before, path);
-    if (CHECK(journal_open(&journal, path, &how, NULL, &why) == OK)) {
+    if (CHECK(open_left(&journal, &count, &why) == OK)) {
         CHECK(count == acknowledged || count == acknowledged + 1);
         CHECK(journal_audit(journal));
         journal_close(journal);
@@ -288,15 +284,14 @@ static void open_acknowledged(void)
     }
     if (torn)
         CHECK(is_kept("j.iftty.torn-1") || is_kept("j.iftty.torn-2"));
-    buf_release(&before);
 }
 
 static void clear(const char *where)
 {
     DIR *listing = opendir(where);
     for (struct dirent *entry; listing && (entry = readdir(listing));) {
-        char path[512];
-        path_in(path, where, entry->d_name);
+        char path[PATH_MAX];
+        snprintf(path, sizeof path, "%s/%s", where, entry->d_name);
         if (unlink(path) != 0 && *entry->d_name != '.') {
             clear(path);
             rmdir(path);
@@ -339,15 +334,26 @@ static void sync_file(const char *path)
         read_all(synced_bytes(status.st_ino), path);
 }
 
-/* Called before each step: the power may go here; else a sync is carried out. */
-static int watch_step(enum file_step step, const char *path)
+static void sync_all(const char *path)
 {
-    lose_power();
+    sync_file(path);
+    names_on_disk = present_names(names);
+}
+
+static int sync_step(enum file_step step, const char *path)
+{
     if (step == FILE_STEP_SYNC)
         sync_file(path);
     if (step == FILE_STEP_SYNC_FOLDER)
         sync_names(path);
     return 0;
+}
+
+/* Called before each step: the power may go here; else a sync is carried out. */
+static int watch_step(enum file_step step, const char *path)
+{
+    lose_power();
+    return sync_step(step, path);
 }
 
 static void append_long(struct journal *journal, size_t n)
@@ -367,7 +373,7 @@ static void append_long(struct journal *journal, size_t n)
 
 static const char *begin(uint64_t seed)
 {
-    static char path[512];
+    static char path[FILE_LENGTH];
     forget_everything();
     clear(folder);
     dice = seed;
@@ -375,8 +381,8 @@ static const char *begin(uint64_t seed)
     torn = NULL;
     opened = "j.iftty";
     losses = losses_of_bytes = 0;
-    path_in(path, folder, "j.iftty");
-    return path;
+    memset(is_view, 0, sizeof is_view);
+    return strcpy(path, file_in(folder, "j.iftty"));
 }
 
 STORY(a_loss_of_power_takes_nothing_that_was_acknowledged)
@@ -436,8 +442,7 @@ STORY(a_loss_of_power_while_a_torn_tail_is_mended)
         FILE *file = fopen(path, "ae");
         fputs(tail, file);
         fclose(file);
-        sync_file(path);
-        names_on_disk = present_names(names);
+        sync_all(path);
         torn = tail;
         torn_length = strlen(tail);
         file_step_hook = watch_step;
@@ -452,14 +457,13 @@ STORY(a_loss_of_power_while_a_torn_tail_is_mended)
 STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
 {
     struct journal *journal;
-    char other[512];
+    char other[FILE_LENGTH];
     const char *path = begin(21);
-    path_in(other, folder, "other.iftty");
+    strcpy(other, file_in(folder, "other.iftty"));
     CHECK(journal_create(&journal, path, 1, NULL) == OK);
     for (size_t n = 1; n <= 3; n++)
         append_long(journal, n);
-    sync_file(path);
-    names_on_disk = present_names(names);
+    sync_all(path);
     file_step_hook = watch_step; /* the former file is what is opened after each loss */
     CHECK(journal_continue(journal, other, NULL) == OK);
     opened = "other.iftty";
@@ -476,21 +480,15 @@ STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
 static void open_or_repair(size_t synced)
 {
     struct journal *journal;
-    struct buf told = {0};
-    size_t count = 0;
-    char path[512];
-    const struct journal_resume how = {
-        .semantics = 1, .on_record = count_record, .context = &count};
-    path_in(path, after, "j.iftty");
-    enum err err = journal_open(&journal, path, &how, NULL, NULL);
+    OWNED(buf_release) struct buf told = {0};
+    size_t count;
+    enum err err = open_left(&journal, &count, NULL);
     if (err == ERR_INPUT) {
-        CHECK(journal_repair(path, 1, &told, NULL) == OK);
-        count = 0;
-        err = journal_open(&journal, path, &how, NULL, NULL);
+        CHECK(journal_repair(file_in(after, opened), 1, &told, NULL) == OK);
+        err = open_left(&journal, &count, NULL);
     }
     CHECK(err == OK && count >= synced);
     journal_close(journal);
-    buf_release(&told);
 }
 
 STORY(without_syncs_what_was_synced_last_is_there)
@@ -504,8 +502,7 @@ STORY(without_syncs_what_was_synced_last_is_there)
         append_long(journal, 1);
         append_long(journal, 2);
         CHECK(journal_set_sync(journal, sync[s], NULL) == OK);
-        sync_file(path);
-        names_on_disk = present_names(names);
+        sync_all(path);
         for (size_t n = 3; n <= 12; n++)
             append_long(journal, n);
         const unsigned count = present_names(now);
@@ -523,36 +520,15 @@ STORY(without_syncs_what_was_synced_last_is_there)
 
 /* ---- views ---- */
 
-/* What record n is: an edit, with words, or a turn of the view, whose sync waits. */
-static bool is_edit[64];
 static size_t written, edits_acknowledged;
-
-static void command_of(size_t n, char out[64])
-{
-    snprintf(out, 64, is_edit[n] ? "seed %zu,2,3 1" : "turn %zu", n);
-}
-
-static enum err expect_record(void *context, const struct record *record, struct fault *why)
-{
-    char command[64];
-    size_t *count = context;
-    (void)why;
-    command_of(++*count, command);
-    CHECK_TEXT(record->command, command);
-    return OK;
-}
 
 /* Records from the first on, with every edit that was acknowledged; opened without a question. */
 static void open_views(void)
 {
     struct journal *journal;
-    char path[512];
-    size_t records = 0;
-    const struct journal_resume how = {
-        .semantics = 1, .on_record = expect_record, .context = &records};
-    path_in(path, after, "j.iftty");
+    size_t records;
     struct fault why = {.text = ""};
-    if (CHECK(journal_open(&journal, path, &how, NULL, &why) == OK)) {
+    if (CHECK(open_left(&journal, &records, &why) == OK)) {
         CHECK(records >= edits_acknowledged && records <= written + 1);
         journal_close(journal);
     } else {
@@ -577,11 +553,11 @@ static int watch_edit(enum file_step step, const char *path)
 
 static void write_record(struct journal *journal, size_t n)
 {
-    char command[64], path[512], words[64];
-    is_edit[n] = check_below(&dice, 4) == 0;
+    char command[64], words[64];
+    is_view[n] = check_below(&dice, 4) > 0;
     command_of(n, command);
     snprintf(words, sizeof words, "forest=%016zx seeds=%zu", n * 77, n);
-    if (is_edit[n]) {
+    if (!is_view[n]) {
         file_step_hook = watch_edit;
         CHECK(journal_append(journal, command, words, NULL) == OK);
         file_step_hook = NULL;
@@ -591,9 +567,8 @@ static void write_record(struct journal *journal, size_t n)
     }
     written = n;
     lose(4 * TRIALS, open_views);
-    path_in(path, folder, "j.iftty");
-    if (!is_edit[n] && versions < FILES_MOST)
-        read_all(version + versions++, path);
+    if (is_view[n] && versions < FILES_MOST)
+        read_all(version + versions++, file_in(folder, "j.iftty"));
 }
 
 STORY(a_loss_of_power_takes_views_of_the_last_second_and_no_edit)
@@ -604,8 +579,7 @@ STORY(a_loss_of_power_takes_views_of_the_last_second_and_no_edit)
         const char *path = begin(seed);
         written = edits_acknowledged = 0;
         CHECK(journal_create(&journal, path, 1, NULL) == OK);
-        sync_file(path);
-        names_on_disk = present_names(names);
+        sync_all(path);
         for (size_t n = 1; n < 60; n++)
             write_record(journal, n);
         CHECK(losses_of_bytes > 1000);
@@ -627,17 +601,13 @@ static enum err expect_golden(void *context, const struct record *record, struct
     (void)why;
     ++*count;
     for (int k = 0; k < 2 && strncmp(record->command, "golden ", 7) == 0; k++) {
-        struct buf left = {0}, wanted = {0};
-        char name[64], path[512];
+        OWNED(buf_release) struct buf left = {0}, wanted = {0};
+        char name[64];
         snprintf(name, sizeof name, "j.golden/%.1s.%s", record->command + 7, kind[k]);
-        path_in(path, after, name);
-        read_all(&left, path);
-        path_in(path, folder, name);
-        read_all(&wanted, path);
+        read_all(&left, file_in(after, name));
+        read_all(&wanted, file_in(folder, name));
         CHECK(wanted.length && left.length == wanted.length &&
               memcmp(left.data, wanted.data, left.length) == 0);
-        buf_release(&left);
-        buf_release(&wanted);
     }
     return OK;
 }
@@ -645,13 +615,11 @@ static enum err expect_golden(void *context, const struct record *record, struct
 static void open_goldens(void)
 {
     struct journal *journal;
-    char path[512];
     size_t records = 0;
     const struct journal_resume how = {
         .semantics = SEMANTICS, .on_record = expect_golden, .context = &records};
-    path_in(path, after, "j.iftty");
     losses++;
-    if (CHECK(journal_open(&journal, path, &how, NULL, NULL) == OK)) {
+    if (CHECK(journal_open(&journal, file_in(after, "j.iftty"), &how, NULL, NULL) == OK)) {
         CHECK(records >= acknowledged);
         journal_close(journal);
     }
@@ -662,18 +630,14 @@ static int watch_golden(enum file_step step, const char *path)
     if (!pthread_equal(pthread_self(), teller))
         return 0;
     lose(TRIALS / 4, open_goldens);
-    if (step == FILE_STEP_SYNC)
-        sync_file(path);
-    if (step == FILE_STEP_SYNC_FOLDER)
-        sync_names(path);
-    return 0;
+    return sync_step(step, path);
 }
 
 STORY(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power)
 {
     const char *commands = "open synth:geom:16x16x16; size 16 16; seed 8,8,8 1 radius=2; "
                            "seed 1,1,1 0; golden a; turn 30; golden b of=axial; golden c";
-    struct buf command = {0};
+    OWNED(buf_release) struct buf command = {0};
     const char *path = begin(51);
     teller = pthread_self();
     begin_interpreter(&session);
@@ -694,7 +658,6 @@ STORY(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power)
         sync_names(path);
     }
     CHECK(losses > 300 && losses_of_bytes > 20);
-    buf_release(&command);
     interpreter_release(&session);
     reply_release(&reply);
 }

@@ -185,20 +185,20 @@ static void answer(const struct known *t, const char *asked, int lost, struct bu
     }
 }
 
-struct probed {
+static struct probed {
     struct probe_replies replies;
     struct terminal_facts facts;
     struct buf typed;
     unsigned rounds; /* with any question */
     size_t bytes;    /* received */
-};
+} probed;
 
 /* Ask in all rounds. The received bytes are cut in two at `cut`, counted over all rounds. */
-static void ask(struct probed *p, const struct known *t, struct graphics_wish wish, int lost,
-                size_t cut)
+static void ask(const struct known *t, struct graphics_wish wish, int lost, size_t cut)
 {
+    struct probed *const p = &probed;
     const struct term_size size = {.columns = 80, .rows = 24};
-    struct buf asked = {0}, back = {0};
+    OWNED(buf_release) struct buf asked = {0}, back = {0};
     struct keys keys = {0};
     *p = (struct probed){.typed = p->typed};
     buf_clear(&p->typed);
@@ -217,8 +217,6 @@ static void ask(struct probed *p, const struct known *t, struct graphics_wish wi
     }
     probe_decide(&p->replies, &t->environment, &size, &p->facts);
     p->facts.graphics = graphics_choose(&p->replies, &t->environment, wish);
-    buf_release(&asked);
-    buf_release(&back);
 }
 
 static void check_facts(const struct known *t, const struct terminal_facts *f)
@@ -239,16 +237,14 @@ static void check_facts(const struct known *t, const struct terminal_facts *f)
 
 STORY(each_terminal_gets_what_it_has_and_prints_nothing)
 {
-    struct probed p = {0};
     for (size_t i = 0; i < TERMINALS; i++) {
-        ask(&p, &terminals[i], graphics_auto, -1, SIZE_MAX);
-        check_facts(&terminals[i], &p.facts);
-        CHECK_TEXT(buf_text(&p.typed), "");
-        CHECK_INT(p.facts.answers, p.rounds > 0 && terminals[i].answer[DA1] != NULL);
-        CHECK_INT(p.facts.mouse, p.facts.answers);
-        CHECK(p.rounds <= 2);
+        ask(&terminals[i], graphics_auto, -1, SIZE_MAX);
+        check_facts(&terminals[i], &probed.facts);
+        CHECK_TEXT(buf_text(&probed.typed), "");
+        CHECK_INT(probed.facts.answers, probed.rounds > 0 && terminals[i].answer[DA1] != NULL);
+        CHECK_INT(probed.facts.mouse, probed.facts.answers);
+        CHECK(probed.rounds <= 2);
     }
-    buf_release(&p.typed);
 }
 
 /* They are used only if the size of a cell is known, here from the window. */
@@ -284,35 +280,31 @@ STORY(the_mouse_counts_pixels_where_the_terminal_says_so)
 
 STORY(it_does_not_matter_where_the_answers_are_cut)
 {
-    struct probed p = {0};
     for (size_t i = 0; i < TERMINALS; i++) {
-        ask(&p, &terminals[i], graphics_auto, -1, SIZE_MAX);
-        for (size_t cut = 0, bytes = p.bytes; cut < bytes; cut++) {
-            ask(&p, &terminals[i], graphics_auto, -1, cut);
-            check_facts(&terminals[i], &p.facts);
-            CHECK_TEXT(buf_text(&p.typed), "");
+        ask(&terminals[i], graphics_auto, -1, SIZE_MAX);
+        for (size_t cut = 0, bytes = probed.bytes; cut < bytes; cut++) {
+            ask(&terminals[i], graphics_auto, -1, cut);
+            check_facts(&terminals[i], &probed.facts);
+            CHECK_TEXT(buf_text(&probed.typed), "");
         }
     }
-    buf_release(&p.typed);
 }
 
 /* Without one answer: no garbage, and no better graphics than the terminal has. */
 STORY(an_answer_that_is_missing_leaves_the_fallback)
 {
-    struct probed p = {0};
     for (size_t i = 0; i < TERMINALS; i++)
         for (int lost = 0; lost < QUESTIONS; lost++) {
             const struct known *t = &terminals[i];
-            ask(&p, t, graphics_auto, lost, SIZE_MAX);
-            const struct graphics *got = p.facts.graphics;
+            ask(t, graphics_auto, lost, SIZE_MAX);
+            const struct graphics *got = probed.facts.graphics;
             if (!check_report(got == t->graphics || got == &graphics_blocks ||
-                                  (got == &graphics_sixel && p.replies.attributes >> 4 & 1),
+                                  (got == &graphics_sixel && probed.replies.attributes >> 4 & 1),
                               __FILE__, __LINE__, "the graphics are there"))
                 printf("#   %s without answer %d: %s\n", t->about, lost, got->name);
-            CHECK(t->answer[MODE] || !p.facts.synchronizes);
-            CHECK_TEXT(buf_text(&p.typed), "");
+            CHECK(t->answer[MODE] || !probed.facts.synchronizes);
+            CHECK_TEXT(buf_text(&probed.typed), "");
         }
-    buf_release(&p.typed);
 }
 
 STORY(answers_that_come_late_are_never_text)
@@ -335,13 +327,12 @@ STORY(what_is_typed_between_the_answers_is_kept)
     for (size_t cut = 0; cut < sizeof bytes - 1; cut++) {
         struct probe_replies r = {0};
         struct keys keys = {0};
-        struct buf typed = {0};
+        OWNED(buf_release) struct buf typed = {0};
         probe_take(&r, &keys, bytes, cut, &typed);
         probe_take(&r, &keys, bytes + cut, sizeof bytes - 1 - cut, &typed);
         CHECK_TEXT(buf_text(&typed), "abcd\033[A");
         CHECK(r.da1 && r.synchronizes);
         CHECK_TEXT(r.name, "kitty(0.26.5)");
-        buf_release(&typed);
     }
 }
 
@@ -357,10 +348,9 @@ STORY(what_was_cut_short_goes_with_the_answer_behind_it)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct probe_replies r = {0};
         struct keys keys = {0};
-        struct buf typed = {0};
+        OWNED(buf_release) struct buf typed = {0};
         probe_take(&r, &keys, cases[i].bytes, strlen(cases[i].bytes), &typed);
         CHECK_TEXT(buf_text(&typed), cases[i].typed);
-        buf_release(&typed);
     }
 }
 
@@ -373,19 +363,18 @@ static struct graphics_wish wish(const char *name)
 
 STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
 {
-    struct probed p = {0};
-    struct buf asked = {0};
+    OWNED(buf_release) struct buf asked = {0};
     const struct probe_replies none = {0};
     for (size_t i = 0; i < TERMINALS; i++)
         for (size_t k = 0; k < graphics_auto.count; k++) {
             const struct graphics *g = graphics_auto.of[k];
-            ask(&p, &terminals[i], wish(g->name), -1, SIZE_MAX);
+            ask(&terminals[i], wish(g->name), -1, SIZE_MAX);
             const bool is_kitty = strstr(terminals[i].about, "kitty") == terminals[i].about;
-            if (g == &graphics_kitty && p.facts.graphics == &graphics_tiles)
+            if (g == &graphics_kitty && probed.facts.graphics == &graphics_tiles)
                 CHECK(!is_kitty);
             else
-                CHECK(p.facts.graphics == g);
-            CHECK_TEXT(p.replies.answers, "");
+                CHECK(probed.facts.graphics == g);
+            CHECK_TEXT(probed.replies.answers, "");
         }
     const struct probe_environment xterm = TERM("xterm"), linux_console = TERM("linux");
     const struct probe_environment no_color = {.term = "xterm", .no_color = true};
@@ -396,8 +385,6 @@ STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
     CHECK_TEXT(buf_text(&asked), "\033[c");
     probe_questions(0, &none, &no_color, graphics_asks(graphics_auto, &no_color), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c\033[c");
-    buf_release(&asked);
-    buf_release(&p.typed);
 }
 
 STORY(modes_are_answered_with_a_number)

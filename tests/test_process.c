@@ -85,7 +85,7 @@ static bool poll_and_stop(void *context, const char *what, uint64_t done, uint64
 STORY(a_process_hands_back_what_was_made_elsewhere)
 {
     size_t bytes = 3000000;
-    struct buf out = {0}, expected = {0};
+    OWNED(buf_release) struct buf out = {0}, expected = {0};
     const struct processes how = {.work = say_much, .context = &bytes, .most = 4000000};
     CHECK(process_run(&out, &how, NULL) == OK);
     say_much(&bytes, 0, &expected);
@@ -93,28 +93,25 @@ STORY(a_process_hands_back_what_was_made_elsewhere)
     bytes = 0;
     CHECK(process_run(&out, &how, NULL) == OK);
     CHECK_INT(out.length, 0);
-    buf_release(&out);
-    buf_release(&expected);
 }
 
 STORY(a_process_that_dies_or_says_too_much_is_an_error)
 {
     size_t bytes = 3000000;
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct fault why = {0};
     CHECK(process_run(&out, &(struct processes){.work = die, .most = 100}, &why) == ERR_INPUT);
     CHECK_HAS(why.text, "ended by signal 9 (Killed)");
     const struct processes much = {.work = say_much, .context = &bytes, .most = 2000000};
     CHECK(process_run(&out, &much, &why) == ERR_INPUT);
     CHECK_HAS(why.text, "more than it may");
-    buf_release(&out);
 }
 
 STORY(a_process_that_does_not_end_is_ended_by_the_watch)
 {
     int polls = 0;
     struct watch watch = {.context = &polls, .poll = poll_and_stop};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct processes how = {.work = wait_without_end, .most = 1, .watch = &watch};
     CHECK(process_run(&out, &how, NULL) == ERR_CANCELLED);
     polls = 0;
@@ -122,17 +119,15 @@ STORY(a_process_that_does_not_end_is_ended_by_the_watch)
     how.work = close_all_and_wait;
     CHECK(process_run(&out, &how, NULL) == ERR_CANCELLED);
     CHECK(waitpid(-1, NULL, WNOHANG) == -1 && errno == ECHILD); /* P3 */
-    buf_release(&out);
 }
 
 STORY(the_end_of_a_process_counts_though_another_holds_its_pipe)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     alarm(60); /* the child lives longer */
     CHECK(process_run(&out, &(struct processes){.work = leave_child, .most = 100}, NULL) == OK);
     alarm(0);
     CHECK_TEXT(buf_text(&out), "all");
-    buf_release(&out);
 }
 
 /* ---- several ---- */
@@ -192,7 +187,7 @@ static bool note_progress(void *context, const char *what, uint64_t done, uint64
 STORY(a_watch_is_shown_what_is_done_and_how_far_it_is)
 {
     struct log log = {.count = 0};
-    struct buf seen = {0}, out = {0};
+    OWNED(buf_release) struct buf seen = {0}, out = {0};
     struct watch watch = {.context = &seen, .poll = note_progress};
     size_t bytes = 10;
     struct processes how = {.count = 2,
@@ -211,8 +206,6 @@ STORY(a_watch_is_shown_what_is_done_and_how_far_it_is)
     CHECK(process_run(&out, &how, NULL) == OK);
     CHECK_TEXT(buf_text(&seen), "counting 0 of 0\n"); /* one process has no progress of its own */
     buf_release(&log.text);
-    buf_release(&seen);
-    buf_release(&out);
 }
 
 int main(void)

@@ -50,7 +50,6 @@ expect 0 "$iftty" log j.iftty
 same_files out j.iftty
 [ -f j.golden/first.exr ] && [ -f j.golden/first.png ] && [ -f j.golden/second.exr ] ||
     fail "golden images are missing: $(ls j.golden)"
-close_story
 
 begin "-c carries out commands between semicolons"
 expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 1;run ;; # nothing'
@@ -62,9 +61,7 @@ expect 0 "$iftty" -c '# a "comment; with a quote
 open s.nii; # "
 seed 1,1,1 1'
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;seed 1,1,1 1;"
-expect 2 "$iftty" -c 'help "a\"; b"; sed'
-err_has '-c:1: there is no command a"; b'
-close_story
+expect_err '-c:1: there is no command a"; b' 2 "$iftty" -c 'help "a\"; b"; sed'
 
 begin "the first error ends a script, or not with --keep-going"
 printf 'open s.nii\nseed 99,1,1 1\nseed 1,1,1 1\nsed\nrun\n' >bad
@@ -79,7 +76,6 @@ expect 2 "$iftty" -c 'sed; open nothing' --keep-going
 same "$(wc -l <err | tr -d ' ')" 2
 expect 0 "$iftty" -c 'open s.nii; quit; seed 1,1,1 1' # what follows `quit` is not carried out
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;quit;"
-close_story
 
 begin "exit statuses"
 expect_out "iftty run FILE|-" 0 "$iftty" --help
@@ -107,7 +103,6 @@ expect 3 "$iftty" nothing.iftty </dev/null
 same "$(cat err)" \
     "iftty: there is no journal nothing.iftty; \`iftty SCENE --journal FILE\` begins one"
 expect_out "# there is no journal nothing" 3 "$iftty" verify nothing
-close_story
 
 begin "an input without a command leaves no journal"
 mkdir nothing
@@ -117,7 +112,6 @@ echo 'open synth:geom:9x9x9' >one
 expect_in nothing 0 "$iftty" <one
 same "$(grep -v '^[=#]' nothing/session-1.iftty | tr '\n' ';')" \
     "auto on;open synth:geom:9x9x9 weight=morph;"
-close_story
 
 begin "a pipe without a reader ends a program in silence, and a full disk does not"
 mkfifo pipe
@@ -139,9 +133,8 @@ for program in --help 'run plain'; do
     same "$?" 3
     same "$(sed q err)" "iftty: cannot write to standard output"
 done
-close_story
 
-begin "a script that fails says what its journal has, and how to go on"
+begin "a script that fails reports the records of its journal and the way to continue"
 printf '# one\nlabel 1 a\nlabel 2 b\nlabell 3 c\nlabel 4 d\n' >"it's half.txt"
 expect 2 "$iftty" run "it's half.txt" --journal half.iftty
 same "$(sed 1d err)" "half.iftty holds 2 records, of the lines before line 4; to continue there:
@@ -153,7 +146,6 @@ same "$("$iftty" log --script half.iftty | tail -n 1)" "label 4 d"
 expect 2 "$iftty" -c "label 5 'a; b'; labell 6" --journal half.iftty
 same "$(sed -n '$p' err)" "    iftty run - --journal half.iftty"
 same "$("$iftty" log --script half.iftty | tail -n 1)" 'label 5 "a; b"'
-close_story
 
 begin "every program has help, by --help and by its name"
 "$iftty" --help | sed -n 's/^    iftty \([a-z][a-z]*\).*/\1/p' | sort -u >programs
@@ -169,7 +161,6 @@ expect 0 "$iftty" help run # a command as well
 same "$(sed -n 1p out)" "run [for=QUESTION]"
 out_has "iftty run FILE|-"
 expect_err "there is no command or program verfy; did you mean verify?" 2 "$iftty" help verfy
-close_story
 
 begin "--version names libraries, also those of the helpers, and each helper that is missing"
 expect 0 "$iftty" --version </dev/null
@@ -191,10 +182,9 @@ out_has "iftty-image: missing; the package iftty-image has it"
 out_has "iftty-volume: no answer: it is of another version, or broken"
 out_has "iftty-register: missing; the package iftty-volume has it"
 same "$(wc -l <"$work/out" | tr -d ' ')" 6
-close_story
 
 # Try each option with every program that does not have it.
-begin "an option that a program does not take is bad usage"
+begin "an option that a program does not have is bad usage"
 while read -r name; do "$iftty" "$name" --help; done <programs >help
 "$iftty" --help >>help
 sed -n 's/^    \(--*[a-z-]*\).*/\1/p' help | sort -u >options
@@ -213,7 +203,6 @@ while read -r usage; do
     done <options
 done <usages
 [ "$tried" -gt 300 ] || fail "only $tried were tried"
-close_story
 
 begin "a fresh journal replays and verifies"
 expect_out "ok 1 - j.iftty (13 commands, 13 results with " 0 "$iftty" verify j.iftty
@@ -222,9 +211,8 @@ expect 0 "$iftty" replay j.iftty
 acks | cmp -s - canonical || fail "$(acks | diff - canonical)"
 out_has "13 commands replayed, 13 results the same"
 expect_in / 0 "$iftty" verify "$work/j.iftty" # the scene lies beside it
-close_story
 
-begin "resuming goes on, and the parts are the whole"
+begin "resuming continues, and the parts are equal to the whole"
 sed '8,$d' script >part1
 sed '1,7d' script >part2
 expect 0 "$iftty" run part1 --journal r.iftty
@@ -234,7 +222,6 @@ same_files r.iftty j.iftty # chain and all
 expect 0 "$iftty" verify r.iftty
 expect 0 "$iftty" run - --journal r.iftty </dev/null
 same_files r.iftty j.iftty
-close_story
 
 begin "a journal is a script, and a script becomes a journal"
 mkdir again
@@ -247,7 +234,6 @@ expect_in again 0 "$iftty" run script --journal k.iftty
 same "$(last_word chain again/k.iftty)" "$(last_word chain j.iftty)"
 expect 0 "$iftty" replay plain
 expect_out "this is a script, not a journal" 1 "$iftty" verify plain
-close_story
 
 begin "one writer at a time"
 mkfifo pipe
@@ -260,7 +246,6 @@ expect_err "being written by another session" 3 "$iftty" run - --journal j.iftty
 exec 3>&-
 wait "$writer" || fail "the first writer: $(cat writer.out)"
 expect 0 "$iftty" run - --journal j.iftty </dev/null
-close_story
 
 # ---- edited journals ----
 
@@ -281,9 +266,8 @@ changed coordinate 's/^seed 2,3,4 1$/seed 3,3,4 1/' \
     "record 3, line 8: its chain digest does not fit"
 out_has "record 6, line 14: the first command whose result differs" "command  run" "differs  forest"
 changed "another label" 's/^label 2 ball/label 2 bell/' "record 2, line 5: its chain"
-close_story
 
-begin "verify --json prints one object with what TAP says"
+begin "verify --json prints one object with the content of TAP"
 expect 1 "$iftty" verify j.iftty t.iftty --json
 if needs python3; then
     python3 -B - out >found 2>&1 <<'EOP' || fail "$(cat found)"
@@ -295,7 +279,6 @@ assert good["journal"] == "j.iftty" and good["verified"] and good["commands"] ==
 assert bad["journal"] == "t.iftty" and not bad["verified"] and bad["kind"] == "check failed", bad
 EOP
 fi
-close_story
 
 begin "a changed digit of a digest or a chain, a comment, a record taken out or twice: found"
 digest=$(sed -n 's/^= 6 forest=\([0-9a-f]*\) .*/\1/p' j.iftty)
@@ -308,7 +291,6 @@ out_has "chain digest does not fit"
 changed comment 's/^# two seeds/# ten seeds/' "record 1, line 3"
 changed "record out" '/^view 30 20/{N;d;}' "record 8"
 changed "record twice" '/^view 30 20/{N;p;}' "record 9"
-close_story
 
 begin "a golden image that differs is found, with its pixel; evidence is left below --out alone"
 cp -r j.golden kept.golden
@@ -326,7 +308,6 @@ can_limit_memory &&
     same "$(ls evidence | tr '\n' ' ')" "j.iftty.first.actual.exr j.iftty.first.difference.png "
 others | grep -v '^./evidence$' | diff before - >err || fail "$(cat err)"
 expect 0 "$iftty" replay j.iftty # which does not look at golden images
-close_story
 
 begin "so is one that is damaged, cut or missing; of several journals the worst counts"
 cp kept.golden/first.exr j.golden/first.exr
@@ -344,11 +325,10 @@ expect 1 "$iftty" verify j.iftty t.iftty j.iftty
 same "$(grep -o '^[a-z ]*ok [1-3] - [a-z]*.iftty' out | tr '\n' ';')" \
     "ok 1 - j.iftty;not ok 2 - t.iftty;ok 3 - j.iftty;"
 out_has "# 2 verified, 1 failed"
-close_story
 
 # ---- files ----
 
-begin "nothing is overwritten unless told to"
+begin "no file is overwritten without replace=yes"
 start='open s.nii; seed 2,3,4 1; seed 6,10,8 2; run'
 expect_out "wrote l.nii.gz" 0 "$iftty" -c "$start; save labels l.nii.gz; render p.exr; render p.png"
 cp l.nii.gz l.kept && cp p.exr p.kept && cp p.png q.kept
@@ -364,7 +344,6 @@ expect 0 "$iftty" -c "$other; save labels l.nii.gz replace=yes; render p.exr rep
 ! cmp -s p.exr p.kept || fail "replace=yes has replaced nothing"
 # shellcheck disable=SC2010
 [ -z "$(ls -A | grep tmp)" ] || fail "drafts are left: $(ls -A | grep tmp)"
-close_story
 
 begin "saved maps are scenes of the same size"
 expect 0 "$iftty" -c "$start; save cost c.nii; save root o.nii.gz; save border b.nii"
@@ -372,9 +351,8 @@ same "$(file_bytes c.nii)" $((352 + 24 * 20 * 16 * 2))
 same "$(file_bytes b.nii)" $((352 + 24 * 20 * 16))
 expect_out "24x20x16 voxels of 1x1x1 mm" 0 "$iftty" -c 'open l.nii.gz; info'
 expect 0 "$iftty" -c 'open c.nii'
-close_story
 
-begin "a replay writes into --out alone, or into a new folder of its own"
+begin "a replay writes only into --out, or into a new folder"
 mkdir w
 cp s.nii w
 expect_in w 0 "$iftty" -c "$start; render p.exr; save labels l.nii; save cost sub.nii" \
@@ -397,7 +375,6 @@ expect 0 "$iftty" replay w/w.iftty --out made
 same "$(ls made | tr '\n' ' ')" "l.nii p.exr sub.nii "
 same_files made/l.nii l.first
 listing w | diff before - >d || fail "$(cat d)"
-close_story
 
 begin "a journal that names files elsewhere verifies, and writes them below --out alone"
 mkdir -p spread/here spread/a spread/b
@@ -415,7 +392,6 @@ same_files mapped/lab-2.nii.gz spread/a/lab.nii.gz
 same_files mapped/lab-2-2.nii.gz spread/here/lab-2.nii.gz
 same_files mapped/abs.nii spread/abs.nii
 listing spread | diff before - >d || fail "$(cat d)"
-close_story
 
 begin "files that were read from elsewhere are looked for by name"
 expect_in spread/here 0 "$iftty" -c 'open s.nii; mask ../abs.nii; seed 1,1,1 1; run' \
@@ -423,7 +399,6 @@ expect_in spread/here 0 "$iftty" -c 'open s.nii; mask ../abs.nii; seed 1,1,1 1; 
 expect 3 "$iftty" verify spread/here/r.iftty
 out_has "the journal may not read ../abs.nii: there is no file abs.nii next to the journal or among"
 expect 0 env IFTTY_SCENES="$work/spread" "$iftty" verify spread/here/r.iftty
-close_story
 
 begin "a hostile journal writes below --out alone"
 mkdir -p made2 fresh2
@@ -445,14 +420,12 @@ done
 same "$(ls made2 | tr '\n' ' ')" "evil.exr evil.gif evil.jpg evil.png evil.tif link.png up "
 same "$(cat precious)" precious
 [ ! -e evil.png ] && [ ! -e ../evil.exr ] && [ ! -e evil.gif ] || fail "it has written elsewhere"
-close_story
 
-begin "whoever wrote files elsewhere can go on with the journal"
+begin "a session that wrote files elsewhere can be continued"
 expect 0 "$iftty" -c "$start; render $work/mine.exr" --journal mine.iftty
 expect_out "ok 6 seed 1,1,1 1" 0 "$iftty" -c "seed 1,1,1 1; run" --journal mine.iftty
-close_story
 
-begin "what is acknowledged has the number of its record, or says that it has none"
+begin "an acknowledgement has the number of the record, or states that the command has none"
 expect 0 "$iftty" -c "open synth:geom:20x20x20; info; seed 1,1,1 1; measure 1,1,1 2,2,2
     run; undo" \
     --journal numbers.iftty
@@ -461,7 +434,6 @@ same "$(sed -n 's/^ok \([-0-9]* [a-z]*\).*/\1/p' out | tr '\n' ';')" \
 out_has "    undone: 3 run"
 expect 0 "$iftty" -c "info; seed 2,2,2 1" --journal numbers.iftty
 same "$(sed -n 's/^ok \([-0-9]* [a-z]*\).*/\1/p' out | tr '\n' ';')" "- info;5 seed;"
-close_story
 
 begin "run --out writes there, also when resumed"
 expect_out "wrote there/p.exr" 0 "$iftty" -c "$start; render p.exr" --journal o.iftty --out there
@@ -469,7 +441,6 @@ cp there/p.exr o.kept
 expect 0 "$iftty" -c "render q.exr" --journal o.iftty --out there
 same "$(ls there | tr '\n' ' ')" "p.exr q.exr "
 same_files there/p.exr o.kept
-close_story
 
 begin "a scene in a folder further up is found when it is named"
 mkdir -p up/scenes up/here
@@ -484,9 +455,8 @@ out_has "expected --scene FILE"
 expect_err "expected --scene FILE" 3 "$iftty" run - --journal up/here/u.iftty </dev/null
 mv up/away up/scenes
 expect_in / 0 "$iftty" verify "$work/up/here/u.iftty" --scene "$work/s.nii"
-close_story
 
-begin "a record names what is read as seen from its journal, wherever one is"
+begin "a record names files relative to its journal, for any current folder"
 mkdir -p far/out far/subj far/maps
 cp s.nii far/subj/b.nii
 cp s.nii far/maps/m.nii
@@ -522,7 +492,6 @@ flip_byte far/out/s.nii 1000
 expect 3 "$iftty" -c 'open s.nii' --journal far/out/five.iftty
 err_has "there are two files s.nii, here and next to the journal; expected the whole path"
 rm -r far linked
-close_story
 
 begin "~/ is the home folder in every command, and records do not depend on it"
 mkdir -p home/data home/out
@@ -551,7 +520,6 @@ cp s.nii h.nii
 expect 0 "$iftty" replay stranger # by the last part of the name, as a whole path
 rm -r home '~' h.nii stranger own.iftty
 unset HOME
-close_story
 
 begin "--scene opens another file under the name that is written"
 mkdir moved
@@ -563,7 +531,6 @@ mkdir moved/sub && cp elsewhere.nii moved/sub/s.nii
 expect_in moved 0 env IFTTY_SCENES="$work/none:$work/moved/sub" "$iftty" verify j.iftty
 expect_in moved 1 "$iftty" verify j.iftty --scene ../c.nii
 mv elsewhere.nii s.nii
-close_story
 
 begin "comments go into the journal, and a line too long hides no command"
 {
@@ -574,7 +541,6 @@ begin "comments go into the journal, and a line too long hides no command"
 expect 0 "$iftty" run lengthy --keep-going
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;run;"
 grep -q '^# two seeds in a small scene$' j.iftty || fail "the comment is lost"
-close_story
 
 # ---- results ----
 
@@ -605,7 +571,6 @@ same "$(digests begun-with-26.iftty)" "$(digests switched-to-26.iftty)"
 expect 0 "$iftty" verify switched-to-26.iftty
 expect 0 "$iftty" -c "adjacency 6" --journal switched-to-26.iftty
 same "$(digests switched-to-26.iftty)" "$(digests one-run.iftty)"
-close_story
 
 begin "four ways to render give the same picture, also after an edit"
 in_modes() { # MODE...
@@ -623,7 +588,6 @@ in_modes() { # MODE...
 expect 0 "$iftty" run modes --journal modes.iftty
 same "$(sed -n 's/.*picture=\([0-9a-f]*\).*/\1/p' modes.iftty | uniq -c |
     awk '{ print $1 }' | xargs)" "4 4 4 4"
-close_story
 
 begin "the synthetic scene: one run, replayed, in another order"
 expect 0 "$iftty" -c "open synth:geom; seed 100,100,50 1 radius=2; seed 10,10,10 2; run
@@ -633,7 +597,6 @@ expect 0 "$iftty" -c "open synth:geom; seed 10,10,10 2; auto on; seed 100,100,50
     size 200 200; render mode=ray" --journal g2.iftty
 same "$(digests g2.iftty)" "$(digests g1.iftty)"
 same "$(last_word picture g2.iftty)" "$(last_word picture g1.iftty)"
-close_story
 
 begin "info draws the histogram of a scene, and counts each voxel once"
 make_scene "$work/h.nii" 20 18 16
@@ -644,7 +607,6 @@ sum=$(sed 's/.*"below"//' "$work/out" | tr -c '0-9' '\n' | awk '{ sum += $1 } EN
 same "$sum" $((20 * 18 * 16))
 expect 0 "$iftty" info "$work/h.nii"
 ! grep -q histogram "$work/out" || fail "a histogram that nobody asked for"
-close_story
 
 ch2=/usr/share/mricron/templates/ch2.nii.gz
 begin "a brain: found by its name alone, replayed from elsewhere"
@@ -655,6 +617,5 @@ if [ -r "$ch2" ]; then
 else
     skip "mricron-data is not installed"
 fi
-close_story
 
 finish

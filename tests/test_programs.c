@@ -137,7 +137,7 @@ STORY(a_value_may_follow_an_equals_sign)
     CHECK_TEXT(o.journal, "a.iftty");
     CHECK(o.keep_going);
     CHECK(take("verify a --until=3 -j 2") == OK);
-    CHECK(o.until == 3 && o.processes == 2);
+    CHECK(o.verify.last == 3 && o.verify.processes == 2);
     CHECK(take("run s --journal=") == OK);
     CHECK_TEXT(o.journal, "");
     CHECK(take("run s --journal=a=b") == OK);
@@ -221,7 +221,7 @@ STORY(what_is_refused_says_what_to_type)
 
 STORY(help_is_narrow_and_has_every_option)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     program_add_overview(&text, &program_table);
     for (unsigned i = 0; i < program_table.rows; i++)
         if (program_table.row[i].name)
@@ -236,19 +236,16 @@ STORY(help_is_narrow_and_has_every_option)
         CHECK_HAS(buf_text(&text), row(i)->name);
     CHECK(!program_add_help(&text, &program_table, "nothing"));
     CHECK(!text.failed);
-    buf_release(&text);
 }
 
 STORY(the_keys_of_the_lesson_are_those_of_the_readme)
 {
     static const char mark[] = "<!-- organ: the keys of the lesson -->\n\n";
     static const char end[] = "\n<!-- end of organ -->\n";
-    struct buf readme = {0}, keys = {0};
+    OWNED(buf_release) struct buf readme = {0}, keys = {0};
     CHECK(file_read(&readme, "README.md", 1 << 20, NULL) == OK);
     lesson_add_keys(&keys);
     buf_add_text(&keys, end);
     const char *at = strstr(buf_text(&readme), mark);
     CHECK(at && strncmp(at + strlen(mark), buf_text(&keys), keys.length) == 0);
-    buf_release(&readme);
-    buf_release(&keys);
 }

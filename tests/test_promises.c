@@ -29,7 +29,7 @@ static void check_kind(const struct buf *now, const char *kind)
 {
     const struct buf *const side[2] = {now, &frozen};
     const size_t length = strlen(kind);
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     unsigned count = 0;
     for (int i = 0; i < 2; i++)
         for (const char *at = buf_text(side[i]); *at; at += *at == '\n') {
@@ -45,7 +45,6 @@ static void check_kind(const struct buf *now, const char *kind)
         }
     CHECK(count >= 10);
     CHECK(!line.failed);
-    buf_release(&line);
 }
 
 /* Add a line of `before` with each of "a|b|c" after it. */
@@ -60,7 +59,7 @@ static void add_choices(struct buf *out, const char *before, const char *choices
 
 static void add_command(struct buf *out, const struct command *c)
 {
-    struct buf of = {0};
+    OWNED(buf_release) struct buf of = {0};
     int place = 0;
     buf_printf(out, "command %s\n", c->name);
     buf_printf(&of, "command %s =", c->name);
@@ -79,32 +78,28 @@ static void add_command(struct buf *out, const struct command *c)
         add_choices(out, buf_text(&of), p->choices);
     }
     out->failed |= of.failed;
-    buf_release(&of);
 }
 
 STORY(commands_and_their_parameters_have_the_names_that_they_had)
 {
-    struct buf now = {0};
+    OWNED(buf_release) struct buf now = {0};
     for (unsigned i = 0; i < command_count(); i++)
         add_command(&now, command_at(i));
     CHECK(!now.failed);
     check_kind(&now, "command");
-    buf_release(&now);
 }
 
 /* Each "canonical LINE" is still written like that. */
-STORY(lines_of_journals_are_the_canonical_ones_still)
+BEGUN_STORY(lines_of_journals_are_the_canonical_ones_still, begin_interpreter)
 {
     static const char kind[] = "canonical ";
-    struct interpreter interp;
-    struct buf line = {0}, again = {0};
+    OWNED(buf_release) struct buf line = {0}, again = {0};
     bool *seen = calloc(command_count(), sizeof *seen);
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom");
+    must(interp, "open synth:geom");
     if (!CHECK(seen))
         return;
     for (const char *at = buf_text(&frozen); *at; at += *at == '\n') {
-        struct call call;
+        OWNED(call_release) struct call call = {0};
         buf_clear(&line);
         buf_clear(&again);
         buf_add(&line, at, strcspn(at, "\n"));
@@ -112,7 +107,7 @@ STORY(lines_of_journals_are_the_canonical_ones_still)
         if (strncmp(buf_text(&line), kind, strlen(kind)) != 0)
             continue;
         const char *words = buf_text(&line) + strlen(kind);
-        if (!CHECK(command_parse(&call, words, interp.session, &fault) == OK)) {
+        if (!CHECK(command_parse(&call, words, interp->session, &fault) == OK)) {
             printf("#   %s: %s\n", words, fault.text);
             continue;
         }
@@ -120,21 +115,17 @@ STORY(lines_of_journals_are_the_canonical_ones_still)
         CHECK_TEXT(buf_text(&again), words);
         for (unsigned i = 0; i < command_count(); i++)
             seen[i] |= command_at(i) == call.command;
-        call_release(&call);
     }
     for (unsigned i = 0; i < command_count(); i++)
         if (!CHECK(seen[i]))
             printf("#   %s has no canonical line\n", command_at(i)->name);
     free(seen);
-    buf_release(&line);
-    buf_release(&again);
-    interpreter_release(&interp);
 }
 
 /* With their forms and options. */
 STORY(programs_and_their_options_have_the_names_that_they_had)
 {
-    struct buf now = {0}, name = {0};
+    OWNED(buf_release) struct buf now = {0}, name = {0};
     for (unsigned i = 0; i < program_table.rows; i++) {
         const struct program *p = program_table.row + i;
         buf_clear(&name);
@@ -146,17 +137,14 @@ STORY(programs_and_their_options_have_the_names_that_they_had)
     }
     CHECK(!now.failed && !name.failed);
     check_kind(&now, "program");
-    buf_release(&now);
-    buf_release(&name);
 }
 
 STORY(an_error_ends_a_program_with_the_status_that_it_had)
 {
-    struct buf now = {0};
+    OWNED(buf_release) struct buf now = {0};
 #define ADD_STATUS(code, status, name) buf_printf(&now, "status %d %s\n", status, name);
     ERR_LIST(ADD_STATUS)
     check_kind(&now, "status");
-    buf_release(&now);
 }
 
 int main(void)

@@ -42,7 +42,7 @@ prints() {
     words_of "$name" "$work/out" >>words || fail "$name: $(head -c 300 "$work/out")"
 }
 
-begin "words of JSON are those that were promised"
+begin "JSON has the promised keys"
 if needs python3; then
     make_scene s.nii 24 20 16
     cat >script <<'END'
@@ -105,7 +105,6 @@ END
     [ ! -s new ] || fail "new, and no line in tests/promises.txt:" "$(cat new)"
     [ "$(wc -l <then)" -gt 200 ] || fail "few words: $(wc -l <then)"
 fi
-close_story
 
 # The former commit: HEAD if the file has changed since, otherwise its parent.
 begin "no promise was taken away"
@@ -116,6 +115,5 @@ same "$(LC_ALL=C sort tests/promises.txt | uniq -d)" ""
 if git show "$before:tests/promises.txt" >"$work/former" 2>/dev/null; then
     grep -vxFf tests/promises.txt "$work/former" && fail "these lines are gone"
 fi
-close_story
 
 finish

@@ -14,114 +14,91 @@ below() {
 }
 begin_terminal
 
-begin "the prompt appears, and what was typed before it is not lost"
+begin "the prompt appears, and text typed before it is kept"
 enter_anew "$iftty --graphics blocks s.nii"
-entering "label 2 early" '^s> label 2 early$'
-see '^s>$'
+entering "label 2 early" '^s> label 2 early$' '^s>$'
 screen_text | grep -q '^24x20x16 voxels' || fail "the scene is not described:" "$(screen_text)"
 same "$(below 's> label 2 early')" "s>"
-close_story
 
-begin "Tab completes a word, and lists what there is; a hint tells what may follow"
+begin "Tab completes a word or lists candidates; a hint shows the next parameters"
 press z o Tab
 see '^s> zoom fit\|FACTOR \[at=X,Y,Z\]$'
 entering "fit" '^s> zoom fit$'
 press s Tab
-see '^seed +plant a seed'
-see '^sync +set when records are synced'
+see '^seed +plant a seed' '^sync +set when records are synced'
 press e Tab
 see '^s> seed X,Y,Z LABEL \[radius=0\.\.512\|Rmm\] \[range=LOW\.\.HIGH\] '
 pressing C-u '^s>$'
 type_letters "open s."
 pressing Tab '^s> open s\.nii \[volume='
 press C-u
-close_story
 
 begin "a wrong command gets a caret and a line, and the prompt is back"
-entering "sed 1,1,1 1" '^error: '
-see '^s>$'
+entering "sed 1,1,1 1" '^error: ' '^s>$'
 same "$(below 's> sed 1,1,1 1')" "   ^
 error: unknown command sed; did you mean seed?
 s>"
-close_story
 
 begin "seeds and render: a picture of half blocks"
 enter "size 40 30"
 enter "zoom 1"
 enter "seed 2,3,4 1"
 enter "seed 20,10,8 0"
-entering "render" "$half_block"
-see '^s>$'
+entering "render" "$half_block" '^s>$'
 press C-l
-close_story
 
-begin "a picture is written beside the session, and said to be there above the line"
+begin "a picture is written in the background, and reported above the line"
 entering "render prompt.png" '^writing prompt\.png$'
-typing "half a li" '^wrote prompt\.png$'
-see '^s> half a li$'
+typing "half a li" '^wrote prompt\.png$' '^s> half a li$'
 press C-u
 [ -s prompt.png ] || fail "no prompt.png"
 enter "render prompt.png"
-see '^error: prompt\.png exists already and was left alone; replace=yes writes over it$'
-see '^s>$'
+see '^error: prompt\.png exists already and was left alone; replace=yes writes over it$' '^s>$'
 press C-l
-close_story
 
 begin "slices and mosaics are shown too"
 for command in "slice axial" "mosaic"; do
-    entering "$command" "$half_block"
-    see '^s>$'
+    entering "$command" "$half_block" '^s>$'
     press C-l
 done
-close_story
 
-begin "Tab takes what alone has a piece of a word, and lists what several have"
+begin "Tab inserts the only word with the typed part, and lists several words"
 type_letters "contour"
 pressing Tab '^s> overlay contour'
 press C-u
 type_letters "radius"
-pressing Tab '^seed  *radius=: in voxels'
-see '^[+]  *in the pilot, larger: the radius; in mm$'
+pressing Tab '^seed  *radius=: in voxels' '^[+]  *in the pilot, larger: the radius; in mm$'
 see '^s> radius$'
 press C-u
 press C-l
-close_story
 
-begin "Ctrl-R lists older lines below the prompt, fewer as one types, and Enter takes one"
+begin "Ctrl-R lists older lines below the prompt, typing narrows them, and Enter selects one"
 enter "label 5 liver"
 enter "label 6 lung"
 enter "label 5 kidney"
 press C-l
 type_letters "half"
-pressing C-r "^.search ''. half\$"
-see '^  label 5 kidney$'
-see '^  label 6 lung$'
-typing "label 5" '^> label 5 kidney$'
-see '^  label 5 liver$'
+pressing C-r "^.search ''. half\$" '^  label 5 kidney$' '^  label 6 lung$'
+typing "label 5" '^> label 5 kidney$' '^  label 5 liver$'
 ! shows '^  label 6 lung$' || fail "the list does not narrow:" "$(screen_text | grep .)"
-pressing Down "^.search 'label 5'. label 5 liver\$"
-see '^> label 5 liver$'
-pressing Enter '^s> label 5 liver$'
-see '^s>$'
+pressing Down "^.search 'label 5'. label 5 liver\$" '^> label 5 liver$'
+pressing Enter '^s> label 5 liver$' '^s>$'
 ! shows 'kidney' || fail "the list stays:" "$(screen_text | grep .)"
 pressing C-r '^  label 5 kidney$'
 pressing C-g '^s>$'
 ! shows 'kidney' || fail "the list stays:" "$(screen_text | grep .)"
-close_story
 
-begin "Ctrl-Z stops it, fg goes on with the line"
+begin "Ctrl-Z stops the prompt, fg continues with the line"
 type_letters "half a li"
 pressing C-z '[Ss](topped|uspended)'
 sane
 entering "fg" '^s> half a li$'
 typing "ne" '^s> half a line$'
 press C-c
-close_story
 
 begin "quit leaves a sane terminal and a journal that verifies"
 enter "render last.tif"
-entering "quit" '^wrote last\.tif$'
-see '^journal: s-1\.iftty \(.* records\)$'
+entering "quit" '^wrote last\.tif$' '^journal: s-1\.iftty \(.* records\)$'
 see '^\$$' # the shell is back: what is typed before its prompt stands behind it
 entering 'echo status $?' '^status 0$'
 sane
@@ -130,15 +107,11 @@ expect 0 "$iftty" verify s-1.iftty
 grep -qx 'label 2 early' s-1.iftty || fail "the label is not in the journal"
 grep -qx 'seed 20,10,8 0' s-1.iftty || fail "a seed is not in the journal"
 ! grep -q 'sed 1\|half' s-1.iftty || fail "what was no command is in the journal"
-close_story
 
 begin "resuming tells how many records there are"
 records=$(grep -c '^= ' s-1.iftty)
-enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
-see "^$records records resumed\$"
-see '^s-1>$'
+enter_anew "sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'" "^$records records resumed\$" '^s-1>$'
 entering "seed 6,10,8 2" '^[0-9]+ voxels changed'
-close_story
 
 begin "killed at the prompt: a sane terminal, a whole journal"
 typing "half a li" '^s-1> half a li$'
@@ -147,9 +120,8 @@ see '[Tt]erminated'
 sane
 expect 0 "$iftty" verify s-1.iftty
 same "$(grep -c '^= ' s-1.iftty)" $((records + 1))
-close_story
 
-begin "a new user's labels are finished, and what is saved and counted says so"
+begin "a new user's labels are finished, and saved files and counts report it"
 enter_anew "IFTTY_CONFIG= $iftty s.nii --journal new.iftty"
 see '^finish    relax sweeps=60 reach=2; pictures show it$'
 entering "seed 6,10,8 1 radius=2" '^[0-9]+ voxels changed before finishing, label 1: '
@@ -193,6 +165,5 @@ same_files plain.nii off.nii
 same_files yes.nii shown.nii
 same_files yes.csv shown.csv
 ! cmp -s own.nii shown.nii || fail "nothing was to be finished"
-close_story
 
 finish

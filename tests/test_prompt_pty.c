@@ -32,6 +32,7 @@ struct terminal {
     struct buf written; /* by the program: all of it */
     struct screen screen;
 };
+static struct terminal terminals[2], *t = terminals; /* the one in use */
 
 struct setting {
     const char *term, *no_color, *scene;
@@ -59,25 +60,25 @@ static void become_program(int slave, const struct setting *setting)
     _exit(127);
 }
 
-static void set_size(struct terminal *t, unsigned columns, unsigned rows)
+static void set_size(unsigned columns, unsigned rows)
 {
     struct winsize size = {.ws_row = (unsigned short)rows, .ws_col = (unsigned short)columns};
     screen_resize(&t->screen, columns, rows);
     ioctl(t->slave, TIOCSWINSZ, &size);
 }
 
-static void type_bytes(struct terminal *t, const char *bytes, size_t length)
+static void type_bytes(const char *bytes, size_t length)
 {
     CHECK(write(t->master, bytes, length) == (ssize_t)length);
 }
 
-static void type(struct terminal *t, const char *text)
+static void type(const char *text)
 {
-    type_bytes(t, text, strlen(text));
+    type_bytes(text, strlen(text));
 }
 
 /* Read what arrives within `ms`; return false at the end of the program. */
-static bool take(struct terminal *t, int ms)
+static bool take(int ms)
 {
     char piece[4096];
     struct pollfd ready = {.fd = t->master, .events = POLLIN};
@@ -89,11 +90,11 @@ static bool take(struct terminal *t, int ms)
     buf_add(&t->written, piece, (size_t)n);
     screen_write(&t->screen, piece, (size_t)n);
     for (; !t->is_mute && t->answered < t->screen.questions; t->answered++)
-        type(t, "\033[?64;1;2;6;9c");
+        type("\033[?64;1;2;6;9c");
     return true;
 }
 
-static bool stands(const struct terminal *t, const char *row)
+static bool stands(const char *row)
 {
     for (unsigned y = 0; y < t->screen.rows; y++)
         if (strcmp(screen_row(&t->screen, y), row) == 0)
@@ -101,7 +102,7 @@ static bool stands(const struct terminal *t, const char *row)
     return false;
 }
 
-static bool begins(const struct terminal *t, const char *text)
+static bool begins(const char *text)
 {
     for (unsigned y = 0; y < t->screen.rows; y++)
         if (strncmp(screen_row(&t->screen, y), text, strlen(text)) == 0)
@@ -109,18 +110,18 @@ static bool begins(const struct terminal *t, const char *text)
     return false;
 }
 
-static bool is_cursor_row(const struct terminal *t, const char *row)
+static bool is_cursor_row(const char *row)
 {
     return strcmp(screen_row(&t->screen, t->screen.row), row) == 0;
 }
 
-static bool is_at_column(const struct terminal *t, const char *column)
+static bool is_at_column(const char *column)
 {
     return t->screen.column == (unsigned)strtoul(column, NULL, 10);
 }
 
 /* The program reads keys as they are typed; before that the system would act on Ctrl-C. */
-static bool reads_keys(const struct terminal *t, const char *text)
+static bool reads_keys(const char *text)
 {
     struct termios modes;
     (void)text;
@@ -128,84 +129,82 @@ static bool reads_keys(const struct terminal *t, const char *text)
 }
 
 /* A minute: a machine that is busy with other things is no reason to fail. */
-static bool await(struct terminal *t, bool (*holds)(const struct terminal *, const char *),
-                  const char *text)
+static bool await(bool (*holds)(const char *), const char *text)
 {
     const uint64_t end = clock_ns() + UINT64_C(60000000000);
-    while (!holds(t, text) && clock_ns() < end)
-        if (!take(t, 20))
+    while (!holds(text) && clock_ns() < end)
+        if (!take(20))
             break;
-    return holds(t, text);
+    return holds(text);
 }
 
-static void print_screen(const struct terminal *t)
+static void print_screen(void)
 {
     for (unsigned y = 0; y < t->screen.rows; y++)
         if (*screen_row(&t->screen, y))
             printf("#   |%s\n", screen_row(&t->screen, y));
 }
 
-static void check_awaited(struct terminal *t, bool (*holds)(const struct terminal *, const char *),
-                          const char *text, int line)
+static void check_awaited(bool (*holds)(const char *), const char *text, int line)
 {
-    if (!check_report(await(t, holds, text), __FILE__, line, text))
-        print_screen(t);
+    if (!check_report(await(holds, text), __FILE__, line, text))
+        print_screen();
 }
 
 /* A row is this; begins so; is this where the cursor is. */
-#define SEE(t, row)        check_awaited(t, stands, row, __LINE__)
-#define SEE_BEGIN(t, text) check_awaited(t, begins, text, __LINE__)
-#define SEE_LINE(t, row)   check_awaited(t, is_cursor_row, row, __LINE__)
+#define SEE(row)        check_awaited(stands, row, __LINE__)
+#define SEE_BEGIN(text) check_awaited(begins, text, __LINE__)
+#define SEE_LINE(row)   check_awaited(is_cursor_row, row, __LINE__)
 
 /* The same after these keys. */
-#define ROW_AFTER(t, keys, row)    (type(t, keys), SEE(t, row))
-#define BEGIN_AFTER(t, keys, text) (type(t, keys), SEE_BEGIN(t, text))
-#define LINE_AFTER(t, keys, row)   (type(t, keys), SEE_LINE(t, row))
+#define ROW_AFTER(keys, row)    (type(keys), SEE(row))
+#define BEGIN_AFTER(keys, text) (type(keys), SEE_BEGIN(text))
+#define LINE_AFTER(keys, row)   (type(keys), SEE_LINE(row))
 
 /* Read what arrives within `ms`. Nothing may depend on what the program does in that time: this is
  * for output that must not come, and for keys that the program must read separately. */
-static void settle(struct terminal *t, unsigned ms)
+static void settle(unsigned ms)
 {
     const uint64_t end = clock_ns() + ms * UINT64_C(1000000);
-    while (clock_ns() < end && take(t, 20))
+    while (clock_ns() < end && take(20))
         ;
 }
 
-static void start(struct terminal *t, const struct setting *setting)
+static void start(const struct setting *setting)
 {
     memset(t, 0, sizeof *t);
     t->master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     CHECK(t->master >= 0 && grantpt(t->master) == 0 && unlockpt(t->master) == 0);
     t->slave = open(ptsname(t->master), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    set_size(t, setting->columns, setting->rows);
+    set_size(setting->columns, setting->rows);
     fflush(stdout);
     t->job = fork();
     if (t->job == 0)
         become_program(t->slave, setting);
 }
 
-static void start_at_prompt(struct terminal *t)
+static void start_at_prompt(void)
 {
-    start(t, &plain);
-    SEE_BEGIN(t, "40x40x30 voxels of 1x1x1 mm, ");
-    SEE_LINE(t, "synth>");
-    check_awaited(t, reads_keys, "the program reads keys", __LINE__);
+    start(&plain);
+    SEE_BEGIN("40x40x30 voxels of 1x1x1 mm, ");
+    SEE_LINE("synth>");
+    check_awaited(reads_keys, "the program reads keys", __LINE__);
 }
 
 /* Its exit status, or -1 where it does not end. */
-static int end(struct terminal *t)
+static int end(void)
 {
     int status = -1;
     for (int i = 0; i < 3000; i++) {
         const pid_t ended = waitpid(t->job, &status, WNOHANG);
         if (ended == t->job)
             break;
-        take(t, 20);
+        take(20);
         status = -1;
     }
     kill(t->job, SIGKILL);
     waitpid(t->job, NULL, WNOHANG);
-    while (take(t, 50) && clock_ns() % 1000 == 0)
+    while (take(50) && clock_ns() % 1000 == 0)
         ;
     close(t->slave);
     close(t->master);
@@ -233,10 +232,10 @@ static void forget_journals(void)
 }
 
 /* Leave the program; returns its journal, whose file has gone then, as the history has. */
-static const char *quit(struct terminal *t)
+static const char *quit(void)
 {
-    type(t, "\025quit\r");
-    CHECK_INT(end(t), 0);
+    type("\025quit\r");
+    CHECK_INT(end(), 0);
     const char *text = file_exists("synth-1.iftty") ? journal(1) : "";
     forget_journals();
     unlink("history");
@@ -246,7 +245,7 @@ static const char *quit(struct terminal *t)
 /* ---- stories ---- */
 
 /* Return true if a row reports changed voxels, in an object of this name and size. */
-static bool names_object(const struct terminal *t, const char *text)
+static bool names_object(const char *text)
 {
     for (unsigned y = 0; y < t->screen.rows; y++) {
         const char *row = screen_row(&t->screen, y);
@@ -258,50 +257,45 @@ static bool names_object(const struct terminal *t, const char *text)
 
 STORY(a_line_is_typed_mended_and_carried_out)
 {
-    struct terminal t;
-    start_at_prompt(&t);
-    LINE_AFTER(&t, "sed 20,20,15 1", "synth> sed 20,20,15 1");
-    type(&t, "\001\033[C\033[Ce"); /* start, two to the right, the letter */
-    SEE_LINE(&t, "synth> seed 20,20,15 1");
-    CHECK_INT(t.screen.column, 7 + 3);
-    BEGIN_AFTER(&t, "\r", "48000 voxels changed, label 1: 48 ml, ");
-    SEE_LINE(&t, "synth>");
-    LINE_AFTER(&t, "label 1 \346\234\254x",
-               "synth> label 1 \346\234\254x [#rrggbb] [number=1..65533]");
-    CHECK_INT(t.screen.column, 7 + 8 + 3);
-    ROW_AFTER(&t, "\177\177kidney\r", "synth> label 1 kidney");
-    type(&t, "seed 2,2,2 2\r");
-    check_awaited(&t, names_object, "label 1 kidney: ", __LINE__);
-    SEE_LINE(&t, "synth>");
-    const char *text = quit(&t);
+    start_at_prompt();
+    LINE_AFTER("sed 20,20,15 1", "synth> sed 20,20,15 1");
+    type("\001\033[C\033[Ce"); /* start, two to the right, the letter */
+    SEE_LINE("synth> seed 20,20,15 1");
+    CHECK_INT(t->screen.column, 7 + 3);
+    BEGIN_AFTER("\r", "48000 voxels changed, label 1: 48 ml, ");
+    SEE_LINE("synth>");
+    LINE_AFTER("label 1 \346\234\254x", "synth> label 1 \346\234\254x [#rrggbb] [number=1..65533]");
+    CHECK_INT(t->screen.column, 7 + 8 + 3);
+    ROW_AFTER("\177\177kidney\r", "synth> label 1 kidney");
+    type("seed 2,2,2 2\r");
+    check_awaited(names_object, "label 1 kidney: ", __LINE__);
+    SEE_LINE("synth>");
+    const char *text = quit();
     CHECK_HAS(text, "\nlabel 1 kidney\n");
     CHECK_HAS(text, "\nseed 20,20,15 1\n");
 }
 
 STORY(a_hint_is_grey_moves_on_and_never_gets_into_the_line)
 {
-    struct terminal t;
-    start_at_prompt(&t);
-    LINE_AFTER(&t, "polarity ", "synth> polarity LABEL PERCENT");
-    const struct screen_cell *cell = t.screen.cell[t.screen.row];
+    start_at_prompt();
+    LINE_AFTER("polarity ", "synth> polarity LABEL PERCENT");
+    const struct screen_cell *cell = t->screen.cell[t->screen.row];
     CHECK(!cell[7].grey && cell[16].grey && strcmp(cell[16].text, "L") == 0);
-    CHECK_INT(t.screen.column, 16);
-    LINE_AFTER(&t, "1", "synth> polarity 1 PERCENT");
-    type(&t, "\001"); /* the cursor is not at the end: no hint */
-    SEE_LINE(&t, "synth> polarity 1");
-    LINE_AFTER(&t, "\005 50", "synth> polarity 1 50");
-    ROW_AFTER(&t, "\177\177\177\r", "synth> polarity 1"); /* gone with Enter */
-    SEE(&t, "                  ^");
-    SEE(&t, "error: missing: PERCENT; usage: polarity LABEL PERCENT");
-    BEGIN_AFTER(&t, "weight ", "synth> weight morph|sobel");
-    set_size(&t, 30, 24);
-    SEE_LINE(&t, "synth> weight morph|sobel|gau"); /* cut before the last column */
-    quit(&t);
+    CHECK_INT(t->screen.column, 16);
+    LINE_AFTER("1", "synth> polarity 1 PERCENT");
+    LINE_AFTER("\001", "synth> polarity 1"); /* the cursor is not at the end: no hint */
+    LINE_AFTER("\005 50", "synth> polarity 1 50");
+    ROW_AFTER("\177\177\177\r", "synth> polarity 1"); /* gone with Enter */
+    SEE("                  ^");
+    SEE("error: missing: PERCENT; usage: polarity LABEL PERCENT");
+    BEGIN_AFTER("weight ", "synth> weight morph|sobel");
+    set_size(30, 24);
+    SEE_LINE("synth> weight morph|sobel|gau"); /* cut before the last column */
+    quit();
 }
 
 STORY(tab_completes_and_lists_and_tells_how_many_more)
 {
-    struct terminal t;
     CHECK(file_make_folder("scans", NULL) == OK && file_make_folder("scans/my masks", NULL) == OK);
     for (int i = 0; i < 150; i++) {
         char name[32];
@@ -309,99 +303,99 @@ STORY(tab_completes_and_lists_and_tells_how_many_more)
         CHECK(file_write(name, "", 0, FILE_REPLACE, NULL) == OK);
     }
     CHECK(file_write("scans/my masks/one.nii", "", 0, FILE_REPLACE, NULL) == OK);
-    start_at_prompt(&t);
-    LINE_AFTER(&t, "mask sc\t",
+    start_at_prompt();
+    LINE_AFTER("mask sc\t",
                "synth> mask scans/ [regions=A-B] [resample=yes|no] [volume=0..65535] [data=NAME");
-    LINE_AFTER(&t, "my\t", "synth> mask \"scans/my masks/");
-    type(&t, "\t");
-    SEE_LINE(&t,
-             "synth> mask \"scans/my masks/one.nii\" [regions=A-B] [resample=yes|no] [volume=0.");
-    CHECK_INT(t.screen.column, 37);
-    type(&t, "\027\027"); /* kills back to the name of the command */
-    SEE_LINE(&t, "synth> mask none|FILE [regions=A-B] [resample=yes|no] [volume=0..65535] [data=N");
-    LINE_AFTER(&t, "scans/v\t\t",
+    LINE_AFTER("my\t", "synth> mask \"scans/my masks/");
+    type("\t");
+    SEE_LINE("synth> mask \"scans/my masks/one.nii\" [regions=A-B] [resample=yes|no] [volume=0.");
+    CHECK_INT(t->screen.column, 37);
+    type("\027\027"); /* kills back to the name of the command */
+    SEE_LINE("synth> mask none|FILE [regions=A-B] [resample=yes|no] [volume=0..65535] [data=N");
+    LINE_AFTER("scans/v\t\t",
                "synth> mask scans/volume- [regions=A-B] [resample=yes|no] [volume=0..65535] [da");
-    SEE_BEGIN(&t, "volume-0.nii    volume-20.nii");
-    SEE(&t, "and 50 more");
-    LINE_AFTER(&t, "\025zzz\t", "synth> zzz");
-    CHECK(t.screen.bells > 0);
-    quit(&t);
+    SEE_BEGIN("volume-0.nii    volume-20.nii");
+    SEE("and 50 more");
+    LINE_AFTER("\025zzz\t", "synth> zzz");
+    CHECK(t->screen.bells > 0);
+    quit();
 }
 
 STORY(a_caret_stands_under_what_is_wrong)
 {
-    struct terminal t;
-    start_at_prompt(&t);
-    ROW_AFTER(&t, "seed 20,20,15 livver\r", "                     ^");
-    SEE_BEGIN(&t, "error: LABEL: expected a label 0..255 or the name of one, not livver");
-    ROW_AFTER(&t, "label 1 \346\234\254 clour\r", "                  ^");
-    set_size(&t, 30, 24);
-    ROW_AFTER(&t, "seed 20,20,15 1 radius=999 to=1,1,1\r", "...eed 20,20,15 1 radius=9...");
-    SEE(&t, "                  ^");
-    SEE_LINE(&t, "synth>");
-    quit(&t);
+    start_at_prompt();
+    ROW_AFTER("seed 20,20,15 livver\r", "                     ^");
+    SEE_BEGIN("error: LABEL: expected a label 0..255 or the name of one, not livver");
+    ROW_AFTER("label 1 \346\234\254 clour\r", "                  ^");
+    set_size(30, 24);
+    ROW_AFTER("seed 20,20,15 1 radius=999 to=1,1,1\r", "...eed 20,20,15 1 radius=9...");
+    SEE("                  ^");
+    SEE_LINE("synth>");
+    quit();
 }
 
 STORY(a_hundred_pasted_lines_are_a_hundred_commands)
 {
-    struct terminal t;
-    struct buf paste = {0};
+    OWNED(buf_release) struct buf paste = {0};
     char line[64];
-    start_at_prompt(&t);
+    start_at_prompt();
     buf_add_text(&paste, "\033[200~");
     for (int i = 1; i <= 100; i++)
         buf_printf(&paste, "label %d part-%d%s", i, i, i < 100 ? "\r" : "");
     buf_add_text(&paste, "\033[201~");
     for (size_t at = 0; at < paste.length; at += 300) {
-        type_bytes(&t, paste.data + at, paste.length - at < 300 ? paste.length - at : 300);
-        take(&t, 5);
+        type_bytes(paste.data + at, paste.length - at < 300 ? paste.length - at : 300);
+        take(5);
     }
-    SEE(&t, "synth> label 99 part-99");
-    SEE_LINE(&t, "synth> label 100 part-100 [#rrggbb] [number=1..65533]"); /* waits for Enter */
-    LINE_AFTER(&t, "\r", "synth>");
-    const char *text = quit(&t);
+    SEE("synth> label 99 part-99");
+    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=1..65533]"); /* waits for Enter */
+    LINE_AFTER("\r", "synth>");
+    const char *text = quit();
     for (int i = 1; i <= 100; i++) {
         snprintf(line, sizeof line, "\nlabel %d part-%d\n", i, i);
         CHECK_HAS(text, line);
     }
-    buf_release(&paste);
 }
 
 STORY(history_outlives_a_session_that_is_killed)
 {
-    struct terminal t, other;
     struct stat status;
-    start_at_prompt(&t);
-    start(&other, &plain);
-    SEE_LINE(&other, "synth>");
-    ROW_AFTER(&t, "label 7 first\r", "synth> label 7 first");
-    SEE_LINE(&t, "synth>");
-    ROW_AFTER(&other, "label 7 second\r", "synth> label 7 second");
-    SEE_LINE(&other, "synth>");
-    kill(t.job, SIGKILL);
-    CHECK_INT(end(&t), 128 + SIGKILL);
-    type(&other, "quit\r");
-    CHECK_INT(end(&other), 0);
+    start_at_prompt();
+    t++;
+    start(&plain);
+    SEE_LINE("synth>");
+    t--;
+    ROW_AFTER("label 7 first\r", "synth> label 7 first");
+    SEE_LINE("synth>");
+    t++;
+    ROW_AFTER("label 7 second\r", "synth> label 7 second");
+    SEE_LINE("synth>");
+    t--;
+    kill(t->job, SIGKILL);
+    CHECK_INT(end(), 128 + SIGKILL);
+    t++;
+    type("quit\r");
+    CHECK_INT(end(), 0);
+    t--;
     CHECK(stat("history", &status) == 0 && (status.st_mode & 0777) == 0600);
-    start_at_prompt(&t);
-    type(&t, "\020\020"); /* up, past `quit` */
-    SEE_LINE(&t, "synth> label 7 second [#rrggbb] [number=1..65533]");
-    LINE_AFTER(&t, "\022fir", "(search 'fir') label 7 first");
-    LINE_AFTER(&t, "\007", "synth>");
-    quit(&t);
+    start_at_prompt();
+    type("\020\020"); /* up, past `quit` */
+    SEE_LINE("synth> label 7 second [#rrggbb] [number=1..65533]");
+    LINE_AFTER("\022fir", "(search 'fir') label 7 first");
+    LINE_AFTER("\007", "synth>");
+    quit();
 }
 
 STORY(hostile_lines_of_a_history_are_not_obeyed)
 {
-    struct terminal t;
     static const char lines[] = "info\n\033]0;title\a\033[2J\033[31m\n\xff\xfe\x9b"
                                 "31m\n";
     CHECK(file_write("history", lines, sizeof lines - 1, FILE_REPLACE, NULL) == OK);
-    start_at_prompt(&t);
-    LINE_AFTER(&t, "\020", "synth> \\xff\\xfe\\x9b31m");
-    LINE_AFTER(&t, "\020", "synth> info");
-    CHECK(strstr(buf_text(&t.written), "title") == NULL);
-    quit(&t);
+    start_at_prompt();
+    LINE_AFTER("\020", "synth> \\xff\\xfe\\x9b31m");
+    LINE_AFTER("\020", "synth> info");
+    CHECK(strstr(buf_text(&t->written), "title") == NULL);
+    quit();
 }
 
 static void store_history(const char *lines)
@@ -411,56 +405,52 @@ static void store_history(const char *lines)
 
 STORY(what_was_entered_before_is_suggested_and_taken)
 {
-    struct terminal t;
     store_history("zoom 2\nlabel 7 liver\nseed 1,1,1 liver\nseed 9,9,99 7\nsede 1\n");
-    start_at_prompt(&t);
-    type(&t,
-         "se"); /* neither a voxel beyond the scene, nor a label without a name, nor a mistake */
-    SEE_LINE(&t, "synth> se");
-    LINE_AFTER(&t, "\025label 7 ", "synth> label 7 liver [#rrggbb] [number=1..65533]");
-    const struct screen_cell *cell = t.screen.cell[t.screen.row];
-    CHECK(cell[15].grey && cell[21].grey && !cell[8].grey && t.screen.column == 15);
-    LINE_AFTER(&t, "\033[C", "synth> label 7 liver [#rrggbb] [number=1..65533]");
-    check_awaited(&t, is_at_column, "20", __LINE__);
-    LINE_AFTER(&t, "\r", "synth>");
-    BEGIN_AFTER(&t, "se", "synth> seed 1,1,1 liver [radius=");
-    type(&t, "\033f\033f");
-    check_awaited(&t, is_at_column, "13", __LINE__);
-    type(&t, "\001"); /* not at the end: nothing */
-    SEE_LINE(&t, "synth> seed 1");
-    type(&t, "\005\005");
-    check_awaited(&t, is_at_column, "23", __LINE__);
-    type(&t, "\037\037"); /* undo the suggestion, and a word of it */
-    check_awaited(&t, is_at_column, "11", __LINE__);
-    LINE_AFTER(&t, "\025la\033[A", "synth> label 7 liver [#rrggbb] [number=1..65533]");
-    type(&t, "\033[B");
-    check_awaited(&t, is_at_column, "9", __LINE__);
-    LINE_AFTER(&t, "\025goto \033.\033.", "synth> goto 1");
-    LINE_AFTER(&t, "\025zoom\001\033u", "synth> ZOOM");
-    quit(&t);
+    start_at_prompt();
+    type("se"); /* neither a voxel beyond the scene, nor a label without a name, nor a mistake */
+    SEE_LINE("synth> se");
+    LINE_AFTER("\025label 7 ", "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    const struct screen_cell *cell = t->screen.cell[t->screen.row];
+    CHECK(cell[15].grey && cell[21].grey && !cell[8].grey && t->screen.column == 15);
+    LINE_AFTER("\033[C", "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    check_awaited(is_at_column, "20", __LINE__);
+    LINE_AFTER("\r", "synth>");
+    BEGIN_AFTER("se", "synth> seed 1,1,1 liver [radius=");
+    type("\033f\033f");
+    check_awaited(is_at_column, "13", __LINE__);
+    LINE_AFTER("\001", "synth> seed 1"); /* not at the end: nothing */
+    type("\005\005");
+    check_awaited(is_at_column, "23", __LINE__);
+    type("\037\037"); /* undo the suggestion, and a word of it */
+    check_awaited(is_at_column, "11", __LINE__);
+    LINE_AFTER("\025la\033[A", "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    type("\033[B");
+    check_awaited(is_at_column, "9", __LINE__);
+    LINE_AFTER("\025goto \033.\033.", "synth> goto 1");
+    LINE_AFTER("\025zoom\001\033u", "synth> ZOOM");
+    quit();
 }
 
 static const char editor_script[] = "ls -ld \"${1%/*}\" >seen; stty -a >modes; cat \"$1\" >before\n"
                                     "printf 'seed 20,20,15\\n\\0331\\n\\n' >\"$1\"\n";
 
-static void edit_elsewhere(struct terminal *t)
+static void edit_elsewhere(void)
 {
-    BEGIN_AFTER(t, "seed 2", "synth> seed 2");
-    type(t, "\030\005");
+    BEGIN_AFTER("seed 2", "synth> seed 2");
+    type("\030\005");
 }
 
 STORY(a_line_is_edited_in_another_editor_and_waits_for_enter)
 {
-    struct terminal t;
-    struct buf seen = {0};
+    OWNED(buf_release) struct buf seen = {0};
     CHECK(file_write("edit.sh", editor_script, sizeof editor_script - 1, FILE_REPLACE, NULL) == OK);
     setenv("VISUAL", "sh ./edit.sh", 1);
-    start_at_prompt(&t);
+    start_at_prompt();
     unsetenv("VISUAL");
-    edit_elsewhere(&t);
-    SEE_BEGIN(&t, "synth> seed 20,20,15 1 [radius=");
-    CHECK(reads_keys(&t, ""));
-    BEGIN_AFTER(&t, "\037", "synth> seed 2 LABEL [radius=");
+    edit_elsewhere();
+    SEE_BEGIN("synth> seed 20,20,15 1 [radius=");
+    CHECK(reads_keys(""));
+    BEGIN_AFTER("\037", "synth> seed 2 LABEL [radius=");
     CHECK(file_read(&seen, "seen", 1 << 12, NULL) == OK);
     CHECK(strncmp(buf_text(&seen), "drwx------", 10) == 0);
     CHECK(!file_exists(strchr(buf_text(&seen), '/')));
@@ -468,9 +458,8 @@ STORY(a_line_is_edited_in_another_editor_and_waits_for_enter)
     CHECK(strstr(buf_text(&seen), " icanon") && !strstr(buf_text(&seen), "-icanon"));
     CHECK(file_read(&seen, "before", 1 << 12, NULL) == OK);
     CHECK_TEXT(buf_text(&seen), "seed 2\n");
-    const char *text = quit(&t);
+    const char *text = quit();
     CHECK(strstr(text, "\nopen ") && strstr(text, "seed") == NULL);
-    buf_release(&seen);
 }
 
 STORY(without_an_editor_it_is_said_in_words)
@@ -480,114 +469,107 @@ STORY(without_an_editor_it_is_said_in_words)
         {"no-such-editor", "error: there is no editor no-such-editor; "},
         {"false", "error: false ended with status 1; the line is unchanged"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct terminal t;
         unsetenv("EDITOR");
         if (cases[i][0])
             setenv("EDITOR", cases[i][0], 1);
-        start_at_prompt(&t);
-        edit_elsewhere(&t);
-        SEE_BEGIN(&t, cases[i][1]);
-        SEE_BEGIN(&t, "synth> seed 2");
-        quit(&t);
+        start_at_prompt();
+        edit_elsewhere();
+        SEE_BEGIN(cases[i][1]);
+        SEE_BEGIN("synth> seed 2");
+        quit();
     }
     unsetenv("EDITOR");
 }
 
 /* The cursor is after this, at the beginning of its row. */
-static bool is_foot(const struct terminal *t, const char *text)
+static bool is_foot(const char *text)
 {
     return strcmp(screen_row(&t->screen, t->screen.row), text) == 0 &&
            t->screen.column == strlen(text);
 }
-#define SEE_FOOT(t, text)         check_awaited(t, is_foot, text, __LINE__)
-#define FOOT_AFTER(t, keys, text) (type(t, keys), SEE_FOOT(t, text))
-#define MORE                      "-- more --"
+#define SEE_FOOT(text)         check_awaited(is_foot, text, __LINE__)
+#define FOOT_AFTER(keys, text) (type(keys), SEE_FOOT(text))
+#define MORE                   "-- more --"
 
 /* After more than this many bytes, a page has ended: there is more, or the prompt. */
-static bool is_page_end(const struct terminal *t, const char *bytes)
+static bool is_page_end(const char *bytes)
 {
     return t->written.length > strtoul(bytes, NULL, 10) &&
-           (is_foot(t, MORE) || is_cursor_row(t, "synth>"));
+           (is_foot(MORE) || is_cursor_row("synth>"));
 }
 
 STORY(a_long_answer_is_printed_by_pages)
 {
-    struct terminal t;
     unsigned pages = 1;
-    start_at_prompt(&t);
-    FOOT_AFTER(&t, "help\r", MORE);
-    CHECK_TEXT(screen_row(&t.screen, 0), "The scene");
-    LINE_AFTER(&t, "q", "synth>"); /* in its place */
-    CHECK(!begins(&t, MORE));
-    FOOT_AFTER(&t, "help\r", MORE);
-    type(&t, "  q"); /* keys that arrive together are a page each */
-    SEE_LINE(&t, "synth>");
-    FOOT_AFTER(&t, "help\r", MORE);
-    set_size(&t, 80, 12);
-    FOOT_AFTER(&t, " ", MORE);
-    set_size(&t, 80, 24);
-    for (; pages < 40 && !begins(&t, "quit "); pages++) {
+    start_at_prompt();
+    FOOT_AFTER("help\r", MORE);
+    CHECK_TEXT(screen_row(&t->screen, 0), "The scene");
+    LINE_AFTER("q", "synth>"); /* in its place */
+    CHECK(!begins(MORE));
+    FOOT_AFTER("help\r", MORE);
+    LINE_AFTER("  q", "synth>"); /* keys that arrive together are a page each */
+    FOOT_AFTER("help\r", MORE);
+    set_size(80, 12);
+    FOOT_AFTER(" ", MORE);
+    set_size(80, 24);
+    for (; pages < 40 && !begins("quit "); pages++) {
         char before[24];
-        snprintf(before, sizeof before, "%zu", t.written.length);
-        type(&t, "\r");
-        check_awaited(&t, is_page_end, before, __LINE__);
+        snprintf(before, sizeof before, "%zu", t->written.length);
+        type("\r");
+        check_awaited(is_page_end, before, __LINE__);
     }
     CHECK(pages > 5 && pages < 40);
-    SEE_LINE(&t, "synth>");
-    type(&t, "info\r"); /* this fits */
-    SEE_BEGIN(&t, "memory ");
-    SEE_LINE(&t, "synth>");
-    quit(&t);
-    CHECK(strstr(buf_text(&t.written), "1049h") == NULL);
+    SEE_LINE("synth>");
+    BEGIN_AFTER("info\r", "memory "); /* this fits */
+    SEE_LINE("synth>");
+    CHECK(strstr(buf_text(&t->written), "1049h") == NULL);
+    quit();
 }
 
 STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
 {
-    struct terminal t;
-    start_at_prompt(&t);
-    type(&t, "help\rlabel 3 one\r"); /* a user who types on: there are no pages */
-    SEE(&t, "synth> label 3 one");
-    SEE_LINE(&t, "synth>");
-    FOOT_AFTER(&t, "help\r", MORE);
-    type(&t, "\033[200~label 4 two\rquit it"); /* a paste leaves, and is the prompt's */
-    SEE(&t, "synth> label 4 two");
-    LINE_AFTER(&t, "\033[201~", "synth> quit it");
-    FOOT_AFTER(&t, "\025help\r", MORE);
-    type(&t, "\033[?64;1;2;6;9c\003"); /* an answer of the terminal is no key */
-    SEE_LINE(&t, "synth>");
-    const char *text = quit(&t);
+    start_at_prompt();
+    type("help\rlabel 3 one\r"); /* a user who types on: there are no pages */
+    SEE("synth> label 3 one");
+    SEE_LINE("synth>");
+    FOOT_AFTER("help\r", MORE);
+    type("\033[200~label 4 two\rquit it"); /* a paste leaves, and is the prompt's */
+    SEE("synth> label 4 two");
+    LINE_AFTER("\033[201~", "synth> quit it");
+    FOOT_AFTER("\025help\r", MORE);
+    LINE_AFTER("\033[?64;1;2;6;9c\003", "synth>"); /* an answer of the terminal is no key */
+    const char *text = quit();
     CHECK_HAS(text, "\nlabel 3 one\n");
     CHECK_HAS(text, "\nlabel 4 two\n");
 }
 
 /* A session with this in $PAGER. */
-static void start_with_pager(struct terminal *t, const char *pager)
+static void start_with_pager(const char *pager)
 {
     setenv("PAGER", pager, 1);
-    start_at_prompt(t);
+    start_at_prompt();
     unsetenv("PAGER");
     unlink("paged");
-    BEGIN_AFTER(t, "help", "synth> help");
-    type(t, "\r");
+    BEGIN_AFTER("help", "synth> help");
+    type("\r");
 }
 
-static void end_with_pager(struct terminal *t)
+static void end_with_pager(void)
 {
-    SEE_LINE(t, "synth>");
-    CHECK(reads_keys(t, ""));
-    LINE_AFTER(t, "label 5 more\r", "synth>");
-    CHECK_HAS(quit(t), "\nlabel 5 more\n");
+    SEE_LINE("synth>");
+    CHECK(reads_keys(""));
+    LINE_AFTER("label 5 more\r", "synth>");
+    CHECK_HAS(quit(), "\nlabel 5 more\n");
 }
 
 STORY(the_pager_of_the_user_has_the_answer_and_the_terminal)
 {
-    struct terminal t;
-    struct buf seen = {0};
-    start_with_pager(&t, "stty -a <&2 >modes; echo \"$LESSSECURE\" >secure; cat >paged; read x <&2;"
-                         " true");
+    OWNED(buf_release) struct buf seen = {0};
+    start_with_pager("stty -a <&2 >modes; echo \"$LESSSECURE\" >secure; cat >paged; read x <&2;"
+                     " true");
     for (int i = 0; i < 600 && (file_read(&seen, "paged", 1 << 20, NULL) || !seen.length); i++)
-        settle(&t, 20);
-    settle(&t, 50);
+        settle(20);
+    settle(50);
     CHECK(file_read(&seen, "paged", 1 << 20, NULL) == OK);
     CHECK(strncmp(buf_text(&seen), "The scene\n", 10) == 0);
     CHECK_HAS(buf_text(&seen), "\nquit "); /* to its end */
@@ -595,27 +577,25 @@ STORY(the_pager_of_the_user_has_the_answer_and_the_terminal)
     CHECK(strstr(buf_text(&seen), " icanon") && !strstr(buf_text(&seen), "-icanon"));
     CHECK(file_read(&seen, "secure", 100, NULL) == OK);
     CHECK_TEXT(buf_text(&seen), "1\n");
-    type(&t, "\r"); /* it waits for that */
-    end_with_pager(&t);
+    type("\r"); /* it waits for that */
+    end_with_pager();
     unlink("secure");
     unlink("modes");
-    buf_release(&seen);
 }
 
 STORY(a_pager_that_reads_little_or_is_none_does_no_harm)
 {
-    struct terminal t;
-    start_with_pager(&t, "head -n 2 >paged; kill -INT $$");
-    end_with_pager(&t);
+    start_with_pager("head -n 2 >paged; kill -INT $$");
+    end_with_pager();
     CHECK(file_exists("paged"));
-    start_with_pager(&t, "no-such-pager --here");
-    SEE_FOOT(&t, MORE);
-    type(&t, "q");
-    end_with_pager(&t);
-    start_with_pager(&t, "");
-    SEE_FOOT(&t, MORE);
-    type(&t, "q");
-    end_with_pager(&t);
+    start_with_pager("no-such-pager --here");
+    SEE_FOOT(MORE);
+    type("q");
+    end_with_pager();
+    start_with_pager("");
+    SEE_FOOT(MORE);
+    type("q");
+    end_with_pager();
     unlink("paged");
 }
 
@@ -631,63 +611,61 @@ static const char *const any_key[] = {
     "e\314\201",    "n"};
 
 /* If a command runs, Ctrl-C ends it, and text typed meanwhile is in the line: press it again. */
-static void clear_line(struct terminal *t)
+static void clear_line(void)
 {
-    type(t, "\003\003");
+    type("\003\003");
     for (int i = 0, calm = 0; i < 600 && calm < 2; i++) {
-        type(t, "\003");
-        settle(t, 20);
-        calm = is_cursor_row(t, "synth>") && reads_keys(t, "") ? calm + 1 : 0;
+        type("\003");
+        settle(20);
+        calm = is_cursor_row("synth>") && reads_keys("") ? calm + 1 : 0;
     }
 }
 
 STORY(whatever_is_pressed_the_prompt_is_sane_again)
 {
     enum { KEYS = sizeof any_key / sizeof any_key[0] };
-    struct terminal t;
     uint64_t random = 11;
     unsetenv("VISUAL");
     unsetenv("EDITOR");
-    start_at_prompt(&t);
+    start_at_prompt();
     for (int round = 0; round < 60 && check_failures == 0; round++) {
         char mark[32], row[64];
-        set_size(&t, 20 + check_below(&random, 80), 5 + check_below(&random, 30));
+        set_size(20 + check_below(&random, 80), 5 + check_below(&random, 30));
         for (int i = 0; i < 30; i++) {
-            type(&t, any_key[check_below(&random, KEYS)]);
+            type(any_key[check_below(&random, KEYS)]);
             if (check_below(&random, 4) == 0)
-                take(&t, 2);
+                take(2);
         }
         snprintf(mark, sizeof mark, "# round %d", round);
         snprintf(row, sizeof row, "synth> # round %d", round);
-        clear_line(&t);
-        LINE_AFTER(&t, mark, row);
-        CHECK(!t.screen.is_other && reads_keys(&t, ""));
-        type(&t, "\003");
+        clear_line();
+        LINE_AFTER(mark, row);
+        CHECK(!t->screen.is_other && reads_keys(""));
+        type("\003");
     }
-    set_size(&t, 80, 24);
-    ROW_AFTER(&t, "label 9 sound\r", "synth> label 9 sound");
-    const char *text = quit(&t);
+    set_size(80, 24);
+    ROW_AFTER("label 9 sound\r", "synth> label 9 sound");
+    const char *text = quit();
     CHECK_HAS(text, "\nlabel 9 sound\n");
 }
 
 STORY(pages_can_be_done_without)
 {
     static const char off[] = "pager off\n";
-    struct terminal t;
     CHECK(file_write("config", off, sizeof off - 1, FILE_REPLACE, NULL) == OK);
     config = "config";
-    start_with_pager(&t, "cat >paged");
+    start_with_pager("cat >paged");
     config = bare;
-    SEE_LINE(&t, "synth>");
-    SEE_BEGIN(&t, "quit ");
-    CHECK(strstr(buf_text(&t.written), MORE) == NULL);
+    SEE_LINE("synth>");
+    SEE_BEGIN("quit ");
+    CHECK(strstr(buf_text(&t->written), MORE) == NULL);
     CHECK(!file_exists("paged"));
-    quit(&t);
+    quit();
     unlink("config");
 }
 
 /* Return true if a line of `text` after the prompt takes its rows, with the cursor at its end. */
-static bool has_rows(const struct terminal *t, const char *text)
+static bool has_rows(const char *text)
 {
     char whole[256];
     const unsigned columns = t->screen.columns;
@@ -711,19 +689,18 @@ STORY(a_long_line_is_drawn_anew_at_every_width)
     static const char text[] = "abcdefghijklmnopqrstuvwxyz0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-"
                                "abcdefghijklmnopqrstuvwxyz0123456789";
     static const unsigned width[] = {60, 40, 106, 26, 80, 53, 120, 20, 107, 80};
-    struct terminal t;
-    start_at_prompt(&t);
-    BEGIN_AFTER(&t, "info\r", "memory ");
-    type(&t, text);
-    check_awaited(&t, has_rows, text, __LINE__);
+    start_at_prompt();
+    BEGIN_AFTER("info\r", "memory ");
+    type(text);
+    check_awaited(has_rows, text, __LINE__);
     for (size_t i = 0; i < sizeof width / sizeof *width; i++) {
-        set_size(&t, width[i], 24);
-        check_awaited(&t, has_rows, text, __LINE__);
-        if (!CHECK(begins(&t, "memory "))) /* older output is unchanged */
-            print_screen(&t);
+        set_size(width[i], 24);
+        check_awaited(has_rows, text, __LINE__);
+        if (!CHECK(begins("memory "))) /* older output is unchanged */
+            print_screen();
     }
-    LINE_AFTER(&t, "\003", "synth>");
-    quit(&t);
+    LINE_AFTER("\003", "synth>");
+    quit();
 }
 
 STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
@@ -751,15 +728,14 @@ STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
         "\033^private\033\\\033Xstring\033\\", /* PM, SOS */
         "\033[?1;2;3;4;5;6;7;8;9;10;11;12;13;14;15;16;17;18;19;20;21;22;23;24;25;26;27;28;29c",
     };
-    struct terminal t;
-    struct buf text = {0}, row = {0}, lengthy = {0};
-    start_at_prompt(&t);
+    OWNED(buf_release) struct buf text = {0}, row = {0}, lengthy = {0};
+    start_at_prompt();
     buf_add_text(&text, "#");
-    type(&t, "#");
+    type("#");
     for (size_t i = 0; i < sizeof reply / sizeof *reply; i++) {
         const char letter[] = {(char)('a' + i), '\0'};
-        type(&t, reply[i]);
-        type(&t, letter);
+        type(reply[i]);
+        type(letter);
         buf_add_text(&text, letter);
     }
     buf_add_text(&lengthy, "\033P");
@@ -768,98 +744,93 @@ STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
     buf_add_text(&lengthy, "\033\\.");
     for (size_t at = 0; at < lengthy.length; at += 1000) {
         const size_t n = lengthy.length - at < 1000 ? lengthy.length - at : 1000;
-        type_bytes(&t, lengthy.data + at, n);
-        take(&t, 1);
+        type_bytes(lengthy.data + at, n);
+        take(1);
     }
     buf_printf(&row, "synth> %s.", buf_text(&text));
-    SEE_LINE(&t, buf_text(&row));
-    type(&t, "\033P never ends\003\003"); /* one Ctrl-C gets the keyboard back */
-    SEE_LINE(&t, "synth>");
-    quit(&t);
-    buf_release(&text);
-    buf_release(&row);
-    buf_release(&lengthy);
+    SEE_LINE(buf_text(&row));
+    LINE_AFTER("\033P never ends\003\003", "synth>"); /* one Ctrl-C gets the keyboard back */
+    quit();
 }
 
 /* Send the first piece, and then so many bytes at a time. */
-static void answer_slowly(struct terminal *t, const char *reply, size_t first, size_t more)
+static void answer_slowly(const char *reply, size_t first, size_t more)
 {
     const size_t length = strlen(reply);
     for (size_t at = 0, piece = first; at < length; at += piece, piece = more) {
-        type_bytes(t, reply + at, length - at < piece ? length - at : piece);
+        type_bytes(reply + at, length - at < piece ? length - at : piece);
         const uint64_t until = clock_ns() + UINT64_C(250000000);
         while (clock_ns() < until)
-            take(t, 20);
+            take(20);
     }
 }
 
 STORY(a_reply_may_take_two_seconds)
 {
-    struct terminal t;
     const uint64_t begin = clock_ns();
-    start_at_prompt(&t);
-    type(&t, "in");
-    answer_slowly(&t, "\033[?64;1;2;6;9c", 3, 4);
-    answer_slowly(&t, "\033P>|XTerm(379)\033\\", 4, 6);
-    answer_slowly(&t, "\033[?64;1;2;6;9c", 1, 7); /* ESC alone is a key, unless this follows */
-    LINE_AFTER(&t, "fo", "synth> info");
+    start_at_prompt();
+    type("in");
+    answer_slowly("\033[?64;1;2;6;9c", 3, 4);
+    answer_slowly("\033P>|XTerm(379)\033\\", 4, 6);
+    answer_slowly("\033[?64;1;2;6;9c", 1, 7); /* ESC alone is a key, unless this follows */
+    LINE_AFTER("fo", "synth> info");
     CHECK(clock_ns() - begin > UINT64_C(2000000000));
-    type(&t, "\033"); /* and so is one that nothing follows */
-    settle(&t, 1000);
-    LINE_AFTER(&t, "\177\177formation", "synth> information");
-    type(&t, "\025info");
-    quit(&t);
+    type("\033"); /* and so is one that nothing follows */
+    settle(1000);
+    LINE_AFTER("\177\177formation", "synth> information");
+    type("\025info");
+    quit();
 }
 
-static void start_without_scene(struct terminal *t)
+static void start_without_scene(void)
 {
     const struct setting empty = {"xterm-256color", NULL, NULL, 80, 24};
-    start(t, &empty);
-    SEE_LINE(t, "session>");
-    check_awaited(t, reads_keys, "the program reads keys", __LINE__);
+    start(&empty);
+    SEE_LINE("session>");
+    check_awaited(reads_keys, "the program reads keys", __LINE__);
 }
 
 /* Return true if the bar is shown, or the scene is already open. */
-static bool opens(const struct terminal *t, const char *bar)
+static bool opens(const char *bar)
 {
-    return begins(t, bar) || begins(t, "420x420x340 voxels");
+    return begins(bar) || begins("420x420x340 voxels");
 }
-static bool is_cancelled(const struct terminal *t, const char *words)
+static bool is_cancelled(const char *words)
 {
-    return stands(t, words) || begins(t, "420x420x340 voxels");
+    return stands(words) || begins("420x420x340 voxels");
 }
 
 /* Return false if the key came after the end of the command, which depends on the machine. */
-static bool cancel_opening(struct terminal *t)
+static bool cancel_opening(void)
 {
     static const char bar[] = "synthetic scene       [",
                       said[] = "error: cancelled; nothing has changed";
-    type(t, "open synth:geom:420x420x340\r");
-    check_awaited(t, opens, bar, __LINE__);
-    type(t, "\003");
-    check_awaited(t, is_cancelled, said, __LINE__);
-    if (!stands(t, said))
+    type("open synth:geom:420x420x340\r");
+    check_awaited(opens, bar, __LINE__);
+    type("\003");
+    check_awaited(is_cancelled, said, __LINE__);
+    if (!stands(said))
         return false;
-    SEE_LINE(t, "session>");
-    CHECK(!begins(t, bar)); /* it is gone */
+    SEE_LINE("session>");
+    CHECK(!begins(bar)); /* it is gone */
     return true;
 }
 
 STORY(ctrl_c_takes_back_a_line_or_a_command)
 {
-    struct terminal t;
     struct buf journal_text = {0};
-    start_without_scene(&t);
-    BEGIN_AFTER(&t, "seed 1,1,1", "session> seed 1,1,1");
-    ROW_AFTER(&t, "\003", "session> seed 1,1,1^C");
-    SEE_LINE(&t, "session>");
-    for (unsigned tries = 0; tries < 20 && check_failures == 0 && !cancel_opening(&t); tries++) {
-        kill(t.job, SIGKILL);
-        CHECK_INT(end(&t), 128 + SIGKILL);
-        start_without_scene(&t);
+    start_without_scene();
+    BEGIN_AFTER("seed 1,1,1", "session> seed 1,1,1");
+    ROW_AFTER("\003", "session> seed 1,1,1^C");
+    SEE_LINE("session>");
+    for (unsigned tries = 0; tries < 20 && check_failures == 0 && !cancel_opening(); tries++) {
+        kill(t->job, SIGKILL);
+        CHECK_INT(end(), 128 + SIGKILL);
+        unlink("session-1.iftty");
+        start_without_scene();
     }
-    ROW_AFTER(&t, "info\r", "no scene is open");
-    quit(&t);
+    ROW_AFTER("info\r", "no scene is open");
+    quit();
     CHECK(file_read(&journal_text, "session-1.iftty", 1 << 20, NULL) == OK);
     CHECK(!strstr(buf_text(&journal_text), "\nopen "));
     buf_release(&journal_text);
@@ -868,42 +839,40 @@ STORY(ctrl_c_takes_back_a_line_or_a_command)
 
 STORY(without_colours_there_is_none_and_no_hint)
 {
-    struct terminal t;
     struct setting setting = plain;
     setting.no_color = "1";
-    start(&t, &setting);
-    SEE_LINE(&t, "synth>");
-    LINE_AFTER(&t, "seed ", "synth> seed");
-    settle(&t, 150);
-    SEE_LINE(&t, "synth> seed");
-    ROW_AFTER(&t, "1,1 1\r", "            ^");
-    SEE_BEGIN(&t, "error: PLACE: expected X,Y,Z");
-    CHECK_INT(t.screen.colours, 0);
-    quit(&t);
+    start(&setting);
+    SEE_LINE("synth>");
+    LINE_AFTER("seed ", "synth> seed");
+    settle(150);
+    SEE_LINE("synth> seed");
+    ROW_AFTER("1,1 1\r", "            ^");
+    SEE_BEGIN("error: PLACE: expected X,Y,Z");
+    CHECK_INT(t->screen.colours, 0);
+    quit();
 }
 
 STORY(a_dumb_terminal_gets_no_escape_at_all)
 {
-    struct terminal t;
     struct setting setting = plain;
     setting.term = "dumb";
-    start(&t, &setting);
-    SEE_LINE(&t, "synth>");
-    BEGIN_AFTER(&t, "seed 20,20,15 1\r", "48000 voxels changed, label 1: 48 ml, ");
-    SEE_LINE(&t, "synth>"); /* the terminal echoes by itself: not before the prompt */
-    ROW_AFTER(&t, "sede\r", "error: unknown command sede; did you mean seed?");
-    SEE_LINE(&t, "synth>");
-    BEGIN_AFTER(&t, "render\r", "512x512 pixels, ");
-    SEE_LINE(&t, "synth>");
-    BEGIN_AFTER(&t, "quit\r", "journal: synth-1.iftty");
-    CHECK(strchr(buf_text(&t.written), '\033') == NULL);
-    CHECK_INT(end(&t), 0);
+    start(&setting);
+    SEE_LINE("synth>");
+    BEGIN_AFTER("seed 20,20,15 1\r", "48000 voxels changed, label 1: 48 ml, ");
+    SEE_LINE("synth>"); /* the terminal echoes by itself: not before the prompt */
+    ROW_AFTER("sede\r", "error: unknown command sede; did you mean seed?");
+    SEE_LINE("synth>");
+    BEGIN_AFTER("render\r", "512x512 pixels, ");
+    SEE_LINE("synth>");
+    BEGIN_AFTER("quit\r", "journal: synth-1.iftty");
+    CHECK(strchr(buf_text(&t->written), '\033') == NULL);
+    CHECK_INT(end(), 0);
     forget_journals();
 }
 
 /* ---- the pilot ---- */
 
-static bool is_in_pilot(const struct terminal *t, const char *text)
+static bool is_in_pilot(const char *text)
 {
     const char *row = screen_row(&t->screen, t->screen.rows - 2);
     (void)text;
@@ -911,187 +880,153 @@ static bool is_in_pilot(const struct terminal *t, const char *text)
            strncmp(row, "sagittal", 8) == 0 || strncmp(row, "PEN DOWN", 8) == 0;
 }
 
-static void enter_pilot(struct terminal *t)
+static void enter_pilot(void)
 {
-    start_at_prompt(t);
-    type(t, "\017");
-    check_awaited(t, is_in_pilot, "the pilot", __LINE__);
+    start_at_prompt();
+    type("\017");
+    check_awaited(is_in_pilot, "the pilot", __LINE__);
 }
 
-/* Commands of a journal, one a line. */
-static void commands_of(struct buf *out, const char *text)
+/* Compare the commands recorded after the scene was opened. */
+static void check_recorded(const char *commands)
 {
-    for (const char *at = text; *at; at += strcspn(at, "\n") + 1)
+    static const char opened[] = "open synth:geom:40x40x30 weight=morph\nauto on\n";
+    OWNED(buf_release) struct buf all = {0};
+    for (const char *at = quit(); *at; at += strcspn(at, "\n") + 1)
         if (*at != '#' && *at != '=')
-            buf_add(out, at, strcspn(at, "\n") + 1);
+            buf_add(&all, at, strcspn(at, "\n") + 1);
+    CHECK(strncmp(buf_text(&all), opened, strlen(opened)) == 0);
+    CHECK_TEXT(buf_text(&all) + strlen(opened), commands);
 }
 
 STORY(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot)
 {
-    struct terminal t;
-    struct buf commands = {0};
-    enter_pilot(&t);
-    settle(&t, 200);
+    enter_pilot();
+    settle(200);
     for (int i = 0; i < 3; i++) {
-        t.is_mute = true;
-        type(&t, "\033");
-        settle(&t, 200);
-        type(&t, i == 1 ? "[<0;4;4m" : "[?64;1;2;6;9c"); /* c cuts, 1 and 2 begin a count */
-        t.is_mute = false;
-        settle(&t, 200);
+        t->is_mute = true;
+        type("\033");
+        settle(200);
+        type(i == 1 ? "[<0;4;4m" : "[?64;1;2;6;9c"); /* c cuts, 1 and 2 begin a count */
+        t->is_mute = false;
+        settle(200);
     }
-    type(&t, "\033");
-    settle(&t, 200);
-    type(&t, "["); /* a key, even after Escape: the next byte is another key */
-    settle(&t, 200);
-    type(&t, "j"); /* one voxel */
-    settle(&t, 200);
-    LINE_AFTER(&t, "q", "synth>");
-    const char *text = quit(&t);
-    commands_of(&commands, text);
-    CHECK_TEXT(buf_text(&commands),
-               "open synth:geom:40x40x30 weight=morph\nauto on\ncross 20,19,15\n");
-    buf_release(&commands);
+    type("\033");
+    settle(200);
+    type("["); /* a key, even after Escape: the next byte is another key */
+    settle(200);
+    type("j"); /* one voxel */
+    settle(200);
+    LINE_AFTER("q", "synth>");
+    check_recorded("cross 20,19,15\n");
 }
 
-static bool is_asked(const struct terminal *t, const char *text)
+static bool is_asked(const char *text)
 {
     (void)text;
     return t->screen.questions > 0;
 }
 
+/* In a terminal with these answers to the first questions. */
+static void enter_answering(const struct setting *setting, const char *answers)
+{
+    start(setting);
+    t->is_mute = true;
+    check_awaited(is_asked, "the first question", __LINE__);
+    type(answers);
+    t->answered = 1;
+    t->is_mute = false;
+    SEE_LINE("synth>");
+    type("\017");
+    check_awaited(is_in_pilot, "the pilot", __LINE__);
+}
+
 /* Kitty 0.26 may lose a sequence that a frame begins with. */
 STORY(no_frame_of_the_pilot_begins_with_a_sequence)
 {
-    static const char begin[] = "\033[?2026h", synchronizes[] = "\033[?2026;2$y\033[?64;1;2;6;9c";
+    static const char begin[] = "\033[?2026h";
     struct setting setting = plain;
-    struct terminal t;
     unsigned frames = 0;
     setting.term = "foot";
-    start(&t, &setting);
-    t.is_mute = true;
-    check_awaited(&t, is_asked, "the first question", __LINE__);
-    type(&t, synchronizes);
-    t.answered = 1;
-    t.is_mute = false;
-    SEE_LINE(&t, "synth>");
-    type(&t, "\017");
-    check_awaited(&t, is_in_pilot, "the pilot", __LINE__);
-    LINE_AFTER(&t, "3lq", "synth>");
-    const char *at = buf_text(&t.written);
+    enter_answering(&setting, "\033[?2026;2$y\033[?64;1;2;6;9c");
+    LINE_AFTER("3lq", "synth>");
+    const char *at = buf_text(&t->written);
     while ((at = strstr(at, begin))) {
         at += strlen(begin);
         CHECK(*at != '\033');
         frames++;
     }
     CHECK(frames > 0);
-    quit(&t);
+    quit();
 }
 
-/* In a terminal that is kitty by its answers, with cells of 8x16 pixels. */
-static void enter_as_kitty(struct terminal *t, const char *pointing)
-{
-    start(t, &plain);
-    t->is_mute = true;
-    check_awaited(t, is_asked, "the first question", __LINE__);
-    type(t, "\033P>|kitty(0.26.5)\033\\\033[6;16;8t\033_Gi=31;OK\033\\");
-    type(t, pointing);
-    type(t, "\033[?62;c");
-    t->answered = 1;
-    t->is_mute = false;
-    SEE_LINE(t, "synth>");
-    type(t, "\017");
-    check_awaited(t, is_in_pilot, "the pilot", __LINE__);
-}
+/* Kitty by its answers, with cells of 8x16 pixels. */
+#define KITTY "\033P>|kitty(0.26.5)\033\\\033[6;16;8t\033_Gi=31;OK\033\\"
 
-static bool has_recorded(const struct terminal *t, const char *command)
+static bool has_recorded(const char *command)
 {
-    (void)t;
     return strstr(journal(1), command);
-}
-
-static void leave_pilot(struct terminal *t)
-{
-    LINE_AFTER(t, "q", "synth>");
-}
-
-/* Compare the commands recorded after the scene was opened. */
-static void check_recorded(struct terminal *t, const char *commands)
-{
-    static const char opened[] = "open synth:geom:40x40x30 weight=morph\nauto on\n";
-    struct buf all = {0};
-    commands_of(&all, quit(t));
-    CHECK(strncmp(buf_text(&all), opened, strlen(opened)) == 0);
-    CHECK_TEXT(buf_text(&all) + strlen(opened), commands);
-    buf_release(&all);
 }
 
 #define PIXELS  "\033[?1016;2$y"
 #define NO_MORE "\033[?1016;0$y"
+#define DA1     "\033[?62;c"
 
 /* An outline in two cells by two; a voxel has some five pixels. */
 STORY(a_pen_that_the_mouse_moves_by_pixels_draws_finer_than_cells)
 {
-    struct terminal t;
-    enter_as_kitty(&t, PIXELS);
-    CHECK(strstr(buf_text(&t.written), "\033[?1002h\033[?1006h\033[?1016h") != NULL);
-    type(&t, "@\033[<0;80;80M\033[<32;89;82M\033[<32;92;85M\033[<32;95;90M\033[<32;92;100M"
-             "\033[<32;84;100M\033[<32;80;90M\033[<0;80;90m");
-    check_awaited(&t, has_recorded, "\noutline ", __LINE__);
-    type(&t, "@"); /* nothing is drawn: that lifts the pen */
-    leave_pilot(&t);
-    CHECK(strstr(buf_text(&t.written), "\033[?1016l\033[?1006l\033[?1002l") != NULL);
-    check_recorded(&t, "cross 36,20,12\ncross 34,20,12\ncross 34,20,11\ncross 33,20,10\n"
-                       "cross 34,20,8\ncross 35,20,8\ncross 36,20,10\n"
-                       "outline 36,20,12 1 to=34,20,12 to=33,20,10 to=34,20,8 to=35,20,8 "
-                       "to=36,20,10\n");
+    enter_answering(&plain, KITTY PIXELS DA1);
+    CHECK(strstr(buf_text(&t->written), "\033[?1002h\033[?1006h\033[?1016h") != NULL);
+    type("@\033[<0;80;80M\033[<32;89;82M\033[<32;92;85M\033[<32;95;90M\033[<32;92;100M"
+         "\033[<32;84;100M\033[<32;80;90M\033[<0;80;90m");
+    check_awaited(has_recorded, "\noutline ", __LINE__);
+    type("@"); /* nothing is drawn: that lifts the pen */
+    LINE_AFTER("q", "synth>");
+    CHECK(strstr(buf_text(&t->written), "\033[?1016l\033[?1006l\033[?1002l") != NULL);
+    check_recorded("cross 36,20,12\ncross 34,20,12\ncross 34,20,11\ncross 33,20,10\n"
+                   "cross 34,20,8\ncross 35,20,8\ncross 36,20,10\n"
+                   "outline 36,20,12 1 to=34,20,12 to=33,20,10 to=34,20,8 to=35,20,8 "
+                   "to=36,20,10\n");
 }
 
 STORY(pixels_lead_to_the_voxels_that_the_middles_of_their_cells_do)
 {
     static const char crossed[] = "cross 35,20,11\ncross 20,20,1\ncross 34,13,15\n";
-    struct terminal t;
-    enter_as_kitty(&t, NO_MORE);
-    CHECK(!strstr(buf_text(&t.written), "1016h"));
-    type(&t, "\033[<0;11;6M\033[<0;11;6m\033[<0;60;9M\033[<0;60;9m\033[<0;12;18M\033[<0;12;18m"
-             "\033[<0;81;3M");
-    leave_pilot(&t);
-    check_recorded(&t, crossed);
-    enter_as_kitty(&t, PIXELS);
-    type(&t, "\033[<0;84;88M\033[<32;88;84M\033[<32;80;92M\033[<0;81;89m" /* a hand that shakes */
-             "\033[<0;476;136M\033[<0;476;136m\033[<0;92;280M\033[<0;92;280m\033[<0;640;40M"
-             "\033[<0;-1;40m");
-    leave_pilot(&t);
-    check_recorded(&t, crossed);
+    enter_answering(&plain, KITTY NO_MORE DA1);
+    CHECK(!strstr(buf_text(&t->written), "1016h"));
+    type("\033[<0;11;6M\033[<0;11;6m\033[<0;60;9M\033[<0;60;9m\033[<0;12;18M\033[<0;12;18m"
+         "\033[<0;81;3M");
+    LINE_AFTER("q", "synth>");
+    check_recorded(crossed);
+    enter_answering(&plain, KITTY PIXELS DA1);
+    type("\033[<0;84;88M\033[<32;88;84M\033[<32;80;92M\033[<0;81;89m" /* a hand that shakes */
+         "\033[<0;476;136M\033[<0;476;136m\033[<0;92;280M\033[<0;92;280m\033[<0;640;40M"
+         "\033[<0;-1;40m");
+    LINE_AFTER("q", "synth>");
+    check_recorded(crossed);
 }
 
 STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
 {
     static const char paste[] = "\033[200~i2s1vll\rq\nseed 1,1,1 2\tu\033[201~";
-    struct terminal t;
-    struct buf commands = {0};
     for (size_t cut = 6; cut < sizeof paste - 1; cut += cut < 26 ? 7 : 1) {
-        enter_pilot(&t);
-        t.is_mute = true;
-        type_bytes(&t, paste, cut);
-        settle(&t, cut % 2 ? 5 : 120); /* longer than what makes a key of an ESC */
-        type(&t, paste + cut);
-        t.is_mute = false;
-        SEE_LINE(&t, ":i2s1vll q seed 1,1,1 2 u");
-        BEGIN_AFTER(&t, "\033", "nothing to show yet: ");
-        BEGIN_AFTER(&t, "?", "  h j k l arrows ");
-        type(&t, "\033[200~iii"); /* into a page; and it does not end */
-        settle(&t, 100);
-        type(&t, "\003");
-        settle(&t, 100);
-        BEGIN_AFTER(&t, " ", "nothing to show yet: ");
-        LINE_AFTER(&t, "q", "synth>");
-        const char *text = quit(&t);
-        buf_clear(&commands);
-        commands_of(&commands, text);
-        CHECK_TEXT(buf_text(&commands), "open synth:geom:40x40x30 weight=morph\nauto on\n");
+        enter_pilot();
+        t->is_mute = true;
+        type_bytes(paste, cut);
+        settle(cut % 2 ? 5 : 120); /* longer than what makes a key of an ESC */
+        type(paste + cut);
+        t->is_mute = false;
+        SEE_LINE(":i2s1vll q seed 1,1,1 2 u");
+        BEGIN_AFTER("\033", "nothing to show yet: ");
+        BEGIN_AFTER("?", "  h j k l arrows ");
+        type("\033[200~iii"); /* into a page; and it does not end */
+        settle(100);
+        type("\003");
+        settle(100);
+        BEGIN_AFTER(" ", "nothing to show yet: ");
+        LINE_AFTER("q", "synth>");
+        check_recorded("");
     }
-    buf_release(&commands);
 }
 
 /* Whole keys, replies and lines; nothing that leaves the pilot or stops it. */
@@ -1126,19 +1061,19 @@ static void add_random(struct buf *out, uint64_t *seed)
 
 /* Return to moving the cross-hair from any state: a paste, a page, a line, a mode, corners; and
  * remove the last message, which is shown until the next key. */
-static void come_back(struct terminal *t)
+static void come_back(void)
 {
-    type(t, "\033\\\033[201~");
+    type("\033\\\033[201~");
     for (int i = 0; i < 6; i++) {
-        settle(t, 120);
-        type(t, "\033");
+        settle(120);
+        type("\033");
     }
-    check_awaited(t, is_in_pilot, "the pilot", __LINE__);
+    check_awaited(is_in_pilot, "the pilot", __LINE__);
 }
 
 /* The rows of the screen, each ended by a line feed. An upper half in one colour on another is a
  * lower half in that one on the first. */
-static void take_screen(const struct terminal *t, struct buf *out)
+static void take_screen(struct buf *out)
 {
     buf_clear(out);
     for (unsigned y = 0; y < t->screen.rows; y++) {
@@ -1152,25 +1087,23 @@ static void take_screen(const struct terminal *t, struct buf *out)
 }
 
 /* The screen once nothing has come for longer than a barrier is waited for. */
-static void take_last_screen(struct terminal *t, struct buf *out)
+static void take_last_screen(struct buf *out)
 {
     for (size_t before = t->written.length + 1; before != t->written.length;) {
         before = t->written.length;
-        settle(t, 2500);
+        settle(2500);
     }
-    take_screen(t, out);
+    take_screen(out);
 }
 
 /* Check that a redraw changes nothing. */
-static void check_screen(struct terminal *t)
+static void check_screen(void)
 {
-    struct buf before = {0}, after = {0};
-    take_last_screen(t, &before);
-    type(t, "\014");
-    take_last_screen(t, &after);
+    OWNED(buf_release) struct buf before = {0}, after = {0};
+    take_last_screen(&before);
+    type("\014");
+    take_last_screen(&after);
     CHECK_TEXT(buf_text(&before), buf_text(&after));
-    buf_release(&before);
-    buf_release(&after);
 }
 
 static void verify_journal(void)
@@ -1189,13 +1122,12 @@ static void verify_journal(void)
 
 STORY(the_picture_stays_where_the_line_below_it_is_drawn_anew)
 {
-    struct terminal t;
-    enter_pilot(&t);
-    LINE_AFTER(&t, ":info", ":info");
-    check_screen(&t);
-    BEGIN_AFTER(&t, "\033", "nothing to show yet: ");
-    LINE_AFTER(&t, "q", "synth>");
-    quit(&t);
+    enter_pilot();
+    LINE_AFTER(":info", ":info");
+    check_screen();
+    BEGIN_AFTER("\033", "nothing to show yet: ");
+    LINE_AFTER("q", "synth>");
+    quit();
 }
 
 /* PILOT_ROUNDS=N, 3 unless given. */
@@ -1208,29 +1140,27 @@ static unsigned long pilot_rounds(void)
 STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
 {
     for (uint64_t round = 0, seed = 11; round < pilot_rounds(); round++) {
-        struct terminal t;
-        struct buf bytes = {0};
+        OWNED(buf_release) struct buf bytes = {0};
         const unsigned columns = 20 + (unsigned)check_below(&seed, 80);
-        enter_pilot(&t);
-        set_size(&t, columns, 10 + (unsigned)check_below(&seed, 30));
+        enter_pilot();
+        set_size(columns, 10 + (unsigned)check_below(&seed, 30));
         for (int burst = 0; burst < 25; burst++) {
             buf_clear(&bytes);
             for (uint64_t n = 1 + check_below(&seed, 12); n > 0; n--)
                 add_random(&bytes, &seed);
-            type_bytes(&t, bytes.data, bytes.length);
-            settle(&t, check_below(&seed, 3) ? 5 : 90);
+            type_bytes(bytes.data, bytes.length);
+            settle(check_below(&seed, 3) ? 5 : 90);
             if (check_below(&seed, 2)) /* out of lines, pages and modes */
-                type(&t, check_below(&seed, 4) ? "\033[201~\033" : "\033[201~\r");
+                type(check_below(&seed, 4) ? "\033[201~\033" : "\033[201~\r");
         }
-        come_back(&t);
-        check_screen(&t);
-        LINE_AFTER(&t, "q", "synth>");
-        type(&t, "\025quit\r");
-        CHECK_INT(end(&t), 0);
+        come_back();
+        check_screen();
+        LINE_AFTER("q", "synth>");
+        type("\025quit\r");
+        CHECK_INT(end(), 0);
         verify_journal();
         printf("# round %d: %zu bytes of journal\n", (int)round, strlen(journal(1)));
         forget_journals();
-        buf_release(&bytes);
     }
 }
 

@@ -48,7 +48,7 @@ static unsigned files_in_folder(void)
 /* A new file, one that is refused, one that is replaced, and one that is taken back. */
 static void publish_all(void)
 {
-    struct buf backup = {0};
+    OWNED(buf_release) struct buf backup = {0};
     struct fault fault = {.text = ""};
     const char *path = file_in(folder, "a.txt");
     CHECK(file_write(path, "one", 3, FILE_KEEP, &fault) == OK);
@@ -63,13 +63,12 @@ static void publish_all(void)
     CHECK(holds(path, "one"));
     CHECK_INT(files_in_folder(), 1);
     unlink(path);
-    buf_release(&backup);
 }
 
 /* Somebody takes the name while the file is being written. */
 static void publish_late(void)
 {
-    struct buf draft = {0};
+    OWNED(buf_release) struct buf draft = {0};
     struct fault fault = {.text = ""};
     const char *path = file_in(folder, "b.txt");
     CHECK(file_draft(&draft, path, FILE_KEEP, &fault) == OK);
@@ -83,7 +82,6 @@ static void publish_late(void)
     CHECK(holds(path, "theirs"));
     CHECK_INT(files_in_folder(), 1);
     unlink(path);
-    buf_release(&draft);
 }
 
 STORY(files_are_published_by_what_a_file_system_has)
@@ -136,7 +134,7 @@ static void leave_draft(struct buf *draft)
 
 STORY(drafts_of_processes_that_have_ended_go_and_others_stay)
 {
-    struct buf dead = {0}, live = {0}, strange = {0}, link = {0};
+    OWNED(buf_release) struct buf dead = {0}, live = {0}, strange = {0}, link = {0};
     leave_draft(&dead);
     make_draft(&live);
     CHECK(file_exists(buf_text(&dead)) && file_exists(buf_text(&live)));
@@ -154,10 +152,6 @@ STORY(drafts_of_processes_that_have_ended_go_and_others_stay)
     unlink(buf_text(&live));
     unlink(buf_text(&strange));
     CHECK_INT(files_in_folder(), 0);
-    buf_release(&dead);
-    buf_release(&live);
-    buf_release(&strange);
-    buf_release(&link);
 }
 
 /* Runs in a process of its own, which ends without removing it. */
@@ -176,7 +170,7 @@ static void leave_folder(struct buf *path)
 
 STORY(folders_of_processes_that_have_ended_go_with_what_is_in_them)
 {
-    struct buf dead = {0}, live = {0}, fresh = {0};
+    OWNED(buf_release) struct buf dead = {0}, live = {0}, fresh = {0};
     int status = -1;
     CHECK(file_write(file_in(folder, "kept.txt"), "x", 1, FILE_KEEP, NULL) == OK);
     fflush(stdout);
@@ -194,9 +188,6 @@ STORY(folders_of_processes_that_have_ended_go_with_what_is_in_them)
     folder_remove(buf_text(&fresh));
     folder_remove(file_in(folder, "kept.txt"));
     CHECK_INT(files_in_folder(), 0);
-    buf_release(&dead);
-    buf_release(&live);
-    buf_release(&fresh);
 }
 
 /* The process ends as if it was killed. */
@@ -209,7 +200,7 @@ static void leave_held(void)
 
 STORY(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else)
 {
-    struct buf kept = {0}, empty = {0}, live = {0}, next = {0};
+    OWNED(buf_release) struct buf kept = {0}, empty = {0}, live = {0}, next = {0};
     int status = -1;
     CHECK(folder_held(&kept, folder, NULL) == OK);
     CHECK(file_write(file_in(buf_text(&kept), "a"), "x", 1, FILE_KEEP, NULL) == OK);
@@ -234,16 +225,12 @@ STORY(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else)
     folder_remove(file_in(folder, "iftty-others"));
     folder_remove(file_in(folder, "iftty-link"));
     CHECK_INT(files_in_folder(), 0);
-    buf_release(&kept);
-    buf_release(&empty);
-    buf_release(&live);
-    buf_release(&next);
 }
 
 /* Writing into a folder clears it; a loss of power leaves what another start of the machine did. */
 STORY(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day)
 {
-    struct buf draft = {0};
+    OWNED(buf_release) struct buf draft = {0};
     char former[FILE_LENGTH], other[FILE_LENGTH];
     make_draft(&draft);
     const size_t word = strlen(folder) + strlen("/.iftty-");
@@ -260,7 +247,6 @@ STORY(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day)
     file_sweep(folder);
     CHECK(!file_exists(other));
     CHECK_INT(files_in_folder(), 0);
-    buf_release(&draft);
 }
 
 STORY(a_name_of_any_length_can_be_written)
@@ -276,7 +262,7 @@ STORY(a_name_of_any_length_can_be_written)
 
 STORY(the_word_of_a_process_says_whether_it_lives)
 {
-    struct buf word = {0};
+    OWNED(buf_release) struct buf word = {0};
     enum owner_state state;
     owner_write(&word);
     const char *at = buf_text(&word);
@@ -285,11 +271,9 @@ STORY(the_word_of_a_process_says_whether_it_lives)
     at = buf_text(&word);
     CHECK(owner_read(&at, &state) && state == OWNER_IS_GONE);
     for (size_t length = 0; length < word.length - 1; length++) {
-        struct buf part = {0};
+        OWNED(buf_release) struct buf part = {0};
         buf_add(&part, word.data, length);
         at = buf_text(&part);
         CHECK(owner_read(&at, &state) ? *at == '\0' : at == buf_text(&part));
-        buf_release(&part);
     }
-    buf_release(&word);
 }

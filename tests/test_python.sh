@@ -69,7 +69,6 @@ END
             fail "this is as the schema says: $change"
     done
 fi
-close_story
 
 begin "the output of --json, and reports, fit their schemas"
 if has_module jsonschema; then
@@ -96,7 +95,6 @@ if has_module jsonschema; then
     expect 1 "$iftty" diff --json a.iftty b.iftty
     as_schema "$programs" diff
 fi
-close_story
 
 # The same scene, turned, somewhere in the world.
 turn() {
@@ -118,7 +116,6 @@ for how in "" plain; do
         expect 0 "$iftty" verify --no-strict given.iftty arrays.iftty
         same "$(find passing -name 'iftty-*')" ""
     fi
-    close_story
 done
 
 begin "the example draws a brain"
@@ -131,10 +128,8 @@ if has_module matplotlib; then
         same "$status" 0
         grep -q '^brain: 16[0-9][0-9] ml' told || fail "$(cat told err)"
         [ "$(file_bytes brain.png)" -gt 50000 ] || fail "there is no picture"
-        expect 0 "$iftty" info --json brain.nii.gz
-        out_has '"size": [181, 217, 181]'
+        expect_out '"size": [181, 217, 181]' 0 "$iftty" info --json brain.nii.gz
     fi
 fi
-close_story
 
 finish

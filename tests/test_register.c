@@ -17,7 +17,6 @@
 static char folder[FOLDER_LENGTH];
 static struct volume ch2;
 static struct subject procedure; /* ch2, five times as coarse, to need seconds only */
-static char helper[FILE_LENGTH];
 
 enum { COARSE = 5 };
 
@@ -135,7 +134,7 @@ static const char *fault_of(const char *script)
     struct registration found;
     register_helper_program = script ? make_script(folder, "odd", script) : "/nowhere/odd";
     CHECK_INT(find(&found, &procedure, NULL, &fault), ERR_IO);
-    register_helper_program = helper;
+    register_helper_program = built_program("iftty-register");
     return fault.text;
 }
 
@@ -170,7 +169,7 @@ static enum err judged(const double number[19], struct fault *fault)
     snprintf(script, sizeof script, HEARD "cat '%s'; sleep 9", answer);
     register_helper_program = make_script(folder, "odd", script);
     const enum err err = find(&found, &procedure, NULL, fault);
-    register_helper_program = helper;
+    register_helper_program = built_program("iftty-register");
     return err;
 }
 
@@ -267,12 +266,10 @@ STORY(a_helper_ends_with_its_client)
 
 int main(void)
 {
-    const char *build = getenv("IFTTY_BUILD") ? getenv("IFTTY_BUILD") : "build";
     struct interpreter interp;
     struct buf scene = {0};
     struct fault fault = {0};
-    snprintf(helper, sizeof helper, "%s/iftty-register", build);
-    register_helper_program = helper;
+    register_helper_program = built_program("iftty-register");
     if (!make_folder(folder, "register") || interpreter_init(&interp, NULL) != OK ||
         interpreter_find_scene(&interp, "ch2.nii.gz", false, &scene, &fault) != OK ||
         volume_read(&ch2, buf_text(&scene), NULL, NULL, &fault) != OK ||

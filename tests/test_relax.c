@@ -13,20 +13,13 @@
 
 enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };
 
-static uint64_t state;
-enum { TEAMS = 5 }; /* none, and those of 1, 2, 3 and 8 threads */
-static struct team *team_of[TEAMS];
+DRAW_FROM(0)
 
 /* Each team in turn, between rounds without one: threads that are more than the cores take their
  * time to meet, as often as there are sweeps. */
 static struct team *team_for(int round)
 {
     return round % 4 ? NULL : team_of[round / 4 % TEAMS];
-}
-
-static uint32_t below(uint32_t end)
-{
-    return check_below(&state, end);
 }
 
 /* ---- the model: voxels [z][y][x] one after another ---- */
@@ -270,7 +263,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
     for (int round = 0; round < (int)check_scaled(600); round++) {
         struct finish_list list = {.count = 1};
         uint8_t *label;
-        state = (uint64_t)round;
+        seed = (uint64_t)round;
         fill(&expected.v);
         list.step[0] = (struct finish_step){
             .kind = FINISH_RELAX,
@@ -341,7 +334,7 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
     for (int round = 0; round < (int)check_scaled(20) && check_failures == 0; round++) {
         struct finish_list list = {.count = 1 + (uint32_t)below(2)};
         struct relax_kept kept = {0};
-        state = (uint64_t)round + 9000;
+        seed = (uint64_t)round + 9000;
         fill(&v);
         struct scene *scene = scene_of(&v);
         list.step[0] = (struct finish_step){.kind = FINISH_RELAX,
@@ -378,7 +371,7 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
 {
     static struct volume v;
     for (int round = 0; round < (int)check_scaled(120); round++) {
-        state = (uint64_t)round + 5000;
+        seed = (uint64_t)round + 5000;
         fill(&v);
         for (int i = 0; i < v.count; i++)
             v.label[i] = 1 + (v.label[i] & 1);
@@ -392,7 +385,7 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
         for (uint8_t k = 0; k < 2; k++) {
             const struct finish_work work = {
                 .scene = scene, .team = team_for(round + k), .label = label};
-            struct relax_field field = {0};
+            OWNED(relax_field_release) struct relax_field field = {0};
             CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, FINISH_BAND_MOST,
                                     NULL) == OK);
             relax_field_make(&field, 25);
@@ -403,7 +396,6 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
                          &field, (uint32_t)(row % v.size[1]), (uint32_t)(row / v.size[1]), &part);)
                     memcpy(&u[k][row * v.size[0] + (int)part.x], part.value,
                            part.count * sizeof part.value[0]);
-            relax_field_release(&field);
         }
         bool sums = true;
         for (int i = 0; i < v.count; i++)
@@ -455,7 +447,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
         struct finish_list list = {0};
         struct doubt doubt;
         uint8_t *label;
-        state = (uint64_t)round + 9000;
+        seed = (uint64_t)round + 9000;
         fill(&v);
         const unsigned of = below(2) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1);
         const uint32_t sweeps = round % 3 ? 1 + below(20) : 60;
@@ -500,7 +492,7 @@ STORY(doubt_that_cannot_be_found_is_an_error)
     const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0, 5}}};
     enum err err = ERR_MEMORY;
     struct doubt doubt;
-    state = 3;
+    seed = 3;
     fill(&v);
     struct scene *scene = scene_of(&v);
     for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++) {
@@ -526,10 +518,10 @@ STORY(doubt_that_cannot_be_found_is_an_error)
 }
 
 /* A step, and its effect on a volume. */
-static struct finish_list relax_some(struct relaxed *expected, uint64_t seed)
+static struct finish_list relax_some(struct relaxed *expected, uint64_t from)
 {
     const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0, 5}}};
-    state = seed;
+    seed = from;
     fill(&expected->v);
     model(&expected->v, &list.step[0], expected->made);
     return list;
@@ -540,7 +532,7 @@ STORY(a_stop_is_heard_wherever_it_comes)
     static struct relaxed expected;
     const struct finish_list list = relax_some(&expected, 3);
     struct scene *scene = scene_of(&expected.v);
-    CHECK(stop_finish_everywhere(scene, &list, team_of, agree, &expected) > 50);
+    CHECK(stop_finish_everywhere(scene, &list, agree, &expected) > 50);
     scene_free(scene);
 }
 
@@ -551,15 +543,4 @@ STORY(memory_that_runs_out_is_an_error)
     struct scene *scene = scene_of(&expected.v);
     CHECK(starve_finish_everywhere(scene, &list, agree, &expected) > 7);
     scene_free(scene);
-}
-
-int main(void)
-{
-    for (unsigned workers = 1; workers < TEAMS; workers++)
-        if (team_new(&team_of[workers], workers < 4 ? workers : 8, NULL) != OK)
-            abort();
-    const int status = check_run();
-    for (unsigned workers = 1; workers < TEAMS; workers++)
-        team_free(team_of[workers]);
-    return status;
 }

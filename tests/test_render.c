@@ -114,7 +114,7 @@ static void random_look(struct stage *s, uint64_t *random)
 static void random_sitting(uint64_t seed)
 {
     uint64_t random = seed;
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     struct rendition kept;
     uint32_t size[3];
     for (int a = 0; a < 3; a++)
@@ -141,7 +141,6 @@ static void random_sitting(uint64_t seed)
         }
         rendition_release(&kept);
     }
-    stage_release(&s);
 }
 
 STORY(the_four_modes_agree_in_every_pixel)
@@ -174,7 +173,7 @@ static uint8_t label_at(const struct rendition *r, uint32_t x, uint32_t y)
 
 STORY(a_scene_of_very_thick_slices_has_a_view)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     CHECK(stage_init(&s, (uint32_t[]){10, 10, 1}, 6, NULL) == OK);
     for (uint32_t thick = 1; thick < 25000; thick = thick * 3 / 2 + 1) {
         s.scene->spacing_nm[0] = s.scene->spacing_nm[1] = 100000;
@@ -184,13 +183,12 @@ STORY(a_scene_of_very_thick_slices_has_a_view)
         s.view.zoom = view_fitting_zoom(s.scene, 512, 512, 1);
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     }
-    stage_release(&s);
 }
 
 STORY(named_views_show_the_patient_from_the_side_they_name)
 {
-    struct stage s;
-    struct rendition r;
+    OWNED(stage_release) struct stage s;
+    OWNED(rendition_release) struct rendition r;
     CHECK(stage_init(&s, (uint32_t[]){21, 21, 21}, 6, NULL) == OK);
     for (size_t i = 0; i < s.scene->grid.cells; i++)
         if (!(s.scene->cell[i].flags & CELL_RIM))
@@ -227,8 +225,6 @@ STORY(named_views_show_the_patient_from_the_side_they_name)
         CHECK_INT(label_at(&r, 20, 10), expected[i].above);
         CHECK_INT(label_at(&r, 20, 30), expected[i].below);
     }
-    rendition_release(&r);
-    stage_release(&s);
 }
 
 /* Rounding errors of one voxel must not add up over a long row. */
@@ -237,7 +233,7 @@ STORY(a_long_row_of_voxels_is_seen_whole)
     static const uint32_t zoom[] = {10, 97, 999};
     static const uint32_t length[] = {65534, 40000, 8000};
     for (int i = 0; i < 3; i++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         struct rendition splatted, walked;
         CHECK(stage_init(&s, (uint32_t[]){length[i], 1, 1}, 6, NULL) == OK);
         struct edit seed = {grid_cell(&s.scene->grid, length[i] / 2, 0, 0), 1, 0};
@@ -257,7 +253,6 @@ STORY(a_long_row_of_voxels_is_seen_whole)
             rendition_release(&splatted);
             rendition_release(&walked);
         }
-        stage_release(&s);
     }
 }
 
@@ -265,8 +260,8 @@ STORY(a_long_row_of_voxels_is_seen_whole)
  * tiles. */
 STORY(lines_around_what_changes_are_drawn_anew)
 {
-    struct stage s;
-    struct rendition kept;
+    OWNED(stage_release) struct stage s;
+    OWNED(rendition_release) struct rendition kept;
     CHECK(stage_init(&s, (uint32_t[]){24, 4, 24}, 6, NULL) == OK);
     for (uint32_t v = 0; v < s.scene->grid.voxels; v++)
         s.scene->cell[grid_cell(&s.scene->grid, v % 24, v / 24 % 4, v / 96)].label = 1;
@@ -288,8 +283,6 @@ STORY(lines_around_what_changes_are_drawn_anew)
         stage_shade(&s, &kept);
         modes_agree(&s, &kept);
     }
-    rendition_release(&kept);
-    stage_release(&s);
 }
 
 /* Anything that a camera accepts: voxels far smaller than a pixel or as large as the picture, long
@@ -299,7 +292,7 @@ STORY(the_four_modes_agree_however_large_or_long_voxels_are)
     unsigned drawn = 0;
     for (unsigned i = 0; i < 200 && check_failures == 0; i++) {
         uint64_t random = 7000 + i;
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         struct rendition kept;
         const bool is_long = i % 10 == 0;
         uint32_t size[3];
@@ -340,14 +333,13 @@ STORY(the_four_modes_agree_however_large_or_long_voxels_are)
                        s.scene->spacing_nm[2], s.view.zoom);
             rendition_release(&kept);
         }
-        stage_release(&s);
     }
     CHECK(drawn > 120);
 }
 
 STORY(absurd_views_are_refused_in_words)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     struct fault fault;
     CHECK(stage_init(&s, (uint32_t[]){2, 2, 60000}, 6, NULL) == OK);
     s.scene->spacing_nm[0] = 1;
@@ -358,5 +350,4 @@ STORY(absurd_views_are_refused_in_words)
     s.scene->spacing_nm[1] = 1;
     s.view.zoom = VIEW_ZOOM_MOST;
     CHECK_INT(camera_init(&s.camera, s.scene, &s.view, &fault), ERR_LIMIT);
-    stage_release(&s);
 }

@@ -40,7 +40,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
 /* Compute the digests of the picture, and of the one after an edit that removes a ball. */
 static void draw(struct stage *s, struct team *team, uint64_t digest[3])
 {
-    struct rendition fine, out;
+    OWNED(rendition_release) struct rendition fine, out;
     const struct bands bands = {.project = project_border,
                                 .camera = &s->camera,
                                 .mesh = &s->mesh,
@@ -66,8 +66,6 @@ static void draw(struct stage *s, struct team *team, uint64_t digest[3])
     stage_follow(s, &fine, &changes);
     stage_reduce(s, &fine, &out);
     digest[2] = rendition_digest(&out);
-    rendition_release(&fine);
-    rendition_release(&out);
 }
 
 STORY(one_to_three_threads_draw_the_same_picture)
@@ -80,12 +78,11 @@ STORY(one_to_three_threads_draw_the_same_picture)
         uint64_t digest[THREADS_MOST + 1][3];
         for (unsigned threads = 1; threads <= THREADS_MOST; threads++) {
             uint64_t random = number;
-            struct stage s;
+            OWNED(stage_release) struct stage s;
             stage_at_random(&s, &random);
             draw(&s, team[threads], digest[threads]);
             for (int i = 0; i < 3; i++)
                 CHECK_INT(digest[threads][i], digest[1][i]);
-            stage_release(&s);
         }
         if (check_failures)
             printf("# number %u\n", number);
@@ -99,8 +96,8 @@ STORY(a_picture_may_be_stopped_at_any_time)
 {
     struct team *team;
     uint64_t random = 5;
-    struct stage s;
-    struct rendition fine;
+    OWNED(stage_release) struct stage s;
+    OWNED(rendition_release) struct rendition fine;
     CHECK(team_new(&team, THREADS_MOST, NULL) == OK);
     stage_at_random(&s, &random);
     s.border.opacity[1] = 50;
@@ -117,7 +114,5 @@ STORY(a_picture_may_be_stopped_at_any_time)
         CHECK(err == OK || err == ERR_CANCELLED);
         s.scene->watch = NULL;
     }
-    rendition_release(&fine);
-    stage_release(&s);
     team_free(team);
 }

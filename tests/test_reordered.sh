@@ -36,8 +36,7 @@ for name, far in (("near", 0.4), ("far", 0.7)):
     save(labels, name + ".nii", numpy.array([[2, -1], [0, -1], [1, 1]]))
     place[:3, 3] -= turn[:, 0] * far
 END
-[ "$failures" = 0 ] || { close_story; finish; }
-close_story
+[ "$failures" = 0 ] || finish
 
 # alike OPEN COMMANDS: with MAP for a map of labels and WEIGHT for one of weights, commands give the
 # same labels by all orders of axes
@@ -66,9 +65,8 @@ alike scene.nii "mask MAP regions=1-2; seed 3,3,3 1; run"
 alike scene.nii "weight WEIGHT; seed 3,3,3 1; seed 8,8,8 2; run"
 cube=cube- # where sizes say nothing of the order
 alike cube-scene.nii "seed-file MAP erode=0; run"
-close_story
 
-begin "what is compared with: as a question, and by the program"
+begin "the map of a comparison: by the command, and by the program"
 cube=
 for n in 00 05 13 30 47; do
     cp "map$n.nii" b.nii
@@ -79,13 +77,11 @@ for n in 00 05 13 30 47; do
     cp out "program$n"
     same_files program00 "program$n"
 done
-close_story
 
 begin "a journal with such a map verifies"
 expect 0 "$iftty" -c "open scene.nii; seed-file map29.nii erode=0; run
     mask map41.nii regions=0-3; run" --journal j.iftty
 expect 0 "$iftty" verify j.iftty
-close_story
 
 begin "of a file that is opened in part, the same part in every order"
 alike "scene.nii crop=2-9,1-7,3-8" "seed-file MAP erode=0; run"
@@ -93,8 +89,7 @@ alike "scene.nii crop=2-10,1-7,0-8 reduce=3" "seed-file MAP erode=0; run"
 cube=cube-
 alike "cube-scene.nii crop=0-4,5-9,2-6" "seed-file MAP erode=0; run"
 alike "cube-scene.nii crop=1-8,5-9,2-6 reduce=3" "mask MAP regions=1; seed 1,0,0 1; run"
-expect 0 "$iftty" -c "open scene.nii reduce=2; seed-file map16.nii erode=0"
-out_has "its axes run towards ARS"
+answers "its axes run towards ARS" "open scene.nii reduce=2; seed-file map16.nii erode=0"
 expect 3 "$iftty" -c "open scene.nii reduce=2; seed-file map17.nii erode=0"
 err_has "its axes are reversed to those of the scene, where each voxel is 2 along an axis"
 # A map of the part itself, as it was opened.
@@ -107,11 +102,9 @@ END
 expect 0 "$iftty" -c "open scene.nii crop=2-9,1-7,3-8; labels turned.nii erode=0
     save labels again.nii"
 same_files part.nii again.nii
-close_story
 
-begin "half a voxel away is the same place, more is not, and what is asked for is done"
-expect 0 "$iftty" -c "open cube-scene.nii; seed-file near.nii erode=0"
-out_has "its axes run towards"
+begin "half a voxel away is the same place, more is not, and resampling on request works"
+answers "its axes run towards" "open cube-scene.nii; seed-file near.nii erode=0"
 out_has "the map is 0.4 mm off the scene's grid, less than half a voxel"
 expect 3 "$iftty" -c "open cube-scene.nii; seed-file far.nii erode=0"
 err_has "away from the scene; resample=yes uses its nearest voxels"
@@ -120,6 +113,5 @@ expect 0 "$iftty" -c "open cube-scene.nii; seed-file cube-map30.nii erode=0 resa
 expect 0 "$iftty" -c "open cube-scene.nii; seed-file cube-map30.nii erode=0; run
     save labels unasked.nii"
 same_files asked.nii unasked.nii
-close_story
 
 finish

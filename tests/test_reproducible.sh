@@ -4,7 +4,7 @@
 # `make test-reproducible` compares whole programs and packages.
 . "$(dirname "$0")/lib.sh"
 
-begin "two folders give the same bytes"
+begin "builds in two folders have the same bytes"
 parts="src/main src/base/hash journal/journal src/helper/iftty-image"
 for folder in one "another folder/with blanks"; do
     mkdir -p "$work/$folder"
@@ -16,9 +16,8 @@ done
 for part in $parts; do
     same_files "$work/one/build/$part.o" "$work/another folder/with blanks/build/$part.o"
 done
-close_story
 
-begin "the date of what is built is that of the commit, of the version, or what is said"
+begin "the date of a build is that of the commit or the version, or is set explicitly"
 mkdir -p "$work/plain/src/base"
 cp -R .package "$work/plain"
 cp src/base/version.h "$work/plain/src/base"
@@ -31,6 +30,5 @@ if needs git && git -C "$work/plain" init -q; then
         -c user.email=a@b.invalid commit -q --allow-empty -m a
     same "$("$work/plain/.package/date")" 86400
 fi
-close_story
 
 finish

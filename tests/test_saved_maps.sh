@@ -34,7 +34,7 @@ has_header() { # FILE LINE
     sed '/^$/q' "$1" | grep -aqxF -e "$2" || fail "no '$2' in $1:" "$(sed '/^$/q' "$1")"
 }
 
-begin "every map as NRRD and MetaImage, voxel for voxel what it is as NIfTI"
+begin "every map as NRRD and MetaImage equals the NIfTI, voxel for voxel"
 needs teem-unu && {
     maps='labels cost root border distance margin'
     # shellcheck disable=SC2086
@@ -50,14 +50,12 @@ needs teem-unu && {
     teem-unu head cost.nrrd >out
     out_has 'type: unsigned short'
 }
-close_story
 
 begin "where no place is known, none is written"
 grep -aq '^space' labels.nrrd && fail "$(sed '/^$/q' labels.nrrd)"
 has_header labels.nrrd 'spacings: 1 1 1'
 grep -aqE '^(TransformMatrix|Offset|Anatom)' labels.mha && fail "labels.mha has a place"
 grep -aqx 'ElementSpacing = 1 1 1' labels.mha || fail "labels.mha has no spacing"
-close_story
 
 begin "a place is written in the world of each format"
 cp s.nii p.nii
@@ -68,7 +66,6 @@ has_header p.nrrd 'space directions: (2,0,0) (0,-2,1.5) (0,3,4)'
 has_header p.nrrd 'space origin: (-90,126,-72)'
 grep -aqx 'Offset = -90 126 -72' p.mha || fail "$(strings p.mha | head -n 14)"
 grep -aq '^TransformMatrix = 1 0 0 0 -0.8 0.6 0 0.6 0.8$' p.mha || fail "axes of p.mha"
-close_story
 
 begin "a map without a label is refused, and voxels that no seed reaches are counted"
 expect 3 "$iftty" -c 'open s.nii; seed 1,1,1 0; save labels empty.nii'
@@ -84,7 +81,6 @@ same "$(grep -c '7647 voxels that no seed reaches have no label' out)" 2
 expect 0 "$iftty" -c 'open s.nii; range 90 1000; seed 20,10,8 1; save labels roi.nii'
 out_has 'voxels outside the region of interest have no label'
 expect 2 "$iftty" -c 'open s.nii; save cost c.nii empty=yes'
-close_story
 
 begin "a .seg.nrrd has names, colours and extents of its segments"
 expect 0 "$iftty" -c "open p.nii; $start; save labels l.seg.nrrd; save labels l.nii"
@@ -109,7 +105,6 @@ needs teem-unu && {
 expect 2 "$iftty" -c "open p.nii; $start; save cost c.seg.nrrd"
 err_has 'a .seg.nrrd holds labels; expected .nrrd for this map'
 [ ! -e c.seg.nrrd ] || fail "it is there"
-close_story
 
 # The file as a scene: its digest (voxels, spacing, axes) and the position of its far corner.
 seen_as() {
@@ -125,9 +120,7 @@ for file in q.nrrd q.mha; do
     same "$(seen_as $file)" "$(seen_as q.nii)"
 done
 same "$(seen_as l.seg.nrrd)" "$(seen_as l.nii)"
-expect 0 "$iftty" -c "open q.mha crop=2-19,0-9,1-15 reduce=2; info"
-out_has '9x5x7 voxels'
-close_story
+expect_out '9x5x7 voxels' 0 "$iftty" -c "open q.mha crop=2-19,0-9,1-15 reduce=2; info"
 
 begin "FreeSurfer's files, as nibabel reads them: the voxels and the place of the same NIfTI"
 maps='labels cost border distance margin'
@@ -158,9 +151,8 @@ import gzip
 a, b = (gzip.open(name).read()[30:90] for name in ("f-cost.mgz", "again.mgz"))
 assert a == b, (a, b)
 END
-close_story
 
-begin "the same map gives the same bytes, and none are left of one that fails"
+begin "the same map has the same bytes, and a failed save leaves no file"
 save="save labels l.seg.nrrd replace=yes; save labels m.seg.nrrd"
 expect 0 "$iftty" -c "open p.nii; $start; $save"
 same_files l.seg.nrrd m.seg.nrrd
@@ -169,5 +161,4 @@ same_files l.seg.nrrd m.seg.nrrd
 expect 2 "$iftty" -c "open p.nii; $start; weight polarity; save margin n.nrrd"
 err_has "there is no margin under \`weight polarity\`"
 [ ! -e n.nrrd ] || fail "a margin under polarity"
-close_story
 finish

@@ -184,7 +184,7 @@ STORY(any_text_gives_seeds_of_the_scene_or_one_line)
 static enum err map_of(const char *digits, const struct grid *grid, struct geometry geometry,
                        const struct region_choice *choice)
 {
-    struct volume map = {.geometry = geometry};
+    OWNED(volume_release) struct volume map = {.geometry = geometry};
     memcpy(map.size, grid->size, sizeof map.size);
     map.intensity = mem_array(grid->voxels, sizeof *map.intensity);
     size_t n = 0;
@@ -195,7 +195,6 @@ static enum err map_of(const char *digits, const struct grid *grid, struct geome
     fault = (struct fault){.text = ""};
     enum err err = seeds_from_map(&seeds, &tally, &map, grid, &plain, choice, NULL, &fault);
     CHECK(err == OK || (seeds.count == 0 && !seeds.edit && strstr(fault.text, "; nothing ")));
-    volume_release(&map);
     return err;
 }
 
@@ -490,7 +489,7 @@ STORY(a_table_of_seeds_counts_against_the_limit_of_memory)
 STORY(a_list_can_be_stopped_anywhere)
 {
     const struct grid grid = grid_of(40, 40, 40);
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     for (int z = 0; z < 40; z++)
         for (int y = 0; y < 40; y++)
             buf_printf(&text, "1,%d,%d,1\n2,%d,%d,1\n", y, z, y, z);
@@ -506,5 +505,4 @@ STORY(a_list_can_be_stopped_anywhere)
     }
     CHECK_INT(err, OK);
     CHECK(most > 30); /* while lines are read, and while they are put in order */
-    buf_release(&text);
 }

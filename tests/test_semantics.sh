@@ -18,15 +18,12 @@ take() { # NUMBER: a copy, with its golden images
 begin "there is a journal of every number up to the present one"
 [ "$current" -ge $first ] || fail "number $current"
 for number in $(seq $first "$current"); do
-    expect 0 head -1 "$journals/semantics-$number.iftty"
-    out_has "# iftty journal 1 semantics $number"
+    expect_out "# iftty journal 1 semantics $number" 0 head -1 "$journals/semantics-$number.iftty"
 done
-close_story
 
 begin "all of them verify, strictly as under CI"
 expect 0 env CI=true "$iftty" verify "$journals"
 out_has "# $(find "$journals" -name '*.iftty' | wc -l) verified, 0 failed"
-close_story
 
 begin "each is verified under its own meaning"
 for number in $(seq $first "$current"); do
@@ -37,12 +34,10 @@ for number in $(seq $first "$current"); do
         sed "0,/ $key=[0-9a-f]*/s// $key=0123456789abcdef/" j.iftty >before
         chain_anew before other.iftty
         cp -r j.golden other.golden
-        expect 1 "$iftty" verify other.iftty
-        out_has "differs  $key"
+        expect_out "differs  $key" 1 "$iftty" verify other.iftty
         rm -rf other.golden
     done
 done
-close_story
 
 begin "each is continued under its own meaning, and is a journal of its number still"
 cat >more <<'EOF'
@@ -64,7 +59,6 @@ for number in $(seq $first "$current"); do
         fail "$number: $(tail -3 j.iftty)"
     expect 0 "$iftty" verify j.iftty
 done
-close_story
 
 # refused WORDS COMMAND...: status 3, one line with these words, and the journal is left alone
 refused() {
@@ -94,7 +88,7 @@ refused_everywhere() {
     refused "$2" "$iftty" other.iftty
     refused "$2" "$iftty" serve other.iftty
 }
-begin "a number of a build before 1.0 is refused, and names what still prints its commands"
+begin "a number of a build before 1.0 is rejected, with the program line that prints its commands"
 for number in 1 11; do
     refused_everywhere $number "it has semantics $number, of a build before 1.0, and this program \
 knows $current: .iftty log --script FILE. prints its commands"
@@ -109,12 +103,10 @@ knows $current: .iftty log --script FILE. prints its commands"
     [ "$(head -1 again.iftty)" = "# iftty journal 1 semantics $current" ] || fail "no new journal"
     rm -rf again.*
 done
-close_story
 
 begin "a number that is not known yet is refused"
 refused_everywhere $((current + 1)) \
     "it has semantics $((current + 1)), and this program knows $current: a newer iftty verifies"
-close_story
 
 begin "the record of open has the weight that it means, and one without it means morph"
 weights_of() { # JOURNAL: of record 1
@@ -139,6 +131,5 @@ for wrong in morph: morph:4 morph:x sobel:1 gauss gauss:0.1 gauss:9 gauss: weigh
     err_has "weight: expected "
     ! grep -q "^open" new.iftty || fail "$wrong was recorded"
 done
-close_story
 
 finish

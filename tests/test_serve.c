@@ -229,7 +229,7 @@ STORY(an_error_has_its_column_in_characters_and_the_words_that_were_meant)
 STORY(words_of_a_record_are_numbers_where_they_are_counts)
 {
     struct interpreter interp = {.acknowledged = 3};
-    struct reply reply = {0};
+    OWNED(reply_release) struct reply reply = {0};
     buf_clear(&text);
     buf_add_text(&reply.words,
                  "seeds=123456789012345 forest=1123456789012345 marker=3-4 at=0 old=007");
@@ -241,5 +241,4 @@ STORY(words_of_a_record_are_numbers_where_they_are_counts)
                "\"words\": {\"seeds\": 123456789012345, \"forest\": \"1123456789012345\", "
                "\"marker\": \"3-4\", "
                "\"at\": 0, \"old\": \"007\"}, \"files\": [\"a\", \"b\"], \"journal\": null}\n");
-    reply_release(&reply);
 }

@@ -63,7 +63,7 @@ render
 info
 END
 
-begin "the first line says which protocol it is and what is open, and all is gone at the end"
+begin "the first line names the protocol and the open files, and no file is left at the end"
 requests commands | expect 0 "$iftty" serve s.nii --journal a.iftty
 first=$(sed 1q out)
 has "$first" '{"protocol": 1, "ok": true, "program": "iftty", "version": "'
@@ -72,7 +72,6 @@ has "$first" '"scene": {"size": [24, 20, 16], "spacing": '
 has "$first" "\"journal\": \"$work/a.iftty\""
 same "$(grep -c '"ok"' out)" 10
 same "$(folders)" 0
-close_story
 
 begin "an answer has the number, the words and the files of its record"
 has "$(answer 1)" '"ok": true, "record": 3, "command": "seed 5,10,8 1 radius=2", "text": "'
@@ -83,7 +82,6 @@ has "$(answer 6)" '"at": 4'
 has "$(answer 7)" "\"files\": [\"$work/l.nii\"]"
 has "$(answer 8)" '"picture": "'
 same "$(field "$(answer 9)" chain)" "$(last_word chain a.iftty)"
-close_story
 
 begin "the journal is that of the same commands at the prompt"
 rm l.nii
@@ -93,9 +91,8 @@ expect 0 "$iftty" verify --no-strict a.iftty
 rm l.nii
 expect 0 "$iftty" serve s.nii </dev/null
 [ -s s-1.iftty ] || fail "no journal was begun, as the prompt does"
-close_story
 
-begin "a thousand commands give the journal that a run of them gives"
+begin "a thousand commands write the same journal as a run of them"
 awk 'BEGIN { srand(7); print "open s.nii"; print "auto on"
     for (i = 0; i < 1000; i++) {
         at = int(rand() * 24) "," int(rand() * 20) "," int(rand() * 16); r = rand()
@@ -118,9 +115,8 @@ same_files run.iftty serve.iftty
 records=$(grep -c '^= ' run.iftty)
 [ "$records" -gt 600 ] || fail "$records records alone"
 same "$(grep -c '"ok"' out)" 1001
-close_story
 
-begin "what is no request is answered in words, and the session goes on"
+begin "an invalid request is answered with a message, and the session continues"
 {
     echo '{"id": 1, "do": "sed 1,2,3 1"}'
     echo '{"id": 2, "do": "label 2 \"\u00e4\ud83d\ude00\" colour"}'
@@ -142,7 +138,6 @@ has "$(answer 7)" '"hints": ["labels"]'
 has "$(answer 8)" '"ok": true, "record": 3'
 has "$(answer 9)" '"why": "byte 22: expected the quote that ends a text"'
 same "$(grep -c '^= ' bad.iftty)" 3
-close_story
 
 begin "a comment goes into the journal with its command; an array has the edits that wait, by a run"
 printf '%s\n' '# deep inside' 'zoom 4' '#' 'auto off' 'seed 5,10,8 1' | requests >waiting
@@ -152,10 +147,9 @@ same "$(grep -A1 '^# deep' w.iftty)" "# deep inside
 zoom 4"
 has "$(answer 6)" '"records": 6'
 same "$(grep -A1 '^seed' w.iftty | sed -n 2p | grep -c pending)$(grep -c '^run$' w.iftty)" 11
-close_story
 
 # Relaxing the labels of this large scene takes seconds; each way to stop is tried after it began.
-begin "a cancel takes a long command back, as Ctrl-C does: nothing of it is left"
+begin "a cancel undoes a long command completely, as Ctrl-C does"
 start synth:geom --journal long.iftty
 ask '{"id": 1, "do": "finish relax sweeps=1000 reach=16"}'
 ask '{"id": 2, "do": "seed 100,100,50 1"}'
@@ -189,9 +183,8 @@ seed 5,5,5 0
 finish none
 END
 same_files plain.iftty long.iftty
-close_story
 
-begin "SIGTERM takes the command at hand back, and ends the session cleanly"
+begin "SIGTERM undoes the current command, and ends the session cleanly"
 start synth:geom --journal term.iftty
 ask '{"id": 0, "do": "finish relax sweeps=1000 reach=16"}'
 ask '{"id": 1, "do": "seed 100,100,50 1"}'
@@ -213,7 +206,6 @@ wait $server
 same $? 0
 same "$(folders)" 0
 exec 3>&-
-close_story
 
 begin "a session that was killed is gone on with, and its folder goes"
 start s.nii --journal k.iftty
@@ -234,7 +226,6 @@ asked 1 '{"id": 1, "do": "undo"}'
 stop 0
 same "$(folders)" 0
 expect 0 "$iftty" verify --no-strict k.iftty
-close_story
 
 begin "links in the folder are not followed, and another folder in its place is refused"
 start s.nii --journal link.iftty
@@ -271,7 +262,6 @@ ln -s "$work/elsewhere" "$folder/deep/out"
 touch elsewhere/stays
 stop 0
 same "$(folders) $(ls elsewhere)" "0 stays"
-close_story
 
 begin "no record needs a file of the folder, but labels, of which the journal has a copy"
 start s.nii --journal given.iftty
@@ -288,7 +278,6 @@ has "$(answer 4)" 'is removed with this session, and the record of mask would ne
 has "$(answer 5)" "\"files\": [\"$work/given.golden/labels-"
 stop 0
 expect 0 "$iftty" verify --no-strict given.iftty
-close_story
 
 begin "no record and no journal goes with the folder, by whatever name or link it is reached"
 cp s.nii outside.nii
@@ -330,9 +319,8 @@ has "$(answer 52)" "\"journal\": \"$work/kept.iftty\""
 stop 0
 same "$(grep -c '^[a-z]' stays.iftty)" "$(grep -c '^[a-z]' kept.iftty)"
 same "$(ls passing)" ''
-close_story
 
-begin "an outline is in the labels at once, and takes the place of another, as at the prompt"
+begin "an outline changes the labels at once, and replaces another one, as at the prompt"
 voxel() { # ANSWER X,Y,Z: of the labels, a byte each
     set -- "$(field "$1" file)" $(($(field "$1" offset) + $(echo "$2" |
         sed 's/\(.*\),\(.*\),\(.*\)/\1 + 24 * (\2 + 20 * \3)/')))
@@ -369,7 +357,6 @@ stop 0
 { sed -n 's/^\(outline .*\|undo\)$/\1/p' outline.iftty; echo quit; } |
     expect 0 "$iftty" s.nii --journal prompt.iftty
 same_files outline.iftty prompt.iftty
-close_story
 
 begin "a journal is looked at without being written to"
 cp a.iftty look.iftty
@@ -380,9 +367,8 @@ has "$(sed 1q out)" '"read_only": true'
 has "$(answer 1)" '"ok": true, "record": null, "command": "seed 1,1,1 3"'
 has "$(answer 1)" '"ok": true'
 same_files a.iftty look.iftty
-close_story
 
-begin "where nobody reads any more what was answered stands, and the session ends"
+begin "if the client stops reading, answered commands are kept, and the session ends"
 {
     echo '{"id": 1, "do": "seed 5,10,8 1"}'
     comes_true test -s status >late
@@ -392,15 +378,13 @@ same "$(cat err)" "iftty: cannot write to standard output"
 expect 0 "$iftty" log --check pipe.iftty
 same "$(grep -c '^= ' pipe.iftty)" 3
 same "$(folders)" 0
-close_story
 
-begin "what cannot be opened is said in the first line, too"
+begin "a file that cannot be opened is reported in the first line, too"
 expect 3 "$iftty" serve missing.nii </dev/null
 out_has '{"protocol": 1, "ok": false, "program": "iftty", "version": "'
 out_has '"kind": "input or output failed", "why": "there is no scene missing.nii here'
 expect_out 'there is no journal missing.iftty' 3 "$iftty" serve missing.iftty </dev/null
 expect 2 "$iftty" serve s.nii --read-only </dev/null
 same "$(folders)" 0
-close_story
 
 finish

@@ -73,38 +73,32 @@ static void add_value(struct buf *out, const struct parameter *p)
 }
 
 /* Typing a setting as it is written restores it and nothing else, and undo is exact. */
-STORY(a_setting_is_told_as_it_is_typed)
+BEGUN_STORY(a_setting_is_told_as_it_is_typed, begin_interpreter)
 {
-    struct interpreter interp;
-    struct buf line = {0}, told = {0}, again = {0};
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:20x20x20");
+    OWNED(buf_release) struct buf line = {0}, told = {0}, again = {0};
+    must(interp, "open synth:geom:20x20x20");
     for (unsigned i = 0; i < 400; i++) {
         const struct command *setting = setting_table;
         for (unsigned n = i; n > 0; n--)
             setting = setting[1].name ? setting + 1 : setting_table;
-        const struct state before = interp.session->now;
+        const struct state before = interp->session->now;
         buf_clear(&line);
         buf_clear(&told);
         buf_clear(&again);
         buf_add_text(&line, setting->name);
         for (const struct parameter *p = setting->parameter; p->type; p++)
             add_value(&line, p);
-        must(&interp, buf_text(&line));
-        setting_write(&told, setting, &interp.session->now);
-        const struct state now = interp.session->now;
-        setting_put(&interp.session->now, &setting->parameter->sets,
+        must(interp, buf_text(&line));
+        setting_write(&told, setting, &interp->session->now);
+        const struct state now = interp->session->now;
+        setting_put(&interp->session->now, &setting->parameter->sets,
                     setting_get(&before, &setting->parameter->sets));
-        must(&interp, buf_text(&told));
-        setting_write(&again, setting, &interp.session->now);
+        must(interp, buf_text(&told));
+        setting_write(&again, setting, &interp->session->now);
         CHECK_TEXT(buf_text(&again), buf_text(&told));
-        CHECK(kept_equals(&now.kept, &interp.session->now.kept));
-        CHECK(outlook_equals(&now.outlook, &interp.session->now.outlook));
+        CHECK(kept_equals(&now.kept, &interp->session->now.kept));
+        CHECK(outlook_equals(&now.outlook, &interp->session->now.outlook));
     }
-    buf_release(&line);
-    buf_release(&told);
-    buf_release(&again);
-    interpreter_release(&interp);
 }
 
 /* Set each setting in a journal: changes of the segmentation are undone and redone, and a replay
@@ -112,8 +106,8 @@ STORY(a_setting_is_told_as_it_is_typed)
 STORY(every_setting_is_undone_done_again_and_replayed)
 {
     struct interpreter interp, again;
-    struct replay_report report = {0};
-    struct buf line = {0};
+    OWNED(replay_report_release) struct replay_report report = {0};
+    OWNED(buf_release) struct buf line = {0};
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, file_in(folder, "j.iftty"), NULL) == OK);
     must(&interp, "open synth:geom:20x20x20");
@@ -145,45 +139,35 @@ STORY(every_setting_is_undone_done_again_and_replayed)
     CHECK(replay_file(&again, file_in(folder, "j.iftty"), 0, 0, NULL, NULL, &report, &fault) == OK);
     CHECK(kept_equals(&now.kept, &again.session->now.kept));
     CHECK(outlook_equals(&now.outlook, &again.session->now.outlook));
-    replay_report_release(&report);
     interpreter_release(&again);
-    buf_release(&line);
 }
 
 /* A session begins with the usual values, so that no optional part is written. */
-STORY(a_session_begins_with_what_is_usual)
+BEGUN_STORY(a_session_begins_with_what_is_usual, begin_interpreter)
 {
-    struct interpreter interp;
-    struct buf told = {0};
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:20x20x20");
+    OWNED(buf_release) struct buf told = {0};
+    must(interp, "open synth:geom:20x20x20");
     for (const struct command *setting = setting_table; setting->name; setting++)
         for (const struct parameter *p = setting->parameter; p->type; p++) {
-            CHECK_INT(setting_get(&interp.session->now, &p->sets), p->sets.usual);
+            CHECK_INT(setting_get(&interp->session->now, &p->sets), p->sets.usual);
             CHECK(p->sets.bytes == 1 || p->sets.bytes == 4);
             CHECK(p->choices || (p->sets.usual >= p->least && p->sets.usual <= p->most));
         }
-    settings_write(&told, GROUP_LOOK, &interp.session->now);
+    settings_write(&told, GROUP_LOOK, &interp->session->now);
     CHECK_TEXT(buf_text(&told), "shade surface, light -25 30, cue 30, edges off, samples 1, "
                                 "background gradient, decorate none, context none");
-    buf_release(&told);
-    interpreter_release(&interp);
 }
 
-STORY(parts_are_named_one_by_one_or_all_or_none)
+BEGUN_STORY(parts_are_named_one_by_one_or_all_or_none, begin_interpreter)
 {
-    struct interpreter interp;
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:20x20x20; decorate cross letters");
+    must(interp, "open synth:geom:20x20x20; decorate cross letters");
     CHECK_TEXT(buf_text(&reply.canonical), "decorate letters cross");
-    must(&interp, "decorate all");
-    CHECK_INT(interp.session->now.outlook.decorations, DECORATE_ALL);
-    CHECK_INT(execute(&interp, "decorate none letters"), ERR_USAGE);
-    CHECK_INT(execute(&interp, "decorate letters none"), ERR_USAGE);
-    CHECK_INT(execute(&interp, "decorate leters"), ERR_USAGE);
-    CHECK_HAS(fault.text, "did you mean letters?");
-    CHECK_INT(interp.session->now.outlook.decorations, DECORATE_ALL);
-    must(&interp, "decorate none");
-    CHECK_INT(interp.session->now.outlook.decorations, 0);
-    interpreter_release(&interp);
+    must(interp, "decorate all");
+    CHECK_INT(interp->session->now.outlook.decorations, DECORATE_ALL);
+    CHECK_INT(execute(interp, "decorate none letters"), ERR_USAGE);
+    CHECK_INT(execute(interp, "decorate letters none"), ERR_USAGE);
+    MUST_FAIL(interp, "decorate leters", ERR_USAGE, "did you mean letters?");
+    CHECK_INT(interp->session->now.outlook.decorations, DECORATE_ALL);
+    must(interp, "decorate none");
+    CHECK_INT(interp->session->now.outlook.decorations, 0);
 }

@@ -87,7 +87,7 @@ static double worst_angle(const struct stage *s, double *mean)
 
 STORY(a_ball_is_round_from_every_side)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     double mean;
     stage_cube(&s, 61);
     put_ball(&s, 25);
@@ -97,7 +97,6 @@ STORY(a_ball_is_round_from_every_side)
         if (!CHECK(worst < 13 && mean < 2.1))
             printf("# view %d: worst %.1f mean %.2f degrees\n", i, worst, mean);
     }
-    stage_release(&s);
 }
 
 /* ---- a torus ---- */
@@ -148,7 +147,7 @@ STORY(a_torus_has_its_silhouette_normals_and_depths)
     double edge = 0, angle = 0, depth = 0;
     size_t edges = 0, points = 0;
     for (int i = 0; i < 4; i++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         double length = 0;
         for (int a = 0; a < 3; a++) {
             torus_axis[a] = (double)(check_random(&random) % 2001) - 1000;
@@ -177,7 +176,6 @@ STORY(a_torus_has_its_silhouette_normals_and_depths)
             edge += fabs(nearest_on_ray(&s, at)) * ZOOM;
             edges++;
         }
-        stage_release(&s);
     }
     edge /= (double)edges, angle /= (double)points, depth /= (double)points;
     if (!CHECK(edges > 1000 && edge < 1 && angle < 4 && depth < 0.3))
@@ -211,7 +209,7 @@ STORY(normals_of_thin_shells_are_as_true_as_those_of_solid_balls)
                                        {153000, 69000}, {204000, 92000}, {255000, 115000}};
     for (size_t i = 0; i < sizeof shell / sizeof *shell; i++) {
         const uint32_t across = (uint32_t)(2 * SHELL_RADIUS / shell[i].spacing) + 11;
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         CHECK(stage_init(&s, (uint32_t[]){91, 91, across}, 6, NULL) == OK);
         s.scene->spacing_nm[2] = (uint32_t)(1e6 * shell[i].spacing);
         current = &shell[i];
@@ -234,7 +232,6 @@ STORY(normals_of_thin_shells_are_as_true_as_those_of_solid_balls)
                    "above 30 degrees, %zu facing away\n",
                    shell[i].thickness, shell[i].spacing, median, most, angles.count - above_30,
                    angles.count, angles.away);
-        stage_release(&s);
     }
 }
 
@@ -242,7 +239,7 @@ STORY(normals_of_thin_shells_are_as_true_as_those_of_solid_balls)
  * have nearly the same colour. */
 STORY(a_ball_has_no_hole_no_speckle_and_no_staircase)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     stage_cube(&s, 81);
     put_ball(&s, 36);
     for (uint32_t zoom = 1000; zoom <= 5000; zoom += 1000) {
@@ -265,14 +262,13 @@ STORY(a_ball_has_no_hole_no_speckle_and_no_staircase)
         if (!CHECK(jump <= (zoom == 1000 ? 24 : 12)))
             printf("# zoom %u: neighbours differ by %d\n", zoom, jump);
     }
-    stage_release(&s);
 }
 
 /* A quad may change with a voxel NET_MARGIN steps away, and extends beyond its own voxel by less
  * than a voxel and a half. */
 STORY(an_edit_makes_no_more_than_its_surroundings_stale)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     stage_cube(&s, 81);
     put_ball(&s, 36);
     for (int mode = SHADE_SURFACE; mode <= SHADE_CUBES; mode++) {
@@ -297,7 +293,6 @@ STORY(an_edit_makes_no_more_than_its_surroundings_stale)
         s.scene->cell[change.cell].label = 1;
         border_recount(&s.border);
     }
-    stage_release(&s);
 }
 
 /* ---- looks ---- */
@@ -316,7 +311,7 @@ STORY(the_light_comes_from_where_it_is_said_to)
                {{-90000, 0}, {25, 50}, {75, 50}},
                {{0, 90000}, {50, 25}, {50, 75}},
                {{0, -90000}, {50, 75}, {50, 25}}};
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     stage_cube(&s, 81);
     put_ball(&s, 36);
     for (size_t i = 0; i < sizeof lit / sizeof lit[0]; i++)
@@ -326,12 +321,11 @@ STORY(the_light_comes_from_where_it_is_said_to)
             CHECK(red_at(&s, lit[i].bright[0], lit[i].bright[1]) >
                   3 * red_at(&s, lit[i].dark[0], lit[i].dark[1]));
         }
-    stage_release(&s);
 }
 
 STORY(what_lies_far_is_darker_as_the_cue_says)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     stage_cube(&s, 81);
     for (int y = 0; y < 81; y++) /* two plates, one far behind the other */
         for (int x = 0; x < 81; x++)
@@ -347,12 +341,11 @@ STORY(what_lies_far_is_darker_as_the_cue_says)
     CHECK_INT(near[0], far[0]);
     CHECK(near[1] > far[1] && far[1] > 0 && far[1] < far[0]);
     CHECK(far[2] < far[1] && far[2] < 30);
-    stage_release(&s);
 }
 
 STORY(edges_are_drawn_on_the_nearer_object)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     stage_cube(&s, 41);
     memset(s.palette.rgb[2], 200, 3);
     for (int z = 0; z < 41; z++)
@@ -371,7 +364,6 @@ STORY(edges_are_drawn_on_the_nearer_object)
     draw(&s, 41, 1000, 0, 0);
     CHECK_INT(red_at(&s, 20, 20), before[0]);
     CHECK(red_at(&s, 21, 20) < before[1] / 2);
-    stage_release(&s);
 }
 
 /* ---- arithmetic ---- */
@@ -387,7 +379,7 @@ STORY(the_inverse_root_is_right_to_18_bits)
 
 STORY(samples_become_their_mean_and_the_nearest_of_them)
 {
-    struct rendition fine, out;
+    OWNED(rendition_release) struct rendition fine, out;
     CHECK(rendition_init(&fine, 4, 2, NULL) == OK && rendition_init(&out, 2, 1, NULL) == OK);
     memset(fine.rgba, 0, 4 * 8), memset(fine.normal, 0, 8 * 8), memset(fine.label, 0, 8);
     /* The left pixel: three samples, two of them 100 and one 200; the right one: nothing. */
@@ -411,6 +403,4 @@ STORY(samples_become_their_mean_and_the_nearest_of_them)
     CHECK_INT(out.label[0], 2);
     CHECK_INT(out.normal[0], 2);
     CHECK(out.cell[1] == CELL_NONE && out.depth[1] == DEPTH_NONE && out.rgba[7] == 0);
-    rendition_release(&fine);
-    rendition_release(&out);
 }

@@ -54,28 +54,22 @@ STORY(an_object_does_not_leave_its_shell)
     interpreter_release(&interp);
 }
 
-STORY(a_shell_is_one_marker)
+JOURNAL_STORY(a_shell_is_one_marker, "marker.iftty")
 {
-    begin_with_journal(&interp, "marker.iftty");
-    must(&interp, "auto on; seed 5,5,5 1; seed 5,5,5 0 shell=yes radius=3; remove 5,5,2");
-    CHECK_HAS(buf_text(&reply.words), "removed=2");
+    MUST_RECORD(&interp, "auto on; seed 5,5,5 1; seed 5,5,5 0 shell=yes radius=3; remove 5,5,2",
+                "removed=2");
     CHECK_INT(forest_seeds(interp.session->forest), 1);
     must(&interp, "undo");
     CHECK(forest_seeds(interp.session->forest) > 50);
     must(&interp, "box 0,0,0 11,10,9 0 shell=yes around=1");
-    struct snapshot end, again;
+    struct snapshot end;
     take_snapshot(&end, &interp);
-    interpreter_release(&interp);
-    begin_interpreter(&interp);
-    CHECK(interpreter_resume_journal(&interp, place("marker.iftty"), NULL, &fault) == OK);
-    take_snapshot(&again, &interp);
-    is_same_segmentation(&end, &again);
-    interpreter_release(&interp);
+    resume_journal(&interp, "marker.iftty");
+    is_segmented_as(&end, &interp);
 }
 
-STORY(a_shell_cuts_no_other_object)
+JOURNAL_STORY(a_shell_cuts_no_other_object, "others.iftty")
 {
-    begin_with_journal(&interp, "others.iftty");
     must(&interp, "auto on; seed 5,5,5 1; box 5,5,8 5,5,9 2");
     CHECK_INT(label_at(5, 5, 9), 2);
     MUST_MENTION(&interp, "seed 5,5,5 0 radius=4 shell=yes", "left out, in another object: ");
@@ -86,13 +80,11 @@ STORY(a_shell_cuts_no_other_object)
     must(&interp, "undo");
     must(&interp, "seed 5,5,5 3 radius=4 shell=yes"); /* voxels around it may also have a label */
     CHECK(beyond(3, 4) > 0 && beyond(1, 4) == 0);
-    interpreter_release(&interp);
 }
 
 /* Voxels are 1 x 1.5 x 2 mm: a ball of the world goes through the voxel, and no farther. */
-STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
+JOURNAL_STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through, "through.iftty")
 {
-    begin_with_journal(&interp, "through.iftty");
     must(&interp, "seed 5,5,5 1; seed 5,5,5 0 shell=yes through=9,5,5; run");
     CHECK(label_at(9, 5, 5) == 0 && label_at(5, 5, 5) == 1);
     const struct scene *scene = interp.session->scene;
@@ -103,14 +95,11 @@ STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
     CHECK(!(cell[grid_cell(&scene->grid, 5, 8, 5)].flags & CELL_SEED));
     CHECK(cell[grid_cell(&scene->grid, 5, 5, 7)].flags & CELL_SEED);
     CHECK(!(cell[grid_cell(&scene->grid, 5, 5, 8)].flags & CELL_SEED));
-    interpreter_release(&interp);
 }
 
-STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
+JOURNAL_STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next, "why.iftty")
 {
-    begin_with_journal(&interp, "why.iftty");
-    must(&interp, "label 2 \"left hemi\"");
-    must(&interp, "seed 1,1,1 1; run");
+    must(&interp, "label 2 \"left hemi\"; seed 1,1,1 1; run");
     MUST_MENTION(&interp, "why 9,1,1", ": its strongest edge\n");
     CHECK(!strstr(buf_text(&reply.text), "next is label"));
     must(&interp, "seed 10,1,1 2; run");
@@ -119,32 +108,26 @@ STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
     MUST_MENTION(&interp, "why 1,1,1", "next is label 2 left hemi, at a cost of ");
     must(&interp, "weight polarity; why 9,1,1");
     CHECK(!strstr(buf_text(&reply.text), "next is label"));
-    interpreter_release(&interp);
 }
 
-STORY(the_first_gesture_may_be_a_shell)
+JOURNAL_STORY(the_first_gesture_may_be_a_shell, "first.iftty")
 {
-    begin_with_journal(&interp, "first.iftty");
     must(&interp, "seed 5,5,5 0 radius=4 shell=yes; seed 5,5,5 1; run");
     CHECK_INT(label_at(5, 5, 5), 1);
     CHECK_INT(beyond(1, 4), 0);
-    interpreter_release(&interp);
 }
 
 /* No tree holds a middle outside the region of interest, and so no object of label 0 either. */
-STORY(the_middle_of_a_shell_may_lie_outside_the_region)
+JOURNAL_STORY(the_middle_of_a_shell_may_lie_outside_the_region, "outside.iftty")
 {
-    begin_with_journal(&interp, "outside.iftty");
-    must(&interp, "range 60 255; seed 5,5,5 0 radius=4 shell=yes");
-    CHECK_HAS(buf_text(&reply.text), "left out, outside the region of interest: ");
+    MUST_MENTION(&interp, "range 60 255; seed 5,5,5 0 radius=4 shell=yes",
+                 "left out, outside the region of interest: ");
     must(&interp, "seed 9,9,9 1; run");
     CHECK(beyond(1, 4) > 0);
-    interpreter_release(&interp);
 }
 
-STORY(what_is_no_shell_is_refused)
+JOURNAL_STORY(what_is_no_shell_is_refused, "refused.iftty")
 {
-    begin_with_journal(&interp, "refused.iftty");
     must(&interp, "auto on; seed 5,5,5 1");
     is_refused(&interp, "seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside");
     is_refused(&interp, "seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside");
@@ -174,5 +157,4 @@ STORY(what_is_no_shell_is_refused)
     is_refused(&interp, "seed 5,5,5 0 radius=2 shell=yes around=2",
                "is in objects other than the one");
     must(&interp, "seed 0,0,0 2 radius=2 shell=yes");
-    interpreter_release(&interp);
 }

@@ -39,7 +39,7 @@ whole=$(picture)
 without_shell=$(picture 'hide 1')
 nothing=$(picture 'hide 1' 'hide 2')
 
-begin "hide all and show all are those of every label, of those to come too"
+begin "hide all and show all apply to every label, later ones too"
 differ "$whole" "$nothing"
 same "$(picture 'hide all')" "$nothing"
 same "$(picture 'hide all' 'show all')" "$whole"
@@ -53,9 +53,8 @@ expect 0 "$iftty" -c 'goto 13; stats' --journal hidden.iftty
 [ "$(grep -c ', hidden$' out)" = 3 ] || fail "$(cat out)"
 expect 0 "$iftty" -c 'undo 3; stats' --journal hidden.iftty
 [ "$(grep -c ', hidden$' out)" = 0 ] || fail "$(cat out)"
-close_story
 
-begin "opacity is a setting of each label, or of all, that info prints and undo takes back"
+begin "opacity is a setting of each label or of all, printed by info and undone by undo"
 { cat scene; printf '%s\n' 'opacity shell 30' 'opacity 2 55' 'opacity all 40' 'opacity all 100'
 } >script
 rm -f j.iftty
@@ -70,9 +69,8 @@ expect 0 "$iftty" -c 'undo; undo; info; redo; info' --journal j.iftty
 out_has "opacity   100 %, 30 % of label 1, 55 % of label 2"
 out_has "opacity   40 %"
 grep -qx 'opacity 1 30' j.iftty || fail "a name is recorded as its number: $(grep opac j.iftty)"
-close_story
 
-begin "what shines through changes the picture, and no label; 0 leaves an object out"
+begin "translucency changes the picture, and no label; 0 omits an object"
 through=$(picture 'opacity 1 30')
 differ "$through" "$whole"
 differ "$through" "$without_shell"
@@ -91,11 +89,9 @@ expect 0 "$iftty" replay t.iftty --out replayed
 # One percent more gives another picture, and fails by its record.
 sed 's/^opacity 1 30$/opacity 1 31/' t.iftty >changed
 chain_anew changed t.iftty
-expect 1 "$iftty" verify t.iftty
-out_has "picture"
-close_story
+expect_out "picture" 1 "$iftty" verify t.iftty
 
-begin "context is a setting of what one looks at, which the window belongs to"
+begin "context is a setting of the view, which uses the window"
 around=$(picture 'context mip')
 differ "$around" "$whole"
 same "$(picture 'context mip' 'context none')" "$whole"
@@ -113,11 +109,9 @@ same "$(says c.iftty 10 'look .*, \(context mip\)')" "context mip"
 for threads in 1 3; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict c.iftty
 done
-expect 0 "$iftty" -c 'info; hide 2; render' --journal c.iftty
-out_has "context mip"
+expect_out "context mip" 0 "$iftty" -c 'info; hide 2; render' --journal c.iftty
 expect 0 "$iftty" verify c.iftty
-expect 0 "$iftty" info c.golden/around.png
-out_has "iftty:context: mip, intensities "
+expect_out "iftty:context: mip, intensities " 0 "$iftty" info c.golden/around.png
 # A slice has no context, also after a rendition with one.
 rm -rf c.iftty c.golden
 { cat scene; printf '%s\n' 'context mip' 'render' 'window 20 90.5'; } >script
@@ -126,7 +120,6 @@ expect 0 "$iftty" -c 'golden axial of=axial; golden planes of=mosaic' --journal 
 expect 0 "$iftty" verify --strict c.iftty
 expect 0 "$iftty" info c.golden/axial.png
 ! grep -q "iftty:context" "$work/out" || fail "a slice has a context:" "$(cat "$work/out")"
-close_story
 
 cat >script <<'END'
 open synth:geom:60x60x60
@@ -165,22 +158,17 @@ END
 golden_of() { # NAME: the digest of a golden image
     sed -n "/^golden $1\$/{n;s/.* picture=\\([0-9a-f]*\\).*/\\1/p;}" a.iftty
 }
-begin "words of shade are recorded, stand when edits are undone, and are printed"
+begin "options of shade are recorded, kept when edits are undone, and printed"
 rm -f a.iftty
-expect 0 "$iftty" run script --journal a.iftty
-out_has "look      shade surface, light"
+expect_out "look      shade surface, light" 0 "$iftty" run script --journal a.iftty
 out_has "look      shade surface ao=60, light"
 same "$(grep -c 'shade surface ao=60, light' "$work/out")" 2
 has_line a.iftty "shade surface ao=60"
 out_has "look      shade surface ao=60 creases=yes, light"
 has_line a.iftty "shade surface ao=60 creases=yes"
-expect 0 "$iftty" info a.golden/dark.png
-out_has "iftty:look: shade surface ao=60, light"
-expect 0 "$iftty" info a.golden/off.png
-out_has "iftty:look: shade surface, light"
-expect 0 "$iftty" info a.golden/both.png
-out_has "iftty:look: shade surface ao=60 creases=yes, light"
-close_story
+expect_out "iftty:look: shade surface ao=60, light" 0 "$iftty" info a.golden/dark.png
+expect_out "iftty:look: shade surface, light" 0 "$iftty" info a.golden/off.png
+expect_out "iftty:look: shade surface ao=60 creases=yes, light" 0 "$iftty" info a.golden/both.png
 
 begin "without them, and where objects are translucent, pictures are as they were"
 same "$(golden_of plain)" "$(golden_of off)"
@@ -190,24 +178,20 @@ same "$(golden_of through)" "$(golden_of clear)"
 # The objects do not touch, so their surfaces are the same with and without creases.
 same "$(golden_of plain)" "$(golden_of creases)"
 same "$(golden_of dark)" "$(golden_of both)"
-close_story
 
 begin "a journal with them verifies, for any number of threads, and resumes"
 for threads in 1 2 5; do
     IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
 done
 printf 'info\nshade surface ao=7\ninfo\n' >more
-expect 0 "$iftty" run more --journal a.iftty
-out_has "look      shade surface, light"
+expect_out "look      shade surface, light" 0 "$iftty" run more --journal a.iftty
 out_has "look      shade surface ao=7, light"
 expect 0 "$iftty" verify a.iftty
-close_story
 
-begin "what is none of them is named, and nothing is recorded"
+begin "an unknown word is named, and no command is recorded"
 refused() { # COMMAND WORDS
     rm -f n.iftty
-    expect 2 "$iftty" -c "open synth:geom:9x9x9; $1" --journal n.iftty
-    err_has "$2"
+    expect_err "$2" 2 "$iftty" -c "open synth:geom:9x9x9; $1" --journal n.iftty
     same "$(grep -c '^= ' n.iftty)" 1
 }
 refused 'hide 0' "LABEL: expected all, a label 1..255 or the name of one, not 0"
@@ -228,9 +212,7 @@ for wrong in 40 oa=40; do
 done
 refused "shade surface creases=on" "creases: expected yes|no, not on"
 for command in 'hide all' 'opacity 1 30' 'context mip'; do
-    expect 2 "$iftty" -c "$command"
-    err_has "${command%% *} needs a scene; open one first"
+    expect_err "${command%% *} needs a scene; open one first" 2 "$iftty" -c "$command"
 done
-close_story
 
 finish

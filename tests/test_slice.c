@@ -22,10 +22,14 @@ static uint8_t body_label(const uint32_t at[3])
     return at[0] >= 2 ? (uint8_t)(1 + (at[1] == 2)) : 0;
 }
 
-/* The body as a scene whose axis a is patient axis order[a], reversed if bit a of `flips` is set;
- * *cross is the cell of the patient's place 1, 2, 1. */
-static struct scene *body_scene(const int8_t order[3], unsigned flips, uint32_t *cross)
+static const int8_t orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                    {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+
+/* The body as a scene in one of 48 orientations: axis a is patient axis order[a], reversed if bit a
+ * of the number is set. Orientation 0 is the world's. */
+static struct scene *body_scene(unsigned orientation)
 {
+    const int8_t *order = orders[orientation / 8];
     struct scene *scene = NULL;
     uint32_t size[3], v[3];
     for (int a = 0; a < 3; a++)
@@ -33,7 +37,7 @@ static struct scene *body_scene(const int8_t order[3], unsigned flips, uint32_t 
     CHECK(scene_new(&scene, size, NULL) == OK);
     for (int a = 0; a < 3; a++) {
         scene->world_axis[a] = order[a];
-        scene->world_sign[a] = flips >> a & 1 ? -1 : 1;
+        scene->world_sign[a] = orientation >> a & 1 ? -1 : 1;
         scene->spacing_nm[a] = body_spacing[order[a]];
     }
     for (v[2] = 0; v[2] < size[2]; v[2]++)
@@ -41,16 +45,28 @@ static struct scene *body_scene(const int8_t order[3], unsigned flips, uint32_t 
             for (v[0] = 0; v[0] < size[0]; v[0]++) {
                 uint32_t at[3], c = grid_cell(&scene->grid, v[0], v[1], v[2]);
                 for (int a = 0; a < 3; a++)
-                    at[order[a]] = flips >> a & 1 ? size[a] - 1 - v[a] : v[a];
+                    at[order[a]] = orientation >> a & 1 ? size[a] - 1 - v[a] : v[a];
                 scene->cell[c].intensity = body_intensity(at);
                 scene->cell[c].label = body_label(at);
-                if (at[0] == 1 && at[1] == 2 && at[2] == 1)
-                    *cross = c;
             }
     return scene;
 }
 
-static const int8_t world_order[3] = {0, 1, 2};
+static struct scene *plain_body(void)
+{
+    return body_scene(0);
+}
+
+/* Define a story about a scene that this function makes. */
+#define SCENE_STORY(make, told)                                                                    \
+    static void told_##told(struct scene *scene);                                                  \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        struct scene *scene = make();                                                              \
+        told_##told(scene);                                                                        \
+        scene_free(scene);                                                                         \
+    }                                                                                              \
+    static void told_##told(struct scene *scene)
 
 static const uint64_t MM = 1000000000; /* picometres */
 
@@ -71,12 +87,15 @@ static struct slice_style style_of(int32_t low, int32_t high, enum slice_overlay
     return style;
 }
 
-/* The slice through the voxel at `cell`. */
-static struct slice_choice through(const struct scene *scene, uint32_t cell, enum slice_plane plane,
+/* The slice through the patient's place 1, 2, 1. */
+static struct slice_choice through(const struct scene *scene, enum slice_plane plane,
                                    uint64_t pixel_pm)
 {
-    const struct place p = grid_place(&scene->grid, cell);
-    return (struct slice_choice){.plane = plane, .place = {p.x, p.y, p.z}, .pixel_pm = pixel_pm};
+    struct slice_choice choice = {.plane = plane, .pixel_pm = pixel_pm};
+    slice_move(scene, SLICE_SAGITTAL, 1, choice.place);
+    slice_move(scene, SLICE_CORONAL, 2, choice.place);
+    slice_move(scene, SLICE_AXIAL, 1, choice.place);
+    return choice;
 }
 
 /* The slice with a number. */
@@ -126,12 +145,14 @@ static void shows(const struct canvas *canvas, const int (*pixel)[5], size_t cou
 #define GREYS(canvas, ...)   PIXELS(canvas, true, __VA_ARGS__)
 #define COLOURS(canvas, ...) PIXELS(canvas, false, __VA_ARGS__)
 /* The same for a canvas that is used once. */
-#define DRAWN_GREYS(scene, choice, style, width, height, ...)                                      \
+#define DRAWN(greys, scene, choice, style, width, height, ...)                                     \
     do {                                                                                           \
         struct canvas drawn = take(scene, choice, style, width, height);                           \
-        GREYS(&drawn, __VA_ARGS__);                                                                \
+        PIXELS(&drawn, greys, __VA_ARGS__);                                                        \
         canvas_release(&drawn);                                                                    \
     } while (0)
+#define DRAWN_GREYS(...)   DRAWN(true, __VA_ARGS__)
+#define DRAWN_COLOURS(...) DRAWN(false, __VA_ARGS__)
 
 static bool same_pixels(const struct canvas *a, const struct canvas *b)
 {
@@ -141,10 +162,8 @@ static bool same_pixels(const struct canvas *a, const struct canvas *b)
 
 /* ---- placement ---- */
 
-STORY(slices_lie_as_radiologists_look_at_them)
+SCENE_STORY(plain_body, slices_lie_as_radiologists_look_at_them)
 {
-    uint32_t cross;
-    struct scene *scene = body_scene(world_order, 0, &cross);
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
 
     /* Right-anterior is top left; rows of 1.5 mm: 3 voxels in the middle of 5 pixels. */
@@ -159,18 +178,15 @@ STORY(slices_lie_as_radiologists_look_at_them)
     /* Anterior-superior is top left, and slice 3 is the patient's rightmost. */
     choice = slice_number(scene, SLICE_SAGITTAL, 3, MM);
     DRAWN_GREYS(scene, &choice, &style, 5, 6, {0, 0, 230}, {4, 0, 150}, {4, 5, 30});
-    scene_free(scene);
 }
 
-STORY(a_slice_lies_in_the_middle_or_around_its_place)
+SCENE_STORY(plain_body, a_slice_lies_in_the_middle_or_around_its_place)
 {
-    uint32_t cross;
-    struct scene *scene = body_scene(world_order, 0, &cross);
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     struct slice_choice choice = slice_number(scene, SLICE_CORONAL, 0, MM);
     struct canvas s = take(scene, &choice, &style, 8, 10);
-    GREYS(&s, {2, 2, 150}, {5, 7, 0});
-    CHECK(s.cell[2 * 8 + 1] == CELL_NONE && is_rgb(&s, 1, 2, 0, 0, 0));
+    GREYS(&s, {2, 2, 150}, {5, 7, 0}, {1, 2, 0});
+    CHECK(s.cell[2 * 8 + 1] == CELL_NONE);
     CHECK(s.cell[1 * 8 + 2] == CELL_NONE && s.cell[8 * 8 + 5] == CELL_NONE);
     CHECK_INT(s.cell[2 * 8 + 2], grid_cell(&scene->grid, 3, 0, 1));
     CHECK_INT(s.cell[7 * 8 + 5], grid_cell(&scene->grid, 0, 0, 0));
@@ -184,13 +200,10 @@ STORY(a_slice_lies_in_the_middle_or_around_its_place)
     DRAWN_GREYS(scene, &choice, &style, 12, 24, {0, 0, 140}, {11, 0, 120});
     choice.place[0] = 2; /* its four pixels in the middle of eight */
     DRAWN_GREYS(scene, &choice, &style, 8, 24, {1, 0, 150}, {2, 0, 140}, {5, 0, 140}, {6, 0, 130});
-    scene_free(scene);
 }
 
-STORY(what_fits_is_as_large_as_can_be)
+SCENE_STORY(plain_body, what_fits_is_as_large_as_can_be)
 {
-    uint32_t cross;
-    struct scene *scene = body_scene(world_order, 0, &cross);
     CHECK_INT(slice_fitting_pixel(scene, SLICE_AXIAL, 8, 9), MM / 2);
     CHECK_INT(slice_fitting_pixel(scene, SLICE_AXIAL, 8, 3), 3 * MM / 2);
     CHECK_INT(slice_fitting_pixel(scene, SLICE_CORONAL, 1, 1000), 4 * MM);
@@ -198,7 +211,6 @@ STORY(what_fits_is_as_large_as_can_be)
     CHECK_INT(slice_zoomed_pixel(scene, 1000), MM);
     CHECK_INT(slice_zoomed_pixel(scene, 64000), MM / 64);
     CHECK_INT(slice_zoomed_pixel(scene, 10), 100 * MM);
-    scene_free(scene);
 }
 
 /* In each size every pixel has a cell of the slice, or none; at least one has a cell. */
@@ -228,13 +240,13 @@ STORY(slices_of_any_size_and_spacing_fit)
                                     slice_zoomed_pixel(scene, 64000)};
         for (int k = 0; k < 3; k++) {
             choice.pixel_pm = pixels[k];
+            OWNED(canvas_release)
             struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
             size_t shown = 0;
             for (size_t p = 0; p < (size_t)s.width * s.height; p++)
                 shown +=
                     s.cell[p] < scene->grid.cells && !(scene->cell[s.cell[p]].flags & CELL_RIM);
             CHECK(shown > 0);
-            canvas_release(&s);
         }
         scene_free(scene);
     }
@@ -273,6 +285,7 @@ STORY(a_pixel_knows_its_voxel)
         uint32_t wrong = 0;
         choice.smooth = check_below(&seed, 2);
         choice.pixel_pm = check_below(&seed, 3) ? 1 + check_random(&seed) % (2 * MM) : 0;
+        OWNED(canvas_release)
         struct canvas s =
             take(scene, &choice, &style, 1 + check_below(&seed, 40), 1 + check_below(&seed, 40));
         for (uint32_t p = 0; p < s.width * s.height; p++)
@@ -287,7 +300,6 @@ STORY(a_pixel_knows_its_voxel)
                     wrong += slice_side_voxel(&plan.side[k], p) != v;
             }
         CHECK_INT(wrong, 0);
-        canvas_release(&s);
         scene_free(scene);
     }
 }
@@ -368,7 +380,7 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
         const uint32_t width = 8 + check_below(&seed, 56), height = 8 + check_below(&seed, 56);
         slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
                       SLICE_TIMES_ONE + check_below(&seed, 9) * check_below(&seed, 2000));
-        struct canvas s = take(scene, &choice, &style, width, height);
+        OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, width, height);
         struct inverse side[2];
         for (int k = 0; k < 2; k++) {
             const int a = axis_of[patient_axis[choice.plane][k]];
@@ -398,7 +410,6 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
             wrong += slice_cell_at(scene, &choice, width, height, p % width, p / width) != expected;
         }
         CHECK(wrong == 0 || wrong == UINT32_MAX);
-        canvas_release(&s);
         scene_free(scene);
     }
 }
@@ -479,10 +490,8 @@ STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
 }
 
 /* Voxels with fewer than four pixels along the smallest spacing are smoothed. */
-STORY(what_is_magnified_enough_shows_voxels_as_they_are)
+SCENE_STORY(plain_body, what_is_magnified_enough_shows_voxels_as_they_are)
 {
-    uint32_t cross;
-    struct scene *scene = body_scene(world_order, 0, &cross);
     struct slice_choice choice = {.plane = SLICE_AXIAL};
     slice_magnify(&choice, scene, MM, 1000);
     CHECK(choice.pixel_pm == MM && choice.smooth);
@@ -494,12 +503,11 @@ STORY(what_is_magnified_enough_shows_voxels_as_they_are)
     CHECK(choice.smooth);
     slice_magnify(&choice, scene, 1, SLICE_TIMES_MOST);
     CHECK_INT(choice.pixel_pm, 1);
-    scene_free(scene);
 }
 
 /* ---- grey ---- */
 
-STORY(a_window_ramps_from_black_to_white)
+SCENE_STORY(plain_body, a_window_ramps_from_black_to_white)
 {
     static uint8_t grey[UINT16_MAX + 1];
     slice_window(grey, 10, 30);
@@ -512,19 +520,11 @@ STORY(a_window_ramps_from_black_to_white)
     slice_window(grey, 70000, 70001);
     CHECK(grey[UINT16_MAX] == 0);
 
-    uint32_t cross;
-    struct scene *scene = body_scene(world_order, 0, &cross);
     const struct slice_style style = style_of(10, 30, SLICE_PLAIN);
     const struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 0, MM / 2);
-    struct canvas s = take(scene, &choice, &style, 8, 9);
-    CHECK_INT(grey_at(&s, 7, 8), 0);   /* 0 */
-    CHECK_INT(grey_at(&s, 5, 8), 0);   /* 10 */
-    CHECK_INT(grey_at(&s, 3, 8), 128); /* 20: 127.5 */
-    CHECK_INT(grey_at(&s, 2, 8), 128);
-    CHECK_INT(grey_at(&s, 1, 8), 255); /* 30 */
-    CHECK_INT(grey_at(&s, 0, 0), 255);
-    canvas_release(&s);
-    scene_free(scene);
+    /* Intensities 0, 10, 20 (127.5), 20, 30; and more. */
+    DRAWN_GREYS(scene, &choice, &style, 8, 9, {7, 8, 0}, {5, 8, 0}, {3, 8, 128}, {2, 8, 128},
+                {1, 8, 255}, {0, 0, 255});
 }
 
 STORY(smooth_grey_lies_between_the_four_voxels_around)
@@ -537,7 +537,7 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
         scene->world_sign[i] = -1;
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     struct slice_choice choice = {.plane = SLICE_AXIAL, .pixel_pm = MM / 4, .smooth = true};
-    struct canvas s = take(scene, &choice, &style, 8, 8);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 8, 8);
     for (uint32_t i = 0; i < 8; i++) {
         CHECK_INT(grey_at(&s, i, 0), along[i]);
         CHECK_INT(grey_at(&s, 0, i), along[i]);
@@ -547,77 +547,56 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
     CHECK_INT(grey_at(&s, 4, 3), 100);
     CHECK_INT(s.cell[3 * 8 + 3], grid_cell(&scene->grid, 0, 0, 0));
     CHECK_INT(s.cell[3 * 8 + 4], grid_cell(&scene->grid, 1, 0, 0));
-    canvas_release(&s);
     for (uint32_t i = 0; i < 4; i++) /* no sum overflows */
         scene->cell[grid_cell(&scene->grid, i % 2, i / 2, 0)].intensity = 65535;
-    s = take(scene, &choice, &style, 8, 8);
-    CHECK_INT(grey_at(&s, 3, 4), 255);
-    canvas_release(&s);
+    DRAWN_GREYS(scene, &choice, &style, 8, 8, {3, 4, 255});
     scene_free(scene);
 }
 
 /* ---- labels ---- */
 
-STORY(labels_tint_or_are_outlined)
+SCENE_STORY(plain_body, labels_tint_or_are_outlined)
 {
-    uint32_t cross;
-    struct scene *scene = body_scene(world_order, 0, &cross);
     struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 0, MM / 2);
     struct slice_style style = style_of(0, 255, SLICE_TINT);
-    struct canvas s = take(scene, &choice, &style, 8, 9);
-    CHECK(is_rgb(&s, 0, 8, 47, 52, 57));  /* twice 30 with 80, 96, 112: 46.7, 52, 57.3 */
-    CHECK(is_rgb(&s, 0, 0, 158, 73, 74)); /* twice 110 with 255, 0, 1: 158.3, 73.3, 73.7 */
-    CHECK_INT(grey_at(&s, 7, 8), 0);
-    canvas_release(&s);
+    /* Twice 30 with 80, 96, 112: 46.7, 52, 57.3; twice 110 with 255, 0, 1: 158.3, 73.3, 73.7. */
+    DRAWN_COLOURS(scene, &choice, &style, 8, 9, {0, 8, 47, 52, 57}, {0, 0, 158, 73, 74},
+                  {7, 8, 0, 0, 0});
 
-    /* Label 2 fills columns 0-3 of rows 0-2, label 1 those of rows 3-8. */
+    /* Label 2 fills columns 0-3 of rows 0-2, label 1 those of rows 3-8. No contour at the picture's
+     * edge; a hairline in the background, a quarter of 10, and nothing beyond. */
     style.overlay = SLICE_CONTOUR;
-    s = take(scene, &choice, &style, 8, 9);
-    CHECK_INT(grey_at(&s, 0, 0), 110); /* no contour at the picture's edge */
-    COLOURS(&s, {0, 1, 110, 110, 110}, {0, 2, 255, 0, 1}, {0, 3, 0x50, 0x60, 0x70},
-            {2, 8, 20, 20, 20}, {3, 8, 0x50, 0x60, 0x70});
-    CHECK_INT(grey_at(&s, 4, 8), 2);  /* a hairline in the background: a quarter of 10, */
-    CHECK_INT(grey_at(&s, 5, 8), 10); /* and nothing beyond */
-    canvas_release(&s);
+    DRAWN_COLOURS(scene, &choice, &style, 8, 9, {0, 0, 110, 110, 110}, {0, 1, 110, 110, 110},
+                  {0, 2, 255, 0, 1}, {0, 3, 0x50, 0x60, 0x70}, {2, 8, 20, 20, 20},
+                  {3, 8, 0x50, 0x60, 0x70}, {4, 8, 2, 2, 2}, {5, 8, 10, 10, 10});
 
     /* Outside the scene there is background. */
-    s = take(scene, &choice, &style, 10, 11);
-    COLOURS(&s, {1, 1, 255, 0, 1}, {1, 9, 0x50, 0x60, 0x70}, {0, 1, 0, 0, 0});
-    canvas_release(&s);
+    DRAWN_COLOURS(scene, &choice, &style, 10, 11, {1, 1, 255, 0, 1}, {1, 9, 0x50, 0x60, 0x70},
+                  {0, 1, 0, 0, 0});
 
     /* A hidden label is background. */
     visible[1] = false;
-    s = take(scene, &choice, &style, 8, 9);
-    COLOURS(&s, {0, 2, 255, 0, 1}, {0, 3, 17, 17, 17}, {3, 8, 20, 20, 20});
+    DRAWN_COLOURS(scene, &choice, &style, 8, 9, {0, 2, 255, 0, 1}, {0, 3, 17, 17, 17},
+                  {3, 8, 20, 20, 20});
     style.overlay = SLICE_TINT;
-    canvas_release(&s);
-    s = take(scene, &choice, &style, 8, 9);
-    COLOURS(&s, {0, 8, 30, 30, 30}, {0, 0, 158, 73, 74});
-    canvas_release(&s);
+    DRAWN_COLOURS(scene, &choice, &style, 8, 9, {0, 8, 30, 30, 30}, {0, 0, 158, 73, 74});
     visible[1] = true;
 
     /* From the side, label 2 fills columns 0-2, label 1 columns 3-8. */
     style.overlay = SLICE_CONTOUR;
     choice = slice_number(scene, SLICE_SAGITTAL, 3, MM / 2);
-    s = take(scene, &choice, &style, 9, 12);
-    COLOURS(&s, {2, 0, 255, 0, 1}, {3, 0, 0x50, 0x60, 0x70}, {4, 0, 190, 190, 190});
-    canvas_release(&s);
-    scene_free(scene);
+    DRAWN_COLOURS(scene, &choice, &style, 9, 12, {2, 0, 255, 0, 1}, {3, 0, 0x50, 0x60, 0x70},
+                  {4, 0, 190, 190, 190});
 }
 
-STORY(contours_are_thicker_in_larger_pictures)
+SCENE_STORY(plain_body, contours_are_thicker_in_larger_pictures)
 {
-    uint32_t cross;
-    struct scene *scene = body_scene(world_order, 0, &cross);
     const struct slice_style style = style_of(0, 255, SLICE_CONTOUR);
     const struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 0, 0);
-    struct canvas s = take(scene, &choice, &style, 400, 450); /* 100 columns, 150 rows a voxel */
-    CHECK(is_rgb(&s, 0, 149, 255, 0, 1) && is_rgb(&s, 0, 148, 255, 0, 1));
-    CHECK_INT(grey_at(&s, 0, 147), 27); /* a hairline inside, if there is room */
-    COLOURS(&s, {0, 146, 110, 110, 110}, {199, 449, 0x50, 0x60, 0x70}, {198, 449, 0x50, 0x60, 0x70},
-            {197, 449, 5, 5, 5}, {196, 449, 20, 20, 20});
-    canvas_release(&s);
-    scene_free(scene);
+    /* 100 columns, 150 rows a voxel; a hairline inside, if there is room. */
+    DRAWN_COLOURS(scene, &choice, &style, 400, 450, {0, 149, 255, 0, 1}, {0, 148, 255, 0, 1},
+                  {0, 147, 27, 27, 27}, {0, 146, 110, 110, 110}, {199, 449, 0x50, 0x60, 0x70},
+                  {198, 449, 0x50, 0x60, 0x70}, {197, 449, 5, 5, 5}, {196, 449, 20, 20, 20});
 }
 
 static uint8_t label_under(const struct scene *scene, const struct canvas *s, size_t pixel)
@@ -663,6 +642,7 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
                                             .place = {20, 15, 10},
                                             .pixel_pm = i % 8 < 4 ? 0 : MM / 3,
                                             .smooth = i % 2};
+        OWNED(canvas_release)
         struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
         const int64_t line = picture[0] >= 400 ? 2 : 1;
         uint32_t wrong = 0, hairs = 0;
@@ -679,30 +659,24 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
         }
         CHECK_INT(wrong, 0);
         CHECK(hairs > 0);
-        canvas_release(&s);
     }
     scene_free(scene);
 }
 
 /* ---- marks ---- */
 
-STORY(a_cross_leaves_its_voxel_free)
+SCENE_STORY(plain_body, a_cross_leaves_its_voxel_free)
 {
-    uint32_t cross = 0;
-    struct scene *scene = body_scene(world_order, 0, &cross);
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
-    const struct slice_choice choice = through(scene, cross, SLICE_AXIAL, MM / 8);
+    const struct slice_choice choice = through(scene, SLICE_AXIAL, MM / 8);
     style.crosses = true;
     /* Voxel 1, 2 has columns 16 to 23, rows 0 to 11; the lines are column 20 and row 6, and leave
      * half a voxel and one pixel free. */
-    struct canvas s = take(scene, &choice, &style, 32, 36);
-    GREYS(&s, {20, 6, 210}, {13, 6, 220});
-    CHECK(is_rgb(&s, 12, 6, 243, 220, 73)); /* a third of 220 */
-    COLOURS(&s, {0, 6, 247, 223, 77}, {27, 6, 200, 200, 200}, {28, 6, 237, 213, 67},
-            {20, 13, 170, 170, 170}, {20, 14, 227, 203, 57}, {20, 35, 213, 190, 43},
-            {21, 35, 130, 130, 130}, {0, 7, 230, 230, 230});
-    canvas_release(&s);
-    scene_free(scene);
+    /* Column 12: a third of 220. */
+    DRAWN_COLOURS(scene, &choice, &style, 32, 36, {20, 6, 210, 210, 210}, {13, 6, 220, 220, 220},
+                  {12, 6, 243, 220, 73}, {0, 6, 247, 223, 77}, {27, 6, 200, 200, 200},
+                  {28, 6, 237, 213, 67}, {20, 13, 170, 170, 170}, {20, 14, 227, 203, 57},
+                  {20, 35, 213, 190, 43}, {21, 35, 130, 130, 130}, {0, 7, 230, 230, 230});
 }
 
 /* A black scene of 41 mm a side. */
@@ -716,9 +690,8 @@ static struct scene *dark_scene(void)
     return scene;
 }
 
-STORY(seeds_are_dots_and_eliminators_crosses)
+SCENE_STORY(dark_scene, seeds_are_dots_and_eliminators_crosses)
 {
-    struct scene *scene = dark_scene();
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     struct slice_choice choice = {.plane = SLICE_AXIAL, .place = {0, 0, 20}, .pixel_pm = MM};
     struct cell *planted = scene->cell + grid_cell(&scene->grid, 5, 6, 20);
@@ -730,22 +703,18 @@ STORY(seeds_are_dots_and_eliminators_crosses)
                                       {grid_cell(&scene->grid, 20, 20, 20), 0, true, false},
                                       {grid_cell(&scene->grid, 30, 20, 20), 0, true, true},
                                       {grid_cell(&scene->grid, 34, 34, 19), 1, false, true}};
-    struct canvas plain = take(scene, &choice, &style, 41, 41);
+    OWNED(canvas_release) struct canvas plain = take(scene, &choice, &style, 41, 41);
     style.marks_seeds = true;
     style.mark = mark;
     style.marks = 4;
-    struct canvas s = take(scene, &choice, &style, 41, 41);
-    COLOURS(&s, {5, 6, 255, 0, 1}, {4, 6, 255, 0, 1}, {5, 7, 255, 0, 1}, {5, 4, 0, 0, 0},
-            {6, 30, 225, 225, 225}, {20, 6, 0x50, 0x60, 0x70}, {18, 6, 255, 255, 255},
-            {20, 20, 255, 72, 56}, {22, 18, 255, 72, 56}, {18, 18, 255, 72, 56}, {22, 20, 0, 0, 0},
-            {32, 22, 255, 72, 56}, {31, 20, 255, 255, 255}, {30, 30, 0, 0, 0}, {34, 34, 0, 0, 0});
-    canvas_release(&s);
+    DRAWN_COLOURS(
+        scene, &choice, &style, 41, 41, {5, 6, 255, 0, 1}, {4, 6, 255, 0, 1}, {5, 7, 255, 0, 1},
+        {5, 4, 0, 0, 0}, {6, 30, 225, 225, 225}, {20, 6, 0x50, 0x60, 0x70}, {18, 6, 255, 255, 255},
+        {20, 20, 255, 72, 56}, {22, 18, 255, 72, 56}, {18, 18, 255, 72, 56}, {22, 20, 0, 0, 0},
+        {32, 22, 255, 72, 56}, {31, 20, 255, 255, 255}, {30, 30, 0, 0, 0}, {34, 34, 0, 0, 0});
     style.marks_seeds = false;
-    s = take(scene, &choice, &style, 41, 41);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 41, 41);
     CHECK(same_pixels(&s, &plain));
-    canvas_release(&s);
-    canvas_release(&plain);
-    scene_free(scene);
 }
 
 /* Two labels side by side, 9x9 each, and a smaller block that waits in one of them. */
@@ -763,9 +732,8 @@ static size_t plant_blocks(struct scene *scene, struct slice_mark waiting[25])
     return count;
 }
 
-STORY(of_a_run_of_seeds_the_rim_is_marked)
+SCENE_STORY(dark_scene, of_a_run_of_seeds_the_rim_is_marked)
 {
-    struct scene *scene = dark_scene();
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     const struct slice_choice choice = {
         .plane = SLICE_AXIAL, .place = {0, 0, 20}, .pixel_pm = MM / 10};
@@ -773,7 +741,7 @@ STORY(of_a_run_of_seeds_the_rim_is_marked)
     style.marks_seeds = true;
     style.mark = waiting;
     style.marks = plant_blocks(scene, waiting);
-    struct canvas s = take(scene, &choice, &style, 410, 410);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 410, 410);
     for (uint32_t y = 10; y < 19; y++)
         for (uint32_t x = 10; x < 28; x++) {
             const bool edge = y == 10 || y == 18 || x == 10 || x == 18 || x == 19 || x == 27;
@@ -783,8 +751,6 @@ STORY(of_a_run_of_seeds_the_rim_is_marked)
             const bool rim = in ? x == 12 || x == 16 || y == 12 || y == 16 : edge || touches;
             CHECK_INT(is_rgb(&s, 10 * x + 5, 10 * y + 5, 0, 0, 0), !rim);
         }
-    canvas_release(&s);
-    scene_free(scene);
 }
 
 /* The block at a pixel: 0 for none, 3 waits. */
@@ -815,9 +781,8 @@ static bool fills(const void *of, uint32_t cell)
 
 /* On a screen: a line inside the rim, a hairline outside, a tint in the object under the
  * cross-hair; a single seed is a dot. */
-STORY(thin_marks_leave_what_they_mark_to_be_seen)
+SCENE_STORY(dark_scene, thin_marks_leave_what_they_mark_to_be_seen)
 {
-    struct scene *scene = dark_scene();
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     const struct slice_choice choice = {
         .plane = SLICE_AXIAL, .place = {0, 0, 20}, .pixel_pm = MM / 10};
@@ -831,7 +796,7 @@ STORY(thin_marks_leave_what_they_mark_to_be_seen)
     style.marks = plant_blocks(scene, waiting);
     alone->flags = CELL_SEED;
     alone->label = 1;
-    struct canvas s = take(scene, &choice, &style, 410, 410);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 410, 410);
     for (uint32_t y = 90; y < 200; y++)
         for (uint32_t x = 90; x < 290; x++) {
             const int own = block_at(x, y), other = block_near(x, y, own ? 2 : 1);
@@ -843,8 +808,6 @@ STORY(thin_marks_leave_what_they_mark_to_be_seen)
         }
     CHECK(is_rgb(&s, 345, 55, 0x50, 0x60, 0x70) && is_rgb(&s, 345, 58, 0, 0, 0) &&
           is_rgb(&s, 340, 55, 0x50, 0x60, 0x70) && grey_at(&s, 345, 61) == 100);
-    canvas_release(&s);
-    scene_free(scene);
 }
 
 /* The letter in the middle of an edge (0 left, 1 right, 2 top, 3 bottom) of a picture of 100x100
@@ -883,14 +846,10 @@ static void letters_are(const struct scene *scene, enum slice_plane plane, const
     CHECK_TEXT(letter, expected);
 }
 
-static const int8_t orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
-                                    {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-
 STORY(letters_say_where_the_patients_sides_are)
 {
     for (unsigned o = 0; o < 48; o++) {
-        uint32_t cross;
-        struct scene *scene = body_scene(orders[o / 8], o % 8, &cross);
+        struct scene *scene = body_scene(o);
         letters_are(scene, SLICE_AXIAL, "RLAP");
         letters_are(scene, SLICE_CORONAL, "RLSI");
         letters_are(scene, SLICE_SAGITTAL, "APSI");
@@ -908,9 +867,8 @@ STORY(lengths_of_bars_are_round)
 }
 
 /* In a black picture of 200 pixels of 1 mm: 50 mm bottom left, greys bottom right. */
-STORY(bars_tell_lengths_and_greys)
+SCENE_STORY(dark_scene, bars_tell_lengths_and_greys)
 {
-    struct scene *scene = dark_scene();
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     struct slice_choice choice = {.plane = SLICE_AXIAL, .pixel_pm = MM, .notes = SLICE_SCALE};
     struct canvas s = take(scene, &choice, &style, 200, 200), words;
@@ -926,9 +884,7 @@ STORY(bars_tell_lengths_and_greys)
     style.least = "-12.5";
     style.most = "300";
     s = take(scene, &choice, &style, 200, 200);
-    CHECK(is_rgb(&s, 190, 194, 0, 0, 0) && is_rgb(&s, 190, 145, 255, 255, 255));
-    CHECK(is_rgb(&s, 190, 170, 124, 124, 124)); /* 24 of 49 */
-    CHECK(is_rgb(&s, 189, 170, 232, 232, 232) && is_rgb(&s, 195, 170, 232, 232, 232));
+    GREYS(&s, {190, 194, 0}, {190, 145, 255}, {190, 170, 124}, {189, 170, 232}, {195, 170, 232});
     CHECK(canvas_init(&words, 200, 200, 0, NULL) == OK);
     text_draw(&words, 185 - text_width("300", 8), 145, 8, "300", &notes_light);
     text_draw(&words, 185 - text_width("-12.5", 8), 187, 8, "-12.5", &notes_light);
@@ -936,18 +892,18 @@ STORY(bars_tell_lengths_and_greys)
         CHECK(memcmp(canvas_pixel(&s, 150, y), canvas_pixel(&words, 150, y), 38 * 4) == 0);
     canvas_release(&s);
     canvas_release(&words);
-    scene_free(scene);
 }
 
 /* ---- every orientation ---- */
 
-static struct canvas take_noted(const struct scene *scene, uint32_t cross, unsigned i)
+static struct canvas take_noted(const struct scene *scene, unsigned i)
 {
     static const uint64_t pixels[3] = {0, 1000000000, 300000000};
     struct slice_style style = style_of(20, 200, (enum slice_overlay)(i / 3 % 3));
-    struct slice_choice choice =
-        through(scene, cross, (enum slice_plane)(i % 3), pixels[i / 9 % 3]);
-    const struct slice_mark mark = {cross, 2, i / 27 % 2, true};
+    struct slice_choice choice = through(scene, (enum slice_plane)(i % 3), pixels[i / 9 % 3]);
+    const uint32_t *at = choice.place;
+    const struct slice_mark mark = {grid_cell(&scene->grid, at[0], at[1], at[2]), 2, i / 27 % 2,
+                                    true};
     choice.smooth = i / 27 % 2;
     choice.notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS;
     style.crosses = style.marks_seeds = true;
@@ -956,30 +912,24 @@ static struct canvas take_noted(const struct scene *scene, uint32_t cross, unsig
     return take(scene, &choice, &style, 130, 131);
 }
 
-STORY(all_48_orientations_give_the_same_pictures)
+SCENE_STORY(plain_body, all_48_orientations_give_the_same_pictures)
 {
-    uint32_t plain_cross = 0, cross = 0;
-    struct scene *plain = body_scene(world_order, 0, &plain_cross);
     for (unsigned o = 0; o < 48; o++) {
-        struct scene *scene = body_scene(orders[o / 8], o % 8, &cross);
+        struct scene *turned = body_scene(o);
         for (unsigned i = 0; i < 54; i++) {
-            CHECK_INT(slice_count(scene, (enum slice_plane)(i % 3)), body_size[2 - i % 3]);
-            struct canvas expected = take_noted(plain, plain_cross, i);
-            struct canvas actual = take_noted(scene, cross, i);
+            CHECK_INT(slice_count(turned, (enum slice_plane)(i % 3)), body_size[2 - i % 3]);
+            OWNED(canvas_release) struct canvas expected = take_noted(scene, i);
+            OWNED(canvas_release) struct canvas actual = take_noted(turned, i);
             CHECK(same_pixels(&actual, &expected));
-            canvas_release(&expected);
-            canvas_release(&actual);
         }
-        scene_free(scene);
+        scene_free(turned);
     }
-    scene_free(plain);
 }
 
 /* ---- without memory ---- */
 
-STORY(without_memory_there_is_no_slice)
+SCENE_STORY(dark_scene, without_memory_there_is_no_slice)
 {
-    struct scene *scene = dark_scene();
     struct slice_style style = style_of(0, 255, SLICE_CONTOUR);
     const struct slice_choice choice = {.plane = SLICE_AXIAL};
     struct canvas canvas;
@@ -1004,5 +954,4 @@ STORY(without_memory_there_is_no_slice)
     allow_allocations(0);
     CHECK(canvas_init(&canvas, 20, 20, CANVAS_CELLS, &fault) == ERR_MEMORY && !canvas.rgba);
     mem_allows = NULL;
-    scene_free(scene);
 }

@@ -86,19 +86,22 @@ static void write_head(const char *name, struct head *head, double to_mm[3][4])
               NULL, NULL) == OK);
 }
 
+/* Replace bytes of a file's header. */
+static void patch(const char *name, size_t at, const void *bytes, size_t length)
+{
+    OWNED(buf_release) struct buf file = {0};
+    CHECK(file_read(&file, name, 1 << 20, NULL) == OK && file.length > 352);
+    memcpy(file.data + at, bytes, length);
+    CHECK(file_write(name, file.data, file.length, FILE_REPLACE, NULL) == OK);
+}
+
 /* Remove the sform and write a qform of the rotation b, c, d, with pixdim[0] = qfac. */
 static void use_qform(const char *name, const float quaternion[3], float qfac)
 {
-    struct buf file = {0};
-    const int16_t codes[2] = {1, 0};
-    const float offset[3] = {-5, 7, 11};
-    CHECK(file_read(&file, name, 1 << 20, NULL) == OK && file.length > 352);
-    memcpy(file.data + 76, &qfac, 4);
-    memcpy(file.data + 252, codes, 4); /* qform_code, sform_code */
-    memcpy(file.data + 256, quaternion, 12);
-    memcpy(file.data + 268, offset, 12);
-    CHECK(file_write(name, file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
+    patch(name, 76, &qfac, 4);
+    patch(name, 252, (const int16_t[]){1, 0}, 4); /* qform_code, sform_code */
+    patch(name, 256, quaternion, 12);
+    patch(name, 268, (const float[]){-5, 7, 11}, 12);
 }
 
 /* Return the letter in the middle of an edge of a picture of 100x100; 0 left, 1 right, 2 top, 3
@@ -260,18 +263,13 @@ static void write_values(const char *name, float slope, float intercept)
     static const uint32_t size[3] = {10, 10, 10};
     const double spacing[3] = {1, 1, 1};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
-    struct buf file = {0};
     geometry_place_plain(&geometry, spacing);
     geometry.orientation = ORIENTATION_FILE;
     CHECK(volume_write(
               name, FILE_REPLACE,
               &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", value_row, NULL, NULL},
               NULL, NULL) == OK);
-    CHECK(file_read(&file, name, 1 << 20, NULL) == OK && file.length > 352);
-    memcpy(file.data + 112, &slope, 4);
-    memcpy(file.data + 116, &intercept, 4);
-    CHECK(file_write(name, file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
+    patch(name, 112, (const float[]){slope, intercept}, 8);
 }
 
 static void begin_values(float slope, float intercept)
@@ -281,38 +279,37 @@ static void begin_values(float slope, float intercept)
     must(&interp, "open values.nii; size 10 10; overlay none cross=off marks=off words=off");
 }
 
-/* The grey of voxel x, y of axial slice z: columns run from the patient's right, rows from A. */
-static int grey_of(uint32_t x, uint32_t y)
+/* Execute lines, and check the greys of voxels x, y of the axial slice that they show: columns run
+ * from the patient's right, rows from A. */
+static void must_show(const char *lines, const int (*voxel)[3], size_t count)
 {
-    return canvas_pixel(&interp.shown, 9 - x, 9 - y)[0];
+    must(&interp, lines);
+    for (size_t i = 0; i < count; i++) {
+        const int *v = voxel[i];
+        const int grey = *canvas_pixel(&interp.shown, 9 - (uint32_t)v[0], 9 - (uint32_t)v[1]);
+        if (!CHECK(grey == v[2]))
+            printf("#   %d, not %d, at %d,%d after %s\n", grey, v[2], v[0], v[1], lines);
+    }
 }
+#define GREYS(lines, ...)                                                                          \
+    do {                                                                                           \
+        static const int voxel[][3] = {__VA_ARGS__};                                               \
+        must_show(lines, voxel, sizeof voxel / sizeof *voxel);                                     \
+    } while (0)
 
 STORY(windows_are_in_real_values)
 {
     begin_values(0.5f, -100);
-    must(&interp, "window -75 -50"); /* intensities 50 and 100 */
-    CHECK_HAS(buf_text(&reply.text), "window -75 -50,");
-    must(&interp, "slice axial 0");
-    CHECK_INT(grey_of(0, 5), 0);
-    CHECK_INT(grey_of(1, 5), 5);
-    CHECK_INT(grey_of(5, 7), 128); /* 75: 127.5 */
-    CHECK_INT(grey_of(9, 9), 250);
-    must(&interp, "slice axial 1");
-    CHECK_INT(grey_of(0, 0), 255);
-    must(&interp, "window -75 -74.9"); /* less than an intensity: a step */
-    must(&interp, "slice axial 0");
-    CHECK_INT(grey_of(0, 5), 0);
-    CHECK_INT(grey_of(1, 5), 255);
-    must(&interp, "window -1000000000 1000000000; slice axial 0");
-    CHECK(grey_of(0, 0) == 128 && grey_of(9, 9) == 128);
+    MUST_MENTION(&interp, "window -75 -50", "window -75 -50,"); /* intensities 50 and 100 */
+    GREYS("slice axial 0", {0, 5, 0}, {1, 5, 5}, {5, 7, 128}, {9, 9, 250}); /* 75: 127.5 */
+    GREYS("slice axial 1", {0, 0, 255});
+    /* A window of less than an intensity is a step. */
+    GREYS("window -75 -74.9; slice axial 0", {0, 5, 0}, {1, 5, 255});
+    GREYS("window -1000000000 1000000000; slice axial 0", {0, 0, 128}, {9, 9, 128});
 
-    begin_values(-2, 10);             /* bright voxels have low intensities */
-    must(&interp, "window -190 -90"); /* intensities 100 and 50 */
-    must(&interp, "slice axial 0");
-    CHECK_INT(grey_of(0, 5), 255);
-    CHECK_INT(grey_of(9, 9), 5);
-    must(&interp, "slice axial 1");
-    CHECK_INT(grey_of(0, 0), 0);
+    begin_values(-2, 10); /* bright voxels have low intensities: the window is from 100 to 50 */
+    GREYS("window -190 -90; slice axial 0", {0, 5, 255}, {9, 9, 5});
+    GREYS("slice axial 1", {0, 0, 0});
     MUST_MENTION(&interp, "window auto", "window auto: -1978 -10,");
 }
 
@@ -320,9 +317,7 @@ STORY(an_automatic_window_leaves_the_extremes_out)
 {
     begin_values(1, 0);
     MUST_MENTION(&interp, "window auto", "window auto: 10 994,");
-    must(&interp, "slice axial 0");
-    CHECK_INT(grey_of(0, 1), 0);
-    CHECK_INT(grey_of(1, 2), 3); /* 11 of 984, times 255: 2.85 */
+    GREYS("slice axial 0", {0, 1, 0}, {1, 2, 3}); /* 11 of 984, times 255: 2.85 */
     MUST_MENTION(&interp, "info", "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
     must(&interp, "interpolate 2 1 1"); /* another scene, another window */
     CHECK(!interp.session->inside->knows_window);
@@ -333,22 +328,11 @@ STORY(an_automatic_window_leaves_the_extremes_out)
 
 /* ---- views ---- */
 
-/* Move the first voxel of values.nii to this place along each axis, in mm. */
-static void move_values(float mm)
-{
-    struct buf file = {0};
-    CHECK(file_read(&file, "values.nii", 1 << 20, NULL) == OK && file.length > 352);
-    for (size_t row = 280; row < 328; row += 16) /* rows of the sform */
-        memcpy(file.data + row + 12, &mm, 4);
-    CHECK(file_write("values.nii", file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
-}
-
 /* Return true if the top left corner of the present picture contains exactly these words. */
 static bool is_titled(const char *words)
 {
     const uint32_t tall = notes_tall(200);
-    struct canvas expected;
+    OWNED(canvas_release) struct canvas expected;
     bool same = true;
     CHECK(canvas_init(&expected, 200, 200, 0, NULL) == OK);
     text_draw(&expected, 4, 4, tall, words, &notes_light);
@@ -356,7 +340,6 @@ static bool is_titled(const char *words)
         for (uint32_t x = 0; x < 90; x++)
             same &= (canvas_pixel(&expected, x, y)[0] == 232) ==
                     (canvas_pixel(&interp.shown, x, y)[0] == 232);
-    canvas_release(&expected);
     return same;
 }
 
@@ -373,7 +356,8 @@ STORY(titles_say_where_a_scene_is_however_far_that_is)
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         write_values("values.nii", 1, 0);
-        move_values(row[i].mm);
+        for (size_t at = 292; at < 340; at += 16) /* the last column of the sform */
+            patch("values.nii", at, &row[i].mm, 4);
         begin_anew();
         must(&interp, "open values.nii; size 200 200; window 60000 60001; overlay none "
                       "cross=off marks=off; slice axial 5");
@@ -391,8 +375,7 @@ STORY(slices_move_the_cross_hair)
     CHECK(interp.shows_picture && interp.shown.width == 10 && interp.shown.height == 10);
     must(&interp, "window 0 1000");
     CHECK(!interp.shows_picture && !interp.shown.rgba);
-    must(&interp, "slice axial");
-    CHECK_INT(grey_of(4, 0), 78); /* 304 */
+    GREYS("slice axial", {4, 0, 78}); /* 304 */
     must(&interp, "slice coronal 7");
     MUST_MENTION(&interp, "slice sagittal 8", "through 8,7,3: axial 3, coronal 7, sagittal 8;");
     CHECK_HAS(buf_text(&reply.words), "picture=");
@@ -407,37 +390,26 @@ STORY(slices_move_the_cross_hair)
 STORY(a_zoom_stays_until_it_fits_again)
 {
     begin_values(1, 0);
-    must(&interp, "window 0 1000; cross 2,2,0; slice axial zoom=5");
+    /* The voxel 2,2: 22; its neighbour: 21. */
+    GREYS("window 0 1000; cross 2,2,0; slice axial zoom=5", {7, 5, 6}, {3, 3, 6}, {2, 3, 5});
     CHECK_TEXT(buf_text(&reply.canonical), "slice axial zoom=5");
-    CHECK_INT(grey_of(7, 5), 6); /* the voxel 2,2: 22 */
-    CHECK_INT(grey_of(3, 3), 6);
-    CHECK_INT(grey_of(2, 3), 5); /* its neighbour: 21 */
-    must(&interp, "slice axial");
-    CHECK_INT(grey_of(7, 5), 6);
-    must(&interp, "slice axial zoom=fit");
-    CHECK_INT(grey_of(7, 5), 15); /* 57 */
+    GREYS("slice axial", {7, 5, 6});
+    GREYS("slice axial zoom=fit", {7, 5, 15}); /* 57 */
 }
 
 /* Slices and mosaics are magnified alike, until they are whole again. */
 STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
 {
     begin_values(1, 0);
-    must(&interp, "window 0 1000; cross 2,2,0; magnify 5");
+    MUST_MENTION(&interp, "window 0 1000; cross 2,2,0; magnify 5", ", magnified 5, overlay ");
     CHECK_TEXT(buf_text(&reply.canonical), "magnify 5");
-    CHECK_HAS(buf_text(&reply.text), ", magnified 5, overlay ");
     CHECK(!interp.shows_picture);
-    must(&interp, "slice axial");
-    CHECK_INT(grey_of(7, 5), 6); /* as under zoom=5, for this scene fits at 1 */
-    CHECK_INT(grey_of(2, 3), 5);
-    must(&interp, "magnify 5 at=3,4,9"); /* as far as 2,2 stays off the edge */
+    GREYS("slice axial", {7, 5, 6}, {2, 3, 5}); /* as under zoom=5, for this scene fits at 1 */
+    /* As far as 2,2 stays off the edge. */
+    MUST_MENTION(&interp, "magnify 5 at=3,4,9", "magnified 5, around 3,4,9, ");
     CHECK_TEXT(buf_text(&reply.canonical), "magnify 5 at=3,4,9");
-    CHECK_HAS(buf_text(&reply.text), "magnified 5, around 3,4,9, ");
-    must(&interp, "slice axial");
-    CHECK_INT(grey_of(0, 0), 6); /* 2,2,0: 22 */
-    CHECK_INT(grey_of(3, 3), 6);
-    CHECK_INT(grey_of(4, 4), 8); /* 3,3,0 */
-    CHECK_INT(grey_of(8, 8), 8);
-    CHECK_INT(grey_of(9, 9), 11); /* 4,4,0 */
+    /* 2,2,0: 22; 3,3,0; 4,4,0. */
+    GREYS("slice axial", {0, 0, 6}, {3, 3, 6}, {4, 4, 8}, {8, 8, 8}, {9, 9, 11});
     must(&interp, "slice axial zoom=5");
     CHECK_INT(interp.session->now.outlook.slices.times, 1000);
     CHECK(!interp.session->now.outlook.slices.has_middle);
@@ -445,8 +417,7 @@ STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
     CHECK_INT(interp.session->now.outlook.slices.zoom, 0);
     must(&interp, "magnify fit");
     CHECK(!interp.session->now.outlook.slices.has_middle);
-    must(&interp, "slice axial");
-    CHECK_INT(grey_of(7, 5), 15);
+    GREYS("slice axial", {7, 5, 15});
     refused("magnify 0.5", "TIMES: expected");
     refused("magnify 4096.001", "TIMES: expected");
     refused("magnify 2 at=10,0,0", "10,0,0 is outside the scene");
@@ -464,47 +435,36 @@ static bool shows_colour(const struct canvas *s, int r, int g, int b)
 
 static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 255, 255};
 
-/* Compare the marks in the present axial slice, as drawn in the pilot, which runs no edits: a
- * seed's dot, an x, the white rim of pending edits. */
-static void marks_are(bool seed, bool eliminator, bool waiting)
+/* Compare the marks in the axial slice after a command, as drawn in the pilot, which runs no edits:
+ * a seed's dot, an x, the white rim of pending edits. */
+static void marks_are(const char *lines, bool seed, bool eliminator, bool waiting)
 {
     struct canvas canvas;
+    must(&interp, lines);
     CHECK(slicing_draw(&canvas, interp.session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
     CHECK(shows_colour(&canvas, dot[0], dot[1], dot[2]) == seed);
     CHECK(shows_colour(&canvas, x_red[0], x_red[1], x_red[2]) == eliminator);
     CHECK(shows_colour(&canvas, rim[0], rim[1], rim[2]) == waiting);
-    canvas_release(&canvas);
 }
 
 STORY(what_waits_and_what_was_eliminated_is_marked)
 {
     begin_values(1, 0);
+    marks_are("size 60 60; window 0 100000; label 3 thing #0102fd; overlay marks=on; cross 0,0,4",
+              false, false, false);
+    marks_are("seed 3,3,4 3", true, false, true);
+    marks_are("run", true, false, false);
+    marks_are("remove 7,7,4", true, true, true);
+    marks_are("run", false, true, false);
+    marks_are("run", false, true, false); /* nothing waits: the last run is still that one */
+    marks_are("cross 0,0,5", false, false, false); /* marks are in their own slice */
+    marks_are("cross 0,0,4; auto on; seed 2,2,4 3", true, false, false);
+    marks_are("remove 5,5,4 radius=2", false, true, false);
+    marks_are("overlay marks=off", false, false, false);
     must(&interp,
-         "size 60 60; window 0 100000; label 3 thing #0102fd; overlay marks=on; cross 0,0,4");
-    marks_are(false, false, false);
-    must(&interp, "seed 3,3,4 3");
-    marks_are(true, false, true);
-    must(&interp, "run");
-    marks_are(true, false, false);
-    must(&interp, "remove 7,7,4");
-    marks_are(true, true, true);
-    must(&interp, "run");
-    marks_are(false, true, false);
-    must(&interp, "run"); /* nothing waits: the last run is still that one */
-    marks_are(false, true, false);
-    must(&interp, "cross 0,0,5"); /* marks are in their own slice */
-    marks_are(false, false, false);
-    must(&interp, "cross 0,0,4; auto on; seed 2,2,4 3");
-    marks_are(true, false, false);
-    must(&interp, "remove 5,5,4 radius=2");
-    marks_are(false, true, false);
-    must(&interp, "overlay marks=off");
-    marks_are(false, false, false);
-    must(&interp, "overlay marks=on");
-    must(&interp, "interpolate 2 2 1"); /* those of the former scene are removed */
+         "overlay marks=on; interpolate 2 2 1"); /* marks of the former scene are removed */
     CHECK_INT(edits_count(&interp.session->now.lists.eliminators), 0);
-    must(&interp, "cross 0,0,4");
-    marks_are(false, false, false);
+    marks_are("cross 0,0,4", false, false, false);
 }
 
 STORY(hidden_labels_are_not_overlaid)
@@ -539,9 +499,11 @@ STORY(mosaics_have_the_size_of_the_view)
     refused("golden small of=mosaic", "the view has 15x400");
 }
 
-/* In pixels of the view, which a large pane has more of for the same. */
-static uint32_t zoom_of_panel(void)
+/* Execute lines. Return the panel's zoom in pixels of the view, which a large pane has more of for
+ * the same. */
+static uint32_t zoom_after(const char *lines)
 {
+    must(&interp, lines);
     struct slicing_panel panel = {.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}};
     struct canvas canvas = {0};
     CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
@@ -559,20 +521,17 @@ STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
     CHECK(fitting > VIEW_ZOOM_ONE);
     must(&interp, "size 100 100; seed 3,3,4 3; render");
     const uint64_t rendered = rendition_digest(session_frame(interp.session));
-    CHECK_INT(zoom_of_panel(), fitting);
+    CHECK_INT(zoom_after(""), fitting);
     CHECK(rendition_digest(session_frame(interp.session)) != rendered);
     CHECK_INT(interp.session->now.outlook.view.zoom, VIEW_ZOOM_ONE);
     must(&interp, "pick 50 50"); /* a pixel of the view, not of the panel */
     CHECK(rendition_digest(session_frame(interp.session)) == rendered);
-    CHECK_INT(zoom_of_panel(), fitting);
-    must(&interp, "turn 20"); /* looks from elsewhere, and as near */
-    CHECK_INT(zoom_of_panel(), fitting);
+    CHECK_INT(zoom_after(""), fitting);
+    CHECK_INT(zoom_after("turn 20"), fitting); /* looks from elsewhere, and as near */
     must(&interp, "turn -20; mosaic; render");
     CHECK(rendition_digest(session_frame(interp.session)) == rendered);
-    must(&interp, "zoom 2");
-    CHECK_INT(zoom_of_panel(), 2 * VIEW_ZOOM_ONE);
-    must(&interp, "zoom 1");
-    CHECK_INT(zoom_of_panel(), fitting);
+    CHECK_INT(zoom_after("zoom 2"), 2 * VIEW_ZOOM_ONE);
+    CHECK_INT(zoom_after("zoom 1"), fitting);
 }
 
 /* If the pane has more pixels than the view in both directions, the rendition has as many. */
@@ -650,31 +609,22 @@ STORY(a_panel_follows_what_is_shown)
     const uint32_t fitting = view_fitting_zoom(scene, 100, 100, 1);
     const uint32_t *n = scene->grid.size, middle[3] = {n[0] / 2, n[1] / 2, n[2] / 2};
     char line[96];
-    must(&interp, "size 100 100; auto on; seed 0,0,0 0");
-    CHECK_INT(zoom_of_panel(), fitting); /* nothing is shown */
+    CHECK_INT(zoom_after("size 100 100; auto on; seed 0,0,0 0"), fitting); /* nothing is shown */
     snprintf(line, sizeof line, "seed %u,%u,%u 3 within=1", middle[0], middle[1], middle[2]);
-    must(&interp, line);
-    const uint32_t near = zoom_of_panel();
+    const uint32_t near = zoom_after(line);
     CHECK(near > fitting + fitting / 4);
-    must(&interp, "turn 30");
-    CHECK_INT(zoom_of_panel(), near);
-    must(&interp, "seed 1,1,1 2 within=1");
-    const uint32_t far = zoom_of_panel();
+    CHECK_INT(zoom_after("turn 30"), near);
+    const uint32_t far = zoom_after("seed 1,1,1 2 within=1");
     CHECK(far < near);
-    must(&interp, "hide 2");
-    CHECK_INT(zoom_of_panel(), near);
-    must(&interp, "show 2");
-    CHECK_INT(zoom_of_panel(), far);
-    must(&interp, "hide 3"); /* a label in a corner moves to the middle, as large as elsewhere */
-    const uint32_t alone = zoom_of_panel();
-    CHECK(alone > far + far / 4);
+    CHECK_INT(zoom_after("hide 2"), near);
+    CHECK_INT(zoom_after("show 2"), far);
+    /* A label in a corner moves to the middle, as large as elsewhere. */
+    CHECK(zoom_after("hide 3") > far + far / 4);
     CHECK_INT(shown_in_middle(), 2);
     const struct view *view = &interp.session->now.outlook.view;
     CHECK_INT(view->zoom, VIEW_ZOOM_ONE);
     CHECK_INT(view->focus[0] | view->focus[1] | view->focus[2], 0);
-    must(&interp, "focus 1,1,1"); /* chosen: it stays there, as large as it was */
-    must(&interp, "show 3");
-    zoom_of_panel();
+    zoom_after("focus 1,1,1; show 3"); /* chosen: it stays there, as large as it was */
     CHECK_INT(shown_in_middle(), 2);
 }
 
@@ -709,17 +659,15 @@ static size_t differing(const struct canvas *a, const struct canvas *b,
 STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
 {
     struct slicing_panel panel;
-    struct canvas hasty = {0}, fine = {0}, turned = {0};
+    OWNED(canvas_release) struct canvas hasty = {0}, fine = {0}, turned = {0};
     begin_values(1, 0);
     must(&interp, "seed 3,3,4 3; run");
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
     CHECK(!is_hasty(0, &panel, &fine));
     CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
     CHECK(differing(&hasty, &fine, &panel, true) > 1000);
-    canvas_release(&hasty);
     CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* it is there */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
-    canvas_release(&hasty);
     must(&interp, "turn 20");
     interp.session->pictures->coarse.took_ns = UINT64_MAX;
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
@@ -729,16 +677,11 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     /* Edges alone are off: half of the pixels of so small a thing. At another zoom, or in another
      * place, three fifths of them and more. */
     CHECK(off > 0 && off < differing(&fine, &turned, &panel, true) * 11 / 20);
-    canvas_release(&hasty);
     must(&interp, "turn -20");
     interp.session->pictures->coarse.took_ns = AT_ONCE_NS / 2;
     CHECK(is_hasty(AT_ONCE_NS / 2, &panel, &turned));
-    canvas_release(&turned);
     CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* drawn as soon as anything coarser */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
-    canvas_release(&hasty);
-    canvas_release(&fine);
-    canvas_release(&turned);
 }
 
 /* Slices near the cross-hair that are sent ahead to a terminal: one name stands for one picture,
@@ -752,7 +695,7 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
     enum { LINES = sizeof lines / sizeof lines[0], NUMBERS = 12 };
     uint64_t name[LINES * NUMBERS], pixels[LINES * NUMBERS];
     size_t count = 0, again = 0;
-    struct panes panes = {.notes = 0};
+    OWNED(panes_release) struct panes panes = {.notes = 0};
     begin_values(1, 0);
     for (size_t l = 0; l < LINES; l++) {
         static const struct buf no_words[PANES_LINES];
@@ -777,7 +720,6 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
         }
     }
     CHECK(count > 100 && again > 20);
-    panes_release(&panes);
 }
 
 /* A scene of 10 voxels a side is shown as large as possible. */
@@ -785,7 +727,7 @@ STORY(slices_of_a_small_scene_fill_their_panes)
 {
     begin_values(1, 0);
     struct slicing_panel panel = {.screen = {1600, 1000, 8, 16, true, MOSAIC_AXIAL}};
-    struct canvas canvas = {0};
+    OWNED(canvas_release) struct canvas canvas = {0};
     CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
     for (int pane = MOSAIC_AXIAL; pane <= MOSAIC_SAGITTAL; pane++) {
         const struct mosaic_box *box = &panel.layout.box[pane];
@@ -796,7 +738,6 @@ STORY(slices_of_a_small_scene_fill_their_panes)
                 shown += canvas.cell[(box->top + y) * canvas.stride + box->left + x] != CELL_NONE;
         CHECK(side > 300 && shown * 10 > side * side * 9);
     }
-    canvas_release(&canvas);
 }
 
 STORY(without_memory_nothing_is_shown)
@@ -832,12 +773,9 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     picks("pick 9 0 of=coronal", "voxel 0,2,9 ");
     picks("pick 0 9 of=sagittal", "voxel 1,9,0 ");
     CHECK_INT(session_pendings(interp.session), 1); /* asking runs nothing */
-    must(&interp, "run");
-    picks("pick 9 9 of=axial", "on the border of label 3\n");
-    must(&interp, "slice axial zoom=5");
-    picks("pick 9 9 of=axial", "voxel 0,1,3 "); /* two by two voxels around 1,2 */
-    must(&interp, "slice axial zoom=fit; size 22 20");
-    picks("pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
+    picks("run; pick 9 9 of=axial", "on the border of label 3\n");
+    picks("slice axial zoom=5; pick 9 9 of=axial", "voxel 0,1,3 "); /* 2x2 voxels around 1,2 */
+    picks("slice axial zoom=fit; size 22 20; pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
     picks("pick 1 0 of=axial", "voxel 9,9,3 ");
     refused("pick 22 0 of=axial", "pixel 22,0 is outside the picture of 22x20");
     refused("pick 0 20 of=mosaic", "pixel 0,20 is outside the picture of 22x20");
@@ -848,12 +786,10 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     picks("pick 10 8 of=mosaic", "shows no voxel");
     picks("pick 12 8 of=mosaic", "voxel 1,9,0 ");
     picks("pick 1 18 of=mosaic", "voxel 8,1,3 ");
-    must(&interp, "view front; zoom 1");
-    picks("pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the front of the one object */
+    picks("view front; zoom 1; pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the object's front */
     must(&interp, "size 8 8");
     refused("pick 0 0 of=mosaic", "a mosaic needs 16x16 pixels or more");
-    must(&interp, "render");
-    picks("pick 4 4 of=rendition", "voxel ");
+    picks("render; pick 4 4 of=rendition", "voxel ");
 }
 
 /* For every pixel of slices and mosaics, at any magnification. */
@@ -866,7 +802,7 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
     for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
         must(&interp, how[i]);
         for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
-            struct canvas canvas;
+            OWNED(canvas_release) struct canvas canvas;
             uint32_t wrong = 0, cell = 0;
             CHECK(slicing_draw(&canvas, interp.session, (enum slice_kind)kind, NULL, true,
                                &fault) == OK);
@@ -875,11 +811,9 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
                                          p / 60, &fault) != OK ||
                          cell != canvas.cell[p];
             CHECK_INT(wrong, 0);
-            canvas_release(&canvas);
         }
     }
-    must(&interp, "magnify 12.5");
-    picks("pick 30 22 of=axial", "voxel 7,3,2 "); /* the cross-hair in the middle */
+    picks("magnify 12.5; pick 30 22 of=axial", "voxel 7,3,2 "); /* the cross-hair in the middle */
     picks("pick 14 10 of=mosaic", "voxel 7,");
 }
 
@@ -918,7 +852,7 @@ static void say_nothing(void *context, const char *text)
 static void replay(const char *path, const char *words)
 {
     static const struct golden_judge strict_judge = {.differs = NULL};
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_anew();
     interp.judge = &strict_judge;
@@ -931,7 +865,6 @@ static void replay(const char *path, const char *words)
         CHECK(err != OK);
         CHECK_HAS(buf_text(&told), words);
     }
-    buf_release(&told);
 }
 
 STORY(golden_slices_are_compared_when_replayed)

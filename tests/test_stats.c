@@ -261,12 +261,11 @@ static struct scene *scene_of(const struct solid *solid)
 static double area_of(const struct scene *scene, const struct geometry *geometry)
 {
     static struct label_stats stats[256];
-    struct label_measures measures = {0};
+    OWNED(label_measures_release) struct label_measures measures = {0};
     struct area_weights weights;
     const struct labels labels = labels_of_forest(scene);
     CHECK(label_stats_find(stats, &measures, &labels, team_of[2], NULL) == OK);
     area_weights_init(&weights, geometry);
-    label_measures_release(&measures);
     return label_area_mm2(&weights, stats[7].pairs);
 }
 

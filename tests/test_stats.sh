@@ -11,7 +11,7 @@ field() { # FILE LABEL NAME: from a report in CSV
         $1 == label { print $at }' "$1"
 }
 
-begin "counts before and after an edit differ by what it gave and took, undone or not"
+begin "counts before and after an edit differ by the reported changes, undone or not"
 cat >script <<'END'
 open scene.nii
 auto on
@@ -45,9 +45,8 @@ done
 [ $known -gt 2 ] || fail "no report says what the last edit changed"
 same "$(cut -d, -f1-23 1.csv)" "$(cut -d, -f1-23 3.csv)"
 same "$(field 0.csv 1 name)" '"lower"'
-close_story
 
-begin "what the last edit changed is told, with a list of it and without, for any number of threads"
+begin "changes of the last edit are reported, with and without a list, for any number of threads"
 for threads in 1 3; do
     mkdir $threads
     sed "s|report=|report=$threads/|" script >threaded
@@ -63,7 +62,6 @@ same "$(field all.csv 1 gained)" ""
 same "$(field anew.csv 1 change)" "$(($(field anew.csv 1 voxels) - $(field all.csv 1 voxels)))"
 [ "$(field anew.csv 1 change)" != 0 ] || fail "other weights have changed nothing"
 grep -q "the last edit changed it by [+-][0-9.]* m" "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 begin "where the place in the world is not known, no millimetres of it are printed"
 expect 0 "$iftty" -c "open scene.nii; info; seed 7,12,10 1; run; stats report=place.csv"
@@ -71,7 +69,6 @@ out_has "orientation unknown"
 out_has "centre "
 ! grep -q "centre.* mm" "$work/out" || fail "$(cat "$work/out")"
 same "$(field place.csv 1 centre_x_mm)" ""
-close_story
 
 begin "finished labels are counted when asked for, and a report is JSON where its name says so"
 expect 0 "$iftty" -c "open scene.nii; seed 7,12,10 1 radius=2; seed 25,20,15 2 radius=2;
@@ -90,9 +87,8 @@ has_line smooth.json '"number": 2, "name": "", "voxels": '"$(field smooth.csv 2 
     fail "$(cat smooth.json)"
 expect 2 "$iftty" -c "open scene.nii; stats report=x.txt"
 err_has "report: expected a name that ends in .json or .csv"
-close_story
 
-begin "what shows, writes or answers from labels applies the edits that wait, as a run does"
+begin "commands that show, write or answer from labels apply waiting edits, as a run does"
 expect 0 "$iftty" -c 'open scene.nii; seed 7,12,10 1; seed 2,2,2 2; run; save labels map.nii'
 applied="as by \`run\`"
 for asks in 'stats' 'stats report=REPORT.csv' hints 'why 7,12,12' 'profile 2,2,2 9,12,10' \
@@ -117,9 +113,8 @@ for asks in 'stats' 'stats report=REPORT.csv' hints 'why 7,12,12' 'profile 2,2,2
     for file in run.csv run.nii; do [ ! -e $file ] || same_files $file wait.${file##*.}; done
     rm -f run.* wait.*
 done
-close_story
 
-begin "what a question has applied is recorded as a run, and undone as one"
+begin "edits applied by a question are recorded as a run, and undone as one"
 rm -f j.iftty
 expect 0 "$iftty" -c 'open scene.nii; seed 7,12,10 1; stats; stats; seed 2,2,2 2; why 7,12,12
     undo; info; stats; undo 2; info' --journal j.iftty
@@ -130,13 +125,11 @@ same "$(grep '^[a-z]' j.iftty | tail -n +3 | tr '\n' ';')" \
 out_has "1 seed, 1 edit waiting" # after undo
 out_has "1 seed, 0 edits waiting" # after the second
 expect 0 "$iftty" verify j.iftty
-expect 0 "$iftty" -c 'redo; info' --journal j.iftty
-out_has "1 edit waiting"
+expect_out "1 edit waiting" 0 "$iftty" -c 'redo; info' --journal j.iftty
 expect 0 "$iftty" -c 'finish majority; stats finished=yes' --journal j.iftty
 words_of j.iftty "$(grep -c '^= ' j.iftty)" | grep -q '^forest=[^ ]* labels=[^ ]* seeds=2$' ||
     fail "$(tail -n 1 j.iftty)" # those of a run alone
 expect 0 "$iftty" verify j.iftty
-close_story
 
 begin "where no seed is planted, an answer says so; a question that fails applies nothing"
 for asks in stats 'stats report=none.csv' 'compare map.nii'; do
@@ -146,17 +139,14 @@ done
 rm -f j.iftty
 expect 3 "$iftty" -c 'open scene.nii; seed 7,12,10 1; compare none.nii' --journal j.iftty
 same "$(grep -c '^= ' j.iftty)" 2
-expect 0 "$iftty" -c info --journal j.iftty
-out_has "0 seeds, 1 edit waiting"
-close_story
+expect_out "0 seeds, 1 edit waiting" 0 "$iftty" -c info --journal j.iftty
 
-begin "what goes by the picture that was shown says which edits are not in it"
+begin "commands that use the shown picture report the edits that it does not include"
 for asks in 'pick 32 32' 'hint 1' 'zoom fit'; do
     expect 0 "$iftty" -c "open scene.nii; size 64 64; seed 7,12,10 1; seed 2,2,2 2; render
         seed 9,9,9 3; $asks; seed 9,9,8 3; $asks; render; $asks"
     same "$(grep -c 'without the edit that waits for `run`' "$work/out")" 1
     same "$(grep -c 'without the 2 edits that wait for `run`' "$work/out")" 1
 done
-close_story
 
 finish

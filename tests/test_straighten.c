@@ -137,6 +137,7 @@ static void straighten_one(const int order[3], const double lean[3])
     struct fault fault = {0};
     uint32_t foretold[3];
     place(&geometry, order, lean);
+    OWNED(volume_release)
     struct volume from = volume_of(size, &geometry), is = volume_of(size, &geometry);
     CHECK_INT(straighten_size(foretold, size, &geometry, &fault), OK);
     if (CHECK(straighten(&is, NULL, &fault) == OK)) {
@@ -144,8 +145,6 @@ static void straighten_one(const int order[3], const double lean[3])
         is_straight(&is, &from);
         CHECK_HAS(is.notes, "straightened: its axes were");
     }
-    volume_release(&from);
-    volume_release(&is);
 }
 
 static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
@@ -176,13 +175,12 @@ STORY(slices_shifted_by_whole_voxels_are_unchanged)
     struct geometry geometry;
     struct fault fault = {0};
     place(&geometry, order, lean);
+    OWNED(volume_release)
     struct volume from = volume_of(size, &geometry), is = volume_of(size, &geometry);
     CHECK_INT(straighten(&is, NULL, &fault), OK);
     CHECK(same_size(is.size, (const uint32_t[3]){5, 9, 4}));
     for (uint32_t z = 0; z < 4; z++)
         CHECK(memcmp(is.intensity + (z * 9 + z) * 5, from.intensity + z * 30, 60) == 0);
-    volume_release(&from);
-    volume_release(&is);
 }
 
 STORY(axes_at_right_angles_are_unchanged)
@@ -193,13 +191,12 @@ STORY(axes_at_right_angles_are_unchanged)
     struct geometry geometry;
     struct fault fault = {0};
     place(&geometry, order, lean);
+    OWNED(volume_release)
     struct volume from = volume_of(size, &geometry), is = volume_of(size, &geometry);
     CHECK_INT(straighten(&is, NULL, &fault), OK);
     CHECK(same_size(is.size, size));
     CHECK(memcmp(is.intensity, from.intensity, 240) == 0);
     CHECK_HAS(is.notes, "its axes are at right angles: nothing to straighten");
-    volume_release(&from);
-    volume_release(&is);
 }
 
 STORY(too_much_shear_is_refused_and_a_stop_changes_nothing)
@@ -219,14 +216,13 @@ STORY(too_much_shear_is_refused_and_a_stop_changes_nothing)
     for (int most = 0; !finishes; most++) {
         int looks = most;
         struct watch watch = {.context = &looks, .poll = stop_after_looks};
-        struct volume from = volume_of(size, &geometry);
+        OWNED(volume_release) struct volume from = volume_of(size, &geometry);
         is = volume_of(size, &geometry);
         finishes = straighten(&is, &watch, &fault) == OK;
         if (!finishes) {
             CHECK(same_size(is.size, size));
             CHECK(memcmp(is.intensity, from.intensity, 2400) == 0);
         }
-        volume_release(&from);
         volume_release(&is);
     }
 }

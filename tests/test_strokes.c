@@ -7,29 +7,15 @@
 
 #include "command/command.h"
 #include "command/execute.h"
-#include "base/mem.h"
 #include "session/session.h"
+#include "tests/scarce_memory.h"
 #include "tests/scene_main.h"
 
 static struct interpreter interp;
 
-/* Define a story that begins with the scene in a new journal. */
-#define JOURNAL_STORY(told, journal)                                                               \
-    static void told_##told(void);                                                                 \
-    STORY(told)                                                                                    \
-    {                                                                                              \
-        begin_with_journal(&interp, journal);                                                      \
-        told_##told();                                                                             \
-        interpreter_release(&interp);                                                              \
-    }                                                                                              \
-    static void told_##told(void)
-
 static void resume(const char *journal)
 {
-    interpreter_release(&interp);
-    begin_interpreter(&interp);
-    if (!CHECK(interpreter_resume_journal(&interp, place(journal), NULL, &fault) == OK))
-        printf("#   %s\n", fault.text);
+    resume_journal(&interp, journal);
     CHECK(!interp.resumes_in_full); /* what the records say of seeds was enough */
 }
 
@@ -91,7 +77,7 @@ JOURNAL_STORY(parts_of_a_stroke_are_undone_done_again_and_removed_as_one, "parts
  * were whole on the disk, which are one stroke. */
 STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
 {
-    struct buf whole = {0};
+    OWNED(buf_release) struct buf whole = {0};
     size_t stood[11] = {0};
     begin_with_journal(&interp, "whole.iftty");
     must(&interp, "auto on; seed 9,9,9 3; seed 1,1,1 1 to=3,1,1");
@@ -114,7 +100,6 @@ STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
         interpreter_release(&interp);
     }
     CHECK(stood[4] > 0 && stood[6] > 0);
-    buf_release(&whole);
 }
 
 JOURNAL_STORY(only_what_was_just_planted_is_gone_on_with, "alone.iftty")
@@ -132,8 +117,8 @@ JOURNAL_STORY(only_what_was_just_planted_is_gone_on_with, "alone.iftty")
 
 JOURNAL_STORY(a_line_of_the_journal_holds_thousands_of_corners, "long.iftty")
 {
-    struct buf line = {0};
-    struct snapshot end, again;
+    OWNED(buf_release) struct buf line = {0};
+    struct snapshot end;
     uint64_t random = 5;
     must(&interp, "auto on");
     buf_add_text(&line, "seed 5,5,5 1");
@@ -146,12 +131,10 @@ JOURNAL_STORY(a_line_of_the_journal_holds_thousands_of_corners, "long.iftty")
     CHECK(reply.text.length < 2000);
     take_snapshot(&end, &interp);
     resume("long.iftty");
-    take_snapshot(&again, &interp);
-    is_same_segmentation(&end, &again);
+    is_segmented_as(&end, &interp);
     while (line.length < 65536)
         buf_add_text(&line, " to=1,1,1");
     is_refused(&interp, buf_text(&line), "the command is longer than 65535 bytes");
-    buf_release(&line);
 }
 
 /* ---- where, and how large ---- */
@@ -323,11 +306,9 @@ JOURNAL_STORY(a_label_may_be_called_by_several_words, "names.iftty")
 {
     must(&interp, "label 1 'left hemi' #FF00Aa");
     is_recorded_as("label 1 \"left hemi\" #ff00aa");
-    must(&interp, "label 2 \"right hemi\"");
-    must(&interp, "seed 1,1,1 'left hemi'");
+    must(&interp, "label 2 \"right hemi\"; seed 1,1,1 'left hemi'");
     is_recorded_as("seed 1,1,1 1");
-    must(&interp, "seed 9,9,9 \"right hemi\"");
-    must(&interp, "label 4 c#4");
+    must(&interp, "seed 9,9,9 \"right hemi\"; label 4 c#4");
     write_text("named.csv", "5,5,5,right hemi # there\n6,6,6,c#4\n");
     must(&interp, "seed-file named.csv; run");
     is_refused(&interp, "label 3 'a b '", "expected a name of at most 31 bytes");
@@ -350,13 +331,6 @@ JOURNAL_STORY(a_label_may_be_called_by_several_words, "names.iftty")
 }
 
 /* ---- sketches ---- */
-
-static size_t allowed;
-static bool allows(size_t bytes)
-{
-    (void)bytes;
-    return allowed-- > 0; /* one is refused, and then there is memory again */
-}
 
 /* What a pen draws is seen, and leaves no trace. */
 STORY(a_sketch_is_as_if_it_had_never_been)
@@ -396,10 +370,9 @@ JOURNAL_STORY(a_sketch_without_memory_is_taken_back_in_the_end, "memory.iftty")
     take_snapshot(&before, &interp);
     unsigned refused = 0;
     for (size_t most = 0; most < 60; most++) {
-        allowed = most;
-        mem_allows = allows;
+        fail_allocation(most);
         refused += interpreter_sketch(&interp, "seed 1,1,1 1 radius=2 to=9,9,9", NULL) != OK;
-        allowed = most / 2;
+        fail_allocation(most / 2);
         if (interpreter_drop_sketch(&interp, NULL)) {
             refused++;
             CHECK(interp.sketch.is_begun);

@@ -378,7 +378,7 @@ static const struct volume_label *nameless(void)
 /* Read an STL file, identifying points by their coordinates. */
 static struct surface *read_stl(const char *path)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     struct surface *s = calloc(1, sizeof *s);
     CHECK(file_read(&bytes, path, 1 << 28, NULL) == OK);
     uint32_t triangles;
@@ -401,7 +401,6 @@ static struct surface *read_stl(const char *path)
         s->triangle[i / 3].point[i % 3] = (uint32_t)(found - s->point);
     }
     free(sorted);
-    buf_release(&bytes);
     return s;
 }
 
@@ -533,7 +532,7 @@ static int fails_later(enum file_step step, const char *path)
 STORY(a_disk_that_is_full_leaves_the_former_file)
 {
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
-    struct buf now = {0};
+    OWNED(buf_release) struct buf now = {0};
     char path[FOLDER_LENGTH + 16];
     geometry_place_plain(&geometry, (const double[]){1, 1, 1});
     box_of_ball(3, (const double[]){1, 1, 1});
@@ -552,7 +551,6 @@ STORY(a_disk_that_is_full_leaves_the_former_file)
         CHECK(err == OK || now.length == 6 || steps > 4); /* the last step syncs its folder */
     }
     CHECK(now.length > 1000);
-    buf_release(&now);
     surface_free(s);
 }
 
@@ -570,35 +568,29 @@ STORY(a_scene_too_far_from_the_origin_is_refused)
     surface_free(s);
 }
 
-STORY(commands_say_what_they_wrote_and_what_is_wrong)
+BEGUN_STORY(commands_say_what_they_wrote_and_what_is_wrong, begin_interpreter)
 {
-    struct interpreter interp;
     char line[FOLDER_LENGTH + 64];
-    begin_interpreter(&interp);
-    must(&interp, "open synth:geom:40x30x20");
-    CHECK_INT(execute(&interp, "save surface x.nii"), ERR_USAGE);
-    CHECK_HAS(fault.text, "x.nii: expected the name of a surface, .stl, .ply, .obj or .vtp");
+    must(interp, "open synth:geom:40x30x20");
+    MUST_FAIL(interp, "save surface x.nii", ERR_USAGE,
+              "x.nii: expected the name of a surface, .stl, .ply, .obj or .vtp");
     snprintf(line, sizeof line, "save surface %s", file_in(folder, "a.ply"));
-    CHECK_INT(execute(&interp, line), ERR_INPUT);
-    CHECK_HAS(fault.text, "no voxel has a label above 0: plant a `seed` first");
-    must(&interp, "seed 20,15,10 1; seed 2,2,2 2");
-    MUST_MENTION(&interp, line, "wrote ");
+    MUST_FAIL(interp, line, ERR_INPUT, "no voxel has a label above 0: plant a `seed` first");
+    must(interp, "seed 20,15,10 1; seed 2,2,2 2");
+    MUST_MENTION(interp, line, "wrote ");
     CHECK_HAS(buf_text(&reply.text), "label 1: ");
     CHECK_HAS(buf_text(&reply.text), " triangles around ");
     CHECK_HAS(buf_text(&reply.text), "label 2: ");
     CHECK_HAS(buf_text(&reply.words), "labels=");
-    CHECK_INT(execute(&interp, line), ERR_IO);
-    CHECK_HAS(fault.text, "exists already");
+    MUST_FAIL(interp, line, ERR_IO, "exists already");
     strcat(line, " replace=yes label=1 smooth=0 triangles=500");
-    must(&interp, line);
+    must(interp, line);
     CHECK(strstr(buf_text(&reply.text), "label 2") == NULL);
     snprintf(line, sizeof line, "save surface %s", file_in(folder, "a.stl"));
-    MUST_MENTION(&interp, line, "all labels: ");
+    MUST_MENTION(interp, line, "all labels: ");
     strcat(line, " label=7"); /* reported before the existing file */
-    CHECK_INT(execute(&interp, line), ERR_INPUT);
-    CHECK_HAS(fault.text, "no voxel has label 7; nothing was written");
-    CHECK_INT(execute(&interp, "save labels x.nii label=1"), ERR_USAGE);
-    CHECK_HAS(fault.text, "are for `save surface`, not for labels");
-    CHECK_INT(execute(&interp, "save surface x.ply label=0"), ERR_USAGE);
-    interpreter_release(&interp);
+    MUST_FAIL(interp, line, ERR_INPUT, "no voxel has label 7; nothing was written");
+    MUST_FAIL(interp, "save labels x.nii label=1", ERR_USAGE,
+              "are for `save surface`, not for labels");
+    CHECK_INT(execute(interp, "save surface x.ply label=0"), ERR_USAGE);
 }

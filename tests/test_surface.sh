@@ -55,7 +55,6 @@ EOF
     read_surfaces "$work"/1/one.ply "$work"/1/one.obj "$work"/1/one.vtp | sort -u >"$work/ones"
     same "$(wc -l <"$work/ones" | tr -d ' ')" 1
 fi
-close_story
 
 begin "every format of the table has a reader here, and is written above"
 endings=$(sed -n 's/.*{"\(\.[a-z0-9]*\)", [a-z]*, write_[a-z]*}.*/\1/p' src/image/surface_file.c)
@@ -66,7 +65,6 @@ for ending in $endings; do
     grep -q "save surface all\\$ending" "$0" && grep -q "save surface one\\$ending" "$0" ||
         fail "no surface is saved as $ending"
 done
-close_story
 
 begin "a surface is written whole, again only where that is asked for, and the same by a replay"
 make_scene "$work/s.nii" 24 20 16
@@ -95,6 +93,5 @@ expect_in "$work" 3 "$iftty" -c "open s.nii; seed 6,10,8 1; save surface nowhere
 err_has "there is no folder nowhere"
 left=$(find "$work" -name '.iftty-*')
 [ -z "$left" ] || fail "a draft is left: $left"
-close_story
 
 finish

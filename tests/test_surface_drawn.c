@@ -112,7 +112,7 @@ static double radius_seen(const struct stage *s, uint32_t zoom)
 
 STORY(the_silhouette_of_a_ball_is_as_large_as_the_ball)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     radius = 40;
     begin_shape(&s, 85, is_ball);
     for (int i = 0; i < SIDES; i++)
@@ -125,7 +125,6 @@ STORY(the_silhouette_of_a_ball_is_as_large_as_the_ball)
     s.look.mode = SHADE_CUBES;
     draw(&s, 4000, side[3]);
     CHECK(radius_seen(&s, 4000) > 40.3);
-    stage_release(&s);
 }
 
 static void place_at_random(uint64_t *random)
@@ -145,7 +144,7 @@ static double mean_ball(double of, uint64_t *random)
 {
     double sum = 0;
     for (int ball = 0; ball < 12; ball++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         place_at_random(random);
         radius = of;
         begin_shape(&s, 2 * (uint32_t)of + 9, is_ball);
@@ -153,7 +152,6 @@ static double mean_ball(double of, uint64_t *random)
             draw(&s, 8000, side[(ball * 3 + i) % SIDES]);
             sum += radius_seen(&s, 8000) / 36;
         }
-        stage_release(&s);
     }
     memset(off, 0, sizeof off);
     return sum;
@@ -165,7 +163,7 @@ static double mean_rod(double of, uint64_t *random)
     enum { RODS = 8 };
     double sum = 0;
     for (int rod = 0; rod < RODS; rod++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         place_at_random(random);
         const double turn = 2 * M_PI * rod / RODS + check_below(random, 1000) / 1000.0;
         tilt[0] = cos(turn), tilt[1] = 0, tilt[2] = sin(turn); /* across the view from the front */
@@ -173,7 +171,6 @@ static double mean_rod(double of, uint64_t *random)
         begin_shape(&s, 55, is_rod);
         draw(&s, 4000, side[0]);
         sum += (double)seen(&s.rendition) / 16 / 41 / 2 / RODS;
-        stage_release(&s);
     }
     memset(off, 0, sizeof off);
     return sum;
@@ -200,7 +197,7 @@ STORY(small_balls_and_rods_keep_their_sizes_and_their_order)
  * of cubes differ by up to a voxel. */
 STORY(a_silhouette_is_curved)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     radius = 40;
     begin_shape(&s, 85, is_ball);
     for (int i = 0; i < SIDES; i++) {
@@ -223,7 +220,6 @@ STORY(a_silhouette_is_curved)
         if (!CHECK(most - least < 0.75))
             printf("# view %d: radii from %.2f to %.2f\n", i, least, most);
     }
-    stage_release(&s);
 }
 
 /* ---- what is thin ---- */
@@ -256,13 +252,13 @@ static size_t holes_of(const struct rendition *r, const struct rendition *cubes,
 STORY(what_is_thin_has_no_holes_and_does_not_vanish)
 {
     for (int t = 0; t < THINGS; t++) {
-        struct stage s;
-        struct mesh mesh = {0};
+        OWNED(stage_release) struct stage s;
+        OWNED(mesh_release) struct mesh mesh = {0};
         begin_shape(&s, 35, thing[t].holds);
         CHECK(mesh_update(&mesh, &s.border, MESH_CUBES, NULL, NULL, NULL) == OK);
         for (int i = 0; i < SIDES; i++)
             for (uint32_t zoom = 1000; zoom <= 8000; zoom *= zoom < 2000 ? 2 : 4) {
-                struct rendition cubes;
+                OWNED(rendition_release) struct rendition cubes;
                 draw(&s, zoom, side[i]);
                 CHECK(rendition_init(&cubes, s.view.width, s.view.height, NULL) == OK);
                 project_border(&cubes, &s.camera, &mesh);
@@ -273,10 +269,7 @@ STORY(what_is_thin_has_no_holes_and_does_not_vanish)
                            share < (zoom == 1000 ? 2 : 1.5)))
                     printf("# %s, view %d, zoom %u: %zu holes, %.2f of its cubes\n", thing[t].name,
                            i, zoom, holes, share);
-                rendition_release(&cubes);
             }
-        mesh_release(&mesh);
-        stage_release(&s);
     }
 }
 
@@ -293,7 +286,7 @@ STORY(a_sheet_of_one_voxel_has_no_hole_from_any_side)
     uint64_t random = 9;
     size_t looked_at = 0;
     for (int i = 0; i < 25; i++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         place_at_random(&random);
         begin_shape(&s, 31, is_sheet_of_faces);
         for (int view = 0; view < 3; view++) {
@@ -323,7 +316,6 @@ STORY(a_sheet_of_one_voxel_has_no_hole_from_any_side)
             if (!CHECK(holes == 0))
                 printf("# sheet %d: %zu holes\n", i, holes);
         }
-        stage_release(&s);
     }
     CHECK(looked_at > 20000);
     memset(off, 0, sizeof off);
@@ -349,7 +341,7 @@ static size_t voxels_seen(struct stage *s, uint32_t z, uint32_t zoom, const int3
 STORY(a_single_voxel_does_not_vanish)
 {
     uint64_t random = 4;
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     size_t small = 0, all = 0;
     CHECK(stage_init(&s, (uint32_t[]){64, 64, 64}, 6, NULL) == OK);
     for (uint32_t i = 0; i < 11 * 11; i++)
@@ -365,7 +357,6 @@ STORY(a_single_voxel_does_not_vanish)
     }
     if (!CHECK(small * 100 >= all * 90))
         printf("# %zu of %zu voxels are seen at zoom 1\n", small, all);
-    stage_release(&s);
 }
 
 /* ---- where they lie ---- */
@@ -407,7 +398,7 @@ STORY(depths_are_those_of_planes_and_balls)
     uint64_t random = 8;
     double ripple = 0;
     for (int i = 0; i < 12; i++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         double mean;
         place_at_random(&random);
         begin_shape(&s, 61, is_below_plane);
@@ -429,11 +420,10 @@ STORY(depths_are_those_of_planes_and_balls)
         if (most < 100 && !CHECK(most < 0.3 && fabs(mean) < 0.1))
             printf("# plane %.2f %.2f %.2f: mean %.3f, 95 %% %.3f voxels\n", tilt[0], tilt[1],
                    tilt[2], mean, most);
-        stage_release(&s);
     }
     CHECK(ripple > 0);
     for (int i = 0; i < SIDES; i++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         double mean;
         place_at_random(&random);
         radius = 20;
@@ -442,7 +432,6 @@ STORY(depths_are_those_of_planes_and_balls)
         const double most = most_apart(&s, above_ball, &mean);
         if (!CHECK(most < 0.3 && fabs(mean) < 0.1))
             printf("# ball, view %d: mean %.3f, 95 %% %.3f voxels\n", i, mean, most);
-        stage_release(&s);
     }
     memset(off, 0, sizeof off);
 }
@@ -451,7 +440,7 @@ STORY(depths_are_those_of_planes_and_balls)
 STORY(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation)
 {
     for (int i = 0; i < 48; i++) {
-        struct stage s;
+        OWNED(stage_release) struct stage s;
         radius = 12;
         begin_shape(&s, 31, is_ball);
         stage_turn(&s, (unsigned)i / 8, (unsigned)i);
@@ -466,7 +455,6 @@ STORY(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation)
                 behind += at[a] * s.camera.ahead[a] / (1 << 30);
             CHECK(behind < 1.1 && fabs(above_ball(at)) < 1);
         }
-        stage_release(&s);
     }
 }
 
@@ -476,7 +464,7 @@ STORY(what_is_seen_is_the_side_towards_us_in_scenes_of_any_orientation)
  * the middle of the last layer of voxels, and flat. */
 STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     size_t open = 0;
     radius = 40;
     begin_shape(&s, 85, is_ball);
@@ -501,7 +489,6 @@ STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
     const double shown = sqrt((double)open / M_PI) / 4;
     if (!CHECK(fabs(shown - sqrt(1600 - 12 * 12)) < 0.15))
         printf("# radius %.3f\n", shown);
-    stage_release(&s);
 }
 
 /* Return the first row of a column that shows something. */
@@ -527,7 +514,7 @@ static unsigned count_teeth(const struct rendition *r)
 /* A ball without its upper half, from all sides. */
 STORY(the_rim_of_a_cut_is_a_line)
 {
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     radius = 40;
     begin_shape(&s, 85, is_ball);
     s.border.cut.last[2] = 42;
@@ -537,14 +524,13 @@ STORY(the_rim_of_a_cut_is_a_line)
         if (!CHECK(count_teeth(&s.rendition) <= 2))
             printf("# pitch %d: %u teeth\n", pitch, count_teeth(&s.rendition));
     }
-    stage_release(&s);
 }
 
 /* A scene that is one object is a box with sharp edges, without cut faces. */
 STORY(the_edge_of_the_scene_is_flat)
 {
     static const int32_t angle[][2] = {{0, 0}, {90000, 0}, {0, 90000}, {180000, 0}, {0, 270000}};
-    struct stage s;
+    OWNED(stage_release) struct stage s;
     begin_shape(&s, 21, is_block);
     for (size_t i = 0; i < sizeof angle / sizeof angle[0]; i++) {
         draw(&s, 4000, angle[i]);
@@ -558,5 +544,4 @@ STORY(the_edge_of_the_scene_is_flat)
                 CHECK(r->depth[p] >> NUMBER_BITS == r->depth[middle] >> NUMBER_BITS);
             }
     }
-    stage_release(&s);
 }

@@ -4,7 +4,7 @@
  * that were stopped. */
 #include "command/execute.h"
 #include "tests/random_commands.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 #include <math.h>
 
@@ -21,11 +21,10 @@ static struct geometry spaced(uint32_t x_nm, uint32_t y_nm, uint32_t z_nm)
 
 static void is_told(uint32_t nm, uint64_t voxels, const char *expected)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const struct geometry geometry = spaced(nm, nm, nm);
     tally_write_volume(&out, &geometry, voxels);
     CHECK_TEXT(buf_text(&out), expected);
-    buf_release(&out);
 }
 
 STORY(volumes_are_told_to_three_digits_in_a_unit_that_fits)
@@ -57,24 +56,22 @@ STORY(volumes_are_told_to_three_digits_in_a_unit_that_fits)
 
 STORY(each_axis_has_a_spacing_of_its_own)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const struct geometry geometry = spaced(1000000, 1500000, 2000000);
     tally_write_volume(&out, &geometry, 500);
     CHECK_TEXT(buf_text(&out), "1.5 ml");
-    buf_release(&out);
 }
 
 /* Sheared by 30 degrees: the cosine is 0.866. */
 STORY(voxels_of_sheared_axes_take_less_than_boxes)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct geometry geometry = spaced(1000000, 1000000, 2000000);
     geometry.to_mm[1][2] = 1;
     geometry.to_mm[2][2] = sqrt(3);
     tally_write_volume(&out, &geometry, 500);
     CHECK_TEXT(buf_text(&out), "866 mm3");
     CHECK(fabs(tally_voxel_mm3(&geometry) - sqrt(3)) < 1e-8);
-    buf_release(&out);
 }
 
 /* ---- counts ---- */
@@ -132,41 +129,38 @@ static uint64_t differences(const struct session *session)
     return differ;
 }
 
-STORY(counts_follow_whatever_is_done)
+BEGUN_STORY(counts_follow_whatever_is_done, begin_with_geom)
 {
-    struct interpreter interp;
     unsigned fresh = 0, counted = 0;
-    begin_with_geom(&interp);
-    differences(interp.session);
+    differences(interp->session);
     for (int i = 0; i < 400 && check_failures < 5; i++) {
-        do_anything(&interp, true);
-        fresh += stands(interp.session);
-        const uint64_t changed = differences(interp.session);
-        if (!interp.session->has_edited && !interp.session->has_regrown)
+        do_anything(interp, true);
+        fresh += stands(interp->session);
+        const uint64_t changed = differences(interp->session);
+        if (!interp->session->has_edited && !interp->session->has_regrown)
             continue;
-        CHECK_INT(session_changed_voxels(interp.session), changed);
+        CHECK_INT(session_changed_voxels(interp->session), changed);
         counted++;
     }
     CHECK(counted > 100);
     CHECK(fresh > 100);
-    must(&interp, "auto on; range none");
+    must(interp, "auto on; range none");
     for (int i = 0; i < 60; i++)
-        do_anything(&interp, false);
-    const struct tally before = interp.session->tally;
-    session_mark(interp.session);
-    CHECK(session_count_before(interp.session, NULL) == OK);
+        do_anything(interp, false);
+    const struct tally before = interp->session->tally;
+    session_mark(interp->session);
+    CHECK(session_count_before(interp->session, NULL) == OK);
     for (uint32_t i = 0; i < 5; i++)
-        CHECK(session_plant(interp.session,
-                            (uint32_t[]){grid_cell(&interp.session->scene->grid, 3 + i, 7, 9)}, 1,
+        CHECK(session_plant(interp->session,
+                            (uint32_t[]){grid_cell(&interp->session->scene->grid, 3 + i, 7, 9)}, 1,
                             9, 0, NULL) == OK);
-    CHECK(session_run(interp.session, NULL) == OK);
-    stands(interp.session);
-    CHECK(interp.session->tally.voxels[9] >= 5);
-    CHECK_INT(interp.session->former_tally.voxels[9], 0);
-    session_rollback(interp.session);
-    CHECK(stands(interp.session));
-    CHECK(memcmp(&before, &interp.session->tally, sizeof before) == 0);
-    interpreter_release(&interp);
+    CHECK(session_run(interp->session, NULL) == OK);
+    stands(interp->session);
+    CHECK(interp->session->tally.voxels[9] >= 5);
+    CHECK_INT(interp->session->former_tally.voxels[9], 0);
+    session_rollback(interp->session);
+    CHECK(stands(interp->session));
+    CHECK(memcmp(&before, &interp->session->tally, sizeof before) == 0);
 }
 
 /* In some sessions asked for after each command, in others now and then, so that several edits are
@@ -175,7 +169,7 @@ STORY(counts_follow_whatever_is_done)
 STORY(measures_follow_whatever_is_done)
 {
     for (unsigned round = 0; round < 8 && check_failures < 5; round++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         setenv("IFTTY_THREADS", round & 1 ? "3" : "1", 1);
         begin_with_geom(&interp);
         measures_stand(interp.session);
@@ -186,7 +180,6 @@ STORY(measures_follow_whatever_is_done)
             if (check_below(&seed, round & 4 ? 8 : 1) == 0)
                 measures_stand(interp.session);
         }
-        interpreter_release(&interp);
     }
     unsetenv("IFTTY_THREADS");
 }
@@ -194,7 +187,7 @@ STORY(measures_follow_whatever_is_done)
 STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
 {
     struct interpreter interp;
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     begin_with_geom(&interp);
     interpreter_release(&interp);
     begin_interpreter(&interp);
@@ -208,7 +201,6 @@ STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
     stands(interp.session);
     CHECK_INT(interp.session->tally.voxels[3], voxels);
     interpreter_release(&interp);
-    buf_release(&told);
 }
 
 /* ---- what is printed ---- */
@@ -225,51 +217,35 @@ static const char *answer(void)
     return text;
 }
 
-STORY(an_edit_is_answered_with_what_it_changed)
+SCENE_STORY(an_edit_is_answered_with_what_it_changed)
 {
-    struct interpreter interp;
-    begin_with_scene(&interp);
-    must(&interp, "auto on");
-    must(&interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, sheared */
+    must(interp, "auto on");
+    must(interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, sheared */
     CHECK_TEXT(answer(), "1320 voxels changed, label 1: 3.91 ml");
-    must(&interp, "seed 1,1,1 2");
-    const uint64_t one = interp.session->tally.voxels[1];
-    const uint64_t two = interp.session->tally.voxels[2];
+    must(interp, "seed 1,1,1 2");
+    const uint64_t one = interp->session->tally.voxels[1];
+    const uint64_t two = interp->session->tally.voxels[2];
     CHECK_INT(one + two, 1320);
     CHECK_HAS(answer(),
               one > two ? " voxels changed, label 1: " : " voxels changed, label 2 cerebellum: ");
     CHECK_HAS(answer(), ", label 2 cerebellum: ");
     CHECK_HAS(buf_text(&reply.text), " ms\n");
-    must(&interp, "remove 1,1,1");
+    must(interp, "remove 1,1,1");
     CHECK_HAS(answer(), ", label 1: 3.91 ml (+");
-    must(&interp, "undo");
+    must(interp, "undo");
     CHECK_HAS(answer(), ", label 2 cerebellum: ");
-    must(&interp, "seed 1,1,1 2"); /* is there already */
+    must(interp, "seed 1,1,1 2"); /* is there already */
     CHECK(strstr(answer(), "cerebellum") == NULL);
-    MUST_ANSWER(&interp, "hide 2", "");
-    interpreter_release(&interp);
+    MUST_ANSWER(interp, "hide 2", "");
 }
 
-STORY(of_many_labels_the_largest_are_told)
+SCENE_STORY(of_many_labels_the_largest_are_told)
 {
-    struct interpreter interp;
     char line[64];
-    begin_with_scene(&interp);
     for (int label = 1; label <= 9; label++) {
         snprintf(line, sizeof line, "seed %d,5,5 %d", label, label);
-        must(&interp, line);
+        must(interp, line);
     }
-    must(&interp, "run");
+    must(interp, "run");
     CHECK_HAS(answer(), ", 3 more labels");
-    interpreter_release(&interp);
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "tally"))
-        return 1;
-    make_scene();
-    const int status = check_run();
-    reply_release(&reply);
-    return remove_folder(folder) | status;
 }

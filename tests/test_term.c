@@ -17,6 +17,19 @@
 
 /* ---- the job: parts to play ---- */
 
+enum part {
+    WAITS,
+    WAITS_WITH_SIGNALS,
+    WAITS_AND_ANSWERS,
+    ENDS_WELL,
+    FORGETS_TO_CLOSE,
+    GOES_AT_ONCE,
+    HOLDS_A_LOCK,
+    LEAVES_A_CHILD,
+    WRITES_A_FRAME
+};
+enum { FRAME = 300000 };
+
 static volatile sig_atomic_t interrupted;
 
 static void note_interrupt(int number)
@@ -25,100 +38,54 @@ static void note_interrupt(int number)
     interrupted = 1;
 }
 
-static bool known_to_answer;
-
-static void go_full_screen(enum term_mode mode)
+/* Play a part of a program on the full screen. */
+static void play(const void *context)
 {
+    static char frame[FRAME];
+    const enum part part = *(const enum part *)context;
+    const bool has_signals = part == WAITS_WITH_SIGNALS || part == WRITES_A_FRAME;
     struct fault fault;
+    if (part == HOLDS_A_LOCK) {
+        int fd = memfd_create("lock", 0);
+        if (fd < 0 || dup2(fd, 77) < 0 || flock(77, LOCK_EX) != 0)
+            _exit(92);
+    }
+    if (part == WRITES_A_FRAME)
+        signal(SIGINT, note_interrupt);
     if (term_open(0, 1, &fault))
         _exit(90);
     term_set_sequences(BEGIN, END);
-    term_set_recovery(RECOVER, known_to_answer);
-    if (term_set_mode(mode, &fault) || term_write("ready", 5, &fault))
+    term_set_recovery(RECOVER, part == WAITS_AND_ANSWERS);
+    if (term_set_mode(has_signals ? TERM_QUIET : TERM_RAW, &fault) ||
+        term_write("ready", 5, &fault))
         _exit(91);
-}
-
-static void waits(const void *context)
-{
-    (void)context;
-    go_full_screen(TERM_RAW);
-    for (;;)
-        pause();
-}
-
-static void waits_with_signals(const void *context)
-{
-    (void)context;
-    go_full_screen(TERM_QUIET);
-    for (;;)
-        pause();
-}
-
-static void waits_and_answers(const void *context)
-{
-    (void)context;
-    known_to_answer = true;
-    waits(NULL);
-}
-
-static void ends_well(const void *context)
-{
-    (void)context;
-    go_full_screen(TERM_RAW);
-    term_close();
-}
-
-static void forgets_to_close(const void *context)
-{
-    (void)context;
-    go_full_screen(TERM_RAW);
-    exit(3);
-}
-
-static void goes_at_once(const void *context)
-{
-    (void)context;
-    go_full_screen(TERM_RAW);
-    _exit(4);
-}
-
-static void holds_a_lock(const void *context)
-{
-    (void)context;
-    int fd = memfd_create("lock", 0);
-    if (fd < 0 || dup2(fd, 77) < 0 || flock(77, LOCK_EX) != 0)
-        _exit(92);
-    waits(NULL);
-}
-
-static void leaves_a_child(const void *context)
-{
-    (void)context;
-    go_full_screen(TERM_RAW);
-    if (fork() == 0) { /* that has all of our descriptors */
-        usleep(5000000);
-        _exit(0);
+    switch (part) {
+    case ENDS_WELL:
+        term_close();
+        return;
+    case FORGETS_TO_CLOSE:
+        exit(3);
+    case GOES_AT_ONCE:
+        _exit(4);
+    case LEAVES_A_CHILD:
+        if (fork() == 0) { /* that has all of our descriptors */
+            usleep(5000000);
+            _exit(0);
+        }
+        term_write("forked", 6, NULL);
+        break;
+    case WRITES_A_FRAME:
+        memset(frame, 'p', sizeof frame);
+        frame[FRAME - 1] = '.';
+        if (term_write(frame, sizeof frame, &fault))
+            _exit(93);
+        term_close();
+        _exit(interrupted ? 6 : 5);
+    default:
+        break;
     }
-    term_write("forked", 6, NULL);
     for (;;)
         pause();
-}
-
-enum { FRAME = 300000 };
-
-static void writes_a_frame(const void *context)
-{
-    (void)context;
-    static char frame[FRAME];
-    struct fault fault;
-    signal(SIGINT, note_interrupt);
-    go_full_screen(TERM_QUIET);
-    memset(frame, 'p', sizeof frame);
-    frame[FRAME - 1] = '.';
-    if (term_write(frame, sizeof frame, &fault))
-        _exit(93);
-    term_close();
-    _exit(interrupted ? 6 : 5);
 }
 
 static void changes_sequences(const void *context)
@@ -138,16 +105,16 @@ static void changes_sequences(const void *context)
 
 /* ---- the shell and the terminal ---- */
 
-struct stage {
+static struct stage {
     struct job job;
     pid_t guardian;
-};
+} s;
 
 /* True if the text was written at any time. */
-static bool see(struct stage *s, const char *text, int ms)
+static bool see(const char *text, int ms)
 {
-    s->job.mark = 0;
-    return job_see(&s->job, text, ms);
+    s.job.mark = 0;
+    return job_see(&s.job, text, ms);
 }
 
 /* The first process of this name in the session; 0: none. A zombie counts. */
@@ -176,28 +143,28 @@ static pid_t process_of(pid_t session, const char *name)
     return found;
 }
 
-static bool comes_true(struct stage *s, bool (*what)(struct stage *))
+static bool comes_true(bool (*what)(void))
 {
     for (int i = 0; i < 6000; i++) {
-        if (what(s))
+        if (what())
             return true;
-        see(s, NULL, 10);
+        see(NULL, 10);
     }
     return false;
 }
 
-static bool guardian_is_gone(struct stage *s)
+static bool guardian_is_gone(void)
 {
     while (waitpid(-1, NULL, WNOHANG) > 0) /* orphans become our children */
         ;
-    return process_of(s->job.shell, "iftty-guardian") == 0;
+    return process_of(s.job.shell, "iftty-guardian") == 0;
 }
 
-static bool ends_with(const struct stage *s, const char *end)
+static bool ends_with(const char *end)
 {
     const size_t length = strlen(end);
-    return s->job.seen.length >= length &&
-           strcmp(buf_text(&s->job.seen) + s->job.seen.length - length, end) == 0;
+    return s.job.seen.length >= length &&
+           strcmp(buf_text(&s.job.seen) + s.job.seen.length - length, end) == 0;
 }
 
 static int descriptors_of(pid_t process)
@@ -214,65 +181,63 @@ static int descriptors_of(pid_t process)
 }
 
 /* The guardian may not be ready when its job is. Nothing is read meanwhile. */
-static void start_ready(struct stage *s, void (*play)(const void *))
+static void start_ready(enum part part)
 {
-    s->guardian = 0;
-    job_start(&s->job, play, NULL);
-    CHECK(see(s, BEGIN "ready", 60000));
-    for (int i = 0; i < 6000 && !s->guardian; i++) {
+    s.guardian = 0;
+    job_start(&s.job, play, &part);
+    CHECK(see(BEGIN "ready", 60000));
+    for (int i = 0; i < 6000 && !s.guardian; i++) {
         usleep(i ? 10000 : 0);
-        const pid_t found = process_of(s->job.shell, "iftty-guardian");
-        s->guardian = found && descriptors_of(found) <= 4 ? found : 0;
+        const pid_t found = process_of(s.job.shell, "iftty-guardian");
+        s.guardian = found && descriptors_of(found) <= 4 ? found : 0;
     }
-    CHECK(s->guardian > 0);
+    CHECK(s.guardian > 0);
 }
 
-static void end(struct stage *s)
+static void end(void)
 {
-    kill(s->job.process, SIGKILL);
-    CHECK(comes_true(s, guardian_is_gone));
-    job_end(&s->job);
+    kill(s.job.process, SIGKILL);
+    CHECK(comes_true(guardian_is_gone));
+    job_end(&s.job);
 }
 
 /* ---- stories ---- */
 
 /* The terminal may have made CR CR LF of the last line feed, since modes come first. */
-static bool has_ending(struct stage *s)
+static bool has_ending(void)
 {
-    return ends_with(s, ENDING) || ends_with(s, RECOVER END "\033[m\033[?25h\r\r\n");
+    return ends_with(ENDING) || ends_with(RECOVER END "\033[m\033[?25h\r\r\n");
 }
 
-static void check_restored(struct stage *s)
+static void check_restored(void)
 {
-    CHECK(comes_true(s, guardian_is_gone));
-    CHECK(job_has_modes_as_found(&s->job));
-    CHECK(comes_true(s, has_ending)); /* the output may still be on its way */
-    see(s, NULL, 20);
-    CHECK(has_ending(s)); /* and nothing after it */
+    CHECK(comes_true(guardian_is_gone));
+    CHECK(job_has_modes_as_found(&s.job));
+    CHECK(comes_true(has_ending)); /* the output may still be on its way */
+    see(NULL, 20);
+    CHECK(has_ending()); /* and nothing after it */
 }
 
 STORY(killed_in_full_screen_the_guardian_restores_the_terminal)
 {
-    struct stage s;
-    void (*const play[])(const void *) = {waits, waits_with_signals, leaves_a_child};
+    static const enum part part[] = {WAITS, WAITS_WITH_SIGNALS, LEAVES_A_CHILD};
     for (int i = 0; i < 6; i++) { /* the process alone, or the whole job */
-        start_ready(&s, play[i / 2]);
+        start_ready(part[i / 2]);
         CHECK(!job_has_modes_as_found(&s.job));
-        CHECK(play[i / 2] != leaves_a_child || see(&s, "forked", 60000));
+        CHECK(part[i / 2] != LEAVES_A_CHILD || see("forked", 60000));
         kill(i % 2 ? -s.job.process : s.job.process, SIGKILL);
         const int status = job_report(&s.job);
         CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
-        check_restored(&s);
-        end(&s);
+        check_restored();
+        end();
     }
 }
 
 STORY(the_guardian_holds_nothing_and_takes_no_signal)
 {
-    struct stage s;
     char path[64], line[200];
     unsigned long dirty_kb = 0;
-    start_ready(&s, holds_a_lock);
+    start_ready(HOLDS_A_LOCK);
     CHECK(descriptors_of(s.guardian) <= 4 && descriptors_of(s.job.process) > 4);
     snprintf(path, sizeof path, "/proc/%d/smaps_rollup", (int)s.guardian);
     FILE *file = fopen(path, "r");
@@ -287,181 +252,172 @@ STORY(the_guardian_holds_nothing_and_takes_no_signal)
         kill(s.guardian, signals[i]);
     kill(s.job.process, SIGKILL);
     job_report(&s.job);
-    check_restored(&s);
-    end(&s);
+    check_restored();
+    end();
 }
 
 STORY(after_an_end_of_its_own_nothing_is_left)
 {
     static const struct {
-        void (*play)(const void *);
+        enum part part;
         int status;
-    } cases[] = {{ends_well, 0}, {forgets_to_close, 3}, {goes_at_once, 4}};
+    } cases[] = {{ENDS_WELL, 0}, {FORGETS_TO_CLOSE, 3}, {GOES_AT_ONCE, 4}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct stage s;
-        job_start(&s.job, cases[i].play, NULL);
+        job_start(&s.job, play, &cases[i].part);
         const int status = job_report(&s.job);
         CHECK(WIFEXITED(status) && WEXITSTATUS(status) == cases[i].status);
-        if (cases[i].play == goes_at_once) { /* without a word, which the guardian notices */
-            check_restored(&s);
+        if (cases[i].part == GOES_AT_ONCE) { /* without a word, which the guardian notices */
+            check_restored();
         } else {
             CHECK_INT(process_of(s.job.shell, "iftty-guardian"), 0); /* at once */
             CHECK(job_has_modes_as_found(&s.job));
-            CHECK(see(&s, END, 60000));
+            CHECK(see(END, 60000));
         }
-        end(&s);
+        end();
     }
 }
 
 /* The job is stopped, another process has the terminal, and then the job is killed. */
-static void stop_and_kill(struct stage *s, void (*then)(struct stage *))
+static void stop_and_kill(void (*then)(void))
 {
-    kill(s->job.process, SIGSTOP);
-    CHECK(WIFSTOPPED(job_report(&s->job)));
-    CHECK(!job_has_modes_as_found(&s->job));
-    then(s);
-    buf_clear(&s->job.seen);
-    kill(s->job.process, SIGKILL);
-    CHECK(comes_true(s, guardian_is_gone));
-    see(s, NULL, 20);
+    kill(s.job.process, SIGSTOP);
+    CHECK(WIFSTOPPED(job_report(&s.job)));
+    CHECK(!job_has_modes_as_found(&s.job));
+    then();
+    buf_clear(&s.job.seen);
+    kill(s.job.process, SIGKILL);
+    CHECK(comes_true(guardian_is_gone));
+    see(NULL, 20);
 }
 
 static struct termios of_the_shell;
 
-static void shell_sets_its_own_modes(struct stage *s)
+static void shell_sets_its_own_modes(void)
 {
-    tcgetattr(s->job.slave, &of_the_shell);
+    tcgetattr(s.job.slave, &of_the_shell);
     of_the_shell.c_oflag |= OPOST | ONLCR;
     of_the_shell.c_lflag |= ISIG;
-    tcsetattr(s->job.slave, TCSANOW, &of_the_shell);
+    tcsetattr(s.job.slave, TCSANOW, &of_the_shell);
 }
 
 STORY(a_shell_that_came_first_keeps_its_modes_and_gets_the_screen)
 {
-    struct stage s;
     struct termios now;
-    start_ready(&s, waits);
-    stop_and_kill(&s, shell_sets_its_own_modes);
+    start_ready(WAITS);
+    stop_and_kill(shell_sets_its_own_modes);
     CHECK(tcgetattr(s.job.slave, &now) == 0 && now.c_lflag == of_the_shell.c_lflag &&
           now.c_iflag == of_the_shell.c_iflag);
-    CHECK(see(&s, END, 60000));
-    end(&s);
+    CHECK(see(END, 60000));
+    end();
 }
 
 /* A group that there is in the session: the guardian's own. */
-static void another_job_has_the_terminal(struct stage *s)
+static void another_job_has_the_terminal(void)
 {
-    job_order(&s->job, s->guardian);
-    for (int i = 0; i < 6000 && tcgetpgrp(s->job.master) != s->guardian; i++)
+    job_order(&s.job, s.guardian);
+    for (int i = 0; i < 6000 && tcgetpgrp(s.job.master) != s.guardian; i++)
         usleep(10000);
-    CHECK_INT(tcgetpgrp(s->job.master), s->guardian);
+    CHECK_INT(tcgetpgrp(s.job.master), s.guardian);
 }
 
 STORY(another_job_is_not_disturbed)
 {
-    struct stage s;
-    start_ready(&s, waits);
-    stop_and_kill(&s, another_job_has_the_terminal);
+    start_ready(WAITS);
+    stop_and_kill(another_job_has_the_terminal);
     CHECK_INT(s.job.seen.length, 0);
     CHECK(!job_has_modes_as_found(&s.job));
-    end(&s);
+    end();
 }
 
 STORY(killed_while_stopped_there_is_nothing_to_give_back)
 {
-    struct stage s;
-    start_ready(&s, waits);
+    start_ready(WAITS);
     kill(s.job.process, SIGTSTP);
     CHECK(WIFSTOPPED(job_report(&s.job)));
     CHECK(job_has_modes_as_found(&s.job));
-    CHECK(see(&s, END, 60000) && ends_with(&s, END));
+    CHECK(see(END, 60000) && ends_with(END));
     const size_t before = s.job.seen.length;
     kill(s.job.process, SIGKILL);
-    CHECK(comes_true(&s, guardian_is_gone));
-    see(&s, NULL, 20);
+    CHECK(comes_true(guardian_is_gone));
+    see(NULL, 20);
     CHECK_INT(s.job.seen.length, before);
-    end(&s);
+    end();
 }
 
 STORY(stopped_and_continued_it_is_guarded_again)
 {
-    struct stage s;
-    start_ready(&s, waits);
+    start_ready(WAITS);
     kill(s.job.process, SIGTSTP);
     CHECK(WIFSTOPPED(job_report(&s.job)));
     buf_clear(&s.job.seen);
     job_order(&s.job, 0);
-    CHECK(see(&s, BEGIN, 60000));
+    CHECK(see(BEGIN, 60000));
     kill(s.job.process, SIGKILL);
     job_report(&s.job);
-    check_restored(&s);
-    end(&s);
+    check_restored();
+    end();
 }
 
 /* Wait until the job is in the middle of its frame: a part was read, and the rest exceeds the
  * buffer of the terminal, since nobody reads. */
-static void start_frame(struct stage *s)
+static void start_frame(void)
 {
-    start_ready(s, writes_a_frame);
-    CHECK(see(s, "readyp", 60000));
+    start_ready(WRITES_A_FRAME);
+    CHECK(see("readyp", 60000));
 }
 
 STORY(ctrl_c_cuts_no_frame_in_two)
 {
-    struct stage s;
-    start_frame(&s);
+    start_frame();
     CHECK(write(s.job.master, "\003", 1) == 1);
     usleep(100000);
     const int status = job_report(&s.job);
     CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 6);
-    CHECK(see(&s, END, 60000));
+    CHECK(see(END, 60000));
     const char *text = buf_text(&s.job.seen), *first = strchr(text, 'p'), *last = strchr(text, '.');
     while (first && first[1] != 'p')
         first = strchr(first + 1, 'p');
     if (!CHECK(first && last && last - first == FRAME - 1))
         printf("#   %zu bytes, from %td to %td\n", s.job.seen.length, first ? first - text : -1,
                last ? last - text : -1);
-    end(&s);
+    end();
 }
 
 STORY(stopping_waits_for_the_end_of_a_frame)
 {
-    struct stage s;
-    start_frame(&s);
+    start_frame();
     CHECK(write(s.job.master, "\032", 1) == 1);
     usleep(100000);
     CHECK(WIFSTOPPED(job_report(&s.job)));
     CHECK(job_has_modes_as_found(&s.job));
-    CHECK(see(&s, END, 60000));
+    CHECK(see(END, 60000));
     const char *end_of_frame = strstr(buf_text(&s.job.seen), "p.");
     CHECK(end_of_frame && strstr(end_of_frame, END));
     CHECK(strstr(buf_text(&s.job.seen), END) > end_of_frame);
-    end(&s);
+    end();
 }
 
 STORY(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell)
 {
-    struct stage s;
-    start_ready(&s, waits_and_answers);
+    start_ready(WAITS_AND_ANSWERS);
     kill(s.job.process, SIGTERM);
-    CHECK(see(&s, RECOVER "\033[c" END, 60000));
+    CHECK(see(RECOVER "\033[c" END, 60000));
     usleep(50000);
     CHECK(write(s.job.master, "\033[?62;4c", 8) == 8);
     const int status = job_report(&s.job);
     CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
     CHECK(job_has_modes_as_found(&s.job));
     CHECK_INT(job_left_to_read(&s.job), 0);
-    end(&s);
+    end();
 }
 
 STORY(sequences_change_in_order_and_the_end_is_written_once)
 {
-    struct stage s;
     job_start(&s.job, changes_sequences, NULL);
     CHECK_INT(job_report(&s.job), 0);
-    see(&s, "bye", 60000);
+    see("bye", 60000);
     CHECK_TEXT(buf_text(&s.job.seen), "<prompt></prompt><pilot></pilot><prompt></prompt>bye");
-    end(&s);
+    end();
 }
 
 int main(void)

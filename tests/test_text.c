@@ -80,14 +80,13 @@ STORY(small_letters_are_crisp)
                                           ".#####..####+..#........", ".#+++#..#+++...#........",
                                           ".#...#..#......#........", ".#...#..#......#........",
                                           ".#...#..#####..####+....", "........................"};
-    struct canvas canvas = canvas_of(30, 20);
+    OWNED(canvas_release) struct canvas canvas = canvas_of(30, 20);
     text_draw(&canvas, 3, 4, 8, "HEL", &on_black);
     for (uint32_t y = 0; y < 10; y++)
         for (uint32_t x = 0; x < 24; x++) {
             const uint8_t level = canvas_pixel(&canvas, 3 + x, 3 + y)[0];
             CHECK_INT(level > 180 ? '#' : level > 90 ? '+' : '.', shape[y][x]);
         }
-    canvas_release(&canvas);
 }
 
 /* Edges of strokes move to whole pixels, and no edge moves further. */
@@ -119,7 +118,7 @@ STORY(ink_is_what_the_outline_covers)
 {
     enum { TALL = 83 };
     const double scale = (double)TALL / FACE_CAPITAL;
-    struct canvas canvas = canvas_of(320, 180);
+    OWNED(canvas_release) struct canvas canvas = canvas_of(320, 180);
     int whole = 0;
     for (unsigned outline = 0; outline < FACE_OUTLINES; outline++) {
         canvas_box(&canvas, 0, 0, 320, 180, on_black.outline);
@@ -129,7 +128,6 @@ STORY(ink_is_what_the_outline_covers)
         CHECK(ink < 1.02 * area + 1 && ink > 0.75 * area - 1);
     }
     CHECK(whole > FACE_OUTLINES * 9 / 10);
-    canvas_release(&canvas);
 }
 
 STORY(no_two_letters_are_the_same)
@@ -180,7 +178,7 @@ STORY(outlines_begin_end_and_stay_in_reach)
 STORY(what_the_face_lacks_is_a_box)
 {
     static const char *const lacking[] = {"日", "\xff", "\x80", "\x01", "\U0001F9E0", "\u0301"};
-    struct canvas box = canvas_of(40, 40), other = canvas_of(40, 40);
+    OWNED(canvas_release) struct canvas box = canvas_of(40, 40), other = canvas_of(40, 40);
     struct face_point p[2][FACE_POINTS_MOST];
     text_draw(&box, 9, 9, 8, "\x7f", &on_black);
     CHECK(inked(&box) > 10);
@@ -194,14 +192,12 @@ STORY(what_the_face_lacks_is_a_box)
         CHECK(face_read(p[1], outline) != points || memcmp(p[0], p[1], points * sizeof **p) != 0);
     CHECK_INT(text_width("\xe2\x80\x8b", 20),
               text_width("\xff\xff\xff", 20)); /* invisible: drawn as bytes */
-    canvas_release(&box);
-    canvas_release(&other);
 }
 
 STORY(any_bytes_are_drawn_within_their_width)
 {
     uint64_t random = 4711;
-    struct canvas canvas = canvas_of(90, 40), untouched = canvas_of(90, 40);
+    OWNED(canvas_release) struct canvas canvas = canvas_of(90, 40), untouched = canvas_of(90, 40);
     for (int round = 0; round < 4000; round++) {
         char words[64] = "";
         const uint32_t tall = 1 + (uint32_t)check_below(&random, 20);
@@ -222,8 +218,6 @@ STORY(any_bytes_are_drawn_within_their_width)
     }
     canvas_box(&canvas, 0, 0, 90, 40, on_black.outline);
     CHECK(is_same(&canvas, &untouched));
-    canvas_release(&canvas);
-    canvas_release(&untouched);
 }
 
 STORY(long_names_end_in_dots_at_a_whole_letter)
@@ -244,7 +238,7 @@ STORY(long_names_end_in_dots_at_a_whole_letter)
 STORY(capitals_are_as_tall_as_asked_for)
 {
     for (uint32_t tall = 4; tall <= 200; tall += 7) {
-        struct canvas canvas = canvas_of(300, 300);
+        OWNED(canvas_release) struct canvas canvas = canvas_of(300, 300);
         uint32_t first = 300, last = 0;
         draw_glyph(&canvas, face_find('H'), tall);
         for (uint32_t y = 0; y < 300; y++)
@@ -255,7 +249,6 @@ STORY(capitals_are_as_tall_as_asked_for)
                 }
         CHECK_INT(last + 1 - first, tall);
         CHECK_INT(last + 1, 3 * tall / 2);
-        canvas_release(&canvas);
     }
     CHECK_INT(text_width("", 30), 0);
     CHECK(text_width("brain", 60) > 2 * text_width("brain", 30) - 3);
@@ -281,7 +274,7 @@ STORY(a_halo_tells_ink_from_any_ground)
 {
     static const struct ink white = {{255, 255, 255}, {0, 0, 0}};
     for (uint32_t tall = 7; tall < 60; tall += 13) {
-        struct canvas canvas = canvas_of(90, 80);
+        OWNED(canvas_release) struct canvas canvas = canvas_of(90, 80);
         canvas_box(&canvas, 0, 0, 90, 80, white.rgb);
         text_draw(&canvas, 20, 10, tall, "H", &white);
         uint32_t changes = 0;
@@ -290,37 +283,32 @@ STORY(a_halo_tells_ink_from_any_ground)
             changes += dark != (canvas_pixel(&canvas, x - 1, 10 + tall / 4)[0] < 128);
         }
         CHECK_INT(changes, 8);
-        canvas_release(&canvas);
     }
 }
 
 STORY(a_halo_does_not_cover_the_letter_before)
 {
-    struct canvas alone = canvas_of(60, 40), pair = canvas_of(60, 40);
+    OWNED(canvas_release) struct canvas alone = canvas_of(60, 40), pair = canvas_of(60, 40);
     text_draw(&alone, 5, 8, 20, "l", &on_black);
     text_draw(&pair, 5, 8, 20, "ll", &on_black);
     for (size_t i = 0; i < 60 * 40; i++)
         CHECK(pair.rgba[4 * i] >= alone.rgba[4 * i]);
-    canvas_release(&alone);
-    canvas_release(&pair);
 }
 
 STORY(a_line_feed_begins_a_line)
 {
-    struct canvas canvas = canvas_of(40, 60), apart = canvas_of(40, 60);
+    OWNED(canvas_release) struct canvas canvas = canvas_of(40, 60), apart = canvas_of(40, 60);
     text_draw(&canvas, 3, 5, 9, "ab\ncd", &on_black);
     text_draw(&apart, 3, 5, 9, "ab", &on_black);
     text_draw(&apart, 3, 5 + text_line(9), 9, "cd", &on_black);
     CHECK(is_same(&canvas, &apart));
-    canvas_release(&canvas);
-    canvas_release(&apart);
 }
 
 /* Drawn into a part, at and beyond all its edges, the text is the same as without edges, and
  * nothing around it changes. */
 STORY(what_falls_beyond_the_edges_is_not_drawn)
 {
-    struct canvas canvas = canvas_of(60, 60), whole = canvas_of(60, 60);
+    OWNED(canvas_release) struct canvas canvas = canvas_of(60, 60), whole = canvas_of(60, 60);
     const struct canvas part = canvas_part(&canvas, 20, 20, 20, 20);
     for (int64_t y = -30; y < 40; y += 3)
         for (int64_t x = -30; x < 40; x += 3) {
@@ -336,15 +324,13 @@ STORY(what_falls_beyond_the_edges_is_not_drawn)
             CHECK(memcmp(pixel, inside ? canvas_pixel(&whole, x, y) : (uint8_t[4]){0, 0, 0, 255},
                          4) == 0);
         }
-    canvas_release(&canvas);
-    canvas_release(&whole);
 }
 
 /* The ground is neither ink nor outline, so that every changed pixel is visible. */
 STORY(a_canvas_remembers_where_its_words_are)
 {
     static const uint8_t ground[3] = {90, 255, 90};
-    struct canvas canvas;
+    OWNED(canvas_release) struct canvas canvas;
     CHECK(canvas_init(&canvas, 60, 60, CANVAS_NOTES, NULL) == OK);
     canvas_box(&canvas, 0, 0, 60, 60, ground);
     const struct canvas part = canvas_part(&canvas, 20, 30, 40, 30);
@@ -356,7 +342,6 @@ STORY(a_canvas_remembers_where_its_words_are)
         marked += canvas.words[i];
     }
     CHECK(marked > 300 && marked < 1200);
-    canvas_release(&canvas);
 }
 
 /* ---- light ---- */
@@ -382,7 +367,7 @@ STORY(light_adds_up)
 
 STORY(every_machine_draws_the_same)
 {
-    struct canvas canvas = canvas_of(512, 512);
+    OWNED(canvas_release) struct canvas canvas = canvas_of(512, 512);
     uint64_t digest = 0;
     for (unsigned outline = 0; outline < FACE_OUTLINES; outline++) {
         struct glyph glyph;
@@ -393,7 +378,6 @@ STORY(every_machine_draws_the_same)
         digest += hash_mix_at(outline, canvas_digest(&canvas));
     }
     CHECK_INT(digest, -171425511483953982);
-    canvas_release(&canvas);
 }
 
 STORY(a_digest_knows_every_pixel)
@@ -402,13 +386,12 @@ STORY(a_digest_knows_every_pixel)
     uint64_t seen[3 * 16];
     size_t count = 0;
     for (int i = 0; i < 3; i++) {
-        struct canvas canvas = canvas_of(sides[i][0], sides[i][1]);
+        OWNED(canvas_release) struct canvas canvas = canvas_of(sides[i][0], sides[i][1]);
         seen[count++] = canvas_digest(&canvas);
         for (uint32_t p = 0; p < sides[i][0] * sides[i][1]; p++) {
             canvas_dot(&canvas, p % sides[i][0], p / sides[i][0], red.rgb);
             seen[count++] = canvas_digest(&canvas);
         }
-        canvas_release(&canvas);
     }
     for (size_t a = 0; a < count; a++)
         for (size_t b = 0; b < a; b++)

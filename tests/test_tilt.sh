@@ -112,7 +112,6 @@ expect 0 "$iftty" compare all.nii all.nii
 out_has "axes are sheared by 15 degrees; distances ignore that"
 expect 0 "$iftty" compare --json all.nii all.nii
 grep -q '"shear_degrees": 15' "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 begin "a straightened ball keeps its place and volume; the journal verifies"
 for scene in leans steep leans.nii steep.nii; do
@@ -126,29 +125,22 @@ for scene in leans steep leans.nii steep.nii; do
     has_line j.iftty "^open $scene straighten=yes weight=morph"
     ! grep -q shear report.json || fail "$(cat report.json)"
 done
-expect 0 "$iftty" -c "open leans straighten=yes"
-out_has "52x82x34 voxels of 0.9x0.8x1.93185 mm"
+answers "52x82x34 voxels of 0.9x0.8x1.93185 mm" "open leans straighten=yes"
 out_has "straightened: its axes were 15 degrees off a right angle; slices are shifted in their"
 out_has "voxels beyond them are -1000"
 ! grep -q "its axes are sheared" "$work/out" || fail "$(cat "$work/out")"
-expect 0 "$iftty" -c "open plain straighten=yes"
-out_has "its axes are at right angles: nothing to straighten"
-expect 0 "$iftty" -c "open leans straighten=no"
-out_has "its axes are sheared"
-expect 2 "$iftty" -c "open synth:geom straighten=yes"
-err_has "huge and straighten are for files"
+answers "its axes are at right angles: nothing to straighten" "open plain straighten=yes"
+answers "its axes are sheared" "open leans straighten=no"
+expect_err "huge and straighten are for files" 2 "$iftty" -c "open synth:geom straighten=yes"
 /usr/bin/python3 - <<'END' || fail "nibabel writes no scene"
 import nibabel, numpy
 to_mm = numpy.diag([1.0, 1, 2, 1])
 to_mm[1, 2] = 0.5
 nibabel.save(nibabel.Nifti1Image(numpy.eye(9, dtype=numpy.uint8).reshape(3, 9, 3), to_mm), "up.nii")
 END
-expect 0 "$iftty" -c "open up.nii"
-out_has "its axes are oblique: up to 14 degrees off"
-expect 0 "$iftty" -c "open up.nii straighten=yes"
-out_has "straightened: its axes were 14 degrees off a right angle"
+answers "its axes are oblique: up to 14 degrees off" "open up.nii"
+answers "straightened: its axes were 14 degrees off a right angle" "open up.nii straighten=yes"
 ! grep -q "its axes are oblique" "$work/out" || fail "$(cat "$work/out")"
-close_story
 
 begin "the same for a part, an interpolated scene, and a map of the original slices"
 measures "leans crop=4-47,4-55,5-28 reduce=2 straighten=yes"
@@ -163,12 +155,10 @@ expect 0 "$iftty" -c "open leans straighten=yes;
     save labels all.nii" --journal j.iftty
 lies straight 1.3
 expect 0 "$iftty" verify j.iftty
-expect 3 "$iftty" -c "open leans straighten=yes; seed-file sheared.nii"
-err_has "resample=yes"
+refuses "resample=yes" "open leans straighten=yes; seed-file sheared.nii"
 rm -f j.iftty
 expect 0 "$iftty" -c "open leans straighten=yes; interpolate 1 2 2; seed 26,60,33 1 radius=3
     seed 2,2,2 0; run; info" --journal j.iftty
 expect 0 "$iftty" verify j.iftty
-close_story
 
 finish

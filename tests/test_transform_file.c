@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Transform files: files written by ITK (tests/transforms/, with places mapped by ITK itself), the
  * meaning of FLIRT's matrices, the direction of maps, and refusals. */
-#include "tests/check.h"
-
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,7 +8,9 @@
 #include "apply/registration.h"
 #include "tests/folder.h"
 
-static char folder[FOLDER_LENGTH];
+static void make_scenes(void);
+#define BEFORE_STORIES make_scenes()
+#include "tests/folder_main.h"
 
 /* Two scenes: axes from right to left, as often in NIfTI, and a tilted scene with other steps. */
 static struct geometry procedure_geometry, subject_geometry;
@@ -24,6 +24,7 @@ static void make_scenes(void)
         {1.1, 0.1, 0, -80}, {-0.1, 1.2, 0.2, -110}, {0, -0.2, 2, -90}};
     CHECK(geometry_place(&procedure_geometry, one, ORIENTATION_FILE));
     CHECK(geometry_place(&subject_geometry, other, ORIENTATION_FILE));
+    register_helper_program = built_program("iftty-register");
 }
 
 static const char *file_with(const char *name, const void *bytes, size_t length)
@@ -120,7 +121,7 @@ STORY(files_of_itk_that_are_not_affine_or_not_whole_are_refused)
 /* Every truncation and every changed byte of a MATLAB file is read or refused, without a crash. */
 STORY(damaged_files_of_matlab_are_refused)
 {
-    struct buf whole = {0};
+    OWNED(buf_release) struct buf whole = {0};
     struct fault fault;
     struct affine out;
     unsigned refused = 0;
@@ -134,7 +135,6 @@ STORY(damaged_files_of_matlab_are_refused)
         refused += read_file(&out, file_with("b.mat", bytes, whole.length), &fault) != OK;
     }
     CHECK(refused > 60 && refused < whole.length);
-    buf_release(&whole);
 }
 
 /* ---- FSL ---- */
@@ -261,18 +261,4 @@ STORY(a_missing_or_faulty_helper_is_an_error_of_one_line)
     CHECK_HAS(fault_of(HEARD "echo transform 1; printf a; yes | tr -d '\\n' | tr y '\\377' | "
                              "head -c 96; sleep 9"),
               "it has no inverse");
-}
-
-int main(void)
-{
-    if (!make_folder(folder, "transforms"))
-        return 1;
-    const char *build = getenv("IFTTY_BUILD");
-    char helper[FILE_LENGTH];
-    snprintf(helper, sizeof helper, "%s/iftty-register", build ? build : "build");
-    register_helper_program = helper;
-    make_scenes();
-    const int failed = check_run();
-    buf_release(&words);
-    return failed | remove_folder(folder);
 }

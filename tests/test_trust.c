@@ -234,7 +234,7 @@ STORY(outside_only_regular_files_are_found)
         {"", false},
     };
     CHECK(make_top());
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     char journal[200];
     snprintf(journal, sizeof journal, "%s", below_top("in/j.iftty"));
     setenv("HOME", below_top("out"), 1);
@@ -245,7 +245,6 @@ STORY(outside_only_regular_files_are_found)
         CHECK(leads == expected[i].leads);
     }
     unsetenv("HOME");
-    buf_release(&path);
     CHECK(remove_folder(top) == 0);
 }
 
@@ -324,9 +323,9 @@ STORY(a_confined_process_reaches_only_its_places)
 /* The last story: limits hold until the process ends. */
 STORY(limits_stop_commands_of_an_interpreter_that_was_there_before_them)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     struct limits limits;
-    struct replay_report report = {0};
+    OWNED(replay_report_release) struct replay_report report = {0};
     char folder[FOLDER_LENGTH], script[FILE_LENGTH];
     CHECK(make_folder(folder, "limits"));
     snprintf(script, sizeof script, "%s/script", folder);
@@ -339,8 +338,6 @@ STORY(limits_stop_commands_of_an_interpreter_that_was_there_before_them)
     CHECK(replay_file(&interp, script, 0, 0, NULL, NULL, &report, &fault) == OK);
     CHECK_INT(report.executed, 1);
     CHECK(interp.session->watch && interp.session->watch == limits_watch());
-    replay_report_release(&report);
-    interpreter_release(&interp);
     reply_release(&reply);
     CHECK(remove_folder(folder) == 0);
 }

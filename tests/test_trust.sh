@@ -51,7 +51,6 @@ ln -s below/t.nii inner.nii
 replays 'open inner.nii; seed 2,3,4 1; run' # a link that stays inside
 journal j "open $work/secret/hidden.nii; seed 2,3,4 1; run"
 expect 0 "$iftty" replay j --scene "$work/secret/hidden.nii"
-close_story
 
 begin "absolute names, .., links that lead out and devices are not read"
 ln -s "$work/secret/hidden.nii" out.nii
@@ -76,7 +75,6 @@ for command in mask weight seed-file; do
         refuses "$name is not a regular file" "open s.nii; $command $name"
     done
 done
-close_story
 
 begin "both files of a pair are read, and neither may lead out"
 head -c 348 s.nii >p.hdr
@@ -108,7 +106,6 @@ done
 mkfifo p.img
 refuses "p.img is not a regular file" "open p.hdr"
 rm p.hdr p.img
-close_story
 
 by_link='open away.nii' # each names one file elsewhere, away
 by_path='open ../annex/key.nii'
@@ -174,7 +171,6 @@ for name in p.hdr p.img; do
     out_has "there is no scene $name next to the journal or among the scenes"
 done
 rm p.hdr p.img
-close_story
 
 begin "any other file elsewhere is treated as missing"
 nifti_header 30000 30000 30000 >"$work/large.nii"
@@ -211,7 +207,6 @@ for opens in "$by_link" "$by_path" "$by_whole"; do
     rm -rf "$target"
 done
 rm "$work/large.nii"
-close_story
 
 begin "a part of a file elsewhere, voxels without a header, and maps are not read by a proof"
 cp s.nii "$target"
@@ -228,7 +223,6 @@ for command in mask weight labels; do
     out_has "the journal may not read away.nii, which leads out of its folder"
 done
 rm -f p.iftty
-close_story
 
 begin "one data set of many, and a header without voxels, are not read by a proof, under any name"
 rm -f p.iftty away.nii "$target"
@@ -258,7 +252,6 @@ done
 rm -f p.iftty away.* v.raw
 ln -s "$target" away.nii
 cp s.nii "$target"
-close_story
 
 begin "a file that replaces a scene meanwhile is not shown"
 expect 0 "$iftty" -c "$by_link; seed 2,3,4 1; run; slice axial 3 seen.png" --journal p.iftty
@@ -287,7 +280,6 @@ done
 kill $swapping
 wait $swapping 2>/dev/null
 rm -f away.nii next.nii p.iftty
-close_story
 
 begin "the target of a link in place of a journal is not shown, unless it is a journal"
 echo 'token 1f2e3d' >"$work/secret/token"
@@ -308,7 +300,6 @@ for way in '' loose; do
     done
 done
 rm t.iftty far.iftty
-close_story
 
 begin "the current folder is not searched"
 mkdir elsewhere
@@ -318,7 +309,6 @@ expect_in "$work/secret" 3 "$iftty" replay "$work/there/elsewhere/j"
 expect_in "$work/secret" 0 env IFTTY_SCENES="$work/none:$work/secret" \
     "$iftty" replay "$work/there/elsewhere/j"
 expect_in "$work/secret" 0 "$iftty" -c 'open near.nii' # for one's own commands it is
-close_story
 
 begin "the proof detects another scene of the same name"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run' --journal proof.iftty
@@ -333,7 +323,6 @@ sed 's/ sha256=[0-9a-f]*//' proof.iftty >old.iftty # as journals without a proof
 expect_out "its chain digest does not fit" 1 "$iftty" verify old.iftty
 expect 0 "$iftty" run "old.iftty" --journal anew.iftty
 same_files anew.iftty proof.iftty
-close_story
 
 begin "the proof is the standard SHA-256"
 if needs python3; then
@@ -345,7 +334,6 @@ print(hashlib.sha256(head + b"".join(struct.pack("<H", v) for v in voxels)).hexd
 EOP
 )"
 fi
-close_story
 
 begin "a golden image is read in the journal's folder"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 30 30; golden g' --journal g.iftty
@@ -359,7 +347,6 @@ ln -s /dev/zero g.golden/g.exr
 expect_out "which leads out of its folder" 1 timeout 120 "$iftty" verify g.iftty
 rm g.golden/g.exr && mkfifo g.golden/g.exr
 expect_out "is not a regular file" 1 timeout 120 "$iftty" verify g.iftty
-close_story
 
 # ---- writing ----
 
@@ -378,7 +365,6 @@ if can_limit_memory; then
     expect 0 "$iftty" replay j --out out
     same "$(ls out | tr '\n' ' ')" "l.nii p.png q.png "
 fi
-close_story
 
 begin "a link in the folder of --out does not lead the replay out of it"
 echo precious >"$work/secret/target.png"
@@ -388,7 +374,6 @@ for replace in no yes; do
     expect 3 "$iftty" replay j --out out
 done
 same "$(cat "$work/secret/target.png")" precious
-close_story
 
 # ---- limits ----
 
@@ -404,13 +389,11 @@ err_has "more than the 1 MB of --limit-output; this file was removed"
 same "$(ls bounded | tr '\n' ' ')" "a.exr " # files within the limit are kept
 expect 0 "$iftty" replay big --limit-output 20M --limit-time 5m --limit-memory 2G --out bounded2
 rm -r bounded bounded2
-close_story
 
 begin "several files are counted together"
 { printf 'open s.nii\nseed 2,3,4 1\nrun\n'; seq -f 'save root r%g.nii' 9; } >many
 expect 3 "$iftty" replay many --limit-output 100k --out counted # of 31 kB each
 same "$(ls counted | wc -l | tr -d ' ')" 3
-close_story
 
 begin "invalid limits"
 for wrong in "--limit-memory 0" "--limit-memory much" "--limit-memory 5X" "--limit-memory -1" \
@@ -418,7 +401,6 @@ for wrong in "--limit-memory 0" "--limit-memory much" "--limit-memory 5X" "--lim
     # shellcheck disable=SC2086
     expect_err "${wrong%% *}: expected" 2 "$iftty" replay big $wrong
 done
-close_story
 
 # ---- output ----
 
@@ -518,7 +500,6 @@ if needs oiiotool; then # all pictures at once, since the helper starts slowly
     is_plain "$work/err"
 fi
 cd ..
-close_story
 
 # ---- without execution ----
 
@@ -528,7 +509,6 @@ sed 's/^seed 2,3,4 1$/seed 3,3,4 1/' proof.iftty >edited.iftty
 expect_err "record 2" 1 "$iftty" log --check edited.iftty
 head -c $(($(file_bytes proof.iftty) - 20)) proof.iftty >torn.iftty
 expect_err "record 3" 1 "$iftty" log --check torn.iftty
-close_story
 
 begin "--anonymise removes comments and names of files, and nothing else"
 cat >named <<'EOS'
@@ -571,7 +551,6 @@ expect 0 "$iftty" log named --anonymise
 diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
 expect 0 "$iftty" log named --anonymise --script
 diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
-close_story
 
 # ---- confinement by the kernel ----
 
@@ -581,7 +560,6 @@ grep -qE '^landlock  (version [0-9]+|none)' "$work/out" || fail "$(cat "$work/ou
 grep -q '^seccomp  ' "$work/out" || fail "$(cat "$work/out")"
 expect_out '"landlock": ' 0 "$iftty" info --json
 out_has '"seccomp": '
-close_story
 
 begin "replay and verify are confined, the user's own commands are not"
 if needs_landlock; then
@@ -610,6 +588,5 @@ if needs_landlock; then
         wait "$process" 2>/dev/null
     done
 fi
-close_story
 
 finish

@@ -71,17 +71,6 @@ static struct image_view noise(uint32_t width, uint32_t height, uint64_t seed)
     return view;
 }
 
-static uint32_t channel_distance(uint32_t a, uint32_t b)
-{
-    uint32_t most = 0;
-    for (unsigned shift = 0; shift < 24; shift += 8) {
-        int32_t d = (int32_t)(a >> shift & 255) - (int32_t)(b >> shift & 255);
-        uint32_t size = (uint32_t)(d < 0 ? -d : d);
-        most = size > most ? size : most;
-    }
-    return most;
-}
-
 /* The largest difference of a channel between `decoded` and the view. */
 static uint32_t worst_pixel(const struct image_view *view)
 {
@@ -185,12 +174,11 @@ STORY(pictures_survive_sixel_as_far_as_its_colours_go)
 STORY(two_nearly_equal_colours_among_many_do_not_stall_the_reduction)
 {
     struct image_view view = noise(64, 64, 9);
-    struct shades shades = {0};
+    OWNED(shades_release) struct shades shades = {0};
     set_pixel(&view, 0, 0, 0x000000);
     set_pixel(&view, 1, 0, 0x000100);
     CHECK(!shades_take_exact(&shades, &view)); /* there are more */
     CHECK(shades_choose(&shades, &view) && shades.count == 247);
-    shades_release(&shades);
 }
 
 /* ---- scaling, blocks ---- */
@@ -308,7 +296,7 @@ STORY(a_picture_at_the_prompt_is_framed_and_fits)
     struct terminal_facts facts = {
         .graphics = &graphics_sixel, .cell_width = 10, .cell_height = 20, .image_side_most = 1000};
     struct image_view view = ball(90, 30);
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     show_inline(&facts, &view, 80, 24, &out);
     check_framed(buf_text(&out), "\r\n\n\n\n\n\033[5A\0337", 90, "\0338\033[5B\r");
     buf_clear(&out);
@@ -323,7 +311,6 @@ STORY(a_picture_at_the_prompt_is_framed_and_fits)
     facts.graphics = &graphics_none;
     show_inline(&facts, &view, 80, 24, &out);
     CHECK_INT(out.length, 0);
-    buf_release(&out);
 }
 
 STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
@@ -331,7 +318,7 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
     static const uint32_t levels[] = {32, 256};
     for (unsigned i = 0; i < 2; i++) {
         struct image_view view = ball(512, levels[i]);
-        struct buf out = {0};
+        OWNED(buf_release) struct buf out = {0};
         uint64_t best[3] = {UINT64_MAX, UINT64_MAX, UINT64_MAX};
         size_t bytes[3] = {0};
         for (unsigned n = 0; n < 15; n++) {
@@ -352,7 +339,6 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
                levels[i], (double)best[0] / 1e6, bytes[0], (double)best[1] / 1e6, bytes[1],
                (double)best[2] / 1e6, bytes[2]);
         CHECK(best[0] < 200000000 && best[1] < 200000000 && best[2] < 200000000);
-        buf_release(&out);
     }
 }
 
@@ -405,12 +391,11 @@ struct key_case {
 
 static void check_keys(const struct key_case *cases, size_t count)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     for (size_t i = 0; i < count; i++) {
         feed_keys(&out, cases[i].bytes, strlen(cases[i].bytes));
         CHECK_TEXT(buf_text(&out), cases[i].events);
     }
-    buf_release(&out);
 }
 
 #define CHECK_KEYS(...)                                                                            \
@@ -460,15 +445,13 @@ STORY(replies_are_swallowed_whole_whenever_they_come)
                 "<[>41;379;0c> <[6;18;9t> <[?2;0;1000;1000S> <[12;40R>"},
                {"\033]0;never ended\rx", "enter x"}, /* a cut reply does not swallow Enter */
                {"\033[?6\003", "C-c"}, {"\033P>|x\033[Ay", "up y"}, {"\033\\x", "A-other x"});
-    struct buf out = {0}, reply = {0};
+    OWNED(buf_release) struct buf out = {0}, reply = {0};
     buf_add_text(&reply, "\033P");
     for (int i = 0; i < 5000; i++)
         buf_add_char(&reply, 'x');
     buf_add_text(&reply, "\033\\z");
     feed_keys(&out, reply.data, reply.length);
     CHECK(out.length > 2 && strcmp(out.data + out.length - 3, "> z") == 0);
-    buf_release(&out);
-    buf_release(&reply);
 }
 
 STORY(the_mouse_is_reported_in_two_ways)
@@ -543,14 +526,17 @@ STORY(any_bytes_at_all_lead_back_to_the_ground)
 
 /* ---- replies and decisions ---- */
 
-static void take_all(struct probe_replies *r, struct buf *typed, const char *bytes, size_t piece)
+static struct probe_replies heard;
+static struct buf typed;
+
+static void take_all(const char *bytes, size_t piece)
 {
     struct keys keys = {0};
     size_t length = strlen(bytes);
-    *r = (struct probe_replies){0};
-    buf_clear(typed);
+    heard = (struct probe_replies){0};
+    buf_clear(&typed);
     for (size_t i = 0; i < length; i += piece)
-        probe_take(r, &keys, bytes + i, length - i < piece ? length - i : piece, typed);
+        probe_take(&heard, &keys, bytes + i, length - i < piece ? length - i : piece, &typed);
 }
 
 STORY(replies_are_understood_however_they_are_split)
@@ -558,19 +544,16 @@ STORY(replies_are_understood_however_they_are_split)
     static const char bytes[] =
         "\033[>41;379;0c\033P>|XTerm(379)\033\\op\033[6;18;9t\033[4;450;720t"
         "en\033[?2;0;1000;900S\033[?63;1;2;4;6;9;15;22c ch2";
-    struct probe_replies r;
-    struct buf typed = {0};
     for (size_t piece = 1; piece < sizeof bytes; piece++) {
-        take_all(&r, &typed, bytes, piece);
-        CHECK(r.da1 && (r.attributes >> 4 & 1) && r.answers[0] == 0);
-        CHECK_TEXT(r.name, "XTerm(379)");
-        CHECK_INT(r.cell_width, 9);
-        CHECK_INT(r.cell_height, 18);
-        CHECK_INT(r.text_width, 720);
-        CHECK_INT(r.image_height, 900);
+        take_all(bytes, piece);
+        CHECK(heard.da1 && (heard.attributes >> 4 & 1) && heard.answers[0] == 0);
+        CHECK_TEXT(heard.name, "XTerm(379)");
+        CHECK_INT(heard.cell_width, 9);
+        CHECK_INT(heard.cell_height, 18);
+        CHECK_INT(heard.text_width, 720);
+        CHECK_INT(heard.image_height, 900);
         CHECK_TEXT(buf_text(&typed), "open ch2");
     }
-    buf_release(&typed);
 }
 
 STORY(parameter_4_is_a_whole_number)
@@ -581,19 +564,14 @@ STORY(parameter_4_is_a_whole_number)
     } cases[] = {{"\033[?62;4;22c", true},   {"\033[?63;1;2;3;4c", true}, {"\033[?62;42c", false},
                  {"\033[?64;14;24c", false}, {"\033[?1;2c", false},       {"\033[?6c", false},
                  {"\033[?65;1;9c", false},   {"\033[>4;4;4c", false},     {"\033[4;4;4c", false}};
-    struct probe_replies r;
-    struct buf typed = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        take_all(&r, &typed, cases[i].bytes, 1);
-        CHECK_INT(r.attributes >> 4 & 1, cases[i].sixel);
+        take_all(cases[i].bytes, 1);
+        CHECK_INT(heard.attributes >> 4 & 1, cases[i].sixel);
     }
-    buf_release(&typed);
 }
 
 STORY(garbage_is_no_reply)
 {
-    struct probe_replies r;
-    struct buf typed = {0};
     static const char *const cases[] = {"\033[?c",
                                         "\033[?;;;c",
                                         "\033[?99999999999999;4444444444c",
@@ -605,12 +583,11 @@ STORY(garbage_is_no_reply)
                                         "\033[?2;3;0S",
                                         "\033[?1;0;256S"};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        take_all(&r, &typed, cases[i], 1);
-        CHECK(!(r.attributes >> 4 & 1) && !strstr(r.answers, "OK") && r.cell_width == 0 &&
-              r.image_width == 0 && r.text_width == 0);
+        take_all(cases[i], 1);
+        CHECK(!(heard.attributes >> 4 & 1) && !strstr(heard.answers, "OK") &&
+              heard.cell_width == 0 && heard.image_width == 0 && heard.text_width == 0);
         CHECK_TEXT(buf_text(&typed), "");
     }
-    buf_release(&typed);
 }
 
 static struct terminal_facts decide(const char *term, const char *replies_text, const char *name,
@@ -619,16 +596,13 @@ static struct terminal_facts decide(const char *term, const char *replies_text, 
     struct probe_environment e = {.term = term, .colorterm = "", .no_color = no_color};
     struct term_size size = {.columns = 80, .rows = 24};
     struct graphics_wish wish;
-    struct probe_replies r;
-    struct buf typed = {0};
     struct terminal_facts facts;
-    take_all(&r, &typed, replies_text, 7);
+    take_all(replies_text, 7);
     if (strstr(replies_text, "_Gi=31"))
-        CHECK(graphics_kitty.question.may_ask(&r, &e));
+        CHECK(graphics_kitty.question.may_ask(&heard, &e));
     CHECK(graphics_from_name(name, &wish));
-    probe_decide(&r, &e, &size, &facts);
-    facts.graphics = graphics_choose(&r, &e, wish);
-    buf_release(&typed);
+    probe_decide(&heard, &e, &size, &facts);
+    facts.graphics = graphics_choose(&heard, &e, wish);
     return facts;
 }
 
@@ -718,19 +692,16 @@ STORY(the_cell_size_comes_from_whoever_tells_a_sensible_one)
                  {{80, 24, 80, 24}, "", 8, 16},
                  {{80, 24, 60000, 60000}, "\033[6;900;3t", 8, 16}};
     struct probe_environment e = {.term = "xterm", .colorterm = ""};
-    struct buf typed = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct probe_replies r;
         struct terminal_facts f;
-        take_all(&r, &typed, cases[i].replies, 3);
-        probe_decide(&r, &e, &cases[i].size, &f);
+        take_all(cases[i].replies, 3);
+        probe_decide(&heard, &e, &cases[i].size, &f);
         CHECK_INT(f.cell_width, cases[i].width);
         CHECK_INT(f.cell_height, cases[i].height);
         CHECK_INT(f.image_side_most, 1000);
     }
     CHECK_INT(decide("foot", "\033[?2;0;10000;8000S\033[?62;4c", "auto", false).image_side_most,
               8000);
-    buf_release(&typed);
 }
 
 /* ---- the line ---- */
@@ -767,86 +738,97 @@ static const char *shown(void)
     return text;
 }
 
-/* Repeat an action; then compare the line. */
-#define ACT(action, times, expected)                                                               \
-    do {                                                                                           \
-        act(action, times);                                                                        \
-        CHECK_TEXT(shown(), expected);                                                             \
-    } while (0)
+/* Keys as a terminal sends them. */
+#define LEFT           "\002"
+#define RIGHT          "\006"
+#define WORD_LEFT      "\033b"
+#define WORD_RIGHT     "\033f"
+#define HOME           "\001"
+#define END            "\005"
+#define ERASE          "\177"
+#define DELETE         "\033[3~"
+#define KILL_TO_END    "\013"
+#define KILL_TO_START  "\025"
+#define KILL_BLANK     "\027"
+#define KILL_WORD_LEFT "\033\177"
+#define KILL_WORD      "\033d"
+#define YANK           "\031"
+#define TRANSPOSE      "\024"
+#define UNDO           "\037"
+#define OLDER          "\020"
+#define NEWER          "\016"
+#define OLDEST         "\033<"
+#define NEWEST         "\033>"
+#define LAST_WORD      "\033."
+
+/* Type text and keys, and compare the line after them. */
+struct typed {
+    const char *bytes, *shown;
+};
+
+static void check_typed(const struct typed *row, size_t rows)
+{
+    for (; rows-- > 0; row++) {
+        struct keys keys = {0};
+        struct key_event event;
+        char before[LINE_KEYS_MOST] = "";
+        for (const char *at = row->bytes; *at; at++) {
+            if (!keys_feed(&keys, (uint8_t)*at, &event))
+                continue;
+            const unsigned found = line_key_find(&event, before);
+            if (found < LINE_ACTIONS)
+                line_act(&line, (enum line_action)found);
+            else
+                line_insert(&line, event.text, event.length);
+        }
+        CHECK_TEXT(shown(), row->shown);
+    }
+}
+
+#define TYPED(...)                                                                                 \
+    check_typed((const struct typed[]){__VA_ARGS__},                                               \
+                sizeof((const struct typed[]){__VA_ARGS__}) / sizeof(struct typed))
 
 STORY(typing_moving_and_deleting)
 {
     begin_line(NULL, 0);
-    act(LINE_LEFT, 2); /* nothing there yet */
-    act(LINE_ERASE, 1);
-    act(LINE_DELETE, 1);
-    act(LINE_TRANSPOSE, 1);
-    ACT(LINE_KILL_TO_END, 1, "|");
-    type("seed 1,2,3 brain");
-    ACT(LINE_WORD_LEFT, 2, "seed 1,2,|3 brain");
-    act(LINE_ERASE, 1);
-    act(LINE_DELETE, 1);
-    type("4");
-    CHECK_TEXT(shown(), "seed 1,24| brain");
-    ACT(LINE_WORD_RIGHT, 1, "seed 1,24 brain|");
-    act(LINE_RIGHT, 3);
-    act(LINE_DELETE, 1);
-    act(LINE_HOME, 1);
-    ACT(LINE_RIGHT, 1, "s|eed 1,24 brain");
+    TYPED({LEFT LEFT ERASE DELETE TRANSPOSE KILL_TO_END, "|"}, /* nothing there yet */
+          {"seed 1,2,3 brain" WORD_LEFT WORD_LEFT, "seed 1,2,|3 brain"},
+          {ERASE DELETE "4", "seed 1,24| brain"}, {WORD_RIGHT, "seed 1,24 brain|"},
+          {RIGHT RIGHT RIGHT DELETE HOME RIGHT, "s|eed 1,24 brain"});
 }
 
 STORY(one_character_is_what_the_eye_sees_as_one)
 {
     begin_line(NULL, 0);
-    type("ae\u0301\u0323\U0001F9E0\u00e4");
-    ACT(LINE_LEFT, 3, "a|e\u0301\u0323\U0001F9E0\u00e4");
-    ACT(LINE_DELETE, 1, "a|\U0001F9E0\u00e4");
-    act(LINE_END, 1);
-    ACT(LINE_TRANSPOSE, 1, "a\u00e4\U0001F9E0|");
-    ACT(LINE_ERASE, 1, "a\u00e4|");
+    TYPED({"ae\u0301\u0323\U0001F9E0\u00e4" LEFT LEFT LEFT, "a|e\u0301\u0323\U0001F9E0\u00e4"},
+          {DELETE, "a|\U0001F9E0\u00e4"}, {END TRANSPOSE, "a\u00e4\U0001F9E0|"},
+          {ERASE, "a\u00e4|"});
 }
 
 STORY(kills_gather_and_come_back)
 {
     begin_line(NULL, 0);
-    type("view 30 15 0");
-    ACT(LINE_KILL_BLANK_LEFT, 2, "view 30 |");
-    ACT(LINE_YANK, 2, "view 30 15 015 0|");
-    act(LINE_HOME, 1);
-    act(LINE_KILL_WORD_RIGHT, 1);
-    ACT(LINE_KILL_TO_END, 1, "|");
-    type("x");
-    ACT(LINE_YANK, 1, "xview 30 15 015 0|");
-    act(LINE_KILL_WORD_LEFT, 1);
-    act(LINE_LEFT, 1); /* something else between: a new kill begins */
-    act(LINE_KILL_TO_START, 1);
-    ACT(LINE_YANK, 1, "xview 30 15 015| ");
+    TYPED({"view 30 15 0" KILL_BLANK KILL_BLANK, "view 30 |"}, {YANK YANK, "view 30 15 015 0|"},
+          {HOME KILL_WORD KILL_TO_END, "|"}, {"x" YANK, "xview 30 15 015 0|"},
+          /* something else between: a new kill begins */
+          {KILL_WORD_LEFT LEFT KILL_TO_START YANK, "xview 30 15 015| "});
 }
 
 STORY(transposing_at_the_ends_and_within)
 {
     begin_line(NULL, 0);
-    type("ab");
-    ACT(LINE_TRANSPOSE, 1, "ba|");
-    act(LINE_HOME, 1);
-    ACT(LINE_TRANSPOSE, 1, "|ba");
-    act(LINE_RIGHT, 1);
-    ACT(LINE_TRANSPOSE, 1, "ab|");
+    TYPED({"ab" TRANSPOSE, "ba|"}, {HOME TRANSPOSE, "|ba"}, {RIGHT TRANSPOSE, "ab|"});
 }
 
 STORY(browsing_older_lines_keeps_the_one_begun)
 {
     static const char *const entries[] = {"open ch2", "run", "run", " secret", "render"};
     begin_line(entries, 5);
-    CHECK_INT(old_lines.count, 3); /* no repetition, nothing after a blank */
-    type("see");
-    act(LINE_HOME, 1); /* every line begins with the empty prefix */
-    ACT(LINE_OLDER, 1, "render|");
-    ACT(LINE_OLDER, 7, "open ch2|");
-    ACT(LINE_NEWER, 1, "run|");
-    ACT(LINE_NEWEST, 1, "see|");
-    ACT(LINE_NEWER, 1, "see|");
-    ACT(LINE_OLDEST, 1, "open ch2|");
+    CHECK_INT(old_lines.count, 3);       /* no repetition, nothing after a blank */
+    TYPED({"see" HOME OLDER, "render|"}, /* every line begins with the empty prefix */
+          {OLDER OLDER OLDER OLDER OLDER OLDER OLDER, "open ch2|"}, {NEWER, "run|"},
+          {NEWEST, "see|"}, {NEWER, "see|"}, {OLDEST, "open ch2|"});
 }
 
 /* "run|seed 2": the list of a search, the one that is chosen after a mark. */
@@ -923,81 +905,53 @@ static const char *const sessions[] = {"seed 1,1,1 a",          "view left",
 STORY(older_lines_begin_with_what_stands_before_the_cursor)
 {
     begin_line(sessions, 6);
-    type("seed");
-    ACT(LINE_OLDER, 1, "seed 3,3,3 a radius=2|");
-    ACT(LINE_OLDER, 1, "seed 2,2,2 b|");
-    ACT(LINE_OLDER, 5, "seed 1,1,1 a|");
-    ACT(LINE_NEWER, 1, "seed 2,2,2 b|");
-    ACT(LINE_NEWER, 2, "seed|");
-    ACT(LINE_NEWER, 1, "seed|");
-    ACT(LINE_OLDEST, 1, "seed 1,1,1 a|");
-    act(LINE_NEWEST, 1);
-    act(LINE_LEFT, 3); /* only the text before the cursor counts */
-    ACT(LINE_OLDER, 1, "seed 3,3,3 a radius=2|");
-    act(LINE_HOME, 1);
-    ACT(LINE_OLDER, 1, "run|"); /* on from there, whatever they begin with */
-    type("x");                  /* no older line any more: it is today's */
-    act(LINE_HOME, 1);
-    ACT(LINE_OLDER, 1, "label 2 \"left hemi\"|");
-    ACT(LINE_NEWER, 1, "runx|");
-    type("zzz");
-    ACT(LINE_OLDER, 1, "runxzzz|"); /* nothing begins so */
+    TYPED({"seed" OLDER, "seed 3,3,3 a radius=2|"}, {OLDER, "seed 2,2,2 b|"},
+          {OLDER OLDER OLDER OLDER OLDER, "seed 1,1,1 a|"}, {NEWER, "seed 2,2,2 b|"},
+          {NEWER NEWER, "seed|"}, {NEWER, "seed|"}, {OLDEST, "seed 1,1,1 a|"},
+          /* only the text before the cursor counts */
+          {NEWEST LEFT LEFT LEFT OLDER, "seed 3,3,3 a radius=2|"},
+          {HOME OLDER, "run|"}, /* on from there, whatever they begin with */
+          /* no older line any more: it is today's */
+          {"x" HOME OLDER, "label 2 \"left hemi\"|"}, {NEWER, "runx|"},
+          {"zzz" OLDER, "runxzzz|"}); /* nothing begins so */
 }
 
 STORY(last_words_of_older_lines_are_cited)
 {
     begin_line(sessions, 6);
-    type("x ");
-    ACT(LINE_LAST_WORD, 1, "x \"left hemi\"|");
-    ACT(LINE_LAST_WORD, 1, "x radius=2|");
-    ACT(LINE_LAST_WORD, 2, "x b|");
-    ACT(LINE_LAST_WORD, 9, "x a|");
-    ACT(LINE_UNDO, 1, "x |"); /* all as one */
-    act(LINE_LEFT, 1);
-    ACT(LINE_LAST_WORD, 1, "x\"left hemi\"| ");
+    TYPED(
+        {"x " LAST_WORD, "x \"left hemi\"|"}, {LAST_WORD, "x radius=2|"},
+        {LAST_WORD LAST_WORD, "x b|"},
+        {LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD LAST_WORD,
+         "x a|"},
+        {UNDO, "x |"}, /* all as one */
+        {LEFT LAST_WORD, "x\"left hemi\"| "});
 }
 
 STORY(what_was_done_to_a_line_is_undone_step_by_step)
 {
     begin_line(sessions, 6);
-    act(LINE_UNDO, 1);
-    type("see");
-    type("d");
-    type(" ");
-    type("1");
-    type(",2");
-    act(LINE_LEFT, 2);
-    ACT(LINE_ERASE, 2, "seed|,2");
-    ACT(LINE_UNDO, 1, "seed 1|,2"); /* characters erased one after another are one step, */
-    ACT(LINE_UNDO, 1, "seed |");    /* and so is a word */
-    ACT(LINE_UNDO, 1, "|");
-    ACT(LINE_UNDO, 3, "|");
-    type("v");
-    act(LINE_OLDER, 2);
-    act(LINE_KILL_TO_START, 1);
-    act(LINE_YANK, 1);
-    ACT(LINE_UNDO, 2, "view left|");
-    ACT(LINE_UNDO, 1, "v|");
+    TYPED({UNDO "seed 1,2" LEFT LEFT ERASE ERASE, "seed|,2"},
+          {UNDO, "seed 1|,2"}, /* characters erased one after another are one step, */
+          {UNDO, "seed |"},    /* and so is a word */
+          {UNDO, "|"}, {UNDO UNDO UNDO, "|"},
+          {"v" OLDER OLDER KILL_TO_START YANK UNDO UNDO, "view left|"}, {UNDO, "v|"});
     line_paste(&line, "a", 1);
     line_paste(&line, " b", 2);
     line_paste(&line, "c", 1);
-    CHECK_TEXT(shown(), "va bc|");
-    ACT(LINE_UNDO, 1, "v|");
+    TYPED({"", "va bc|"}, {UNDO, "v|"});
 }
 
 STORY(letters_of_a_word_change_with_their_bytes)
 {
     begin_line(NULL, 0);
     type("label 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
-    act(LINE_HOME, 1);
-    ACT(LINE_UPPER, 1, "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
-    ACT(LINE_CAPITAL, 2, "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe");
-    /* two bytes become one; characters without case stay */
-    ACT(LINE_UPPER, 3, "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|");
-    act(LINE_UPPER, 1);
-    act(LINE_WORD_LEFT, 1);
-    ACT(LINE_LOWER, 1, "LABEL 2 \u00c9tag\u00e8re IX \xff stra\u00dfe|");
-    ACT(LINE_UNDO, 1, "LABEL 2 \u00c9tag\u00e8re IX \xff |STRA\u00dfE");
+    TYPED({HOME "\033u", "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe"},
+          {"\033c\033c", "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe"},
+          /* two bytes become one; characters without case stay */
+          {"\033u\033u\033u", "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|"},
+          {"\033u" WORD_LEFT "\033l", "LABEL 2 \u00c9tag\u00e8re IX \xff stra\u00dfe|"},
+          {UNDO, "LABEL 2 \u00c9tag\u00e8re IX \xff |STRA\u00dfE"});
 }
 
 /* Labels of the name b are no more. */
@@ -1032,7 +986,7 @@ STORY(the_newest_line_that_begins_so_and_is_known_is_suggested)
     CHECK(line_take_suggestion(&line, suggested(), LINE_END));
     CHECK_TEXT(shown(), "seed 1,1,1 a radius=2|");
     CHECK_TEXT(suggested(), "");
-    ACT(LINE_UNDO, 1, "seed 1|");
+    TYPED({UNDO, "seed 1|"});
 }
 
 STORY(a_hundred_lines_that_are_no_more_known_are_not_all_tried)
@@ -1089,7 +1043,7 @@ STORY(random_edits_are_undone_one_by_one)
 
 STORY(undo_holds_no_more_than_it_may)
 {
-    struct buf large = {0};
+    OWNED(buf_release) struct buf large = {0};
     begin_line(NULL, 0);
     for (int i = 0; i < 3 * LINE_UNDO_MOST; i++) {
         type("a ");
@@ -1104,7 +1058,6 @@ STORY(undo_holds_no_more_than_it_may)
     act(LINE_KILL_TO_START, 1); /* too much to hold */
     act(LINE_UNDO, 1);
     CHECK_INT(line.text.length, 0);
-    buf_release(&large);
 }
 
 STORY(the_table_of_keys_names_them_all)
@@ -1147,14 +1100,12 @@ STORY(the_table_of_keys_names_them_all)
 
 STORY(the_page_of_keys_is_the_one_in_the_readme)
 {
-    struct buf page = {0}, readme = {0};
+    OWNED(buf_release) struct buf page = {0}, readme = {0};
     line_keys_page(&page);
     for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 80);
     CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
     CHECK_HAS(buf_text(&readme), buf_text(&page));
-    buf_release(&page);
-    buf_release(&readme);
 }
 
 /* ---- drawing, on a screen of 10x6 ---- */
@@ -1296,12 +1247,10 @@ STORY(widths_of_characters)
 
 static void wraps(const char *text, unsigned columns, const char *expected)
 {
-    struct buf in = {0}, out = {0};
+    OWNED(buf_release) struct buf in = {0}, out = {0};
     buf_add_text(&in, text);
     cells_wrap(&out, &in, columns);
     CHECK_TEXT(buf_text(&out), expected);
-    buf_release(&in);
-    buf_release(&out);
 }
 
 STORY(replies_are_broken_between_words)

@@ -106,13 +106,12 @@ STORY(what_leads_to_a_file_is_not_repeated)
 
 STORY(candidates_that_do_not_fit_are_told_in_one_line)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     for (int i = 0; i < 100; i++)
         buf_printf(&words, "%02d\n", i);
     CHECK_TEXT(list(buf_text(&words), 9, 8),
                "00  04\r\n01  05\r\n02  06\r\n03  07\r\nand 92 more\r\n");
     CHECK_TEXT(list(buf_text(&words), 9, 1), "00  01\r\nand 98 more\r\n");
-    buf_release(&words);
 }
 
 STORY(words_that_mean_something_have_a_row_each_where_there_are_rows)

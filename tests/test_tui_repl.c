@@ -99,6 +99,7 @@ struct terminal {
     uint64_t late_ns;
     size_t answered; /* bytes of `seen` looked at for questions */
 };
+static struct terminal t;
 
 struct setting {
     const char *term, *da1, *name, *no_color;
@@ -118,14 +119,14 @@ static void play(const void *context)
     exit(run_host(&setting->options, setting->once));
 }
 
-static void type_bytes(struct terminal *t, const char *bytes, size_t length)
+static void type_bytes(const char *bytes, size_t length)
 {
-    CHECK(write(t->job.master, bytes, length) == (ssize_t)length);
+    CHECK(write(t.job.master, bytes, length) == (ssize_t)length);
 }
 
-static void type(struct terminal *t, const char *text)
+static void type(const char *text)
 {
-    type_bytes(t, text, strlen(text));
+    type_bytes(text, strlen(text));
 }
 
 static bool is_question(const char *at, const char *question)
@@ -133,61 +134,53 @@ static bool is_question(const char *at, const char *question)
     return strncmp(at, question, strlen(question)) == 0;
 }
 
-static void reply(struct terminal *t, const char *text)
+static void reply(const char *text)
 {
-    if (t->delay_ms == 0) {
-        type(t, text);
+    if (t.delay_ms == 0) {
+        type(text);
         return;
     }
-    if (t->late.length == 0)
-        t->late_ns = clock_ns() + t->delay_ms * UINT64_C(1000000);
-    buf_add_text(&t->late, text);
+    if (t.late.length == 0)
+        t.late_ns = clock_ns() + t.delay_ms * UINT64_C(1000000);
+    buf_add_text(&t.late, text);
 }
 
 /* Answer the questions in the new output, as a terminal with these abilities does. */
 static void answer(struct job *job)
 {
-    struct terminal *t = (struct terminal *)job;
-    for (; t->answered < job->seen.length; t->answered++) {
-        const char *at = job->seen.data + t->answered;
-        if (is_question(at, "\033[c") && t->da1)
-            reply(t, t->da1);
-        else if (is_question(at, "\033[>q") && t->name)
-            reply(t, t->name);
-        else if (is_question(at, "\033_Gi=31,s=1,v=1,a=q") && t->kitty)
-            reply(t, "\033_Gi=31;OK\033\\");
-        else if (*at == '\033' && job->seen.length - t->answered < 24 && !strchr(at, 'c'))
+    for (; t.answered < job->seen.length; t.answered++) {
+        const char *at = job->seen.data + t.answered;
+        if (is_question(at, "\033[c") && t.da1)
+            reply(t.da1);
+        else if (is_question(at, "\033[>q") && t.name)
+            reply(t.name);
+        else if (is_question(at, "\033_Gi=31,s=1,v=1,a=q") && t.kitty)
+            reply("\033_Gi=31;OK\033\\");
+        else if (*at == '\033' && job->seen.length - t.answered < 24 && !strchr(at, 'c'))
             break; /* perhaps cut short: look again when more is there */
     }
-    if (t->late.length && clock_ns() >= t->late_ns) {
-        type_bytes(t, t->late.data, t->late.length);
-        buf_clear(&t->late);
+    if (t.late.length && clock_ns() >= t.late_ns) {
+        type_bytes(t.late.data, t.late.length);
+        buf_clear(&t.late);
     }
-    job->is_late = t->late.length > 0;
+    job->is_late = t.late.length > 0;
 }
 
-static void start(struct terminal *t, const struct setting *setting)
+static void start(const struct setting *setting)
 {
-    *t = (struct terminal){.da1 = setting->da1,
-                           .name = setting->name,
-                           .kitty = setting->kitty,
-                           .delay_ms = setting->delay_ms};
-    job_start(&t->job, play, setting);
-    t->job.answer = answer;
+    t = (struct terminal){.da1 = setting->da1,
+                          .name = setting->name,
+                          .kitty = setting->kitty,
+                          .delay_ms = setting->delay_ms};
+    job_start(&t.job, play, setting);
+    t.job.answer = answer;
 }
 
-#define SEE(t, text)                                                                               \
-    do {                                                                                           \
-        size_t see_from = (t)->job.mark;                                                           \
-        if (!check_report(job_see(&(t)->job, text, 60000), __FILE__, __LINE__, "sees " #text))     \
-            print_seen(t, see_from);                                                               \
-    } while (0)
-
-static void print_seen(const struct terminal *t, size_t from)
+static void print_seen(size_t from)
 {
     printf("#   saw \"");
-    for (size_t i = from; i < t->job.seen.length && i < from + 600; i++) {
-        unsigned char c = (unsigned char)t->job.seen.data[i];
+    for (size_t i = from; i < t.job.seen.length && i < from + 600; i++) {
+        unsigned char c = (unsigned char)t.job.seen.data[i];
         if (c < 32 || c > 126)
             printf("\\x%02x", c);
         else
@@ -196,36 +189,43 @@ static void print_seen(const struct terminal *t, size_t from)
     printf("\"\n");
 }
 
-#define SEE_AFTER(t, keys, text)                                                                   \
-    do {                                                                                           \
-        type(t, keys);                                                                             \
-        SEE(t, text);                                                                              \
-    } while (0)
-
-static void start_at_prompt(struct terminal *t, const struct setting *setting)
+/* These texts come, one after the other. */
+static void see_all(const char *const *text, int line)
 {
-    start(t, setting);
-    SEE(t, "ch2> ");
+    for (; *text; text++) {
+        const size_t from = t.job.mark;
+        if (!check_report(job_see(&t.job, *text, 60000), __FILE__, line, *text))
+            print_seen(from);
+    }
 }
 
-static void end(struct terminal *t)
+#define SEE(...)             see_all((const char *const[]){__VA_ARGS__, NULL}, __LINE__)
+#define SEE_AFTER(keys, ...) (type(keys), SEE(__VA_ARGS__))
+
+static void start_at_prompt(const struct setting *setting)
 {
-    job_end(&t->job);
-    buf_release(&t->late);
+    start(setting);
+    SEE("ch2> ");
 }
 
-static void quit(struct terminal *t)
+static void end(void)
 {
-    type(t, "quit\r");
-    CHECK_INT(job_report(&t->job), 0);
-    end(t);
+    job_end(&t.job);
+    buf_release(&t.late);
+}
+
+static void quit(void)
+{
+    type("quit\r");
+    CHECK_INT(job_report(&t.job), 0);
+    end();
 }
 
 /* The bytes that a shell would find typed, once every answer has come. */
-static size_t left_to_read(struct terminal *t)
+static size_t left_to_read(void)
 {
-    job_see(&t->job, NULL, (int)t->delay_ms + 50);
-    return job_left_to_read(&t->job);
+    job_see(&t.job, NULL, (int)t.delay_ms + 50);
+    return job_left_to_read(&t.job);
 }
 
 static const struct setting xterm = {.term = "xterm", .da1 = "\033[?64;1;2;6;9c"};
@@ -239,102 +239,87 @@ static const struct setting silent = {.term = "xterm"};
 
 STORY(a_line_is_edited_and_run_and_ctrl_d_restores_everything)
 {
-    struct terminal t;
     uint64_t begin = clock_ns();
-    start(&t, &xterm);
-    SEE(&t, "\033[?2004h");
-    SEE(&t, "ch2> ");
+    start(&xterm);
+    SEE("\033[?2004h", "ch2> ");
     printf("# start to prompt %.1f ms\n", (double)(clock_ns() - begin) / 1e6);
     CHECK(!job_has_modes_as_found(&t.job));
-    SEE_AFTER(&t, "exho hell", "exho hell");
-    SEE_AFTER(&t, "o\001\006\033[3~h\010c\005 \303\244\r",
+    SEE_AFTER("exho hell", "exho hell");
+    SEE_AFTER("o\001\006\033[3~h\010c\005 \303\244\r",
               "hello \303\244\r\n"); /* exho -> echo, and an umlaut */
-    SEE(&t, "[hello \303\244]\r\n");
-    SEE(&t, "ch2> ");
-    type(&t, "\004");
+    SEE("[hello \303\244]\r\n", "ch2> ");
+    type("\004");
     CHECK_INT(job_report(&t.job), 0);
     CHECK(job_has_modes_as_found(&t.job));
-    SEE(&t, "\033[?2004l");
-    end(&t);
+    SEE("\033[?2004l");
+    end();
 }
 
 STORY(a_sixel_terminal_gets_sixels_and_each_is_waited_for)
 {
     uint64_t took_least = UINT64_MAX;
     for (int i = 0; i < 5 && took_least > UINT64_C(1500000000); i++) { /* others may be busy */
-        struct terminal t;
-        start_at_prompt(&t, &vt340);
-        SEE_AFTER(&t, "picture\r", "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40");
-        SEE(&t, "\033\\\0338\033[2B\r\033[c");
-        SEE(&t, "ch2> ");
+        start_at_prompt(&vt340);
+        SEE_AFTER("picture\r", "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40",
+                  "\033\\\0338\033[2B\r\033[c", "ch2> ");
         const uint64_t begin = clock_ns();
-        SEE_AFTER(&t, "picture\rquit\r", "\033P0;1q");
-        SEE(&t, "\033\\\0338\033[2B\r\033[c");
+        SEE_AFTER("picture\rquit\r", "\033P0;1q", "\033\\\0338\033[2B\r\033[c");
         CHECK_INT(job_report(&t.job), 0);
         CHECK(job_has_modes_as_found(&t.job));
         const uint64_t took = clock_ns() - begin;
         took_least = took < took_least ? took : took_least;
         const char *asked = strstr(t.job.seen.data + t.job.mark, "\033[c"); /* on leaving */
         CHECK(!asked || !strstr(asked + 1, "\033[c")); /* no question is asked twice */
-        end(&t);
+        end();
     }
     CHECK(took_least < UINT64_C(1500000000)); /* no answer is waited for twice */
 }
 
 STORY(kitty_gets_its_own_graphics_and_a_picture_that_nobody_confirms_is_recovered_from)
 {
-    struct terminal t;
-    start(&t, &kitty);
-    SEE(&t, "a=q");
-    SEE(&t, "\r\033[K");
-    SEE(&t, "ch2> ");
+    start(&kitty);
+    SEE("a=q", "\r\033[K", "ch2> ");
     t.da1 = NULL; /* the line has cut it */
-    SEE_AFTER(&t, "picture\r", "\033_Ga=T,C=1,f=100,q=2,m=0;iVBOR");
-    SEE(&t, "ch2> ");
-    SEE_AFTER(&t, "picture\r", "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\");
-    SEE(&t, "\033_Ga=T");
-    SEE(&t, "ch2> ");
-    quit(&t);
+    SEE_AFTER("picture\r", "\033_Ga=T,C=1,f=100,q=2,m=0;iVBOR", "ch2> ");
+    SEE_AFTER("picture\r", "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\", "\033_Ga=T", "ch2> ");
+    quit();
 }
 
 STORY(a_terminal_without_graphics_gets_blocks)
 {
-    struct terminal t;
-    start_at_prompt(&t, &xterm);
-    SEE_AFTER(&t, "picture\rquit\r", "\033[48;5;");
+    start_at_prompt(&xterm);
+    SEE_AFTER("picture\rquit\r", "\033[48;5;");
     CHECK_INT(job_report(&t.job), 0);
     CHECK(!strstr(t.job.seen.data, "\033P") && !strstr(t.job.seen.data, "\033_G"));
-    end(&t);
+    end();
 }
 
 STORY(without_colours_one_question_is_asked_and_nothing_coloured)
 {
-    struct terminal t;
     struct setting setting = vt340;
     setting.no_color = "1";
-    start_at_prompt(&t, &setting);
-    SEE_AFTER(&t, "nonsense\rpicture\rquit\r", "error: there is no command nonsense\r\n");
+    start_at_prompt(&setting);
+    SEE_AFTER("nonsense\rpicture\rquit\r", "error: there is no command nonsense\r\n");
     CHECK_INT(job_report(&t.job), 0);
     CHECK(strstr(t.job.seen.data, "\033[>") == NULL &&
           strstr(t.job.seen.data, "\033[31m") == NULL &&
           strstr(t.job.seen.data, "\033[48") == NULL);
     CHECK_HAS(t.job.seen.data, "%%%");
-    end(&t);
+    end();
 }
 
 STORY(a_silent_terminal_costs_two_seconds_and_no_key)
 {
-    struct terminal t;
-    start(&t, &silent);
-    SEE(&t, "\033[c");
+    start(&silent);
+    SEE("\033[c");
     uint64_t begin = clock_ns();
-    type(&t, "echo ea");
-    SEE_AFTER(&t, "rly\r", "[early]");
+    type("echo ea");
+    SEE_AFTER("rly\r", "[early]");
     uint64_t took = (clock_ns() - begin) / 1000000;
     CHECK(took > 1500 && took < 20000); /* twice two seconds, more on a busy machine */
-    type(&t, "\004");
+    type("\004");
     CHECK_INT(job_report(&t.job), 0);
-    end(&t);
+    end();
 }
 
 STORY(answers_that_take_their_time_are_not_left_to_the_shell)
@@ -342,80 +327,75 @@ STORY(answers_that_take_their_time_are_not_left_to_the_shell)
     static const char *const typed[] = {"picture\rquit\r", "picture\r\032"};
     for (int stops = 0; stops < 2; stops++) {
         struct setting setting = vt340;
-        struct terminal t;
         setting.delay_ms = 300;
-        start_at_prompt(&t, &setting);
-        SEE_AFTER(&t, typed[stops], "\033P0;1q");
+        start_at_prompt(&setting);
+        SEE_AFTER(typed[stops], "\033P0;1q");
         const int status = job_report(&t.job);
         CHECK(stops ? WIFSTOPPED(status) : status == 0);
         CHECK(job_has_modes_as_found(&t.job));
-        CHECK_INT(left_to_read(&t), 0);
-        end(&t);
+        CHECK_INT(left_to_read(), 0);
+        end();
     }
 }
 
 STORY(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm)
 {
     struct setting setting = vt340;
-    struct terminal t;
     setting.delay_ms = 2300;
-    start_at_prompt(&t, &setting);
-    type(&t, "echo on");
+    start_at_prompt(&setting);
+    type("echo on");
     job_see(&t.job, NULL, 500);
-    SEE_AFTER(&t, "ly\r", "[only]");
-    type(&t, "quit\r");
+    SEE_AFTER("ly\r", "[only]");
+    type("quit\r");
     CHECK_INT(job_report(&t.job), 0);
-    CHECK_INT(left_to_read(&t), 0);
-    end(&t);
+    CHECK_INT(left_to_read(), 0);
+    end();
 }
 
 STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
 {
-    struct terminal t;
     struct buf paste = {0};
-    start_at_prompt(&t, &xterm);
+    start_at_prompt(&xterm);
     buf_add_text(&paste, "\033[200~echo ");
     for (int i = 0; i < 3000; i++)
         buf_add_char(&paste, 'x');
     size_t before = t.job.seen.length;
     for (size_t at = 0; at < paste.length; at += 100) { /* in pieces, as a network would */
-        type_bytes(&t, paste.data + at, paste.length - at < 100 ? paste.length - at : 100);
+        type_bytes(paste.data + at, paste.length - at < 100 ? paste.length - at : 100);
         job_see(&t.job, NULL, 1);
     }
-    SEE_AFTER(&t, "\033[201~", "xxx");
+    SEE_AFTER("\033[201~", "xxx");
     job_see(&t.job, NULL, 300);
     CHECK(t.job.seen.length - before < 2400); /* a screenful, once */
-    SEE_AFTER(&t, "\003\033[200~echo one\r\necho two\necho thr\033[201~ee\r", "[one]");
-    SEE(&t, "[two]");
-    SEE(&t, "[three]");
+    SEE_AFTER("\003\033[200~echo one\r\necho two\necho thr\033[201~ee\r", "[one]", "[two]",
+              "[three]");
     buf_release(&paste);
-    quit(&t);
+    quit();
 }
 
 /* Return true if b after a lone Escape is read as b; not if the program had no time to read between
  * the two. */
-static bool is_lone_escape(struct terminal *t)
+static bool is_lone_escape(void)
 {
-    type(t, "echo one two\033b");
-    job_see(&t->job, NULL, 100);
-    type(t, "X\033");
-    job_see(&t->job, NULL, 300); /* longer than the time-out */
-    SEE_AFTER(t, "b\r", "two]\r\n");
-    const bool is_letter = strstr(buf_text(&t->job.seen), "[one Xbtwo]") != NULL;
-    CHECK(is_letter || strstr(buf_text(&t->job.seen), "[one Xtwo]") != NULL);
-    SEE(t, "ch2> ");
+    type("echo one two\033b");
+    job_see(&t.job, NULL, 100);
+    type("X\033");
+    job_see(&t.job, NULL, 300); /* longer than the time-out */
+    SEE_AFTER("b\r", "two]\r\n");
+    const bool is_letter = strstr(buf_text(&t.job.seen), "[one Xbtwo]") != NULL;
+    CHECK(is_letter || strstr(buf_text(&t.job.seen), "[one Xtwo]") != NULL);
+    SEE("ch2> ");
     return is_letter;
 }
 
 STORY(escape_alone_is_not_the_alt_key)
 {
-    struct terminal t;
     bool is_letter = false;
-    start_at_prompt(&t, &xterm);
+    start_at_prompt(&xterm);
     for (int tries = 0; tries < 20 && check_failures == 0 && !is_letter; tries++)
-        is_letter = is_lone_escape(&t);
+        is_letter = is_lone_escape();
     CHECK(is_letter);
-    quit(&t);
+    quit();
 }
 
 static void give_news(void)
@@ -425,35 +405,32 @@ static void give_news(void)
 
 STORY(news_stand_above_the_line_that_is_typed_however_long)
 {
-    struct terminal t;
     struct winsize size = {.ws_row = 24, .ws_col = 20};
-    start_at_prompt(&t, &xterm);
+    start_at_prompt(&xterm);
     ioctl(t.job.slave, TIOCSWINSZ, &size);
-    SEE_AFTER(&t, "echo 012345678901234567890123456789012345678z", "8z"); /* rows 0 to 2 */
+    SEE_AFTER("echo 012345678901234567890123456789012345678z", "8z"); /* rows 0 to 2 */
     give_news();
-    SEE(&t, "\033[2A\r\033[J[news]\r\n"); /* on its own: nothing was typed */
-    SEE(&t, "ch2> ");
-    SEE_AFTER(&t, "y\r", "8zy]");
-    quit(&t);
+    SEE("\033[2A\r\033[J[news]\r\n"); /* on its own: nothing was typed */
+    SEE("ch2> ");
+    SEE_AFTER("y\r", "8zy]");
+    quit();
 }
 
 STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
 {
-    struct terminal t;
-    start_at_prompt(&t, &xterm);
-    SEE_AFTER(&t, "echo half", "echo half");
-    type(&t, "\032");
+    start_at_prompt(&xterm);
+    SEE_AFTER("echo half", "echo half");
+    type("\032");
     int status = job_report(&t.job);
     CHECK(WIFSTOPPED(status));
     CHECK(job_has_modes_as_found(&t.job));
-    SEE(&t, "\033[?2004l");
+    SEE("\033[?2004l");
     job_order(&t.job, 0);
-    SEE(&t, "\033[?2004h");
-    SEE(&t, "ch2> echo half");
+    SEE("\033[?2004h", "ch2> echo half");
     CHECK(!job_has_modes_as_found(&t.job));
-    SEE_AFTER(&t, " and half\r", "[half and half]");
-    SEE_AFTER(&t, "wait\r", "waiting");
-    type(&t, "\032"); /* while a command runs it is a signal */
+    SEE_AFTER(" and half\r", "[half and half]");
+    SEE_AFTER("wait\r", "waiting");
+    type("\032"); /* while a command runs it is a signal */
     status = job_report(&t.job);
     CHECK(WIFSTOPPED(status));
     CHECK(job_has_modes_as_found(&t.job));
@@ -462,20 +439,19 @@ STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
     kill(t.job.process, SIGTERM);
     job_report(&t.job);
     CHECK(job_has_modes_as_found(&t.job));
-    end(&t);
+    end();
 }
 
 /* Types `command`, sends `number` (0: none), and expects the job to end by itself, the terminal to
  * be restored and the farewell to begin with ESC \. */
 static void check_end(const char *command, int number, bool by_signal)
 {
-    struct terminal t;
-    start_at_prompt(&t, &vt340);
-    type(&t, command);
+    start_at_prompt(&vt340);
+    type(command);
     if (strcmp(command, "wait\r") == 0)
-        SEE(&t, "waiting");
+        SEE("waiting");
     else if (number)
-        SEE(&t, command);
+        SEE(command);
     if (number)
         kill(t.job.process, number);
     int status = job_report(&t.job);
@@ -485,9 +461,8 @@ static void check_end(const char *command, int number, bool by_signal)
     CHECK(job_has_modes_as_found(&t.job));
     const bool asks =
         number == SIGTERM || number == SIGINT; /* a line that is gone answers nothing */
-    SEE(&t,
-        asks ? "\033\\\033[c\033[?2004l\033[m\033[?25h\r" : "\033\\\033[?2004l\033[m\033[?25h\r");
-    end(&t);
+    SEE(asks ? "\033\\\033[c\033[?2004l\033[m\033[?25h\r" : "\033\\\033[?2004l\033[m\033[?25h\r");
+    end();
 }
 
 STORY(signals_crashes_and_exits_restore_the_terminal)
@@ -503,22 +478,20 @@ STORY(signals_crashes_and_exits_restore_the_terminal)
 
 STORY(one_picture_is_shown_without_a_prompt)
 {
-    struct terminal t;
     struct setting setting = vt340;
     setting.once = true;
-    start(&t, &setting);
-    SEE(&t, "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40");
-    SEE(&t, "\0338\033[2B\r\033[c");
+    start(&setting);
+    SEE("\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40", "\0338\033[2B\r\033[c");
     int status = job_report(&t.job);
     CHECK(WIFEXITED(status) && WEXITSTATUS(status) == true);
     CHECK(job_has_modes_as_found(&t.job));
     CHECK(strstr(t.job.seen.data, "2004") == NULL);
-    end(&t);
+    end();
     setting.term = "dumb";
-    start(&t, &setting);
+    start(&setting);
     CHECK_INT(job_report(&t.job), 0);
     CHECK_INT(t.job.seen.length, 0);
-    end(&t);
+    end();
 }
 
 STORY(plain_input_is_read_line_by_line_without_escapes)

@@ -14,7 +14,7 @@ left_behind() {
 }
 begin_terminal
 
-begin "it takes a terminal, a journal of its own, and the head that it is about"
+begin "it requires a terminal, a new journal, and the scene of the lesson"
 expect 2 "$iftty" tutorial </dev/null && err_has "needs a terminal"
 enter_anew "IFTTY_SCENES=/nowhere $iftty tutorial; echo ends \$?"
 see '^iftty: the lesson needs the head ch2.nii.gz and its brain ch2bet.nii.gz'
@@ -23,16 +23,14 @@ enter_anew "$iftty tutorial ch2.nii.gz; echo ends \$?"
 see '^iftty: ch2.nii.gz is not a journal of a lesson; `iftty tutorial` begins one$'
 see '^ends 2$'
 same "$(left_behind)" ""
-close_story
 
 "$iftty" -c 'open ch2.nii.gz' </dev/null >/dev/null 2>&1 || {
     begin "the lesson"
     skip "there is no ch2.nii.gz here"
-    close_story
     finish
 }
 
-begin "at the prompt: what is missing is told, and any way to a step counts"
+begin "at the prompt: the missing condition is shown, and any commands complete a step"
 enter_anew "$iftty tutorial"
 see '^A first organ: the brain of this head, in 5 steps\.'
 see '^step 1 of 5, in the object: there is no seed of label 1 yet$'
@@ -59,10 +57,9 @@ see '^journal: tutorial-1\.iftty '
 sane
 same "$(left_behind)" "tutorial-1.iftty "
 expect 0 "$iftty" verify tutorial-1.iftty
-close_story
 
 # The user's configuration sets keys, but not the brush and the start of the lesson.
-begin "in the pilot: by the ten keys, left midway and gone on with; a step can be lost again"
+begin "in the pilot: by the ten keys, interrupted and resumed; a step can become incomplete again"
 printf '%s\n' "key undo U" "brush 3 2" "start none" >config
 enter_anew "IFTTY_CONFIG=config $iftty tutorial"
 see '^step 1 of 5, in the object: there is no seed'
@@ -111,6 +108,5 @@ see 'ch2> interpolate 1 1 2'
 see '^step 1 of 5, in the object: there is no seed of label 1 yet$'
 enter "quit"
 see '^journal: tutorial-3\.iftty '
-close_story
 
 finish

@@ -16,12 +16,11 @@
 
 static void check_meaning(const char *expected, const char *actual, const char *part)
 {
-    struct buf lines = {0};
+    OWNED(buf_release) struct buf lines = {0};
     divergence_describe(&lines, expected, actual, DIVERGENCE_OF_REPLAY);
     CHECK_HAS(buf_text(&lines), part);
     for (const char *at = buf_text(&lines); *at; at = strchr(at, '\n') + 1)
         CHECK(strncmp(at, "#   ", 4) == 0); /* TAP takes them as comments */
-    buf_release(&lines);
 }
 
 STORY(a_difference_is_told_by_what_it_means)
@@ -46,14 +45,13 @@ STORY(counts_tell_how_many_more_or_less)
     check_meaning("inside=100", "inside=101", "inside: 100 was recorded, 101 now (1 more)");
     check_meaning("seeds=12", "", "seeds: 12 was recorded, nothing now\n");
     check_meaning("a=1 b=2 c=3", "c=3 b=9 a=1", "the same a, c\n");
-    struct buf lines = {0};
+    OWNED(buf_release) struct buf lines = {0};
     divergence_describe(&lines, "forest=1234567890123456 size=1,2,3",
                         "forest=1234567890123457 size=1,2,4", DIVERGENCE_OF_JOURNALS);
     CHECK(!strstr(buf_text(&lines), "more")); /* a digest of digits is no count */
     buf_clear(&lines);
     divergence_describe(&lines, "a=\x1b[31m", "a=2", DIVERGENCE_OF_REPLAY);
     CHECK(!strchr(buf_text(&lines), '\x1b'));
-    buf_release(&lines);
 }
 
 /* ---- two journals ---- */
@@ -61,7 +59,7 @@ STORY(counts_tell_how_many_more_or_less)
 /* `count` records; from `other` on (0: none) a result differs, from `comment` on there is one. */
 static void make_journal(struct buf *out, size_t count, size_t other, size_t comment)
 {
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     struct record_chain chain = record_chain_zero;
     record_header(&header, 3);
     buf_clear(out);
@@ -73,52 +71,42 @@ static void make_journal(struct buf *out, size_t count, size_t other, size_t com
         CHECK(record_encode(out, &chain, n == 1 ? buf_text(&header) : "",
                             n == comment ? "# why\n" : "", &record, NULL) == OK);
     }
-    buf_release(&header);
 }
 
-static enum err find_first(struct first_difference *first, const struct buf two[2])
+static void check_first(const struct buf two[2], enum err err, size_t number)
 {
     static const char *const name[2] = {"a", "b"};
-    *first = (struct first_difference){0};
-    return first_difference_find(first, FIRST_RECORD, name, two, 0, NULL);
-}
-
-static void check_first(const struct buf two[2], size_t number)
-{
-    struct first_difference first;
-    CHECK(find_first(&first, two) == OK);
-    CHECK_INT(first.is_there ? first.same + 1 : 0, number);
-    for (int i = 0; i < 2; i++)
+    OWNED(first_difference_release) struct first_difference first = {0};
+    CHECK_INT(first_difference_find(&first, FIRST_RECORD, name, two, 0, NULL), err);
+    if (!err)
+        CHECK_INT(first.is_there ? first.same + 1 : 0, number);
+    for (int i = 0; i < 2 && !err; i++)
         if (first.side[i].has_command)
             CHECK_INT(first.side[i].number, number);
-    first_difference_release(&first);
 }
 
 STORY(the_first_record_that_differs_is_found)
 {
     struct buf two[2] = {{0}, {0}};
-    struct first_difference first;
     for (size_t count = 0; count < 20; count++)
         for (size_t other = 0; other <= count; other++) {
             make_journal(two, count, 0, 0);
             make_journal(two + 1, count, other, 0);
-            check_first(two, other);
+            check_first(two, OK, other);
             make_journal(two, count, other, 0);
             make_journal(two + 1, count, other, other / 2);
-            check_first(two, 0); /* comments are no results */
+            check_first(two, OK, 0); /* comments are no results */
         }
     make_journal(two, 1000, 0, 3);
     make_journal(two + 1, 1000, 900, 0);
-    check_first(two, 900);
+    check_first(two, OK, 900);
     make_journal(two + 1, 998, 0, 0);
-    check_first(two, 999);
+    check_first(two, OK, 999);
     two[1].data[two[1].length / 2] ^= 1;
-    CHECK(find_first(&first, two) == ERR_INPUT);
-    first_difference_release(&first);
+    check_first(two, ERR_INPUT, 0);
     make_journal(two + 1, 1000, 2, 0);
     two[1].data[two[1].length / 2] ^= 1; /* after the first that differs */
-    CHECK(find_first(&first, two) == ERR_INPUT);
-    first_difference_release(&first);
+    check_first(two, ERR_INPUT, 0);
     buf_release(two);
     buf_release(two + 1);
 }
@@ -143,8 +131,8 @@ static void make_result(struct verify_result *r)
 
 STORY(a_result_comes_back_as_it_was_sent)
 {
-    struct verify_result sent, got = {.path = "a"};
-    struct buf bytes = {0};
+    OWNED(verify_result_release) struct verify_result sent, got = {.path = "a"};
+    OWNED(buf_release) struct buf bytes = {0};
     make_result(&sent);
     verify_result_write(&bytes, &sent);
     CHECK(verify_result_read(&got, &bytes, NULL) == OK);
@@ -165,19 +153,14 @@ STORY(a_result_comes_back_as_it_was_sent)
         CHECK_TEXT(buf_text(&got.evidence.picture[i].caption), i ? "actual" : "expected");
         CHECK(a->length == b->length && memcmp(a->data, b->data, a->length) == 0);
     }
-    verify_result_release(&sent);
-    verify_result_release(&got);
-    buf_release(&bytes);
 }
 
 static void check_refused(const char *bytes, size_t length)
 {
-    struct verify_result got = {.path = NULL};
-    struct buf text = {0};
+    OWNED(verify_result_release) struct verify_result got = {.path = NULL};
+    OWNED(buf_release) struct buf text = {0};
     buf_add(&text, bytes, length);
     CHECK(verify_result_read(&got, &text, NULL) == ERR_INPUT);
-    verify_result_release(&got);
-    buf_release(&text);
 }
 
 /* What differs in length, all of it empty. */
@@ -195,7 +178,7 @@ STORY(half_a_result_is_none)
         "result 0 0 0 0 0 0 0 1\n" PARTS "part -1\n",
     };
     struct verify_result sent;
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     make_result(&sent);
     verify_result_write(&bytes, &sent);
     for (size_t length = 0; length < bytes.length; length++)
@@ -208,20 +191,18 @@ STORY(half_a_result_is_none)
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         check_refused(wrong[i], strlen(wrong[i]));
     verify_result_release(&sent);
-    buf_release(&bytes);
 }
 
 /* ---- reports ---- */
 
 STORY(text_from_outside_cannot_be_markup)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     markup_add(&out, "a<b>&\"c'\x1b\n\xff");
     CHECK_TEXT(buf_text(&out), "a&lt;b&gt;&amp;&quot;c&#39;\\x1b\n\\xff");
     buf_clear(&out);
     markup_add(&out, "\xEF\xBF\xBE!\xEF\xBF\xBF"); /* XML has no such characters */
     CHECK_TEXT(buf_text(&out), "\\xef\\xbf\\xbe!\\xef\\xbf\\xbf");
-    buf_release(&out);
 }
 
 STORY(bytes_as_base64)
@@ -234,19 +215,18 @@ STORY(bytes_as_base64)
                                        {"fooba", "Zm9vYmE="},
                                        {"foobar", "Zm9vYmFy"},
                                        {"\xff\xff\xbe", "//++"}};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     for (size_t i = 0; i < sizeof c / sizeof c[0]; i++) {
         buf_clear(&out);
         buf_add_base64(&out, c[i][0], strlen(c[i][0]));
         CHECK_TEXT(buf_text(&out), c[i][1]);
     }
-    buf_release(&out);
 }
 
 STORY(a_report_names_what_failed_and_how)
 {
     struct verify_result r[2] = {{.executed = 5, .compared = 5, .took_ms = 1005}};
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     make_result(r + 1);
     r[0].path = "fine.iftty";
     r[1].path = "<script>.iftty";
@@ -280,7 +260,6 @@ STORY(a_report_names_what_failed_and_how)
                "  ]\n"
                "}\n");
     verify_result_release(r + 1);
-    buf_release(&out);
 }
 
 /* ---- PNG ---- */
@@ -296,7 +275,7 @@ STORY(a_picture_as_png_holds_its_pixels)
     enum { WIDTH = 5, HEIGHT = 3, LINE = 1 + 4 * WIDTH };
     uint8_t rgba[WIDTH * HEIGHT * 4], lines[LINE * HEIGHT + 1];
     uint64_t state = 7;
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     uLongf length = sizeof lines;
     for (size_t i = 0; i < sizeof rgba; i++)
         rgba[i] = (uint8_t)check_random(&state);
@@ -315,5 +294,4 @@ STORY(a_picture_as_png_holds_its_pixels)
     }
     CHECK(png_encode(&out, 0, 3, rgba, NULL) == ERR_LIMIT);
     CHECK(png_encode(&out, 3, 16385, rgba, NULL) == ERR_LIMIT);
-    buf_release(&out);
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# iftty verify: what it compares, what it says of a difference, and what reports it writes.
+# iftty verify: its comparisons, its messages about differences, and its reports.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -11,7 +11,7 @@ record() {
         golden first
         seed 20,10,8 3; run; golden second' --journal "$1" >/dev/null || fail "cannot record $1"
 }
-begin "journals are verified at once, and told in order"
+begin "journals are verified in parallel, and reported in order"
 for n in 1 2 3 4 5; do record "j$n.iftty"; done
 expect 0 "$iftty" verify j1.iftty j2.iftty j3.iftty j4.iftty j5.iftty
 cp out one
@@ -28,14 +28,12 @@ for wrong in "-j 0" "-j 65" "-j x" "--from 0" "--until x" "--from 3 --until 2" \
     expect 2 "$iftty" verify j1.iftty $wrong
     [ ! -s out ] || fail "'$wrong' printed something"
 done
-close_story
 
-begin "the first one may take longest"
+begin "the first journal may be the slowest"
 "$iftty" -c 'open synth:geom; seed 100,100,50 1; seed 10,10,10 2; run' \
     --journal long.iftty >/dev/null
 expect 0 "$iftty" verify -j 3 long.iftty j1.iftty j2.iftty
 same "$(sed -n 's/^ok [0-9]* - \([a-z0-9]*\).*/\1/p' out | tr '\n' ' ')" "long j1 j2 "
-close_story
 
 begin "an orphan golden image is a failure"
 cp j1.golden/first.exr j1.golden/third.exr
@@ -54,9 +52,8 @@ out_has "# orphan golden image: the journal names no third.png, which is in j1.g
 rm j1.golden/third.png
 cp j1.golden/first.exr j1.golden/.iftty-0-first.exr
 expect 0 "$iftty" verify j1.iftty
-close_story
 
-begin "journals of one name leave their evidence in places of their own, others where they did"
+begin "journals of one name have separate folders of evidence, others the usual one"
 mkdir left right
 cp s.nii left
 cp s.nii right
@@ -78,9 +75,8 @@ can_limit_memory &&
 expect 1 "$iftty" verify left/same.iftty left/../left/same.iftty --out twice
 same "$(ls twice | tr '\n' ' ')" "1 2 "
 rm -r left right proofs alone twice only.iftty only.golden
-close_story
 
-begin "--from and --until compare what lies between"
+begin "--from and --until compare the records in between"
 cp j2.golden/second.exr j2.golden/first.exr
 expect_out "# record 7, line" 1 "$iftty" verify j2.iftty
 expect_out "(6 commands, 6 results with " 0 "$iftty" verify j2.iftty --until 6
@@ -90,9 +86,8 @@ expect_out "(10 commands, 3 results with " 0 "$iftty" verify j2.iftty --from 8
 expect_out "(9 commands, 2 results with " 0 "$iftty" verify j2.iftty --from 8 --until 9
 expect 1 "$iftty" verify j2.iftty --from 11
 out_has "it ends with record 10: nothing to compare from 11 on"
-close_story
 
-begin "a difference is told in words"
+begin "a difference is described"
 words=$(words_of j3.iftty 9)
 labels=$(printf %s "$words" | sed 's/.*labels=\([0-9a-f]*\).*/\1/')
 rewrite j3.iftty 9 "forest=0123456789abcdef labels=$labels seeds=7"
@@ -104,7 +99,6 @@ out_has "word     seeds: 7 was recorded, 9 now (2 more)" "the same labels"
 grep -qE '^#   now      label 2: 7 seeds, [0-9]+ voxels' out || fail "no voxels: $(cat out)"
 rewrite j3.iftty 9 "forest=0123456789abcdef labels=0123456789abcdef seeds=9"
 expect_out "meaning  labels differ" 1 "$iftty" verify j3.iftty
-close_story
 
 # has_children N PROGRAM: so many processes, in $children
 has_children() {
@@ -125,7 +119,6 @@ kill -ABRT "${children%% *}" # which no sanitiser catches
 wait "$verifier"
 same "$?" 1
 out_has "not ok 1 - large.iftty" "# its process was ended by signal 6 (Aborted)" "ok 2 - j4.iftty"
-close_story
 
 begin "Ctrl-C ends all of them"
 "$iftty" verify -j 2 large.iftty large.iftty large.iftty >out 2>err &
@@ -135,7 +128,7 @@ comes_true has_children 2 "$verifier"
 kill -9 "$verifier"
 wait "$verifier" 2>/dev/null
 for child in $children; do comes_true has_ended "$child"; done
-# A background job ignores SIGINT unless it is told otherwise.
+# A background job ignores SIGINT by default.
 env --default-signal=INT "$iftty" verify -j 2 large.iftty large.iftty large.iftty >out 2>err &
 verifier=$!
 comes_true has_children 2 "$verifier"
@@ -146,7 +139,6 @@ err_has "cancelled; 0 of 3 journals verified"
 for child in $children; do
     [ ! -e "/proc/$child" ] || fail "$child is still there"
 done
-close_story
 
 # ---- reports ----
 
@@ -169,7 +161,6 @@ expect 0 "$iftty" verify j4.iftty --junit report.xml
 grep -q 'tests="1" failures="0"' report.xml || fail "the report was not written anew"
 expect 3 "$iftty" verify missing.iftty --junit report.xml
 grep -q 'errors="1"' report.xml || fail "$(cat report.xml)"
-close_story
 
 begin "one page of HTML, that needs nothing else"
 expect 1 "$iftty" verify j4.iftty j5.iftty 'a<b>&"c'"'.iftty" --html report.html
@@ -192,7 +183,6 @@ same "$(grep -c 'actual: the rendition after this command</figcaption>' report.h
 rm j5.golden/first.exr
 expect 1 "$iftty" verify j5.iftty --html report.html
 same "$(grep -c 'actual; there is no golden image</figcaption>' report.html)" 1
-close_story
 
 begin "reports are written over reports, and over no journal"
 cp j4.iftty kept
@@ -200,7 +190,6 @@ expect_err "j4.iftty is a journal and was left alone" 2 "$iftty" verify j4.iftty
 same_files j4.iftty kept
 expect 3 "$iftty" verify j4.iftty --junit nowhere/report.xml
 [ ! -s out ] || fail "it verified before it looked for the folder"
-close_story
 
 # ---- accepting ----
 
@@ -209,7 +198,7 @@ unlike() {
     rewrite "$1" "$2" "$(words_of "$1" "$2" | sed 's/picture=[0-9a-f]*/picture=00000000000000aa/')"
 }
 
-begin "accepting takes in a golden image that differs, with a reason, and keeps what was"
+begin "accepting replaces a golden image that differs, with a reason, and keeps the former one"
 record k.iftty
 cp k.golden/first.exr first.kept
 cp k.golden/second.exr k.golden/first.exr
@@ -234,15 +223,13 @@ same "$(ls -A k.golden | tr '\n' ' ')" "first.exr first.png second.exr second.pn
 # The journal goes on from there.
 expect 0 "$iftty" -c 'seed 1,1,1 1; run' --journal k.iftty
 expect 0 "$iftty" verify k.iftty
-close_story
 
-begin "accepting what is as it should be changes nothing"
+begin "accepting a journal without differences changes nothing"
 listing . | grep -vE ' ./(out|err|before|d)$' >before
 expect 0 "$iftty" verify k.iftty --accept 'nothing'
 out_has "# 0 golden images accepted, 0 of 12 records of k.iftty marked; nothing has changed"
 listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
 rm -f d
-close_story
 
 begin "a golden image that is missing, or damaged, is accepted as well"
 rm k.golden/first.exr k.golden/first.png
@@ -257,26 +244,24 @@ unlike r.iftty 4
 expect 1 "$iftty" verify r.iftty
 expect_out "0 golden images accepted, 1 of 5" 0 "$iftty" verify r.iftty --accept 'the shader rounds'
 expect 0 "$iftty" verify r.iftty
-# One name may stand twice for one picture, and is accepted once.
+# One name may occur twice for one picture, and is accepted once.
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; golden one; golden one' --journal twice.iftty
 rm -r twice.golden
 expect 0 "$iftty" verify twice.iftty --accept 'a disk was full'
 out_has "1 golden image accepted, 1 of 5"
 expect 0 "$iftty" verify twice.iftty
-close_story
 
 # refused JOURNAL WORDS STATUS [OPTION...]: accepting says so, and nothing has changed
 refused() {
     journal=$1 words=$2 status=$3
     shift 3
     listing . | grep -vE ' ./(out|err|before|d)$' >before
-    expect "$status" "$@" "$iftty" verify "$journal" --accept 'why not'
-    err_has "$words"
+    expect_err "$words" "$status" "$@" "$iftty" verify "$journal" --accept 'why not'
     listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
     rm -f d
 }
 
-begin "a link that leads to no journal is called that, whether or not anything is there"
+begin "a link to no journal is reported as such, with or without a target"
 mkdir -p elsewhere/deep
 cp s.nii elsewhere
 ln -s ../s.nii elsewhere/deep/there
@@ -286,9 +271,8 @@ for link in there nowhere; do
     out_has "# elsewhere/deep/$link is a link, and leads to no journal"
 done
 rm -r elsewhere
-close_story
 
-begin "accepting is refused in CI, and for what is no picture"
+begin "accepting is rejected in CI, and for a record without a picture"
 cp j4.golden/second.exr k.golden/first.exr
 refused k.iftty "refused where CI is set" 2 env CI=true
 refused k.iftty "refused where CI is set" 2 env CI=0
@@ -323,7 +307,6 @@ sed 's/^golden two$/golden one/' t.iftty >twins.iftty
 mkdir twins.golden && cp t.golden/one.* twins.golden
 expect 0 "$iftty" log --reseal twins.iftty
 refused twins.iftty "golden image one is given twice, and the pictures are not the same" 1 env
-close_story
 
 begin "--only accepts the golden images that it names; all others stay as they were"
 record o.iftty
@@ -373,9 +356,8 @@ out_has "1 golden image accepted, 1 of 5"
 err_has "1 picture of p.iftty still differs"
 same "$(words_of p.iftty 4)" "picture=00000000000000aa"
 rm -r o.* p.*
-close_story
 
-begin "accepting is refused while somebody writes the journal"
+begin "accepting is rejected while another process writes the journal"
 mkfifo held
 "$iftty" run - --journal k.iftty <held >held.out 2>&1 &
 writer=$!
@@ -385,17 +367,15 @@ comes_true has_line held.out '^ok .* info'
 refused k.iftty "is being written by another session" 3 env
 exec 9>&-
 wait "$writer"
-close_story
 
-begin "a full folder, or one that may not be written to: all is as it was"
+begin "a full or read-only folder: nothing is changed"
 cp j4.golden/second.exr k.golden/first.exr
 chmod a-w .
 expect 3 with_permissions "$iftty" verify k.iftty --accept 'why not'
 chmod u+w .
 same_files j4.golden/second.exr k.golden/first.exr
-close_story
 
-begin "an edited journal is sealed anew, and says so"
+begin "an edited journal is resealed, and records it"
 record e.iftty
 sed 's/^seed 20,10,8 3$/seed 20,10,7 3/' e.iftty >edited.iftty
 cp edited.iftty edited.kept
@@ -416,7 +396,6 @@ rm -r edited.golden
 expect 1 "$iftty" verify edited.iftty # its golden images are another matter
 expect 0 "$iftty" verify edited.iftty --accept 'the seed lies deeper'
 expect 0 "$iftty" verify edited.iftty
-close_story
 
 # ---- the first that differs ----
 
@@ -447,7 +426,6 @@ expect 0 "$iftty" log --check b7.iftty
 expect 2 "$iftty" verify --bisect b1.iftty
 expect 2 "$iftty" verify --bisect b1.iftty b2.iftty b3.iftty
 expect 3 "$iftty" verify --bisect b1.iftty missing
-close_story
 
 begin "the first of many records that differs is found"
 { echo 'open s.nii'; for _ in $(seq 59); do echo 'turn 1'; done; } >many
@@ -457,6 +435,5 @@ expect 0 "$iftty" run many2 --journal m2.iftty
 expect 1 "$iftty" verify --bisect m1.iftty m2.iftty
 out_has "# record 42 is the first that differs: the commands differ" \
     "not ok 1 - m1.iftty and m2.iftty (41 records the same)"
-close_story
 
 finish

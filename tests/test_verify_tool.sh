@@ -15,7 +15,7 @@ verified() { # the journals that the last verification took
     sed -n 's/^\(not \)\{0,1\}ok [0-9]* - \([^ ]*\).*/\2/p' out | tr '\n' ' '
 }
 
-begin "every journal is in one part, and stays there when others are added or it lies elsewhere"
+begin "every journal is in one part, and stays there if others are added or it is moved"
 for part in 1 2 3; do
     expect 0 "$iftty" verify --shard $part/3 j?.iftty
     verified >"part$part"
@@ -39,9 +39,8 @@ for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do
     expect 2 "$iftty" verify --shard $wrong j1.iftty
 done
 rm -r far
-close_story
 
-begin "a folder stands for all journals in it and below, whatever their names are"
+begin "a folder means all journals in it and below, of any name"
 deep=study/.hidden/deep/..more
 line=$(printf 'two\nlines')
 mkdir -p $deep "study/folder.iftty" "study/$line"
@@ -89,20 +88,17 @@ err_has "# not entered: study/way is a link to a folder; name that folder as wel
 same "$(tail -n 1 out)" "# 6 verified, 0 failed"
 ln -s far road # but where it is named, it is meant
 cp -r j6.golden far
-expect 0 "$iftty" verify road
-out_has "ok 1 - road/j6.iftty"
+expect_out "ok 1 - road/j6.iftty" 0 "$iftty" verify road
 cp j1.golden/first.exr $deep/c.Iftty.golden # and one that differs is a failure as any other
 expect 1 "$iftty" verify study --html page.html --junit report.xml
 out_has "not ok 2 - study/.hidden/deep/..more/c.Iftty"
 same "$(grep -c '<testcase' report.xml) $(grep -c '<failure' report.xml)" "6 1"
 cp j3.golden/first.exr $deep/c.Iftty.golden
-close_story
 
 begin "a folder that cannot be entered, or has no journal, fails"
 mkdir study/closed study/empty
 chmod 0 study/closed
-expect 3 with_permissions "$iftty" verify study
-err_has "cannot enter study/closed: Permission denied"
+expect_err "cannot enter study/closed: Permission denied" 3 with_permissions "$iftty" verify study
 chmod 700 study/closed
 cp j1.iftty study/closed
 chmod 400 study/closed
@@ -127,7 +123,6 @@ err_has "cannot enter far/0"
 (cd far && rm -r 0*)
 expect 2 "$iftty" verify
 rm -r study far road
-close_story
 
 begin "a journal has the chain that is expected, or fails"
 chain=$(last_word chain j1.iftty)
@@ -145,10 +140,8 @@ for wrong in "--expect $chain j2.iftty" "--expect 12 --expect" "--expect ${chain
     # shellcheck disable=SC2086
     expect 2 "$iftty" verify j1.iftty $wrong
 done
-expect 2 "$iftty" verify one --expect "$chain"
-err_has "--expect: expected one journal, not 2"
+expect_err "--expect: expected one journal, not 2" 2 "$iftty" verify one --expect "$chain"
 rm -r one
-close_story
 
 begin "bytes after the last record, which no chain covers, are none of the expected journal"
 cp j1.iftty sound
@@ -164,9 +157,8 @@ for tail in '# reviewed by Dr X, all well\n' '\n' 'seed 1,1,1 1' '\0\0\0'; do
     done
 done
 cp sound j1.iftty
-close_story
 
-begin "the first failure is the end, and what is left is named"
+begin "the first failure ends the run, and the remaining journals are named"
 cp j2.golden/first.exr j1.golden/first.exr
 expect 1 "$iftty" verify --fail-fast j3.iftty j1.iftty j2.iftty j4.iftty --junit report.xml
 out_has "ok 1 - j3.iftty (6 commands"
@@ -179,35 +171,28 @@ same "$(grep -c '<skipped/>' report.xml)" 2
 expect 1 "$iftty" verify --fail-fast --json j1.iftty j2.iftty
 out_has '"verified": false, "skipped": true'
 expect 0 "$iftty" verify --fail-fast -j 3 j2.iftty j3.iftty j4.iftty
-close_story
 
-begin "a failure says whether labels and voxels differ, or colours alone"
-expect 1 "$iftty" verify j1.iftty
-out_has "labels differ in "
+begin "a failure states if labels and voxels differ, or only colours"
+expect_out "labels differ in " 1 "$iftty" verify j1.iftty
 expect 0 "$iftty" -c "open s.nii; seed 2,3,4 3 ; seed 6,10,8 7; label 3 other #102030; run
     size 40 30; golden first" --journal dark.iftty
 cp dark.golden/first.exr j3.golden/first.exr
-expect 1 "$iftty" verify j3.iftty
-out_has "; colours alone differ, labels and voxels are the same"
+expect_out "; colours alone differ, labels and voxels are the same" 1 "$iftty" verify j3.iftty
 rm -r dark.*
-close_story
 
 begin "the slowest records of a journal"
 expect 0 "$iftty" verify --timings j4.iftty
 same "$(grep -cE '^#   took     [0-9]+\.[0-9]{3} ms, record [1-6]: [a-z]' out)" 6
 grep '^#   took' out | sed 's/.*took *//; s/ ms.*//' >times
 sort -rn times | cmp -s - times || fail "they are not in order: $(cat out)"
-expect 0 "$iftty" verify --timings --json j4.iftty
-out_has '"slowest": ["'
-close_story
+expect_out '"slowest": ["' 0 "$iftty" verify --timings --json j4.iftty
 
 begin "orphan golden images are all listed, and removed on request"
 cp j4.golden/first.exr j4.golden/third.exr
 cp j4.golden/first.exr 'j4.golden/odd$(name);.exr'
 cp j4.golden/first.png j4.golden/third.png
 cp j4.golden/first.png j4.golden/lone.png
-expect 1 "$iftty" verify j4.iftty j5.iftty
-out_has "#   orphan   third.exr"
+expect_out "#   orphan   third.exr" 1 "$iftty" verify j4.iftty j5.iftty
 out_has '#   orphan   odd$(name);.exr'
 out_has "#   orphan   lone.png"
 expect 2 env CI=true "$iftty" verify --remove-orphans j4.iftty
@@ -222,6 +207,5 @@ expect 0 "$iftty" verify j4.iftty
 cp j1.golden/first.exr j1.golden/third.exr
 expect 1 "$iftty" verify --remove-orphans j1.iftty
 [ -e j1.golden/third.exr ] || fail "it was removed"
-close_story
 
 finish

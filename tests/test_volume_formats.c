@@ -3,8 +3,6 @@
  * The table of volume formats: each that is read has a fuzz target with a corpus that it reads, and
  * each that is written comes back as it was.
  */
-#include "tests/check.h"
-
 #include <dirent.h>
 #include <stdlib.h>
 
@@ -13,8 +11,8 @@
 #include "image/volume_helper.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
-
-static char folder[FOLDER_LENGTH];
+#define BEFORE_STORIES volume_helper_program = built_program("iftty-volume")
+#include "tests/folder_main.h"
 
 /* By name in VOLUME_FORMATS: the target of what is read, NULL where it is only written; and where a
  * row is written, the name of such a file. */
@@ -54,12 +52,11 @@ static unsigned files_of(const struct proven *p, const struct volume_format *for
     snprintf(path, sizeof path, "tests/fuzz/corpus/%s", p->target);
     DIR *listing = opendir(path);
     for (const struct dirent *entry; listing && (entry = readdir(listing));) {
-        struct buf bytes = {0};
+        OWNED(buf_release) struct buf bytes = {0};
         snprintf(path, sizeof path, "tests/fuzz/corpus/%s/%s", p->target, entry->d_name);
         if (*entry->d_name != '.' && file_read(&bytes, path, 1 << 20, NULL) == OK)
             count +=
                 !p->by_bytes || format->recognises((const uint8_t *)buf_text(&bytes), bytes.length);
-        buf_release(&bytes);
     }
     if (listing)
         closedir(listing);
@@ -129,16 +126,4 @@ STORY(every_format_that_is_written_comes_back_as_it_was)
         if (CHECK(p) && CHECK(!rows[i].format->write == !p->written) && p->written)
             comes_back(rows[i].format, p->written);
     }
-}
-
-int main(void)
-{
-    static char program[PATH_MAX];
-    if (!make_folder(folder, "formats"))
-        return 1;
-    snprintf(program, sizeof program, "%s", helper_program());
-    memcpy(strrchr(program, '/'), "/iftty-volume", sizeof "/iftty-volume");
-    volume_helper_program = program;
-    const int status = check_run();
-    return status | remove_folder(folder);
 }

@@ -43,7 +43,7 @@ static void begin_waiting(struct interpreter *interp, uint64_t least)
 /* Answers, words and saved files are equal. */
 static void answers_are_equal(struct interpreter *a, struct interpreter *b, const char *line)
 {
-    struct buf text = {0}, words = {0};
+    OWNED(buf_release) struct buf text = {0}, words = {0};
     const enum err err = execute(a, line);
     unlink("waiting.nii");
     buf_add_text(&text, err ? fault.text : buf_text(&reply.text));
@@ -51,15 +51,13 @@ static void answers_are_equal(struct interpreter *a, struct interpreter *b, cons
     CHECK_INT(execute(b, line), err);
     CHECK_TEXT(err ? fault.text : buf_text(&reply.text), buf_text(&text));
     CHECK_TEXT(buf_text(&reply.words), buf_text(&words));
-    buf_release(&text);
-    buf_release(&words);
 }
 
 STORY(a_scene_that_waits_answers_as_any_other)
 {
     for (unsigned i = 0; i < LINES; i++) {
-        struct interpreter waiting, ready;
-        struct buf words = {0};
+        OWNED(interpreter_release) struct interpreter waiting, ready;
+        OWNED(buf_release) struct buf words = {0};
         const unsigned failures = check_failures;
         begin_waiting(&waiting, 0);
         buf_add_text(&words, buf_text(&reply.words));
@@ -76,9 +74,6 @@ STORY(a_scene_that_waits_answers_as_any_other)
         is_as_before(&now, &waiting, lines[i]);
         if (check_failures > failures)
             printf("#   after %s\n", lines[i]);
-        buf_release(&words);
-        interpreter_release(&waiting);
-        interpreter_release(&ready);
     }
 }
 
@@ -89,11 +84,11 @@ STORY(a_stop_leaves_it_waiting)
     int looks;
     struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 16};
     int stops = 0, waited = 0;
-    struct interpreter ready;
+    OWNED(interpreter_release) struct interpreter ready;
     begin_waiting(&ready, UINT64_MAX);
     must(&ready, "seed 3,4,5 1");
     for (bool ends = false; !ends && check_failures == 0; stops++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin_waiting(&interp, 0);
         interp.session->watch = &watch;
         looks = stops;
@@ -108,10 +103,8 @@ STORY(a_stop_leaves_it_waiting)
         struct snapshot now;
         take_snapshot(&now, &ready);
         is_as_before(&now, &interp, "a stop");
-        interpreter_release(&interp);
     }
     CHECK(waited > 10);
-    interpreter_release(&ready);
 }
 
 /* A cancelled `open` leaves no scene. */
@@ -123,7 +116,7 @@ STORY(a_stop_while_it_is_opened_leaves_nothing)
     int stops = 0;
     snprintf(line, sizeof line, "open %s", place("scene.nii"));
     for (bool ends = false; !ends && check_failures == 0; stops++) {
-        struct interpreter interp;
+        OWNED(interpreter_release) struct interpreter interp;
         begin_interpreter(&interp);
         session_let_wait(interp.session, 0);
         interp.session->watch = &watch;
@@ -134,7 +127,6 @@ STORY(a_stop_while_it_is_opened_leaves_nothing)
         if (!ends)
             must(&interp, line);
         must(&interp, "seed 3,4,5 1");
-        interpreter_release(&interp);
     }
     CHECK(stops > 10);
 }

@@ -13,169 +13,108 @@ printf '%s\n' "open s.nii" "auto on" "label 1 head" "label 2 hole" "# Where it i
 "$iftty" run script --journal e.iftty >/dev/null || fail "no journal can be made"
 begin_terminal
 
-begin "space leads through a journal: a gesture is drawn, then carried out, and its change is told"
+begin "space steps through a journal: a gesture is drawn, then applied, and its change is shown"
 before=$(listing . | grep -v tmux)
 enter "PAGER='cat >$work/paged'; export PAGER"
-enter_anew "$iftty watch e.iftty --graphics blocks"
-see '^the beginning, before step 1 of 6$'
+enter_anew "$iftty watch e.iftty --graphics blocks" '^the beginning, before step 1 of 6$'
 see '^Space on  Backspace back  G end  c comments  : command  \? keys  q back$'
-press Space
-see '^step 1 of 6, record [0-9]+: label 1 head'
+pressing Space '^step 1 of 6, record [0-9]+: label 1 head'
 press Space Space
 see '^step 2 of 6, record [0-9]+: label 2 hole'
-type_letters "3G"
-see '^step 3 of 6, record [0-9]+: seed 12,10,8 1 radius=2$'
-see '^drawn, and not carried out yet: at 12,10,8, label 1 head$'
-see '^Where it is bright\.$'
-press Space
-see '^0 -[0-9.]+ m[lm]3?, 1 head \+[0-9.]+ m[lm]3?; 7680 voxels changed$'
-close_story
+typing "3G" '^step 3 of 6, record [0-9]+: seed 12,10,8 1 radius=2$'
+see '^drawn, and not carried out yet: at 12,10,8, label 1 head$' '^Where it is bright\.$'
+pressing Space '^0 -[0-9.]+ m[lm]3?, 1 head \+[0-9.]+ m[lm]3?; 7680 voxels changed$'
 
-begin "backspace leads back, a number to its step, and what was undone is said"
-press Space
-see '^step 4 of 6, record [0-9]+: seed 1,1,1 0$'
-press Space
-see '^0 \+'
-press BSpace
-see '^step 3 of 6, '
-type_letters "5G"
-see '^step 5 of 6, record [0-9]+: seed 20,15,12 2  \(undone later\)$'
+begin "backspace steps back, a number selects its step, and undone commands are named"
+pressing Space '^step 4 of 6, record [0-9]+: seed 1,1,1 0$'
+pressing Space '^0 \+'
+pressing BSpace '^step 3 of 6, '
+typing "5G" '^step 5 of 6, record [0-9]+: seed 20,15,12 2  \(undone later\)$'
 type_letters "2"
-press Space
-see '^step 6 of 6, record [0-9]+: seed 4,15,12 2 radius=1$'
-see '^drawn, and not carried out yet'
-see '^<b>Now</b> the "other" one\.$'
-close_story
+pressing Space '^step 6 of 6, record [0-9]+: seed 4,15,12 2 radius=1$'
+see '^drawn, and not carried out yet' '^<b>Now</b> the "other" one\.$'
 
 # Print the picture in characters, with escape sequences for colours.
 picture() {
     tmux_here capture-pane -e -p -t prompt | head -n 19
 }
-begin "what a step changed is hatched, as nothing is before it or while it is drawn"
-type_letters "gg"
-see '^the beginning'
+begin "voxels changed by a step are hatched after it, but not before it or while it is drawn"
+typing "gg" '^the beginning'
 press o # tints
-type_letters "3G"
-see '^drawn, and not carried out yet'
+typing "3G" '^drawn, and not carried out yet'
 drawn=$(picture)
-press Space
-see '7680 voxels changed$'
+pressing Space '7680 voxels changed$'
 [ "$(picture)" != "$drawn" ] || fail "the picture is the same"
 white() { picture | grep -o '[34]8;2;255;255;255m' | wc -l; }
 is_hatched() { [ "$(white)" -gt 60 ]; }
 is_plain() { [ "$(white)" -lt 60 ]; }
 comes_true is_hatched || fail "$(white) white characters: nothing is hatched"
-press Space
-see '^step 4 of 6, '
-see '^drawn, and not carried out yet'
+pressing Space '^step 4 of 6, ' '^drawn, and not carried out yet'
 comes_true is_plain || fail "$(white) white characters"
-press BSpace
-see '^step 3 of 6, '
-close_story
+pressing BSpace '^step 3 of 6, '
 
-begin "no pager is started beside a stranger's journal: pages are printed"
-type_letters ":help"
-press Enter
-see '^The scene$'
-see '^-- more --$'
-type_letters "q"
-see '^step 3 of 6, '
+begin "no pager is started with an untrusted journal: pages are printed"
+entering ":help" '^The scene$' '^-- more --$'
+typing "q" '^step 3 of 6, '
 [ -e "$work/paged" ] && fail "the pager of the user has run"
-close_story
 
-begin "one looks as one likes, and changes nothing"
-type_letters "]"
-type_letters "ll"
-type_letters ":stats"
-press Enter
-see 'label|head'
+begin "the view can be changed, and the journal cannot"
+type_letters "]ll"
+entering ":stats" 'label|head'
 press q
-type_letters ":seed 1,1,1 3"
-press Enter
-see 'only questions and commands that change the view'
-type_letters ":undo"
-press Enter
-see 'only questions and commands that change the view'
-type_letters "c"
-see '^Where it is bright\.$'
-press x
-see '^step 3 of 6, '
-close_story
+entering ":seed 1,1,1 3" 'only questions and commands that change the view'
+entering ":undo" 'only questions and commands that change the view'
+typing "c" '^Where it is bright\.$'
+pressing x '^step 3 of 6, '
 
-begin "at the end it says whether the journal is verified"
-type_letters "G"
-see '^the end: 6 steps, 1[0-9] records$'
+begin "the end reports if the journal is verified"
+typing "G" '^the end: 6 steps, 1[0-9] records$'
 see '^verified: 1[0-9] commands carried out again, 1[0-9] results the same$'
-press BSpace
-see '^step 6 of 6, '
-type_letters "q"
-see '^verified: '
+pressing BSpace '^step 6 of 6, '
+typing "q" '^verified: '
 sane
 same "$(listing . | grep -v 'tmux\|modes')" "$before"
-expect 2 "$iftty" watch e.iftty
-err_has "needs a terminal; \`iftty replay JOURNAL\` needs none"
-close_story
+expect_err "needs a terminal; \`iftty replay JOURNAL\` needs none" 2 "$iftty" watch e.iftty
 
-begin "--from and --until say where it begins and ends"
+begin "--from and --until set the first and the last step"
 enter_anew "$iftty watch e.iftty --from 3 --until 4; echo ends \$?"
 see '^step 3 of 6, record [0-9]+: seed 12,10,8 1 radius=2$'
 type_letters "3"
-press Space
-see '^the end: 6 steps, 1[0-9] records; steps after 4 are left out$'
-type_letters "5G"
-see 'expected a step 0\.\.4$'
-type_letters "q"
-see '^ends 0$'
-enter_anew "$iftty watch e.iftty --from 7; echo ends \$?"
-see 'expected a step 1\.\.6'
-see '^ends 2$'
-enter_anew "$iftty watch e.iftty --from 4 --until 3; echo ends \$?"
-see '^ends 2$'
-close_story
+pressing Space '^the end: 6 steps, 1[0-9] records; steps after 4 are left out$'
+typing "5G" 'expected a step 0\.\.4$'
+typing "q" '^ends 0$'
+enter_anew "$iftty watch e.iftty --from 7; echo ends \$?" 'expected a step 1\.\.6' '^ends 2$'
+enter_anew "$iftty watch e.iftty --from 4 --until 3; echo ends \$?" '^ends 2$'
 
 # at_terminal WORDS STATUS TEXT: run the program at a terminal; check its status and its output.
 at_terminal() {
-    enter_anew "$iftty watch $1; echo ends \$?"
-    see "^ends $2\$"
+    enter_anew "$iftty watch $1; echo ends \$?" "^ends $2\$"
     screen_text | tr -d '\n' | grep -qF -e "$3" || fail "the screen is:" "$(screen_text | grep .)"
 }
-begin "a stranger's journal is refused what a replay refuses, in words"
+begin "an untrusted journal has the restrictions of a replay, with messages"
 mkdir away && cp s.nii away/other.nii
 sed 's/^open s.nii.*/open away\/..\/..\/other.nii/' e.iftty >out.iftty
 at_terminal out.iftty 3 "is not at away/"
 at_terminal "e.iftty --limit-memory 100k" 3 "--limit-memory"
 same "$(ls | grep -c iftty-)" 0
-close_story
 
-begin "one whose results are others is shown as far as it goes, and is not verified"
+begin "a journal with other results is shown up to the difference, and is not verified"
 printf 's/^seed 1,1,1 0/# \033]0;evil\a\\\nseed 1,1,2 0/\n' >edit
 sed -f edit e.iftty >edited.iftty
-enter_anew "$iftty watch edited.iftty; echo ends \$?"
-see '^the beginning, before step 1 of 3$'
-type_letters "4G"
-see 'expected a step 0\.\.3$'
+enter_anew "$iftty watch edited.iftty; echo ends \$?" '^the beginning, before step 1 of 3$'
+typing "4G" 'expected a step 0\.\.3$'
 type_letters "3G"
-press Space
-see '7680 voxels changed$'
-press Space
-see '^NOT verified: .*record'
-type_letters "q"
-see '^ends 1$'
+pressing Space '7680 voxels changed$'
+pressing Space '^NOT verified: .*record'
+typing "q" '^ends 1$'
 sane
-close_story
 
-begin "the time that one looks is not the journal's"
-enter_anew "$iftty watch e.iftty --limit-time 2s"
-see '^the beginning'
+begin "the time of watching is not limited as that of the journal"
+enter_anew "$iftty watch e.iftty --limit-time 2s" '^the beginning'
 sleep 2.2
-type_letters ":stats"
-press Enter
-see 'label|head'
+entering ":stats" 'label|head'
 press q
-type_letters "4G"
-see '^step 4 of 6, '
-type_letters "Gq"
-see '^verified: '
-close_story
+typing "4G" '^step 4 of 6, '
+typing "Gq" '^verified: '
 
 finish

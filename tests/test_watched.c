@@ -16,24 +16,16 @@ static struct buf words;
 
 /* ---- journals ---- */
 
-/* Write a journal of these commands and comments, one a line. Returns static storage. */
+/* Write a journal of these commands. Returns static storage. */
 static const char *journal_of(const char *name, const char *lines)
 {
     static char path[FOLDER_LENGTH + 40];
     struct interpreter maker;
-    struct buf script = {0};
     snprintf(path, sizeof path, "%s/%s", folder, name);
     begin_interpreter(&maker);
     CHECK(interpreter_create_journal(&maker, path, &fault) == OK);
-    for (const char *at = lines; *at;) {
-        const size_t n = strcspn(at, "\n");
-        buf_clear(&script);
-        buf_add(&script, at, n);
-        must(&maker, buf_text(&script));
-        at += n + (at[n] == '\n');
-    }
+    must(&maker, lines);
     interpreter_release(&maker);
-    buf_release(&script);
     return path;
 }
 
@@ -82,7 +74,7 @@ static bool are_same(struct digests a, struct digests b)
 
 /* ---- steps ---- */
 
-#define OPEN "open synth:geom:60x60x30\nauto on\n"
+#define OPEN "open synth:geom:60x60x30; auto on; "
 
 /* Check the steps in their order: the title of each ends with these words. */
 static void check_titles(const char *path, const char *const *title)
@@ -108,15 +100,10 @@ STORY(steps_are_states_and_say_whether_the_last_one_comes_from_them)
                                         "step 4 of 5, record 9: seed 50,9,9 2  (on another branch)",
                                         "step 5 of 5, record 11: remove 2,2,2",
                                         NULL};
-    check_titles(journal_of("stand.iftty", OPEN "seed 30,30,15 1 radius=2\n" /* 1 */
-                                                "turn 15\n"
-                                                "seed 2,2,2 0\n" /* 2 */
-                                                "seed 9,9,9 2\n" /* 3, undone */
-                                                "undo\n"
-                                                "branch other\n"
-                                                "seed 50,9,9 2\n" /* 4, elsewhere */
-                                                "goto main\n"
-                                                "remove 2,2,2\n"), /* 5 */
+    /* Steps: four seeds, the third undone, the fourth on another branch, and `remove`. */
+    check_titles(journal_of("stand.iftty",
+                            OPEN "seed 30,30,15 1 radius=2; turn 15; seed 2,2,2 0; seed 9,9,9 2; "
+                                 "undo; branch other; seed 50,9,9 2; goto main; remove 2,2,2"),
                  title);
 }
 
@@ -125,21 +112,16 @@ STORY(what_was_undone_on_ones_own_branch_is_on_no_other)
 {
     static const char *const title[] = {"seed 30,30,15 1 radius=2  (on another branch)",
                                         "seed 50,9,9 2  (undone later)", "seed 2,2,2 0", NULL};
-    check_titles(journal_of("on.iftty", OPEN "seed 30,30,15 1 radius=2\n"
-                                             "branch other\n"
-                                             "seed 50,9,9 2\n"
-                                             "undo\n"
-                                             "undo\n"
-                                             "seed 2,2,2 0\n"),
+    check_titles(journal_of("on.iftty",
+                            OPEN "seed 30,30,15 1 radius=2; branch other; seed 50,9,9 2; undo; "
+                                 "undo; seed 2,2,2 0"),
                  title);
 }
 
 STORY(the_steps_begin_after_an_interpolation)
 {
     static const char *const title[] = {"step 1 of 1, record 5: seed 2,2,2 2", NULL};
-    check_titles(journal_of("scenes.iftty", OPEN "label 1 head\n"
-                                                 "interpolate 2 2 1\n"
-                                                 "seed 2,2,2 2\n"),
+    check_titles(journal_of("scenes.iftty", OPEN "label 1 head; interpolate 2 2 1; seed 2,2,2 2"),
                  title);
 }
 
@@ -147,9 +129,8 @@ STORY(the_steps_begin_after_an_interpolation)
 
 STORY(a_step_is_drawn_before_it_is_carried_out)
 {
-    begin_watching(journal_of("drawn.iftty", OPEN "seed 30,30,15 1 radius=2\n"
-                                                  "box 2,2,2 4,6,2 0\n"
-                                                  "remove 30,30,15\n"));
+    begin_watching(journal_of("drawn.iftty",
+                              OPEN "seed 30,30,15 1 radius=2; box 2,2,2 4,6,2 0; remove 30,30,15"));
     show(watched_carry_out, 1);
     const struct digests before = digests_now();
     show(watched_draw, 2);
@@ -182,10 +163,9 @@ STORY(a_step_is_drawn_before_it_is_carried_out)
 
 STORY(what_a_viewer_looks_at_changes_no_step)
 {
-    begin_watching(journal_of("looks.iftty", OPEN "seed 30,30,15 1 radius=2\n"
-                                                  "seed 2,2,2 0\n"
-                                                  "turn 30\n"
-                                                  "seed 50,50,20 2\n"));
+    begin_watching(journal_of("looks.iftty",
+                              OPEN "seed 30,30,15 1 radius=2; seed 2,2,2 0; turn 30; "
+                                   "seed 50,50,20 2"));
     show(watched_carry_out, 1);
     CHECK(interpreter_look(&interp, "overlay tint", &reply, &fault) == OK);
     CHECK(interpreter_look(&interp, "cross 5,6,7", &reply, &fault) == OK);
@@ -226,10 +206,9 @@ STORY(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with)
 {
     int looks = INT_MAX;
     struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
-    const char *path = journal_of("stop.iftty", OPEN "seed 30,30,15 1 radius=2\n"
-                                                     "seed 2,2,2 0\n"
-                                                     "seed 50,50,20 2\n"
-                                                     "seed 10,50,20 2\n");
+    const char *path =
+        journal_of("stop.iftty", OPEN "seed 30,30,15 1 radius=2; seed 2,2,2 0; seed 50,50,20 2; "
+                                      "seed 10,50,20 2");
     begin_watching(path);
     session_set_watch(interp.session, &watch);
     show(watched_carry_out, 1);
@@ -300,26 +279,15 @@ STORY(examples_are_walked_to_their_ends_and_back)
 
 STORY(so_is_one_with_undo_alternatives_weights_and_masks)
 {
-    walk_both_ways(journal_of("ways.iftty", OPEN "seed 30,30,15 1 radius=2\n"
-                                                 "seed 2,2,2 0 radius=1\n"
-                                                 "weight sobel\n"
-                                                 "undo 2\n"
-                                                 "redo\n"
-                                                 "branch other\n"
-                                                 "auto off\n"
-                                                 "fill 10,10,9 2 to=20,10,9 to=15,20,9\n"
-                                                 "seed 40,40,9 3 to=45,40,9\n"
-                                                 "run\n"
-                                                 "outline 30,10,9 2 to=35,10,9 to=35,20,9\n"
-                                                 "outline 30,10,9 2 to=36,10,9 to=35,20,9 "
-                                                 "instead=6\n"
-                                                 "run\n"
-                                                 "range 0 40000\n"
-                                                 "goto main\n"
-                                                 "adjacency 26\n"
-                                                 "goto other\n"
-                                                 "remove 15,13,9\n"
-                                                 "run\n"));
+    walk_both_ways(journal_of("ways.iftty",
+                              OPEN "seed 30,30,15 1 radius=2; seed 2,2,2 0 radius=1; weight sobel; "
+                                   "undo 2; redo; branch other; auto off; "
+                                   "fill 10,10,9 2 to=20,10,9 to=15,20,9; "
+                                   "seed 40,40,9 3 to=45,40,9; run; "
+                                   "outline 30,10,9 2 to=35,10,9 to=35,20,9; "
+                                   "outline 30,10,9 2 to=36,10,9 to=35,20,9 instead=6; run; "
+                                   "range 0 40000; goto main; adjacency 26; goto other; "
+                                   "remove 15,13,9; run"));
 }
 
 /* ---- verdict of the replay ---- */
@@ -343,9 +311,8 @@ static const char *changed(const char *path, const char *what, const char *to)
 
 STORY(a_step_that_gives_something_else_is_not_shown_and_that_is_said)
 {
-    const char *path = journal_of("other.iftty", OPEN "seed 30,30,15 1 radius=2\n"
-                                                      "seed 2,2,2 0\n"
-                                                      "seed 9,9,9 2\n");
+    const char *path =
+        journal_of("other.iftty", OPEN "seed 30,30,15 1 radius=2; seed 2,2,2 0; seed 9,9,9 2");
     begin_watching(changed(path, "seed 2,2,2 0", "seed 2,2,3 0"));
     CHECK_INT(watched.count, 1);
     CHECK_INT(watched.ended, ERR_CHECK);
@@ -359,9 +326,8 @@ STORY(a_step_that_gives_something_else_is_not_shown_and_that_is_said)
 /* The steps before it belong to a history that was dropped. */
 STORY(an_interpolation_that_differs_leaves_no_step)
 {
-    const char *path = journal_of("rest.iftty", OPEN "label 1 head\n"
-                                                     "interpolate 2 2 1\n"
-                                                     "seed 9,9,9 2\n");
+    const char *path =
+        journal_of("rest.iftty", OPEN "label 1 head; interpolate 2 2 1; seed 9,9,9 2");
     begin_interpreter(&interp);
     changed(path, "interpolate 2 2 1", "interpolate 2 1 1");
     CHECK(watched_begin(&watched, &interp, path, &fault) == ERR_CHECK);
@@ -372,8 +338,7 @@ STORY(an_interpolation_that_differs_leaves_no_step)
 
 STORY(an_edited_comment_is_shown_and_the_journal_is_not_verified)
 {
-    const char *path = journal_of("edited.iftty", OPEN "seed 30,30,15 1 radius=2\n"
-                                                       "seed 2,2,2 0\n");
+    const char *path = journal_of("edited.iftty", OPEN "seed 30,30,15 1 radius=2; seed 2,2,2 0");
     begin_watching(changed(path, "seed 2,2,2 0", "# \033]0;evil\007 look\nseed 2,2,2 0"));
     CHECK_INT(watched.count, 2);
     CHECK_INT(watched.ended, ERR_CHECK);
@@ -387,7 +352,7 @@ STORY(an_edited_comment_is_shown_and_the_journal_is_not_verified)
 STORY(what_is_no_journal_of_steps_is_refused_in_words)
 {
     begin_interpreter(&interp);
-    const char *path = journal_of("none.iftty", OPEN "turn 15\n");
+    const char *path = journal_of("none.iftty", OPEN "turn 15");
     CHECK(watched_begin(&watched, &interp, path, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "no step");
     end_watching();

@@ -27,13 +27,12 @@ static struct scene *scene_of(uint32_t x, uint32_t y, uint32_t z, const uint16_t
 static void weigh_by_team(struct scene *scene, unsigned neighbours,
                           const struct weight_choice *choice, struct team *team)
 {
-    struct weight_work work = {.team = team};
+    OWNED(weight_work_release) struct weight_work work = {.team = team};
     struct adjacency adjacency;
     adjacency_init(&adjacency, neighbours, &scene->grid);
     CHECK(weight_work_reserve(&work, &scene->grid, choice, NULL) == OK);
     memset(work.capacity ? work.bytes : &work, work.capacity ? 0xA5 : 0, work.capacity);
     weight_compute(scene, &adjacency, choice, &work);
-    weight_work_release(&work);
 }
 
 static void weigh(struct scene *scene, unsigned neighbours, const struct weight_choice *choice)
@@ -235,17 +234,6 @@ static size_t index_of(const struct volume *v, const uint32_t at[3])
     return at[0] + (size_t)v->size[0] * (at[1] + (size_t)v->size[1] * at[2]);
 }
 
-static int64_t value_near(const struct volume *v, const uint32_t at[3], int dx, int dy, int dz)
-{
-    const int step[3] = {dx, dy, dz};
-    uint32_t held[3];
-    for (int a = 0; a < 3; a++) {
-        int64_t i = (int64_t)at[a] + step[a];
-        held[a] = i < 0 ? 0 : i >= v->size[a] ? v->size[a] - 1 : (uint32_t)i;
-    }
-    return v->value[index_of(v, held)];
-}
-
 static size_t count_of(const struct volume *v)
 {
     return (size_t)v->size[0] * v->size[1] * v->size[2];
@@ -257,6 +245,18 @@ static void place_of(const struct volume *v, size_t i, uint32_t at[3])
         at[a] = (uint32_t)(i % v->size[a]);
         i /= v->size[a];
     }
+}
+
+static int64_t value_near(const struct volume *v, size_t i, int dx, int dy, int dz)
+{
+    const int step[3] = {dx, dy, dz};
+    uint32_t at[3];
+    place_of(v, i, at);
+    for (int a = 0; a < 3; a++) {
+        const int64_t to = (int64_t)at[a] + step[a];
+        at[a] = to < 0 ? 0 : to >= v->size[a] ? v->size[a] - 1 : (uint32_t)to;
+    }
+    return v->value[index_of(v, at)];
 }
 
 /* Random, with few or many levels, thin now and then. */
@@ -303,13 +303,11 @@ static struct volume one_round(const struct volume *v, unsigned neighbours, int 
 {
     struct volume out = *v;
     for (size_t i = 0; i < count_of(v); i++) {
-        uint32_t at[3];
-        place_of(v, i, at);
         for (int n = 0; n < 27; n++) { /* a replicated edge adds nothing new to an extremum... */
             int d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
             if (neighbours == 6 && abs(d[0]) + abs(d[1]) + abs(d[2]) > 1)
                 continue; /* ...as each voxel held inside is a neighbour or the voxel itself */
-            int64_t value = value_near(v, at, d[0], d[1], d[2]);
+            int64_t value = value_near(v, i, d[0], d[1], d[2]);
             if (sign * value > sign * out.value[i])
                 out.value[i] = value;
         }
@@ -335,12 +333,10 @@ static struct volume slow_sobel(const struct volume *v, unsigned neighbours, uin
     struct volume out = *v;
     for (size_t i = 0; i < count_of(v); i++) {
         int64_t g[3] = {0, 0, 0};
-        uint32_t at[3];
-        place_of(v, i, at);
         for (int n = 0; n < 27; n++) {
             const int d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
             for (int a = 0; a < 3; a++)
-                g[a] += value_near(v, at, d[0], d[1], d[2]) * d[a] * (2 - abs(d[(a + 1) % 3])) *
+                g[a] += value_near(v, i, d[0], d[1], d[2]) * d[a] * (2 - abs(d[(a + 1) % 3])) *
                         (2 - abs(d[(a + 2) % 3]));
         }
         out.value[i] = at_most(root_of(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / 16);
@@ -353,11 +349,9 @@ static struct volume smoothed_along(const struct volume *v, const struct gauss *
     struct volume out = *v;
     for (size_t i = 0; i < count_of(v); i++) {
         int64_t sum = 0;
-        uint32_t at[3];
-        place_of(v, i, at);
         for (int k = -(int)g->radius; k <= (int)g->radius; k++)
             sum += g->weight[abs(k)] *
-                   value_near(v, at, axis == 0 ? k : 0, axis == 1 ? k : 0, axis == 2 ? k : 0);
+                   value_near(v, i, axis == 0 ? k : 0, axis == 1 ? k : 0, axis == 2 ? k : 0);
         out.value[i] = (sum + 32768) / 65536;
     }
     return out;
@@ -375,11 +369,9 @@ static struct volume slow_gauss(const struct volume *v, unsigned neighbours, uin
         s = smoothed_along(&s, &g, axis);
     for (size_t i = 0; i < count_of(v); i++) {
         int64_t square = 0;
-        uint32_t at[3];
-        place_of(v, i, at);
         for (int a = 0; a < 3; a++) {
-            int64_t d = value_near(&s, at, a == 0, a == 1, a == 2) -
-                        value_near(&s, at, -(a == 0), -(a == 1), -(a == 2));
+            int64_t d = value_near(&s, i, a == 0, a == 1, a == 2) -
+                        value_near(&s, i, -(a == 0), -(a == 1), -(a == 2));
             square += llabs(d) / 2 * (llabs(d) / 2);
             CHECK(square >= 0);
         }
@@ -637,7 +629,7 @@ STORY(without_memory_the_room_is_what_it_was)
 {
     static const uint16_t values[24] = {0};
     struct scene *scene = scene_of(4, 3, 2, values);
-    struct weight_work work = {0};
+    OWNED(weight_work_release) struct weight_work work = {0};
     struct fault fault = {.text = ""};
     CHECK(weight_work_reserve(&work, &scene->grid, &sobel, &fault) == OK);
     const struct weight_work before = work;
@@ -648,6 +640,5 @@ STORY(without_memory_the_room_is_what_it_was)
     mem_allows = NULL;
     CHECK(work.bytes == before.bytes && work.capacity == before.capacity);
     CHECK(weight_work_reserve(&work, &scene->grid, &gauss1, &fault) == OK);
-    weight_work_release(&work);
     scene_free(scene);
 }

@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Corrections that end within a distance, as a user types them: planted, asked about, undone,
-# recorded, resumed, written to a list and read again; and what is refused.
+# Corrections that end within a distance, by commands: planted, explained, undone, recorded,
+# resumed, written to a list and read again; and errors.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 open='open synth:geom:40x40x40'
 
-begin "a tree ends where its seed reaches, and what no tree may hold is counted"
+begin "a tree ends at the reach of its seed, and voxels out of all reaches are counted"
 asks='info; why 20,20,26; why 20,20,27'
 expect 0 "$iftty" -c "$open; seed 20,20,20 1 radius=2 within=6; run; $asks" --journal j.iftty
 out_has "reach     33 seeds with \`within\`; 63075 voxels without a tree, since all seeds"
@@ -14,9 +14,8 @@ out_has "of the seed at 20,20,22, within 6 voxels of 20,20,20"
 out_has "it is out of reach of the seed at 20,20,22, within 6 voxels of 20,20,20, of label 1, whose"
 grep -qx 'seed 20,20,20 1 radius=2 within=6' j.iftty || fail "$(cat j.iftty)"
 expect 0 "$iftty" verify j.iftty
-close_story
 
-begin "other seeds take the rest; it is gone on with, undone and done again"
+begin "other trees grow into the rest; it is resumed, undone and redone"
 expect 0 "$iftty" -c 'seed 2,2,2 2; run; info' --journal j.iftty
 out_has "no voxel is left without a tree by it"
 last_word() { sed -n "s/^= .* $1=\([0-9a-f]*\).*/\1/p" j.iftty | tail -1; }
@@ -28,7 +27,6 @@ out_has "marker 1 removed: 33 seeds of label 1"
 expect 0 "$iftty" -c 'redo 2; undo 2; goto 3; goto 5' --journal j.iftty
 [ "$(last_word forest)" = "$before" ] || fail "redo: $(tail -3 j.iftty)"
 expect 0 "$iftty" verify j.iftty
-close_story
 
 begin "planted again with another distance it is another seed"
 again='seed 20,20,20 1 radius=2 within'
@@ -37,7 +35,6 @@ expect 0 "$iftty" -c "$again=9; run; $again=6; run" --journal j.iftty
 expect 0 "$iftty" -c 'remove 20,20,20; run; why 20,20,20; save seeds s.csv' --journal j.iftty
 out_has "within 9 voxels of 20,20,20"
 expect 0 "$iftty" verify j.iftty
-close_story
 
 begin "a list of seeds has the distances, in voxels and in millimetres"
 [ "$(head -1 s.csv)" = "x,y,z,label,within,of x,of y,of z" ] || fail "$(head -1 s.csv)"
@@ -52,12 +49,10 @@ before=$(sed -n 's/^= 3 \(forest=[0-9a-f]*\).*/\1/p' l.iftty)
 expect 0 "$iftty" -c "$open; seed-file mm.csv; run" --journal m.iftty
 grep -q "$before" m.iftty || fail "$(cat m.iftty)"
 expect 0 "$iftty" verify k.iftty l.iftty m.iftty
-close_story
 
-begin "what cannot be is refused, and plants nothing"
+begin "invalid arguments are rejected, and plant nothing"
 refused() { # STATUS WORDS MESSAGE
-    expect "$1" "$iftty" -c "$open; seed $2; info" --keep-going
-    err_has "$3"
+    expect_err "$3" "$1" "$iftty" -c "$open; seed $2; info" --keep-going
     out_has "0 seeds, 0 edits waiting"
 }
 refused 2 '20,20,20 1 radius=3 within=2' "within: less than the radius"
@@ -69,6 +64,5 @@ refused 2 '20,20,20 1 within=1001mm' "within: expected"
 refused 2 '20,20,20 0 radius=9 within=12 shell=yes' "within: only for one ball"
 refused 2 '20,20,20 1 within=9 to=22,20,20' "within: only for one ball"
 refused 2 '20,20,20 1 within=9 joined=yes' "within: only for one ball"
-close_story
 
 finish

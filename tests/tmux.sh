@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 # A real terminal for stories: tmux, 80x24, with a shell in it. Source it after lib.sh, in the
 # folder $work; it ends the script if tmux is missing.
-begin "at a terminal"
-needs tmux || { close_story; finish; }
+story="at a terminal"
+needs tmux || finish
+story=
 
 # A server of our own, independent of the user's; -u because LC_ALL=C does not select UTF-8.
 unset TMUX NO_COLOR PAGER
@@ -29,28 +30,35 @@ enter() { # a line
 shows() {
     screen_text | grep -qE -e "$1"
 }
+# Wait until a line of the screen matches each pattern, one after the other.
 see() {
-    comes_true shows "$1" || fail "the screen is:" "$(screen_text | grep .)"
+    for pattern; do
+        comes_true shows "$pattern" || fail "the screen is:" "$(screen_text | grep .)"
+    done
 }
-# Type keys or a line, and wait until a line of the screen matches.
+# The same after keys or a line.
 typing() {
     type_letters "$1"
-    see "$2"
+    shift
+    see "$@"
 }
 pressing() {
     press "$1"
-    see "$2"
+    shift
+    see "$@"
 }
 entering() {
     enter "$1"
-    see "$2"
+    shift
+    see "$@"
 }
-# Enter a line in the shell on a cleared screen: older output could be mistaken for the line's.
+# Enter a line in the shell on a cleared screen, since older output could be mistaken for the
+# line's, and wait for the patterns.
 enter_anew() {
     checks=$((checks + 1))
     enter "clear; echo cl\"\"ear $checks"
     see "^clear $checks\$"
-    enter "$1"
+    entering "$@"
 }
 # Check that a program has left the terminal in the modes of a shell.
 sane() {

@@ -20,6 +20,11 @@ static inline struct world world_new(uint32_t x, uint32_t y, uint32_t z, unsigne
     return w;
 }
 
+static inline void world_plant(struct world *w, uint32_t cell, int label)
+{
+    CHECK(forest_edit(w->forest, &(struct edit){cell, (int16_t)label, 0}, 1, NULL) == OK);
+}
+
 /* Cell by cell, and in digests. */
 static inline bool world_is_same(const struct world *a, const struct world *b)
 {

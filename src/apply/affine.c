@@ -108,13 +108,6 @@ static void eigen(int n, double matrix[SIDE][SIDE], double vector[SIDE][SIDE])
             }
 }
 
-static void swap(double *a, double *b)
-{
-    const double held = *a;
-    *a = *b;
-    *b = held;
-}
-
 /* Square roots of the eigenvalues of m' m, or of a sum of x x' (`squared`), largest first. */
 static void spread(const struct affine *squared, double out[3])
 {
@@ -126,8 +119,11 @@ static void spread(const struct affine *squared, double out[3])
         out[i] = sqrt(fmax(matrix[i][i], 0));
     for (int i = 0; i < 3; i++)
         for (int j = i + 1; j < 3; j++)
-            if (out[j] > out[i])
-                swap(&out[i], &out[j]);
+            if (out[j] > out[i]) {
+                const double held = out[i];
+                out[i] = out[j];
+                out[j] = held;
+            }
 }
 
 void affine_stretches(const struct affine *a, double out[3])

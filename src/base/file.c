@@ -189,7 +189,7 @@ bool file_step_sync(int fd, const char *path)
     return !file_step_fails(FILE_STEP_SYNC, path) && fdatasync(fd) == 0;
 }
 
-bool file_step_sync_folder(const char *path)
+enum err file_sync_folder(const char *path, struct fault *fault)
 {
     struct buf folder = {0};
     file_folder(&folder, path);
@@ -203,7 +203,7 @@ bool file_step_sync_folder(const char *path)
     if (fd >= 0)
         close(fd);
     buf_release(&folder);
-    return fine;
+    return fine ? OK : fault_errno(fault, "sync the folder of", path);
 }
 
 bool file_step_cut(int fd, const char *path, uint64_t length)
@@ -469,28 +469,60 @@ void folder_remove(const char *path)
 
 static bool is_forgotten(enum owner_state state, const struct stat *status)
 {
-    return (S_ISREG(status->st_mode) || S_ISDIR(status->st_mode)) && status->st_uid == geteuid() &&
+    return (S_ISREG(status->st_mode) || S_ISDIR(status->st_mode)) &&
            (state == OWNER_IS_GONE ||
             (state == OWNER_IS_HIDDEN && time(NULL) - status->st_mtime > FORGOTTEN_S));
 }
 
-void file_sweep(const char *path)
+/* Find the empty file that names the process holding the folder: its path, and the state of that
+ * process. */
+static bool find_holder(struct buf *path, enum owner_state *state, const char *folder)
 {
-    struct buf draft = {0};
+    bool found = false;
+    DIR *listing = opendir(folder);
+    for (const struct dirent *entry; listing && !found && (entry = readdir(listing));) {
+        struct stat status;
+        const char *tail = strrchr(entry->d_name, '-');
+        if (!read_name(entry->d_name, state) || strcmp(tail + 1, HOLDER_TAIL) != 0)
+            continue;
+        buf_clear(path);
+        buf_printf(path, "%s/%s", folder, entry->d_name);
+        found = !path->failed && lstat(buf_text(path), &status) == 0 && S_ISREG(status.st_mode) &&
+                status.st_size == 0;
+    }
+    if (listing)
+        closedir(listing);
+    return found;
+}
+
+/* Remove abandoned drafts from a folder, or abandoned folders that were held. */
+static void sweep(const char *path, bool of_held)
+{
+    struct buf found = {0}, holder = {0};
     DIR *folder = opendir(path);
     for (const struct dirent *entry; folder && (entry = readdir(folder));) {
         enum owner_state state;
         struct stat status;
-        if (!read_name(entry->d_name, &state) || state == OWNER_LIVES)
+        if (of_held ? strncmp(entry->d_name, FRESH_PREFIX, sizeof FRESH_PREFIX - 1) != 0
+                    : !read_name(entry->d_name, &state) || state == OWNER_LIVES)
             continue;
-        buf_clear(&draft);
-        buf_printf(&draft, "%s/%s", path, entry->d_name);
-        if (!draft.failed && lstat(buf_text(&draft), &status) == 0 && is_forgotten(state, &status))
-            folder_remove(buf_text(&draft));
+        buf_clear(&found);
+        buf_printf(&found, "%s/%s", path, entry->d_name);
+        if (!found.failed && lstat(buf_text(&found), &status) == 0 && status.st_uid == geteuid() &&
+            (!of_held ||
+             (S_ISDIR(status.st_mode) && find_holder(&holder, &state, buf_text(&found)))) &&
+            is_forgotten(state, &status))
+            folder_remove(buf_text(&found));
     }
     if (folder)
         closedir(folder);
-    buf_release(&draft);
+    buf_release(&found);
+    buf_release(&holder);
+}
+
+void file_sweep(const char *path)
+{
+    sweep(path, false);
 }
 
 /* Sweep a folder once, until another folder is written to. */
@@ -609,23 +641,25 @@ enum err file_rename_new(const char *path, const char *name, struct fault *fault
 {
     if (!rename_new(path, name))
         return fault_errno(fault, "write", name);
-    return file_step_sync_folder(name) ? OK : fault_errno(fault, "sync the folder of", name);
+    return file_sync_folder(name, fault);
+}
+
+static bool sync_draft(int fd, const char *draft)
+{
+    const bool synced = fd >= 0 && file_step_sync(fd, draft);
+    if (fd >= 0)
+        close(fd);
+    return synced;
 }
 
 enum err file_publish(const char *draft, const char *path, enum file_mode mode, struct fault *fault)
 {
-    const int fd = file_step_open(draft, O_RDONLY);
-    const bool synced = fd >= 0 && file_step_sync(fd, draft);
-    if (fd >= 0)
-        close(fd);
-    if (!synced || !(mode == FILE_KEEP ? rename_new(draft, path) : rename_over(draft, path))) {
-        const enum err err = fault_errno(fault, "write", path);
-        file_discard(draft);
-        return err;
-    }
-    if (!file_step_sync_folder(path))
-        return fault_errno(fault, "sync the folder of", path);
-    return OK;
+    if (sync_draft(file_step_open(draft, O_RDONLY), draft) &&
+        (mode == FILE_KEEP ? rename_new(draft, path) : rename_over(draft, path)))
+        return file_sync_folder(path, fault);
+    const enum err err = fault_errno(fault, "write", path);
+    file_discard(draft);
+    return err;
 }
 
 enum err file_publish_in(int folder, const char *draft, const char *path, struct fault *fault)
@@ -634,10 +668,7 @@ enum err file_publish_in(int folder, const char *draft, const char *path, struct
     const int fd = file_step_fails(FILE_STEP_OPEN, draft)
                        ? -1
                        : openat(folder, name, O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NOCTTY);
-    const bool synced = fd >= 0 && file_step_sync(fd, draft);
-    if (fd >= 0)
-        close(fd);
-    if (!synced || file_step_fails(FILE_STEP_RENAME, path) ||
+    if (!sync_draft(fd, draft) || file_step_fails(FILE_STEP_RENAME, path) ||
         renameat(folder, name, folder, file_name(path)) != 0) {
         const enum err err = fault_errno(fault, "write", path);
         unlinkat(folder, name, 0);
@@ -689,7 +720,7 @@ enum err file_restore(const char *backup, const char *path, struct fault *fault)
     if (rename(backup, path) != 0)
         return fault_errno(fault, "restore", path);
     file_discard(backup); /* it remains if path was never replaced: both are names of one file */
-    return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
+    return file_sync_folder(path, fault);
 }
 
 /* ---- whole files ---- */
@@ -742,7 +773,7 @@ enum err file_write_beside(struct buf *name, const char *path, const char *kind,
 enum err file_make_folder(const char *path, struct fault *fault)
 {
     if (mkdir(path, 0777) == 0)
-        return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
+        return file_sync_folder(path, fault);
     if (errno == EEXIST && file_is_folder(path))
         return OK;
     return fault_errno(fault, "make the folder", path);
@@ -801,53 +832,10 @@ enum err folder_temporary(struct buf *path, const char *below, struct fault *fau
     return fault_errno(fault, "make a folder below", below);
 }
 
-/* Find the empty file that names the process holding the folder: its path, and the state of that
- * process. */
-static bool find_holder(struct buf *path, enum owner_state *state, const char *folder)
-{
-    bool found = false;
-    DIR *listing = opendir(folder);
-    for (const struct dirent *entry; listing && !found && (entry = readdir(listing));) {
-        struct stat status;
-        const char *tail = strrchr(entry->d_name, '-');
-        if (!read_name(entry->d_name, state) || strcmp(tail + 1, HOLDER_TAIL) != 0)
-            continue;
-        buf_clear(path);
-        buf_printf(path, "%s/%s", folder, entry->d_name);
-        found = !path->failed && lstat(buf_text(path), &status) == 0 && S_ISREG(status.st_mode) &&
-                status.st_size == 0;
-    }
-    if (listing)
-        closedir(listing);
-    return found;
-}
-
-static void sweep_held(const char *path)
-{
-    struct buf held = {0}, holder = {0};
-    DIR *folder = opendir(path);
-    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
-        enum owner_state state;
-        struct stat status;
-        if (strncmp(entry->d_name, FRESH_PREFIX, sizeof FRESH_PREFIX - 1) != 0)
-            continue;
-        buf_clear(&held);
-        buf_printf(&held, "%s/%s", path, entry->d_name);
-        if (!held.failed && lstat(buf_text(&held), &status) == 0 && S_ISDIR(status.st_mode) &&
-            status.st_uid == geteuid() && find_holder(&holder, &state, buf_text(&held)) &&
-            is_forgotten(state, &status))
-            folder_remove(buf_text(&held));
-    }
-    if (folder)
-        closedir(folder);
-    buf_release(&held);
-    buf_release(&holder);
-}
-
 enum err folder_held(struct buf *path, const char *below, struct fault *fault)
 {
     struct buf holder = {0};
-    sweep_held(usual_place(below));
+    sweep(usual_place(below), true);
     enum err err = folder_fresh(path, below, fault);
     if (err)
         return err;

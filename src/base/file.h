@@ -119,6 +119,10 @@ void file_sweep(const char *folder);
 
 /* ---- folders ---- */
 
+/* Sync the folder of `path`, so that a new name in it survives. File systems that cannot sync a
+ * folder return EINVAL, which counts as success. */
+enum err file_sync_folder(const char *path, struct fault *fault);
+
 /* Make a folder and sync its name to the disk. OK if it exists. */
 enum err file_make_folder(const char *path, struct fault *fault);
 
@@ -175,10 +179,6 @@ bool file_step_write(int fd, const char *path, const char *bytes, size_t length)
 
 /* Sync the content of `fd` to the disk; false and errno on failure. */
 bool file_step_sync(int fd, const char *path);
-
-/* Sync the folder of `path`, so that a new name in it survives. File systems that cannot sync a
- * folder return EINVAL, which counts as success. */
-bool file_step_sync_folder(const char *path);
 
 /* Cut the file to `length` bytes; false and errno on failure. */
 bool file_step_cut(int fd, const char *path, uint64_t length);

@@ -567,7 +567,7 @@ enum err file_log_open(struct file_log **out, const char *path, bool create, str
     if (!err)
         err = adopt_file(log, fault);
     if (is_made && !err)
-        err = file_log_sync_folder(log, fault);
+        err = file_sync_folder(path, fault);
     if (!err)
         err = file_log_sync(log, fault);
     if (err && is_made)
@@ -577,12 +577,6 @@ enum err file_log_open(struct file_log **out, const char *path, bool create, str
     else
         *out = log;
     return err;
-}
-
-enum err file_log_sync_folder(const struct file_log *log, struct fault *fault)
-{
-    return file_step_sync_folder(log->path) ? OK
-                                            : fault_errno(fault, "sync the folder of", log->path);
 }
 
 /* ---- writing ---- */

@@ -44,9 +44,6 @@ struct file_log;
  * closes *log. The mode is `always` at first. */
 enum err file_log_open(struct file_log **log, const char *path, bool create, struct fault *fault);
 
-/* Sync the folder of the file, so that its name survives a power loss. */
-enum err file_log_sync_folder(const struct file_log *log, struct fault *fault);
-
 /* Append, and sync according to the mode; a `may_wait` append is synced by the thread if there is
  * one. On failure the file is cut back to its former length; if that fails too it is ragged, and
  * the caller has to call file_log_cut (G1). */

@@ -340,6 +340,14 @@ void json_count(struct json *json, const char *key, uint64_t value)
     add_word(json, key, "%" PRIu64, value);
 }
 
+void json_counts(struct json *json, const char *key, const uint32_t *value, size_t count)
+{
+    json_array(json, key);
+    for (size_t i = 0; i < count; i++)
+        json_count(json, NULL, value[i]);
+    json_end(json);
+}
+
 void json_boolean(struct json *json, const char *key, bool value)
 {
     add_word(json, key, "%s", value ? "true" : "false");

@@ -50,6 +50,9 @@ void json_count(struct json *json, const char *key, uint64_t value);
 void json_boolean(struct json *json, const char *key, bool value);
 void json_word(struct json *json, const char *key, const char *word); /* a JSON word: null, 12 */
 
+/* An array of numbers. */
+void json_counts(struct json *json, const char *key, const uint32_t *value, size_t count);
+
 /* A number with `decimals` digits after the point; in the shorter of the two notations with
  * `digits` significant digits. A value that is not finite becomes null. */
 void json_fixed(struct json *json, const char *key, double value, int decimals);

@@ -149,31 +149,6 @@ void act_write_origin(struct buf *out, const struct session *session)
 
 /* ---- the voxel under a pixel ---- */
 
-static enum err refuse_pixel(uint32_t column, uint32_t row, uint32_t width, uint32_t height,
-                             struct fault *fault)
-{
-    return fault_set(fault, ERR_INPUT, "pixel %u,%u is outside the picture of %ux%u", column, row,
-                     width, height);
-}
-
-/* Find the voxel at a pixel of the rendition, or CELL_NONE. The pilot's rendition may have another
- * zoom. */
-static enum err voxel_of_rendition(struct session *session, const struct labels *labels,
-                                   uint32_t column, uint32_t row, uint32_t *cell,
-                                   struct fault *fault)
-{
-    const struct rendition *r = session_frame(session);
-    if (!session_rendered(session))
-        return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
-    const enum err err = session_draw_labels(session, labels, RENDER_AS_KEPT, fault);
-    if (err)
-        return err;
-    if (column >= r->width || row >= r->height)
-        return refuse_pixel(column, row, r->width, r->height, fault);
-    *cell = r->cell[(size_t)row * r->width + column];
-    return OK;
-}
-
 /* Add "3.61 mm from the border of label 1 brain, at 70,101,95". */
 static void write_border_distance(struct buf *out, const struct session *session, uint32_t cell)
 {
@@ -206,18 +181,24 @@ enum err act_pick(const struct act *act)
                    row = (uint32_t)act_number(act, "ROW");
     const int64_t of = act_number(act, "of"); /* 0: the rendition */
     uint32_t cell = CELL_NONE;
-    const struct view *view = &session->now.outlook.view;
     struct labels labels;
     enum err err = session_labels(session, session_shows_finished(session), &labels, act->fault);
-    if (!err && !of)
-        err = voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
-    else if (!err && (column >= view->width || row >= view->height))
-        err = refuse_pixel(column, row, view->width, view->height, act->fault);
-    else if (!err) /* by the picture that would be drawn now */
+    if (!err && !of && !session_rendered(session))
+        err = fault_set(act->fault, ERR_USAGE, "the rendition is not up to date; `render` first");
+    if (!err && !of) /* the pilot's rendition may have another zoom */
+        err = session_draw_labels(session, &labels, RENDER_AS_KEPT, act->fault);
+    const struct rendition *r = session_frame(session);
+    const struct view *view = &session->now.outlook.view;
+    const uint32_t width = of ? view->width : r->width, height = of ? view->height : r->height;
+    if (!err && (column >= width || row >= height))
+        err = fault_set(act->fault, ERR_INPUT, "pixel %u,%u is outside the picture of %ux%u",
+                        column, row, width, height);
+    if (!err && of) /* by the picture that would be drawn now */
         err = slicing_cell_at(&cell, session, (enum slice_kind)(of - 1), &labels, column, row,
                               act->fault);
     if (err)
         return err;
+    cell = of ? cell : r->cell[(size_t)row * width + column];
     if (cell == CELL_NONE) {
         buf_printf(&act->reply->text, "pixel %u,%u shows %s\n", column, row,
                    of ? "no voxel" : "no object");
@@ -349,20 +330,6 @@ static void take_column(struct profile *p, unsigned column)
     p->mean[column] = sum / (double)(end - first);
 }
 
-static void draw_profile(struct buf *out, const struct profile *p, bool has_blocks)
-{
-    uint16_t eighths[CHART_COLUMNS];
-    char top[16], bottom[16];
-    const double wide = p->most > p->least ? p->most - p->least : 1;
-    for (unsigned c = 0; c < p->columns; c++) /* the least value has height 1 */
-        eighths[c] = (uint16_t)(1 + (p->mean[c] - p->least) / wide * (8 * PROFILE_ROWS - 1));
-    snprintf(top, sizeof top, "%.6g", p->most);
-    snprintf(bottom, sizeof bottom, "%.6g", p->least);
-    chart_write(
-        out, &(struct chart){eighths, p->columns, PROFILE_ROWS, top, bottom, MARGIN, has_blocks});
-    buf_printf(out, "%*slabels |%s\n", MARGIN - 6, "", p->label);
-}
-
 enum err act_profile(const struct act *act)
 {
     struct buf *out = &act->reply->text;
@@ -373,7 +340,16 @@ enum err act_profile(const struct act *act)
     for (unsigned c = 0; c < p.columns; c++)
         take_column(&p, c);
     write_distance(act, p.from, p.to);
-    draw_profile(out, &p, act->interp->has_blocks);
+    uint16_t eighths[CHART_COLUMNS];
+    char top[16], bottom[16];
+    const double wide = p.most > p.least ? p.most - p.least : 1;
+    for (unsigned c = 0; c < p.columns; c++) /* the least value has height 1 */
+        eighths[c] = (uint16_t)(1 + (p.mean[c] - p.least) / wide * (8 * PROFILE_ROWS - 1));
+    snprintf(top, sizeof top, "%.6g", p.most);
+    snprintf(bottom, sizeof bottom, "%.6g", p.least);
+    chart_write(out, &(struct chart){eighths, p.columns, PROFILE_ROWS, top, bottom, MARGIN,
+                                     act->interp->has_blocks});
+    buf_printf(out, "%*slabels |%s\n", MARGIN - 6, "", p.label);
     buf_printf(out, "%lld voxel%s", (long long)p.steps + 1, plural((uint64_t)p.steps + 1));
     if (p.steps >= p.columns)
         buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
@@ -656,11 +632,11 @@ enum err act_hint(const struct act *act)
                          "has changed",
                          hints->count, number);
     const struct hint *hint = hints->item + number - 1;
-    const struct place p = place_of(act, hint->cell);
+    uint32_t *cross = act->next->outlook.slices.cross;
     err = write_hint(act, hint, number);
     act_write_waiting(act);
-    memcpy(act->next->outlook.slices.cross, (uint32_t[]){p.x, p.y, p.z}, 3 * sizeof(uint32_t));
+    grid_find(&act->session->scene->grid, hint->cell, cross);
     buf_clear(&act->reply->canonical);
-    buf_printf(&act->reply->canonical, "cross %u,%u,%u", p.x, p.y, p.z);
+    buf_printf(&act->reply->canonical, "cross %u,%u,%u", cross[0], cross[1], cross[2]);
     return err ? err : act_go(act);
 }

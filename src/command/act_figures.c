@@ -24,9 +24,7 @@ struct counts {
 static enum err count_labels(struct counts *counts, const struct act *act)
 {
     const struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, session->watch, "counting", whole, 0);
+    struct grid_walk walk = scene_walk(session->scene, "counting", NULL, 0);
     *counts = (struct counts){.seeds = {0}};
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
@@ -156,8 +154,7 @@ static enum err get_own_labels(struct compared *compared, const struct act *act,
     const struct grid *grid = &act->session->scene->grid;
     const struct value *only = act_value(act, "label");
     uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, act->session->watch, "present labels", whole, 0);
+    struct grid_walk walk = scene_walk(act->session->scene, "present labels", NULL, 0);
     enum err err = label ? act_take_labels(act, labels) : fault_memory(act->fault, "the labels");
     if (err)
         return err;
@@ -196,8 +193,7 @@ static enum err get_map_labels(struct compared *compared, bool listed[256], cons
 
 /* Write "picture", slices through the given place, or the voxel with the largest distance, or the
  * cross-hair; or "surface". Nothing if the parameter is not given. */
-static enum err write_picture(const struct act *act, const char *which,
-                              const struct compared *compared, const struct labels *labels,
+static enum err write_picture(const struct act *act, const char *which, const struct labels *labels,
                               const struct comparison_report *report)
 {
     const uint32_t *cross = act->session->now.outlook.slices.cross;
@@ -211,8 +207,8 @@ static enum err write_picture(const struct act *act, const char *which,
     if (err || !path->length)
         return err;
     err = strcmp(which, "picture") == 0
-              ? comparison_picture_draw(&picture, act->session, compared, report, place, act->fault)
-              : distance_picture_draw(&picture, act->session, compared, report, false, act->fault);
+              ? comparison_picture_draw(&picture, act->session, report, place, act->fault)
+              : distance_picture_draw(&picture, act->session, report, false, act->fault);
     if (!err)
         err = act_note_picture(act, labels, &picture);
     if (!err)
@@ -221,9 +217,8 @@ static enum err write_picture(const struct act *act, const char *which,
     return err;
 }
 
-static enum err answer_comparison(const struct act *act, const struct compared *compared,
-                                  const struct labels *labels, const struct comparison *comparison,
-                                  const bool *listed)
+static enum err answer_comparison(const struct act *act, const struct labels *labels,
+                                  const struct comparison *comparison, const bool *listed)
 {
     const struct session *session = act->session;
     const char *name = labels->finished ? "the labels here, finished" : "the labels here";
@@ -240,9 +235,9 @@ static enum err answer_comparison(const struct act *act, const struct compared *
         comparison_write_csv(text, &report);
     enum err err = act_write_report(act, text);
     if (!err)
-        err = write_picture(act, "picture", compared, labels, &report);
+        err = write_picture(act, "picture", labels, &report);
     if (!err)
-        err = write_picture(act, "surface", compared, labels, &report);
+        err = write_picture(act, "surface", labels, &report);
     if (!err)
         comparison_write_text(&act->reply->text, &report);
     if (!err)
@@ -274,7 +269,7 @@ enum err act_compare(const struct act *act)
     if (!err)
         err = comparison_make(comparison, &compared, session->team, session->watch, act->fault);
     if (!err)
-        err = answer_comparison(act, &compared, &labels, comparison, listed);
+        err = answer_comparison(act, &labels, comparison, listed);
     free(compared.label[0]);
     free(compared.label[1]);
     free(comparison);

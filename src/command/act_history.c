@@ -43,21 +43,6 @@ static enum err go_to_point(const struct act *act, uint32_t to, uint32_t branch,
     return OK;
 }
 
-/* Add lines "undone: 12 seed 90,33,60 2", the latest first, up to LISTED. */
-static void write_undone(const struct history *history, uint32_t to, struct reply *reply)
-{
-    unsigned count = 0;
-    for (uint32_t at = history->present; at != to; at = history->point[at].parent) {
-        if (++count > LISTED)
-            continue;
-        buf_add_text(&reply->text, "undone: ");
-        write_point(&reply->text, history, at);
-        buf_add_char(&reply->text, '\n');
-    }
-    if (count > LISTED)
-        buf_printf(&reply->text, "and %u before these\n", count - LISTED);
-}
-
 /* Go back or forward by COUNT commands, or to the first or last. */
 static enum err go_by(const struct act *act, bool back)
 {
@@ -72,8 +57,17 @@ static enum err go_by(const struct act *act, bool back)
     if (count < wanted)
         buf_printf(&act->reply->text, "only %zu command%s could be %s, not %zu\n", count,
                    plural(count), back ? "undone" : "done again", wanted);
-    if (back)
-        write_undone(history, to, act->reply);
+    /* Add lines "undone: 12 seed 90,33,60 2", the latest first. */
+    size_t undone = 0;
+    for (uint32_t at = history->present; back && at != to; at = history->point[at].parent) {
+        if (++undone > LISTED)
+            continue;
+        buf_add_text(&act->reply->text, "undone: ");
+        write_point(&act->reply->text, history, at);
+        buf_add_char(&act->reply->text, '\n');
+    }
+    if (undone > LISTED)
+        buf_printf(&act->reply->text, "and %zu before these\n", undone - LISTED);
     return go_to_point(act, to, history->on, history_is_at_tip(history));
 }
 

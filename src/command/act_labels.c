@@ -40,13 +40,10 @@ static enum err read_taken(const struct grid *grid, const struct record_word *wo
     const char *at = word->value, *end = word->value + word->value_length;
     bool goes_on = true;
     for (*count = 0; goes_on && *count < TAKEN_MOST; goes_on = scan_text(&at, ";")) {
-        int64_t place[3];
-        if (!scan_integer(&at, 0, grid->size[0] - 1, &place[0]) || !scan_text(&at, ",") ||
-            !scan_integer(&at, 0, grid->size[1] - 1, &place[1]) || !scan_text(&at, ",") ||
-            !scan_integer(&at, 0, grid->size[2] - 1, &place[2]))
-            break;
-        seed[(*count)++] =
-            grid_cell(grid, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]);
+        int64_t p[3];
+        if (!scan_three(&at, 0, 0, UINT32_MAX, p) || !grid_contains(grid, p[0], p[1], p[2]))
+            return fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
+        seed[(*count)++] = grid_cell(grid, (uint32_t)p[0], (uint32_t)p[1], (uint32_t)p[2]);
     }
     return at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
 }
@@ -111,19 +108,6 @@ static size_t seeds_of(const struct markers *markers, uint32_t number)
     return seeds;
 }
 
-static void write_removed(const struct act *act, const uint32_t *number, size_t count, size_t seeds)
-{
-    const struct markers *markers = &act->session->markers;
-    struct buf *out = &act->reply->text;
-    if (count > 1) {
-        buf_printf(out, "%zu markers removed\n", count);
-        return;
-    }
-    buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], seeds, plural(seeds));
-    label_report_write_name(out, act->session, (unsigned)markers->marker[number[0] - 1].label);
-    buf_add_char(out, '\n');
-}
-
 static enum err remove_markers(const struct act *act)
 {
     struct session *session = act->session;
@@ -154,7 +138,16 @@ static enum err remove_markers(const struct act *act)
             if (last > i)
                 buf_printf(words, "-%u", number[last]);
         }
-        write_removed(act, number, count, seeds);
+        struct buf *out = &act->reply->text;
+        if (count > 1) {
+            buf_printf(out, "%zu markers removed\n", count);
+        } else {
+            buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], seeds,
+                       plural(seeds));
+            label_report_write_name(out, session,
+                                    (unsigned)session->markers.marker[number[0] - 1].label);
+            buf_add_char(out, '\n');
+        }
     }
     free(number);
     voxels_release(&v);
@@ -579,14 +572,12 @@ static void warn_of_noise(const struct act *act, const struct piece_seeds *seeds
 static enum err plant_labels(const struct act *act)
 {
     const struct session *session = act->session;
-    const struct value *erode = act_value(act, "erode");
-    const unsigned rounds = erode->given ? (unsigned)erode->number : 0;
-    const bool rests = act_has(act, "rest") && act_number(act, "rest") == 1;
+    const unsigned rounds = (unsigned)act_number(act, "erode");
     const struct piece_choice choice = {rounds, (uint32_t)act_number(act, "least"),
-                                        !rests ? 0 : REGION_NONE};
+                                        act_number(act, "rest") == 1 ? REGION_NONE : 0};
     struct volume map = {0};
     struct piece_seeds seeds = {0};
-    if (!erode->given)
+    if (!act_has(act, "erode"))
         buf_printf(&act->reply->canonical, " erode=%u", rounds);
     const char *copy = act_text(act, "copy");
     char digest[LABEL_COPY_DIGEST];

@@ -212,9 +212,8 @@ static enum err find_scene(const struct act *act, const char *name, bool by_proo
 /* Reject parameters about a file for a synthetic scene. Old records may have them. */
 static enum err check_words(const struct act *act, const char *name)
 {
-    if (strncmp(name, "synth:", 6) != 0 || act->interp->mode != MODE_LIVE)
-        return OK;
-    if (act_has(act, "series|data|missing|skip|size|type|endian|offset|spacing|huge|private|"
+    if (strncmp(name, "synth:", 6) == 0 && act->interp->mode == MODE_LIVE &&
+        act_has(act, "series|data|missing|skip|size|type|endian|offset|spacing|huge|private|"
                      "straighten"))
         return fault_set(act->fault, ERR_USAGE,
                          "series, data, missing, skip, spacing, huge and straighten are for files, "

@@ -79,21 +79,6 @@ static enum err finish_file(struct spin *spin)
     return spin->movie.helper ? image_movie_end(&spin->movie, spin->act->fault) : OK;
 }
 
-/* Begin the next file, or the only one. */
-static enum err begin_file(struct spin *spin, const struct picture *like)
-{
-    const char *path = buf_text(spin->path);
-    struct interpreter *interp = spin->act->interp;
-    struct fault *fault = spin->act->fault;
-    const bool counts = spin->pattern.counts;
-    const enum err err = interpreter_will_write(interp, path, spin->mode, fault);
-    if (err)
-        return err;
-    spin->movie = (struct image_movie){.helper = interp->helper, .path = path, .mode = spin->mode};
-    return image_movie_begin(&spin->movie, like, counts ? 1 : spin->total,
-                             counts ? 0 : spin->delay_ms, fault);
-}
-
 /* Find the path of picture `number`; empty if a replay does not write it. */
 static enum err find_path(struct spin *spin, unsigned number)
 {
@@ -119,9 +104,17 @@ static enum err write_picture(struct spin *spin, unsigned number, const struct p
         err = find_path(spin, number);
     if (err || !spin->path->length)
         return err;
+    const char *path = buf_text(spin->path);
     if (!is_helped(spin))
-        return act_write_now(act->interp, buf_text(spin->path), spin->mode, picture, act->fault);
-    err = begins ? begin_file(spin, picture) : OK;
+        return act_write_now(act->interp, path, spin->mode, picture, act->fault);
+    if (begins) /* the next file, or the only one */
+        err = interpreter_will_write(act->interp, path, spin->mode, act->fault);
+    if (!err && begins) {
+        spin->movie =
+            (struct image_movie){.helper = act->interp->helper, .path = path, .mode = spin->mode};
+        err = image_movie_begin(&spin->movie, picture, spin->pattern.counts ? 1 : spin->total,
+                                spin->pattern.counts ? 0 : spin->delay_ms, act->fault);
+    }
     return err ? err : image_movie_add(&spin->movie, picture, act->fault);
 }
 
@@ -336,8 +329,8 @@ enum err act_take_picture(const struct act *act, const struct labels *labels, co
                           struct picture *picture)
 {
     const bool has_all = !name || file_is_named(name, EXR_NAMES);
-    enum err err = has_all ? export_picture(picture, act->session, act->fault)
-                           : export_colours(picture, act->session, act->fault);
+    enum err err =
+        export_picture(picture, act->session, has_all ? PICTURE_BUT_NORMAL : 0, act->fault);
     if (!err && !name) /* goldens are an OpenEXR file and a PNG */
         err = export_background(picture, act->session, act->fault);
     else if (!err && has_all)
@@ -605,10 +598,9 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
     act_write_slices(&act->reply->text, act->session);
     enum err err = act_take_shown(act, &labels);
     if (!err && !act_has(act, "FILE")) {
-        struct canvas canvas;
-        err = draw_slices(act, kind, &labels, false, &canvas);
-        if (!err)
-            interpreter_show(act->interp, &canvas);
+        canvas_release(&act->interp->shown);
+        err = draw_slices(act, kind, &labels, false, &act->interp->shown);
+        act->interp->shows_picture = !err;
         return err;
     }
     if (!err)

@@ -194,41 +194,36 @@ enum err act_golden(const struct act *act)
 /* Read the parameters of a step: those of its row, and no others. */
 static enum err take_argument(struct finish_step *step, const struct act *act)
 {
-    static const struct {
-        const char *name;
-        enum finish_argument takes;
-    } argument[] = {{"radius", FINISH_TAKES_RADIUS},
-                    {"voxels", FINISH_TAKES_VOXELS},
-                    {"sweeps", FINISH_TAKES_SWEEPS}};
+    static const char *const own[] = {"", "radius", "voxels", "sweeps"};
+    static const char *const others[] = {
+        [FINISH_TAKES_NOTHING] = "reach|radius|voxels|sweeps",
+        [FINISH_TAKES_RADIUS] = "reach|voxels|sweeps",
+        [FINISH_TAKES_VOXELS] = "reach|radius|sweeps",
+        [FINISH_TAKES_SWEEPS] = "radius|voxels",
+    };
     const struct finish_row *row = &finish_table[step->kind];
-    const struct value *reach = act_value(act, "reach");
+    const char *other = call_given(act->call, others[row->takes]);
+    if (other)
+        return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` has none", other, row->name);
     step->argument = row->usual;
-    if (reach->given && row->takes != FINISH_TAKES_SWEEPS)
-        return fault_set(act->fault, ERR_USAGE, "reach: `finish %s` has none", row->name);
     if (row->takes == FINISH_TAKES_SWEEPS)
-        step->reach = reach->given ? (uint32_t)reach->number : FINISH_BAND;
-    for (size_t i = 0; i < sizeof argument / sizeof *argument; i++) {
-        const struct value *value = act_value(act, argument[i].name);
-        if (value->given && row->takes != argument[i].takes)
-            return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` has none", argument[i].name,
-                             row->name);
-        if (row->takes != argument[i].takes)
-            continue;
-        if (!value->given && !row->usual)
-            return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` needs it", argument[i].name,
-                             row->name);
-        if (value->given)
-            step->argument = (uint32_t)value->number;
-        step->in_nm = value->in_mm;
-    }
+        step->reach = (uint32_t)act_number_or(act, "reach", FINISH_BAND);
+    if (row->takes == FINISH_TAKES_NOTHING)
+        return OK;
+    const struct value *value = act_value(act, own[row->takes]);
+    if (!value->given && !row->usual)
+        return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` needs it", own[row->takes],
+                         row->name);
+    if (value->given)
+        step->argument = (uint32_t)value->number;
+    step->in_nm = value->in_mm;
     return OK;
 }
 
 static enum err add_step(struct finish_list *list, const struct act *act)
 {
-    const struct value *label = act_value(act, "label");
     struct finish_step step = {.kind = (uint32_t)act_number(act, "STEP"),
-                               .label = label->given ? (uint32_t)label->number : FINISH_ALL_LABELS};
+                               .label = (uint32_t)act_number_or(act, "label", FINISH_ALL_LABELS)};
     const enum err err = take_argument(&step, act);
     if (err)
         return err;
@@ -367,20 +362,6 @@ static enum err save_seeds(const struct act *act, const char *path, enum file_mo
     return err ? err : file_write(path, text->data, text->length, how, act->fault);
 }
 
-static void report_changed_names(const struct act *act, const struct label_writing *writing)
-{
-    struct buf *out = &act->reply->text;
-    buf_printf(out, "%u name%s ", writing->changed, plural(writing->changed));
-    if (!*writing->first_written) {
-        buf_add_text(out, "not written: a .lut holds colours alone\n");
-        return;
-    }
-    buf_printf(out, "had to be changed to fit; the first is of label %u, in the file ",
-               writing->first_changed);
-    buf_add_safe_text(out, writing->first_written);
-    buf_add_char(out, '\n');
-}
-
 static enum err save_names(const struct act *act, const char *path, enum file_mode how)
 {
     enum label_table_format format;
@@ -406,9 +387,19 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     label_table_write(text, &writing, format, &act->session->now.kept, used);
     if (!err)
         err = file_write(path, text->data, text->length, how, act->fault);
-    if (!err && writing.changed)
-        report_changed_names(act, &writing);
-    return err;
+    if (err || !writing.changed)
+        return err;
+    struct buf *out = &act->reply->text;
+    buf_printf(out, "%u name%s ", writing.changed, plural(writing.changed));
+    if (!*writing.first_written) {
+        buf_add_text(out, "not written: a .lut holds colours alone\n");
+        return OK;
+    }
+    buf_printf(out, "had to be changed to fit; the first is of label %u, in the file ",
+               writing.first_changed);
+    buf_add_safe_text(out, writing.first_written);
+    buf_add_char(out, '\n');
+    return OK;
 }
 
 /* Reject parameters without meaning for MAP. */
@@ -430,20 +421,6 @@ static enum err check_parameters(const struct act *act)
     return OK;
 }
 
-static enum err write_file(const struct act *act, const struct labels *labels, const char *path)
-{
-    const enum file_mode how = act_file_mode(act);
-    const int64_t what = act_number(act, "MAP");
-    const enum err err = interpreter_will_write(act->interp, path, how, act->fault);
-    if (err)
-        return err;
-    return what == SAVE_SEEDS   ? save_seeds(act, path, how)
-           : what == SAVE_NAMES ? save_names(act, path, how)
-           : what == SAVE_SURFACE
-               ? save_surface(act, labels, path, how)
-               : export_map(act->session, (enum map)what, labels, path, how, act->fault);
-}
-
 /* Coverage of a map of labels: voxels with a label above 0, and unreached voxels, outside the
  * region of interest or not. */
 struct coverage {
@@ -452,10 +429,8 @@ struct coverage {
 
 static struct coverage count_coverage(const struct session *session, const struct labels *labels)
 {
-    const struct grid *grid = &session->scene->grid;
     struct coverage count = {0};
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, session->watch, "counting", whole, 0);
+    struct grid_walk walk = scene_walk(session->scene, "counting", NULL, 0);
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
             const struct cell *cell = session->scene->cell + c;
@@ -495,7 +470,8 @@ enum err act_save(const struct act *act)
     const int64_t what = act_number(act, "MAP");
     const bool has_labels = what == MAP_LABELS || what == SAVE_SURFACE;
     struct coverage coverage = {0};
-    struct buf *path = act_buf(act);
+    const enum file_mode how = act_file_mode(act);
+    struct buf *to = act_buf(act);
     struct labels labels = {0};
     enum err err = check_parameters(act);
     if (!err)
@@ -503,9 +479,10 @@ enum err act_save(const struct act *act)
     if (!err && has_labels)
         err = act_take_labels(act, &labels);
     if (!err)
-        err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
-    if (err || !path->length)
+        err = interpreter_output_path(act->interp, act_text(act, "FILE"), to, act->fault);
+    if (err || !to->length)
         return err;
+    const char *path = buf_text(to);
     if (has_labels)
         coverage = count_coverage(act->session, &labels);
     /* An empty map would be mistaken for a result. */
@@ -516,10 +493,16 @@ enum err act_save(const struct act *act)
             "map with empty=yes; nothing was written");
     err = watch_fault(act->session->watch, act->fault);
     if (!err)
-        err = write_file(act, &labels, buf_text(path));
+        err = interpreter_will_write(act->interp, path, how, act->fault);
+    if (!err)
+        err = what == SAVE_SEEDS   ? save_seeds(act, path, how)
+              : what == SAVE_NAMES ? save_names(act, path, how)
+              : what == SAVE_SURFACE
+                  ? save_surface(act, &labels, path, how)
+                  : export_map(act->session, (enum map)what, &labels, path, how, act->fault);
     if (err)
         return err;
-    act_write_file_line("wrote ", buf_text(path), act->reply);
-    warn_of_contents(act, buf_text(path), &coverage, labels.finished != NULL);
+    act_write_file_line("wrote ", path, act->reply);
+    warn_of_contents(act, path, &coverage, labels.finished != NULL);
     return OK;
 }

@@ -38,10 +38,8 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     struct buf *path = act_buf(act);
     enum err err = interpreter_find_file(act->interp, name, path, fault);
     if (err) {
-        struct near near = near_to(name);
-        near_try_choices(&near, WEIGHT_KINDS);
         fault_prefix(fault, err, "expected " WEIGHT_KINDS " or a file");
-        near_append(&near, "", fault);
+        near_append_choices(name, WEIGHT_KINDS, fault);
     }
     if (!err)
         err = map_read(&map, buf_text(path), &place, session->watch, fault);
@@ -62,14 +60,12 @@ static enum err take_argument(struct weight_choice *choice, const struct act *ac
 {
     static const char *const name[] = {WEIGHT_ARGUMENTS(ARGUMENT_NAME, ARGUMENT_NAME)};
     const struct weight_row *row = &weight_table[choice->kind];
-    for (unsigned i = 0; i < WEIGHT_ARGUMENT_COUNT; i++)
-        if (act_has(act, name[i]) && row->takes != i)
-            return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
-    static const char *const of_map[] = {"resample", "volume", "data"};
-    for (unsigned i = 0; i < sizeof of_map / sizeof *of_map; i++)
-        if (act_has(act, of_map[i]) && choice->kind != WEIGHT_FILE)
-            return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", of_map[i],
-                             row->name);
+    const char *other =
+        choice->kind == WEIGHT_FILE ? NULL : call_given(act->call, "resample|volume|data");
+    for (unsigned i = WEIGHT_ARGUMENT_COUNT; i-- > 0;)
+        other = act_has(act, name[i]) && row->takes != i ? name[i] : other;
+    if (other)
+        return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", other, row->name);
     if (row->takes == WEIGHT_TAKES_NOTHING)
         return OK;
     if (!act_has(act, name[row->takes]) && !row->usual)
@@ -120,24 +116,12 @@ static enum err add_roi(const struct act *act, enum err err)
     return OK;
 }
 
-static void fill_mask(uint64_t *mask, const struct volume *map, const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, scene->watch, "voxels of the mask", whole, 0);
-    const uint16_t *region = map->intensity;
-    while (grid_walk_next(&walk))
-        for (uint32_t c = walk.row.first; c < walk.row.end; c++)
-            mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
-}
-
 static enum err mask_by_file(const struct act *act)
 {
     struct session *session = act->session;
     const char *name = act_text(act, "FILE");
-    const struct value *given = act_value(act, "regions");
-    const uint32_t regions[2] = {given->given ? given->place[0] : 1,
-                                 given->given ? given->place[1] : (uint32_t)REGION_MOST};
+    static const uint32_t all[2] = {1, REGION_MOST};
+    const uint32_t *regions = act_has(act, "regions") ? act_place(act, "regions") : all;
     struct volume map = {0};
     uint64_t *mask = NULL;
     enum err err = act_read_map(act, &map);
@@ -148,7 +132,11 @@ static enum err mask_by_file(const struct act *act)
     if (!err && !(mask = mem_new(mask_bytes(&session->scene->grid))))
         err = fault_memory(act->fault, "a mask");
     if (!err) {
-        fill_mask(mask, &map, session->scene);
+        struct grid_walk walk = scene_walk(session->scene, "voxels of the mask", NULL, 0);
+        const uint16_t *region = map.intensity;
+        while (grid_walk_next(&walk))
+            for (uint32_t c = walk.row.first; c < walk.row.end; c++)
+                mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
         buf_add_text(&act->reply->text, map.notes);
         const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
         act_add_digest(act, "file", roi_tally(&alone, session->scene).digest);
@@ -163,12 +151,10 @@ static enum err mask_by_file(const struct act *act)
 enum err act_mask(const struct act *act)
 {
     const bool is_file = act_number(act, "FILE") < 0;
-    static const char *const of_map[] = {"regions", "resample", "volume", "data"};
-    for (unsigned i = 0; i < sizeof of_map / sizeof *of_map; i++)
-        if (!is_file && act_has(act, of_map[i]))
-            return fault_set(act->fault, ERR_USAGE,
-                             "%s: `mask none` has no %s; nothing has changed", of_map[i],
-                             i ? "map" : "regions");
+    const char *of_file = call_given(act->call, "regions|resample|volume|data");
+    if (!is_file && of_file)
+        return fault_set(act->fault, ERR_USAGE, "%s: `mask none` has no %s; nothing has changed",
+                         of_file, strcmp(of_file, "regions") == 0 ? "regions" : "map");
     return add_roi(act, is_file ? mask_by_file(act)
                                 : session_set_mask(act->session, NULL, NULL, NULL, act->fault));
 }
@@ -176,10 +162,8 @@ enum err act_mask(const struct act *act)
 /* Count the voxels of the scene whose level contains an end of the range. */
 static size_t count_unsure(const struct session *session, const struct decimal range[2])
 {
-    const struct grid *grid = &session->scene->grid;
     const struct interval interval = levels_within(&session->geometry, session->levels, range);
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, NULL, "levels", whole, 0);
+    struct grid_walk walk = scene_walk(session->scene, "levels", NULL, 0);
     size_t voxels = 0;
     while (interval.split[0] >= 0 && grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++)
@@ -334,17 +318,6 @@ static const char *const side[3][2] = {
 };
 enum { SLAB_NONE = 3 }; /* the choice after these */
 
-/* ", feet to head": the patient's sides from slice 0 on; nothing if the orientation is unknown. */
-static void write_sides(char out[24], const struct session *session, enum slice_plane plane)
-{
-    static const uint32_t first[3] = {0};
-    const bool turned = slice_index(session->scene, plane, first) > 0;
-    if (session->scene->sides_unknown)
-        *out = '\0';
-    else
-        snprintf(out, 24, ", %s to %s", side[plane][turned], side[plane][!turned]);
-}
-
 enum err act_clip(const struct act *act)
 {
     struct cut *cut = &act->next->kept.cut;
@@ -361,8 +334,10 @@ enum err act_clip(const struct act *act)
     const enum slice_plane plane = (enum slice_plane)act_number(act, "PLANE");
     const uint32_t count = slice_count(scene, plane), *range = act_place(act, "SLICES");
     const char *name = slice_name(scene, plane);
-    char sides[24];
-    write_sides(sides, act->session, plane);
+    const bool turned = slice_index(scene, plane, (const uint32_t[3]){0}) > 0;
+    char sides[24] = ""; /* the patient's, from slice 0 on: ", feet to head" */
+    if (!scene->sides_unknown)
+        snprintf(sides, sizeof sides, ", %s to %s", side[plane][turned], side[plane][!turned]);
     if (!act_has(act, "SLICES"))
         return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s", name,
                          count - 1, sides);
@@ -504,16 +479,13 @@ static int64_t member_value(const struct setting_member *member, const struct va
 {
     static const uint32_t background[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,
                                           BACKGROUND_CLEAR};
-    switch (member->as) {
-    case HELD_AS_SWITCH:
+    if (member->as == HELD_AS_SWITCH)
         return value->number == 0;
-    case HELD_AS_COUNT:
+    if (member->as == HELD_AS_COUNT)
         return strtol(value->text, NULL, 10);
-    case HELD_AS_BACKGROUND:
+    if (member->as == HELD_AS_BACKGROUND)
         return value->text ? background[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
-    default:
-        return value->number;
-    }
+    return value->number;
 }
 
 static void report_setting(const struct act *act, enum setting_says what)
@@ -521,29 +493,19 @@ static void report_setting(const struct act *act, enum setting_says what)
     struct buf *out = &act->reply->text;
     const struct outlook *outlook = &act->session->now.outlook;
     const size_t waits = session_pendings(act->session);
-    switch (what) {
-    case SAYS_NOTHING:
-        return;
-    case SAYS_WEIGHTS:
+    if (what == SAYS_WEIGHTS)
         act_add_weights(act);
-        return;
-    case SAYS_SLICES:
+    else if (what == SAYS_SLICES)
         act_write_slices(out, act->session);
-        return;
-    case SAYS_WAITING:
-        if (outlook->runs_by_itself && waits)
-            buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits,
-                       plural(waits));
-        return;
-    case SAYS_FINISH:
-        if (!outlook->shows_finished)
-            buf_add_text(out, "pictures show the labels of the forest\n");
-        else if (!act->session->now.kept.finish.count)
-            buf_add_text(out, "the finish has no step yet; `finish relax` adds one, and pictures "
-                              "show it\n");
-        else
-            act_write_finish(out, act->session);
-    }
+    else if (what == SAYS_WAITING && outlook->runs_by_itself && waits)
+        buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits, plural(waits));
+    else if (what == SAYS_FINISH && !outlook->shows_finished)
+        buf_add_text(out, "pictures show the labels of the forest\n");
+    else if (what == SAYS_FINISH && !act->session->now.kept.finish.count)
+        buf_add_text(out, "the finish has no step yet; `finish relax` adds one, and pictures "
+                          "show it\n");
+    else if (what == SAYS_FINISH)
+        act_write_finish(out, act->session);
 }
 
 enum err act_set(const struct act *act)

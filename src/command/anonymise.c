@@ -73,17 +73,12 @@ static void add_name(struct anonymiser *anonymiser, struct buf *out, const char 
 
 enum fate { WORD_STAYS, WORD_IS_FILE, WORD_GOES };
 
-static bool is_number(const char *word)
-{
-    return word[strspn(word, "0123456789.-")] == '\0';
-}
-
 /* Decide about a value by its parameter, NULL if it fits none. */
 static enum fate judge(const struct parameter *p, const char *value)
 {
     const bool is_numbers = value[strspn(value, "0123456789abcdefABCDEF.,:/+-")] == '\0';
     if (!p)
-        return is_number(value) ? WORD_STAYS : WORD_IS_FILE;
+        return value[strspn(value, "0123456789.-")] ? WORD_IS_FILE : WORD_STAYS;
     if (p->choices && choice_find(p->choices, value) >= 0)
         return WORD_STAYS;
     if (p->type == VALUE_FILE)

@@ -24,7 +24,6 @@
 #include "session/setting.h"
 
 struct interpreter;
-struct kept;
 struct session;
 
 /* The value of a parameter. */
@@ -79,8 +78,14 @@ void call_release(struct call *call);
 const struct value *call_value(const struct call *call, const char *name);
 void call_set(struct call *call, const char *name, int64_t number, const char *word);
 
-/* True if one of these parameters, "a|b|c", which the command has, is given. */
-bool call_has(const struct call *call, const char *names);
+/* Return the name of the first of these parameters, "a|b|c", which the command has, that is given;
+ * NULL if none is. */
+const char *call_given(const struct call *call, const char *names);
+
+static inline bool call_has(const struct call *call, const char *names)
+{
+    return call_given(call, names) != NULL;
+}
 
 /* Return the labels that `over` and `keep` of a command that has them let a gesture change. */
 struct label_set call_takes(const struct call *call);
@@ -95,6 +100,7 @@ bool command_take_word(const char **cursor, struct buf *out, const char *quotes)
 #define COMMAND_QUOTES "\"'"
 
 /* Add a word, in quotes if it needs them. */
+bool command_needs_quotes(const char *word);
 void command_write_word(struct buf *out, const char *word);
 
 /* Add the canonical form of a call. */
@@ -106,13 +112,6 @@ bool command_opens(struct buf *name, const char *line);
 /* True if both lines are the same command. The file that it reads may be seen from different
  * folders. */
 bool command_is_same(const char *a, const char *b);
-
-/* Add the form of a value: "X,Y,Z", "on|off", "0..32". */
-void usage_form(struct buf *out, const struct parameter *p);
-
-/* Add the parameters not given yet (`value` NULL: all), each after a blank, with keys and brackets:
- * " LABEL [radius=0..32]". Positional ones come first. */
-void usage_rest(struct buf *out, const struct parameter *p, const struct value *value);
 
 /* Add the usage of a command: "seed X,Y,Z LABEL [radius=0..32]". */
 void command_usage(struct buf *out, const struct command *command);

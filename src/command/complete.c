@@ -59,7 +59,8 @@ static void add_form(struct buf *out, const struct parameter *p)
         buf_add_text(out, p->name);
 }
 
-void usage_form(struct buf *out, const struct parameter *p)
+/* Add the form of a value: "X,Y,Z", "on|off", "0..32". */
+static void usage_form(struct buf *out, const struct parameter *p)
 {
     if (p->choices && !(p->type == VALUE_CHOICE && p->form))
         buf_printf(out, "%s%s", p->choices, is_choice(p) ? "" : "|");
@@ -84,7 +85,9 @@ static void add_parameter(struct buf *out, const struct parameter *p)
     buf_add_text(out, brackets ? "]" : "");
 }
 
-void usage_rest(struct buf *out, const struct parameter *p, const struct value *value)
+/* Add the parameters not given yet (`value` NULL: all), each after a blank, with keys and brackets:
+ * " LABEL [radius=0..32]". Positional ones come first. */
+static void usage_rest(struct buf *out, const struct parameter *p, const struct value *value)
 {
     for (int keyed = 0; keyed < 2; keyed++)
         for (int i = 0; p[i].type; i++) {
@@ -206,18 +209,6 @@ static void mark_given(struct partial *p, int i, const char *word)
         p->value[i + 1].given = true;
 }
 
-static void take_whole_word(struct partial *p)
-{
-    const char *word = buf_text(&p->word);
-    if (p->words++ == 0) {
-        p->command = command_find(word);
-        return;
-    }
-    const int i = p->command ? command_parameter_for(p->command, p->value, &word) : -1;
-    if (i >= 0)
-        mark_given(p, i, word);
-}
-
 /* Read the words of `line`, up to the one at its end. */
 static bool read_words(struct partial *p, const char *line)
 {
@@ -233,7 +224,14 @@ static bool read_words(struct partial *p, const char *line)
         p->closed = ends && p->quoted;
         if (!ends || *at == '\0')
             return true;
-        take_whole_word(p);
+        const char *whole = buf_text(&p->word);
+        if (p->words++ == 0) {
+            p->command = command_find(whole);
+            continue;
+        }
+        const int i = p->command ? command_parameter_for(p->command, p->value, &whole) : -1;
+        if (i >= 0)
+            mark_given(p, i, whole);
     }
     buf_clear(&p->word);
     p->quoted = p->closed = false;
@@ -336,15 +334,6 @@ static void offer_commands(const struct offers *o)
         offer(o, command_at(i)->name, strlen(command_at(i)->name), note_of(command_at(i)->summary));
 }
 
-static bool needs_quotes(const char *word)
-{
-    struct buf out = {0};
-    command_write_word(&out, word);
-    const bool needs = out.length > 0 && out.data[0] == '"';
-    buf_release(&out);
-    return needs;
-}
-
 /* Names of several words are quoted, and then all others too; the value of a key cannot be
  * quoted. */
 static void offer_labels(const struct offers *o, const struct parameter *p)
@@ -353,13 +342,13 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
     for (int label = (int)p->least; label < 256; label++) {
         const char *name = o->interp->session->now.kept.label_name[label];
         offers.quoted |=
-            !p->keyed && *name && starts_so(o, name, strlen(name)) && needs_quotes(name);
+            !p->keyed && *name && starts_so(o, name, strlen(name)) && command_needs_quotes(name);
     }
     for (int label = (int)p->least; label < 256; label++) {
         const char *name = o->interp->session->now.kept.label_name[label];
         char note[32];
         snprintf(note, sizeof note, "label %d", label);
-        if (!p->keyed || !needs_quotes(name))
+        if (!p->keyed || !command_needs_quotes(name))
             offer(&offers, name, strlen(name), note_of(note));
     }
 }
@@ -452,7 +441,7 @@ static void offer_files(const struct offers *o)
     listing_read(&listing, leads ? buf_text(&folder) : ".", begin);
     buf_release(&folder);
     for (size_t i = 0; i < listing.count && !quoted; i++)
-        quoted = needs_quotes(join_path(&path, o->typed, leads, listing.name[i]));
+        quoted = command_needs_quotes(join_path(&path, o->typed, leads, listing.name[i]));
     for (size_t i = 0; i < listing.count; i++) {
         const char *whole = join_path(&path, o->typed, leads, listing.name[i]);
         if (path.failed)
@@ -507,26 +496,16 @@ static void offer_values(const struct offers *o, const struct command *command,
     struct choice choice;
     while (choice_next(&choice, &choices))
         offer(o, choice.word, choice.length, choice_note(command, p, &choice));
-    switch (p->type) {
-    case VALUE_COMMAND:
+    if (p->type == VALUE_COMMAND)
         offer_commands(o);
-        break;
-    case VALUE_LABEL:
-    case VALUE_LABELS:
+    else if (p->type == VALUE_LABEL || p->type == VALUE_LABELS)
         offer_labels(o, p);
-        break;
-    case VALUE_FILE:
+    else if (p->type == VALUE_FILE)
         offer_files(o);
-        break;
-    case VALUE_GOLDEN:
+    else if (p->type == VALUE_GOLDEN)
         offer_goldens(o);
-        break;
-    case VALUE_POINT:
+    else if (p->type == VALUE_POINT)
         offer_points(o);
-        break;
-    default:
-        break;
-    }
 }
 
 static void offer_keys(const struct offers *o, const struct partial *partial)

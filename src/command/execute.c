@@ -19,7 +19,7 @@
 #include "session/session.h"
 #include "show/draw.h"
 
-/* ---- resumed ---- */
+/* ---- resume a journal ---- */
 
 struct resume {
     struct interpreter *interp;
@@ -70,7 +70,7 @@ static void look_for_last(void *context, const struct record *record)
             resume->last = record->number;
 }
 
-/* When the session catches up, compare the words with the forest of all commands so far. */
+/* Run a recorded command. If the session catches up, return the words of the forest after it. */
 static enum err execute_again(void *context, const char *command, struct buf *words,
                               struct fault *fault)
 {
@@ -111,8 +111,8 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
     return err;
 }
 
-/* When skimming, compute nothing up to the last record with words about the forest. The command
- * that opens the scene is always executed in full. */
+/* Resume a record. When skimming, compute nothing before the last record with words about the
+ * forest; `open` is always run in full. */
 static enum err resume_record(void *context, const struct record *record, struct fault *fault)
 {
     struct resume *resume = context;
@@ -146,7 +146,7 @@ static enum err carry_out_again(struct interpreter *interp, const char *path, st
     return err;
 }
 
-/* Remove the drafts and pictures that killed processes have left next to the journal. */
+/* Remove drafts and pictures of killed processes next to the journal. */
 static void clear_away(struct interpreter *interp, const char *path, struct buf *told)
 {
     const struct buf *bytes = journal_bytes(interp->journal);
@@ -194,7 +194,7 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
     return err ? fault_prefix(fault, err, "cannot resume %s", path) : OK;
 }
 
-/* ---- carried out ---- */
+/* ---- run a command ---- */
 
 static enum err apply_edits(const struct interpreter *interp, struct session *session,
                             struct reply *reply, struct fault *fault)
@@ -202,11 +202,11 @@ static enum err apply_edits(const struct interpreter *interp, struct session *se
     if (interp->applied == 1)
         buf_add_text(&reply->text, "applied the waiting edit, as by `run`\n");
     else
-        buf_printf(&reply->text, "the %zu waiting edits applied, as by `run`\n", interp->applied);
+        buf_printf(&reply->text, "applied the %zu waiting edits, as by `run`\n", interp->applied);
     enum err err = session_run(session, fault);
     if (!err &&
         interp->mode ==
-            MODE_LIVE) /* the answer is about the command, without the edits that were waiting */
+            MODE_LIVE) /* count again, so that the answer excludes the edits that were waiting */
         err = session_count_labels(session, fault);
     return err;
 }
@@ -220,8 +220,8 @@ static enum err run_act(struct interpreter *interp, const struct call *call, str
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
     /* A command that answers first applies the waiting edits, so that the answer includes all
-     * seeds. A recorded command does so in a replay too; a question only when it is asked, since a
-     * `run` is recorded for it. */
+     * seeds. A recorded command also does so in a replay. A question does so only in a live
+     * session, which records a `run` for it. */
     const bool applies = command->flags & COMMAND_ANSWERS &&
                          (command->flags & COMMAND_RECORDED || interp->mode == MODE_LIVE);
     interp->applied = applies ? session_pendings(session) : 0;
@@ -240,7 +240,7 @@ static enum err run_act(struct interpreter *interp, const struct call *call, str
         !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)
         err = session_run(session, fault);
-    if (!(command->flags & COMMAND_RECORDED)) /* its record is a `run` without words */
+    if (!(command->flags & COMMAND_RECORDED)) /* a question: its record is a `run` without words */
         buf_clear(&reply->words);
     if (!err && edits)
         add_digests(&reply->words, session);
@@ -270,32 +270,19 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
         fault_append(fault, "; replace=yes writes over it");
     if (err && fault)
         command_point_at(call, line, fault);
-    if (!err || (watch && watch->stopped)) /* a stop may have caused any other error */
+    if (!err || (watch && watch->stopped)) /* a stop may have caused another error */
         err = watch_fault(watch, fault);
     if (interpreter_is_wary(interp))
         err = limits_judge(err, &interp->written, fault);
-    if (err == ERR_CANCELLED) /* wherever the stop was noticed */
+    if (err == ERR_CANCELLED) /* whichever function reported the stop */
         fault_set(fault, err, "cancelled; nothing has changed");
     return err;
 }
 
-/* ---- recorded ---- */
+/* ---- record a command ---- */
 
-static enum err begin_journal(struct interpreter *interp, struct buf *told, struct fault *fault)
-{
-    if (!interp->new_journal)
-        return OK;
-    const enum err err = interpreter_create_journal(interp, interp->new_journal, fault);
-    if (err)
-        return fault_prefix(fault, err,
-                            "cannot create a journal here (--journal FILE creates it elsewhere)");
-    interp->new_journal = NULL;
-    interpreter_write_lock(interp, told);
-    return OK;
-}
-
-/* Add to the history and, for new commands, to the journal. For a question that applied waiting
- * edits, record a `run`. */
+/* Add the command to the history and, if it is new, to the journal. For a question that applied
+ * waiting edits, add a `run`. */
 static enum err record_command(struct interpreter *interp, const struct command *command,
                                struct reply *reply, struct fault *fault)
 {
@@ -305,8 +292,14 @@ static enum err record_command(struct interpreter *interp, const struct command 
     const char *line = is_question ? run : buf_text(&reply->canonical);
     const struct session *session = interp->session;
     enum err err = history_note(&interp->history, session, line, fault);
-    if (!err && interp->mode == MODE_LIVE)
-        err = begin_journal(interp, &reply->text, fault);
+    if (!err && interp->mode == MODE_LIVE && interp->new_journal) {
+        err = interpreter_create_journal(interp, interp->new_journal, fault);
+        if (err)
+            return fault_prefix(
+                fault, err, "cannot create a journal here (--journal FILE creates it elsewhere)");
+        interp->new_journal = NULL;
+        interpreter_write_lock(interp, &reply->text);
+    }
     if (err || interp->mode != MODE_LIVE || !interp->journal)
         return err;
     const bool only_looks = /* the command changed only the view (J1) */
@@ -319,7 +312,7 @@ static enum err record_command(struct interpreter *interp, const struct command 
                : OK;
 }
 
-/* ---- settled ---- */
+/* ---- commit or roll back a command ---- */
 
 /* Commit or roll back all changes of the command. */
 static void finish_command(struct interpreter *interp, bool stands)
@@ -373,15 +366,7 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     return err;
 }
 
-/* ---- looked at ---- */
-
-static enum err refuse_to_change(const struct call *call, struct fault *fault)
-{
-    return fault_set(fault, ERR_USAGE,
-                     "%s: only questions and commands that change the view are allowed here; "
-                     "nothing has changed",
-                     call->command->name);
-}
+/* ---- look: only the view may change ---- */
 
 enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
                           struct fault *fault)
@@ -392,27 +377,28 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
     if (err || !call.command)
         return err;
     const enum command_group group = call.command->group;
-    if (group == GROUP_SCENE || group == GROUP_WEIGHT || group == GROUP_SEEDS ||
-        group == GROUP_KEPT) {
-        err = refuse_to_change(&call, fault);
-    } else {
-        session_mark(interp->session);
+    bool changes = group == GROUP_SCENE || group == GROUP_WEIGHT || group == GROUP_SEEDS ||
+                   group == GROUP_KEPT;
+    if (!changes) {
         const struct session *session = interp->session;
+        session_mark(interp->session);
         err = carry_out(interp, &call, line, reply, fault);
-        const bool has_changed_more =
-            interp->written.length || interp->history.goes_to != POINT_NONE ||
-            session->has_edited || session->has_regrown ||
-            !kept_equals(&session->now.kept, &session->former.kept) ||
-            !edit_lists_are_copies(&session->now.lists, &session->former.lists);
-        if (!err && has_changed_more)
-            err = refuse_to_change(&call, fault);
-        finish_command(interp, err == OK);
+        changes = interp->written.length || interp->history.goes_to != POINT_NONE ||
+                  session->has_edited || session->has_regrown ||
+                  !kept_equals(&session->now.kept, &session->former.kept) ||
+                  !edit_lists_are_copies(&session->now.lists, &session->former.lists);
+        finish_command(interp, !err && !changes);
     }
+    if (!err && changes)
+        err = fault_set(fault, ERR_USAGE,
+                        "%s: only questions and commands that change the view are allowed here; "
+                        "nothing has changed",
+                        call.command->name);
     call_release(&call);
     return err;
 }
 
-/* ---- sketched ---- */
+/* ---- sketch: run without a record ---- */
 
 enum err interpreter_sketch(struct interpreter *interp, const char *line, struct fault *fault)
 {

@@ -4,6 +4,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -77,6 +78,7 @@ static const char image_ending[] = ".exr", png_ending[] = ".png";
 
 enum {
     ENDING = sizeof image_ending - 1,
+    NAME_BYTES = 80, /* for the name of an image; longer ones are not valid */
     CHAIN_BYTES = RECORD_CHAIN_DIGITS + 1,
     COPY_BYTES_MOST = 1 << 30
 };
@@ -92,8 +94,8 @@ static enum err open_files(struct golden_files *files, const char *journal, bool
     if (err || files->path.failed || files->name.failed)
         return err ? err : fault_memory(fault, "a path");
     const char *path = buf_text(&files->path);
-    if (makes && mkdir(path, 0777) == 0 && !file_step_sync_folder(path))
-        return fault_errno(fault, "sync the folder of", path);
+    if (makes && mkdir(path, 0777) == 0 && file_sync_folder(path, fault))
+        return ERR_IO;
     files->folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (files->folder >= 0 || (errno == ENOENT && !makes))
         return OK;
@@ -257,14 +259,12 @@ static enum file_of judge_maker(const struct golden_files *files, const struct m
 
 static bool has_image_name(const char *name)
 {
-    char stem[80];
-    const size_t length = strlen(name);
-    if (length <= ENDING || length >= sizeof stem ||
-        (strcmp(name + length - ENDING, image_ending) != 0 &&
-         strcmp(name + length - ENDING, png_ending) != 0))
+    char stem[NAME_BYTES];
+    const char *ending = strrchr(name, '.');
+    if (!ending || strlen(name) >= sizeof stem ||
+        (strcmp(ending, image_ending) != 0 && strcmp(ending, png_ending) != 0))
         return false;
-    memcpy(stem, name, length - ENDING);
-    stem[length - ENDING] = '\0';
+    snprintf(stem, sizeof stem, "%.*s", (int)(ending - name), name);
     return golden_name_is_valid(stem);
 }
 
@@ -301,21 +301,15 @@ enum file_of golden_files_judge(const struct golden_files *files, const char *na
  * leaves an empty PNG on some file systems (base/file.h). */
 static bool remove_png(const struct golden_files *files, const char *image)
 {
-    struct buf png = {0};
-    struct stat status;
-    buf_add(&png, image, strlen(image) - ENDING);
-    buf_add_text(&png, png_ending);
-    bool is_gone = !png.failed &&
-                   fstatat(files->folder, buf_text(&png), &status, AT_SYMLINK_NOFOLLOW) != 0 &&
-                   errno == ENOENT;
-    if (!is_gone && !png.failed) {
-        const enum file_of of = golden_files_judge(files, buf_text(&png));
-        is_gone = (of == FILE_LEFTOVER || of == FILE_STRAY ||
-                   (S_ISREG(status.st_mode) && status.st_size == 0)) &&
-                  unlinkat(files->folder, buf_text(&png), 0) == 0;
-    }
-    buf_release(&png);
-    return is_gone;
+    char png[NAME_BYTES];
+    struct stat status = {0};
+    snprintf(png, sizeof png, "%.*s%s", (int)(strlen(image) - ENDING), image, png_ending);
+    if (fstatat(files->folder, png, &status, AT_SYMLINK_NOFOLLOW) != 0 && errno == ENOENT)
+        return true;
+    const enum file_of of = golden_files_judge(files, png);
+    return (of == FILE_LEFTOVER || of == FILE_STRAY ||
+            (S_ISREG(status.st_mode) && status.st_size == 0)) &&
+           unlinkat(files->folder, png, 0) == 0;
 }
 
 enum err golden_files_remove(const struct golden_files *files, const char *name,
@@ -343,36 +337,30 @@ enum err golden_files_remove(const struct golden_files *files, const char *name,
 
 /* ---- copying ---- */
 
-static enum err copy_link(const char *from, const char *to, struct fault *fault)
-{
-    char *real = realpath(from, NULL);
-    const bool is_made = !real || symlink(real, to) == 0; /* a dangling link is left out */
-    free(real);
-    return is_made ? OK : fault_errno(fault, "make the link", to);
-}
-
 static enum err copy_one(const struct golden_files *files, const char *to, const char *name,
                          struct fault *fault)
 {
-    struct buf source = {0}, target = {0}, bytes = {0};
+    struct arena arena = {0};
+    struct buf *source = arena_buf(&arena), *target = arena_buf(&arena), *bytes = arena_buf(&arena);
     struct stat status;
     enum err err = OK;
-    buf_printf(&source, "%s/%s", buf_text(&files->path), name);
-    buf_printf(&target, "%s/%s", to, name);
-    if (source.failed || target.failed)
+    buf_printf(source, "%s/%s", buf_text(&files->path), name);
+    buf_printf(target, "%s/%s", to, name);
+    if (arena_failed(&arena))
         err = fault_memory(fault, "a path");
-    else if (lstat(buf_text(&source), &status) != 0 || file_exists(buf_text(&target)))
+    else if (lstat(buf_text(source), &status) != 0 || file_exists(buf_text(target)))
         err = OK; /* missing, or named twice */
-    else if (S_ISLNK(status.st_mode))
-        err = copy_link(buf_text(&source), buf_text(&target), fault);
-    else if (S_ISREG(status.st_mode)) {
-        err = file_read(&bytes, buf_text(&source), COPY_BYTES_MOST, fault);
+    else if (S_ISLNK(status.st_mode)) {
+        char *real = realpath(buf_text(source), NULL);
+        if (real && symlink(real, buf_text(target)) != 0) /* a dangling link is left out */
+            err = fault_errno(fault, "make the link", buf_text(target));
+        free(real);
+    } else if (S_ISREG(status.st_mode)) {
+        err = file_read(bytes, buf_text(source), COPY_BYTES_MOST, fault);
         if (!err)
-            err = file_write(buf_text(&target), buf_text(&bytes), bytes.length, FILE_KEEP, fault);
+            err = file_write(buf_text(target), buf_text(bytes), bytes->length, FILE_KEEP, fault);
     }
-    buf_release(&source);
-    buf_release(&target);
-    buf_release(&bytes);
+    arena_release(&arena);
     return err;
 }
 
@@ -384,8 +372,8 @@ enum err golden_files_copy(const struct golden_files *files, const char *to, str
     enum err err = OK;
     for (; !err && name < end; name += strlen(name) + 1)
         err = copy_one(files, to, name, fault);
-    if (!err && !file_step_sync_folder(to))
-        err = fault_errno(fault, "sync the folder of", to);
+    if (!err)
+        err = file_sync_folder(to, fault);
     if (err)
         folder_remove(to);
     return err;

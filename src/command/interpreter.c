@@ -21,11 +21,6 @@ enum err interpreter_init(struct interpreter *interp, struct fault *fault)
     return err ? err : image_helper_new(&interp->helper, NULL, fault);
 }
 
-enum err interpreter_write_in_background(struct interpreter *interp, struct fault *fault)
-{
-    return picture_writer_new(&interp->writer, NULL, fault);
-}
-
 void interpreter_release(struct interpreter *interp)
 {
     picture_job_free(interp->job);
@@ -41,13 +36,6 @@ void interpreter_release(struct interpreter *interp)
     buf_release(&interp->placed);
     canvas_release(&interp->shown);
     *interp = (struct interpreter){0};
-}
-
-void interpreter_show(struct interpreter *interp, const struct canvas *picture)
-{
-    canvas_release(&interp->shown);
-    interp->shown = *picture;
-    interp->shows_picture = true;
 }
 
 void reply_clear(struct reply *reply)
@@ -127,13 +115,30 @@ static bool try_folder(struct buf *path, const char *folder, size_t length, cons
     return file_exists(buf_text(path));
 }
 
+/* Find a file below the folders of a wary interpreter, by the last part of a name that leads
+ * out. */
+static enum err find_below(const struct interpreter *interp, const char *name, struct buf *path,
+                           const struct trust_sought *sought, struct fault *fault)
+{
+    const bool leads_out = trust_leads_out(name);
+    const enum err err = trust_find(path, buf_text(&interp->home), interpreter_scenes(),
+                                    leads_out ? file_name(name) : name, sought, fault);
+    return err && leads_out
+               ? fault_prefix(fault, err,
+                              sought->by_proof   ? "the scene of this record is not at %s"
+                              : sought->is_scene ? "the journal may not open %s"
+                                                 : "the journal may not read %s",
+                              name)
+               : err;
+}
+
 static enum err find_file(const struct interpreter *interp, const char *name, struct buf *path,
                           const struct trust_sought *sought, struct fault *fault)
 {
     struct buf folder = {0};
     bool found = false;
     if (interpreter_is_wary(interp))
-        return trust_find(path, buf_text(&interp->home), interpreter_scenes(), name, sought, fault);
+        return find_below(interp, name, path, sought, fault);
     buf_clear(path);
     if (interp->home.length && *name != '/') {
         file_folder(&folder, buf_text(&interp->home));
@@ -167,15 +172,7 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
     const bool synthetic = strncmp(name, "synth:", 6) == 0;
     if (!synthetic && !interp->scene_path) {
         const struct trust_sought sought = {"scene", "was opened", true, by_proof};
-        const bool is_elsewhere = interpreter_is_wary(interp) && trust_leads_out(name);
-        const enum err err =
-            find_file(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
-        if (err && is_elsewhere)
-            fault_prefix(fault, err,
-                         by_proof ? "the scene of this record is not at %s"
-                                  : "the journal may not open %s",
-                         name);
-        return err;
+        return find_file(interp, name, path, &sought, fault);
     }
     buf_clear(path);
     buf_add_text(path, synthetic ? name : interp->scene_path);
@@ -192,11 +189,7 @@ enum err interpreter_find_file(const struct interpreter *interp, const char *nam
                                struct fault *fault)
 {
     static const struct trust_sought sought = {"file", "has changed", false, false};
-    const bool is_elsewhere = interpreter_is_wary(interp) && trust_leads_out(name);
-    const enum err err =
-        find_file(interp, is_elsewhere ? file_name(name) : name, path, &sought, fault);
-    return err && is_elsewhere ? fault_prefix(fault, err, "the journal may not read %s", name)
-                               : err;
+    return find_file(interp, name, path, &sought, fault);
 }
 
 /* ---- names as records have them ---- */
@@ -266,23 +259,25 @@ static enum err check_unique(const char *here, const char *beside, const char *n
 static enum err make_relative(struct buf *out, const char *name, const char *journal,
                               struct fault *fault)
 {
-    struct buf folder = {0}, beside = {0}, path = {0}, whole = {0};
-    file_from_home(&path, name);
-    file_folder(&folder, journal);
-    buf_printf(&beside, "%s/%s", buf_text(&folder), name);
-    char *real = realpath(buf_text(&folder), NULL);
-    const bool is_whole = *buf_text(&path) == '/';
-    enum err err = is_whole ? OK : check_unique(name, buf_text(&beside), name, fault);
+    struct arena arena = {0};
+    struct buf *folder = arena_buf(&arena), *beside = arena_buf(&arena);
+    struct buf *path = arena_buf(&arena), *whole = arena_buf(&arena);
+    file_from_home(path, name);
+    file_folder(folder, journal);
+    buf_printf(beside, "%s/%s", buf_text(folder), name);
+    char *real = realpath(buf_text(folder), NULL);
+    const bool is_whole = *buf_text(path) == '/';
+    enum err err = is_whole ? OK : check_unique(name, buf_text(beside), name, fault);
     buf_clear(out);
-    buf_add_text(out, buf_text(&path));
-    if (!err && real && (is_whole || !file_exists(buf_text(&beside))) &&
-        file_exists(buf_text(&path)) && absolute_path(&whole, buf_text(&path))) {
-        const bool is_seen = relative_path(out, buf_text(&whole), real);
-        buf_clear(&beside);
-        buf_printf(&beside, "%s/%s", real, buf_text(out));
-        if (!is_seen || !file_is_same(buf_text(&beside), buf_text(&path))) {
+    buf_add_text(out, buf_text(path));
+    if (!err && real && (is_whole || !file_exists(buf_text(beside))) &&
+        file_exists(buf_text(path)) && absolute_path(whole, buf_text(path))) {
+        const bool is_seen = relative_path(out, buf_text(whole), real);
+        buf_clear(beside);
+        buf_printf(beside, "%s/%s", real, buf_text(out));
+        if (!is_seen || !file_is_same(buf_text(beside), buf_text(path))) {
             buf_clear(out);
-            buf_add_text(out, buf_text(&whole));
+            buf_add_text(out, buf_text(whole));
         }
         if (*safe_end(buf_text(out)))
             err = fault_set(fault, ERR_INPUT,
@@ -290,13 +285,10 @@ static enum err make_relative(struct buf *out, const char *name, const char *jou
                             "changed",
                             name);
     }
-    if (out->failed || folder.failed || beside.failed || path.failed || whole.failed)
+    if (out->failed || arena_failed(&arena))
         err = fault_memory(fault, "a path");
     free(real);
-    buf_release(&folder);
-    buf_release(&beside);
-    buf_release(&path);
-    buf_release(&whole);
+    arena_release(&arena);
     return err;
 }
 

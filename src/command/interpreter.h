@@ -20,7 +20,6 @@ struct image_helper;
 struct journal;
 struct picture_job;
 struct picture_writer;
-struct session;
 
 /* The result of a command: text for the user, "key=value" words for the journal. */
 struct reply {
@@ -87,7 +86,8 @@ struct interpreter {
     struct buf placed; /* pairs of a name and its path below out_folder, each ended by NUL */
 
     struct image_helper *helper;   /* started on first use */
-    struct picture_writer *writer; /* writes pictures in the background, or NULL */
+    struct picture_writer *writer; /* writes pictures in the background, at a prompt, or NULL: a
+                                      failed picture does not undo its command */
     struct picture_job *job;       /* picture of the current command, queued once it is recorded */
 
     struct sketch sketch;
@@ -102,15 +102,11 @@ struct interpreter {
     enum interpreter_wish wish;
     bool found_existing; /* the current command has found a file that it must not replace */
     bool shows_picture;  /* the last command made a picture to show inline: */
-    struct canvas shown; /* it; without pixels, the session's rendition */
+    struct canvas shown; /* it, until the next command; without pixels, the session's rendition */
 };
 
 enum err interpreter_init(struct interpreter *interp, struct fault *fault);
 void interpreter_release(struct interpreter *interp);
-
-/* Write pictures in the background from now on, at a prompt. picture_writer_news reports each
- * result; a failed picture does not undo its command. */
-enum err interpreter_write_in_background(struct interpreter *interp, struct fault *fault);
 
 /* True while executing a stranger's journal: names are resolved and files written by the rules of
  * command/trust.h. */
@@ -118,9 +114,6 @@ static inline bool interpreter_is_wary(const struct interpreter *interp)
 {
     return interp->mode == MODE_REPLAY;
 }
-
-/* Show a picture inline. The interpreter owns it until the next command. */
-void interpreter_show(struct interpreter *interp, const struct canvas *picture);
 
 /* ---- its journal ---- */
 

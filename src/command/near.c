@@ -115,6 +115,13 @@ enum err near_append(const struct near *near, const char *ending, struct fault *
     return fault->code;
 }
 
+enum err near_append_choices(const char *word, const char *choices, struct fault *fault)
+{
+    struct near near = near_to(word);
+    near_try_choices(&near, choices);
+    return near_append(&near, "", fault);
+}
+
 void near_offered(struct buf *out, const char *text)
 {
     const char *at = strstr(text, OFFER);

@@ -42,6 +42,9 @@ void near_lead(struct near *near, const char *choices, const char *known);
  * keys; nothing if no word is near, or too many are. Return its code. */
 enum err near_append(const struct near *near, const char *ending, struct fault *fault);
 
+/* Add those of the choices that are near a word. */
+enum err near_append_choices(const char *word, const char *choices, struct fault *fault);
+
 /* Add the words that near_append has put into the text, each ended by NUL. */
 void near_offered(struct buf *out, const char *text);
 

@@ -136,12 +136,9 @@ static enum err report_expected(struct fault *fault, const struct parameter *p, 
                                 const char *expected)
 {
     const char *choices = p->choices ? p->choices : "";
-    struct near near = near_to(word);
     fault_set(fault, ERR_USAGE, "%s: expected %s%s%s, not %s", p->name, choices,
               *choices && *expected ? " or " : "", expected, *word ? word : "nothing");
-    near_try_choices(&near, choices);
-    near_append(&near, "", fault);
-    return ERR_USAGE;
+    return near_append_choices(word, choices, fault);
 }
 
 static enum err read_position(struct value *value, const struct parameter *p, const char *word,
@@ -229,29 +226,17 @@ static enum err read_labels(struct value *value, const struct parameter *p, cons
     return err;
 }
 
-/* `value` in units of 10^-places. */
-static void write_decimal(struct buf *out, int64_t value, unsigned places)
-{
-    const struct decimal decimal = decimal_of(value, places);
-    decimal_write(out, &decimal);
-}
-
 static enum err read_number(struct value *value, const struct parameter *p, const char *word,
                             unsigned places, struct fault *fault)
 {
     const char *at = word;
     if (scan_decimal(&at, places, p->least, p->most, &value->number) && *at == '\0')
         return OK;
-    struct buf expected = {0};
-    const int64_t unit = places ? 1 : 1000;
-    buf_add_text(&expected, "a number ");
-    write_decimal(&expected, p->least * unit, 3);
-    buf_add_text(&expected, "..");
-    write_decimal(&expected, p->most * unit, 3);
-    buf_add_text(&expected, places ? " with at most three decimals" : "");
-    const enum err err = report_expected(fault, p, word, buf_text(&expected));
-    buf_release(&expected);
-    return err;
+    const double unit = places ? 1000 : 1;
+    char expected[96];
+    snprintf(expected, sizeof expected, "a number %.15g..%.15g%s", (double)p->least / unit,
+             (double)p->most / unit, places ? " with at most three decimals" : "");
+    return report_expected(fault, p, word, expected);
 }
 
 static enum err report_expected_range(struct fault *fault, const struct parameter *p,
@@ -271,17 +256,6 @@ static enum err read_range(struct value *value, const struct parameter *p, const
         return report_expected_range(fault, p, word, "");
     value->place[0] = (uint32_t)first;
     value->place[1] = (uint32_t)last;
-    return OK;
-}
-
-/* The word itself is the value. */
-static enum err read_list(struct value *value, const struct parameter *p, const char *word,
-                          struct fault *fault)
-{
-    if (!scan_is_list(word, p->least, p->most))
-        return report_expected_range(fault, p, word, "; several have commas between them");
-    value->text = word;
-    value->number = -1;
     return OK;
 }
 
@@ -317,14 +291,12 @@ static enum err read_radius(struct value *value, const struct parameter *p, cons
         scan_decimal(&at, 6, 1, nm_most, &value->number) && scan_text(&at, "mm") && *at == '\0';
     if (value->in_mm)
         return OK;
-    struct buf expected = {0};
-    buf_printf(&expected,
-               "a number %lld..%lld, or millimetres as in 2.5mm, above 0 and up to 1000 with at "
-               "most six decimals",
-               (long long)p->least, (long long)p->most);
-    const enum err err = report_expected(fault, p, word, buf_text(&expected));
-    buf_release(&expected);
-    return err;
+    char expected[160];
+    snprintf(expected, sizeof expected,
+             "a number %lld..%lld, or millimetres as in 2.5mm, above 0 and up to 1000 with at "
+             "most six decimals",
+             (long long)p->least, (long long)p->most);
+    return report_expected(fault, p, word, expected);
 }
 
 static enum err read_colour(struct value *value, const struct parameter *p, const char *word,
@@ -379,7 +351,9 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         case VALUE_RANGE:
             return read_range(value, p, word, fault);
         case VALUE_LIST:
-            return read_list(value, p, word, fault);
+            if (!scan_is_list(word, p->least, p->most))
+                return report_expected_range(fault, p, word, "; several have commas between them");
+            break;
         case VALUE_REAL:
         case VALUE_INTERVAL:
             return read_real(value, p, word, fault);
@@ -628,13 +602,15 @@ void call_set(struct call *call, const char *name, int64_t number, const char *w
     *value = (struct value){.given = true, .number = number, .text = word};
 }
 
-bool call_has(const struct call *call, const char *names)
+const char *call_given(const struct call *call, const char *names)
 {
     struct choice name;
-    bool has = false;
-    while (choice_next(&name, &names))
-        has |= (call->value + number_of(call->command, name.word, name.length))->given;
-    return has;
+    const char *given = NULL;
+    while (choice_next(&name, &names)) {
+        const size_t at = number_of(call->command, name.word, name.length);
+        given = !given && call->value[at].given ? call->command->parameter[at].name : given;
+    }
+    return given;
 }
 
 struct label_set call_takes(const struct call *call)
@@ -696,9 +672,14 @@ bool command_is_same(const char *a, const char *b)
 
 /* ---- canonical form ---- */
 
+bool command_needs_quotes(const char *word)
+{
+    return !*word || strpbrk(word, " \t\"\\") || *word == '#' || *word == '\'';
+}
+
 void command_write_word(struct buf *out, const char *word)
 {
-    if (*word && !strpbrk(word, " \t\"\\") && *word != '#' && *word != '\'') {
+    if (!command_needs_quotes(word)) {
         buf_add_text(out, word);
         return;
     }
@@ -713,6 +694,7 @@ void command_write_word(struct buf *out, const char *word)
 
 static void write_value(struct buf *out, const struct parameter *p, const struct value *value)
 {
+    const struct decimal part = decimal_of(value->number, value->in_mm ? 6 : 3);
     if (value->text)
         command_write_word(out, value->text);
     else if (p->type == VALUE_PARTS)
@@ -730,7 +712,7 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
     else if (p->type == VALUE_REAL || p->type == VALUE_INTERVAL)
         decimal_write(out, &value->real[0]);
     else if (value->in_mm || p->type == VALUE_DECIMAL)
-        write_decimal(out, value->number, value->in_mm ? 6 : 3);
+        decimal_write(out, &part);
     else
         buf_printf(out, "%lld", (long long)value->number);
     if (value->in_mm)

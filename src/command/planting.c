@@ -369,7 +369,7 @@ static enum err free_around_box(const struct act *act)
         last[a] = last[a] + more < grid->size[a] ? last[a] + more : grid->size[a] - 1;
     }
     return free_voxels(act, &voxels,
-                       paint_box(&voxels, grid, first, last, session->watch, act->fault));
+                       paint_box(&voxels, grid, first, last, false, session->watch, act->fault));
 }
 
 /* Add the balls around the voxels first..last of a row. */
@@ -566,8 +566,8 @@ static enum err plant_hollow_box(const struct act *act)
         if (middle[a] == corner[a] || middle[a] == opposite[a])
             return refuse_shell(act, "a box less than 3 voxels thick has nothing inside");
     }
-    const enum err err = paint_faces(&voxels, &act->session->scene->grid, corner, opposite,
-                                     act->session->watch, act->fault);
+    const enum err err = paint_box(&voxels, &act->session->scene->grid, corner, opposite, true,
+                                   act->session->watch, act->fault);
     return err ? err : plant_shell(act, &voxels, middle);
 }
 
@@ -695,7 +695,7 @@ enum err act_box(const struct act *act)
     if (act_is_yes(act, "shell"))
         return plant_hollow_box(act);
     enum err err = paint_box(&voxels, &act->session->scene->grid, act_place(act, "CORNER"),
-                             act_place(act, "OPPOSITE"), act->session->watch, act->fault);
+                             act_place(act, "OPPOSITE"), false, act->session->watch, act->fault);
     if (!err)
         err = act_begin_exact(&planting, act, &voxels, NULL, 0);
     if (!err)

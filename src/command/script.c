@@ -61,9 +61,12 @@ bool script_opens_scene(FILE *input, bool *knows)
 
 /* ---- lines already recorded ---- */
 
-/* The part of a script that the journal already has. */
-struct recorded {
+/* A run of a script, with the part that the journal already has. */
+struct run {
     struct interpreter *interp;
+    const char *name;
+    const struct printer *printer;
+    bool goes_on; /* a line was executed that is not in the journal */
     enum recorded_mode {
         RECORDED_UNDECIDED, /* until the first line that would be recorded */
         RECORDED_NOTHING,   /* the script is appended to the journal, if any */
@@ -80,49 +83,48 @@ struct recorded {
     struct kept kept;                     /* and the names of labels to read lines with */
 };
 
-static void next_record(struct recorded *recorded)
+static void next_record(struct run *run)
 {
-    if (walk_next_sound(&recorded->walk, &recorded->record) != WALK_RECORD)
-        recorded->mode = RECORDED_ENDS;
+    if (walk_next_sound(&run->walk, &run->record) != WALK_RECORD)
+        run->mode = RECORDED_ENDS;
 }
 
 /* Initialise before the first line of `input`, which is read ahead if it can be rewound. */
-static enum err recorded_begin(struct recorded *recorded, struct interpreter *interp, FILE *input,
-                               struct fault *fault)
+static enum err begin_run(struct run *run, FILE *input, struct fault *fault)
 {
-    *recorded = (struct recorded){.interp = interp,
-                                  .mode = RECORDED_NOTHING,
-                                  .records = interp->journal ? journal_count(interp->journal) : 0};
-    if (!recorded->records)
+    const struct interpreter *interp = run->interp;
+    run->mode = RECORDED_NOTHING;
+    run->records = interp->journal ? journal_count(interp->journal) : 0;
+    if (!run->records)
         return OK;
-    struct buf *own = &recorded->journal;
+    struct buf *own = &run->journal;
     const struct buf *bytes = journal_bytes(interp->journal);
     buf_add(own, bytes->data, bytes->length);
     if (own->failed)
         return fault_memory(fault, "a script");
-    const enum err err = walk_begin(&recorded->walk, own->data, own->length, fault);
+    const enum err err = walk_begin(&run->walk, own->data, own->length, fault);
     if (err)
         return err;
-    recorded->mode = RECORDED_UNDECIDED;
-    next_record(recorded);
+    run->mode = RECORDED_UNDECIDED;
+    next_record(run);
     bool knows;
     const bool opens = script_opens_scene(input, &knows);
     if (knows && interp->session->has_scene)
-        recorded->mode = opens ? RECORDED_FOLLOWS : RECORDED_NOTHING;
+        run->mode = opens ? RECORDED_FOLLOWS : RECORDED_NOTHING;
     return OK;
 }
 
 /* Return the names that labels had before the record. */
-static const struct kept *kept_then(struct recorded *recorded)
+static const struct kept *kept_then(struct run *run)
 {
-    const struct interpreter *interp = recorded->interp;
+    const struct interpreter *interp = run->interp;
     const struct kept_settings *settings =
-        history_settings_after(&interp->history, recorded->record.number - 1);
-    if (settings && settings != recorded->settings) {
-        recorded->kept = kept_settings_get(settings);
-        recorded->settings = settings;
+        history_settings_after(&interp->history, run->record.number - 1);
+    if (settings && settings != run->settings) {
+        run->kept = kept_settings_get(settings);
+        run->settings = settings;
     }
-    return recorded->settings ? &recorded->kept : &interp->session->now.kept;
+    return run->settings ? &run->kept : &interp->session->now.kept;
 }
 
 /* True if the words of a record are values that it adds to this call. */
@@ -165,17 +167,16 @@ static void add_quoted(struct buf *words, const char *line)
     buf_add_char(words, '`');
 }
 
-static enum err report_difference(const struct recorded *recorded, const char *line,
-                                  struct fault *fault)
+static enum err report_difference(const struct run *run, const char *line, struct fault *fault)
 {
     struct buf words = {0};
     buf_add_text(&words, line ? "this line is" : "the script ends");
     if (line)
         add_quoted(&words, line);
-    buf_printf(&words, ", and record %zu of ", recorded->record.number);
-    buf_add_safe_text(&words, journal_path(recorded->interp->journal));
+    buf_printf(&words, ", and record %zu of ", run->record.number);
+    buf_add_safe_text(&words, journal_path(run->interp->journal));
     buf_add_text(&words, " is");
-    add_quoted(&words, recorded->record.command);
+    add_quoted(&words, run->record.command);
     fault_set(fault, ERR_INPUT,
               "%s: the journal has another run, or was continued; nothing was added to it "
               "(`--journal FILE` of a new name begins another)",
@@ -185,25 +186,25 @@ static enum err report_difference(const struct recorded *recorded, const char *l
 }
 
 /* Store the comments read so far with the next command. */
-static enum err store_comments(struct recorded *recorded, struct fault *fault)
+static enum err store_comments(struct run *run, struct fault *fault)
 {
     enum err err = OK;
-    for (char *at = recorded->comments.data; !err && at && *at;) {
+    for (char *at = run->comments.data; !err && at && *at;) {
         char *end = strchr(at, '\n');
         *end = '\0';
-        err = journal_comment(recorded->interp->journal, at, fault);
+        err = journal_comment(run->interp->journal, at, fault);
         at = end + 1;
     }
-    buf_clear(&recorded->comments);
+    buf_clear(&run->comments);
     return err;
 }
 
 /* Compare a line with the next record. The call is written as its record would be, as far as known
  * without executing it: with files relative to the journal, and a series by its number. */
-static enum err compare_line(struct recorded *recorded, const char *line, struct call *call,
-                             bool *taken, struct reply *reply, struct fault *fault)
+static enum err compare_line(struct run *run, const char *line, struct call *call, bool *taken,
+                             struct reply *reply, struct fault *fault)
 {
-    struct interpreter *interp = recorded->interp;
+    struct interpreter *interp = run->interp;
     const struct session *session = interp->session;
     const bool is_recorded = call->command->flags & COMMAND_RECORDED,
                opens = call->command->act == act_open;
@@ -213,32 +214,31 @@ static enum err compare_line(struct recorded *recorded, const char *line, struct
     if (opens && session->series && call_has(call, "series"))
         call_set(call, "series", session->series, NULL);
     command_write(&reply->canonical, call);
-    const bool is_met = leads_to(call, buf_text(&reply->canonical), recorded->record.command);
-    if (recorded->mode == RECORDED_UNDECIDED &&
+    const bool is_met = leads_to(call, buf_text(&reply->canonical), run->record.command);
+    if (run->mode == RECORDED_UNDECIDED &&
         is_recorded) /* decided by the first line to be recorded */
-        recorded->mode =
-            is_met || (opens && session->has_scene) ? RECORDED_FOLLOWS : RECORDED_NOTHING;
-    *taken = recorded->mode == RECORDED_FOLLOWS;
+        run->mode = is_met || (opens && session->has_scene) ? RECORDED_FOLLOWS : RECORDED_NOTHING;
+    *taken = run->mode == RECORDED_FOLLOWS;
     if (!*taken)
-        return recorded->mode == RECORDED_NOTHING ? store_comments(recorded, fault) : OK;
+        return run->mode == RECORDED_NOTHING ? store_comments(run, fault) : OK;
     interp->acknowledged = 0;
     if (is_met) {
-        const struct record *record = &recorded->record;
-        const struct buf *comments = &recorded->comments;
+        const struct record *record = &run->record;
+        const struct buf *comments = &run->comments;
         const size_t length = record->command_offset - record->offset;
-        if (!recorded->other_comment &&
+        if (!run->other_comment &&
             (comments->length != length ||
-             memcmp(buf_text(comments), recorded->walk.bytes + record->offset, length) != 0))
-            recorded->other_comment = record->number;
-        buf_clear(&recorded->comments);
+             memcmp(buf_text(comments), run->walk.bytes + record->offset, length) != 0))
+            run->other_comment = record->number;
+        buf_clear(&run->comments);
         if (is_recorded) { /* including words added by the record */
             buf_clear(&reply->canonical);
             buf_add_text(&reply->canonical, record->command);
         }
         interp->acknowledged = record->number;
-        next_record(recorded);
+        next_record(run);
     } else if (is_recorded)
-        return report_difference(recorded, line, fault);
+        return report_difference(run, line, fault);
     else
         buf_add_text(&reply->text, "skipped: the journal continues after it\n");
     return reply->canonical.failed || reply->text.failed ? fault_memory(fault, "an answer") : OK;
@@ -247,32 +247,31 @@ static enum err compare_line(struct recorded *recorded, const char *line, struct
 /* *taken: the line comes before the point where the script continues, and is not executed; `reply`
  * and interp->acknowledged are filled from its record. ERR_INPUT, with *taken, if line and record
  * differ. */
-static enum err recorded_take(struct recorded *recorded, const char *line, bool *taken,
-                              struct reply *reply, struct fault *fault)
+static enum err take_recorded(struct run *run, const char *line, bool *taken, struct reply *reply,
+                              struct fault *fault)
 {
-    const struct interpreter *interp = recorded->interp;
-    const bool follows = recorded->mode == RECORDED_FOLLOWS;
+    const struct interpreter *interp = run->interp;
+    const bool follows = run->mode == RECORDED_FOLLOWS;
     struct call call;
     *taken = false;
-    if (recorded->mode == RECORDED_UNDECIDED &&
-        journal_count(interp->journal) > recorded->records) /* a question was recorded */
-        recorded->mode = RECORDED_NOTHING;
-    if (!follows && recorded->mode != RECORDED_UNDECIDED)
-        return store_comments(recorded, fault);
+    if (run->mode == RECORDED_UNDECIDED &&
+        journal_count(interp->journal) > run->records) /* a question was recorded */
+        run->mode = RECORDED_NOTHING;
+    if (!follows && run->mode != RECORDED_UNDECIDED)
+        return store_comments(run, fault);
     reply_clear(reply);
     *taken = *line == '#' || *line == '\0' || follows;
     if (is_comment(line)) { /* stored with the next command that is executed */
-        buf_add_text(&recorded->comments, line);
-        buf_add_char(&recorded->comments, '\n');
+        buf_add_text(&run->comments, line);
+        buf_add_char(&run->comments, '\n');
     }
     if (*line == '#' || *line == '\0')
-        return recorded->comments.failed ? fault_memory(fault, "a comment") : OK;
-    const struct kept *kept = follows ? kept_then(recorded) : &interp->session->now.kept;
+        return run->comments.failed ? fault_memory(fault, "a comment") : OK;
+    const struct kept *kept = follows ? kept_then(run) : &interp->session->now.kept;
     if (command_parse_by(&call, line, interp->session, kept,
                          fault)) /* interpreter_execute reports the error */
-        return follows ? report_difference(recorded, line, fault) : OK;
-    const enum err err =
-        call.command ? compare_line(recorded, line, &call, taken, reply, fault) : OK;
+        return follows ? report_difference(run, line, fault) : OK;
+    const enum err err = call.command ? compare_line(run, line, &call, taken, reply, fault) : OK;
     call_release(&call);
     return err;
 }
@@ -314,19 +313,10 @@ static void print_warning(const struct printer *printer, const char *name, size_
 
 /* ---- runs ---- */
 
-/* A run of a script, with the part already recorded. */
-struct run {
-    struct interpreter *interp;
-    const char *name;
-    const struct printer *printer;
-    struct recorded recorded;
-    bool goes_on; /* a line was executed that is not in the journal */
-};
-
 /* Report the line at which the run continues; 0 for none. */
 static void report_rest(const struct run *run, size_t line)
 {
-    const size_t other = run->recorded.other_comment;
+    const size_t other = run->other_comment;
     struct buf text = {0};
     buf_add_safe_text(&text, journal_path(run->interp->journal));
     if (line)
@@ -334,7 +324,7 @@ static void report_rest(const struct run *run, size_t line)
     else
         buf_add_text(&text, " has all of ");
     buf_add_safe_text(&text, run->name);
-    buf_printf(&text, ", %zu record%s", run->recorded.records, plural(run->recorded.records));
+    buf_printf(&text, ", %zu record%s", run->records, plural(run->records));
     buf_add_text(&text, line ? ": the run continues there\n" : ": nothing is left to do\n");
     if (other)
         buf_printf(
@@ -350,8 +340,8 @@ static bool was_answered(const struct run *run, const char *line)
 {
     struct interpreter *interp = run->interp;
     struct call call;
-    if (run->recorded.mode != RECORDED_ENDS || !interp->found_existing ||
-        journal_count(interp->journal) > run->recorded.records ||
+    if (run->mode != RECORDED_ENDS || !interp->found_existing ||
+        journal_count(interp->journal) > run->records ||
         command_parse(&call, line, interp->session, NULL) != OK)
         return false;
     const bool is_question = call.command && !(call.command->flags & COMMAND_RECORDED);
@@ -365,10 +355,10 @@ static enum err run_line(struct run *run, const char *line, size_t number, bool 
 {
     struct interpreter *interp = run->interp;
     const bool stays = is_comment(line);
-    enum err err = recorded_take(&run->recorded, line, taken, reply, fault);
+    enum err err = take_recorded(run, line, taken, reply, fault);
     if (err || *taken)
         return err;
-    if (run->recorded.mode == RECORDED_ENDS && !stays && !run->goes_on) {
+    if (run->mode == RECORDED_ENDS && !stays && !run->goes_on) {
         run->goes_on = true;
         report_rest(run, number);
     }
@@ -402,7 +392,7 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     struct run run = {.interp = interp, .name = name, .printer = printer};
     struct buf line = {0};
     struct reply reply = {0};
-    enum err first = recorded_begin(&run.recorded, interp, input, fault);
+    enum err first = begin_run(&run, input, fault);
     bool ends = first != OK;
     size_t number;
     *stopped = 0;
@@ -435,16 +425,16 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
         *stopped = number;
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
         print_warning(printer, name, number, fault);
-    } else if (!ends && run.recorded.mode == RECORDED_FOLLOWS) {
-        const enum err left = report_difference(&run.recorded, NULL, fault);
+    } else if (!ends && run.mode == RECORDED_FOLLOWS) {
+        const enum err left = report_difference(&run, NULL, fault);
         print_warning(printer, name, number, fault);
         first = first ? first : left;
-    } else if (!ends && run.recorded.mode == RECORDED_ENDS && !run.goes_on) {
+    } else if (!ends && run.mode == RECORDED_ENDS && !run.goes_on) {
         report_rest(&run, 0);
     }
-    walk_release(&run.recorded.walk);
-    buf_release(&run.recorded.journal);
-    buf_release(&run.recorded.comments);
+    walk_release(&run.walk);
+    buf_release(&run.journal);
+    buf_release(&run.comments);
     if (!first && ferror(input))
         return fault_set(fault, ERR_IO, "cannot read %s", name);
     return first;

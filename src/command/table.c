@@ -15,45 +15,43 @@
 #include "session/seed_file.h"
 #include "show/slicing.h"
 
-/* Notes of rows of other tables. */
-#define VOLUME_NOTE(format, note)                          note
-#define WEIGHT_NOTE(kind, name, argument, usual, help)     help
-#define WEIGHT_NOTES                                       WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
-#define FINISH_NOTE(kind, name, takes, usual, heeds, help) help
-#define FINISH_NOTES                                       FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
+/* Help texts from rows of other tables. */
+#define VOLUME_NOTE(format, note)                              note
+#define WEIGHT_NOTE(kind, name, argument, usual, help)         help
+#define WEIGHT_NOTES                                           WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
+#define FINISH_NOTE(kind, name, by, takes, usual, heeds, help) help
+#define FINISH_NOTES                                           FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
 #define WEIGHT_DETAIL                                                                              \
     "An edge of height h has the weight h under each gradient. Lengths are in voxels, whatever "   \
     "the "                                                                                         \
     "spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid with the weight of each voxel, "    \
-    "whole numbers 0..65535." MAP_NOTE
+    "integers 0..65535." MAP_NOTE
 #define OPENING_NOTE                                                                               \
-    "series: one of the series in a folder of DICOM: its number, from 1, or a part of its "        \
-    "description, as in series=t1_mprage; without it they are listed. The record has the "         \
-    "number.\n"                                                                                    \
-    "data: the data set of an HDF5 file.\n"                                                        \
+    "series: of a folder of DICOM: its number, from 1, or a part of its description, as in "       \
+    "series=t1_mprage; without it, the series are listed. The record has the number.\n"            \
+    "data: the name of the data set in an HDF5 file.\n"                                            \
     "missing: blank inserts a blank slice for a missing one of a DICOM series.\n"                  \
     "skip: files of a folder to leave out, as in skip=IM0004,IM0007.\n"                            \
-    "size, type, endian, offset: of raw:FILE, in voxels, x fastest, and bytes before them.\n"      \
-    "spacing: of voxels, X,Y,Z in mm, if the file does not contain it.\n"                          \
-    "private: yes leaves the names of the scene's file and of the journal out of pictures. Names " \
-    "of folders are never in pictures.\n"                                                          \
-    "straighten: yes shifts sheared slices, as of a tilted gantry, in their planes, until axes "   \
+    "size, type, endian, offset: of raw:FILE, in voxels, x fastest, and bytes before voxels.\n"    \
+    "spacing: X,Y,Z in mm, if the file does not contain it.\n"                                     \
+    "private: yes leaves the names of the scene's file and of the journal out of pictures. "       \
+    "Names of folders are never in pictures.\n"                                                    \
+    "straighten: yes shifts the sheared slices of a tilted gantry in their planes, so that axes "  \
     "are perpendicular; after crop and reduce.\n"                                                  \
-    "weight: the initial one, morph unless given, as in weight=gauss:1.5 (`help weight`). New "    \
-    "records contain it, so that they mean the same under another default."
+    "weight: the initial arc weights, morph unless given, as in weight=gauss:1.5 (`help "          \
+    "weight`). New records contain it, so their meaning does not depend on the default."
 #define VOLUME_SERIES_NOTE "volume: one of a series in a 4-D file, counted from 0.\n"
 #define PART_NOTE                                                                                  \
     "crop: only this box of voxels, the first and last along x, y and z, as in 0-99,40-159,0-79; " \
-    "memory is allocated only for it, and places count from its first voxel.\n"                    \
-    "reduce: this number of voxels along each axis becomes one, their mean; with crop, those of "  \
-    "the box. "                                                                                    \
-    "Maps on the grid of the whole file are reduced too, to the voxel in the middle.\n"            \
+    "memory is allocated only for the box, and positions count from its first voxel.\n"            \
+    "reduce: replace blocks of this many voxels along each axis by their mean, after crop. In "    \
+    "maps on the grid of the whole file, a block is replaced by its middle voxel.\n"               \
     "huge: yes accepts a small file whose header declares gigabytes."
 #define SYNTHETIC_NOTE                                                                             \
-    "synth:geom has 200x200x100 voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in "        \
-    "synth:geom:221. A SIZE in voxels, as in synth:geom:1024x1024x1024, draws the same solids in " \
-    "a scene of that size. A large scene reports the memory it needs before loading, and is "      \
-    "rejected if that is not free."
+    "synth:geom is a synthetic scene of 200x200x100 voxels. XYZ are three digits; a 2 "            \
+    "interpolates its axis to 2n-1 voxels, as in synth:geom:221. SIZE draws the same solids in a " \
+    "scene of that size, as in synth:geom:1024x1024x1024. For a large scene, the required memory " \
+    "is reported before loading; without enough free memory, the scene is rejected."
 
 enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
 enum { VOLUMES_MOST = 65535 };
@@ -81,6 +79,8 @@ enum { VOLUMES_MOST = 65535 };
         __VA_ARGS__, .optional = true, .paired = true                                              \
     }
 
+#define YES_NO(name) KEYED(name, VALUE_CHOICE, .choices = "yes|no")
+
 /* Parameters shared by all commands that plant. */
 #define BRUSH       KEYED("radius", VALUE_RADIUS, .most = 32)
 #define WITHIN      KEYED("range", VALUE_INTERVAL)
@@ -101,20 +101,19 @@ enum { VOLUMES_MOST = 65535 };
     KEYED("shell", VALUE_CHOICE, .choices = "yes"), KEYED("around", VALUE_LABEL, .most = 255)
 
 /* Parameters for finished labels. */
-#define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
-#define LEFT_NOTE     "\nfinished=yes: labels after `finish`."
-#define SHOWN_NOTE    LEFT_NOTE " Unless given, by the setting `finished`."
-#define FINISHED_NOTE LEFT_NOTE " At a prompt, unless given, by the setting `finished`."
+#define FINISHED      YES_NO("finished")
+#define LEFT_NOTE     "\nfinished=yes: use the labels after `finish`"
+#define SHOWN_NOTE    LEFT_NOTE "; by default, the setting `finished` decides."
+#define FINISHED_NOTE LEFT_NOTE "; the default is no, at a prompt the setting `finished`."
 
 /* Parameters shared by all commands that read a map. */
 #define OF_MAP                                                                                     \
-    KEYED("resample", VALUE_CHOICE, .choices = "yes|no"),                                          \
-        KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                                       \
+    YES_NO("resample"), KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                       \
         KEYED("data", VALUE_WORD, .form = "NAME")
 #define MAP_NOTE                                                                                   \
-    "\nresample: yes resamples a map with another position or size, by nearest voxels; without "   \
-    "it, a map that is off by more than half a voxel is rejected.\n"                               \
-    "volume, data: one of several in a file, as in `open`."
+    "\nresample: yes resamples a map on another grid, by nearest voxels; otherwise, a map that "   \
+    "is more than half a voxel off is rejected.\n"                                                 \
+    "volume, data: select one of several in a file, as in `open`."
 
 /* Parameters of weights. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
@@ -159,10 +158,8 @@ static const struct command command_table[] = {
       KEYED("type", VALUE_CHOICE, .choices = OPEN_TYPES),
       KEYED("endian", VALUE_CHOICE, .choices = "little|big"),
       KEYED("offset", VALUE_NUMBER, .most = INT64_C(1) << 40, .form = "BYTES"),
-      KEYED("spacing", VALUE_WORD, .is_kept = true, .form = "X,Y,Z"),
-      KEYED("huge", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("private", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("straighten", VALUE_CHOICE, .choices = "yes|no"),
+      KEYED("spacing", VALUE_WORD, .is_kept = true, .form = "X,Y,Z"), YES_NO("huge"),
+      YES_NO("private"), YES_NO("straighten"),
       KEYED("weight", VALUE_WORD, .is_kept = true, .form = "NAME[:NUMBER]", .added = true)},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
      VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE "\n" OPENING_NOTE,
@@ -171,26 +168,27 @@ static const struct command command_table[] = {
      {NEED("X", VALUE_NUMBER, .least = 1, .most = 2),
       NEED("Y", VALUE_NUMBER, .least = 1, .most = 2),
       NEED("Z", VALUE_NUMBER, .least = 1, .most = 2)},
-     "interpolate to 2n-1 voxels each axis that has a 2",
-     "Right after `open`, before the first seed. A new voxel between two is their mean, halves "
-     "rounded up. The spacing halves, and voxel 0,0,0 stays where it is in the world.",
+     "interpolate each axis with a 2 to 2n-1 voxels",
+     "Allowed after `open` and before the first seed. A new voxel is the mean of its two "
+     "neighbours, with halves rounded up. The spacing is halved, and voxel 0,0,0 keeps its place "
+     "in the world.",
      "interpolate 2 2 1"},
     {COMMAND("orient", act_orient, GROUP_SCENE, R | S),
      {NEED("HOW", VALUE_WORD, .is_kept = true, .choices = "file|sform|qform")},
      "set the orientation of the axes",
      "Three letters, as in LPI, name the sides that x, y and z run towards: R or L, A or P, S or "
      "I. Use them for files without orientation, or with a contradictory one; pictures then "
-     "contain a note that the user has set it. sform and qform choose between the two of a NIfTI. "
-     "file restores the orientation of the file.\n"
-     "A wrong orientation swaps left and right in every picture and report. A saved map has the "
-     "same information about its position as the file of the scene.",
+     "contain a note that the user has set it. sform and qform select one of the two orientations "
+     "of a NIfTI file. file restores the orientation of the file.\n"
+     "A wrong orientation can swap left and right in every picture and report. Saved maps have "
+     "the header geometry of the scene's file in any case.",
      "orient RAS"},
     {COMMAND("landmark", act_landmark, GROUP_SCENE, R | S),
      {NEED("NAME", VALUE_WORD, .is_kept = true), NEED("PLACE", VALUE_POSITION, .choices = "none")},
-     "name a place that other subjects also have",
-     "For example the anterior commissure, AC. If two scenes have the same names, `iftty apply "
-     "--by landmarks` transfers a procedure from one to the other. PLACE is stored as a voxel; "
-     "`none` removes the landmark. Up to 64; `info` lists them.",
+     "name a place that exists in all subjects",
+     "For example the anterior commissure, AC. `iftty apply --by landmarks` transfers a procedure "
+     "between two scenes by the landmarks that both have. PLACE is stored as a voxel; `none` "
+     "removes the landmark. A scene has up to 64; `info` lists them.",
      "landmark AC 90,128,72"},
     {COMMAND("origin", act_origin, GROUP_SCENE, R | S),
      {NEED("PROCEDURE", VALUE_WORD, .is_kept = true), KEYED("digest", VALUE_WORD, .is_kept = true),
@@ -204,21 +202,21 @@ static const struct command command_table[] = {
       KEYED("volumes", VALUE_WORD, .is_kept = true, .form = "LABEL:MM3,.."),
       KEYED("dropped", VALUE_WORD, .is_kept = true, .form = "LABEL:N/OF,..")},
      "record the procedure that made this journal",
-     "`iftty apply` records it; it changes no voxel. PROCEDURE is the last chain of the "
-     "procedure's journal, or `none`; `info` shows it.\n"
+     "`iftty apply` records this command; it changes no voxel. PROCEDURE is the last chain digest "
+     "of the procedure's journal, or `none`; `info` shows it.\n"
      "digest: of the procedure, as `iftty log --procedure` writes it.\n"
      "by, as: the kind of transfer, and the kind of seeds.\n"
-     "pull: twelve numbers, the rows of a 3x4 matrix that maps world coordinates of this scene, in "
-     "millimetres to the right, front and head, to those of the procedure's scene.\n"
+     "pull: twelve numbers, the rows of a 3x4 matrix that maps world coordinates of this scene, "
+     "in millimetres to the right, front and head, to those of the procedure's scene.\n"
      "scene, from: the digests of this scene and of the procedure's.\n"
      "rms: the mean error of landmarks, in mm.\n"
      "gate: the allowed deviation of intensities, in percent of the range between percentiles 10 "
      "and 90 of the procedure's object.\n"
      "depth: the largest erosion of labels, in mm.\n"
-     "volumes: of each label in the procedure, in mm3 of this scene; `hints` begins with the label "
-     "whose volume differs most.\n"
-     "dropped: seeds of each label that were not planted because of their intensities, and the "
-     "total number.",
+     "volumes: of each label in the procedure, in mm3 of this scene; `hints` begins with the "
+     "label whose volume differs most.\n"
+     "dropped: for each label, the seeds that were not planted because of their intensities, and "
+     "all its seeds.",
      "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = WEIGHT_KINDS),
@@ -232,29 +230,29 @@ static const struct command command_table[] = {
      "prefer edges to darker or to brighter voxels",
      "Under `weight polarity`, paths from the seeds of the label pay PERCENT more for a step to a "
      "darker voxel and PERCENT less for one to a brighter voxel. Use values above 0 for an object "
-     "brighter than its surroundings, below 0 for a darker one. All labels begin with 0.",
+     "brighter than its surroundings, below 0 for a darker one. The default is 0.",
      "polarity 1 50"},
     {CALLED("mask", "roi", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "none"),
       KEYED("regions", VALUE_RANGE, .most = REGION_MOST), OF_MAP},
      "restrict trees to the voxels of a map",
      "FILE is a volume on the scene's grid. Trees grow only where its value is in `regions`, 1 and "
-     "above unless given. With a `range`, both apply. Weights do not depend on it." MAP_NOTE,
+     "above unless given. With a `range`, both apply. It changes no weights." MAP_NOTE,
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
      {NEED("LOW", VALUE_REAL, .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
      "restrict trees to a range of intensities",
      "No tree grows where the intensity, as printed by `why`, is below LOW or above HIGH: numbers "
-     "of up to 19 digits, as in 1.5e-3. They are compared with those of the file; where 16 bits "
-     "cannot distinguish these, the answer has the number of voxels in doubt. With a `mask`, both "
-     "apply.",
+     "of up to 19 digits, as in 1.5e-3. They are compared with the values of the file; if the "
+     "16-bit scene cannot distinguish these, the answer has the number of doubtful voxels. With a "
+     "`mask`, both apply.",
      "range 40 1200.5"},
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD, .is_kept = true),
       MAY("COLOUR", VALUE_COLOUR), KEYED("number", VALUE_NUMBER, .least = 1, .most = REGION_MOST)},
-     "name a label, and give it a colour",
+     "set the name and colour of a label",
      "Label 0 is the background. Quote a name of several words, as in \"left hemi\".\n"
-     "number: of the label in files written by `save labels`; the label itself unless given.",
+     "number: the value of the label in files of `save labels`; by default the label itself.",
      "label 2 cerebellum #40c060"},
     {COMMAND("label-file", act_label_file, GROUP_SEEDS, R),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
@@ -262,8 +260,8 @@ static const struct command command_table[] = {
      "read names and colours of labels from a table",
      "A label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, or the .nii.txt "
      "or .lut next to an atlas of mricron. The number of an entry is its label; label 0 does not "
-     "change. `save names` writes them.\n"
-     "regions: the entries, as the values of an atlas.\n"
+     "change. `save names` writes such tables.\n"
+     "regions: read only the entries with these numbers, the values of an atlas.\n"
      "as: their labels, one for each of `regions`.",
      "label-file aal.nii.txt regions=1-90"},
     {CALLED("seed", "plant|paint|foreground", act_seed, GROUP_SEEDS, R | S | E | P | K | C),
@@ -343,9 +341,9 @@ static const struct command command_table[] = {
       KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000),
       KEYED("rest", VALUE_CHOICE, .choices = "background|none")},
      "start from a segmentation, and correct it",
-     "FILE is a label map on the scene's grid, of any program, whose labels are reproduced "
-     "exactly. Each piece of each label, and of the background, becomes a marker, all in one undo "
-     "step. Seeds are the outer voxels of a piece; the inner voxels belong to it. Seeds, strokes, "
+     "FILE is a label map of any program on the scene's grid. Its labels are reproduced exactly. "
+     "Each piece of each label, and of the background, becomes a marker, all in one undo step. "
+     "The outer voxels of a piece are its seeds; the inner voxels belong to it. Seeds, strokes, "
      "boxes and polygons of another label that are planted in a piece correct it: within three "
      "times their radius, or their `within`, its seeds are removed and the border is recomputed; "
      "beyond, the piece does not change.\n"
@@ -353,17 +351,18 @@ static const struct command command_table[] = {
      "corrections of objects that were grown. finished=yes: those after `finish`, at a prompt as "
      "shown unless given.\n"
      "regions: the values of the map; all unless given. Other voxels are background.\n"
-     "as: their labels, one for each of `regions`. Without it, if some of up to 255 regions are "
-     "not labels 1..255, all become labels in rising order; `label-file` and `save labels` use "
-     "their own numbers.\n"
+     "as: their labels, one for each of `regions`. Without it, if a region is not a label 1..255, "
+     "up to 255 regions become labels in rising order; `label-file` and `save labels` still use "
+     "the values of the map.\n"
      "label: one label for all regions except the background.\n"
-     "erode: rounds, 0 unless given; each removes the voxels that have a face neighbour of another "
-     "label, so that borders are recomputed. A piece too small for it keeps its innermost voxels.\n"
+     "erode: rounds, 0 unless given; each removes the voxels that have a face neighbour of "
+     "another label, so that borders are recomputed. A piece that would vanish keeps its "
+     "innermost voxels.\n"
      "copy: the digest of the journal's own copy of the labels, which makes FILE unnecessary; "
      "added to the record.\n"
      "numbers: the regions that became labels in rising order; added to the record.\n"
-     "least: pieces of fewer voxels are left out, and the surrounding trees grow into them.\n"
-     "rest: none plants nothing in other voxels, into which the surrounding trees grow." MAP_NOTE,
+     "least: omit pieces of fewer voxels; the surrounding trees grow into them.\n"
+     "rest: none leaves other voxels without seeds; the surrounding trees grow into them." MAP_NOTE,
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
@@ -382,44 +381,45 @@ static const struct command command_table[] = {
      "A marker consists of the seeds planted by one command: a ball, a stroke, a region of a file. "
      "Its seeds are removed, and the surrounding trees grow into its voxels; the seeds of an older "
      "marker below it are restored. Trees are those of the last run.\n"
-     "of=tree: the seed of the single tree that contains the voxel is removed, and no older one is "
-     "restored.\n"
-     "With a radius: all markers, or trees, that have a voxel in the ball.",
+     "of=tree: remove only the seed of the tree that contains the voxel, and restore no older "
+     "seed.\n"
+     "radius: remove all markers, or trees, with a voxel in this ball.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E | P),
      {KEYED("for", VALUE_COMMAND, .form = "QUESTION")},
      "apply the waiting edits as one",
      "Edits wait while `auto` is off, the default in scripts. Commands that show, write or answer "
      "from labels apply them first: `render`, `spin`, `slice`, `mosaic`, `golden`, `save`, "
-     "`stats`, `compare`, `hints`, `why` and `profile`. `pick`, `hint` and `zoom fit` use the last "
-     "picture, and report the edits that are not in it.\n"
-     "for: the question that applied them; added by the journal, since a question has no record.",
+     "`stats`, `compare`, `hints`, `why` and `profile`. `pick`, `hint` and `zoom fit` use the "
+     "last picture, and report edits that it does not include.\n"
+     "for: the question that applied the edits; added to the record, since questions have no "
+     "record of their own.",
      "run"},
     {COMMAND("undo", act_undo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
-     "take back the last change of the segmentation",
-     "It applies to seeds and their removal, runs, weights, regions of interest, labels, `hide`, "
-     "`show`, cuts and the finish; the view does not change. The last COUNT of them, 1 unless "
-     "given, back to `open`, also in earlier sessions. It is exact, and recorded. `redo` reverts "
-     "it, `history` lists the commands.\n"
-     "A command warns if it moves more than 500 voxels away from a label, and by each seed more "
-     "than 1 % of the voxels of the label that gains them, and prints the edge that they came "
-     "through; unless earlier seeds gained as many voxels of the same brightness.",
+     "undo the last change of the segmentation",
+     "Undoes the last COUNT changes, 1 unless given: seeds and their removal, runs, weights, "
+     "regions of interest, labels, `hide`, `show`, cuts and the finish, but not the view. Undo "
+     "reaches back to `open`, also into earlier sessions. It is exact, and recorded. `redo` "
+     "reverts it, `history` lists the commands.\n"
+     "A command warns if a label loses more than 500 voxels, and the label that gains them grows "
+     "by more than 1 % for each seed. The warning names the edge through which the label grew. New "
+     "voxels as bright as the old ones, up to 3/2 of the former mean of a seed, cause no warning.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
-     "do again the change that was undone last",
+     "restore the change that was undone last",
      "A change that was undone before another command is not lost: `goto` returns to it.",
      "redo"},
     {COMMAND("goto", act_goto, GROUP_SEEDS, R | S | E),
      {NEED("PLACE", VALUE_POINT)},
-     "go to the segmentation of a record or a branch",
+     "restore the segmentation of a record or a branch",
      "PLACE is the number of a record, which `history` and `iftty log` print, or the name of a "
      "branch for its last record. The first branch is main.",
      "goto main"},
     {COMMAND("branch", act_branch, GROUP_SEEDS, R | S),
      {NEED("NAME", VALUE_WORD, .is_kept = true)},
-     "begin an alternative here, under a name",
+     "begin a branch with a name at this point",
      "Later commands belong to it; `goto` changes to another branch.",
      "branch with-brainstem"},
     {COMMAND("view", act_view, GROUP_VIEW, R | S),
@@ -427,11 +427,12 @@ static const struct command command_table[] = {
       MAY("PITCH", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
       MAY("ROLL", VALUE_DECIMAL, .least = -TURNS, .most = TURNS)},
      "set the view: a side, or angles in degrees",
-     "0 0 0 is the front: the patient faces you, his left on your right. Yaw moves you around him "
-     "towards his left side, pitch above him; roll turns the picture counter-clockwise. front, "
-     "back, left and right have his head up; top and bottom his face. As radiologists have it, his "
-     "left is on your right from the front, as in coronal slices, and from the bottom, as in axial "
-     "ones; from the back and the top it is on your left. `info` prints it for every view.",
+     "0 0 0 is the front: the patient faces the viewer. Yaw moves the viewer around the patient, "
+     "towards the patient's left; pitch moves the viewer upwards; roll turns the picture "
+     "counter-clockwise. In front, back, left and right the head is up, in top and bottom the "
+     "face. In the radiological convention, the patient's left is on the right of the picture "
+     "from the front, as in coronal slices, and from the bottom, as in axial slices; from the "
+     "back and the top it is on the left. `info` prints the sides of the present view.",
      "view 30 15 0"},
     {CALLED("turn", "rotate", act_turn, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
@@ -439,7 +440,7 @@ static const struct command command_table[] = {
       MAY("ROLL", VALUE_DECIMAL, .least = -TURNS, .most = TURNS)},
      "turn the view by degrees",
 
-     "Added to the angles of the view, which `info` prints.",
+     "The angles are added to those of the view, which `info` prints.",
 
      "turn 15 -5"},
     {COMES_TO("zoom", "zoom", act_zoom, GROUP_VIEW, R | S),
@@ -447,7 +448,7 @@ static const struct command command_table[] = {
            .most = VIEW_ZOOM_MOST),
       KEYED("at", VALUE_POSITION)},
      "set pixels per voxel, or fit",
-     "A voxel of the smallest spacing; with larger spacing, more pixels.\n"
+     "FACTOR is for an axis of the smallest spacing; along other axes a voxel has more pixels.\n"
      "fit: the shown objects fill the picture at the current angles, with their middle in the "
      "centre; without objects, the scene does. The record contains the resulting zoom and place.\n"
      "at: the voxel in the centre.",
@@ -469,12 +470,12 @@ static const struct command command_table[] = {
      "hide an object",
 
      "In pictures and in `save border`; the labels themselves do not change.\n"
-     "all: labels to come are hidden too, until `show` names them.",
+     "all: later labels are hidden too, until `show` names them.",
      "hide 2"},
     {COMMAND("show", act_show, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255)},
      "show an object again",
-     "all: every object. After `hide all`, one that is named is shown alone.",
+     "all: every object. After `hide all`, `show LABEL` shows only this object.",
      "show 2"},
     {COMMAND("opacity", act_opacity, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255),
@@ -482,7 +483,7 @@ static const struct command command_table[] = {
      "set the opacity of an object in renditions",
      "100, the default, shows only its surface. With less, surfaces inside and behind it shine "
      "through: at most 8 before the first opaque one. `pick`, and the label, voxel and depth of a "
-     "pixel, are of the surface that has the largest share in its colour. 0 leaves the object out "
+     "pixel, belong to the surface with the largest share of its colour. 0 leaves the object out "
      "of renditions; slices still show it.",
      "opacity 1 30"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
@@ -490,16 +491,16 @@ static const struct command command_table[] = {
       MAY("SLICES", VALUE_RANGE, .most = 65533)},
      "show only the slices from A to B",
      "The number of a slice is the index of its voxels along its axis, as in X,Y,Z and `slice`. A "
-     "and B are shown too. Each PLANE has a range of its own; `none` shows the whole again. "
-     "Borders, pictures and `save border` follow; the labels do not change.",
+     "and B are included. Each PLANE has its own range; `none` shows all slices again. Borders, "
+     "pictures and `save border` change, but no labels.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "none"),
       KEYED("normal", VALUE_WORD, .is_kept = true, .choices = VIEW_NAMES, .form = "A,B,C"),
       KEYED("offset", VALUE_DECIMAL, .least = -PLANE_OFFSET_MOST, .most = PLANE_OFFSET_MOST)},
      "cut away everything in front of a voxel",
-     "A plane at right angles to the present view, through the voxel, which stays. The plane moves "
-     "with the patient when the view turns. Up to 8; `none` removes them.\n"
+     "The plane is at right angles to the present view and contains the voxel, which is kept. The "
+     "plane moves with the patient when the view turns. Up to 8 planes; `none` removes them.\n"
      "normal: the direction of the part that is cut away, independent of the view: a side of the "
      "patient, or steps to the right, the front and the head (as A,B,C of the world, of any "
      "length): normal=left and normal=-1,0,0 cut away everything left of the voxel. Oblique axes "
@@ -515,42 +516,40 @@ static const struct command command_table[] = {
     {CALLED("render", "draw|picture|screenshot|snapshot", act_render, GROUP_RENDITION,
             R | S | E | A),
      {MAY("FILE", VALUE_FILE), KEYED("mode", VALUE_CHOICE, .choices = "sp|bp|ii|ray"),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
-     "make the rendition, in FILE or inline",
-     ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png and "
-     "other formats of OpenImageIO hold the colours. At the prompt a file is written in the "
+      YES_NO("replace"), KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
+     "draw the rendition, in FILE or inline",
+     ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png "
+     "and other formats of OpenImageIO hold the colours. At the prompt a file is written in the "
      "background; a line reports when it is finished. `iftty info FILE` prints the notes of a "
      "picture.\n"
-     "All modes draw the same pixels: sp draws the surface in the order of the scene, bp from the "
-     "nearest voxel on without hidden ones, ray along the ray of each pixel, ii only the outdated "
-     "pixels of the last rendition." SHOWN_NOTE,
+     "All modes draw the same pixels: sp draws the surface in the order of the scene, bp from "
+     "front to back without hidden voxels, ray along the ray of each pixel; ii updates only the "
+     "outdated pixels of the last rendition." SHOWN_NOTE,
      "render brain.png"},
     {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E | A),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
       KEYED("axis", VALUE_WORD, .is_kept = true, .choices = "yaw|pitch|roll", .form = "AXIS,AXIS"),
-      KEYED("fit", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+      YES_NO("fit"), KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000), YES_NO("replace"),
+      FINISHED},
      "write a turntable: N pictures of one full turn",
-     "The first picture is the present view, which does not change. %03d in FILE is replaced by "
-     "the number of the picture, here with three digits, from 000. Without it, a .gif is animated, "
-     "in 256 colours, with `delay` milliseconds for each picture, 100 unless given; a .tif has one "
-     "page for each picture.\n"
-     "axis: yaw unless given: around the patient; pitch goes over his head, roll turns the "
-     "picture, all as `view` counts them. With several, N pictures of a turn about each, in their "
-     "order; each turn begins with the current view, and numbers continue.\n"
-     "fit=yes: the shown objects are as large as fits in all pictures." SHOWN_NOTE,
+     "The first picture shows the present view; the command does not change the view. %03d in "
+     "FILE is replaced by the number of the picture, here with three digits, from 000. Without "
+     "it, a .gif is animated, in 256 colours, with `delay` milliseconds for each picture, 100 "
+     "unless given; a .tif has one page for each picture.\n"
+     "axis: yaw, the default, turns around the patient, pitch over the head, and roll turns the "
+     "picture, in the directions of `view`. Several axes give a turn of N pictures each, in this "
+     "order; each turn begins with the present view, and numbers continue.\n"
+     "fit=yes: use the largest zoom at which the shown objects fit all pictures." SHOWN_NOTE,
      "spin 36 turn%03d.png fit=yes"},
     {COMMAND("cross", act_cross, GROUP_SLICES, R | S | K),
      {NEED("PLACE", VALUE_POSITION)},
      "move the cross-hair, where the slices meet",
-     "After `open`, the centre of the scene.",
+     "`open` sets it to the centre of the scene.",
      "cross 90,108,90"},
     {COMES_TO("cross", "hint", act_hint, GROUP_SLICES, R | S),
      {NEED("N", VALUE_NUMBER, .least = 1, .most = HINTS_MOST)},
      "move the cross-hair to a place of `hints`",
-     "By its number in that list. The record contains the resulting `cross`.",
+     "N is the number in that list. The record contains the resulting `cross`.",
      "hint 1"},
     {CALLED("window", "contrast|brightness|level", act_window, GROUP_SLICES, R | S),
      {NEED("LOW", VALUE_REAL, .choices = "auto"), PAIRED("HIGH", VALUE_REAL)},
@@ -564,9 +563,9 @@ static const struct command command_table[] = {
            .most = SLICE_TIMES_MOST),
       KEYED("at", VALUE_POSITION)},
      "set the magnification of slices",
-     "TIMES as large as the fitting size, around the cross-hair; fit shows whole slices. For "
-     "slices and mosaics, until the next `magnify` or `slice zoom=`.\n"
-     "at: this voxel stays in the middle, as long as the cross-hair is visible.\n"
+     "TIMES multiplies the fitting size, around the cross-hair; fit shows whole slices. Applies "
+     "to slices and mosaics, until the next `magnify` or `slice zoom=`.\n"
+     "at: keep this voxel in the middle while the cross-hair is visible.\n"
      "A voxel of four pixels or more is a square; smaller ones are smoothed.",
      "magnify 2.5 at=90,108,90"},
     {COMMAND("slice", act_slice, GROUP_SLICES, R | S | A),
@@ -574,18 +573,18 @@ static const struct command command_table[] = {
       MAY("FILE", VALUE_FILE),
       KEYED("zoom", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
             .most = VIEW_ZOOM_MOST),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+      YES_NO("replace"), FINISHED},
      "draw a slice at the cross-hair, in FILE or inline",
-     "As radiologists look at it, at the size of the view. N moves the cross-hair to that slice: "
-     "the index of its voxels along its axis, from 0, as in X,Y,Z (ITK-SNAP prints one more). If "
-     "the orientation is unknown, slices are called by that axis: z for axial, y for coronal, x "
-     "for sagittal.\n"
-     "A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n"
+     "Slices follow the radiological convention and have the size of the view. N moves the "
+     "cross-hair to that slice: the index of its voxels along its axis, from 0, as in X,Y,Z "
+     "(ITK-SNAP prints one more). If the orientation is unknown, slices are named by that axis: z "
+     "for axial, y for coronal, x for sagittal.\n"
+     "The name of FILE must contain a dot. An .exr also has the label and voxel of each pixel.\n"
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
      "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." SHOWN_NOTE,
      "slice axial 90 axial.png"},
     {CALLED("mosaic", "planes|slices", act_mosaic, GROUP_SLICES, R | S | A),
-     {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+     {MAY("FILE", VALUE_FILE), YES_NO("replace"), FINISHED},
      "draw three slices and the rendition",
      "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
      "view at half its size." SHOWN_NOTE,
@@ -609,7 +608,7 @@ static const struct command command_table[] = {
      "list. The segmentation itself does not change, and seeds can be planted at any time. `save` "
      "and `stats` with finished=yes name the labels that the finish "
      "deletes, reduces to less than half or breaks into more pieces.\n" FINISH_NOTES
-     "none: removes all steps.\n"
+     "none: remove all steps.\n"
      "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which respect the spacing.\n"
      "sweeps: of `relax`, 60 unless given.\n"
      "reach: of `relax`, voxels from a border within which labels move, 2 unless given. Up to 16 "
@@ -618,35 +617,32 @@ static const struct command command_table[] = {
      "finish majority radius=1"},
     {CALLED("save", "export|write", act_save, GROUP_KEPT, R | S | E | A),
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,
-      KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
+      YES_NO("replace"), FINISHED, KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("smooth", VALUE_NUMBER, .most = 100),
-      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX),
-      KEYED("empty", VALUE_CHOICE, .choices = "yes|no")},
-     "write a map, surfaces, the seeds, names of labels",
-     "A map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as .seg.nrrd are "
-     "a segmentation of 3D Slicer, with the names and colours of labels.\n"
-     "labels: uint8, or uint16 where labels have numbers of their own above 255 (`labels`). A "
-     "voxel that no seed reaches is 0; the answer has their number.\n"
+      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX), YES_NO("empty")},
+     "write a map, surfaces, seeds or names of labels",
+     "Writes a map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as "
+     ".seg.nrrd are a segmentation of 3D Slicer, with the names and colours of labels.\n"
+     "labels: uint8, or uint16 if labels have numbers above 255 (`labels`). A voxel that no seed "
+     "reaches is 0; the answer has the number of these voxels.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
-     "root: uint32, the voxel index of the seed; 4294967295 where none reaches.\n"
+     "root: uint32, the voxel index of the seed; 4294967295 where no seed reaches.\n"
      "border: uint8, 1 in border voxels of shown objects.\n"
      "distance: uint16, the plateau distance: steps along the path since its cost last rose; 65535 "
      "where no seed reaches.\n"
      "margin: uint16, how much more the best path from a seed of another label would cost: 0 where "
-     "another label reaches the voxel as cheaply, 65535 where none does. Computing it needs the "
-     "time of a run.\n"
-     "seeds: all that are planted as FILE.csv, which `seed-file` reads.\n"
+     "another label reaches the voxel as cheaply, 65535 where no other label does. Its computation "
+     "needs about the time of a run.\n"
+     "seeds: all planted seeds, as FILE.csv, which `seed-file` reads.\n"
      "names: of labels, with their colours, in a format of `label-file`: .txt or .label for "
      "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron.\n"
      "surface: of each label, as .stl, .ply, .obj or .vtp, in millimetres of the world: the same "
      "surface as in pictures. It is closed, and has the volume of the voxels. A .stl has no "
      "labels: it contains all of them as one.\n"
-     "label: the surface of that one alone.\n"
-     "smooth=0: the faces of voxels, as `shade cubes` shows them; with any other number nothing "
-     "changes.\n"
-     "triangles: their largest number, as far as surfaces stay closed. Surfaces of touching labels "
-     "then have different points.\n"
+     "label: write the surface of this label only.\n"
+     "smooth=0: the faces of voxels, as `shade cubes` shows them; other numbers have no effect.\n"
+     "triangles: the largest number of triangles, exceeded only if surfaces would not be closed. "
+     "The surfaces of touching labels then share no points.\n"
      "empty=yes: write labels even if no voxel has one." FINISHED_NOTE,
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
@@ -654,22 +650,23 @@ static const struct command command_table[] = {
      "print the journal's file, or continue in another",
      "The whole journal so far is written to FILE first, with its golden images and copies of "
      "labels next to it, so that it replays alone; later commands are recorded there. The former "
-     "file is left in its last intact state. For a disk that is full or failing, a journal that "
-     "was deleted or replaced, or one opened with --read-only. Not recorded.",
+     "file is left in its last intact state. Use it if the disk is full or failing, or the "
+     "journal was deleted, replaced, or opened with --read-only. Not recorded.",
      "journal"},
     {COMMAND("sync", act_sync, GROUP_KEPT, 0),
      {MAY("WHEN", VALUE_CHOICE, .choices = FILE_SYNC_WORDS)},
      "set when records are synced; sync them now",
      "always, the default: each record before its command is acknowledged.\n"
      "everysec: at most a second later; a loss of power may lose the commands of that second.\n"
-     "off: whenever the system does, with `sync`, and at the end; a loss of power may lose all "
-     "commands since then, and leave a damaged end, which `iftty log --repair` cuts off.\n"
-     "A program that is killed loses nothing under any of them. Not recorded.",
+     "off: when the operating system decides, by `sync`, and at the end; a loss of power may lose "
+     "all commands since then, and leave a damaged end, which `iftty log --repair` cuts off.\n"
+     "Killing the program loses no record in any mode. Not recorded.",
      "sync always"},
     {COMMAND("history", act_history, GROUP_QUESTIONS, S),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
      "list commands that can be undone, and branches",
-     "The last COUNT, 20 unless given, with the numbers of their records. * marks the present one.",
+     "The last COUNT, 20 unless given, with the numbers of their records. * marks the present "
+     "state.",
      "history"},
     {COMMAND("pick", act_pick, GROUP_QUESTIONS, S),
      {NEED("COLUMN", VALUE_NUMBER, .most = VIEW_SIDE_MOST),
@@ -679,9 +676,9 @@ static const struct command command_table[] = {
      "Of the last rendition, or of a slice or mosaic as it would be shown now. Columns from the "
      "left, rows from the top, both from 0.\n"
      "Prints the position of the voxel, in voxels and millimetres, its intensity, its label and "
-     "seed, and the distance to the border of its object: to the nearest voxel of its label with a "
-     "face on another label or on the edge of the scene, whatever is shown. It searches up to 100 "
-     "mm and up to 100 voxels.",
+     "seed, and the distance to the border of its object: to the nearest voxel of its label with "
+     "a face on another label or on the edge of the scene, hidden objects included. The search "
+     "ends at 100 mm or 100 voxels.",
      "pick 256 256"},
     {CALLED("measure", "distance|ruler|length", act_measure, GROUP_QUESTIONS, S),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), MAY("THIRD", VALUE_POSITION)},
@@ -689,8 +686,7 @@ static const struct command command_table[] = {
      "Between their centres, in millimetres and in voxels. With a THIRD, also the angle at OTHER.",
      "measure 10,20,30 40,20,30"},
     {COMMAND("profile", act_profile, GROUP_QUESTIONS, S | A),
-     {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION),
-      KEYED("values", VALUE_CHOICE, .choices = "yes|no")},
+     {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), YES_NO("values")},
      "plot the intensities along a straight line",
      "A chart of the voxels of a stroke of radius 0, with their labels below it: a digit, + for a "
      "label above 9, and . where no seed reaches. A column of several voxels shows their mean.\n"
@@ -699,18 +695,17 @@ static const struct command command_table[] = {
     {COMMAND("why", act_why, GROUP_QUESTIONS, S | A),
      {NEED("PLACE", VALUE_POSITION)},
      "explain the label of a voxel",
-     "The seed that the path comes from, its cost, and where along it the cost rose, the strongest "
-     "edge first: a leak comes through there, and a seed or a shell there stops it. And the second "
-     "label, with the cost of its path.",
+     "Prints the seed at the start of the voxel's path, the cost of the path, and the edges where "
+     "the cost rose, the strongest first: a leak passes through that edge, and a seed or a shell "
+     "there stops it. Also prints the second label with the cost of its path.",
      "why 100,100,50"},
     {COMMAND("hints", act_hints, GROUP_QUESTIONS, S | A),
      {MAY("COUNT", VALUE_NUMBER, .choices = "slice", .least = 1, .most = HINTS_MOST),
-      KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
+      KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE), YES_NO("replace")},
      "list the least certain places of borders",
-     "The first COUNT places, 10 unless given, the least certain first: the size of each, the cost "
-     "of its least certain voxel, the neighbouring label with its cost there, the edge between the "
-     "two, and the strongest edge on the path to the voxel.\n"
+     "Prints the first COUNT places, 10 unless given, the least certain first: the size of each, "
+     "the cost of its least certain voxel, the neighbouring label with its cost there, the edge "
+     "between the two, and the strongest edge on the path to the voxel.\n"
      "The certainty of a border voxel is the additional cost of the other label, plus the height "
      "of the edge above the cost of its own path three steps before. The least certain tenth of "
      "the border is weak; a connected weak part in a block of 16 voxels a side is a place, and "
@@ -718,12 +713,12 @@ static const struct command command_table[] = {
      "run, and none if nothing has changed since.\n"
      "slice: instead of places, the five slices of all three planes with the largest doubt: the "
      "sum of 4u(1 - u) over their voxels, where u is the label after `finish relax`, 1 inside and "
-     "0 outside. To `outline` the first one is the shortest way to an object. Slices with an "
-     "outline, and their neighbours, are left out.\n"
+     "0 outside. An `outline` in the first slice removes most doubt. Slices with an outline, and "
+     "their neighbours, are left out.\n"
      "In a journal of `iftty apply`, places of the label whose volume differs most from the "
      "procedure's come first.\n"
-     "label: places at the border of that label alone, or slices with doubt of it.\n"
-     "report: all of them as FILE.json.",
+     "label: only places at the border of this label, or slices by the doubt of this label.\n"
+     "report: write all places as FILE.json.",
      "hints 5"},
     {CALLED("info", "status|header|histogram", act_info, GROUP_QUESTIONS, 0),
      {{0}},
@@ -732,57 +727,57 @@ static const struct command command_table[] = {
      "info"},
     {CALLED("stats", "statistics|volume|volumes|components|count", act_stats, GROUP_QUESTIONS,
             S | A),
-     {KEYED("report", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+     {KEYED("report", VALUE_FILE), YES_NO("replace"), FINISHED},
      "measure size, surface and intensities of labels",
-     "Of each label: seeds, voxels and volume; components, which hang together by faces, and "
-     "holes, which it encloses; the surface, as it would be without the steps of voxels, to 2 % "
-     "unless the object is small or thin; the centre and the box around it; and the intensities of "
-     "its voxels, as printed by `why`; and the voxels gained and lost by the last edit. The "
-     "deviation is that of a sample.\n"
-     "A label that has a name, or that the finish deletes, is listed with 0 voxels.\n"
-     "report: the same as FILE.json or FILE.csv." FINISHED_NOTE,
+     "For each label: seeds, voxels and volume; components, connected by faces, and enclosed "
+     "holes; the area of the smooth surface, to 2 % unless the object is small or thin; the centre "
+     "and the bounding box; the intensities of its voxels, as printed by `why`; and the voxels "
+     "gained and lost by the last edit. The deviation is that of a sample.\n"
+     "Labels that have a name, or that the finish deletes, are listed even with 0 voxels.\n"
+     "report: write the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S | A),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .least = 1, .most = 255),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
       KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, OF_MAP},
+      YES_NO("replace"), FINISHED, OF_MAP},
      "compare the labels with a label map",
-     "A is the labels here, B the map, on the scene's grid. For each label, and all together:\n"
-     "Dice: twice the voxels of both, by those of A and those of B; 1 where they are the same.\n"
-     "Jaccard: the voxels of both, by those of either.\n"
-     "Hausdorff: how far a voxel of one may be from the nearest voxel of the other, in mm.\n"
-     "95 %, mean: distances from each surface to the other, in mm. A surface is the voxels that "
-     "have a neighbour outside the object, by a face, an edge or a corner, but not the edge of the "
-     "scene.\n"
-     "Overlaps and Hausdorff are those of ITK's filters, as are the directed means in a report.\n"
-     "regions: the values of the map that count, 1 and above unless given. They, and labels with a "
-     "name, have a row though neither map has them.\n"
+     "A: the present labels. B: the map, on the scene's grid. For each label, and all labels "
+     "together:\n"
+     "Dice: twice the voxels of A and B, divided by those of A plus those of B; 1 if equal.\n"
+     "Jaccard: the voxels of A and B, divided by the voxels of A or B.\n"
+     "Hausdorff: the largest distance from a voxel of one to the nearest of the other, in mm.\n"
+     "95 %, mean: 95th percentile and mean of the distances from each surface to the other, in mm. "
+     "A surface is the voxels that have a neighbour outside the object, by a face, an edge or a "
+     "corner, but not the edge of the scene.\n"
+     "Overlaps, Hausdorff and the directed means in a report equal those of ITK's filters.\n"
+     "regions: compare these values of the map, 1 and above unless given. These values and named "
+     "labels have a row even if no voxel has them.\n"
      "as: their labels, one for each of `regions`.\n"
-     "label: compares this label alone; all `regions` are taken for it.\n"
-     "report: FILE.json or FILE.csv.\n"
-     "picture: slices through the voxel `at`, or where both are farthest apart, with lines around "
-     "what differs: white for A and B, orange for A alone, blue for B alone, purple for another "
+     "label: compare only this label, with all `regions` as one.\n"
+     "report: write FILE.json or FILE.csv.\n"
+     "picture: draw slices through the voxel `at`, or the place of the largest distance, with "
+     "outlines: white for A and B, orange for A alone, blue for B alone, purple for another "
      "label.\n"
-     "surface: a picture of A's surface, all objects as one, from where one looks now: red where "
-     "it is outside B, blue where inside, by the distance to B's." FINISHED_NOTE MAP_NOTE,
+     "surface: draw A's surface in the present view, all objects as one: red outside B, blue "
+     "inside, by the distance to B's surface." FINISHED_NOTE MAP_NOTE,
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},
      "segment by single keys, on the whole screen",
-     "Slices, the rendition and a cross-hair. ? lists the keys, q returns to the prompt. Each key "
-     "that changes something is a command, and recorded as such. At a terminal only; Ctrl-O at the "
-     "prompt does the same.",
+     "Shows slices, the rendition and a cross-hair. ? lists the keys, q returns to the prompt. A "
+     "key that changes the session runs a command, which is recorded. Needs a terminal; Ctrl-O at "
+     "the prompt does the same.",
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
      {MAY("COMMAND", VALUE_COMMAND, .choices = "keys")},
      "print this list, help of a command, or the keys",
-     "keys: those of the prompt.",
+     "keys: list the keys of the prompt.",
      "help seed"},
     {CALLED("quit", "exit|bye|q|logout", act_quit, GROUP_QUESTIONS, 0),
      {{0}},
-     "leave; the journal has everything",
+     "end the session; the journal is complete",
      NULL,
      "quit"},
 };

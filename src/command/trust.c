@@ -350,24 +350,19 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
 
 /* ---- golden images ---- */
 
-/* True if the last part of the path is a link to a regular file. */
-static bool is_link_to_file(const char *path, const char *folder, const char *goldens)
-{
-    struct stat status;
-    return beneath_look(folder, goldens) == BENEATH_FOLDER && lstat(path, &status) == 0 &&
-           S_ISLNK(status.st_mode) && is_regular(path);
-}
-
 enum beneath trust_look_at_golden(const char *path, bool *leads_out)
 {
     struct buf goldens = {0}, folder = {0};
+    struct stat status;
     file_folder(&goldens, path);
     file_folder(&folder, buf_text(&goldens));
     const char *name = path + (file_name(buf_text(&goldens)) - buf_text(&goldens));
     const bool failed = goldens.failed || folder.failed;
     enum beneath answer = failed ? BENEATH_OUTSIDE : beneath_look(buf_text(&folder), name);
-    *leads_out = answer == BENEATH_OUTSIDE && !failed &&
-                 is_link_to_file(path, buf_text(&folder), file_name(buf_text(&goldens)));
+    *leads_out = /* its last part is a link to a regular file */
+        answer == BENEATH_OUTSIDE && !failed &&
+        beneath_look(buf_text(&folder), file_name(buf_text(&goldens))) == BENEATH_FOLDER &&
+        lstat(path, &status) == 0 && S_ISLNK(status.st_mode) && is_regular(path);
     answer = *leads_out ? BENEATH_FINE : answer;
     buf_release(&goldens);
     buf_release(&folder);

@@ -9,8 +9,8 @@
 #include "base/mem.h"
 #include "engine/labels.h"
 
-#define ROW(kind, name, takes, usual, uses, help)                                                  \
-    [FINISH_##kind] = {#name, FINISH_TAKES_##takes, usual, FINISH_USES_##uses, finish_##name},
+#define ROW(kind, name, by, takes, usual, uses, help)                                              \
+    [FINISH_##kind] = {#name, FINISH_TAKES_##takes, usual, FINISH_USES_##uses, finish_##by},
 const struct finish_row finish_table[] = {FINISH_LIST(ROW, ROW)};
 
 enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
@@ -91,13 +91,6 @@ void finish_write(struct buf *out, const struct finish_list *list)
 }
 
 /* ---- common parts of steps ---- */
-
-void finish_swap_labels(struct finish_work *work)
-{
-    uint8_t *const made = work->next;
-    work->next = work->label;
-    work->label = made;
-}
 
 void finish_clear(struct finish_work *work)
 {
@@ -315,21 +308,8 @@ enum err finish_reassign(struct finish_work *work, const uint8_t *of,
     return err;
 }
 
-/* ---- the steps ---- */
-
-enum err finish_largest(struct finish_work *work, const struct finish_step *step,
-                        struct fault *fault)
-{
-    return finish_reassign(work, work->label, step, fault);
-}
-
-enum err finish_components(struct finish_work *work, const struct finish_step *step,
-                           struct fault *fault)
-{
-    return finish_reassign(work, work->label, step, fault);
-}
-
-enum err finish_holes(struct finish_work *work, const struct finish_step *step, struct fault *fault)
+enum err finish_pieces(struct finish_work *work, const struct finish_step *step,
+                       struct fault *fault)
 {
     return finish_reassign(work, work->label, step, fault);
 }

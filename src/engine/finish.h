@@ -79,31 +79,31 @@ enum finish_argument {
 /* Inputs of a step: labels and intensities only, or also seeds and the region of interest. */
 enum finish_inputs { FINISH_USES_LABELS, FINISH_USES_SEEDS };
 
-/* The steps, one row each: KIND, name, argument, its default (0: required), inputs, and a line of
- * help. A row names a function of one file: finish_NAME. */
+/* The steps, one row each: KIND, name, function, argument, its default (0: required), inputs, and a
+ * line of help. A row names a function of one file: finish_FUNCTION. */
 #define FINISH_LIST(FIRST, NEXT)                                                                   \
-    FIRST(RELAX, relax, SWEEPS, 60, SEEDS,                                                         \
+    FIRST(RELAX, relax, relax, SWEEPS, 60, SEEDS,                                                  \
           "relax: move the borders of labels to edges of the scene.\n")                            \
-    NEXT(MAJORITY, majority, RADIUS, 1, LABELS,                                                    \
+    NEXT(MAJORITY, majority, majority, RADIUS, 1, LABELS,                                          \
          "majority: assign each voxel the most frequent label in a cube of the radius.\n")         \
-    NEXT(LARGEST, largest, NOTHING, 0, LABELS,                                                     \
+    NEXT(LARGEST, largest, pieces, NOTHING, 0, LABELS,                                             \
          "largest: keep the largest piece of each label; assign the others to the label around "   \
          "them.\n")                                                                                \
-    NEXT(COMPONENTS, components, VOXELS, 0, LABELS,                                                \
+    NEXT(COMPONENTS, components, pieces, VOXELS, 0, LABELS,                                        \
          "components: the same, but keep each piece of at least `voxels` voxels.\n")               \
-    NEXT(HOLES, holes, NOTHING, 0, LABELS,                                                         \
+    NEXT(HOLES, holes, pieces, NOTHING, 0, LABELS,                                                 \
          "holes: assign enclosed background to the label around it.\n")                            \
-    NEXT(OPEN, open, RADIUS, 1, LABELS,                                                            \
+    NEXT(OPEN, open, open, RADIUS, 1, LABELS,                                                      \
          "open: remove parts that are thinner than a ball of the radius, and assign them to the "  \
          "label around them.\n")                                                                   \
-    NEXT(CLOSE, close, RADIUS, 1, LABELS,                                                          \
+    NEXT(CLOSE, close, close, RADIUS, 1, LABELS,                                                   \
          "close: fill gaps of background that are narrower than such a ball.\n")
 
-#define FINISH_FIRST_NAME(kind, name, takes, usual, uses, help) #name
-#define FINISH_NEXT_NAME(kind, name, takes, usual, uses, help)  "|" #name
+#define FINISH_FIRST_NAME(kind, name, by, takes, usual, uses, help) #name
+#define FINISH_NEXT_NAME(kind, name, by, takes, usual, uses, help)  "|" #name
 
 enum finish_kind {
-#define FINISH_KIND(kind, name, takes, usual, uses, help) FINISH_##kind,
+#define FINISH_KIND(kind, name, by, takes, usual, uses, help) FINISH_##kind,
     FINISH_LIST(FINISH_KIND, FINISH_KIND) FINISH_KIND_COUNT
 };
 
@@ -127,7 +127,7 @@ struct relax_kept;
 struct finish_work {
     const struct scene *scene;
     struct team *team;
-    uint8_t *label;          /* input; after the step its result (finish_swap_labels) */
+    uint8_t *label;          /* input; after the step its result, perhaps by a swap with `next` */
     uint8_t *next;           /* output buffer; undefined before and after a step, except its rim */
     struct relax_kept *kept; /* stored fields of the last time (engine/relax.h), or NULL */
 };
@@ -138,7 +138,7 @@ struct finish_work {
 /* Perform a step. ERR_MEMORY, ERR_CANCELLED by the scene's watch; the labels are then undefined. */
 typedef enum err finish_apply(struct finish_work *work, const struct finish_step *step,
                               struct fault *fault);
-#define FINISH_METHOD(kind, name, takes, usual, uses, help) finish_apply finish_##name;
+#define FINISH_METHOD(kind, name, by, takes, usual, uses, help) finish_apply finish_##by;
 FINISH_LIST(FINISH_METHOD, FINISH_METHOD)
 
 struct finish_row {
@@ -175,9 +175,6 @@ static inline bool finish_is_for(const struct finish_step *step, unsigned label)
 {
     return step->label == FINISH_ALL_LABELS || step->label == label;
 }
-
-/* Make work->next the result of the step. */
-void finish_swap_labels(struct finish_work *work);
 
 /* Clear work->next. Undefined if the scene's watch has stopped it. */
 void finish_clear(struct finish_work *work);

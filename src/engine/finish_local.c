@@ -197,7 +197,9 @@ enum err finish_majority(struct finish_work *work, const struct finish_step *ste
         return fault_memory(fault, "finished labels");
     team_run(work->team, filter_part, &filter);
     free(filter.varied);
-    finish_swap_labels(work);
+    uint8_t *const made = work->next;
+    work->next = work->label;
+    work->label = made;
     return watch_fault(work->scene->watch, fault);
 }
 

@@ -20,11 +20,11 @@
  *
  * An edit changes the set of seeds and repairs the solution in time proportional to the change.
  *
- * Words here and in the literature
+ * Terms, and their names in the literature
  *   seed         marker voxel of the image foresting transform; a seed is the root of its tree
  *   eliminator   a deletion marker of the differential transform: its tree is cleared
  *   root         the seed at the end of the path of predecessors, P* in the papers
- *   predecessor  P(t), the voxel whose offer t has accepted; offers extend paths
+ *   predecessor  P(t), the neighbour whose offer became the key of t; an offer extends a path
  *   cost         C(t), the f_max cost of the best path: the largest weight on it
  *   hops         plateau distance: steps along the path since its cost last rose; it corresponds to
  *                the literature's FIFO order within a cost, and (cost, hops) to lexicographic costs
@@ -69,8 +69,8 @@ struct edit {
     uint16_t reach; /* number of the seed's reach (forest_add_reach); 0 for no reach or no seed */
 };
 
-/* From now on, store the labels before the forest is rebuilt, so that forest_changes can count the
- * voxels that a rebuild relabels. Costs a scan of the scene before and after. */
+/* Store the labels before each later rebuild, so that forest_changes can count the voxels that it
+ * relabels. Costs a scan of the scene before and after the rebuild. */
 void forest_count_rebuilds(struct forest *forest);
 
 /* Create a forest without seeds over a scene with weights; the scene outlives it. `adjacency` is 6
@@ -80,9 +80,9 @@ enum err forest_new(struct forest **forest, struct scene *scene, unsigned adjace
 void forest_free(struct forest *forest);
 
 /*
- * Apply `count` edits as one. The last edit of a voxel wins. It is allowed, and has no effect, to
- * plant an existing seed again or to erase a voxel without one. The scene's watch is polled after
- * every level of the pass, also while an edit is undone. On any error the forest is as before and
+ * Apply `count` edits as one. The last edit of a voxel wins. Planting an existing seed again, or
+ * erasing a voxel without a seed, is allowed and has no effect. The scene's watch is polled after
+ * every level of the pass, also while an edit is undone. On any error the forest is unchanged and
  * forest_changes is undefined: ERR_CANCELLED (stopped by the watch), ERR_LIMIT (T3), ERR_MEMORY.
  * After ERR_MEMORY the forest may have its former seeds only, and be suspended (forest_suspend).
  */
@@ -90,8 +90,9 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
                      struct fault *fault);
 
 /* Recompute the whole forest from its seeds: after a change of weights, adjacency or region of
- * interest, or to compare with an update. On error the forest is as before; if even that cannot be
- * recomputed, it has its seeds and no keys, and the message says which of the two. */
+ * interest, or to compare with an update. On error the former forest is restored; if it cannot be
+ * recomputed either, the forest has its seeds and no keys. The message states which of the two
+ * happened. */
 enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
 /*
@@ -124,12 +125,12 @@ enum err forest_catch_up(struct forest *forest, struct fault *fault);
 /* Set 6 or 26 neighbours; forest_rebuild must follow. */
 void forest_set_adjacency(struct forest *forest, unsigned count);
 
-/* Set the rule of arc weights, ARC_TARGET at first; forest_rebuild must follow. */
+/* Set the rule of arc weights, initially ARC_TARGET; forest_rebuild must follow. */
 void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs);
 
-/* Set the team whose threads rebuild the forest together; NULL, as at first, for the caller alone.
- * All teams compute the same bits. The team outlives the forest. On ERR_MEMORY the former team
- * stays. */
+/* Set the team whose threads rebuild the forest in parallel; NULL, the initial value, for the
+ * caller's thread only. All teams compute the same bits. The team outlives the forest. On
+ * ERR_MEMORY the former team stays. */
 enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault);
 
 struct changes forest_changes(const struct forest *forest);
@@ -171,8 +172,8 @@ uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell);
 size_t forest_limited_seeds(const struct forest *forest);
 
 /* Count the voxels that belong to no tree because all trees around them end at their reach,
- * although a path leads to them from a seed. Walks through the scene unless no seed has a reach.
- * ERR_MEMORY, ERR_CANCELLED. */
+ * although a path leads to them from a seed. Scans the scene if any seed has a reach. ERR_MEMORY,
+ * ERR_CANCELLED. */
 enum err forest_count_refused(const struct forest *forest, size_t *voxels, struct fault *fault);
 
 /* Sums mod 2^64 over the voxels that a seed reaches: of a mix of (cell, key), and of a mix of cell

@@ -2,7 +2,6 @@
 #include "engine/hints.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/mem.h"
 #include "engine/margin.h"
@@ -20,7 +19,7 @@ struct finding {
     const struct scene *scene;
     const struct arc_rule *arcs;
     const uint16_t *margin;
-    ptrdiff_t face[6], corner[26];
+    struct adjacency faces, corners;
     struct edge_voxel *voxel; /* all at the border; later the weak ones, sorted by cell */
     size_t count, capacity;
     int32_t limit[HINT_HEATS];
@@ -38,7 +37,7 @@ static uint32_t find_other(const struct finding *f, uint32_t at)
     const struct cell *cell = f->scene->cell + at;
     uint32_t least = UINT32_MAX, found = CELL_NONE;
     for (int i = 0; i < 6; i++) {
-        const struct cell *from = cell + f->face[i];
+        const struct cell *from = cell + f->faces.offset[i];
         if (from->label == cell->label || !cell_is_reached(from))
             continue;
         const uint32_t weight = arc_weight_now(f->arcs, from, cell), has = key_cost(from->key);
@@ -46,7 +45,7 @@ static uint32_t find_other(const struct finding *f, uint32_t at)
         if (cost >= least)
             continue;
         least = cost;
-        found = at + (uint32_t)f->face[i];
+        found = at + (uint32_t)f->faces.offset[i];
     }
     return found;
 }
@@ -143,7 +142,7 @@ static bool grow_place(struct finding *f, size_t first)
     for (size_t next = 0; next < f->placed; next++) {
         const struct edge_voxel *here = f->voxel + f->place[next];
         for (int i = 0; i < 26; i++) {
-            const struct edge_voxel sought = {.cell = here->cell + (uint32_t)f->corner[i]};
+            const struct edge_voxel sought = {.cell = here->cell + (uint32_t)f->corners.offset[i]};
             const struct edge_voxel *beside =
                 bsearch(&sought, f->voxel, f->count, sizeof sought, compare_cells);
             if (beside && !f->taken[beside - f->voxel] &&
@@ -226,11 +225,8 @@ enum err hints_find(struct hint_list *hints, const struct forest *forest, const 
     const struct scene *scene = forest_scene(forest);
     struct finding f = {
         .forest = forest, .scene = scene, .arcs = forest_arcs(forest), .margin = margin};
-    struct adjacency by_faces, by_corners;
-    adjacency_init(&by_faces, 6, &scene->grid);
-    adjacency_init(&by_corners, 26, &scene->grid);
-    memcpy(f.face, by_faces.offset, sizeof f.face);
-    memcpy(f.corner, by_corners.offset, sizeof f.corner);
+    adjacency_init(&f.faces, 6, &scene->grid);
+    adjacency_init(&f.corners, 26, &scene->grid);
     hints->count = 0;
     struct grid_walk w = scene_walk(scene, "borders of labels", NULL, 0);
     bool fits = true;
@@ -247,7 +243,7 @@ enum err hints_find(struct hint_list *hints, const struct forest *forest, const 
             degree = (uint8_t)(degree + (voxel->certainty <= f.limit[k]));
         heat[voxel->cell] = degree > heat[voxel->cell] ? degree : heat[voxel->cell];
         for (int k = 0; k < 26; k++) {
-            const uint32_t at = voxel->cell + (uint32_t)f.corner[k];
+            const uint32_t at = voxel->cell + (uint32_t)f.corners.offset[k];
             if (cell_is_reached(cell + at) && cell[at].label == voxel->label && degree > heat[at])
                 heat[at] = degree;
         }

@@ -71,12 +71,6 @@ uint64_t labels_digest(const struct labels *labels, struct team *team)
     return sum;
 }
 
-void overlap_count(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels)
-{
-    *overlap = (struct overlap){0};
-    overlap_add(overlap, a, b, voxels);
-}
-
 void overlap_add(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels)
 {
     overlap->voxels += voxels;

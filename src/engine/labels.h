@@ -67,9 +67,6 @@ enum { DICE_ONE = 10000 };
 /* Add `voxels` labels; fewer than 2^32 in total, starting from {0}. */
 void overlap_add(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels);
 
-/* Count these labels only. */
-void overlap_count(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels);
-
 /* Dice's coefficient in ten-thousandths; DICE_ONE if the label has no voxel in either. */
 unsigned overlap_dice(const struct overlap *overlap, uint8_t label);
 

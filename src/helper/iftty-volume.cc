@@ -152,7 +152,7 @@ void serve()
             open_tiff(volume, request);
         else
             open_by_itk(volume, request, request.kind);
-        answer(volume);
+        answer(volume, request);
         return;
     } catch (const Refusal &refusal) {
         words = refusal.words;

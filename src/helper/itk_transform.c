@@ -33,13 +33,6 @@ static bool linear_matrix(struct affine *out, const struct part *part)
     return true;
 }
 
-static bool linear_none(struct affine *out, const struct part *part)
-{
-    (void)part;
-    affine_identity(out);
-    return true;
-}
-
 static bool linear_euler(struct affine *out, const struct part *part)
 {
     double c[3], s[3];
@@ -79,14 +72,14 @@ static bool linear_similarity(struct affine *out, const struct part *part)
 static const struct kind {
     const char *name;
     unsigned numbers, t, fixeds, fixeds_most;
-    linear_part *linear;
+    linear_part *linear; /* NULL: the identity */
 } kinds[] = {
     {"AffineTransform", 12, 9, 3, 3, linear_matrix},
     {"MatrixOffsetTransformBase", 12, 9, 3, 3, linear_matrix},
     {"Euler3DTransform", 6, 3, 3, 4, linear_euler},
     {"VersorRigid3DTransform", 6, 3, 3, 3, linear_versor},
     {"Similarity3DTransform", 7, 3, 3, 3, linear_similarity},
-    {"TranslationTransform", 3, 0, 0, 0, linear_none},
+    {"TranslationTransform", 3, 0, 0, 0, NULL},
 };
 static const char COMPOSITE[] = "CompositeTransform";
 
@@ -125,7 +118,8 @@ static enum err take_part(struct affine *out, const struct part *part, struct fa
         return fault_set(fault, ERR_INPUT,
                          "its %s has %u parameters and %u fixed ones; expected %u and %u",
                          kind->name, part->numbers, part->fixeds, kind->numbers, kind->fixeds);
-    if (!kind->linear(out, part))
+    affine_identity(out);
+    if (kind->linear && !kind->linear(out, part))
         return fault_set(fault, ERR_INPUT, "its %s holds no turn: a vector longer than 1",
                          kind->name);
     for (int i = 0; i < 3; i++) {
@@ -237,12 +231,6 @@ static enum err read_text(struct reading *r, const char *text, struct fault *fau
 
 /* ---- MATLAB ---- */
 
-struct matrix {
-    char name[NAME_MOST];
-    double number[NUMBERS_MOST];
-    unsigned numbers;
-};
-
 enum { HEADER = 20, BIG_ENDIAN_TYPE = 1000, SINGLE_TYPE = 10, ROWS_TYPE = 100 };
 
 static uint32_t word_at(const char *bytes, bool is_big)
@@ -250,41 +238,36 @@ static uint32_t word_at(const char *bytes, bool is_big)
     return (uint32_t)bits_get((const uint8_t *)bytes, 4, is_big);
 }
 
-static double number_at(const char *bytes, bool is_big, bool is_single)
-{
-    const unsigned width = is_single ? 4 : 8;
-    return real_of_bits(bits_get((const uint8_t *)bytes, width, is_big), width);
-}
-
 /* Parse the next matrix, a row or a column, and return its length; 0 on failure. */
-static size_t take_matrix(struct matrix *out, const char *bytes, size_t length)
+static size_t take_matrix(char name[NAME_MOST], double number[NUMBERS_MOST], unsigned *numbers,
+                          const char *bytes, size_t length)
 {
     if (length < HEADER)
         return 0;
     const bool is_big = word_at(bytes, false) > UINT16_MAX;
     const uint32_t type = word_at(bytes, is_big), little = type % BIG_ENDIAN_TYPE;
     const uint32_t rows = word_at(bytes + 4, is_big), columns = word_at(bytes + 8, is_big);
-    const uint32_t name = word_at(bytes + 16, is_big);
-    const bool is_single = little % ROWS_TYPE == SINGLE_TYPE;
-    const size_t width = is_single ? 4 : 8;
+    const uint32_t letters = word_at(bytes + 16, is_big);
+    const unsigned width = little % ROWS_TYPE == SINGLE_TYPE ? 4 : 8;
+    const uint8_t *at = (const uint8_t *)bytes + HEADER + letters;
     if (type != little + (is_big ? BIG_ENDIAN_TYPE : 0) ||
         (little != 0 && little != SINGLE_TYPE && little != ROWS_TYPE &&
          little != ROWS_TYPE + SINGLE_TYPE) ||
-        word_at(bytes + 12, is_big) != 0 || name < 2 || name > NAME_MOST)
+        word_at(bytes + 12, is_big) != 0 || letters < 2 || letters > NAME_MOST)
         return 0;
     if (rows > NUMBERS_MOST || columns > NUMBERS_MOST || (rows > 1 && columns > 1))
         return 0;
-    out->numbers = rows * columns;
-    if (length < HEADER + name + width * out->numbers ||
-        memchr(bytes + HEADER, '\0', name) != bytes + HEADER + name - 1)
+    *numbers = rows * columns;
+    if (length < HEADER + letters + width * *numbers ||
+        memchr(bytes + HEADER, '\0', letters) != bytes + HEADER + letters - 1)
         return 0;
-    memcpy(out->name, bytes + HEADER, name);
-    for (unsigned i = 0; i < out->numbers; i++) {
-        out->number[i] = number_at(bytes + HEADER + name + width * i, is_big, is_single);
-        if (!isfinite(out->number[i]))
+    memcpy(name, bytes + HEADER, letters);
+    for (unsigned i = 0; i < *numbers; i++) {
+        number[i] = real_of_bits(bits_get(at + width * i, width, is_big), width);
+        if (!isfinite(number[i]))
             return 0;
     }
-    return HEADER + name + width * out->numbers;
+    return HEADER + letters + width * *numbers;
 }
 
 static enum err read_matrices(struct reading *r, const char *bytes, size_t length,
@@ -292,20 +275,17 @@ static enum err read_matrices(struct reading *r, const char *bytes, size_t lengt
 {
     enum err err = OK;
     for (size_t at = 0, n; !err && at < length; at += n) {
-        struct matrix parameters, fixed;
         struct part part;
-        const size_t first = take_matrix(&parameters, bytes + at, length - at);
-        const size_t second =
-            first ? take_matrix(&fixed, bytes + at + first, length - at - first) : 0;
+        char fixed[NAME_MOST];
+        const size_t first =
+            take_matrix(part.name, part.number, &part.numbers, bytes + at, length - at);
+        const size_t second = first ? take_matrix(fixed, part.fixed, &part.fixeds,
+                                                  bytes + at + first, length - at - first)
+                                    : 0;
         n = first + second;
-        if (!second || strcmp(fixed.name, "fixed") != 0)
+        if (!second || strcmp(fixed, "fixed") != 0)
             return fault_set(fault, ERR_INPUT,
                              "it is damaged, or no affine transform, from byte %zu on", at);
-        memcpy(part.name, parameters.name, sizeof part.name);
-        memcpy(part.number, parameters.number, sizeof part.number);
-        memcpy(part.fixed, fixed.number, sizeof part.fixed);
-        part.numbers = parameters.numbers;
-        part.fixeds = fixed.numbers;
         err = add_part(r, &part, fault);
     }
     return err;
@@ -316,13 +296,14 @@ enum err itk_transform_read(struct affine *out, struct buf *kind, const char *by
 {
     struct affine found;
     struct reading reading = {.out = &found, .kind = kind};
-    struct matrix matrix;
+    struct part part;
     const char *text = bytes;
     enum err err;
     affine_identity(&found);
     if (strlen(bytes) == length && scan_text(&text, "#Insight Transform File V1.0"))
         err = read_text(&reading, bytes, fault);
-    else if (take_matrix(&matrix, bytes, length) > 0 && name_length(matrix.name) > 0)
+    else if (take_matrix(part.name, part.number, &part.numbers, bytes, length) > 0 &&
+             name_length(part.name) > 0)
         err = read_matrices(&reading, bytes, length, fault);
     else
         return fault_set(fault, ERR_INPUT,

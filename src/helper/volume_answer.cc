@@ -177,7 +177,7 @@ void send_piece(const void *bytes, size_t length)
     }
 }
 
-void answer(const Volume &volume)
+void answer(const Volume &volume, const Request &request)
 {
     for (const uint64_t side : volume.size)
         if (side < 1 || side > side_most)
@@ -201,6 +201,8 @@ void answer(const Volume &volume)
     transmit(number, sizeof number);
     if (receive_line() != "voxels")
         leave(2);
+    if (request.volume >= volume.volumes)
+        refuse("there is no such volume in it");
     volume.send();
 }
 

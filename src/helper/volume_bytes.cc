@@ -32,7 +32,6 @@ namespace volume
 
 /* ---- a file of known length ---- */
 
-/* Saturate on overflow. */
 uint64_t sum_of(uint64_t a, uint64_t b)
 {
     return a > UINT64_MAX - b ? UINT64_MAX : a + b;

@@ -141,16 +141,6 @@ bool scan_named(std::vector<Slice> &slices, std::string &other, const Request &r
     return is_dicom;
 }
 
-/* Kind with the most pictures; of equal ones the last by name. */
-std::string most_of(const std::map<std::string, std::vector<std::string>> &pictures)
-{
-    const auto has_fewer = [](const auto &a, const auto &b) {
-        return a.second.size() <= b.second.size();
-    };
-    const auto most = std::max_element(pictures.begin(), pictures.end(), has_fewer);
-    return most == pictures.end() ? "" : most->first;
-}
-
 void open_folder(Volume &volume, const Request &request, const Files &all)
 {
     Files files = all;
@@ -187,11 +177,16 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
                                     : "; in a replay no link of a folder is followed: `cp -rL` "
                                       "makes a folder without links, for --scene",
             object.c_str());
-    const std::string kind = slices.empty() ? most_of(pictures) : "";
-    if (!slices.empty())
+    std::string kind; /* that with the most pictures; of equal ones the last by name */
+    for (const auto &[each, path] : pictures)
+        if (kind.empty() || path.size() >= pictures[kind].size())
+            kind = each;
+    if (!slices.empty()) {
+        kind = ""; /* none is read */
         stack_slices(volume, slices, request);
-    else
+    } else {
         stack_pictures(volume, pictures[kind], kind);
+    }
     for (const auto &[other, path] : pictures)
         others += other == kind ? 0 : path.size();
     if (skipped)

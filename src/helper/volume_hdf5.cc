@@ -28,7 +28,7 @@ constexpr size_t files_most =
 
 /* ---- values in raw files ---- */
 
-std::string wrong_with_storage(hid_t made, const std::string &path, int files)
+void check_storage(hid_t made, const std::string &path, int files)
 {
     for (int i = 0; i < files; i++) {
         char name[name_most] = {0};
@@ -37,17 +37,14 @@ std::string wrong_with_storage(hid_t made, const std::string &path, int files)
         struct stat status;
         if (H5Pget_external(made, static_cast<unsigned>(i), sizeof name - 1, name, &offset, &size) <
             0)
-            return "the data set names files in a way that is not read here";
-        const std::string wrong = wrong_with(path, name);
-        if (!wrong.empty())
-            return wrong;
+            refuse("the data set names files in a way that is not read here");
+        refuse_for(wrong_with(path, name));
         if (stat((folder_of(path) + name).c_str(), &status) != 0 || offset < 0 ||
             size == H5F_UNLIMITED || status.st_size < offset ||
             static_cast<hsize_t>(status.st_size - offset) < size)
-            return words_of("cut short: %s, in which voxels of it are, holds less than it says",
-                            shown(name).c_str());
+            refuse("cut short: %s, in which voxels of it are, holds less than it says",
+                   shown(name).c_str());
     }
-    return "";
 }
 
 /* ---- virtual data sets ---- */
@@ -91,26 +88,23 @@ herr_t follow_none(const char *, const char *, const char *, const char *, unsig
     return -1;
 }
 
-/* Explain why the data set of the file at `path` cannot be read: a file that it names fails the
- * check, or holds less than is needed, for which the library would read zeros; "" if it can be
- * read. No file is opened before its name is checked. */
-std::string wrong_inside(hid_t set, const std::string &path, size_t depth,
-                         std::set<std::string> &files);
+/* Refuse a data set of the file at `path` that cannot be read: a file that it names fails the
+ * check, or holds less than is needed, for which the library would read zeros. No file is opened
+ * before its name is checked. */
+void check_inside(hid_t set, const std::string &path, size_t depth, std::set<std::string> &files);
 
 /* Check a source: it exists, is large enough, and can be read as well. */
-std::string wrong_with_source(hid_t file, const std::string &path, const Source &source,
-                              size_t depth, std::set<std::string> &files)
+void check_source(hid_t file, const std::string &path, const Source &source, size_t depth,
+                  std::set<std::string> &files)
 {
     const std::string name = source.file == "." ? path : source.file;
     Handle access(H5Pcreate(H5P_LINK_ACCESS), H5Pclose);
     H5Pset_elink_cb(access, follow_none, nullptr);
     Handle object(H5Oopen(file, source.set.c_str(), access), H5Oclose);
     if (object < 0 || H5Iget_type(object) != H5I_DATASET)
-        return words_of("voxels of it are in the data set %s of %s, which is not there",
-                        shown(source.set).c_str(), shown(name).c_str());
-    const std::string wrong = wrong_inside(object, path, depth + 1, files);
-    if (!wrong.empty())
-        return wrong;
+        refuse("voxels of it are in the data set %s of %s, which is not there",
+               shown(source.set).c_str(), shown(name).c_str());
+    check_inside(object, path, depth + 1, files);
     Handle space(H5Dget_space(object), H5Sclose);
     const int rank = H5Sget_simple_extent_ndims(space);
     std::vector<hsize_t> side(static_cast<size_t>(rank < 1 ? 0 : rank));
@@ -119,58 +113,63 @@ std::string wrong_with_source(hid_t file, const std::string &path, const Source 
                                        : side.size() == source.last.size();
     for (size_t a = 0; is_held && a < source.last.size(); a++)
         is_held = source.last[a] < side[a];
-    return is_held
-               ? ""
-               : words_of("the data set %s of %s, in which voxels of it are, is of another size "
-                          "than it says",
-                          shown(source.set).c_str(), shown(name).c_str());
+    if (!is_held)
+        refuse("the data set %s of %s, in which voxels of it are, is of another size than it says",
+               shown(source.set).c_str(), shown(name).c_str());
 }
 
-std::string wrong_with_virtual(hid_t set, hid_t made, const std::string &path, size_t depth,
-                               std::set<std::string> &files)
+void check_virtual(hid_t set, hid_t made, const std::string &path, size_t depth,
+                   std::set<std::string> &files)
 {
     size_t count = 0;
     H5Pget_virtual_count(made, &count);
     for (size_t i = 0; i < count; i++) {
         Source source;
         if (!take_source(source, made, i))
-            return "it is made of data sets that are counted, or grow, which are not read";
+            refuse("it is made of data sets that are counted, or grow, which are not read");
         const bool is_own = source.file == ".";
         const std::string at = is_own ? path : folder_of(path) + source.file;
-        std::string wrong = is_own ? "" : wrong_with(path, source.file);
-        if (!wrong.empty())
-            return wrong;
-        if (!is_own)
+        if (!is_own) {
+            refuse_for(wrong_with(path, source.file));
             files.insert(at);
+        }
         if (files.size() > files_most)
-            return words_of("it is made of more than %zu files, which are not read", files_most);
+            refuse("it is made of more than %zu files, which are not read", files_most);
         Handle file(is_own ? H5Iget_file_id(set) : H5Fopen(at.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
                     H5Fclose);
         if (file < 0)
-            return words_of("voxels of it are in %s, which is no HDF5 file, or is damaged",
-                            shown(source.file).c_str());
-        wrong = wrong_with_source(file, at, source, depth, files);
-        if (!wrong.empty())
-            return wrong;
+            refuse("voxels of it are in %s, which is no HDF5 file, or is damaged",
+                   shown(source.file).c_str());
+        check_source(file, at, source, depth, files);
     }
-    return "";
 }
 
 /* ---- all data sets ---- */
 
-std::string wrong_inside(hid_t set, const std::string &path, size_t depth,
-                         std::set<std::string> &files)
+void check_inside(hid_t set, const std::string &path, size_t depth, std::set<std::string> &files)
 {
     Handle made(H5Dget_create_plist(set), H5Pclose);
     const int external = H5Pget_external_count(made);
     if (depth > depth_most)
-        return "it is made of data sets that are made of others, and so on, which are not read";
+        refuse("it is made of data sets that are made of others, and so on, which are not read");
     if (external > 0 && depth > 0) /* the library resolves these names elsewhere */
-        return "a part of it is stored in a file of no format, which is not read";
+        refuse("a part of it is stored in a file of no format, which is not read");
     if (external > 0)
-        return wrong_with_storage(made, path, external);
-    return H5Pget_layout(made) == H5D_VIRTUAL ? wrong_with_virtual(set, made, path, depth, files)
-                                              : "";
+        check_storage(made, path, external);
+    else if (H5Pget_layout(made) == H5D_VIRTUAL)
+        check_virtual(set, made, path, depth, files);
+}
+
+/* Return the words of a refusal, which must not leave a callback of the library; "" for none. */
+std::string wrong_inside(hid_t set, const std::string &path, size_t depth)
+{
+    std::set<std::string> files;
+    try {
+        check_inside(set, path, depth, files);
+    } catch (const Refusal &refusal) {
+        return refusal.words;
+    }
+    return "";
 }
 
 /* Describe values without a source, if known; "" for none. */
@@ -222,9 +221,8 @@ herr_t look_at_object(hid_t file, const char *name, const H5O_info_t *info, void
     if (info->type != H5O_TYPE_DATASET)
         return 0;
     Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-    std::set<std::string> files;
     if (set >= 0)
-        search.wrong = wrong_inside(set, search.path, 1, files);
+        search.wrong = wrong_inside(set, search.path, 1);
     return search.wrong.empty() ? 0 : 1;
 }
 
@@ -297,8 +295,7 @@ bool describe_set(DataSet &set, hid_t file, const char *name, Sets &sets)
     if (id < 0)
         return false;
     set.name = name;
-    std::set<std::string> files;
-    set.wrong = wrong_inside(id, sets.path, 0, files);
+    set.wrong = wrong_inside(id, sets.path, 0);
     if (!set.wrong.empty())
         return true;
     Handle space(H5Dget_space(id), H5Sclose);

@@ -150,10 +150,7 @@ void describe_volume(Volume &volume, const itk::ImageIOBase::Pointer &io, const 
     if (world == World::NONE)
         volume.known &= ~ORIENTATION;
     place_volume(volume, *io, world);
-    const uint64_t number = request.volume;
-    volume.send = [&volume, io, number]() {
-        if (number >= volume.volumes)
-            refuse("there is no such volume in it");
+    volume.send = [&volume, io, number = request.volume]() {
         itk::ImageIORegion whole(io->GetNumberOfDimensions());
         for (unsigned a = 0; a < io->GetNumberOfDimensions(); a++)
             whole.SetSize(a, io->GetDimensions(a));

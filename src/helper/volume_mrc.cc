@@ -259,10 +259,8 @@ void open_mrc(Volume &volume, const Request &request)
     const uint64_t rest = check_bytes(request.path, mrc.begin + volume.volumes * mrc.one);
     if (rest > 0)
         note(volume, words_of("%llu of its bytes come after the voxels", wide(rest)));
-    volume.send = [&volume, mrc, path = request.path, number = request.volume]() {
-        if (number >= volume.volumes)
-            refuse("there is no such volume in it");
-        send_mrc(volume, mrc, path, number);
+    volume.send = [&volume, mrc, &request]() {
+        send_mrc(volume, mrc, request.path, request.volume);
     };
 }
 

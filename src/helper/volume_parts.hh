@@ -82,8 +82,8 @@ void answer_list(const std::string &lines);
 /* Send some of the voxels. */
 void send_piece(const void *bytes, size_t length);
 
-/* Send the header and, if the client asks for them, the voxels. */
-void answer(const Volume &volume);
+/* Send the header and, if the client asks for them, the voxels of the requested volume. */
+void answer(const Volume &volume, const Request &request);
 
 size_t bytes_of(const std::string &type);                /* per number */
 size_t bytes_in(const Volume &volume, uint64_t volumes); /* in this number of volumes */
@@ -124,6 +124,10 @@ void catch_signals();
 /* ---- numbers and slices ---- */
 
 constexpr bool is_big_machine = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+
+/* Saturate on overflow. */
+uint64_t sum_of(uint64_t a, uint64_t b);
+uint64_t product_of(uint64_t a, uint64_t b);
 
 /* Decode a number of `width` bytes, at most 8. */
 uint64_t number_in(const char *bytes, unsigned width, bool is_big);

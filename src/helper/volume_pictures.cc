@@ -175,22 +175,18 @@ bool is_before(const std::string &a, const std::string &b)
     while (i < a.size() && j < b.size()) {
         if (std::isdigit(static_cast<unsigned char>(a[i])) &&
             std::isdigit(static_cast<unsigned char>(b[j]))) {
-            const auto end = [](const std::string &s, size_t at) {
-                while (at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])))
-                    at++;
-                return at;
-            };
-            const auto digits = [](const std::string &s, size_t from, size_t to) {
-                while (from + 1 < to && s[from] == '0')
-                    from++;
-                return s.substr(from, to - from);
-            };
-            const size_t m = end(a, i), n = end(b, j);
-            const std::string p = digits(a, i, m), q = digits(b, j, n);
+            const auto take_digits =
+                [](const std::string &s,
+                   size_t &at) { /* zeros aside */
+                                 const size_t from = at;
+                                 at = std::min(s.find_first_not_of("0123456789", at), s.size());
+                                 const size_t first =
+                                     std::min(s.find_first_not_of('0', from), at - 1);
+                                 return s.substr(first, at - first);
+                };
+            const std::string p = take_digits(a, i), q = take_digits(b, j);
             if (p != q)
                 return p.size() != q.size() ? p.size() < q.size() : p < q;
-            i = m;
-            j = n;
         } else if (a[i] != b[j]) {
             return a[i] < b[j];
         } else {
@@ -208,11 +204,8 @@ void note_gaps(Volume &volume, const std::vector<std::string> &path)
     size_t gaps = 0;
     std::string first;
     for (size_t i = 0; i < path.size(); i++) {
-        size_t end = path[i].find_last_of("0123456789");
-        size_t begin = end;
-        while (begin != std::string::npos && begin > 0 &&
-               std::isdigit(static_cast<unsigned char>(path[i][begin - 1])))
-            begin--;
+        const size_t end = path[i].find_last_of("0123456789");
+        const size_t begin = path[i].find_last_not_of("0123456789", end) + 1;
         if (end == std::string::npos || end - begin > 9)
             return;
         const long number = std::atol(path[i].c_str() + begin);

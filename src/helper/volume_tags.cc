@@ -165,9 +165,8 @@ static std::vector<double> numbers_of(Slice &slice, const gdcm::DataSet &set, co
 /* Sort words: original, derived; magnitude, phase, real, imaginary; then by letters. */
 static Value words_value(const std::string &text)
 {
-    static const char *const kinds[] = {"magnitude", "phase", "real", "imaginary"};
-    const std::string kind = kind_of(text);
-    const auto at = std::find(std::begin(kinds), std::end(kinds), kind) - std::begin(kinds);
+    static const std::vector<std::string> kinds = {"magnitude", "phase", "real", "imaginary"};
+    const auto at = std::find(kinds.begin(), kinds.end(), kind_of(text)) - kinds.begin();
     return {{text.compare(0, 7, "DERIVED") == 0 ? 1.0 : 0.0, static_cast<double>(at)}, text};
 }
 
@@ -220,13 +219,6 @@ struct Part {
     std::string label;
 };
 
-static bool is_complete(const Group &group)
-{
-    return std::all_of(group.begin(), group.end(), [&](const std::vector<size_t> &images) {
-        return !images.empty() && images.size() == group[0].size();
-    });
-}
-
 static bool differs(const std::vector<Slice> &series, const Group &group, unsigned id)
 {
     for (const std::vector<size_t> &images : group)
@@ -236,25 +228,22 @@ static bool differs(const std::vector<Slice> &series, const Group &group, unsign
     return false;
 }
 
+static std::set<Value> values_of(const std::vector<Slice> &series, const Group &group, unsigned id)
+{
+    std::set<Value> values;
+    for (const std::vector<size_t> &images : group)
+        for (const size_t i : images)
+            values.insert(value_at(series[i], id));
+    return values;
+}
+
 /* Least and greatest value of images. */
 using Range = std::pair<Value, Value>;
 
-static void widen(Range &range, const Value &value, bool is_first)
-{
-    range.first = is_first ? value : std::min(range.first, value);
-    range.second = is_first ? value : std::max(range.second, value);
-}
-
 static Range range_of(const std::vector<Slice> &series, const Group &group, unsigned id)
 {
-    Range range;
-    bool is_first = true;
-    for (const std::vector<size_t> &images : group)
-        for (const size_t i : images) {
-            widen(range, value_at(series[i], id), is_first);
-            is_first = false;
-        }
-    return range;
+    const std::set<Value> values = values_of(series, group, id);
+    return {*values.begin(), *values.rbegin()};
 }
 
 /* Test whether the ranges, sorted, do not overlap. */
@@ -276,14 +265,6 @@ static bool are_in_blocks(const std::vector<Slice> &series, const Group &whole,
     for (const std::vector<size_t> &images : whole)
         places.push_back(range_of(series, {images}, id));
     return are_apart(volumes) || are_apart(places);
-}
-
-/* Times of day more than half a day apart may span midnight. */
-static bool is_too_long(const Row &row, const Range &range)
-{
-    return row.sources[0].form == CLOCK &&
-           (range.first.first.empty() ||
-            range.second.first[0] - range.first.first[0] > half_a_day_s);
 }
 
 /* "4.92", "0.6,0,0.8" */
@@ -322,13 +303,10 @@ static bool may_decide(const std::vector<Slice> &series, const Group &group, uns
                        const std::vector<unsigned> &differing)
 {
     std::set<std::string> files;
-    std::set<Value> values;
     for (const std::vector<size_t> &images : group)
-        for (const size_t i : images) {
+        for (const size_t i : images)
             files.insert(series[i].path);
-            values.insert(value_at(series[i], id));
-        }
-    return files.size() == values.size() &&
+    return files.size() == values_of(series, group, id).size() &&
            std::none_of(differing.begin(), differing.end(), [&](unsigned other) {
                return other != id && differs(series, group, other);
            });
@@ -357,12 +335,18 @@ static bool divide(std::vector<Part> &out, const Part &part, const std::vector<S
         }
     }
     const Range whole = range_of(series, part.at, id);
-    const bool is_whole = std::all_of(parts.begin(), parts.end(),
-                                      [](const auto &each) { return is_complete(each.second); });
+    bool is_whole = true;
+    for (const auto &each : parts)
+        for (const std::vector<size_t> &images : each.second)
+            is_whole &= !images.empty() && images.size() == each.second[0].size();
+    /* Times of day more than half a day apart may span midnight. */
+    const bool is_too_long =
+        row.sources[0].form == CLOCK &&
+        (whole.first.first.empty() || whole.second.first[0] - whole.first.first[0] > half_a_day_s);
     const bool is_sound =
-        is_kind || (!is_too_long(row, whole) &&
-                    (row.grade == MOMENT || are_in_blocks(series, part.at, parts, id)) &&
-                    (row.grade != LAST || may_decide(series, part.at, id, differing)));
+        is_kind ||
+        (!is_too_long && (row.grade == MOMENT || are_in_blocks(series, part.at, parts, id)) &&
+         (row.grade != LAST || may_decide(series, part.at, id, differing)));
     if (!is_whole || !is_sound || parts.size() == 1) {
         out.push_back(part);
         return is_whole || !is_kind;

@@ -636,22 +636,22 @@ std::shared_ptr<Opened> open_pages(const std::string &path)
     const TiffStack resolution = resolution_of(file);
     std::string description, lsm;
     opened->page = pages_of(file, description, lsm);
-    const auto is_image = [](const TiffPage &page) { return !page.is_reduced && !page.is_mask; };
-    const auto first = std::find_if(opened->page.begin(), opened->page.end(), is_image);
-    if (first == opened->page.end())
+    const std::vector<size_t> images = images_of(opened->page);
+    if (images.empty())
         refuse("a TIFF of thumbnails or masks: none of its pages is an image of full resolution "
                "(NewSubfileType)");
-    check_page(*first, !lsm.empty());
-    opened->first = static_cast<size_t>(first - opened->page.begin());
-    opened->samples = first->samples - first->alphas;
+    opened->first = images[0];
+    const TiffPage &first = opened->page[opened->first];
+    check_page(first, !lsm.empty());
+    opened->samples = first.samples - first.alphas;
     if (!lsm.empty() && file.bytes() > UINT32_MAX)
         refuse("an LSM of more than 4 GB, whose offsets do not fit their 32 bits; `bfconvert FILE "
                "A.ome.tif` (Bio-Formats) makes an OME-TIFF of it");
-    opened->stack = stack_of(opened->page, opened->samples, path, description, lsm, resolution,
-                             type_of(*first));
+    opened->stack =
+        stack_of(opened->page, opened->samples, path, description, lsm, resolution, type_of(first));
     const TiffStack &stack = opened->stack;
     if (stack.is_run) {
-        if (!TIFFSetSubDirectory(file, first->at))
+        if (!TIFFSetSubDirectory(file, first.at))
             file.damaged();
         check_run(*opened);
         return opened;
@@ -690,8 +690,6 @@ void open_tiff(Volume &volume, const Request &request)
     note_rest(volume, *opened);
     volume.send = [&volume, opened, number = request.volume]() {
         std::vector<uint8_t> bytes(bytes_in(volume, 1) / volume.size[2]);
-        if (number >= volume.volumes)
-            refuse("there is no such volume in it");
         for (uint64_t z = 0; z < volume.size[2]; z++) {
             read_slice(bytes, *opened, number, z);
             send_piece(bytes.data(), bytes.size());

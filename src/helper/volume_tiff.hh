@@ -49,6 +49,9 @@ struct TiffStack {
     std::vector<std::string> note; /* lines */
 };
 
+/* Indices of the pages that are images. */
+std::vector<size_t> images_of(const std::vector<TiffPage> &page);
+
 /* Arrange the pages by the description and the tag CZ_LSMINFO ("" for none). `samples` of a page
  * exclude alpha. `resolution` has only step[0] and step[1]. */
 TiffStack stack_of(const std::vector<TiffPage> &page, unsigned samples, const std::string &path,

@@ -28,18 +28,11 @@ constexpr char shape_name[] = "\"shape\": [", old_shape_name[] = "shape=(";
 
 /* ---- axes ---- */
 
-/* Saturate on overflow. */
-uint64_t times(uint64_t a, uint64_t b)
-{
-    uint64_t product;
-    return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
-}
-
 uint64_t planes_in(const std::vector<TiffAxis> &axes)
 {
     uint64_t planes = 1;
     for (const TiffAxis &axis : axes)
-        planes = times(planes, axis.size);
+        planes = product_of(planes, axis.size);
     return planes;
 }
 
@@ -73,7 +66,6 @@ void arrange(TiffStack &stack, const std::vector<TiffAxis> &axes, const std::vec
     }
 }
 
-/* Indices of the pages that are images. */
 std::vector<size_t> images_of(const std::vector<TiffPage> &page)
 {
     std::vector<size_t> images;
@@ -485,7 +477,7 @@ TiffStack stack_of(const std::vector<TiffPage> &page, unsigned samples, const st
         arrange(stack, {{'Z', pages}}, images_of(page));
     if (samples > 1) { /* samples are channels, the fastest axis */
         stack.axes.insert(stack.axes.begin(), {'C', samples});
-        stack.volumes = times(stack.volumes, samples);
+        stack.volumes = product_of(stack.volumes, samples);
     }
     if (stack.volumes > number_most)
         refuse("it holds more than a million volumes; expected one");

@@ -156,13 +156,9 @@ struct nifti_header {
     int64_t dim[8];
     int64_t intent_code; /* meaning of the values */
     int64_t datatype, bitpix;
-    double pixdim[8];
     double vox_offset;
     double scl_slope, scl_inter;
-    int64_t xyzt_units;
-    int64_t qform_code, sform_code;
-    double quatern[3], qoffset[3];
-    double srow[3][4];
+    struct geometry_fields fields;
     char descrip[NIFTI_DESCRIPTION]; /* written only: that of a file is never shown */
 };
 

@@ -53,16 +53,16 @@ static const struct field {
     {offsetof(struct nifti_header, intent_code), 1, INTEGER, {{68, 2}, {504, 4}}},
     {offsetof(struct nifti_header, datatype), 1, INTEGER, {{70, 2}, {12, 2}}},
     {offsetof(struct nifti_header, bitpix), 1, INTEGER, {{72, 2}, {14, 2}}},
-    {offsetof(struct nifti_header, pixdim), 8, REAL, {{76, 4}, {104, 8}}},
+    {offsetof(struct nifti_header, fields.pixdim), 4, REAL, {{76, 4}, {104, 8}}},
     {offsetof(struct nifti_header, vox_offset), 1, REAL_OR_INTEGER, {{108, 4}, {168, 8}}},
     {offsetof(struct nifti_header, scl_slope), 1, REAL, {{112, 4}, {176, 8}}},
     {offsetof(struct nifti_header, scl_inter), 1, REAL, {{116, 4}, {184, 8}}},
-    {offsetof(struct nifti_header, xyzt_units), 1, INTEGER, {{123, 1}, {500, 4}}},
-    {offsetof(struct nifti_header, qform_code), 1, INTEGER, {{252, 2}, {344, 4}}},
-    {offsetof(struct nifti_header, sform_code), 1, INTEGER, {{254, 2}, {348, 4}}},
-    {offsetof(struct nifti_header, quatern), 3, REAL, {{256, 4}, {352, 8}}},
-    {offsetof(struct nifti_header, qoffset), 3, REAL, {{268, 4}, {376, 8}}},
-    {offsetof(struct nifti_header, srow), 12, REAL, {{280, 4}, {400, 8}}},
+    {offsetof(struct nifti_header, fields.xyzt_units), 1, INTEGER, {{123, 1}, {500, 4}}},
+    {offsetof(struct nifti_header, fields.qform_code), 1, INTEGER, {{252, 2}, {344, 4}}},
+    {offsetof(struct nifti_header, fields.sform_code), 1, INTEGER, {{254, 2}, {348, 4}}},
+    {offsetof(struct nifti_header, fields.quatern), 3, REAL, {{256, 4}, {352, 8}}},
+    {offsetof(struct nifti_header, fields.qoffset), 3, REAL, {{268, 4}, {376, 8}}},
+    {offsetof(struct nifti_header, fields.srow), 12, REAL, {{280, 4}, {400, 8}}},
 };
 enum { FIELDS = sizeof field / sizeof field[0] };
 static const uint16_t description_at[2] = {148, 240};
@@ -197,14 +197,10 @@ static void convert_analyze(struct nifti_header *header, const uint8_t *bytes, c
                                                  : header->datatype;
     if (mm == 0)
         volume_note(notes, "its unit of length is unknown (known: " LENGTH_UNITS ")");
-    header->xyzt_units = 2; /* millimetres */
-    header->pixdim[0] = 1;
+    struct geometry_fields fields = {.xyzt_units = 2 /* millimetres */, .pixdim = {1}};
     for (int a = 1; a <= 3; a++) /* in single precision, as in a map that is saved */
-        header->pixdim[a] = (double)(float)(header->pixdim[a] * mm);
-    header->qform_code = header->sform_code = 0;
-    memset(header->quatern, 0, sizeof header->quatern);
-    memset(header->qoffset, 0, sizeof header->qoffset);
-    memset(header->srow, 0, sizeof header->srow);
+        fields.pixdim[a] = (double)(float)(header->fields.pixdim[a] * mm);
+    header->fields = fields;
     volume_note(notes,
                 "it is ANALYZE, which does not say which side is left: its orient byte, %u, is not "
                 "to be relied on",
@@ -221,7 +217,7 @@ static void convert_analyze(struct nifti_header *header, const uint8_t *bytes, c
 /* Millimetres in the header's unit of length. */
 static double unit_mm(const struct nifti_header *header)
 {
-    const int64_t unit = header->xyzt_units & 7;
+    const int64_t unit = header->fields.xyzt_units & 7;
     return unit == 1 ? 1000 : unit == 3 ? 0.001 : 1;
 }
 
@@ -230,7 +226,8 @@ static double unit_mm(const struct nifti_header *header)
 static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *header,
                             const double spacing_mm[3], double unit)
 {
-    double b = header->quatern[0], c = header->quatern[1], d = header->quatern[2];
+    double b = header->fields.quatern[0], c = header->fields.quatern[1],
+           d = header->fields.quatern[2];
     double rest = 1 - (b * b + c * c + d * d);
     double a = rest > 0 ? sqrt(rest) : 0;
     if (rest < 1e-7) { /* half a turn, written in single precision: make b, c, d a unit vector */
@@ -245,11 +242,11 @@ static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *heade
         {2 * (b * c + a * d), a * a + c * c - b * b - d * d, 2 * (c * d - a * b)},
         {2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c},
     };
-    double flip = header->pixdim[0] < 0 ? -1 : 1;
+    double flip = header->fields.pixdim[0] < 0 ? -1 : 1;
     for (int w = 0; w < 3; w++) {
         for (int i = 0; i < 3; i++)
             to_mm[w][i] = turn[w][i] * spacing_mm[i] * (i == 2 ? flip : 1);
-        to_mm[w][3] = header->qoffset[w] * unit;
+        to_mm[w][3] = header->fields.qoffset[w] * unit;
     }
 }
 
@@ -274,7 +271,7 @@ static void read_spacing(struct geometry *geometry, double spacing_mm[3], char *
                          const struct nifti_header *header)
 {
     for (int a = 0; a < 3; a++) {
-        const double given = header->pixdim[a + 1], mm = fabs(given) * unit_mm(header);
+        const double given = header->fields.pixdim[a + 1], mm = fabs(given) * unit_mm(header);
         const bool is_distance = geometry_spacing(&geometry->spacing_nm[a], mm);
         spacing_mm[a] = is_distance ? mm : 1;
         if (is_distance && given > 0)
@@ -355,18 +352,10 @@ void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BY
     static const double voxels_mm[3] = {1, 1, 1};
     const double unit = unit_mm(header);
     double spacing_mm[3];
-    *geometry = (struct geometry){.slope = 1,
-                                  .fields = {.given = true,
-                                             .xyzt_units = header->xyzt_units,
-                                             .qform_code = header->qform_code,
-                                             .sform_code = header->sform_code}};
-    struct geometry_fields *fields = &geometry->fields;
-    memcpy(fields->pixdim, header->pixdim, sizeof fields->pixdim);
-    memcpy(fields->quatern, header->quatern, sizeof fields->quatern);
-    shorten_quaternion(fields->quatern, header->qform_code > 0, notes);
-    memcpy(fields->qoffset, header->qoffset, sizeof fields->qoffset);
-    memcpy(fields->srow, header->srow, sizeof fields->srow);
-    const unsigned unit_code = (unsigned)header->xyzt_units & 7;
+    *geometry = (struct geometry){.slope = 1, .fields = header->fields};
+    geometry->fields.given = true;
+    shorten_quaternion(geometry->fields.quatern, header->fields.qform_code > 0, notes);
+    const unsigned unit_code = (unsigned)header->fields.xyzt_units & 7;
     if (unit_code == 0)
         volume_note(notes, "it has no unit of length: millimetres are assumed");
     else if (unit_code > 3)
@@ -374,11 +363,11 @@ void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BY
                     unit_code);
     read_spacing(geometry, spacing_mm, notes, header);
     struct geometry_form *sform = &geometry->sform, *qform = &geometry->qform;
-    sform->code = usable_code(header->sform_code);
-    qform->code = usable_code(header->qform_code);
+    sform->code = usable_code(header->fields.sform_code);
+    qform->code = usable_code(header->fields.qform_code);
     for (int w = 0; w < 3; w++)
         for (int i = 0; i < 4; i++)
-            sform->to_mm[w][i] = header->srow[w][i] * unit;
+            sform->to_mm[w][i] = header->fields.srow[w][i] * unit;
     matrix_of_qform(qform->to_mm, header, spacing_mm, unit);
     geometry_place_plain(geometry, geometry->spacing_unknown ? voxels_mm : spacing_mm);
     struct geometry s = *geometry, q = *geometry;
@@ -424,7 +413,7 @@ static bool place_qform(struct nifti_header *header, const struct geometry *geom
     double r[3][3];
     for (int i = 0; i < 3; i++)
         for (int w = 0; w < 3; w++)
-            r[w][i] = geometry->to_mm[w][i] / header->pixdim[i + 1];
+            r[w][i] = geometry->to_mm[w][i] / header->fields.pixdim[i + 1];
     for (int i = 0; i < 3; i++)
         for (int j = i; j < 3; j++) {
             double dot = r[0][i] * r[0][j] + r[1][i] * r[1][j] + r[2][i] * r[2][j];
@@ -434,12 +423,12 @@ static bool place_qform(struct nifti_header *header, const struct geometry *geom
     double turned = r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]) +
                     r[1][2] * (r[2][0] * r[0][1] - r[2][1] * r[0][0]) +
                     r[2][2] * (r[0][0] * r[1][1] - r[0][1] * r[1][0]);
-    header->pixdim[0] = turned < 0 ? -1 : 1;
+    header->fields.pixdim[0] = turned < 0 ? -1 : 1;
     for (int w = 0; w < 3; w++) {
-        r[w][2] *= header->pixdim[0];
-        header->qoffset[w] = geometry->to_mm[w][3];
+        r[w][2] *= header->fields.pixdim[0];
+        header->fields.qoffset[w] = geometry->to_mm[w][3];
     }
-    quaternion_of(header->quatern, r);
+    quaternion_of(header->fields.quatern, r);
     return true;
 }
 
@@ -459,28 +448,22 @@ void nifti_header_place(struct nifti_header *header, const struct geometry *geom
         if (!fit_single(fields->pixdim, 4) || !fit_single(fields->quatern, 3) ||
             !fit_single(fields->qoffset, 3) || !fit_single(&fields->srow[0][0], 12))
             header->bytes = NIFTI_MOST_BYTES;
-        header->xyzt_units = fields->xyzt_units;
-        header->qform_code = fields->qform_code;
-        header->sform_code = fields->sform_code;
-        memcpy(header->pixdim, fields->pixdim, sizeof fields->pixdim);
-        memcpy(header->quatern, fields->quatern, sizeof fields->quatern);
-        memcpy(header->qoffset, fields->qoffset, sizeof fields->qoffset);
-        memcpy(header->srow, fields->srow, sizeof fields->srow);
+        header->fields = *fields;
         return;
     }
     enum { MILLIMETRES = 2, SCANNER = 1 };
     const int16_t sform_code = geometry->sform.code, qform_code = geometry->qform.code;
     const int16_t code = sform_code ? sform_code : qform_code ? qform_code : SCANNER;
-    header->xyzt_units = MILLIMETRES;
-    header->pixdim[0] = 1;
+    header->fields.xyzt_units = MILLIMETRES;
+    header->fields.pixdim[0] = 1;
     for (int a = 0; a < 3; a++)
-        header->pixdim[a + 1] = geometry->spacing_nm[a] / 1e6;
+        header->fields.pixdim[a + 1] = geometry->spacing_nm[a] / 1e6;
     if (!geometry_has_place(geometry))
         return;
-    header->sform_code = code;
-    memcpy(header->srow, geometry->to_mm, sizeof header->srow);
+    header->fields.sform_code = code;
+    memcpy(header->fields.srow, geometry->to_mm, sizeof header->fields.srow);
     if (place_qform(header, geometry))
-        header->qform_code = qform_code ? qform_code : code;
+        header->fields.qform_code = qform_code ? qform_code : code;
 }
 
 /* ---- reading ---- */

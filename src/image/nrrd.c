@@ -68,8 +68,7 @@ struct voxels {
 
 static uint64_t nrrd_voxels_bytes(const struct nrrd_header *header)
 {
-    return (uint64_t)header->size[0] * header->size[1] * header->size[2] *
-           voxel_bytes(header->type);
+    return (uint64_t)voxels_in(header->size) * voxel_bytes(header->type);
 }
 
 /* Explain why packed voxels cannot be read, in place of an ERR_INPUT. OK if the voxels are whole

@@ -30,12 +30,12 @@
 
 /* The formats, and a sentence about each for the help. */
 #define VOLUME_FORMATS(ROW)                                                                        \
-    ROW(nifti_format, "NIfTI is .nii or .nii.gz of any whole or real numbers. ")                   \
+    ROW(nifti_format, "NIfTI is .nii or .nii.gz, of integers or real numbers. ")                   \
     ROW(pair_format,                                                                               \
-        "ANALYZE and NIfTI in two files, .hdr and .img or .gz, are named by either. ")             \
-    ROW(mgh_format, "FreeSurfer's .mgh and .mgz are read and written, too. ")                      \
+        "For ANALYZE and NIfTI in two files, .hdr and .img, plain or .gz, name one of them. ")     \
+    ROW(mgh_format, "FreeSurfer's .mgh and .mgz are read and written. ")                           \
     ROW(nrrd_format,                                                                               \
-        "NRRD is read and written with its voxels after its header, plain or as gzip. ")           \
+        "NRRD with header and voxels in one file, plain or gzip, is read and written. ")           \
     ROW(metaimage_format, "")                                                                      \
     ROW(raw_format, "")                                                                            \
     ROW(helped_format, HELPED_NOTE)

@@ -167,34 +167,26 @@ static enum err take_start(struct config *config, const char *words, struct faul
     return OK;
 }
 
-static const struct {
-    const char *name;
-    enum err (*take)(struct config *config, const char *words, struct fault *fault);
-} kinds[] = {{"theme", take_theme}, {"brush", take_brush}, {"window", take_window},
-             {"key", take_keys},    {"pager", take_pager}, {"ahead", take_ahead},
-             {"start", take_start}};
-enum { KINDS = sizeof kinds / sizeof kinds[0] };
+/* The first words of lines, and their functions. */
+#define KINDS "theme|brush|window|key|pager|ahead|start"
+static enum err (*const take[])(struct config *config, const char *words, struct fault *fault) = {
+    take_theme, take_brush, take_window, take_keys, take_pager, take_ahead, take_start};
 
 /* ---- lines ---- */
 
 static enum err take_line(struct config *config, const char *line, struct fault *fault)
 {
     struct buf word = {0};
-    enum err err = OK;
+    enum err err;
     take_word(&line, &word);
-    size_t kind = 0;
-    while (kind < KINDS && strcmp(kinds[kind].name, buf_text(&word)) != 0)
-        kind++;
-    if (kind < KINDS) {
-        err = kinds[kind].take(config, line, fault);
+    const int kind = choice_find(KINDS, buf_text(&word));
+    if (kind >= 0) {
+        err = take[kind](config, line, fault);
     } else {
-        struct near near = near_to(buf_text(&word));
         fault_set(fault, ERR_USAGE,
                   "expected theme, brush, window, key, pager, ahead or start, not %s",
                   buf_text(&word));
-        for (size_t i = 0; i < KINDS; i++)
-            near_try(&near, kinds[i].name, strlen(kinds[i].name));
-        err = near_append(&near, "", fault);
+        err = near_append_choices(buf_text(&word), KINDS, fault);
     }
     buf_release(&word);
     return err;

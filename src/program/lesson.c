@@ -76,7 +76,7 @@ struct step {
 static const struct step step[] = {
     {"in the object",
      {{"3L", "30 voxels to the screen's right, out of a ventricle into white matter"},
-      {"i", "a ball of label 1 in the object: all voxels are its own so far"}},
+      {"i", "a ball of label 1 in the object, which has all voxels so far"}},
      "seed 60,108,90 1 radius=6",
      .planted = OBJECT},
     {"its neighbour",
@@ -87,7 +87,7 @@ static const struct step step[] = {
      .dice = 7500},
     {"the other side",
      {{"14H", "140 voxels to the other side"},
-      {"i", "the same there: now it is the brain, and the muscles of the neck"}},
+      {"i", "the same there: the object is now the brain, with muscles of the neck"}},
      "seed 160,108,90 0 radius=6",
      .planted = -1,
      .dice = 9200},

@@ -29,26 +29,24 @@ static const char *name_of(unsigned row)
     return name ? name : "";
 }
 
-/* The same; NULL if an earlier row has the name. */
-static const char *new_name(unsigned row)
+/* The first row from this one on whose name no earlier row has; otherwise the number of rows. */
+static unsigned new_row(unsigned row)
 {
-    for (unsigned i = 0; i < row; i++)
+    for (unsigned i = 0; row < program_table.rows && i < row; i++)
         if (strcmp(name_of(i), name_of(row)) == 0)
-            return NULL;
-    return name_of(row);
+            return new_row(row + 1);
+    return row;
 }
 
 /* Add the names of all programs but the nameless one. */
 static void add_names(struct buf *out, const char *between)
 {
     const char *before = "";
-    for (unsigned i = 0; i < program_table.rows; i++) {
-        const char *name = new_name(i);
-        if (!name || !*name)
-            continue;
-        buf_printf(out, "%s%s", before, name);
-        before = between;
-    }
+    for (unsigned i = new_row(0); i < program_table.rows; i = new_row(i + 1))
+        if (*name_of(i)) {
+            buf_printf(out, "%s%s", before, name_of(i));
+            before = between;
+        }
 }
 
 /* ---- text in pages ---- */
@@ -168,11 +166,9 @@ static void add_forms(struct buf *out, const char *name)
 static void add_see_also(struct buf *out, const char *own)
 {
     const char *between = ".SH SEE ALSO\n.BR ";
-    for (unsigned i = 0; i < program_table.rows; i++) {
-        const char *name = new_name(i);
+    for (unsigned i = new_row(0); i < program_table.rows; i = new_row(i + 1)) {
+        const char *name = name_of(i);
         char page[64];
-        if (!name)
-            continue;
         snprintf(page, sizeof page, "iftty%s%s", *name ? "-" : "", name);
         if (strcmp(page, own) == 0)
             continue;
@@ -331,10 +327,8 @@ static void add_bash(struct buf *out)
                       "    *) program= ;;\n"
                       "    esac\n"
                       "    case $program in\n");
-    for (unsigned i = 0; i < program_table.rows; i++) {
-        const char *name = new_name(i);
-        if (!name)
-            continue;
+    for (unsigned i = new_row(0); i < program_table.rows; i = new_row(i + 1)) {
+        const char *name = name_of(i);
         buf_printf(out, "    %s) options='", *name ? name : "''");
         for (size_t k = 0, n = find_offers(offer, name); k < n; k++)
             buf_printf(out, "%s ", offer[k].option->name);
@@ -345,9 +339,9 @@ static void add_bash(struct buf *out)
     buf_add_text(out, "    esac\n"
                       "    [ -z \"$any\" ] || [ -n \"$program\" ] || words=\n"
                       "    case $program,${COMP_WORDS[COMP_CWORD - 1]} in\n");
-    for (unsigned i = 0; i < program_table.rows; i++) {
-        const char *name = new_name(i);
-        for (size_t k = 0, n = name ? find_offers(offer, name) : 0; k < n; k++) {
+    for (unsigned i = new_row(0); i < program_table.rows; i = new_row(i + 1)) {
+        const char *name = name_of(i);
+        for (size_t k = 0, n = find_offers(offer, name); k < n; k++) {
             const enum kind kind = kind_of(offer[k].option);
             if (kind == KIND_NONE)
                 continue;
@@ -396,9 +390,9 @@ static void add_fish(struct buf *out)
     static const char *const kinds[KINDS] = {"", " -x", " -x -a '", " -r -F",
                                              " -x -a '(__fish_complete_directories)'"};
     struct offer offer[OPTIONS_MOST];
-    for (unsigned i = 0; i < program_table.rows; i++) {
-        const char *name = new_name(i);
-        if (name && *name) {
+    for (unsigned i = new_row(0); i < program_table.rows; i = new_row(i + 1)) {
+        const char *name = name_of(i);
+        if (*name) {
             buf_printf(out, "complete -c iftty -n __fish_use_subcommand -a %s", name);
             add_fish_help(out, program_table.row[i].summary);
         }
@@ -407,7 +401,7 @@ static void add_fish(struct buf *out)
             add_operands(out, i);
             buf_add_text(out, "'\n");
         }
-        for (size_t k = 0, n = name ? find_offers(offer, name) : 0; k < n; k++) {
+        for (size_t k = 0, n = find_offers(offer, name); k < n; k++) {
             const struct option *option = offer[k].option;
             const bool is_long = option->name[1] == '-';
             buf_printf(out, "complete -c iftty -n '%s__fish_seen_subcommand_from %s",
@@ -456,11 +450,9 @@ int main(int count, char **word)
         single[i].add(&text);
         written = write_file(word[1], single[i].name, &text);
     }
-    for (unsigned i = 0; written && i < program_table.rows; i++) {
-        const char *name = new_name(i);
+    for (unsigned i = new_row(0); written && i < program_table.rows; i = new_row(i + 1)) {
+        const char *name = name_of(i);
         char file[128];
-        if (!name)
-            continue;
         add_program_page(&text, i);
         snprintf(file, sizeof file, "man/man1/iftty%s%s.1", *name ? "-" : "", name);
         written = write_file(word[1], file, &text);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "command/command.h"
 #include "command/execute.h"
 #include "engine/hints.h"
 #include "engine/margin.h"
@@ -36,6 +37,18 @@ static struct session *session_of(void *context)
 static uint32_t cell_at(const struct session *session, const uint32_t p[3])
 {
     return grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+}
+
+static bool host_finished(void *context)
+{
+    return ((struct pilot_interpreter *)context)->interp->wish == WISH_QUIT;
+}
+
+void pilot_host_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
+                         size_t *word_start)
+{
+    command_complete(candidates, word_start, line, cursor,
+                     ((struct pilot_interpreter *)context)->interp);
 }
 
 /* ---- facts ---- */
@@ -129,6 +142,13 @@ static bool has_one_label(const struct session *session)
     return found > 0;
 }
 
+/* The view of the rendition in its pane, which may not be drawn yet. */
+static struct view view_of_pane(const struct pilot_interpreter *pilot)
+{
+    const struct mosaic_box *box = &pilot->panes.panel.layout.box[MOSAIC_RENDITION];
+    return session_view_in_room(pilot->interp->session, (uint32_t[]){box->width, box->height});
+}
+
 static bool host_facts(void *context, struct pilot_facts *out)
 {
     static const uint32_t first[3] = {0};
@@ -140,15 +160,14 @@ static bool host_facts(void *context, struct pilot_facts *out)
     const struct scene *scene = session->scene;
     const struct outlook *outlook = &session->now.outlook;
     const struct slice_settings *s = &outlook->slices;
-    const struct rendition *frame = session_frame(session); /* shown in the panel
-                                                               (session_draw_fitting) */
+    const struct view view = view_of_pane(pilot);
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .intensity =
                                     levels_value(&session->geometry, session->levels,
                                                  scene->cell[cell_at(session, s->cross)].intensity),
                                 .times = s->times,
-                                .frame_width = frame->depth ? frame->width : outlook->view.width,
-                                .frame_height = frame->depth ? frame->height : outlook->view.height,
+                                .frame_width = view.width,
+                                .frame_height = view.height,
                                 .overlay = s->overlay,
                                 .has_object = panes_have_object(session),
                                 .has_one_object = has_one_label(session),
@@ -166,7 +185,6 @@ static bool host_facts(void *context, struct pilot_facts *out)
         out->size[plane] = scene->grid.size[plane];
         out->place[plane] = s->cross[plane];
         out->axis[plane] = (unsigned)slice_axis(scene, plane);
-        out->index[plane] = s->cross[out->axis[plane]];
         out->counts_down[plane] = slice_index(scene, plane, first) != 0;
         out->plane[plane] = slice_name(scene, plane);
     }
@@ -540,7 +558,10 @@ static bool host_voxel_of_frame(void *context, uint32_t column, uint32_t row, ui
 {
     const struct session *session = session_of(context);
     const struct rendition *r = session_frame(session);
-    return session_rendered(session) && column < r->width && row < r->height &&
+    const struct view view = view_of_pane(context);
+    const bool is_drawn =
+        session_rendered(session) && r->width == view.width && r->height == view.height;
+    return is_drawn && column < r->width && row < r->height &&
            find_voxel(session, r->cell[(size_t)row * r->width + column], place);
 }
 
@@ -623,6 +644,7 @@ static void host_preview_cross(void *context, const uint32_t place[3])
 
 void pilot_host_fill(struct pilot_host *host)
 {
+    host->finished = host_finished;
     host->facts = host_facts;
     host->move = host_move;
     host->picture = host_picture;

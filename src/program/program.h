@@ -24,6 +24,7 @@
 #include "command/near.h"
 #include "command/script.h"
 #include "tui/picture/graphics.h"
+#include "verify/verify.h"
 
 /* ---- options ---- */
 
@@ -72,17 +73,16 @@ struct options {
     char **word; /* operands, without the program's name and form */
     int words;
     const char *commands, *journal, *scene, *out;
-    const char *junit, *html, *accept, *only, *picture, *surface;
-    const char *expect, *shard;
+    const char *accept, *only, *picture, *surface, *shard;
     const char *volume, *regions, *as, *by, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
-    size_t processes, from, until; /* 0: not given */
+    size_t from, until;            /* 0: not given */
     struct graphics_wish graphics; /* {0}: chosen by the terminal */
     bool help, read_only, whole, keep_going, smooth, json, histogram, csv, binary, resample,
         anonymise;
-    bool strict, no_strict, fail_fast, timings, remove_orphans;
-    bool unconfined;
-    bool is_form; /* set by options that only select a form */
+    bool no_strict, unconfined;
+    bool is_form;                 /* set by options that only select a form */
+    struct verify_options verify; /* those of `verify` alone; its function sets the rest */
 };
 
 enum { PROGRAM_OPTIONS_MOST = 26 };

@@ -55,117 +55,122 @@ static const struct option option[] = {
     [SCENE] = {"--scene", "FILE", "open this scene instead of the one that `open` names",
                TEXT(scene)},
     [OUT] = {"--out", "DIR", "write files into this folder", TEXT(out)},
-    [REPLAY_OUT] = {"--out", "DIR", "write files into this folder (a new temporary one)",
+    [REPLAY_OUT] = {"--out", "DIR", "write files into this folder (default: a new temporary one)",
                     TEXT(out)},
     [EVIDENCE_OUT] =
         {"--out", "DIR",
-         "write the difference of each golden image into this folder, in N/ for the Nth journal if "
-         "several have one name",
+         "write the difference of each golden image into this folder, below N/ for the Nth "
+         "journal if several journals have the same name",
          TEXT(out)},
-    [WHOLE] =
-        {"--whole", NULL,
-         "write FILE.part, which a repeated run resumes, and rename it to the journal when all is "
-         "done",
-         FLAG(whole)},
+    [WHOLE] = {"--whole", NULL,
+               "write the journal as FILE.part, and rename it at the end of the run; repeating an "
+               "interrupted run resumes it",
+               FLAG(whole)},
     [KEEP_GOING] = {"--keep-going", NULL, "do not stop at the first error", FLAG(keep_going)},
-    [GRAPHICS] = {"--graphics", "HOW",
-                  "protocol for pictures, instead of the terminal's own answer", read_graphics, 0,
-                  0, 0, graphics_add_names},
+    [GRAPHICS] = {"--graphics", "HOW", "use this picture protocol instead of the detected one",
+                  read_graphics, 0, 0, 0, graphics_add_names},
     [SMOOTH] = {"--smooth", NULL,
-                "show pictures in 24 bits, if the terminal can, at four times the bytes",
+                "show pictures in 24-bit colour if the terminal supports it; sends four times the "
+                "bytes",
                 FLAG(smooth)},
-    [PROCESSES] = {"-j", "N", "verify N journals at once (1..64; 1)",
-                   NUMBER(processes, 1, PROCESSES_MOST)},
-    [FROM] = {"--from", "N", "compare no record before this one", NUMBER(from, 1, RECORDS_MOST)},
-    [UNTIL] = {"--until", "N", "compare no record after this one", NUMBER(until, 1, RECORDS_MOST)},
-    [DIFF_UNTIL] = {"--until", "N", "carry out no record after this one",
-                    NUMBER(until, 1, RECORDS_MOST)},
+    [PROCESSES] = {"-j", "N", "verify N journals in parallel, 1..64 (default: 1)",
+                   NUMBER(verify.processes, 1, PROCESSES_MOST)},
+    [FROM] = {"--from", "N", "compare records from this one on",
+              NUMBER(verify.first, 1, RECORDS_MOST)},
+    [UNTIL] = {"--until", "N", "compare records up to this one",
+               NUMBER(verify.last, 1, RECORDS_MOST)},
+    [DIFF_UNTIL] = {"--until", "N", "stop after this record", NUMBER(until, 1, RECORDS_MOST)},
     [STRICT] = {"--strict", NULL,
                 "fail on incomplete evidence: a torn tail, a record without its digest, no golden "
-                "image, a file next to golden images that no record names; the default where CI "
-                "is set",
-                FLAG(strict)},
-    [NO_STRICT] = {"--no-strict", NULL, "accept incomplete evidence, also where CI is set",
+                "image, a file among the golden images that no record names; the default if CI is "
+                "set",
+                FLAG(verify.strict)},
+    [NO_STRICT] = {"--no-strict", NULL, "accept incomplete evidence, even if CI is set",
                    FLAG(no_strict)},
     [EXPECT] = {"--expect", "CHAIN", "fail unless this is the journal's last chain, 32 digits",
-                TEXT(expect)},
+                TEXT(verify.expect)},
     [SHARD] = {"--shard", "K/N",
                "verify part K of N; a journal stays in its part when others are added",
                TEXT(shard)},
-    [FAIL_FAST] = {"--fail-fast", NULL, "stop at the first journal that fails", FLAG(fail_fast)},
-    [TIMINGS] = {"--timings", NULL, "print the ten slowest records of each journal", FLAG(timings)},
+    [FAIL_FAST] = {"--fail-fast", NULL, "stop at the first journal that fails",
+                   FLAG(verify.fail_fast)},
+    [TIMINGS] = {"--timings", NULL, "print the ten slowest records of each journal",
+                 FLAG(verify.timings)},
     [REMOVE_ORPHANS] =
         {"--remove-orphans", NULL,
-         "delete golden images that the journal does not name, if its records can have made them; "
-         "refused where CI is set",
-         FLAG(remove_orphans)},
-    [JUNIT] = {"--junit", "FILE", "write a JUnit report for other programs, over an existing one",
-               TEXT(junit)},
+         "delete golden images that no record names but that the journal's records could have "
+         "made; rejected if CI is set",
+         FLAG(verify.removes_orphans)},
+    [JUNIT] = {"--junit", "FILE", "write a JUnit report; replaces an existing file",
+               TEXT(verify.junit)},
     [HTML] = {"--html", "FILE",
-              "write a report as a page with the pictures of each failure, over an existing one",
-              TEXT(html)},
+              "write a web page with the pictures of each failure; replaces an existing file",
+              TEXT(verify.html)},
     [JSON] = {"--json", NULL, "print JSON", FLAG(json)},
-    [HISTOGRAM] = {"--histogram", NULL,
-                   "print a histogram of a scene, whose voxels are then read too", FLAG(histogram)},
+    [HISTOGRAM] = {"--histogram", NULL, "read the voxels of a scene too, and print their histogram",
+                   FLAG(histogram)},
     [VOLUME] =
         {"--volume", "N[,N]",
-         "select a volume of files that hold several, counted from 0; for several files one number "
-         "each, the last one for all further files",
+         "select one of several volumes in a file, from 0; a list has one number for each file, "
+         "and its last number is for all further files",
          LIST(volume, 0, 65535)},
     [PICTURE] = {"--picture", "FILE.png",
                  "draw both renditions and their differences, side by side", TEXT(picture)},
     [CSV] = {"--csv", NULL, "print CSV, a line for each label", FLAG(csv)},
     [SLICES] = {"--picture", "FILE.png",
-                "draw slices with all differences, through the place of the largest distance",
+                "draw slices through the place of the largest distance, with all differences",
                 TEXT(picture)},
     [SLICES_SCENE] = {"--scene", "FILE", "draw these slices in this scene instead of A",
                       TEXT(scene)},
     [SURFACE] = {"--surface", "FILE.png",
-                 "draw A's surface, red outside B and blue inside, by the distance", TEXT(surface)},
+                 "draw A's surface, coloured by its distance to B: red outside, blue inside",
+                 TEXT(surface)},
     [REGIONS] = {"--regions", "LIST",
                  "compare only these values of both maps, as 1-90,2001 (all above 0)",
                  LIST(regions, 0, REGION_MOST)},
-    [AS] = {"--as", "LIST", "the labels of those values, 255 at most: 1-90,91", LIST(as, 0, 255)},
+    [AS] = {"--as", "LIST", "labels for those values, 255 at most, as 1-90,91", LIST(as, 0, 255)},
     [BINARY] = {"--binary", NULL, "merge all of them into one object, label 1", FLAG(binary)},
     [RESAMPLE] = {"--resample", NULL, "resample B to A's grid, nearest neighbour", FLAG(resample)},
     [FROM_STEP] = {"--from", "N", "begin at this step", NUMBER(from, 1, RECORDS_MOST)},
     [UNTIL_STEP] = {"--until", "N", "end after this step", NUMBER(until, 1, RECORDS_MOST)},
     [BY] =
         {"--by", "WAY",
-         "world (same millimetres), landmarks, affine (by the intensities of both; the default), "
-         "or a FILE with a transform of ITK, or fsl:FILE",
+         "transform by world (same millimetres), landmarks, affine (registration of intensities; "
+         "the default), a FILE with a transform of ITK, or fsl:FILE",
          TEXT(by)},
     [PLANT_AS] = {"--as", "WHAT",
-                  "labels (final labels, eroded; the default) or seeds (its gestures)", TEXT(as)},
+                  "labels (the final labels, eroded; the default) or seeds (of gestures)",
+                  TEXT(as)},
     [FIT] = {"--fit", "KIND",
-             "transform of landmarks: " CARRY_FITS " (the most that they determine)", TEXT(fit)},
+             "transform of landmarks: " CARRY_FITS " (default: the most general possible)",
+             TEXT(fit)},
     [LANDMARKS_OF] = {"--landmarks", "FILE",
-                      "the subject's: lines NAME X,Y,Z in mm, or a journal of its scene",
+                      "read landmarks of SCENE: lines NAME X,Y,Z in mm, or a journal of SCENE",
                       TEXT(landmarks)},
-    [ORIENT] = {"--orient", "HOW", "orientation of scenes whose files have none, as RAS (`orient`)",
+    [ORIENT] = {"--orient", "HOW", "orient scenes whose files have no orientation, as RAS",
                 TEXT(orient)},
-    [APPLY_OUT] = {"--out", "DIR", "write the journals into this folder (the current one)",
+    [APPLY_OUT] = {"--out", "DIR", "write journals into this folder (default: the current one)",
                    TEXT(out)},
     [PROCEDURE_SCENE] = {"--scene", "FILE",
-                         "the procedure's scene, instead of the one that `open` names",
+                         "open this scene of the procedure instead of the one that `open` names",
                          TEXT(scene)},
     [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
-                      "the most memory for a journal, as 2G (3/4 of the free memory)",
+                      "limit of memory for a journal, as 2G (default: 3/4 of the free memory)",
                       TEXT(limit_memory)},
-    [LIMIT_TIME] = {"--limit-time", "TIME", "the most time, as 90s, 20m or 1.5h (1h)",
+    [LIMIT_TIME] = {"--limit-time", "TIME", "limit of time, as 90s, 20m or 1.5h (default: 1h)",
                     TEXT(limit_time)},
-    [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "the most bytes of files written, as 500M (4G)",
+    [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "limit of written bytes, as 500M (default: 4G)",
                       TEXT(limit_output)},
     [UNCONFINED] =
         {"--unconfined", NULL,
-         "let libraries read the files of the journal although this kernel has no Landlock to "
-         "confine them to those files",
+         "accept a kernel without Landlock, which cannot confine libraries to the files of the "
+         "journal",
          FLAG(unconfined)},
     [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
     [VERSION] = {"--version", FORM},
     [BISECT] = {"--bisect", FORM},
     [ACCEPT] = {"--accept", "WHY", "", TEXT(accept)},
-    [ONLY] = {"--only", "NAME,...", "accept only these golden images; others stay as they are",
+    [ONLY] = {"--only", "NAME,...", "accept only these golden images; do not change others",
               TEXT(only)},
     [SCRIPT] = {"--script", FORM},
     [CHECK] = {"--check", FORM},
@@ -187,79 +192,80 @@ static const struct program program[] = {
     {NULL, NULL, "[SCENE|JOURNAL]", 0, 1, .option = {SESSION_OPTIONS},
      .summary = "open the prompt on a new scene or a journal", .run = run_prompt},
     {NULL, "-c", "", 0, 0, .option = {COMMANDS, SESSION_OPTIONS, WHOLE, KEEP_GOING},
-     .summary = "carry out these commands", .run = run_commands},
+     .summary = "run these commands", .run = run_commands},
     {"run", NULL, "FILE|-", 1, 1, .option = {SESSION_OPTIONS, WHOLE, KEEP_GOING, JSON},
-     .summary = "carry out the commands of a script or journal",
-     .detail = "Each command is acknowledged, once its record is on the disk, by a line that "
-               "begins with `ok N`, where N is the number of the record, or `ok -` for a command "
-               "without a record, and repeats the command. The first error ends the run. An "
-               "interrupted run continues after its last record when it is repeated with the same "
-               "--journal; if script and journal differ, nothing is added.\n"
-               "For a batch: --whole, and --json for one object instead of those lines. No "
-               "terminal is needed. Exit status: 0 all commands are carried out; 1 a golden image "
-               "differs; 2 bad usage, also of a command; 3 bad input or I/O, a full disk too; 130 "
-               "Ctrl-C.",
+     .summary = "run the commands of a script or a journal",
+     .detail = "A line acknowledges each command when its record is on the disk: `ok N` with the "
+               "number of the record, or `ok -` for a command without a record, followed by the "
+               "command. The first error ends the run. Repeating an interrupted run with the same "
+               "--journal continues after its last record; if script and journal differ, no "
+               "record is added.\n"
+               "For batches use --whole, and --json, which prints one object instead of these "
+               "lines. No terminal is needed. Exit status: 0 all commands succeeded; 1 a golden "
+               "image differs; 2 bad usage, including that of a command; 3 bad input or I/O, "
+               "including a full disk; 130 Ctrl-C.",
      .run = run_script},
     {"serve", NULL, "[SCENE|JOURNAL]", 0, 1, .option = {JOURNAL, READ_ONLY, SCENE, OUT},
-     .summary = "run a session for a script: lines of JSON",
+     .summary = "run a session for a program, by lines of JSON",
      .detail =
-         "Requests on standard input and answers on standard output, one a line: {\"id\": 1, "
-         "\"do\": \"seed 90,108,90 1\"} is a command as at the prompt, {\"id\": 2, \"array\": "
-         "\"labels\"} writes voxels into a file, {\"cancel\": 1} stops a command. The first line "
-         "of the answers has the number of the protocol and describes the scene and the "
-         "journal. Without --journal a new journal is begun, as by the prompt. "
+         "Reads requests from standard input and writes answers to standard output, one per line: "
+         "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} is a command as at the prompt, {\"id\": 2, "
+         "\"array\": \"labels\"} writes voxels into a file, {\"cancel\": 1} cancels request 1. "
+         "The first line of the output has the version of the protocol and describes the scene "
+         "and the journal. Without --journal, begins a new journal, as the prompt does. "
          "src/program/README.md describes the protocol, and examples/python has a client.",
      .run = run_serve},
     {"replay", NULL, "JOURNAL", 1, 1, .option = {SCENE, REPLAY_OUT, LIMIT_OPTIONS},
-     .summary = "carry out a journal again, compare results",
-     .detail = "The journal may be a stranger's: it reads the scene that it names, writes below "
-               "one folder, and is bounded by the limits.",
+     .summary = "run a journal again and compare its results",
+     .detail = "An untrusted journal is safe to replay: it reads files only below its own folder "
+               "and the folders of scenes, and elsewhere a scene only if the journal has its "
+               "digest; it writes only into one folder, and is stopped at the limits.",
      .run = run_replay},
     {"verify", NULL, "JOURNAL...", 1, FILES_MOST,
      .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, SHARD, FAIL_FAST, TIMINGS,
                 REMOVE_ORPHANS, JSON, JUNIT, HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
-     .summary = "replay quietly, compare golden images; TAP",
-     .detail = "A folder means all journals *.iftty in it and below. Each journal is carried out "
-               "in a process of its own, by the rules of `replay`. Nothing is written but the "
+     .summary = "compare results and golden images, print TAP",
+     .detail = "In a folder, verifies all journals *.iftty, also in subfolders. Replays each "
+               "journal in its own process, under the restrictions of `replay`. Writes only the "
                "files of these options.",
      .run = run_verify},
     {"verify", "--bisect", "A B", 2, 2, .option = {BISECT},
-     .summary = "find the first different record of journals", .run = run_verify_bisect},
+     .summary = "find the first record that differs", .run = run_verify_bisect},
     {"verify", "--accept", "JOURNAL", 1, 1, .option = {ACCEPT, ONLY, SCENE},
-     .summary = "redraw golden images, and record why",
-     .detail = "Redraws golden images that differ or are missing. Refused where CI is set: this is "
-               "a person's decision. The former journal is kept next to the new one.",
-     .run = run_accept},
+     .summary = "redraw golden images and record the reason",
+     .detail = "Redraws golden images that differ or are missing. Rejected if CI is set, since a "
+               "person must decide this. Keeps the former journal next to the new one.",
+     .run = run_reseal},
     {"tutorial", NULL, "[JOURNAL]", 0, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "segment a first organ in ten minutes",
-     .detail = "A session at prompt and pilot on the head ch2 of Debian's mricron-data, with "
-               "instructions. A step is complete when its result is there, whatever you did: "
-               "seeds, and Dice's coefficient with mricron's own extraction of the brain. JOURNAL "
-               "resumes an earlier lesson. Nothing but the journal is left behind.",
+     .detail = "Opens the head ch2 of Debian's mricron-data, with instructions for prompt and "
+               "pilot. A step is complete when its seeds are planted and the brain has the "
+               "required Dice coefficient with mricron's extraction, by any keys or commands. "
+               "JOURNAL resumes a lesson. Keeps only the journal.",
      .run = run_tutorial},
     {"watch", NULL, "JOURNAL", 1, 1,
      .option = {FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
-     .summary = "watch how a journal was made, step by step",
-     .detail = "Replays the journal by the rules of `replay`, and shows its steps in the pilot: "
-               "Space shows the next one, Backspace the one before, 20G step 20, c the comments of "
-               "a step, ? all keys. A gesture is drawn before it is carried out, and changed "
-               "voxels are hatched. Nothing is written. At the end it reports whether the journal "
-               "is verified.",
+     .summary = "watch the steps that made a journal",
+     .detail = "Replays the journal under the restrictions of `replay`, and shows its steps in "
+               "the pilot: Space shows the next step, Backspace the previous one, 20G step 20, c "
+               "the comments of a step, ? all keys. Draws a gesture before its command runs, and "
+               "hatches the changed voxels. Writes no file. Prints at the end whether it is "
+               "verified.",
      .run = run_watch},
     {"diff", NULL, "A B", 2, 2, .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},
      .summary = "compare the commands and labels of journals",
      .detail = "Prints the first command that differs and, for each label, the voxels in both and "
-               "Dice's coefficient. A and B may be scripts as well.",
+               "Dice's coefficient. A and B may also be scripts.",
      .run = run_diff},
     {"apply", NULL, "PROCEDURE SCENE...", 2, FILES_MOST,
      .option = {BY, PLANT_AS, VOLUME, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
                 LIMIT_OPTIONS},
-     .summary = "carry a procedure to other scenes",
-     .detail = "PROCEDURE is a journal, which is carried out by the rules of `replay`, or the "
-               "output of `iftty log --procedure`. For each SCENE it writes a journal SCENE.iftty, "
-               "atomically, which can be corrected and verified as any other. An existing "
-               "identical journal is skipped. Seeds whose intensity does not occur in the object "
-               "are dropped, and counted. Status 1: a scene was refused.",
+     .summary = "apply a procedure to other scenes",
+     .detail = "PROCEDURE is a journal, replayed under the restrictions of `replay`, or the "
+               "output of `iftty log --procedure`. For each SCENE, writes SCENE.iftty, "
+               "atomically: a journal that can be corrected and verified like any other. Skips a "
+               "SCENE with an identical journal. Drops and counts seeds whose intensity does not "
+               "occur in the procedure's object. Exit status 1: a scene was rejected.",
      .run = run_apply},
     {"compare", NULL, "A B", 2, 2,
      .option = {VOLUME, REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},
@@ -269,36 +275,35 @@ static const struct program program[] = {
                "Both maps must have one grid, unless B is resampled to that of A.",
      .run = run_compare},
     {"log", NULL, "JOURNAL", 1, 1, .summary = "print a journal", .run = run_log},
-    {"log", "--script", "JOURNAL", 1, 1, .option = {SCRIPT}, .summary = "print its commands alone",
+    {"log", "--script", "JOURNAL", 1, 1, .option = {SCRIPT}, .summary = "print only its commands",
      .run = run_log_script},
     {"log", "--anonymise", "JOURNAL", 1, 1, .option = {ANONYMISE, SCRIPT},
-     .summary = "print them without file names and free text", .run = run_log_anonymise},
+     .summary = "print commands, no file names or free text", .run = run_log_anonymise},
     {"log", "--check", "JOURNAL", 1, 1, .option = {CHECK},
-     .summary = "check if it is intact, torn or edited",
-     .detail = "By the chain of its records alone: nothing is carried out.", .run = run_log_check},
+     .summary = "check for torn, edited or damaged records",
+     .detail = "Checks the chain of the records; runs no command.", .run = run_log_check},
     {"log", "--procedure", "JOURNAL", 1, 1, .option = {PROCEDURE, SCENE, LIMIT_OPTIONS},
      .summary = "write the input of `apply`, without images",
-     .detail = "Labels and their grid, percentiles of intensities, gestures, landmarks, weights "
-               "and finish, as text into FILE, or to standard output if FILE is -. No image, no "
-               "comment, and no name of a file; labels keep their names. No file is overwritten.",
+     .detail = "Writes labels and their grid, percentiles of intensities, gestures, landmarks, "
+               "weights and finish as text to FILE, or to standard output if FILE is -. The text "
+               "has the names of labels, but no image, comment or file name. Overwrites no file.",
      .run = run_log_procedure},
     {"log", "--repair", "JOURNAL", 1, 1, .option = {REPAIR},
-     .summary = "keep the valid records, copy the rest aside", .run = run_log_repair},
+     .summary = "keep valid records, move the rest to a file", .run = run_log_repair},
     {"log", "--reseal", "JOURNAL", 1, 1, .option = {RESEAL, ACCEPT, SCENE},
      .summary = "recompute the results of an edited journal",
-     .detail = "With --accept WHY golden images are redrawn in the same step, as by `verify "
-               "--accept`; without it they stay, and the journal is refused if they differ. The "
-               "former journal is kept next to the new one.",
+     .detail = "With --accept WHY, also redraws golden images, as `verify --accept`; otherwise "
+               "fails if one differs. Keeps the former journal next to the new one.",
      .run = run_reseal},
     {"show", NULL, "PICTURE", 1, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "show a picture inline, if the terminal can",
      .detail = "Prints nothing if standard output is not a terminal.", .run = run_show},
     {"info", NULL, "[FILE]", 0, 1, .option = {JSON, HISTOGRAM, VOLUME},
      .summary = "describe a picture, scene, journal or iftty",
-     .detail = "Without FILE: the version, and how the kernel confines `replay` and `verify`.",
+     .detail = "Without FILE, prints the version and how the kernel confines `replay` and "
+               "`verify`.",
      .run = run_info},
-    {"help", NULL, "[COMMAND|PROGRAM]", 0, 1,
-     .summary = "explain commands of prompt, script, journal",
+    {"help", NULL, "[COMMAND|PROGRAM]", 0, 1, .summary = "describe a command or a program",
      .detail = "`iftty help keys` lists the keys of the prompt.", .run = run_help},
     {NULL, "--version", "", 0, 0, .option = {VERSION},
      .summary = "print versions of program and libraries", .run = run_version},
@@ -307,9 +312,9 @@ static const struct program program[] = {
 const struct program_table program_table = {
     .called = "iftty",
     .about = "iftty: segment 3-D scenes by seeds, in a terminal",
-    .closing = "`iftty PROGRAM --help` lists the options of a program. `--option=VALUE` is\n"
-               "`--option VALUE`; -V is --version, -h is --help.\n"
-               "Ctrl-C cancels the current command; run, -c and replay end with it.\n"
+    .closing = "`iftty PROGRAM --help` lists the options of a program. `--option=VALUE` means\n"
+               "`--option VALUE`; -V means --version, -h means --help.\n"
+               "Ctrl-C cancels the current command, and ends `run`, `-c` and `replay`.\n"
                "Exit status: 0 fine, 1 a check failed, 2 bad usage, 3 bad input or I/O,\n"
                "130 Ctrl-C.\n",
     .row = program,

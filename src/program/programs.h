@@ -17,9 +17,9 @@
 #include "tui/pilot/pilot_keys.h"
 
 program_run run_prompt, run_version, run_script, run_commands, run_serve, run_replay, run_tutorial,
-    run_watch, run_verify, run_verify_bisect, run_accept, run_reseal, run_diff, run_apply,
-    run_log_procedure, run_compare, run_log, run_log_script, run_log_check, run_log_anonymise,
-    run_log_repair, run_show, run_info, run_help;
+    run_watch, run_verify, run_verify_bisect, run_reseal, run_diff, run_apply, run_log_procedure,
+    run_compare, run_log, run_log_script, run_log_check, run_log_anonymise, run_log_repair,
+    run_show, run_info, run_help;
 
 /* Beginning and end of programs: an interpreter set up by the options, and the confinement of
  * journals that may be a stranger's. */
@@ -186,9 +186,13 @@ struct pilot_interpreter {
     bool peeks;
 };
 
-/* Fill in all of a host but context, execute and finished. Its context must begin with a struct
+/* Fill in all of a host but context, execute, sketch and drop. Its context must begin with a struct
  * pilot_interpreter. */
 void pilot_host_fill(struct pilot_host *host);
+
+/* Complete a line of prompt and pilot, for a host with such a context (tui/prompt/repl.h). */
+void pilot_host_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
+                         size_t *word_start);
 
 /*
  * Watching a journal: its replay leaves a history (session/history.h), whose points are the steps.

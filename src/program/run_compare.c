@@ -106,10 +106,8 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
     struct picture picture = {0};
     const uint32_t *place =
         comparison_farthest(&pair->comparison, session->now.outlook.slices.cross);
-    enum err err =
-        of_surface
-            ? distance_picture_draw(&picture, session, &pair->compared, report, true, fault)
-            : comparison_picture_draw(&picture, session, &pair->compared, report, place, fault);
+    enum err err = of_surface ? distance_picture_draw(&picture, session, report, true, fault)
+                              : comparison_picture_draw(&picture, session, report, place, fault);
     if (!err)
         err = image_write_png(of_surface ? pair->options->surface : pair->options->picture,
                               &picture, fault);

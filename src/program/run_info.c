@@ -78,17 +78,13 @@ static void add_count(struct facts *f, const char *name, uint64_t value)
 /* Add "pixels", "voxels" or "size", along each axis. */
 static void add_sides(struct facts *f, const char *name, const uint32_t *side, unsigned axes)
 {
-    if (f->is_json)
-        json_array(&f->json, name);
-    else
-        begin_line(f, name);
+    if (f->is_json) {
+        json_counts(&f->json, name, side, axes);
+        return;
+    }
+    begin_line(f, name);
     for (unsigned a = 0; a < axes; a++)
-        if (f->is_json)
-            json_count(&f->json, NULL, side[a]);
-        else
-            buf_printf(f->out, "%s%u", a ? "x" : "", side[a]);
-    if (f->is_json)
-        json_end(&f->json);
+        buf_printf(f->out, "%s%u", a ? "x" : "", side[a]);
 }
 
 static void add_spacing(struct facts *f, const struct geometry *g)

@@ -372,13 +372,6 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
     return err;
 }
 
-static void prompt_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
-                            size_t *word_start)
-{
-    const struct prompt *prompt = context;
-    command_complete(candidates, word_start, line, cursor, &prompt->interp);
-}
-
 static void prompt_find(void *context, const char *piece, struct buf *candidates)
 {
     const struct prompt *prompt = context;
@@ -409,12 +402,6 @@ static bool prompt_picture(void *context, struct image_view *out)
     if (shows)
         *out = shown_picture(&prompt->interp, prompt->pilot.smooth);
     return shows;
-}
-
-static bool prompt_finished(void *context)
-{
-    const struct prompt *prompt = context;
-    return prompt->interp.wish == WISH_QUIT;
 }
 
 static bool prompt_wants_screen(void *context)
@@ -457,7 +444,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .begin = prompt_begin,
                                    .prompt = prompt_text,
                                    .execute = repl_execute,
-                                   .complete = prompt_complete,
+                                   .complete = pilot_host_complete,
                                    .find = prompt_find,
                                    .hint = prompt_hint,
                                    .knows = prompt_knows,
@@ -465,7 +452,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .news = writer ? prompt_news : NULL,
                                    .news_descriptor =
                                        writer ? picture_writer_descriptor(writer) : -1,
-                                   .finished = prompt_finished};
+                                   .finished = prompt->host.finished};
     struct buf history = {0};
     const bool has_history = !prompt->lesson && line_history_path(&history);
     const struct repl_options how = {.graphics = o->graphics,
@@ -552,12 +539,11 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
         prompt.interp.new_journal = buf_text(&journal);
     /* On error pictures are written before the next prompt. */
     if (!err && is_terminal)
-        interpreter_write_in_background(&prompt.interp, NULL);
+        picture_writer_new(&prompt.interp.writer, NULL, NULL);
     prompt.host = (struct pilot_host){.context = &prompt,
                                       .execute = prompt_execute,
                                       .sketch = prompt_sketch,
-                                      .drop = prompt_drop,
-                                      .finished = prompt_finished};
+                                      .drop = prompt_drop};
     pilot_host_fill(&prompt.host);
     config_init(&prompt.config);
     if (is_terminal)

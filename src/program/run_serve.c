@@ -131,21 +131,18 @@ static void announce(void *context, const char *line)
 
 /* ---- requests ---- */
 
-static enum err execute_line(struct server *s, const char *line, struct fault *fault)
-{
-    enum err err = exchange_allows(&s->exchange, &s->interp, line, fault);
-    reply_clear(&s->reply);
-    if (!err && *line == '#' && s->interp.journal) /* as in a script */
-        err = journal_comment(s->interp.journal, line, fault);
-    return err ? err : interpreter_execute(&s->interp, line, &s->reply, fault);
-}
-
 static void answer_do(struct server *s, const struct request *request)
 {
     const char *id = buf_text(&request->id), *line = buf_text(&request->words);
     struct buf picture = {0};
     struct fault fault = {0};
-    if (execute_line(s, line, &fault)) {
+    enum err err = exchange_allows(&s->exchange, &s->interp, line, &fault);
+    reply_clear(&s->reply);
+    if (!err && *line == '#' && s->interp.journal) /* as in a script */
+        err = journal_comment(s->interp.journal, line, &fault);
+    if (!err)
+        err = interpreter_execute(&s->interp, line, &s->reply, &fault);
+    if (err) {
         answer_fault(&s->line, id, &fault, line, buf_text(&s->reply.list));
     } else {
         const struct image_view view =

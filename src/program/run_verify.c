@@ -122,18 +122,6 @@ static enum err add_below(struct journal_list *journals, const char *folder,
     return err;
 }
 
-/* Add the paths in their order, those below a folder sorted by name. ERR_CHECK for a folder without
- * journals, ERR_IO for an unreadable one, ERR_LIMIT, ERR_MEMORY. */
-static enum err journals_find(struct journal_list *journals, char *const *path, size_t count,
-                              const struct printer *printer, struct fault *fault)
-{
-    enum err err = OK;
-    for (size_t i = 0; !err && i < count; i++)
-        err = file_is_folder(path[i]) ? add_below(journals, path[i], printer, fault)
-                                      : add_journal(journals, path[i], fault);
-    return err;
-}
-
 static void journals_release(struct journal_list *journals)
 {
     for (size_t i = 0; i < journals->count; i++)
@@ -187,15 +175,16 @@ static enum err shard_keep(struct journal_list *journals, const char *text, stru
 /* Check combinations of options. */
 static enum err check_options(const struct options *o, struct fault *fault)
 {
-    if (o->until && o->from > o->until)
-        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: no record is between", o->from,
-                         o->until);
-    if (o->strict && o->no_strict)
+    const struct verify_options *how = &o->verify;
+    if (how->last && how->first > how->last)
+        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: no record is between",
+                         how->first, how->last);
+    if (how->strict && o->no_strict)
         return fault_set(fault, ERR_USAGE, "--strict and --no-strict: give one of them");
-    if (o->expect && (o->words != 1 || !scan_is_hex(o->expect, RECORD_CHAIN_DIGITS)))
+    if (how->expect && (o->words != 1 || !scan_is_hex(how->expect, RECORD_CHAIN_DIGITS)))
         return fault_set(fault, ERR_USAGE,
                          "--expect: expected one journal, and the 32 digits of its last chain");
-    if (o->remove_orphans && ci_is_set())
+    if (how->removes_orphans && ci_is_set())
         return fault_set(fault, ERR_USAGE,
                          "--remove-orphans is a person's decision, and refused where CI is set");
     return OK;
@@ -204,25 +193,17 @@ static enum err check_options(const struct options *o, struct fault *fault)
 static enum err verify_journals(const struct options *o, const struct journal_list *journals,
                                 struct fault *fault)
 {
-    const struct verify_options how = {.path = journals->path,
-                                       .count = journals->count,
-                                       .scene_path = o->scene,
-                                       .evidence_folder = o->out,
-                                       .junit = o->junit,
-                                       .html = o->html,
-                                       .json = o->json,
-                                       .strict = o->strict || (ci_is_set() && !o->no_strict),
-                                       .fail_fast = o->fail_fast,
-                                       .timings = o->timings,
-                                       .removes_orphans = o->remove_orphans,
-                                       .expect = o->expect,
-                                       .first = o->from,
-                                       .last = o->until,
-                                       .processes = o->processes ? (unsigned)o->processes : 1,
-                                       .begin = begin_one,
-                                       .context = (void *)(uintptr_t)o,
-                                       .watch = console_watch()};
-    if (o->expect && journals->count != 1)
+    struct verify_options how = o->verify;
+    how.path = journals->path;
+    how.count = journals->count;
+    how.scene_path = o->scene;
+    how.evidence_folder = o->out;
+    how.json = o->json;
+    how.strict = how.strict || (ci_is_set() && !o->no_strict);
+    how.begin = begin_one;
+    how.context = (void *)(uintptr_t)o;
+    how.watch = console_watch();
+    if (how.expect && journals->count != 1)
         return fault_set(fault, ERR_USAGE, "--expect: expected one journal, not %zu",
                          journals->count);
     const enum err err = o->out ? file_make_folder(o->out, fault) : OK;
@@ -236,8 +217,10 @@ enum err run_verify(const struct options *o, struct fault *fault)
 {
     struct journal_list journals = {0};
     enum err err = check_options(o, fault);
-    if (!err)
-        err = journals_find(&journals, o->word, (size_t)o->words, &console_printer, fault);
+    /* In the order of the paths, those below a folder sorted by name. */
+    for (int i = 0; !err && i < o->words; i++)
+        err = file_is_folder(o->word[i]) ? add_below(&journals, o->word[i], &console_printer, fault)
+                                         : add_journal(&journals, o->word[i], fault);
     if (!err && o->shard)
         err = shard_keep(&journals, o->shard, fault);
     if (!err)
@@ -270,25 +253,16 @@ enum err run_diff(const struct options *o, struct fault *fault)
 
 /* ---- accepting and resealing ---- */
 
-static enum err reseal(const struct options *o, bool is_edited, struct fault *fault)
+/* Reseal an edited journal by `log --reseal`, which is a form; accept pictures by `verify`. */
+enum err run_reseal(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
     console_handle_interrupts();
     enum err err = begin_by_options(&interp, o, fault);
-    if (!err && is_edited)
+    if (!err && o->is_form)
         err = reseal_edited(&interp, o->word[0], o->accept, &console_printer, fault);
     else if (!err)
         err = reseal_accept(&interp, o->word[0], o->accept, o->only, &console_printer, fault);
     interpreter_release(&interp);
     return err;
-}
-
-enum err run_accept(const struct options *o, struct fault *fault)
-{
-    return reseal(o, false, fault);
-}
-
-enum err run_reseal(const struct options *o, struct fault *fault)
-{
-    return reseal(o, true, fault);
 }

@@ -345,14 +345,6 @@ const uint8_t *watched_former(const struct watched *w)
 
 /* ---- text ---- */
 
-/* True if the last state comes from this point. */
-static bool leads_on(const struct history *history, uint32_t end, size_t point)
-{
-    while (end > point)
-        end = history->point[end].parent;
-    return end == point;
-}
-
 void watched_title(struct buf *out, const struct watched *w)
 {
     const struct history *history = &w->interp->history;
@@ -363,7 +355,10 @@ void watched_title(struct buf *out, const struct watched *w)
     }
     buf_printf(out, "step %zu of %zu, record %zu: ", w->at, w->count, point->record);
     buf_add_safe_excerpt(out, point->command, strlen(point->command));
-    if (leads_on(history, w->end, w->at))
+    uint32_t end = w->end; /* the last state, or the one it comes from */
+    while (end > w->at)
+        end = history->point[end].parent;
+    if (end == w->at)
         return;
     buf_add_text(out, point->branch == history->on ? "  (undone later)" : "  (on another branch)");
 }
@@ -518,12 +513,6 @@ static enum err watch_drop(void *context, struct fault *fault)
     return OK;
 }
 
-static bool watch_finished(void *context)
-{
-    const struct watching *w = context;
-    return w->pilot.interp->wish == WISH_QUIT;
-}
-
 static void watch_caption(void *context, struct buf *lines)
 {
     const struct watching *w = context;
@@ -558,19 +547,12 @@ static enum err watch_screen(void *context, struct terminal_facts *facts,
     return pilot_run(&w->host, &w->state, facts, editor, ended, fault);
 }
 
-static void watch_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
-                           size_t *word_start)
-{
-    const struct watching *w = context;
-    command_complete(candidates, word_start, line, cursor, w->pilot.interp);
-}
-
 static enum err watch_at_terminal(const struct options *o, struct interpreter *interp,
                                   const struct config *config, struct fault *fault)
 {
     static struct watching w; /* too large for the stack */
     const struct repl_host host = {
-        .context = &w, .screen = watch_screen, .complete = watch_complete};
+        .context = &w, .screen = watch_screen, .complete = pilot_host_complete};
     struct buf words = {0};
     w.pilot.interp = interp;
     w.pilot.smooth = o->smooth;
@@ -579,7 +561,6 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
                                  .execute = watch_execute,
                                  .sketch = watch_sketch,
                                  .drop = watch_drop,
-                                 .finished = watch_finished,
                                  .caption = watch_caption};
     pilot_host_fill(&w.host);
     pilot_state_init(&w.state, &config->setup);

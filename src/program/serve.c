@@ -183,15 +183,11 @@ enum err exchange_allows(const struct exchange *exchange, const struct interpret
 static enum err find_map(enum map *map, const char *name, struct fault *fault)
 {
     const int found = choice_find(ARRAYS, name);
-    struct near near = near_to(name);
-    if (found >= 0) {
-        *map = (enum map)found;
+    *map = (enum map)found;
+    if (found >= 0)
         return OK;
-    }
     fault_set(fault, ERR_USAGE, "array: expected " ARRAYS ", not %s", name);
-    near_try_choices(&near, ARRAYS);
-    near_append(&near, "", fault);
-    return ERR_USAGE;
+    return near_append_choices(name, ARRAYS, fault);
 }
 
 enum err array_write(struct array_file *out, const struct exchange *exchange,
@@ -265,10 +261,7 @@ static void add_grid(struct json *json, const struct session *session)
 {
     const struct geometry *geometry = &session->geometry;
     char axes[4];
-    json_array(json, "size");
-    for (int a = 0; a < 3; a++)
-        json_count(json, NULL, session->scene->grid.size[a]);
-    json_end(json);
+    json_counts(json, "size", session->scene->grid.size, 3);
     if (geometry->spacing_unknown) {
         json_text(json, "spacing", "unknown");
     } else {
@@ -477,22 +470,8 @@ void answer_notice(struct buf *out, const char *id, const char *line)
 
 enum { ID_BYTES_MOST = 64 };
 
-/* The keys, and whether each was given. */
 enum { KEY_ID, KEY_DO, KEY_ARRAY, KEY_FINISHED, KEY_CANCEL, KEYS };
-static const char *const key_name[KEYS] = {"id", "do", "array", "finished", "cancel"};
-
-static enum err find_key(unsigned *key, const char *name, struct fault *fault)
-{
-    for (*key = 0; *key < KEYS; ++*key)
-        if (strcmp(key_name[*key], name) == 0)
-            return OK;
-    struct near near = near_to(name);
-    for (unsigned k = 0; k < KEYS; k++)
-        near_try(&near, key_name[k], strlen(key_name[k]));
-    fault_set(fault, ERR_USAGE, "expected do, array or cancel, with id, not the key %s", name);
-    near_append(&near, "", fault);
-    return ERR_USAGE;
-}
+#define KEY_NAMES "id|do|array|finished|cancel"
 
 static enum err take_id(struct buf *id, const struct json_member *m, struct fault *fault)
 {
@@ -511,10 +490,20 @@ static enum err take_id(struct buf *id, const struct json_member *m, struct faul
     return OK;
 }
 
-static enum err take_member(struct request *request, unsigned key, const struct json_member *m,
+/* Read a member; `given` are the keys before it. */
+static enum err take_member(struct request *request, bool given[KEYS], const struct json_member *m,
                             struct fault *fault)
 {
+    const char *name = buf_text(&m->key);
+    const int key = choice_find(KEY_NAMES, name);
+    if (key >= 0 && given[key])
+        return fault_set(fault, ERR_USAGE, "%s is given twice", name);
+    if (key >= 0)
+        given[key] = true;
     switch (key) {
+    case -1:
+        fault_set(fault, ERR_USAGE, "expected do, array or cancel, with id, not the key %s", name);
+        return near_append_choices(name, KEY_NAMES, fault);
     case KEY_CANCEL:
         request->kind = REQUEST_CANCEL;
         return take_id(&request->id, m, fault);
@@ -527,7 +516,7 @@ static enum err take_member(struct request *request, unsigned key, const struct 
                    : fault_set(fault, ERR_USAGE, "finished: expected true or false");
     default:
         if (m->kind != JSON_TEXT)
-            return fault_set(fault, ERR_USAGE, "%s: expected a text", buf_text(&m->key));
+            return fault_set(fault, ERR_USAGE, "%s: expected a text", name);
         request->kind = key == KEY_ARRAY ? REQUEST_ARRAY : REQUEST_COMMAND;
         buf_add(&request->words, buf_text(&m->text), m->text.length);
         return OK;
@@ -555,19 +544,13 @@ static void request_read(struct request *request, const char *line, size_t lengt
     struct json_reader reader = {.bytes = line, .length = length};
     struct json_member member = {0};
     bool given[KEYS] = {false};
-    enum err err;
     *request = (struct request){0};
     struct fault *fault = &request->fault;
-    while (!(err = json_read(&reader, &member, fault)) && member.kind != JSON_END) {
-        unsigned key;
-        err = find_key(&key, buf_text(&member.key), fault);
-        if (!err && given[key])
-            err = fault_set(fault, ERR_USAGE, "%s is given twice", key_name[key]);
+    enum err err = json_read(&reader, &member, fault);
+    while (!err && member.kind != JSON_END) {
+        err = take_member(request, given, &member, fault);
         if (!err)
-            err = take_member(request, key, &member, fault);
-        if (err)
-            break;
-        given[key] = true;
+            err = json_read(&reader, &member, fault);
     }
     if (!err)
         err = check_keys(given, fault);

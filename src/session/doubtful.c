@@ -19,6 +19,12 @@ struct area {
 enum { ABSENT, ASKED, SEEN, MEANT };
 enum { NOWHERE = -1 };
 
+static void area_release(struct area *area)
+{
+    free(area->piece);
+    free(area->queue);
+}
+
 static enum err area_init(struct area *area, const struct grid *grid, unsigned axis, uint32_t at,
                           struct fault *fault)
 {
@@ -28,13 +34,10 @@ static enum err area_init(struct area *area, const struct grid *grid, unsigned a
     const size_t voxels = (size_t)area->width * area->height;
     area->piece = mem_new(voxels);
     area->queue = mem_array(voxels, sizeof *area->queue);
-    return area->piece && area->queue ? OK : fault_memory(fault, "a contour");
-}
-
-static void area_release(struct area *area)
-{
-    free(area->piece);
-    free(area->queue);
+    if (area->piece && area->queue)
+        return OK;
+    area_release(area);
+    return fault_memory(fault, "a contour");
 }
 
 static void find_place(const struct area *area, uint32_t column, uint32_t row, uint32_t place[3])
@@ -185,16 +188,14 @@ enum err contour_of_label(struct polyline *contour, const struct labels *labels,
     const struct grid *grid = &labels->scene->grid;
     struct area area;
     const enum err err = area_init(&area, grid, axis, place[axis], fault);
-    for (uint32_t row = 0, p[3]; !err && row < area.height; row++)
+    if (err)
+        return err;
+    for (uint32_t row = 0, p[3]; row < area.height; row++)
         for (uint32_t column = 0; column < area.width; column++) {
             find_place(&area, column, row, p);
             const uint32_t cell = grid_cell(grid, p[0], p[1], p[2]);
             area.piece[row * area.width + column] = labels_at(labels, cell) == label;
         }
-    if (err) {
-        area_release(&area);
-        return err;
-    }
     return trace(contour, &area, place_of(&area, place), fault);
 }
 
@@ -242,13 +243,11 @@ enum err contour_of_marker(struct polyline *contour, const struct grid *grid,
     if (axis == 3)
         return OK;
     const enum err err = area_init(&area, grid, axis, first[axis], fault);
-    for (size_t i = 0; !err && i < marker->voxels; i++) {
+    if (err)
+        return err;
+    for (size_t i = 0; i < marker->voxels; i++) {
         grid_find(grid, markers->cover[marker->first + i].cell, place);
         area.piece[place_of(&area, place)] = ASKED;
-    }
-    if (err) {
-        area_release(&area);
-        return err;
     }
     return trace(contour, &area, NOWHERE, fault);
 }

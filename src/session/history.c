@@ -245,17 +245,25 @@ enum err history_after(const struct history *history, size_t *count, uint32_t *p
     return *count ? OK : fault_set(fault, ERR_INPUT, "there is nothing to do again");
 }
 
+/* Index of the branch with this name; history->branches if no branch has it. */
+static uint32_t branch_named(const struct history *history, const char *name)
+{
+    uint32_t i = 0;
+    while (i < history->branches && strcmp(history->branch[i].name, name) != 0)
+        i++;
+    return i;
+}
+
 enum err history_find(const struct history *history, const char *name, uint32_t *point,
                       uint32_t *branch, struct fault *fault)
 {
     int64_t number;
     const char *rest = name;
-    for (uint32_t i = 0; i < history->branches; i++)
-        if (strcmp(history->branch[i].name, name) == 0) {
-            *point = history->branch[i].point;
-            *branch = i;
-            return OK;
-        }
+    *branch = branch_named(history, name);
+    if (*branch < history->branches) {
+        *point = history->branch[*branch].point;
+        return OK;
+    }
     if (!scan_integer(&rest, 0, INT64_MAX, &number) || *rest)
         return fault_set(fault, ERR_INPUT,
                          "there is no branch %s: expected the number of a record or a branch, "
@@ -374,10 +382,9 @@ enum err history_look(struct history *history, struct session *session, uint32_t
 
 enum err history_branch(struct history *history, const char *name, struct fault *fault)
 {
-    for (size_t i = 0; i < history->branches; i++)
-        if (strcmp(history->branch[i].name, name) == 0)
-            return fault_set(fault, ERR_USAGE,
-                             "there is a branch %s already; `goto %s` leads there", name, name);
+    if (branch_named(history, name) < history->branches)
+        return fault_set(fault, ERR_USAGE, "there is a branch %s already; `goto %s` leads there",
+                         name, name);
     if (!mem_grow(&history->branch, &history->branch_capacity, history->branches + 1,
                   sizeof *history->branch))
         return fault_memory(fault, "a branch");

@@ -208,46 +208,26 @@ enum err paint_shell(struct voxels *out, const struct grid *grid, const struct b
     return outcome(out, fits, watch, fault);
 }
 
-static void sort_corners(uint32_t first[3], uint32_t last[3], const uint32_t corner[3],
-                         const uint32_t opposite[3])
-{
-    for (int a = 0; a < 3; a++) {
-        first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
-        last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
-    }
-}
+/* ---- boxes ---- */
 
-enum err paint_faces(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
-                     const uint32_t opposite[3], struct watch *watch, struct fault *fault)
+enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
+                   const uint32_t opposite[3], bool is_hollow, struct watch *watch,
+                   struct fault *fault)
 {
     struct task task = task_begin(watch, "a box", 0);
     uint32_t first[3], last[3];
     bool fits = true;
-    sort_corners(first, last, corner, opposite);
+    for (int a = 0; a < 3; a++) {
+        first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
+        last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
+    }
+    const uint32_t length = last[0] - first[0] + 1;
     for (uint32_t z = first[2]; fits && z <= last[2]; z++)
-        for (uint32_t y = first[1]; fits && y <= last[1] && task_advance(&task, 2); y++) {
-            const bool whole = z == first[2] || z == last[2] || y == first[1] || y == last[1];
-            const uint32_t count = whole ? last[0] - first[0] + 1 : 1;
-            fits = add_row(out, grid, (uint32_t[]){first[0], y, z}, count) &&
-                   (whole || first[0] == last[0] ||
-                    add_row(out, grid, (uint32_t[]){last[0], y, z}, 1));
-        }
-    return outcome(out, fits, watch, fault);
-}
-
-/* ---- boxes ---- */
-
-enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
-                   const uint32_t opposite[3], struct watch *watch, struct fault *fault)
-{
-    struct task task = task_begin(watch, "a box", 0);
-    uint32_t first[3], last[3];
-    bool fits = true, goes_on = true;
-    sort_corners(first, last, corner, opposite);
-    for (uint32_t z = first[2]; fits && goes_on && z <= last[2]; z++)
-        for (uint32_t y = first[1]; fits && goes_on && y <= last[1]; y++) {
-            fits = add_row(out, grid, (uint32_t[]){first[0], y, z}, last[0] - first[0] + 1);
-            goes_on = task_advance(&task, last[0] - first[0] + 1);
+        for (uint32_t y = first[1]; fits && y <= last[1] && task_advance(&task, length); y++) {
+            const bool whole = !is_hollow || z == first[2] || z == last[2] || y == first[1] ||
+                               y == last[1] || length == 1;
+            fits = add_row(out, grid, (uint32_t[]){first[0], y, z}, whole ? length : 1) &&
+                   (whole || add_row(out, grid, (uint32_t[]){last[0], y, z}, 1));
         }
     return outcome(out, fits, watch, fault);
 }

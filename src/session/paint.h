@@ -51,10 +51,11 @@ enum err paint_stroke(struct voxels *out, const struct grid *grid, const struct 
 /* The part of a ball, hollow by brush_hollow, that is in the scene. */
 enum err paint_shell(struct voxels *out, const struct grid *grid, const struct brush *brush,
                      const uint32_t middle[3], struct watch *watch, struct fault *fault);
-enum err paint_faces(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
-                     const uint32_t opposite[3], struct watch *watch, struct fault *fault);
+
+/* The box between two corners, or (`is_hollow`) its faces. */
 enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
-                   const uint32_t opposite[3], struct watch *watch, struct fault *fault);
+                   const uint32_t opposite[3], bool is_hollow, struct watch *watch,
+                   struct fault *fault);
 
 /* ERR_INPUT if the corners do not all have one index in common. */
 enum err paint_polygon(struct voxels *out, const struct grid *grid, const uint32_t (*corner)[3],

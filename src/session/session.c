@@ -199,29 +199,19 @@ static void hinting_release(struct hinting *hinting)
     *hinting = (struct hinting){0};
 }
 
-static uint64_t digest_of_origin(const uint32_t mm3[256])
-{
-    uint64_t mix = 0;
-    for (unsigned l = 0; l < 256; l++)
-        mix = hash_mix_at(mix, mm3[l]);
-    return mix;
-}
-
 /* Release hints of another forest. */
 static void update_hints(struct session *session)
 {
     struct hinting *h = &session->inside->hinting;
-    const struct hinting now = {.cells = session->scene->grid.cells,
-                                .forest = forest_digest(session->forest),
-                                .labels = forest_label_digest(session->forest),
-                                .weights = session->weight_digest,
-                                .adjacency = session->now.kept.adjacency,
-                                .origin = digest_of_origin(session->now.kept.origin_mm3)};
-    if (h->cells == now.cells && h->forest == now.forest && h->labels == now.labels &&
-        h->weights == now.weights && h->adjacency == now.adjacency && h->origin == now.origin)
+    const struct kept *kept = &session->now.kept;
+    uint64_t of = hash_mix_at(forest_digest(session->forest), forest_label_digest(session->forest));
+    of = hash_mix_at(hash_mix_at(of, session->weight_digest), kept->adjacency);
+    for (unsigned l = 0; l < 256; l++)
+        of = hash_mix_at(of, kept->origin_mm3[l]);
+    if (h->cells == session->scene->grid.cells && h->of == of)
         return;
     hinting_release(h);
-    *h = now;
+    *h = (struct hinting){.cells = session->scene->grid.cells, .of = of};
 }
 
 static enum err make_hints(struct session *session, bool with_heat, struct fault *fault)

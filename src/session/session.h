@@ -1,30 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The session: one person's work on one scene.
+ * The session: one user's work on one scene.
  *
- * Everything that a command can change is a value, the state (session/state.h). All else follows
- * from it: weights, region of interest, forest, border, tally and pictures. There is one way to
- * change anything: session_go sets a state and recomputes everything that differs. It edits the
- * seeds by the difference of the two sets if the forest can be updated, and recomputes the forest
- * if arcs or the region changed. A command copies the present state, changes the copy, and goes
- * there. Taking a command back, undo, redo, goto, and the end of skimming are the same: going to a
- * state.
+ * All data that a command can change is one value, the state (session/state.h). Weights, region of
+ * interest, forest, border, tally and pictures are computed from it. Only session_go changes a
+ * session: it sets a state and recomputes the data that differs. It edits the seeds by the
+ * difference of the two sets if the forest can be updated, and recomputes the forest if arcs or the
+ * region changed. A command copies the present state, changes the copy, and passes it to
+ * session_go. Rollback, undo, redo, goto and the end of skimming also set a state.
  *
  * Edits of seeds wait in a list until session_run applies them as one. Because the forest is a
  * function of the set of seeds, their distribution over runs does not matter.
  *
  * Invariants
- *   S1 a command is all or nothing: session_mark precedes it, and session_rollback restores the
- *      former state exactly;
- *   S2 the border fits the forest, the visible labels and the cut, and pictures of the session
+ *   S1 a command is atomic: session_mark precedes it, and session_rollback restores the former
+ *      state exactly;
+ *   S2 the border matches the forest, the visible labels and the cut, and pictures of the session
  *      receive all changes (struct follower);
  *   S3 without a scene only session_open and settings are allowed; all other functions require
  *      has_scene;
  *   S4 the scene before interpolation is kept, with its forest and border, until the command is
  *      settled;
- *   S5 `stale` has the parts that do not fit the state, because a command was cancelled, memory did
- *      not suffice to take one back, or the session skims; the next session_go or session_complete
- *      recomputes them;
+ *   S5 `stale` has the parts that do not match the state, because a command was cancelled, memory
+ *      did not suffice to roll one back, or the session skims; the next session_go or
+ *      session_complete recomputes them;
  *   S6 the planted seeds, after the pending edits, are those of the valid markers;
  *   S7 a session that `waits` has a large plain scene (engine/scene.h), and no seed: call
  *      session_complete, which makes the cells, before any access to voxels.
@@ -63,7 +62,7 @@ struct volume_choice;
 struct watch;
 
 /*
- * All facts about a session. Every room reads it, and only this one writes it
+ * Public members of a session. All rooms may read them, only this room writes them
  * (tests/test_layout.sh). Pointers are borrowed: they are valid until the next command.
  */
 struct session {
@@ -78,8 +77,7 @@ struct session {
     bool is_private; /* pictures show neither the scene's name nor the journal's */
     char scene_name[FILE_WORDS_BYTES];   /* name in pictures: without folder, cut if long; ""
                                             for none */
-    char open_notes[VOLUME_NOTES_BYTES]; /* open questions about the file, for the answer of
-                                            `open` */
+    char open_notes[VOLUME_NOTES_BYTES]; /* doubts about the file, for the answer of `open` */
     uint32_t series;                     /* series of a folder of DICOM, from 1; 0 for none */
     struct map_part part;                /* if the scene is a part of its file; otherwise {0} */
     struct geometry said;                /* geometry in the file, */
@@ -105,7 +103,7 @@ struct session {
     struct session_inside *inside; /* for this room only */
 };
 
-/* Make a session without a scene, which the caller frees. ERR_MEMORY. */
+/* Make a session without a scene; the caller frees the session. ERR_MEMORY. */
 enum err session_new(struct session **session, struct fault *fault);
 void session_free(struct session *session);
 
@@ -133,8 +131,8 @@ enum err session_set_semantics(struct session *session, unsigned semantics, stru
 
 void session_name_scene(struct session *session, const char *name, bool is_private);
 
-/* Make the camera of an outlook, finer by the factor of its samples; ERR_LIMIT if no camera
- * fits. */
+/* Make the camera of an outlook, with its resolution multiplied by its samples; ERR_LIMIT if no
+ * camera is possible. */
 enum err session_aim(const struct session *session, const struct outlook *outlook,
                      struct camera *camera, struct fault *fault);
 
@@ -142,8 +140,8 @@ void session_set_watch(struct session *session, struct watch *watch);
 
 size_t session_memory(const struct session *session); /* bytes in use */
 
-/* The same by owner: the scene with its forest, border, masks and weights; seeds, markers and
- * the state; renditions and data for shading; finished labels, statistics and hints. */
+/* Memory by owner: the scene with its forest, border, masks and weights; seeds, markers and the
+ * state; renditions and data for shading; finished labels, statistics and hints. */
 struct session_memory {
     size_t scene, seeds, pictures, answers;
 };
@@ -156,21 +154,23 @@ struct session_memory session_memory_parts(const struct session *session);
  * scene is closed. The session reports its changes to them. No function may fail.
  */
 struct follower {
-    /* A command begins; it is taken back, and the session is restored; it is settled, and memory
-     * of former pictures may be released. */
+    /* mark: a command begins. take_back: it was rolled back and the session is restored. settle: it
+     * is complete; memory of former pictures may be released. */
     void (*mark)(struct pictures *pictures);
     void (*take_back)(struct pictures *pictures);
     void (*settle)(struct pictures *pictures);
 
-    /* The labels of the forest, and the border, have changed as listed; or in an unknown way. */
+    /* follow: labels of the forest and the border changed as listed. forget_labels: they changed in
+     * an unknown way. */
     void (*follow)(struct pictures *pictures, const struct changes *changes);
     void (*forget_labels)(struct pictures *pictures);
 
-    /* The view has another camera; or pictures are invalid for another reason. */
+    /* take_camera: the view has another camera. forget: pictures are invalid for another reason. */
     void (*take_camera)(struct pictures *pictures, const struct camera *camera);
     void (*forget)(struct pictures *pictures);
 
-    /* Another scene replaces this one; or the scene is closed, and the pictures are freed. */
+    /* leave_scene: another scene replaces this one. release: the scene is closed; free the
+     * pictures. */
     void (*leave_scene)(struct pictures *pictures);
     void (*release)(struct pictures *pictures);
 
@@ -178,7 +178,7 @@ struct follower {
     void (*count_memory)(const struct pictures *pictures, struct session_memory *memory);
 };
 
-/* Set the pictures, which the session releases. It has a scene, and no pictures yet. */
+/* Set the pictures, which the session releases. The session must have a scene and no pictures. */
 void session_set_pictures(struct session *session, struct pictures *pictures,
                           const struct follower *follower);
 
@@ -188,14 +188,14 @@ void session_set_pictures(struct session *session, struct pictures *pictures,
 enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
 void session_find_window(struct session *session, int32_t window[2]);
 
-/* ---- all or nothing ---- */
+/* ---- atomic commands ---- */
 
 /* Mark the beginning of a command. If the watch stops it or it fails, session_rollback restores
  * the former state; the rollback is watched, but cannot be stopped. */
 void session_mark(struct session *session);
 void session_rollback(struct session *session);
-/* Settle the command: release large memory that only session_rollback needs. The next
- * session_mark does so too. */
+/* Settle the command: release the large memory that only session_rollback needs. The next
+ * session_mark also does this. */
 void session_settle(struct session *session);
 
 /* The grid for maps that a command reads. */
@@ -210,15 +210,15 @@ struct map_place session_map_place(const struct session *session, bool resample)
 enum err session_go(struct session *session, const struct state *state, const struct edit *seed,
                     size_t seeds, struct fault *fault);
 
-/* Skim: session_go changes only seeds and settings, and nothing is computed or drawn, until
- * session_catch_up computes the last state. For many commands if only the last state is needed.
- * session_catch_up does nothing in a session that does not skim. */
+/* Skim: session_go changes only seeds and settings, without computing or drawing, until
+ * session_catch_up computes the last state. Use it for a series of commands if only the last state
+ * is needed. session_catch_up does nothing in a session that does not skim. */
 void session_skim(struct session *session);
 enum err session_catch_up(struct session *session, struct fault *fault);
 
-/* Call from `show` of the watch (base/watch.h), while a command is carried out: `draw` may read
- * the session and make pictures of its present state, and must not carry out a command. The data of
- * the command is restored afterwards. */
+/* Call from `show` of the watch (base/watch.h), while a command runs: `draw` may read the session
+ * and make pictures of its present state, and must not run a command. The data of the command is
+ * restored afterwards. */
 void session_show(struct session *session, void (*draw)(void *context), void *context);
 
 /* Within `draw`: move the cross-hair. The caller restores it, so that no command uses the
@@ -228,8 +228,8 @@ void session_show_cross(struct session *session, const uint32_t place[3]);
 /* ---- the scene (open.c) ---- */
 
 /* Open "synth:geom", "synth:geom:XYZ" (each of X, Y, Z 1 or 2), "synth:geom:NXxNYxNZ" (a size in
- * voxels) or the part of a file that the choice (or NULL) names. The caller has found the file.
- * Weights are those of the state, which begins with `morph` over 6 neighbours. */
+ * voxels) or the part of a file selected by the choice (may be NULL). The caller has located the
+ * file. Weights are those of the state, which begins with `morph` over 6 neighbours. */
 enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
                       struct fault *fault);
 
@@ -242,8 +242,8 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
 
 /* Lazy opening: a file of `least` bytes or more, in memory as below, is opened without making
  * its cells. All facts about the scene are known. session_complete makes the cells and recomputes
- * stale parts (S5); without either it does nothing. ERR_CANCELLED, ERR_MEMORY: the cells still
- * wait. */
+ * stale parts (S5); without either it does nothing. ERR_CANCELLED, ERR_MEMORY: the cells are still
+ * missing. */
 void session_let_wait(struct session *session, uint64_t least);
 enum err session_complete(struct session *session, struct fault *fault);
 
@@ -257,7 +257,7 @@ uint64_t session_bytes_for(const uint32_t size[3]);
 /* Number of pending edits. */
 size_t session_pendings(const struct session *session);
 
-/* Remove the markers after the first `count`, as if they had never been made. */
+/* Remove all markers after the first `count`, without a trace in the session. */
 void session_truncate_markers(struct session *session, size_t count);
 
 /* Return the number of a reach, for session_plant (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
@@ -286,8 +286,8 @@ enum err session_grow_confined(const struct session *session, const struct label
                                const struct voxels *within, struct voxels *grown,
                                struct fault *fault);
 
-/* Let the last marker free voxels of `cell`, where older markers give way to it: their seeds are
- * removed while it is valid. */
+/* Make the last marker free the voxels `cell`: the seeds of older markers there are removed while
+ * it is valid. */
 enum err session_free_voxels(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault);
 
@@ -301,8 +301,8 @@ enum err session_remove_markers(struct session *session, const uint32_t *number,
                                 struct fault *fault);
 
 /* Find the markers, each once, whose trees hold one of the voxels (as of the last run), or that
- * have pending seeds there; of a stroke, the first part. The caller frees *number. ERR_INPUT if no
- * marker is found. */
+ * have pending seeds there; a stroke is found as its first part. The caller frees *number.
+ * ERR_INPUT if no marker is found. */
 enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
                               uint32_t **number, size_t *numbers, struct fault *fault);
 
@@ -317,7 +317,7 @@ enum err session_erase_seeds(struct session *session, const uint32_t *seed, size
 
 /* The effect of an eliminator at a voxel: the marker whose trees hold it, or the single tree.
  * Trees are counted from their roots, so the time depends on their voxels, up to a bound, and not
- * on the scene. */
+ * on the size of the scene. */
 enum { HELD_MOST = 2000000 }; /* voxels counted, about 80 ms */
 
 struct held {
@@ -335,10 +335,10 @@ struct held {
 enum err session_find_held(struct held *held, const struct session *session, uint32_t cell,
                            bool tree, struct fault *fault);
 
-/* True if it holds a voxel, until the next command. */
+/* True if the marker or tree of `held` holds a voxel. Valid until the next command. */
 bool session_is_held(const struct session *session, const struct held *held, uint32_t cell);
 
-/* Store the place of an eliminator, for slices, until the run after the next. */
+/* Store the place of an eliminator; slices show it until the run after the next. */
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault);
 
 /* Apply the pending edits, and update border and rendition (as an incremental image). Does
@@ -347,12 +347,12 @@ enum err session_run(struct session *session, struct fault *fault);
 
 /* ---- answers about labels: not for a session that skims ---- */
 
-/* Update `tally`: after a run from nothing by a walk through the scene, otherwise in no time.
- * ERR_CANCELLED. Not for a session that skims. */
+/* Update `tally`: by a scan of the scene after a rebuild, otherwise at once. ERR_CANCELLED. Not for
+ * a session that skims. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
-/* The same before a command whose changes will be counted: also sets `former_tally`, and lets a
- * forest that is recomputed store its former labels, by a walk through the scene. */
+/* The same before a command whose changes will be counted: also sets `former_tally`, and makes a
+ * forest that is recomputed store its former labels, by a scan of the scene. */
 enum err session_count_before(struct session *session, struct fault *fault);
 
 /* Voxels with another label after the command; CHANGES_UNKNOWN if memory did not suffice to
@@ -361,7 +361,7 @@ uint64_t session_changed_voxels(const struct session *session);
 
 /* Compute the statistics of each of these labels (session_labels): stats[256]. Those of the
  * forest are kept up to date from the first call on (engine/label_stats.h), so a replay without
- * questions has no cost. ERR_MEMORY, ERR_CANCELLED. Not for a session that skims. */
+ * questions does not compute them. ERR_MEMORY, ERR_CANCELLED. Not for a session that skims. */
 enum err session_find_stats(struct session *session, const struct labels *labels,
                             struct label_stats *stats, struct fault *fault);
 

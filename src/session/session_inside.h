@@ -37,14 +37,13 @@ struct finished {
 };
 void finished_release(struct finished *finished);
 
-/* The last hints, and their inputs. */
+/* The last hints, and a digest of their inputs. */
 struct hinting {
     bool has_hints;
     struct hint_list hints;
     uint8_t *heat; /* [cells], or NULL */
     size_t cells;
-    uint64_t forest, labels, weights, origin; /* digests */
-    unsigned adjacency;
+    uint64_t of;
 };
 
 /* The last doubt, and a digest of its inputs. */

@@ -29,8 +29,8 @@ const struct command setting_table[] = {
     {SETTING("adjacency", GROUP_WEIGHT, R | S | E | C),
      {{"COUNT", VALUE_CHOICE, .choices = "6|26",
        SETS(kept.adjacency, 6, .made = MADE_WEIGHTS, .as = HELD_AS_COUNT, .says = SAYS_WEIGHTS)}},
-     "connect voxels by faces, or by corners too",
-     "6 is the default.",
+     "connect voxels by faces, or also by corners",
+     "6, the default: voxels that share a face. 26: also voxels with a common edge or corner.",
      "adjacency 26"},
     {SETTING("auto", GROUP_SEEDS, R),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
@@ -85,9 +85,9 @@ const struct command setting_table[] = {
        SETS(outlook.look.edges, 0, .made = MADE_CAMERA, .as = HELD_AS_SWITCH)}},
      "draw lines at folds and occluding edges",
 
-     "off by default. A line is drawn on the object in front, one pixel wide: dark if an object,"
-     " or another part of the same, is behind it or touches it, and at folds of the surface; "
-     "light, with a dark line inside, if only the background is behind it.",
+     "off by default. A line is drawn on the object in front, one pixel wide: dark if another "
+     "object, or another part of this one, is behind it or touches it, and at folds of the "
+     "surface; light, with a dark line inside, if only the background is behind it.",
 
      "edges on"},
     {SETTING("samples", GROUP_LOOK, R | S),
@@ -101,8 +101,8 @@ const struct command setting_table[] = {
      {{"COLOUR", VALUE_COLOUR, .choices = BACKGROUNDS,
        SETS(outlook.background, BACKGROUND_GRADIENT, .made = 0, .as = HELD_AS_BACKGROUND)}},
      "set the background of renditions",
-     "On the screen and in files; or #rrggbb. gradient, the default: from grey at the top to "
-     "dark grey.\n"
+     "Applies on the screen and in files. gradient, the default: from grey at the top to dark "
+     "grey.\n"
      "transparent: alpha in .png and .tif; black on the screen, in mosaics and in other "
      "formats.\n"
      ".exr files and golden images always have only the objects, with their alpha.",
@@ -111,8 +111,8 @@ const struct command setting_table[] = {
      {{"PART", VALUE_PARTS, .choices = DECORATIONS "|all|none",
        SETS(outlook.decorations, 0, .made = 0)}},
      "draw letters, a scale or a legend over renditions",
-     "none by default. Decorations cover the colours, on the screen, in files and in golden "
-     "images, and scale with the picture; `pick` ignores them.\n"
+     "none by default. Decorations are drawn over the colours, on the screen, in files and in "
+     "golden images, and scale with the picture; `pick` ignores them.\n"
      "letters: the patient's sides, R L A P S I, or the axes if the sides are unknown.\n"
      "scale: a bar and its length in millimetres, or in voxels if the spacing is unknown.\n"
      "legend: the visible labels, with their volumes.\n"
@@ -141,21 +141,21 @@ const struct command setting_table[] = {
      "draw labels and marks over the grey of slices",
      "none, tint or contour of the visible labels; contour by default.\n"
      "cross: the cross-hair.\n"
-     "marks: a dot for a seed in the slice, of adjacent seeds only the outermost, and no dot for"
-     " seeds of `labels`; an x for an eliminator of the last run; in the pilot, a white rim "
-     "marks pending ones.\n"
+     "marks: a dot for each seed in the slice, except for seeds inside a group and seeds of "
+     "`labels`; an x for each eliminator of the last run; in the pilot, pending ones have a white "
+     "rim.\n"
      "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
      "overlay tint cross=off"},
     {SETTING("finished", GROUP_KEPT, R | S),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
        SETS(outlook.shows_finished, 0, .made = MADE_COLOURS, .as = HELD_AS_SWITCH,
             .says = SAYS_FINISH)}},
-     "show the labels as finished in pictures",
+     "show finished labels in pictures",
      "In slices, mosaics, renditions and the pilot, after each seed and eliminator. The pilot "
      "shows the labels of the forest first, and the finished ones as soon as they are computed. "
      "Maps, surfaces and reports are finished with `finished=yes`; at a prompt they follow this "
-     "setting unless `finished=` is given, and the record says which. off by default; a session "
-     "at a terminal begins with on.",
+     "setting unless `finished=` is given, and the record has the value. off by default; a "
+     "session at a terminal begins with on.",
      "finished on"},
     {.name = NULL},
 };
@@ -201,7 +201,7 @@ struct state state_default(void)
 /* Three parts that matter only under a condition, and a bit for every member. */
 enum { MADE_BY_POLARITY = 64, MADE_BY_WINDOW = 128, MADE_BY_OPACITY = 256, DIFFERS = 512 };
 
-/* A member that is not a setting and has no padding, and the parts that depend on it. */
+/* A member that is no setting, without padding, and the parts that depend on it. */
 static const struct state_field {
     size_t at, bytes;
     unsigned made;

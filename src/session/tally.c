@@ -45,56 +45,34 @@ static void count_part(void *context, unsigned worker)
 {
     struct counting *counting = context;
     const struct labels *labels = counting->labels;
-    const struct scene *scene = labels->scene;
-    const struct grid *grid = &scene->grid;
-    const struct slab slab = grid_slab(grid, worker, team_size(counting->team));
     uint32_t count[4][256] = {{0}}; /* a scene has less than 2^32 cells */
-    struct task task =
-        task_begin_part(scene->watch, "counting labels", slab_voxels(grid, slab), worker);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            /* Neighbours mostly have the same label: four counters in turn avoid waiting for
-             * each other. */
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                scene_fetch_ahead(scene, c);
-                count[c & 3][labels_at(labels, c)]++;
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return;
+    struct grid_walk w = scene_walk(labels->scene, "counting labels", counting->team, worker);
+    while (grid_walk_next(&w))
+        /* Neighbours mostly have the same label: four counters in turn avoid waiting for each
+         * other. */
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            scene_fetch_ahead(labels->scene, c);
+            count[c & 3][labels_at(labels, c)]++;
         }
     for (unsigned label = 0; label < 256; label++)
         for (unsigned i = 0; i < 4; i++)
             counting->voxels[worker][label] += count[i][label];
 }
 
-static struct tally count_all(const struct labels *labels, struct team *team)
-{
-    struct counting counting = {.labels = labels, .team = team};
-    struct tally tally = {0};
-    team_run(team, count_part, &counting);
-    for (unsigned worker = 0; worker < team_size(team); worker++)
-        for (unsigned label = 0; label < 256; label++)
-            tally.voxels[label] += counting.voxels[worker][label];
-    return tally;
-}
-
 bool tally_refresh(struct tally *tally, const struct labels *labels, struct team *team)
 {
+    struct counting counting = {.labels = labels, .team = team};
     if (!tally->stale)
         return true;
-    const struct tally counted = count_all(labels, team);
+    team_run(team, count_part, &counting);
     if (watch_stops(labels->scene->watch))
         return false;
-    memcpy(tally->voxels, counted.voxels, sizeof tally->voxels);
+    memset(tally->voxels, 0, sizeof tally->voxels);
+    for (unsigned worker = 0; worker < team_size(team); worker++)
+        for (unsigned label = 0; label < 256; label++)
+            tally->voxels[label] += counting.voxels[worker][label];
     tally->stale = false;
     return true;
-}
-
-bool tally_check(const struct tally *tally, const struct labels *labels)
-{
-    const struct tally counted = count_all(labels, NULL);
-    return tally->stale || memcmp(counted.voxels, tally->voxels, sizeof counted.voxels) == 0;
 }
 
 /* ---- volumes ---- */

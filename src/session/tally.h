@@ -11,7 +11,7 @@
  * number of voxels.
  *
  * Invariant
- *   Y1 a tally that is not stale equals a recount; tally_check asserts it.
+ *   Y1 a tally that is not stale equals a recount; tests/small_scene.h asserts it.
  */
 #ifndef SESSION_TALLY_H
 #define SESSION_TALLY_H
@@ -43,8 +43,6 @@ void tally_forget(struct tally *tally);
 
 /* Count if stale. False if the scene's watch stopped it: still stale. */
 bool tally_refresh(struct tally *tally, const struct labels *labels, struct team *team);
-
-bool tally_check(const struct tally *tally, const struct labels *labels);
 
 /* Append the volume of `voxels`, "1.24 l", "142 ml", "9.5 mm3" or "800 um3", to three digits,
  * halves rounded up; at most 10 000 l. */

@@ -318,7 +318,7 @@ enum err comparison_make(struct comparison *comparison, const struct compared *c
     const struct work work = {.compared = compared, .scale = &scale, .team = team, .watch = watch};
     struct box box[256];
     unsigned only = 0;
-    memset(comparison, 0, sizeof *comparison);
+    *comparison = (struct comparison){.of = compared};
     enum err err = look_through(&comparison->overlap, box, compared, watch, fault);
     for (unsigned label = 1; label < 256 && !err; label++)
         if (comparison_has(comparison, label)) {
@@ -414,10 +414,7 @@ static void add_figures(struct json *json, const struct comparison_report *repor
     figures_write_json(json, &f);
     if (!d->has_hausdorff || d->hausdorff_mm == 0)
         return;
-    json_array(json, "farthest");
-    for (int a = 0; a < 3; a++)
-        json_count(json, NULL, d->farthest[a]);
-    json_end(json);
+    json_counts(json, "farthest", d->farthest, 3);
 }
 
 void comparison_write_json(struct buf *out, const struct comparison_report *report)

@@ -44,6 +44,7 @@ struct label_distances {
 };
 
 struct comparison {
+    const struct compared *of; /* borrowed */
     struct overlap overlap;
     unsigned labels;                      /* labels above 0 with a voxel in A or B */
     struct label_distances distance[256]; /* [0]: all objects as one */
@@ -95,8 +96,6 @@ void comparison_write_csv(struct buf *out, const struct comparison_report *repor
  * Figures of a label: members of an object in JSON, fields of a row in CSV, both with 12 digits. An
  * unknown figure is NAN: null in JSON and an empty field in CSV.
  */
-
-struct geometry;
 
 enum { FIGURES_MOST = 32 };
 

@@ -124,18 +124,6 @@ static enum err render_classes(uint8_t *class, double *most_mm, struct session *
     return session_decorate(session, &classes, fault);
 }
 
-static enum err take_picture(struct picture *picture, struct session *session, struct fault *fault)
-{
-    const struct rendition r = session_picture(session);
-    const uint32_t background = background_opaque(session->now.outlook.background);
-    const enum err err = picture_init(picture, r.width, r.height, 0, fault);
-    if (err)
-        return err;
-    memcpy(picture->rgba, r.rgba, (size_t)4 * r.width * r.height);
-    background_put(picture->rgba, r.width, r.height, background);
-    return OK;
-}
-
 /* ---- the bar ---- */
 
 static void write_beside(const struct canvas *canvas, int64_t right, int64_t top, uint32_t unit,
@@ -186,31 +174,34 @@ static void write_names(const struct canvas *canvas, const struct comparison_rep
 
 /* ---- the whole ---- */
 
-static enum err draw_legend(struct picture *picture, struct session *session,
-                            const struct comparison_report *report, double most_mm,
-                            struct fault *fault)
+/* Draw the legend over the frame, which becomes the picture. */
+static enum err take_picture(struct picture *picture, struct session *session,
+                             const struct comparison_report *report, double most_mm,
+                             struct fault *fault)
 {
     const bool has_more = report->comparison->distance[0].most_mm > most_mm;
-    const struct canvas canvas = {.width = picture->width,
-                                  .height = picture->height,
-                                  .stride = picture->width,
-                                  .rgba = picture->rgba};
+    struct canvas canvas;
+    enum err err = session_show_frame(&canvas, session, fault);
+    if (err)
+        return err;
+    *picture =
+        (struct picture){.width = canvas.width, .height = canvas.height, .rgba = canvas.rgba};
     const char *unit = report->geometry->spacing_unknown ? "voxels" : "mm";
     char words[96];
     draw_bar(&canvas, &session->now.kept.palette, most_mm, unit, has_more);
     write_names(&canvas, report);
     snprintf(words, sizeof words, "of A's surface from B's, -%g %s inside to %g %s outside",
              most_mm, unit, most_mm, unit);
-    const enum err err = export_notes(picture, session, NULL, fault);
+    err = export_notes(picture, session, NULL, fault);
     return err ? err : picture_note(picture, "iftty:distance", words, fault);
 }
 
 enum err distance_picture_draw(struct picture *picture, struct session *session,
-                               const struct compared *compared,
                                const struct comparison_report *report, bool fits,
                                struct fault *fault)
 {
     const struct label_distances *distance = &report->comparison->distance[0];
+    const struct compared *compared = report->comparison->of;
     const struct state before = session->now;
     struct state state = state_of(session);
     double most_mm = 0;
@@ -227,9 +218,7 @@ enum err distance_picture_draw(struct picture *picture, struct session *session,
     if (!err)
         err = render_classes(class, &most_mm, session, compared, distance->most_mm, fault);
     if (!err)
-        err = take_picture(picture, session, fault);
-    if (!err)
-        err = draw_legend(picture, session, report, most_mm, fault);
+        err = take_picture(picture, session, report, most_mm, fault);
     free(class);
     if (err)
         picture_release(picture);
@@ -367,7 +356,6 @@ static void write_report(const struct canvas *canvas, const struct comparison_re
 /* ---- the whole ---- */
 
 enum err comparison_picture_draw(struct picture *picture, struct session *session,
-                                 const struct compared *compared,
                                  const struct comparison_report *report, const uint32_t place[3],
                                  struct fault *fault)
 {
@@ -379,7 +367,7 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
         return err;
     const struct canvas canvas = {
         .width = view->width, .height = view->height, .stride = view->width, .rgba = picture->rgba};
-    uint8_t *difference = differences_of(compared, &session->scene->grid);
+    uint8_t *difference = differences_of(report->comparison->of, &session->scene->grid);
     err = difference ? draw_slices(&canvas, session, difference, place, fault)
                      : fault_memory(fault, "a picture");
     free(difference);

@@ -28,7 +28,6 @@ enum difference difference_of(uint8_t label_a, uint8_t label_b);
 /* Has the size of the session's view, goes through `place` and has notes; the caller releases the
  * picture. ERR_LIMIT for a view too small for a mosaic, ERR_MEMORY. */
 enum err comparison_picture_draw(struct picture *picture, struct session *session,
-                                 const struct compared *compared,
                                  const struct comparison_report *report, const uint32_t place[3],
                                  struct fault *fault);
 
@@ -50,7 +49,6 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
  * not. The caller releases the picture. ERR_INPUT if A or B has no contour, ERR_MEMORY,
  * ERR_CANCELLED; after an error the caller rolls the session back. */
 enum err distance_picture_draw(struct picture *picture, struct session *session,
-                               const struct compared *compared,
                                const struct comparison_report *report, bool fits,
                                struct fault *fault);
 

@@ -21,34 +21,17 @@ _Static_assert(sizeof((struct legend_line *)0)->name == LABEL_NAME_BYTES, "a nam
 
 /* ---- the legend ---- */
 
-/* Count the voxels of each label as it is shown. */
-static enum err count_voxels(struct session *session, const struct labels *labels,
-                             uint64_t voxels[256], struct fault *fault)
-{
-    const struct grid *grid = &session->scene->grid;
-    const enum err err = session_count_labels(session, fault);
-    if (err || !labels->finished) {
-        memcpy(voxels, session->tally.voxels, sizeof session->tally.voxels);
-        return err;
-    }
-    struct task task = task_begin(session->watch, "voxels of labels", grid->voxels);
-    memset(voxels, 0, 256 * sizeof *voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                voxels[labels_at(labels, c)]++;
-        }
-    return watch_fault(session->watch, fault);
-}
-
 static enum err list_labels(struct legend_line line[255], size_t *lines, struct session *session,
                             const struct labels *labels, struct fault *fault)
 {
-    uint64_t voxels[256];
-    const enum err err = count_voxels(session, labels, voxels, fault);
+    enum err err = session_count_labels(session, fault);
+    struct tally shown = session->tally;
+    if (labels->finished)
+        tally_forget(&shown);
+    if (!err && !tally_refresh(&shown, labels, session->team))
+        err = watch_fault(session->scene->watch, fault);
     for (unsigned label = 1; label < 256 && !err; label++) {
-        if (!voxels[label] || !session->now.kept.visible[label])
+        if (!shown.voxels[label] || !session->now.kept.visible[label])
             continue;
         struct legend_line *next = &line[(*lines)++];
         next->label = (uint8_t)label;
@@ -58,7 +41,7 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
         else
             snprintf(next->name, sizeof next->name, "label %u", label);
         struct buf words = {0};
-        label_report_write_extent(&words, session, voxels[label]);
+        label_report_write_extent(&words, session, shown.voxels[label]);
         snprintf(next->amount, 32, "%s", words.failed ? "" : buf_text(&words));
         buf_release(&words);
     }

@@ -130,22 +130,20 @@ static void drop_live(struct pictures *p)
         p->rendered = RENDERED_NOT;
 }
 
-static void release_pictures(struct pictures *p)
-{
-    pictures_release_rendition(p);
-    drop_live(p);
-    mip_release(&p->context.mip);
-    shader_release(&p->shader);
-    mesh_release(&p->mesh);
-    free(p);
-}
-
 static void leave_scene(struct pictures *p)
 {
     p->own = (struct own_view){0};
     drop_live(p);
     shader_release(&p->shader);
     mesh_release(&p->mesh);
+}
+
+static void release_pictures(struct pictures *p)
+{
+    pictures_release_rendition(p);
+    leave_scene(p);
+    mip_release(&p->context.mip);
+    free(p);
 }
 
 static void count_memory(const struct pictures *p, struct session_memory *memory)
@@ -347,8 +345,8 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     return err ? err : watch_fault(p->session->watch, fault);
 }
 
-/* The fitting view with as many pixels as the room has: a pane enlarges by whole numbers only. */
-static struct view view_in_room(const struct session *session, const uint32_t room[2])
+/* A pane enlarges by whole numbers only. */
+struct view session_view_in_room(const struct session *session, const uint32_t room[2])
 {
     const struct view plain = session_fitting_view(session);
     const uint32_t width = least(room[0], VIEW_SIDE_MOST), height = least(room[1], VIEW_SIDE_MOST);
@@ -791,7 +789,7 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
         err = fit_shown(p, border_of(p, as), fault);
     if (err)
         return err;
-    const struct view view = view_in_room(session, room);
+    const struct view view = session_view_in_room(session, room);
     err = take_view(p, &view, fault);
     if (err)
         return err;
@@ -818,10 +816,11 @@ struct view session_fitting_view(const struct session *session)
     struct view view = session->now.outlook.view;
     const struct scene *scene = session->scene;
     const struct pictures *p = session->pictures;
-    const uint32_t fitting =
-        p && p->own.zoom
-            ? p->own.zoom
-            : view_fitting_zoom(scene, view.width, view.height, session->now.outlook.look.samples);
+    const uint32_t samples = session->now.outlook.look.samples;
+    const bool is_known = p && p->own.width == view.width && p->own.height == view.height;
+    const uint32_t fitting = is_known && p->own.zoom
+                                 ? p->own.zoom
+                                 : view_fitting_zoom(scene, view.width, view.height, samples);
     if (view.zoom != view_default(scene).zoom || view.zoom >= fitting)
         return view;
     view.zoom = fitting;

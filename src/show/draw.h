@@ -50,14 +50,17 @@ struct glance {
 
 /* Draw for a panel: in the view of session_fitting_view, valid until the next of these calls.
  * `within_ns` 0: no limit. *labels are those shown: the forest's, or finished ones, which may be
- * rough. If the room is larger than the view in both directions, the rendition gets as many pixels
- * as fit there and shows the same part. */
+ * rough. The rendition is that of session_view_in_room. */
 enum err session_draw_fitting(struct session *session, const uint32_t room[2], uint64_t within_ns,
                               struct glance *glance, struct labels *labels, struct fault *fault);
 
 /* The view as panels have it: while zoom and focus are those of a newly opened scene, a view that
  * fits the objects shown last in any direction; its middle is then pictures.own.place. */
 struct view session_fitting_view(const struct session *session);
+
+/* The same for a room of {width, height} pixels: if that is larger than the view in both
+ * directions, the view has as many pixels as fit there and shows the same part. */
+struct view session_view_in_room(const struct session *session, const uint32_t room[2]);
 
 /* Which labels the rendition shows; RENDERED_NOT if it is out of date. */
 enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };

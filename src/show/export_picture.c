@@ -222,12 +222,13 @@ enum err export_notes(struct picture *picture, const struct session *session, co
 {
     char scene[32];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
-    const enum orientation orientation = session->geometry.orientation;
+    const char *orientation = session->geometry.orientation == ORIENTATION_UNKNOWN ? "unknown"
+                              : session->geometry.orientation == ORIENTATION_TOLD
+                                  ? "set by the user"
+                                  : NULL;
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
-    if (!err && orientation == ORIENTATION_UNKNOWN)
-        err = picture_note(picture, "iftty:orientation", "unknown", fault);
-    if (!err && orientation == ORIENTATION_TOLD)
-        err = picture_note(picture, "iftty:orientation", "set by the user", fault);
+    if (!err && orientation)
+        err = picture_note(picture, "iftty:orientation", orientation, fault);
     if (!err && *session->scene_name)
         err = picture_note(picture, "iftty:scene-name", session->scene_name, fault);
     if (!err)
@@ -297,30 +298,23 @@ void export_form(struct picture *picture, const struct session *session)
     seen_from(&picture->space, session);
 }
 
-enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
+enum err export_picture(struct picture *picture, const struct session *session, unsigned planes,
+                        struct fault *fault)
 {
-    const struct rendition shown = session_picture(session), *r = &shown;
+    const struct rendition shown = session_picture(session);
+    const uint32_t background = session->now.outlook.background;
     bool labels[256] = {false};
-    enum err err = picture_init(picture, r->width, r->height, PICTURE_BUT_NORMAL, fault);
+    const enum err err = picture_init(picture, shown.width, shown.height, planes, fault);
     if (err)
         return err;
-    list_labels(labels, r);
-    export_fill(picture, session, r, 0);
-    seen_from(&picture->space, session);
-    return export_rendition_notes(picture, session, labels, fault);
-}
-
-enum err export_colours(struct picture *picture, const struct session *session, struct fault *fault)
-{
-    const struct rendition shown = session_picture(session), *r = &shown;
-    bool labels[256] = {false};
-    const enum err err = picture_init(picture, r->width, r->height, 0, fault);
-    if (err)
-        return err;
-    list_labels(labels, r);
-    memcpy(picture->rgba, r->rgba, (size_t)4 * r->width * r->height);
-    background_put(picture->rgba, r->width, r->height, session->now.outlook.background);
-    picture->is_clear = session->now.outlook.background == BACKGROUND_CLEAR;
+    list_labels(labels, &shown);
+    export_fill(picture, session, &shown, 0);
+    if (planes) {
+        seen_from(&picture->space, session);
+    } else {
+        background_put(picture->rgba, shown.width, shown.height, background);
+        picture->is_clear = background == BACKGROUND_CLEAR;
+    }
     return export_rendition_notes(picture, session, labels, fault);
 }
 

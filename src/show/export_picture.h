@@ -30,13 +30,10 @@ enum err export_note(struct picture *picture, const char *name, struct buf *word
  * opaque. */
 void export_opacity(struct buf *out, const struct kept *kept);
 
-/* Planes of the rendition, which must be drawn, without normals; and notes. Depth is in millimetres
- * along the view direction, 0 in the middle of the scene. The caller releases the picture. */
-enum err export_picture(struct picture *picture, const struct session *session,
-                        struct fault *fault);
-
-/* The same for files with colours alone: `rgba` is over its background. */
-enum err export_colours(struct picture *picture, const struct session *session,
+/* Planes of the rendition, which must be drawn, and notes: PICTURE_BUT_NORMAL, or 0 for a file with
+ * colours alone, which are over its background. Depth is in millimetres along the view direction, 0
+ * in the middle of the scene. The caller releases the picture. */
+enum err export_picture(struct picture *picture, const struct session *session, unsigned planes,
                         struct fault *fault);
 
 /* Properties of a picture before it is drawn: size, camera, background. */

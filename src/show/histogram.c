@@ -67,12 +67,8 @@ void histogram_of_counts(struct histogram *histogram, const uint32_t count[UINT1
 {
     int32_t window[2];
     intensities_range(window, count, WINDOW_BLACK, WINDOW_WHITE);
-    if (geometry->slope < 0) {
-        const int32_t least = window[0];
-        window[0] = window[1];
-        window[1] = least;
-    }
-    fill_bins(histogram, count, window, geometry);
+    fill_bins(histogram, count, geometry->slope < 0 ? (int32_t[]){window[1], window[0]} : window,
+              geometry);
 }
 
 static double percent(const struct histogram *h, uint64_t voxels)

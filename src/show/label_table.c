@@ -70,15 +70,6 @@ static void write_fit(struct buf *out, const char *name, size_t length)
     }
 }
 
-/* Write a name without the backslash before a quote. */
-static void write_unquoted(struct buf *out, struct part name)
-{
-    for (; name.at < name.end; name.at++) {
-        name.at += name.at[0] == '\\' && name.at + 1 < name.end && name.at[1] == '"';
-        buf_add_char(out, *name.at);
-    }
-}
-
 /* The first byte of a character, at `at`, after it (step 1) or before it. */
 static size_t character_at(const char *text, size_t at, int step)
 {
@@ -91,10 +82,13 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
 {
     struct buf plain = {0}, fit = {0};
     name = trimmed(name);
-    if (name.end - name.at > 1 && name.at[0] == '"' && name.end[-1] == '"')
-        write_unquoted(&plain, trimmed((struct part){name.at + 1, name.end - 1}));
-    else
-        buf_add(&plain, name.at, (size_t)(name.end - name.at));
+    const bool is_quoted = name.end - name.at > 1 && name.at[0] == '"' && name.end[-1] == '"';
+    if (is_quoted)
+        name = trimmed((struct part){name.at + 1, name.end - 1});
+    for (; name.at < name.end; name.at++) { /* without the backslash before a quote */
+        name.at += is_quoted && name.at[0] == '\\' && name.at + 1 < name.end && name.at[1] == '"';
+        buf_add_char(&plain, *name.at);
+    }
     if (plain.length && !plain.failed)
         write_fit(&fit, buf_text(&plain), plain.length);
     const bool failed = plain.failed || fit.failed;
@@ -263,18 +257,10 @@ enum err label_table_read_lut(struct label_table *table, const uint8_t *bytes, s
 
 /* ---- applying ---- */
 
-static bool is_taken(const struct kept *kept, const char *name, unsigned by_other_than)
-{
-    for (unsigned l = 0; l < LABELS; l++)
-        if (l != by_other_than && strcmp(kept->label_name[l], name) == 0)
-            return true;
-    return false;
-}
-
 static void take_entry(struct kept *kept, struct label_tally *tally,
                        const struct label_entry *entry, unsigned label)
 {
-    bool changed = entry->changed;
+    bool changed = entry->changed, is_taken = false;
     if (entry->has_colour) {
         memcpy(kept->palette.rgb[label], entry->rgb, sizeof entry->rgb);
         tally->colours++;
@@ -283,7 +269,9 @@ static void take_entry(struct kept *kept, struct label_tally *tally,
         return;
     memcpy(kept->label_name[label], entry->name, LABEL_NAME_BYTES);
     tally->names++;
-    if (is_taken(kept, entry->name, label)) {
+    for (unsigned l = 0; l < LABELS; l++)
+        is_taken |= l != label && strcmp(kept->label_name[l], entry->name) == 0;
+    if (is_taken) {
         char *name = kept->label_name[label], number[8]; /* "Unknown (12)", or fewer characters of
                                                             the name */
         const int length = snprintf(number, sizeof number, " (%u)", label);

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/choice.h"
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "image/geometry.h"
@@ -82,19 +81,6 @@ static bool is_under(const void *of, uint32_t cell)
 {
     const struct under *under = of;
     return markers_at(under->markers, cell) == under->marker;
-}
-
-/* Marks on a screen are thin, so that they hide little; those of the marker under the cross-hair
- * are filled. Files have always had larger marks. */
-static void mark_thin(struct sketch *sketch, const struct session *session)
-{
-    const uint32_t *cross = session->now.outlook.slices.cross;
-    const uint32_t cell = grid_cell(&session->scene->grid, cross[0], cross[1], cross[2]);
-    sketch->under.markers = &session->markers;
-    sketch->under.marker = markers_at(sketch->under.markers, cell);
-    sketch->style.thin = true;
-    if (sketch->under.marker)
-        sketch->style.filled = (struct mark_choice){is_under, &sketch->under};
 }
 
 static enum err sketch_init(struct sketch *sketch, struct session *session, struct fault *fault)
@@ -192,8 +178,17 @@ static enum err draw_canvas(struct canvas *canvas, struct session *session, enum
     struct sketch sketch;
     enum err err = sketch_init(&sketch, session, fault);
     sketch.style.finished = labels ? labels->finished : NULL;
-    if (panel)
-        mark_thin(&sketch, session);
+    if (panel) {
+        /* Marks on a screen are thin, so that they hide little; those of the marker under the
+         * cross-hair are filled. Files have always had larger marks. */
+        const uint32_t *cross = session->now.outlook.slices.cross;
+        const uint32_t cell = grid_cell(&session->scene->grid, cross[0], cross[1], cross[2]);
+        sketch.under.markers = &session->markers;
+        sketch.under.marker = markers_at(sketch.under.markers, cell);
+        sketch.style.thin = true;
+        if (sketch.under.marker)
+            sketch.style.filled = (struct mark_choice){is_under, &sketch.under};
+    }
     if (!err && kind == SLICE_KIND_MOSAIC) {
         struct mosaic_choice choice = mosaic_of(session, panel && !panel->words ? NULL : &sketch);
         choice.layout = panel ? &panel->layout : NULL;
@@ -303,22 +298,18 @@ static enum err note_kind(struct picture *picture, const struct session *session
                           enum slice_kind kind, struct fault *fault)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
-    char words[128];
-    const struct choice word = choice_at(SLICE_KINDS, kind);
-    char name[16];
-    snprintf(name, sizeof name, "%.*s", (int)word.length, word.word);
-    if (kind != SLICE_KIND_MOSAIC)
-        snprintf(name, sizeof name, "%s", slice_name(session->scene, (enum slice_plane)kind));
-    int n = snprintf(words, sizeof words, "%s through %u,%u,%u", name, s->cross[0], s->cross[1],
-                     s->cross[2]);
-    if (s->zoom && kind != SLICE_KIND_MOSAIC)
-        n += snprintf(words + n, sizeof words - (size_t)n, " zoom %u", s->zoom);
+    const bool is_mosaic = kind == SLICE_KIND_MOSAIC;
+    struct buf words = {0};
+    buf_printf(&words, is_mosaic ? "mosaic%s through " : "%s through ",
+               is_mosaic ? "" : slice_name(session->scene, (enum slice_plane)kind));
+    buf_printf(&words, "%u,%u,%u", s->cross[0], s->cross[1], s->cross[2]);
+    if (s->zoom && !is_mosaic)
+        buf_printf(&words, " zoom %u", s->zoom);
     if (s->times != SLICE_TIMES_ONE)
-        n += snprintf(words + n, sizeof words - (size_t)n, " magnified %u", s->times);
+        buf_printf(&words, " magnified %u", s->times);
     if (s->has_middle)
-        snprintf(words + n, sizeof words - (size_t)n, " around %u,%u,%u", s->middle[0],
-                 s->middle[1], s->middle[2]);
-    return picture_note(picture, "iftty:slice", words, fault);
+        buf_printf(&words, " around %u,%u,%u", s->middle[0], s->middle[1], s->middle[2]);
+    return export_note(picture, "iftty:slice", &words, fault);
 }
 
 enum err slicing_export(struct picture *picture, const struct session *session,
@@ -327,25 +318,20 @@ enum err slicing_export(struct picture *picture, const struct session *session,
 {
     const size_t pixels = (size_t)canvas->width * canvas->height;
     bool shown[256] = {false};
-    enum err err = picture_init(picture, canvas->width, canvas->height, 0, fault);
+    enum err err =
+        picture_init(picture, canvas->width, canvas->height, PICTURE_LABEL | PICTURE_VOXEL, fault);
     if (err)
         return err;
-    picture->label = mem_array(pixels, sizeof *picture->label);
-    picture->voxel = mem_array(pixels, sizeof *picture->voxel);
-    if (!picture->label || !picture->voxel)
-        err = fault_memory(fault, "a picture");
-    for (size_t i = 0; !err && i < pixels; i++) {
+    memcpy(picture->rgba, canvas->rgba, 4 * pixels);
+    for (size_t i = 0; i < pixels; i++) {
         const uint32_t cell = canvas->cell[i];
         const bool shows = cell != CELL_NONE;
-        for (size_t k = 4 * i; k < 4 * i + 4; k++)
-            picture->rgba[k] = canvas->rgba[k];
         const uint8_t label = shows ? labels_at(labels, cell) : 0;
         shown[label] = true;
         picture->label[i] = label;
         picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
-    if (!err)
-        err = export_notes(picture, session, shown, fault);
+    err = export_notes(picture, session, shown, fault);
     if (!err)
         err = note_kind(picture, session, kind, fault);
     if (err)

@@ -272,9 +272,11 @@ static const char *shown_name(const struct side_facts *facts, const char *path)
     return facts->is_private ? "" : file_name(path);
 }
 
-struct drawing {
-    const char *const *path;
-    const struct side *other; /* B */
+struct journals {
+    const struct diff_options *options;
+    struct side side[2]; /* A, B */
+    struct first_difference first_difference;
+    struct overlap overlap;
 };
 
 /* Header before the pixels. */
@@ -283,18 +285,18 @@ struct drawn {
 };
 enum { SIDE_MOST = 16384, /* limit of a picture side */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
 
-static enum err draw(struct picture *picture, struct session *session,
-                     const struct drawing *drawing, const struct side_facts *facts,
-                     const uint8_t *label, struct fault *fault)
+static enum err draw(struct picture *picture, struct session *session, const struct journals *j,
+                     const struct side_facts *facts, const uint8_t *label, struct fault *fault)
 {
-    struct overlap overlap;
-    overlap_count(&overlap, label, drawing->other->labels, session->scene->grid.voxels);
+    struct overlap overlap = {0};
+    const uint8_t *label_b = j->side[1].labels;
+    const struct side_facts *other = j->side[1].facts;
+    const char *const *path = j->options->path;
+    overlap_add(&overlap, label, label_b, session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
-        .name = {shown_name(facts, drawing->path[0]),
-                 shown_name(drawing->other->facts, drawing->path[1])},
-        .label = {label, drawing->other->labels},
+        .name = {shown_name(facts, path[0]), shown_name(other, path[1])},
+        .label = {label, label_b},
         .overlap = &overlap};
-    const struct side_facts *other = drawing->other->facts;
     struct state next = session->now;
     for (int l = 1; l < 256; l++) { /* use the names and colours of B where A has no such label */
         if (overlap.a[l])
@@ -312,11 +314,11 @@ static enum err add_picture(void *context, const struct interpreter *interp,
                             const struct side_facts *facts, const uint8_t *label, struct buf *out,
                             struct fault *fault)
 {
-    const struct drawing *drawing = context;
+    const struct journals *j = context;
     struct picture picture = {0};
-    if (memcmp(drawing->other->facts->size, facts->size, sizeof facts->size) != 0)
+    if (!same_size(j->side[1].facts->size, facts->size))
         return OK;
-    const enum err err = draw(&picture, interp->session, drawing, facts, label, fault);
+    const enum err err = draw(&picture, interp->session, j, facts, label, fault);
     const struct drawn drawn = {picture.width, picture.height};
     if (!err) {
         buf_add(out, &drawn, sizeof drawn);
@@ -336,15 +338,6 @@ static enum err check_drawn(const struct side *a, struct fault *fault)
                ? OK
                : fault_set(fault, ERR_INPUT, "a process returned no picture");
 }
-
-/* ---- both journals ---- */
-
-struct journals {
-    const struct diff_options *options;
-    struct side side[2]; /* A, B */
-    struct first_difference first_difference;
-    struct overlap overlap;
-};
 
 /* ---- the picture ---- */
 
@@ -434,29 +427,21 @@ static bool scene_is_same(const struct side *a, const struct side *b)
 }
 
 /* Add a warning for each condition that a reader of the result should know. */
-static void add_warnings(struct buf *out, const struct side *side, const char *path)
-{
-    const struct side_facts *f = side->facts;
-    const struct {
-        bool holds;
-        const char *words;
-    } warning[] = {
-        {f->is_edited, "was edited by hand; it reproduces its recorded results"},
-        {f->is_torn, "ends with an unfinished record, which was ignored"},
-        {f->pending > 0, "ends with pending edits, which are not compared"},
-    };
-    for (size_t k = 0; k < sizeof warning / sizeof warning[0]; k++)
-        if (warning[k].holds) {
-            buf_add_text(out, "# ");
-            buf_add_safe_text(out, path);
-            buf_printf(out, " %s\n", warning[k].words);
-        }
-}
-
 static void write_warnings(struct buf *out, const struct journals *j)
 {
-    for (int i = 0; i < 2; i++)
-        add_warnings(out, &j->side[i], j->options->path[i]);
+    static const char *const words[] = {"was edited by hand; it reproduces its recorded results",
+                                        "ends with an unfinished record, which was ignored",
+                                        "ends with pending edits, which are not compared"};
+    for (int i = 0; i < 2; i++) {
+        const struct side_facts *f = j->side[i].facts;
+        const bool holds[] = {f->is_edited, f->is_torn, f->pending > 0};
+        for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+            if (holds[k]) {
+                buf_add_text(out, "# ");
+                buf_add_safe_text(out, j->options->path[i]);
+                buf_printf(out, " %s\n", words[k]);
+            }
+    }
     if (!scene_is_same(&j->side[0], &j->side[1]))
         buf_add_text(out, "# the scenes are not the same: voxels were compared place by place\n");
 }
@@ -486,10 +471,7 @@ static void write_json(struct buf *out, const struct journals *j)
     add_json_side(&json, j, 0);
     add_json_side(&json, j, 1);
     json_boolean(&json, "same_scene", scene_is_same(&j->side[0], &j->side[1]));
-    json_array(&json, "size");
-    for (int a = 0; a < 3; a++)
-        json_count(&json, NULL, j->side[0].facts->size[a]);
-    json_end(&json);
+    json_counts(&json, "size", j->side[0].facts->size, 3);
     json_count(&json, "voxels", o->voxels);
     json_count(&json, "differing", o->differing);
     json_array(&json, "labels");
@@ -507,17 +489,6 @@ static void write_json(struct buf *out, const struct journals *j)
     }
     json_end(&json);
     json_end(&json);
-}
-
-/* Print the text to standard output or standard error, and release it. */
-static enum err print_text(struct buf *text, void (*to)(void *context, const char *text),
-                           const struct printer *printer, struct fault *fault)
-{
-    const enum err err = text->failed ? fault_memory(fault, "a report") : OK;
-    if (!err && text->length)
-        to(printer->context, buf_text(text));
-    buf_release(text);
-    return err;
 }
 
 static enum err report(const struct journals *j, const struct printer *printer, struct fault *fault)
@@ -546,8 +517,7 @@ static enum err report(const struct journals *j, const struct printer *printer, 
 static enum err compare(struct journals *j, const struct printer *printer, struct fault *fault)
 {
     const struct diff_options *o = j->options;
-    struct drawing drawing = {o->path, &j->side[1]};
-    const struct side_work to_draw = {.context = &drawing, .add = add_picture, .most = FRAME_MOST};
+    const struct side_work to_draw = {.context = j, .add = add_picture, .most = FRAME_MOST};
     struct buf text = {0};
     enum err err = image_check_png(o->picture, fault);
     if (err)
@@ -565,13 +535,13 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
         err =
             side_carry_out(&j->side[0], o->path[0], &o->side, o->picture ? &to_draw : NULL, fault);
     const struct side_facts *a = j->side[0].facts, *b = j->side[1].facts;
-    if (!err && memcmp(a->size, b->size, sizeof a->size) != 0)
+    if (!err && !same_size(a->size, b->size))
         err = fault_set(fault, ERR_INPUT,
                         "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
                         "labels can be compared",
                         a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
     if (!err)
-        overlap_count(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
+        overlap_add(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
     if (!err)
         err = report(j, printer, fault);
     if (!err)

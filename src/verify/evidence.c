@@ -177,18 +177,21 @@ static enum err check_png(struct interpreter *interp, const char *path,
     return err && err != ERR_MEMORY && leads_out ? golden_refuse_link(path, fault) : err;
 }
 
-/* Compare the PNG of the golden image at that path, if it exists: its pixels with those of
- * `golden` over its background, its texts with the notes of `notes`. ERR_CHECK, ERR_MEMORY. */
-static enum err check_png_of(struct interpreter *interp, const char *image,
-                             const struct picture *golden, const struct picture *notes,
-                             struct fault *fault)
+/* Count the golden image and compare its PNG, if that exists: its pixels with those of the drawn
+ * picture over its background, its texts with the notes of the golden image. */
+static enum err judge_same(void *context, struct interpreter *interp,
+                           const struct golden_finding *finding, struct fault *fault)
 {
+    struct evidence *evidence = context;
+    const struct picture *actual = finding->actual;
     struct buf path = {0};
-    buf_add(&path, image, strlen(image) - strlen("exr"));
+    evidence->goldens++;
+    evidence->pixels += (uint64_t)actual->width * actual->height;
+    buf_add(&path, finding->path, strlen(finding->path) - strlen("exr"));
     buf_add_text(&path, "png");
     enum err err = path.failed ? fault_memory(fault, "a path") : OK;
     if (!err && file_exists(buf_text(&path)))
-        err = check_png(interp, buf_text(&path), golden, notes, fault);
+        err = check_png(interp, buf_text(&path), actual, finding->expected, fault);
     if (err && err != ERR_MEMORY) {
         fault_prefix(fault, err, "%s", buf_text(&path));
         err =
@@ -198,17 +201,7 @@ static enum err check_png_of(struct interpreter *interp, const char *image,
     return err;
 }
 
-static enum err count(void *context, struct interpreter *interp,
-                      const struct golden_finding *finding, struct fault *fault)
-{
-    struct evidence *evidence = context;
-    const struct picture *actual = finding->actual;
-    evidence->goldens++;
-    evidence->pixels += (uint64_t)actual->width * actual->height;
-    return check_png_of(interp, finding->path, actual, finding->expected, fault);
-}
-
 struct golden_judge evidence_judge(struct evidence *evidence)
 {
-    return (struct golden_judge){.context = evidence, .is_same = count, .differs = collect};
+    return (struct golden_judge){.context = evidence, .is_same = judge_same, .differs = collect};
 }

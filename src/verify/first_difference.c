@@ -191,13 +191,10 @@ enum err bisect_journals(const char *a, const char *b, const struct printer *pri
             divergence_describe(&text, buf_text(&first.side[0].result),
                                 buf_text(&first.side[1].result), DIVERGENCE_OF_JOURNALS);
         buf_add_text(&text, "1..1\n");
-        err = text.failed ? fault_memory(fault, "a report") : OK;
+        err = print_text(&text, printer->print, printer, fault);
     }
-    if (!err)
-        printer->print(printer->context, buf_text(&text));
     if (!err && first.is_there)
         err = fault_set(fault, ERR_CHECK, "record %zu is the first that differs", first.same + 1);
-    buf_release(&text);
     first_difference_release(&first);
     return err;
 }

@@ -32,7 +32,7 @@ static void show_present(struct interpreter *interp, struct evidence *evidence)
     struct picture picture = {0};
     if (!interp->session->has_scene || evidence->pictures ||
         session_draw(interp->session, RENDER_AS_KEPT, NULL) ||
-        export_picture(&picture, interp->session, NULL))
+        export_picture(&picture, interp->session, PICTURE_BUT_NORMAL, NULL))
         return;
     export_background(&picture, interp->session, NULL);
     evidence_add(evidence, "actual: the rendition after this command", picture.width,
@@ -346,7 +346,7 @@ static enum err run_all(struct verification *v, struct fault *fault)
 {
     const struct verify_options *o = v->options;
     const struct processes how = {.count = o->count,
-                                  .at_once = o->processes,
+                                  .at_once = o->processes ? (unsigned)o->processes : 1,
                                   .most = RESULT_MOST,
                                   .context = v,
                                   .work = work,
@@ -380,9 +380,7 @@ static enum err sum_up(const struct verification *v, struct fault *fault)
             buf_printf(&text, ", %zu skipped", sum.skipped);
         buf_add_char(&text, '\n');
     }
-    v->printer->print(v->printer->context, buf_text(&text));
-    const enum err err = text.failed ? fault_memory(fault, "a report") : OK;
-    buf_release(&text);
+    const enum err err = print_text(&text, v->printer->print, v->printer, fault);
     if (err)
         return err;
     return sum.worst ? fault_set(fault, sum.worst, "%zu of %zu journal%s failed", sum.failed,

@@ -29,7 +29,7 @@ struct verify_options {
     bool removes_orphans;        /* remove the orphans of journals that verify otherwise */
     const char *expect;          /* expected last chain of the only journal, or NULL */
     size_t first, last;          /* records to compare; 0 for all */
-    unsigned processes;          /* processes at once, 1..PROCESSES_MOST */
+    size_t processes;            /* processes at once, 1..PROCESSES_MOST; 0: one */
     /* Called in the process of each journal before it is carried out; or NULL. An error is the
      * result. */
     enum err (*begin)(void *context, const char *journal, struct fault *fault);

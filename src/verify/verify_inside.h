@@ -7,7 +7,7 @@
 
 #include "base/buf.h"
 #include "command/golden_files.h"
-#include "command/interpreter.h"
+#include "command/script.h"
 #include "engine/labels.h"
 #include "image/picture.h"
 #include "session/session.h"
@@ -93,6 +93,10 @@ void verify_result_write(struct buf *out, const struct verify_result *result);
 /* Fill in the received result. Always release it. ERR_INPUT for bytes of another form. */
 enum err verify_result_read(struct verify_result *result, const struct buf *bytes,
                             struct fault *fault);
+
+/* Print a text, to standard output or standard error, and release it. ERR_MEMORY if it failed. */
+enum err print_text(struct buf *text, void (*to)(void *context, const char *text),
+                    const struct printer *printer, struct fault *fault);
 
 /* Sum of several results. */
 struct verify_sum {

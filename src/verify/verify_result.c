@@ -115,6 +115,16 @@ enum err verify_result_read(struct verify_result *result, const struct buf *byte
                : fault_set(fault, ERR_INPUT, "no result, or half of one: %zu bytes", bytes->length);
 }
 
+enum err print_text(struct buf *text, void (*to)(void *context, const char *text),
+                    const struct printer *printer, struct fault *fault)
+{
+    const enum err err = text->failed ? fault_memory(fault, "a report") : OK;
+    if (!err && text->length)
+        to(printer->context, buf_text(text));
+    buf_release(text);
+    return err;
+}
+
 struct verify_sum verify_sum(const struct verify_result *result, size_t count)
 {
     struct verify_sum sum = {.count = count};

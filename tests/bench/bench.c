@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The benchmarks as a program: its table, and its main. */
 #include "tests/bench/bench.h"
+#include "tests/bench/times.h"
 
 enum { JSON = 1, QUICK_PAPER, QUICK_GROWTH, QUICK_KEYS, ROUNDS, METHOD, PROGRAM, BRUSH, SCENE };
 
@@ -131,5 +132,7 @@ static const struct program_table table = {
 int main(int count, char **word)
 {
     struct bench_options options = {.rounds = 3};
-    return program_main(&table, count, word, &options.common);
+    const int status = program_main(&table, count, word, &options.common);
+    bench_json_print();
+    return status;
 }

@@ -38,18 +38,26 @@ enum err run_surface(const struct options *options, struct fault *fault);
 enum err run_looks(const struct options *options, struct fault *fault);
 
 /* Segment by the commands of a journal of examples/, without writing anything. */
-enum err bench_segment(struct interpreter *interp, const char *journal, struct fault *fault);
+void bench_segment(struct interpreter *interp, const char *journal);
 
-/* Time VTK on the same labels, one JSON object a line (tests/peers/vtk_render.py); empty without
- * VTK. */
-enum err bench_vtk(const struct session *session, struct buf *lines, struct fault *fault);
+/* Time VTK on the same labels (tests/peers/vtk_render.py); no rows without VTK. */
+enum { VTK_ROWS_MOST = 8 };
+struct bench_vtk {
+    char version[24];
+    struct {
+        char what[40];
+        double ms;
+    } row[VTK_ROWS_MOST];
+    int rows;
+};
+void bench_vtk(struct bench_vtk *out, const struct session *session);
 
 /* Cost of an iftty process that runs examples/brain.iftty and further commands, each with its line
  * feed, in a temporary folder. */
 struct bench_process {
     double seconds, of_processors, megabytes; /* elapsed; of processors; peak */
 };
-enum err bench_turntable(struct bench_process *process, const char *commands, struct fault *fault);
+struct bench_process bench_turntable(const char *commands);
 
 /* Edits of the voxels of a ball that are no seeds: seeds of label 0, and their erasure. */
 enum { BENCH_BALL_MOST = 4096 };
@@ -63,12 +71,12 @@ void bench_ball_make(struct bench_ball *ball, const struct scene *scene, uint32_
 size_t bench_next_pixel(const struct rendition *frame, size_t pixel);
 
 /* A session of many commands on 7 million voxels, and the least of three times to resume its
- * journal. ERR_CHECK if the resumed session differs. */
+ * journal. */
 struct bench_resume {
     unsigned commands;
     uint64_t voxels;
     double session_ms, resume_ms;
 };
-enum err bench_resuming(struct bench_resume *figures, struct fault *fault);
+struct bench_resume bench_resuming(void);
 
 #endif

@@ -19,8 +19,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/json.h"
-#include "base/mem.h"
 #include "command/execute.h"
 #include "engine/forest.h"
 #include "image/volume.h"
@@ -37,12 +35,7 @@
 
 /* ---- the whole way ---- */
 
-enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, MOST_TIMES = 128 };
-
-struct times {
-    double ms[MOST_TIMES];
-    size_t count;
-};
+enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24 };
 
 /* Timed work. The first three: the forest from nothing. */
 enum what { ALONE, TOGETHER, CORNERS, PLANT, ELIMINATE, BORDER, SCENE, TIMED };
@@ -71,11 +64,6 @@ struct bench_way {
     size_t voxels, border_voxels;
     unsigned threads;
 };
-
-static void add_since(struct times *times, uint64_t begin)
-{
-    times->ms[times->count++] = times_since(begin);
-}
 
 /* A deterministic generator: the n-th number of a sequence. */
 static uint64_t draw(uint64_t *state)
@@ -122,71 +110,63 @@ static void choose_seeds(struct edit seed[SEEDS], const struct interpreter *inte
 }
 
 /* The forest from nothing, by one of its own over the scene, which is left without seeds. */
-static enum err time_growing(struct scene *scene, const struct edit seed[SEEDS],
-                             unsigned neighbours, struct team *team, struct times *times,
-                             struct fault *fault)
+static void time_growing(struct scene *scene, const struct edit seed[SEEDS], unsigned neighbours,
+                         struct team *team, struct times *times)
 {
     struct forest *forest;
     struct edit none[SEEDS];
     for (int i = 0; i < SEEDS; i++)
         none[i] = (struct edit){seed[i].cell, EDIT_ERASE, 0};
-    enum err err = forest_new(&forest, scene, neighbours, fault);
-    if (!err)
-        err = forest_set_team(forest, team, fault);
-    for (int i = 0; !err && i <= SCRATCH_RUNS; i++) {
+    must(forest_new(&forest, scene, neighbours, &bench_fault));
+    must(forest_set_team(forest, team, &bench_fault));
+    for (int i = 0; i <= SCRATCH_RUNS; i++) {
         const uint64_t begin = clock_ns();
-        err = forest_edit(forest, seed, SEEDS, fault);
+        must(forest_edit(forest, seed, SEEDS, &bench_fault));
         if (i > 0) /* the first run allocates memory */
-            add_since(times, begin);
-        err = err ? err : forest_edit(forest, none, SEEDS, fault);
+            times_add(times, begin);
+        must(forest_edit(forest, none, SEEDS, &bench_fault));
     }
     forest_free(forest);
-    return err;
 }
 
 /* Each edit as the user feels it: forest, border, digests, picture. Planted in the middle half of
  * each axis, and taken away. */
-static enum err time_edits(struct session *session, struct times *times, struct fault *fault)
+static void time_edits(struct session *session, struct times *times)
 {
     const struct grid *grid = &session->scene->grid;
     uint64_t state = 1000;
-    enum err err = session_render(session, RENDER_BORDER, fault);
-    for (int i = 0; !err && i < EDITS; i++) {
+    must(session_render(session, RENDER_BORDER, &bench_fault));
+    for (int i = 0; i < EDITS; i++) {
         uint32_t at[3];
         for (int a = 0; a < 3; a++)
             at[a] = grid->size[a] / 4 + (uint32_t)(draw(&state) % (grid->size[a] / 2 + 1));
         const uint32_t cell = grid_cell(grid, at[0], at[1], at[2]);
         uint64_t begin = clock_ns();
-        err = session_plant(session, &cell, 1, (uint8_t)(i % 3), 0, fault);
-        err = err ? err : session_run(session, fault);
-        add_since(&times[PLANT], begin);
-        begin = clock_ns();
-        err = err ? err : session_erase_trees(session, &cell, 1, fault);
-        err = err ? err : session_run(session, fault);
-        add_since(&times[ELIMINATE], begin);
+        must(session_plant(session, &cell, 1, (uint8_t)(i % 3), 0, &bench_fault));
+        must(session_run(session, &bench_fault));
+        begin = times_add(&times[PLANT], begin);
+        must(session_erase_trees(session, &cell, 1, &bench_fault));
+        must(session_run(session, &bench_fault));
+        times_add(&times[ELIMINATE], begin);
     }
-    return err;
 }
 
-static enum err time_frames(struct session *session, struct times *times, struct fault *fault)
+static void time_frames(struct session *session, struct times *times)
 {
     struct view view = session->now.outlook.view;
-    enum err err = OK;
-    for (int i = 0; !err && i < FRAMES; i++) {
+    for (int i = 0; i < FRAMES; i++) {
         view.angle[0] = i * 15000;
         view.angle[1] = i * 7000;
-        err = session_set_view(session, &view, fault);
+        must(session_set_view(session, &view, &bench_fault));
         uint64_t begin = clock_ns();
-        err = err ? err : session_render(session, RENDER_BORDER, fault);
-        add_since(&times[BORDER], begin);
-        begin = clock_ns();
-        err = err ? err : session_render(session, RENDER_SCENE, fault);
-        add_since(&times[SCENE], begin);
+        must(session_render(session, RENDER_BORDER, &bench_fault));
+        begin = times_add(&times[BORDER], begin);
+        must(session_render(session, RENDER_SCENE, &bench_fault));
+        times_add(&times[SCENE], begin);
     }
-    return err;
 }
 
-static enum err time_session(struct interpreter *interp, struct bench_way *way, struct fault *fault)
+static void time_session(struct interpreter *interp, struct bench_way *way)
 {
     struct session *session = interp->session;
     struct scene *scene = session->scene;
@@ -195,59 +175,76 @@ static enum err time_session(struct interpreter *interp, struct bench_way *way, 
     struct edit seed[SEEDS];
     way->threads = team_size(team);
     choose_seeds(seed, interp);
-    enum err err = time_growing(scene, seed, 26, NULL, &times[CORNERS], fault);
-    if (!err)
-        err = time_growing(scene, seed, 6, NULL, &times[ALONE], fault);
-    if (!err && way->threads > 1)
-        err = time_growing(scene, seed, 6, team, &times[TOGETHER], fault);
-    for (int i = 0; !err && i < SEEDS; i++)
-        err = session_plant(session, &seed[i].cell, 1, seed[i].label, 0, fault);
-    if (!err)
-        err = session_run(session, fault);
-    if (!err)
-        err = time_edits(session, times, fault);
-    if (!err)
-        err = time_frames(session, times, fault);
+    time_growing(scene, seed, 26, NULL, &times[CORNERS]);
+    time_growing(scene, seed, 6, NULL, &times[ALONE]);
+    if (way->threads > 1)
+        time_growing(scene, seed, 6, team, &times[TOGETHER]);
+    for (int i = 0; i < SEEDS; i++)
+        must(session_plant(session, &seed[i].cell, 1, seed[i].label, 0, &bench_fault));
+    must(session_run(session, &bench_fault));
+    time_edits(session, times);
+    time_frames(session, times);
     way->voxels = scene->grid.voxels;
     way->border_voxels = border_count(&session->border);
     way->bytes_per_voxel = (double)session_memory_parts(session).scene / (double)way->voxels;
-    return err;
 }
 
 static void print_way(struct bench_way *way)
 {
     printf("%s: %zu voxels, %d seeds, %zu border voxels; %u threads\n\n", way->scene, way->voxels,
            SEEDS, way->border_voxels, way->threads);
-    printf("%-44s %9s %9s %9s\n", "", "median", "9 of 10", "most");
+    times_print_title();
     for (int i = 0; i < ROWS; i++) {
-        struct times *t = &way->times[table_rows[i].what];
-        const double scale = table_rows[i].is_by_voxel ? 1e6 / (double)way->voxels : 1;
-        if (t->count > 0)
-            printf("%-44s %9.2f %9.2f %9.2f  %s\n", table_rows[i].text,
-                   times_median(t->ms, t->count) * scale,
-                   times_quantile(t->ms, t->count, 0.9) * scale,
-                   times_quantile(t->ms, t->count, 1) * scale,
-                   table_rows[i].is_by_voxel ? "ns" : "ms");
+        const struct row *row = &table_rows[i];
+        if (way->times[row->what].count > 0)
+            times_print(row->text, &way->times[row->what],
+                        row->is_by_voxel ? 1e6 / (double)way->voxels : 1,
+                        row->is_by_voxel ? "ns" : "ms");
     }
     printf("%-44s %9.2f %9s %9s  bytes a voxel\n", "memory of the scene", way->bytes_per_voxel, "",
            "");
 }
 
-static void write_way_json(struct json *json, struct bench_way *way)
+static void write_way(struct json *json, struct bench_way *way)
 {
+    json_object(json, NULL);
     json_text(json, "scene", way->scene);
     json_count(json, "voxels", way->voxels);
     json_count(json, "seeds", SEEDS);
     for (int i = 0; i < ROWS; i++) {
-        struct times *t = &way->times[table_rows[i].what];
         if (!table_rows[i].name)
             continue;
         json_object(json, table_rows[i].name);
-        json_fixed(json, "median", times_median(t->ms, t->count), 3);
-        json_fixed(json, "most", times_quantile(t->ms, t->count, 1), 3);
+        times_write(json, &way->times[table_rows[i].what]);
         json_end(json);
     }
     json_fixed(json, "bytes_per_voxel", way->bytes_per_voxel, 2);
+    json_end(json);
+}
+
+enum err run_brain(const struct options *o, struct fault *fault)
+{
+    struct interpreter interp;
+    struct buf path = {0};
+    struct bench_way *way = must_have(sizeof *way);
+    (void)fault;
+    must(interpreter_init(&interp, &bench_fault));
+    way->scene = o->scene ? o->scene : "ch2.nii.gz";
+    enum err err = interpreter_find_scene(&interp, way->scene, false, &path, &bench_fault);
+    if (err && !o->scene)
+        err =
+            interpreter_find_scene(&interp, way->scene = "synth:geom", false, &path, &bench_fault);
+    must(err);
+    must(session_open(interp.session, buf_text(&path), NULL, &bench_fault));
+    time_session(&interp, way);
+    if (o->json)
+        write_way(bench_json(), way);
+    else
+        print_way(way);
+    free(way);
+    buf_release(&path);
+    interpreter_release(&interp);
+    return OK;
 }
 
 /* ---- pictures on their way to a terminal ---- */
@@ -303,26 +300,26 @@ static void begin_frames(struct frames *f, const struct graphics *by, uint32_t s
     painter_place(&f->painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
 }
 
-static bool time_frame(struct frames *f, const struct image_view *view)
+static void time_frame(struct frames *f, const struct image_view *view)
 {
     buf_clear(&f->out);
     const uint64_t begin = clock_ns();
     painter_show(&f->painter, view, &f->out);
     f->ms[f->count] = times_since(begin);
     f->bytes[f->count++] = (double)f->out.length;
-    return !f->out.failed;
+    must(f->out.failed ? fault_memory(&bench_fault, "a picture for the terminal") : OK);
 }
 
-static void end_frames(struct frames *f, bool good, struct cost *cost)
+static struct cost end_frames(struct frames *f)
 {
-    if (good)
-        *cost = (struct cost){times_median(f->bytes, f->count), times_median(f->ms, f->count)};
+    const struct cost cost = {times_median(f->bytes, f->count), times_median(f->ms, f->count)};
     painter_release(&f->painter);
     buf_release(&f->out);
+    return cost;
 }
 
-/* A whole picture, square; in blocks as large as the cells allow. False without memory. */
-static bool time_whole(struct cost *cost, const struct graphics *by, const struct image_view *view)
+/* A whole picture, square; in blocks as large as the cells allow. */
+static struct cost time_whole(const struct graphics *by, const struct image_view *view)
 {
     struct frames f;
     struct image_view fitting = *view;
@@ -331,14 +328,13 @@ static bool time_whole(struct cost *cost, const struct graphics *by, const struc
     painter_size(&f.painter, &fitting.width, &fitting.height);
     if (fitting.width < view->width)
         fitting.rgba = small = image_view_shrink(view, fitting.width, fitting.height);
-    bool good = fitting.rgba != NULL;
-    for (int i = 0; good && i < ROUNDS; i++) {
+    must(fitting.rgba ? OK : fault_memory(&bench_fault, "a picture for the terminal"));
+    for (int i = 0; i < ROUNDS; i++) {
         painter_forget(&f.painter);
-        good = time_frame(&f, &fitting);
+        time_frame(&f, &fitting);
     }
-    end_frames(&f, good, cost);
     free(small);
-    return good;
+    return end_frames(&f);
 }
 
 /* Nine tenths of the patch show an object, before and after. */
@@ -353,73 +349,65 @@ static bool is_full(const struct image_view *view, uint32_t left, uint32_t top)
 
 /* Patches all over the object; each is changed, to what is seen 5 pixels to the right of it and 3
  * below, and comes back. */
-static bool time_patches(struct cost *cost, const struct graphics *by,
-                         const struct image_view *view)
+static struct cost time_patches(const struct graphics *by, const struct image_view *view)
 {
     const size_t all = 4 * (size_t)view->width * view->height;
-    uint8_t *rgba = malloc(all);
+    uint8_t *rgba = must_have(all);
     struct image_view changed = *view;
     struct frames f;
     changed.rgba = rgba;
     begin_frames(&f, by, view->width);
-    bool good = rgba && painter_show(&f.painter, view, &f.out);
-    for (uint32_t top = 11; good && top + PATCH_SIDE + 3 < view->height; top += 53)
-        for (uint32_t left = 17; good && left + PATCH_SIDE + 5 < view->width; left += 67) {
+    painter_show(&f.painter, view, &f.out);
+    for (uint32_t top = 11; top + PATCH_SIDE + 3 < view->height; top += 53)
+        for (uint32_t left = 17; left + PATCH_SIDE + 5 < view->width; left += 67) {
             if (f.count + 2 > FRAMES_MOST || !is_full(view, left, top))
                 continue;
             memcpy(rgba, view->rgba, all);
             for (size_t y = top; y < top + PATCH_SIDE; y++)
                 memcpy(rgba + 4 * (y * view->width + left),
                        view->rgba + 4 * ((y + 3) * view->width + left + 5), 4 * PATCH_SIDE);
-            good = time_frame(&f, &changed) && time_frame(&f, view);
+            time_frame(&f, &changed);
+            time_frame(&f, view);
         }
-    end_frames(&f, good, cost);
     free(rgba);
-    return good;
+    return end_frames(&f);
 }
 
 /* By all means; and patches of it where `patch` is given. */
-static bool time_picture(const struct image_view *view, struct cost *whole, struct cost *patch)
+static void time_picture(const struct image_view *view, struct cost *whole, struct cost *patch)
 {
-    bool good = true;
-    for (int m = 0; good && m < MEANS; m++) {
+    for (int m = 0; m < MEANS; m++) {
         const struct graphics *by = graphics_auto.of[m];
-        good = time_whole(&whole[m], by, view);
+        whole[m] = time_whole(by, view);
         /* an edit in blocks is a few cells: as coarse as that, there is no patch of 40x40 */
-        if (good && patch && by->kind == GRAPHICS_PIXELS)
-            good = time_patches(&patch[m], by, view);
+        if (patch && by->kind == GRAPHICS_PIXELS)
+            patch[m] = time_patches(by, view);
     }
-    return good;
 }
 
-static enum err time_painter(struct session *session, struct costs *costs, struct fault *fault)
+static void time_painter(struct session *session, struct costs *costs)
 {
     uint32_t hue[256];
     struct canvas canvas = {0};
     struct view shown = session->now.outlook.view;
     shown.width = shown.height = RENDITION_SIDE;
-    enum err err = session_set_view(session, &shown, fault);
-    if (!err)
-        err = session_render(session, RENDER_BORDER, fault);
-    if (!err)
-        err = session_count_labels(session, fault);
-    if (err)
-        return err;
+    must(session_set_view(session, &shown, &bench_fault));
+    must(session_render(session, RENDER_BORDER, &bench_fault));
+    must(session_count_labels(session, &bench_fault));
     const struct rendition *r = session_frame(session);
     struct image_view view = {.width = r->width,
                               .height = r->height,
                               .rgba = r->rgba,
                               .hue = hue,
                               .hues = shown_hues(hue, session)};
-    bool good = time_picture(&view, costs->of[RENDITION], costs->of[PATCH]);
+    time_picture(&view, costs->of[RENDITION], costs->of[PATCH]);
     struct slicing_panel panel = {.screen = {MOSAIC_SIDE, MOSAIC_SIDE, 8, 16, true, MOSAIC_AXIAL},
                                   .words = true};
-    err = slicing_draw_panel(&canvas, session, &panel, fault);
+    must(slicing_draw_panel(&canvas, session, &panel, &bench_fault));
     view.width = view.height = MOSAIC_SIDE;
     view.rgba = canvas.rgba;
-    good = good && !err && time_picture(&view, costs->of[MOSAIC], NULL);
+    time_picture(&view, costs->of[MOSAIC], NULL);
     canvas_release(&canvas);
-    return err || good ? err : fault_memory(fault, "a picture for the terminal");
 }
 
 static void print_costs(const struct costs *costs)
@@ -444,8 +432,9 @@ static void print_costs(const struct costs *costs)
     }
 }
 
-static void write_costs_json(struct json *json, const struct costs *costs)
+static void write_costs(struct json *json, const struct costs *costs)
 {
+    json_object(json, NULL);
     json_text(json, "journal", costs->journal);
     for (int i = 0; i < PICTURES; i++) {
         json_object(json, picture_words[i].name);
@@ -460,51 +449,7 @@ static void write_costs_json(struct json *json, const struct costs *costs)
         }
         json_end(json);
     }
-}
-
-/* ---- the programs ---- */
-
-/* One of the two, as an object. */
-static void print_json(struct bench_way *way, const struct costs *costs)
-{
-    struct buf text = {0};
-    struct json json = {.out = &text};
-    json_object(&json, NULL);
-    if (way)
-        write_way_json(&json, way);
-    else
-        write_costs_json(&json, costs);
-    json_end(&json);
-    fputs(buf_text(&text), stdout);
-    buf_release(&text);
-}
-
-enum err run_brain(const struct options *o, struct fault *fault)
-{
-    struct interpreter interp;
-    struct buf path = {0};
-    struct bench_way *way = mem_new(sizeof *way);
-    enum err err = interpreter_init(&interp, fault);
-    if (!err && !way)
-        err = fault_memory(fault, "a benchmark");
-    if (!err) {
-        way->scene = o->scene ? o->scene : "ch2.nii.gz";
-        err = interpreter_find_scene(&interp, way->scene, false, &path, fault);
-        if (err && !o->scene)
-            err = interpreter_find_scene(&interp, way->scene = "synth:geom", false, &path, fault);
-    }
-    if (!err)
-        err = session_open(interp.session, buf_text(&path), NULL, fault);
-    if (!err)
-        err = time_session(&interp, way, fault);
-    if (!err && o->json)
-        print_json(way, NULL);
-    else if (!err)
-        print_way(way);
-    free(way);
-    buf_release(&path);
-    interpreter_release(&interp);
-    return err;
+    json_end(json);
 }
 
 enum err run_terminal(const struct options *o, struct fault *fault)
@@ -512,21 +457,19 @@ enum err run_terminal(const struct options *o, struct fault *fault)
     struct interpreter interp;
     struct buf journal = {0}, lines_of_it = {0};
     struct costs costs = {.journal = NULL};
-    enum err err = interpreter_init(&interp, fault);
-    if (!err)
-        err = bench_find_example(&journal, &interp, fault);
+    (void)fault;
+    must(interpreter_init(&interp, &bench_fault));
+    must(bench_find_example(&journal, &interp, &bench_fault));
     interp.is_read_only = true; /* the journal stays as it is */
-    if (!err)
-        err = interpreter_resume_journal(&interp, buf_text(&journal), &lines_of_it, fault);
-    if (!err)
-        err = time_painter(interp.session, &costs, fault);
+    must(interpreter_resume_journal(&interp, buf_text(&journal), &lines_of_it, &bench_fault));
+    time_painter(interp.session, &costs);
     costs.journal = file_name(buf_text(&journal));
-    if (!err && o->json)
-        print_json(NULL, &costs);
-    else if (!err)
+    if (o->json)
+        write_costs(bench_json(), &costs);
+    else
         print_costs(&costs);
     interpreter_release(&interp);
     buf_release(&lines_of_it);
     buf_release(&journal);
-    return err;
+    return OK;
 }

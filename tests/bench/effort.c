@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
-#include "base/mem.h"
 #include "tests/bench/times.h"
 #include "tests/bench/effort_run.h"
 
@@ -31,7 +29,7 @@ enum { METHODS = sizeof method / sizeof *method, OBJECTS_MOST = 64 };
 struct efforts {
     const struct bench_options *options;
     struct interpreter interp; /* finds files */
-    struct buf folder;
+    const char *folder;
     struct effort_run run[METHODS * OBJECTS_MOST];
     size_t runs, done, total;
 };
@@ -60,7 +58,7 @@ static bool wants_method(const struct bench_options *o, size_t m)
                                   : strstr(method[m].name, o->method) != NULL);
 }
 
-static enum err check_words(struct efforts *e, struct fault *fault)
+static void check_words(struct efforts *e)
 {
     const struct options *o = &e->options->common;
     for (size_t object = 0; effort_object_name(object); object++)
@@ -71,41 +69,37 @@ static enum err check_words(struct efforts *e, struct fault *fault)
         for (size_t object = 0; effort_object_name(object); object++)
             known |= is_object(o->word[i], object);
         if (!known)
-            return fault_set(fault, ERR_USAGE,
-                             "expected tuned, other, ct, or an object of those, such as putamen; "
-                             "not %s",
-                             o->word[i]);
+            must(fault_set(&bench_fault, ERR_USAGE,
+                           "expected tuned, other, ct, or an object of those, such as putamen; "
+                           "not %s",
+                           o->word[i]));
     }
-    return e->total
-               ? OK
-               : fault_set(fault, ERR_USAGE, "no method has %s in its name", e->options->method);
+    if (!e->total)
+        must(
+            fault_set(&bench_fault, ERR_USAGE, "no method has %s in its name", e->options->method));
 }
 
-static enum err run_object(struct efforts *e, size_t object, struct fault *fault)
+/* False after Ctrl-C. */
+static bool run_object(struct efforts *e, size_t object)
 {
     struct effort_object loaded;
-    enum err err = effort_object_load(&loaded, object, &e->interp, fault);
-    if (err)
-        return err;
-    err = effort_prepare(&loaded, buf_text(&e->folder), fault);
-    for (size_t m = 0; m < METHODS && !err; m++) {
+    bool goes_on = true;
+    effort_object_load(&loaded, object, &e->interp);
+    must(effort_prepare(&loaded, e->folder, &bench_fault));
+    for (size_t m = 0; m < METHODS && goes_on; m++) {
         if (!wants_method(e->options, m))
             continue;
-        if (watch_poll(console_watch(), loaded.name, e->done++, e->total)) {
-            err = fault_set(fault, ERR_CANCELLED, "cancelled");
+        goes_on = !watch_poll(console_watch(), loaded.name, e->done++, e->total);
+        if (!goes_on)
             break;
-        }
-        struct effort_run *run = &e->run[e->runs];
+        struct effort_run *run = &e->run[e->runs++];
         *run = (struct effort_run){
             .object = object, .method = m, .radius_most = (uint32_t)e->options->brush};
-        err = effort_run(run, &method[m], &loaded, buf_text(&e->folder), fault);
-        if (err)
-            fault_prefix(fault, err, "%s, %s", loaded.name, method[m].name);
-        else
-            e->runs++;
+        const enum err err = effort_run(run, &method[m], &loaded, e->folder, &bench_fault);
+        must(err ? fault_prefix(&bench_fault, err, "%s, %s", loaded.name, method[m].name) : OK);
     }
     effort_object_release(&loaded);
-    return err;
+    return goes_on;
 }
 
 static void print_table(const struct efforts *e, enum effort_group group)
@@ -146,33 +140,24 @@ static void print_table(const struct efforts *e, enum effort_group group)
 
 enum err run_effort(const struct options *common, struct fault *fault)
 {
-    struct efforts *e = mem_new(sizeof *e);
-    if (!e)
-        return fault_memory(fault, "a benchmark");
+    struct efforts *e = must_have(sizeof *e);
+    bool goes_on = true;
+    (void)fault;
     e->options = bench_options(common);
     console_handle_interrupts();
-    enum err err = check_words(e, fault);
-    err = err ? err : interpreter_init(&e->interp, fault);
-    if (err) {
-        free(e);
-        return err;
-    }
-    err = folder_fresh(&e->folder, NULL, fault);
-    for (size_t object = 0; effort_object_name(object) && !err; object++)
+    check_words(e);
+    must(interpreter_init(&e->interp, &bench_fault));
+    e->folder = bench_folder(NULL);
+    for (size_t object = 0; effort_object_name(object) && goes_on; object++)
         if (wants_object(common, object))
-            err = run_object(e, object, fault);
-    if (!err || err == ERR_CANCELLED) { /* Ctrl-C: print the runs so far */
-        for (int group = 0; group < EFFORT_GROUPS; group++)
-            print_table(e, (enum effort_group)group);
-        printf("Gestures count the first two, and 23 where 22 do not reach the goal; in brackets, "
-               "how many\nobjects reach it. Of 1st: by the gestures to 0.8 of the first method. A "
-               "collapse is a drop of\nmore than 0.05 from one gesture to the next. Times are "
-               "medians, of the processor.\n");
-    }
-    if (e->folder.length)
-        folder_remove(buf_text(&e->folder));
+            goes_on = run_object(e, object);
+    for (int group = 0; group < EFFORT_GROUPS; group++) /* after Ctrl-C, of the runs so far */
+        print_table(e, (enum effort_group)group);
+    printf("Gestures count the first two, and 23 where 22 do not reach the goal; in brackets, how "
+           "many\nobjects reach it. Of 1st: by the gestures to 0.8 of the first method. A "
+           "collapse is a drop of\nmore than 0.05 from one gesture to the next. Times are "
+           "medians, of the processor.\n");
     interpreter_release(&e->interp);
-    buf_release(&e->folder);
     free(e);
-    return err;
+    return goes_on ? OK : fault_set(&bench_fault, ERR_CANCELLED, "cancelled");
 }

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/mem.h"
 #include "base/scan.h"
 #include "engine/components.h"
 #include "image/volume.h"
+#include "tests/bench/times.h"
 
 enum { CROP_MOST = 80, REGIONS_MOST = 4000, MARGIN = 16 };
 
@@ -111,15 +111,12 @@ static void matter_release(struct matter *m)
     *m = (struct matter){0};
 }
 
-static enum err matter_new(struct matter *m, const uint32_t size[3], struct fault *fault)
+static struct matter matter_new(const uint32_t size[3])
 {
-    memcpy(m->size, size, sizeof m->size);
-    m->image = mem_array(voxels_of(size), sizeof *m->image);
-    m->truth = mem_array(voxels_of(size), 1);
-    if (!m->image || !m->truth)
-        return fault_memory(fault, "an object");
-    memset(m->truth, 0, voxels_of(size));
-    return OK;
+    struct matter m = {.image = must_have(voxels_of(size) * sizeof *m.image),
+                       .truth = must_have(voxels_of(size))};
+    memcpy(m.size, size, sizeof m.size);
+    return m;
 }
 
 /* ---- regions ---- */
@@ -159,13 +156,11 @@ static void mark_regions(struct matter *m, const struct volume *scene, const str
 }
 
 /* The truth grows, or shrinks, by the six faces; beyond the scene is what it is anyway. */
-static enum err step_truth(struct matter *m, bool grows, struct fault *fault)
+static void step_truth(struct matter *m, bool grows)
 {
     const size_t n[3] = {m->size[0], m->size[1], m->size[2]};
     const size_t step[3] = {1, n[0], n[0] * n[1]}, voxels = voxels_of(m->size);
-    uint8_t *next = mem_array(voxels, 1);
-    if (!next)
-        return fault_memory(fault, "an object");
+    uint8_t *next = must_have(voxels);
     memcpy(next, m->truth, voxels);
     for (size_t voxel = 0; voxel < voxels; voxel++)
         for (int a = 0; a < 3; a++) {
@@ -176,53 +171,43 @@ static enum err step_truth(struct matter *m, bool grows, struct fault *fault)
         }
     free(m->truth);
     m->truth = next;
-    return OK;
 }
 
-static enum err read_volume(struct volume *out, const char *name, const struct interpreter *interp,
-                            struct fault *fault)
+static void read_volume(struct volume *out, const char *name, const struct interpreter *interp)
 {
     struct buf path = {0};
-    enum err err = interpreter_find_file(interp, name, &path, fault);
-    if (!err)
-        err = volume_read(out, buf_text(&path), NULL, NULL, fault);
+    must(interpreter_find_file(interp, name, &path, &bench_fault));
+    must(volume_read(out, buf_text(&path), NULL, NULL, &bench_fault));
     /* If a file has two different places, iftty uses neither; in these files the sform is right. */
-    if (!err && !geometry_has_place(&out->geometry) && out->geometry.sform.code)
+    if (!geometry_has_place(&out->geometry) && out->geometry.sform.code)
         geometry_take_form(&out->geometry, ORIENTATION_SFORM);
     buf_release(&path);
-    return err;
 }
 
-static enum err matter_read(struct matter *m, const struct row *r, const struct interpreter *interp,
-                            struct fault *fault)
+static struct matter matter_read(const struct row *r, const struct interpreter *interp)
 {
     struct volume scene = {0}, map = {0};
-    enum err err = read_volume(&scene, r->scene, interp, fault);
-    if (!err)
-        err = read_volume(&map, r->map, interp, fault);
-    if (!err)
-        err = matter_new(m, scene.size, fault);
-    if (!err) {
-        memcpy(m->image, scene.intensity, voxels_of(m->size) * sizeof *m->image);
-        mark_regions(m, &scene, &map, r);
-    }
-    for (int i = 0; i < 2 * r->closed && !err; i++)
-        err = step_truth(m, i < r->closed, fault);
+    read_volume(&scene, r->scene, interp);
+    read_volume(&map, r->map, interp);
+    struct matter m = matter_new(scene.size);
+    memcpy(m.image, scene.intensity, voxels_of(m.size) * sizeof *m.image);
+    mark_regions(&m, &scene, &map, r);
+    for (int i = 0; i < 2 * r->closed; i++)
+        step_truth(&m, i < r->closed);
     volume_release(&scene);
     volume_release(&map);
-    return err;
+    return m;
 }
 
 /* ---- reduced, cut out, stretched ---- */
 
 /* Blocks at the end of an axis that are not full are left out. */
-static enum err reduce(struct matter *m, struct fault *fault)
+static void reduce(struct matter *m)
 {
     const uint32_t size[3] = {m->size[0] / 2, m->size[1] / 2, m->size[2] / 2};
-    struct matter half = {0};
-    enum err err = matter_new(&half, size, fault);
+    struct matter half = matter_new(size);
     size_t voxel = 0;
-    for (uint32_t z = 0; !err && z < size[2]; z++)
+    for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1]; y++)
             for (uint32_t x = 0; x < size[0]; x++, voxel++) {
                 uint32_t sum = 0, inside = 0;
@@ -239,7 +224,6 @@ static enum err reduce(struct matter *m, struct fault *fault)
             }
     matter_release(m);
     *m = half;
-    return err;
 }
 
 static void grow_bounds(uint32_t first[3], uint32_t last[3], const struct place *p, uint32_t length)
@@ -252,32 +236,28 @@ static void grow_bounds(uint32_t first[3], uint32_t last[3], const struct place 
 }
 
 /* Keep the largest component of the truth, and find the box around it. */
-static enum err keep_largest(struct matter *m, uint32_t first[3], uint32_t last[3],
-                             struct fault *fault)
+static void keep_largest(struct matter *m, uint32_t first[3], uint32_t last[3])
 {
     struct components pieces = {0};
     struct grid grid;
-    enum err err = grid_init(&grid, m->size, fault);
-    uint8_t *label = err ? NULL : mem_new(grid.cells);
-    if (!err && !label)
-        err = fault_memory(fault, "an object");
-    for (size_t r = 0; !err && r < (size_t)grid.size[1] * grid.size[2]; r++)
+    must(grid_init(&grid, m->size, &bench_fault));
+    uint8_t *label = must_have(grid.cells);
+    for (size_t r = 0; r < (size_t)grid.size[1] * grid.size[2]; r++)
         memcpy(
             label +
                 grid_row(&grid, (uint32_t)(r % grid.size[1]), (uint32_t)(r / grid.size[1])).first,
             m->truth + r * grid.size[0], grid.size[0]);
-    err = err ? err : components_find(&pieces, &grid, label, NULL, fault);
-    if (!err)
-        memset(m->truth, 0, grid.voxels);
+    must(components_find(&pieces, &grid, label, NULL, &bench_fault));
+    memset(m->truth, 0, grid.voxels);
     for (int a = 0; a < 3; a++)
         first[a] = UINT32_MAX, last[a] = 0;
     const struct component *best = NULL;
-    for (size_t i = 0; !err && i < pieces.count; i++)
+    for (size_t i = 0; i < pieces.count; i++)
         if (pieces.item[i].label && (!best || pieces.item[i].voxels > best->voxels))
             best = &pieces.item[i];
-    if (!err && !best)
-        err = fault_set(fault, ERR_INPUT, "no voxel of the scene is in these regions");
-    for (uint32_t r = best ? best->run : RUN_NONE; r != RUN_NONE; r = pieces.run[r].next) {
+    if (!best)
+        must(fault_set(&bench_fault, ERR_INPUT, "no voxel of the scene is in these regions"));
+    for (uint32_t r = best->run; r != RUN_NONE; r = pieces.run[r].next) {
         const struct place p = grid_place(&grid, pieces.run[r].first);
         const uint32_t length = pieces.run[r].end - pieces.run[r].first;
         memset(m->truth + grid_voxel(&grid, pieces.run[r].first), 1, length);
@@ -285,17 +265,14 @@ static enum err keep_largest(struct matter *m, uint32_t first[3], uint32_t last[
     }
     free(label);
     components_release(&pieces);
-    return err;
 }
 
-static enum err crop(struct matter *m, const uint32_t first[3], const uint32_t last[3],
-                     struct fault *fault)
+static void crop(struct matter *m, const uint32_t first[3], const uint32_t last[3])
 {
     const uint32_t size[3] = {last[0] - first[0] + 1, last[1] - first[1] + 1,
                               last[2] - first[2] + 1};
-    struct matter part = {0};
-    enum err err = matter_new(&part, size, fault);
-    for (uint32_t z = 0; !err && z < size[2]; z++)
+    struct matter part = matter_new(size);
+    for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1]; y++) {
             const size_t from =
                 ((size_t)(first[2] + z) * m->size[1] + first[1] + y) * m->size[0] + first[0];
@@ -305,7 +282,6 @@ static enum err crop(struct matter *m, const uint32_t first[3], const uint32_t l
         }
     matter_release(m);
     *m = part;
-    return err;
 }
 
 /* The box and the margin, within the scene; whether no side of that is longer than it may be. */
@@ -321,18 +297,17 @@ static bool add_margin(uint32_t first[3], uint32_t last[3], const struct row *r,
     return fits || r->group == GROUP_TUNED;
 }
 
-static enum err cut_out(struct matter *m, const struct row *r, struct fault *fault)
+static void cut_out(struct matter *m, const struct row *r)
 {
     uint32_t first[3], last[3];
-    enum err err = OK;
-    for (int i = 0; i < r->reduced && !err; i++)
-        err = reduce(m, fault);
-    err = err ? err : keep_largest(m, first, last, fault);
-    while (!err && !add_margin(first, last, r, m->size)) {
-        err = reduce(m, fault);
-        err = err ? err : keep_largest(m, first, last, fault);
+    for (int i = 0; i < r->reduced; i++)
+        reduce(m);
+    keep_largest(m, first, last);
+    while (!add_margin(first, last, r, m->size)) {
+        reduce(m);
+        keep_largest(m, first, last);
     }
-    return err ? err : crop(m, first, last, fault);
+    crop(m, first, last);
 }
 
 /* The lowest value that more than `share` voxels do not exceed. */
@@ -344,9 +319,9 @@ static uint32_t quantile(const uint32_t *count, size_t share)
     return value;
 }
 
-static void stretch(uint8_t *out, const uint16_t *image, size_t voxels, uint32_t *count)
+static void stretch(uint8_t *out, const uint16_t *image, size_t voxels)
 {
-    memset(count, 0, (UINT16_MAX + 1) * sizeof *count);
+    uint32_t count[UINT16_MAX + 1] = {0};
     for (size_t i = 0; i < voxels; i++)
         count[image[i]]++;
     const uint32_t low = quantile(count, voxels / 1000);
@@ -360,50 +335,33 @@ static void stretch(uint8_t *out, const uint16_t *image, size_t voxels, uint32_t
 
 /* ---- an object ---- */
 
-static enum err matter_make(struct matter *m, const struct row *r, const struct interpreter *interp,
-                            struct fault *fault)
+static struct matter matter_make(const struct row *r, const struct interpreter *interp)
 {
     const uint32_t side[3] = {PHANTOM_SIDE, PHANTOM_SIDE, PHANTOM_SIDE};
-    if (r->scene) {
-        enum err err = matter_read(m, r, interp, fault);
-        return err ? err : cut_out(m, r, fault);
-    }
-    enum err err = matter_new(m, side, fault);
-    if (!err)
+    struct matter m = r->scene ? matter_read(r, interp) : matter_new(side);
+    if (r->scene)
+        cut_out(&m, r);
+    else
         phantom_fill((enum phantom)(r->regions[0] - '0'),
-                     r->group == GROUP_CT ? r->regions[1] - '0' : 0, m->image, m->truth);
-    return err;
+                     r->group == GROUP_CT ? r->regions[1] - '0' : 0, m.image, m.truth);
+    return m;
 }
 
-enum err effort_object_load(struct effort_object *object, size_t number,
-                            const struct interpreter *interp, struct fault *fault)
+void effort_object_load(struct effort_object *object, size_t number,
+                        const struct interpreter *interp)
 {
-    struct matter m = {0};
-    uint32_t *count = mem_array(UINT16_MAX + 1, sizeof *count);
-    *object = (struct effort_object){.name = row[number].name, .group = row[number].group};
-    enum err err =
-        count ? matter_make(&m, &row[number], interp, fault) : fault_memory(fault, "an object");
-    if (!err) {
-        memcpy(object->size, m.size, sizeof m.size);
-        object->voxels = voxels_of(m.size);
-        object->image = mem_array(object->voxels, 1);
-        err = object->image ? OK : fault_memory(fault, "an object");
-    }
-    if (!err) {
-        stretch(object->image, m.image, object->voxels, count);
-        object->truth = m.truth;
-        m.truth = NULL;
-        if (row[number].group == GROUP_CT) {
-            object->hounsfield = m.image;
-            m.image = NULL;
-        }
-    } else {
-        fault_prefix(fault, err, "%s", row[number].name);
-        effort_object_release(object);
-    }
-    matter_release(&m);
-    free(count);
-    return err;
+    struct matter m = matter_make(&row[number], interp);
+    *object = (struct effort_object){.name = row[number].name,
+                                     .group = row[number].group,
+                                     .voxels = voxels_of(m.size),
+                                     .truth = m.truth};
+    memcpy(object->size, m.size, sizeof m.size);
+    object->image = must_have(object->voxels);
+    stretch(object->image, m.image, object->voxels);
+    if (object->group == GROUP_CT)
+        object->hounsfield = m.image;
+    else
+        free(m.image);
 }
 
 void effort_object_release(struct effort_object *object)

@@ -35,9 +35,9 @@ struct effort_object {
 const char *effort_object_name(size_t number);
 enum effort_group effort_object_group(size_t number);
 
-/* ERR_IO if one of its files is not installed. */
-enum err effort_object_load(struct effort_object *object, size_t number,
-                            const struct interpreter *interp, struct fault *fault);
+/* The program ends if one of its files is not installed. */
+void effort_object_load(struct effort_object *object, size_t number,
+                        const struct interpreter *interp);
 void effort_object_release(struct effort_object *object);
 
 /* Write the object as a NIfTI file for `open`. */

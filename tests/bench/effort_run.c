@@ -104,8 +104,8 @@ static enum err apply(struct work *work, const struct effort_gesture *gesture, s
 
 static unsigned dice_of(const struct work *work)
 {
-    struct overlap overlap;
-    overlap_count(&overlap, work->label, work->object->truth, work->object->voxels);
+    struct overlap overlap = {0};
+    overlap_add(&overlap, work->label, work->object->truth, work->object->voxels);
     return overlap_dice(&overlap, 1);
 }
 

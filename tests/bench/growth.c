@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
-#include "base/json.h"
 #include "base/mem.h"
 #include "tests/bench/times.h"
 #include "render/border.h"
@@ -58,23 +57,21 @@ static void lay_tiles(struct scene *scene, const struct scene *tile)
         }
 }
 
-static enum err plant_lattice(struct growth *growth, struct fault *fault)
+static void plant_lattice(struct growth *growth)
 {
     const struct grid *grid = &growth->scene->grid;
-    struct edit *seed = mem_array(grid->voxels / (LATTICE * LATTICE * LATTICE), sizeof *seed);
+    struct edit *seed =
+        must_have(grid->voxels / (LATTICE * LATTICE * LATTICE) * sizeof(struct edit));
     size_t seeds = 0;
-    if (!seed)
-        return fault_memory(fault, "seeds");
     for (uint32_t z = LATTICE / 2; z < grid->size[2]; z += LATTICE)
         for (uint32_t y = LATTICE / 2; y < grid->size[1]; y += LATTICE)
             for (uint32_t x = LATTICE / 2; x < grid->size[0]; x += LATTICE)
                 seed[seeds++] = (struct edit){grid_cell(grid, x, y, z),
                                               (int16_t)(1 + (x + y + z) / LATTICE % 3), 0};
     const uint64_t begin = clock_ns();
-    enum err err = forest_edit(growth->forest, seed, seeds, fault);
+    must(forest_edit(growth->forest, seed, seeds, &bench_fault));
     growth->scratch_ns = (double)(clock_ns() - begin) / (double)grid->voxels;
     free(seed);
-    return err;
 }
 
 /* In the tile in the middle, in the middle of eight seeds. */
@@ -96,22 +93,16 @@ static void place_ball(struct growth *growth, const uint32_t count[3])
                 }
 }
 
-static enum err make_scene(struct growth *growth, const struct scene *tile, const uint32_t count[3],
-                           struct fault *fault)
+static void make_scene(struct growth *growth, const struct scene *tile, const uint32_t count[3])
 {
     const uint32_t size[3] = {count[0] * TILE_X, count[1] * TILE_Y, count[2] * TILE_Z};
-    enum err err = scene_new(&growth->scene, size, fault);
-    if (!err)
-        err = forest_new(&growth->forest, growth->scene, 6, fault);
-    if (!err)
-        err = border_init(&growth->border, growth->scene, fault);
-    if (err)
-        return err;
+    must(scene_new(&growth->scene, size, &bench_fault));
+    must(forest_new(&growth->forest, growth->scene, 6, &bench_fault));
+    must(border_init(&growth->border, growth->scene, &bench_fault));
     lay_tiles(growth->scene, tile);
     place_ball(growth, count);
-    err = plant_lattice(growth, fault);
+    plant_lattice(growth);
     border_recount(&growth->border);
-    return err;
 }
 
 static void release(struct growth *growth)
@@ -123,16 +114,15 @@ static void release(struct growth *growth)
 
 /* ---- timing ---- */
 
-static enum err time_edit(struct growth *growth, int erases, int round, struct fault *fault)
+static void time_edit(struct growth *growth, int erases, int round)
 {
     const uint64_t begin = clock_ns();
-    enum err err =
-        forest_edit(growth->forest, erases ? growth->undo : growth->ball, BALL_VOXELS, fault);
+    must(forest_edit(growth->forest, erases ? growth->undo : growth->ball, BALL_VOXELS,
+                     &bench_fault));
     const struct changes changes = forest_changes(growth->forest);
     border_update(&growth->border, &changes);
     growth->ms[erases][round] = times_since(begin);
     growth->touched[erases] = (size_t)forest_stats(growth->forest).touched;
-    return err;
 }
 
 static double median(double *ms)
@@ -140,51 +130,45 @@ static double median(double *ms)
     return times_median(ms, ROUNDS);
 }
 
-static void print_table(FILE *out, struct growth *growth, size_t scenes)
+static void print_table(struct growth *growth, size_t scenes)
 {
-    fprintf(
-        out,
-        "one edit, %d seeds planted and erased again, in scenes that grow around it: forest,\n"
-        "digests and border. Medians of %d rounds in turn, one core.\n\n"
-        "                        planted           erased        ns a touched voxel    both,\n"
-        "      voxels       ms   touched      ms   touched   plant   erase  scratch   first=1\n",
-        BALL_VOXELS, ROUNDS);
+    printf("one edit, %d seeds planted and erased again, in scenes that grow around it: forest,\n"
+           "digests and border. Medians of %d rounds in turn, one core.\n\n"
+           "                        planted           erased        ns a touched voxel    both,\n"
+           "      voxels       ms   touched      ms   touched   plant   erase  scratch   first=1\n",
+           BALL_VOXELS, ROUNDS);
     double first = 0;
     for (size_t i = 0; i < scenes; i++) {
         struct growth *g = growth + i;
         const double plant = median(g->ms[0]), erase = median(g->ms[1]);
         first = i == 0 ? plant + erase : first;
-        fprintf(out, "%12zu %8.3f %9zu %7.3f %9zu %7.1f %7.1f %8.1f %9.2f\n", g->scene->grid.voxels,
-                plant, g->touched[0], erase, g->touched[1], plant * 1e6 / (double)g->touched[0],
-                erase * 1e6 / (double)g->touched[1], g->scratch_ns, (plant + erase) / first);
+        printf("%12zu %8.3f %9zu %7.3f %9zu %7.1f %7.1f %8.1f %9.2f\n", g->scene->grid.voxels,
+               plant, g->touched[0], erase, g->touched[1], plant * 1e6 / (double)g->touched[0],
+               erase * 1e6 / (double)g->touched[1], g->scratch_ns, (plant + erase) / first);
     }
 }
 
-static void print_json(FILE *out, struct growth *growth, size_t scenes)
+static void write_table(struct json *json, struct growth *growth, size_t scenes)
 {
-    struct buf text = {0};
-    struct json json = {.out = &text};
-    json_object(&json, NULL);
-    json_count(&json, "rounds", ROUNDS);
-    json_count(&json, "seeds", BALL_VOXELS);
-    json_array(&json, "scenes");
+    json_object(json, NULL);
+    json_count(json, "rounds", ROUNDS);
+    json_count(json, "seeds", BALL_VOXELS);
+    json_array(json, "scenes");
     for (size_t i = 0; i < scenes; i++) {
         struct growth *g = growth + i;
-        json_object(&json, NULL);
-        json_count(&json, "voxels", g->scene->grid.voxels);
-        json_array(&json, "touched");
-        json_count(&json, NULL, g->touched[0]);
-        json_count(&json, NULL, g->touched[1]);
-        json_end(&json);
-        json_fixed(&json, "plant_ms", median(g->ms[0]), 4);
-        json_fixed(&json, "erase_ms", median(g->ms[1]), 4);
-        json_fixed(&json, "scratch_ns", g->scratch_ns, 2);
-        json_end(&json);
+        json_object(json, NULL);
+        json_count(json, "voxels", g->scene->grid.voxels);
+        json_array(json, "touched");
+        json_count(json, NULL, g->touched[0]);
+        json_count(json, NULL, g->touched[1]);
+        json_end(json);
+        json_fixed(json, "plant_ms", median(g->ms[0]), 4);
+        json_fixed(json, "erase_ms", median(g->ms[1]), 4);
+        json_fixed(json, "scratch_ns", g->scratch_ns, 2);
+        json_end(json);
     }
-    json_end(&json);
-    json_end(&json);
-    fputs(buf_text(&text), out);
-    buf_release(&text);
+    json_end(json);
+    json_end(json);
 }
 
 /* As many of the scenes as memory holds together, one at least. */
@@ -206,34 +190,32 @@ enum err run_growth(const struct options *o, struct fault *fault)
 {
     const size_t scenes = scenes_that_fit(bench_options(o)->quick ? 2 : SCENES);
     struct watch *watch = console_watch();
-    struct growth *growth = mem_array(SCENES, sizeof *growth);
+    struct growth *growth = must_have(SCENES * sizeof *growth);
     struct scene *tile = NULL;
+    struct adjacency adjacency;
+    (void)fault;
     console_handle_interrupts();
-    enum err err =
-        growth ? scene_new_geom(&tile, 0, watch, fault) : fault_memory(fault, "a benchmark");
-    for (size_t i = 0; growth && i < SCENES; i++)
-        growth[i] = (struct growth){0};
-    if (!err) {
-        struct adjacency adjacency;
-        adjacency_init(&adjacency, 6, &tile->grid);
-        weight_compute(tile, &adjacency, &(struct weight_choice){WEIGHT_MORPH, 1},
-                       &(struct weight_work){0});
-    }
-    for (size_t i = 0; !err && i < scenes; i++) {
+    must(scene_new_geom(&tile, 0, watch, &bench_fault));
+    adjacency_init(&adjacency, 6, &tile->grid);
+    weight_compute(tile, &adjacency, &(struct weight_choice){WEIGHT_MORPH, 1},
+                   &(struct weight_work){0});
+    for (size_t i = 0; i < scenes; i++) {
         watch_poll(watch, "making scenes", i, scenes);
-        err = make_scene(growth + i, tile, tiles[i], fault);
+        make_scene(growth + i, tile, tiles[i]);
     }
-    for (int round = -1; !err && round < ROUNDS; round++) { /* the first warms up */
+    for (int round = -1; round < ROUNDS; round++) { /* the first warms up */
         if (watch_poll(watch, "edits", (uint64_t)round + 1, ROUNDS))
-            err = fault_set(fault, ERR_CANCELLED, "cancelled");
-        for (size_t i = 0; !err && i < 2 * scenes; i++)
-            err = time_edit(growth + i / 2, i % 2, round < 0 ? 0 : round, fault);
+            must(fault_set(&bench_fault, ERR_CANCELLED, "cancelled"));
+        for (size_t i = 0; i < 2 * scenes; i++)
+            time_edit(growth + i / 2, i % 2, round < 0 ? 0 : round);
     }
-    if (!err)
-        (o->json ? print_json : print_table)(stdout, growth, scenes);
-    for (size_t i = 0; growth && i < SCENES; i++)
+    if (o->json)
+        write_table(bench_json(), growth, scenes);
+    else
+        print_table(growth, scenes);
+    for (size_t i = 0; i < scenes; i++)
         release(growth + i);
     free(growth);
     scene_free(tile);
-    return err;
+    return OK;
 }

@@ -29,8 +29,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/json.h"
-#include "command/interpreter.h"
 #include "tests/bench/times.h"
 #include "tests/bench/far_end.h"
 
@@ -114,8 +112,7 @@ struct figures {
     const char *only;    /* pilots with this in their names; NULL: all */
     bool quick;
     struct buf journal, scene; /* paths */
-    double start_ms[MOMENTS][STARTS];
-    unsigned starts; /* that were timed */
+    struct times start[MOMENTS];
     struct key_figures key[LINES][PILOTED][KINDS];
 };
 
@@ -132,56 +129,35 @@ static struct pilot_name name_of(unsigned line, unsigned pilot)
 
 /* ---- the start ---- */
 
-/* The journal of this session goes with the folder. */
-static enum err time_start(struct figures *f, const char *folder, struct fault *fault)
+static void time_start(struct figures *f)
 {
     static const char *const awaited[] = {"> ", "voxels of", "> ", NULL};
     static const struct far_line line = {0, 0};
     struct far_end *e = NULL;
     struct far_result result;
-    struct buf journal = {0};
-    buf_printf(&journal, "%s/bench.iftty", folder);
-    char *const argument[] = {"iftty", "--journal", journal.data, f->scene.data, NULL};
-    enum err err = journal.failed ? fault_memory(fault, "a path") : OK;
-    if (!err)
-        err = far_end_new(&e, f->program, argument, folder, NULL, &line, fault);
-    if (!err)
-        err = far_end_press(e, "", awaited, &result, fault);
-    for (int m = 0; !err && m < MOMENTS; m++)
-        f->start_ms[m][f->starts] = times_between(result.pressed_ns, result.came_ns[2 * m]);
-    f->starts += !err;
+    const char *folder = bench_folder(NULL);
+    char journal[PATH_MAX];
+    snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
+    char *const argument[] = {"iftty", "--journal", journal, f->scene.data, NULL};
+    must(far_end_new(&e, f->program, argument, folder, NULL, &line, &bench_fault));
+    must(far_end_press(e, "", awaited, &result, &bench_fault));
+    for (int m = 0; m < MOMENTS; m++)
+        f->start[m].ms[f->start[m].count++] =
+            times_between(result.pressed_ns, result.came_ns[2 * m]);
     far_end_free(e);
-    buf_release(&journal);
-    return err;
-}
-
-static enum err time_starts(struct figures *f, struct fault *fault)
-{
-    enum err err = OK;
-    while (!err && f->starts < (f->quick ? 1 : STARTS)) {
-        struct buf folder = {0};
-        err = folder_fresh(&folder, NULL, fault);
-        if (err)
-            return err;
-        err = time_start(f, buf_text(&folder), fault);
-        folder_remove(buf_text(&folder));
-        buf_release(&folder);
-    }
-    return err;
 }
 
 /* ---- the pilot ---- */
 
-struct times {
+struct pressed {
     double of[COLUMNS][KEYS_MOST];
     unsigned keys;
 };
 
-static enum err press(struct far_end *e, const char *keys, const char *const *awaited,
-                      struct fault *fault)
+static void press(struct far_end *e, const char *keys, const char *const *awaited)
 {
     struct far_result result;
-    return far_end_press(e, keys, awaited, &result, fault);
+    must(far_end_press(e, keys, awaited, &result, &bench_fault));
 }
 
 /* But for what came first. */
@@ -194,192 +170,136 @@ static void take_result(double of[COLUMNS], const struct far_result *result)
     of[PROCESSOR] = (double)result->processor_ns / 1e6;
 }
 
-static enum err timed_press(struct far_end *e, const char *keys, struct times *t,
-                            struct fault *fault)
+static void timed_press(struct far_end *e, const char *keys, struct pressed *p)
 {
     struct far_result result;
-    const enum err err = far_end_press(e, keys, frame, &result, fault);
+    must(far_end_press(e, keys, frame, &result, &bench_fault));
     double of[COLUMNS] = {[FIRST] = times_between(result.pressed_ns, result.came_ns[1])};
     take_result(of, &result);
     for (int c = 0; c < COLUMNS; c++)
-        t->of[c][t->keys] = of[c];
-    t->keys++;
-    return err;
+        p->of[c][p->keys] = of[c];
+    p->keys++;
 }
 
-static struct key_figures medians(struct times *t)
+static struct key_figures medians(struct pressed *p)
 {
-    struct key_figures figures = {.keys = t->keys};
+    struct key_figures figures = {.keys = p->keys};
     for (int c = 0; c < COLUMNS; c++)
-        figures.of[c] = times_median(t->of[c], t->keys);
+        figures.of[c] = times_median(p->of[c], p->keys);
     return figures;
 }
 
 /* Presses both keys in turn, `keys` times in all. */
-static enum err press_in_turn(struct far_end *e, const char *on, const char *back, unsigned keys,
-                              struct key_figures *out, struct fault *fault)
+static struct key_figures press_in_turn(struct far_end *e, const char *on, const char *back,
+                                        unsigned keys)
 {
-    struct times times = {.keys = 0};
-    enum err err = OK;
-    for (unsigned i = 0; !err && i < keys; i++)
-        err = timed_press(e, i % 2 ? back : on, &times, fault);
-    *out = medians(&times);
-    return err;
+    struct pressed pressed = {.keys = 0};
+    for (unsigned i = 0; i < keys; i++)
+        timed_press(e, i % 2 ? back : on, &pressed);
+    return medians(&pressed);
 }
 
 /* Each seed is at another place and undone, with a fixed radius, the same in every build. */
-static enum err plant(struct far_end *e, unsigned keys, struct key_figures *out,
-                      struct fault *fault)
+static struct key_figures plant(struct far_end *e, unsigned keys)
 {
     static const char *const ways[] = {"7l", "6k", "9h", "5K", "8j", "7J", "4h", "9k"};
-    struct times times = {.keys = 0};
-    enum err err = press(e, "99-", frame, fault);
-    if (!err)
-        err = press(e, "3+", frame, fault);
-    for (unsigned i = 0; !err && i < keys; i++) {
-        err = press(e, ways[i % 8], frame, fault);
-        if (!err)
-            err = timed_press(e, i % 2 ? "s2" : "s3", &times, fault);
-        if (!err)
-            err = press(e, "u", frame, fault);
+    struct pressed pressed = {.keys = 0};
+    press(e, "99-", frame);
+    press(e, "3+", frame);
+    for (unsigned i = 0; i < keys; i++) {
+        press(e, ways[i % 8], frame);
+        timed_press(e, i % 2 ? "s2" : "s3", &pressed);
+        press(e, "u", frame);
     }
-    *out = medians(&times);
-    return err;
+    return medians(&pressed);
 }
 
-static enum err hold(struct far_end *e, const char *key, struct key_figures *out,
-                     struct fault *fault)
+static struct key_figures hold(struct far_end *e, const char *key)
 {
     struct far_result result;
-    const enum err err = far_end_hold(e, key, HELD_FOR_MS / HELD_MS, HELD_MS, &result, fault);
-    *out =
-        (struct key_figures){.keys = 1, .of = {[FIRST] = result.frames / (HELD_FOR_MS / 1000.0)}};
-    take_result(out->of, &result);
-    return err;
+    must(far_end_hold(e, key, HELD_FOR_MS / HELD_MS, HELD_MS, &result, &bench_fault));
+    struct key_figures figures = {.keys = 1,
+                                  .of = {[FIRST] = result.frames / (HELD_FOR_MS / 1000.0)}};
+    take_result(figures.of, &result);
+    return figures;
 }
 
-static enum err rest(struct far_end *e, struct key_figures *out, struct fault *fault)
+static struct key_figures rest(struct far_end *e)
 {
     struct far_result result;
-    const enum err err = far_end_wait(e, IDLE_MS, &result, fault);
-    *out = (struct key_figures){.keys = 1};
-    take_result(out->of, &result);
-    return err;
+    must(far_end_wait(e, IDLE_MS, &result, &bench_fault));
+    struct key_figures figures = {.keys = 1};
+    take_result(figures.of, &result);
+    return figures;
 }
 
-static enum err press_all(struct far_end *e, unsigned keys, struct key_figures out[KINDS],
-                          struct fault *fault)
+static void press_all(struct far_end *e, unsigned keys, struct key_figures out[KINDS])
 {
-    struct times enter = {.keys = 0};
-    enum err err = press(e, "", prompt, fault);
-    if (!err)
-        err = press(e, "auto on\r", prompt, fault);
-    if (!err)
-        err = timed_press(e, "pilot\r", &enter, fault);
+    struct pressed enter = {.keys = 0};
+    press(e, "", prompt);
+    press(e, "auto on\r", prompt);
+    timed_press(e, "pilot\r", &enter);
     out[ENTER] = medians(&enter);
-    if (!err)
-        err = press(e, "5l", frame, fault);
-    if (!err)
-        err = press_in_turn(e, "l", "l", keys, &out[MOVE], fault);
-    if (!err)
-        err = press_in_turn(e, "K", "K", keys, &out[SLICE], fault);
-    if (!err)
-        err = press_in_turn(e, "J", "J", keys, &out[SEEN], fault);
-    if (!err)
-        err = press_in_turn(e, "r", "r", keys, &out[TURN], fault);
-    if (!err)
-        err = press_in_turn(e, "z", "Z", keys, &out[ZOOM], fault);
-    if (!err)
-        err = plant(e, keys / 2, &out[SEED], fault);
-    if (!err)
-        err = hold(e, "l", &out[HELD_MOVE], fault);
-    if (!err)
-        err = hold(e, "K", &out[HELD_SLICE], fault);
-    if (!err)
-        err = hold(e, "r", &out[HELD_TURN], fault);
-    return err ? err : rest(e, &out[IDLE], fault);
-}
-
-/* A copy of the journal in a folder of its own, which becomes the program's home. */
-static enum err copy_journal(struct buf *folder, struct buf *path, const char *journal,
-                             struct fault *fault)
-{
-    struct buf bytes = {0};
-    enum err err = folder_fresh(folder, NULL, fault);
-    if (!err)
-        err = file_read(&bytes, journal, JOURNAL_MOST, fault);
-    buf_printf(path, "%s/%s", buf_text(folder), file_name(journal));
-    if (!err && path->failed)
-        err = fault_memory(fault, "a path");
-    if (!err)
-        err = file_write(buf_text(path), bytes.data, bytes.length, FILE_KEEP, fault);
-    buf_release(&bytes);
-    return err;
+    press(e, "5l", frame);
+    out[MOVE] = press_in_turn(e, "l", "l", keys);
+    out[SLICE] = press_in_turn(e, "K", "K", keys);
+    out[SEEN] = press_in_turn(e, "J", "J", keys);
+    out[TURN] = press_in_turn(e, "r", "r", keys);
+    out[ZOOM] = press_in_turn(e, "z", "Z", keys);
+    out[SEED] = plant(e, keys / 2);
+    out[HELD_MOVE] = hold(e, "l");
+    out[HELD_SLICE] = hold(e, "K");
+    out[HELD_TURN] = hold(e, "r");
+    out[IDLE] = rest(e);
 }
 
 /* Corrections, each at another place; and those back. */
-static enum err time_steps(const struct figures *f, const char *path, const char *home,
-                           const struct graphics *graphics, const struct far_line *line,
-                           unsigned keys, struct key_figures out[KINDS], struct fault *fault)
+static void time_steps(const struct figures *f, char *journal, const char *home,
+                       const struct graphics *graphics, const struct far_line *line, unsigned keys,
+                       struct key_figures out[KINDS])
 {
     struct far_end *e = NULL;
-    char copy[PATH_MAX];
-    snprintf(copy, sizeof copy, "%s", path);
-    char watch[] = "watch";
-    char *const argument[] = {"iftty", watch, copy, NULL};
-    enum err err = far_end_new(&e, f->program, argument, home, graphics, line, fault);
-    if (!err)
-        err = press(e, "", frame, fault);
-    if (!err)
-        err = press(e, "8G", frame, fault);
-    if (!err)
-        err = press_in_turn(e, " ", " ", keys, &out[STEP], fault);
-    if (!err)
-        err = press_in_turn(e, "\177", "\177", keys, &out[BACK], fault);
+    char *const argument[] = {"iftty", "watch", journal, NULL};
+    must(far_end_new(&e, f->program, argument, home, graphics, line, &bench_fault));
+    press(e, "", frame);
+    press(e, "8G", frame);
+    out[STEP] = press_in_turn(e, " ", " ", keys);
+    out[BACK] = press_in_turn(e, "\177", "\177", keys);
     far_end_free(e);
-    return err;
 }
 
-static enum err time_keys(const struct figures *f, const struct graphics *graphics,
-                          const struct far_line *line, unsigned keys, struct key_figures out[KINDS],
-                          struct fault *fault)
+/* On a copy of the journal in a folder of its own, which becomes the program's home. */
+static void time_keys(const struct figures *f, const struct graphics *graphics,
+                      const struct far_line *line, unsigned keys, struct key_figures out[KINDS])
 {
-    struct buf folder = {0}, path = {0};
+    struct buf bytes = {0};
     struct far_end *e = NULL;
-    enum err err = copy_journal(&folder, &path, buf_text(&f->journal), fault);
-    char *const argument[] = {"iftty", path.data, NULL};
-    if (!err)
-        err = far_end_new(&e, f->program, argument, buf_text(&folder), graphics, line, fault);
-    if (!err)
-        err = press_all(e, keys, out, fault);
+    const char *folder = bench_folder(NULL);
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s/%s", folder, file_name(buf_text(&f->journal)));
+    must(file_read(&bytes, buf_text(&f->journal), JOURNAL_MOST, &bench_fault));
+    must(file_write(path, bytes.data, bytes.length, FILE_KEEP, &bench_fault));
+    buf_release(&bytes);
+    char *const argument[] = {"iftty", path, NULL};
+    must(far_end_new(&e, f->program, argument, folder, graphics, line, &bench_fault));
+    press_all(e, keys, out);
     far_end_free(e);
-    if (!err)
-        err =
-            time_steps(f, buf_text(&path), buf_text(&folder), graphics, line, keys / 3, out, fault);
-    if (folder.length)
-        folder_remove(buf_text(&folder));
-    buf_release(&folder);
-    buf_release(&path);
-    return err;
+    time_steps(f, path, folder, graphics, line, keys / 3, out);
 }
 
-static enum err time_pilot(struct figures *f, struct fault *fault)
+static void time_pilot(struct figures *f)
 {
-    enum err err = OK;
-    for (unsigned l = 0; !err && l < (f->quick && !f->only ? 1 : LINES); l++)
-        for (unsigned p = 0; !err && p < PILOTED; p++)
+    for (unsigned l = 0; l < (f->quick && !f->only ? 1 : LINES); l++)
+        for (unsigned p = 0; p < PILOTED; p++)
             if (!f->only || strstr(name_of(l, p).text, f->only))
-                err = time_keys(f, piloted[p], &lines[l].line,
-                                f->quick ? QUICK_KEYS : lines[l].keys, f->key[l][p], fault);
-    return err;
+                time_keys(f, piloted[p], &lines[l].line, f->quick ? QUICK_KEYS : lines[l].keys,
+                          f->key[l][p]);
 }
 
 /* ---- the first run ---- */
 
-/* A line for each row: "kitty_slow turn 268.000 682.000 31.000 52.000". */
-struct stored {
-    struct buf path, text;
-};
+/* The figures of the first run, a line for each row: "kitty_slow turn 268.000 682.000 31.000". */
+static struct buf stored;
 
 static bool is_held(int kind)
 {
@@ -387,12 +307,11 @@ static bool is_held(int kind)
 }
 
 /* False where the first run had no such row. */
-static bool stored_find(const struct stored *stored, const char *pilot, int kind,
-                        double of[COLUMNS])
+static bool stored_find(const char *pilot, int kind, double of[COLUMNS])
 {
     char row[64];
     snprintf(row, sizeof row, "%s %s ", pilot, key_words[kind].name);
-    const char *at = strstr(buf_text(&stored->text), row);
+    const char *at = strstr(buf_text(&stored), row);
     if (!at)
         return false;
     char *end;
@@ -403,37 +322,30 @@ static bool stored_find(const struct stored *stored, const char *pilot, int kind
 }
 
 /* Reads what is there, and stores what was not. */
-static enum err stored_read(struct stored *stored, const struct figures *f, struct fault *fault)
+static void stored_read(const struct figures *f)
 {
-    struct buf more = {0}, folder = {0};
+    struct buf path = {0}, more = {0};
     double of[COLUMNS];
-    enum err err = file_program_folder(&folder, fault);
-    buf_printf(&stored->path, "%s/../../bench-keys.txt", buf_text(&folder));
-    if (!err && file_exists(buf_text(&stored->path)))
-        err = file_read(&stored->text, buf_text(&stored->path), STORED_MOST, fault);
-    buf_add_text(&more, buf_text(&stored->text));
+    must(file_program_folder(&path, &bench_fault));
+    buf_add_text(&path, "/../../bench-keys.txt");
+    if (file_exists(buf_text(&path)))
+        must(file_read(&stored, buf_text(&path), STORED_MOST, &bench_fault));
+    buf_add_text(&more, buf_text(&stored));
     for (unsigned l = 0; l < LINES; l++)
         for (unsigned p = 0; p < PILOTED; p++)
             for (int k = 0; k < KINDS; k++) {
                 const struct pilot_name name = name_of(l, p);
-                if (f->quick || !f->key[l][p][k].keys || stored_find(stored, name.text, k, of))
+                if (f->quick || !f->key[l][p][k].keys || stored_find(name.text, k, of))
                     continue;
                 buf_printf(&more, "%s %s", name.text, key_words[k].name);
                 for (int c = 0; c < COLUMNS; c++)
                     buf_printf(&more, " %.3f", f->key[l][p][k].of[c]);
                 buf_add_char(&more, '\n');
             }
-    if (!err && more.length > stored->text.length)
-        err = file_write(buf_text(&stored->path), more.data, more.length, FILE_REPLACE, fault);
+    if (more.length > stored.length)
+        must(file_write(buf_text(&path), more.data, more.length, FILE_REPLACE, &bench_fault));
     buf_release(&more);
-    buf_release(&folder);
-    return err;
-}
-
-static void stored_release(struct stored *stored)
-{
-    buf_release(&stored->path);
-    buf_release(&stored->text);
+    buf_release(&path);
 }
 
 /* Worse by a quarter, and by more than noise. */
@@ -445,60 +357,55 @@ static bool is_worse(int kind, int c, double now, double then)
 
 /* ---- what is printed ---- */
 
-static void print_keys(FILE *out, const struct key_figures key[KINDS], const char *pilot,
-                       const struct stored *stored)
+static void print_keys(const struct key_figures key[KINDS], const char *pilot)
 {
     double then[COLUMNS];
     for (int k = 0; k < KINDS; k++) {
-        fprintf(out, "        %-31s", key_words[k].text);
+        printf("        %-31s", key_words[k].text);
         for (int c = 0; c < COLUMNS; c++)
-            fprintf(out, " %9.2f", key[k].of[c]);
-        if (stored_find(stored, pilot, k, then))
+            printf(" %9.2f", key[k].of[c]);
+        if (stored_find(pilot, k, then))
             for (int c = 0; c < COLUMNS; c++)
-                then[c] > 0 ? fprintf(out, " %5.2f", key[k].of[c] / then[c])
-                            : fprintf(out, " %5s", "-");
-        fprintf(out, "\n");
+                then[c] > 0 ? printf(" %5.2f", key[k].of[c] / then[c]) : printf(" %5s", "-");
+        printf("\n");
     }
 }
 
-static void print_worse(FILE *out, const struct figures *f, const struct stored *stored)
+static void print_worse(const struct figures *f)
 {
     double then[COLUMNS];
     for (unsigned l = 0; l < LINES; l++)
         for (unsigned p = 0; p < PILOTED; p++)
             for (int k = 0; k < KINDS; k++)
                 for (int c = 0; f->key[l][p][k].keys && c < COLUMNS &&
-                                stored_find(stored, name_of(l, p).text, k, then);
+                                stored_find(name_of(l, p).text, k, then);
                      c++)
                     if (is_worse(k, c, f->key[l][p][k].of[c], then[c]))
-                        fprintf(out, "worse: %s, %s: %s, %s: %.2f, was %.2f\n", piloted[p]->title,
-                                lines[l].text, key_words[k].text, column_words[c].text,
-                                f->key[l][p][k].of[c], then[c]);
+                        printf("worse: %s, %s: %s, %s: %.2f, was %.2f\n", piloted[p]->title,
+                               lines[l].text, key_words[k].text, column_words[c].text,
+                               f->key[l][p][k].of[c], then[c]);
 }
 
-static void print_table(FILE *out, struct figures *f, const struct stored *stored)
+static void print_table(struct figures *f)
 {
-    fprintf(out, "%s\n%-44s %9s %9s %9s\n", file_name(buf_text(&f->scene)), "", "median", "9 of 10",
-            "most");
-    for (int m = 0; m < MOMENTS && f->starts; m++)
-        fprintf(out, "%-44s %9.2f %9.2f %9.2f  ms\n", moment_words[m].text,
-                times_median(f->start_ms[m], f->starts),
-                times_quantile(f->start_ms[m], f->starts, 0.9),
-                times_quantile(f->start_ms[m], f->starts, 1));
-    fprintf(out, "%s, the pilot, %dx%d cells of %dx%d pixels: ms and kB%s\n%-39s",
-            file_name(buf_text(&f->journal)), FAR_COLUMNS, FAR_ROWS, FAR_CELL_WIDTH,
-            FAR_CELL_HEIGHT, stored->text.length ? ", and of the first run" : "", "");
+    puts(file_name(buf_text(&f->scene)));
+    times_print_title();
+    for (int m = 0; m < MOMENTS && f->start[m].count; m++)
+        times_print(moment_words[m].text, &f->start[m], 1, "ms");
+    printf("%s, the pilot, %dx%d cells of %dx%d pixels: ms and kB%s\n%-39s",
+           file_name(buf_text(&f->journal)), FAR_COLUMNS, FAR_ROWS, FAR_CELL_WIDTH, FAR_CELL_HEIGHT,
+           stored.length ? ", and of the first run" : "", "");
     for (int c = 0; c < COLUMNS; c++)
-        fprintf(out, " %9s", column_words[c].text);
-    fprintf(out, "\n");
+        printf(" %9s", column_words[c].text);
+    printf("\n");
     for (unsigned l = 0; l < LINES; l++)
         for (unsigned p = 0; p < PILOTED; p++) {
             if (!f->key[l][p][ENTER].keys)
                 continue;
-            fprintf(out, "    %s, %s\n", piloted[p]->title, lines[l].text);
-            print_keys(out, f->key[l][p], name_of(l, p).text, stored);
+            printf("    %s, %s\n", piloted[p]->title, lines[l].text);
+            print_keys(f->key[l][p], name_of(l, p).text);
         }
-    print_worse(out, f, stored);
+    print_worse(f);
 }
 
 static void add_keys(struct json *json, const char *name, const struct key_figures key[KINDS])
@@ -515,42 +422,35 @@ static void add_keys(struct json *json, const char *name, const struct key_figur
     json_end(json);
 }
 
-static void print_json(FILE *out, struct figures *f)
+static void write_figures(struct json *json, struct figures *f)
 {
-    struct buf text = {0};
-    struct json json = {.out = &text};
-    json_object(&json, NULL);
-    json_text(&json, "scene", file_name(buf_text(&f->scene)));
+    json_object(json, NULL);
+    json_text(json, "scene", file_name(buf_text(&f->scene)));
     for (int m = 0; m < MOMENTS; m++) {
-        json_object(&json, moment_words[m].name);
-        json_fixed(&json, "median", times_median(f->start_ms[m], f->starts), 3);
-        json_fixed(&json, "most", times_quantile(f->start_ms[m], f->starts, 1), 3);
-        json_end(&json);
+        json_object(json, moment_words[m].name);
+        times_write(json, &f->start[m]);
+        json_end(json);
     }
-    json_text(&json, "journal", file_name(buf_text(&f->journal)));
-    json_object(&json, "pilot");
+    json_text(json, "journal", file_name(buf_text(&f->journal)));
+    json_object(json, "pilot");
     for (unsigned l = 0; l < LINES; l++)
         for (unsigned p = 0; p < PILOTED; p++)
             if (f->key[l][p][ENTER].keys)
-                add_keys(&json, name_of(l, p).text, f->key[l][p]);
-    json_end(&json);
-    json_end(&json);
-    fputs(buf_text(&text), out);
-    buf_release(&text);
+                add_keys(json, name_of(l, p).text, f->key[l][p]);
+    json_end(json);
+    json_end(json);
 }
 
 /* ---- the whole ---- */
 
-static enum err find_files(struct figures *f, struct fault *fault)
+static void find_files(struct figures *f)
 {
     struct interpreter interp;
-    enum err err = interpreter_init(&interp, fault);
-    if (!err)
-        err = bench_find_example(&f->journal, &interp, fault);
-    if (!err && interpreter_find_scene(&interp, "ch2.nii.gz", false, &f->scene, NULL))
-        err = interpreter_find_scene(&interp, "synth:geom", false, &f->scene, fault);
+    must(interpreter_init(&interp, &bench_fault));
+    must(bench_find_example(&f->journal, &interp, &bench_fault));
+    if (interpreter_find_scene(&interp, "ch2.nii.gz", false, &f->scene, NULL))
+        must(interpreter_find_scene(&interp, "synth:geom", false, &f->scene, &bench_fault));
     interpreter_release(&interp);
-    return err;
 }
 
 enum err run_keys(const struct options *o, struct fault *fault)
@@ -558,20 +458,18 @@ enum err run_keys(const struct options *o, struct fault *fault)
     struct figures f = {.program = bench_options(o)->program,
                         .only = o->words ? o->word[0] : NULL,
                         .quick = bench_options(o)->quick};
-    struct stored stored = {{0}, {0}};
-    enum err err = find_files(&f, fault);
-    if (!err && !f.only)
-        err = time_starts(&f, fault);
-    if (!err)
-        err = time_pilot(&f, fault);
-    if (!err)
-        err = stored_read(&stored, &f, fault);
-    if (!err && o->json)
-        print_json(stdout, &f);
-    else if (!err)
-        print_table(stdout, &f, &stored);
-    stored_release(&stored);
+    (void)fault;
+    find_files(&f);
+    for (int i = 0; !f.only && i < (f.quick ? 1 : STARTS); i++)
+        time_start(&f);
+    time_pilot(&f);
+    stored_read(&f);
+    if (o->json)
+        write_figures(bench_json(), &f);
+    else
+        print_table(&f);
+    buf_release(&stored);
     buf_release(&f.journal);
     buf_release(&f.scene);
-    return err;
+    return OK;
 }

@@ -7,8 +7,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "base/file.h"
-#include "base/json.h"
 #include "command/execute.h"
 #include "tests/bench/times.h"
 #include "session/session_inside.h"
@@ -71,9 +69,6 @@ static const char *const steps[] = {
     "render finished=yes",
 };
 enum { STEPS = sizeof steps / sizeof *steps };
-
-static const char *const map[] = {"labels.nii", "labels.nii.gz", "cost.nii",
-                                  "root.nii",   "finished.nii",  "relaxed.nii"};
 
 /* ---- watching ---- */
 
@@ -145,61 +140,44 @@ static void print(const char *line, double ms, const struct looks *looks, struct
     json_end(json);
 }
 
-static enum err carry_out(struct interpreter *interp, const char *size, struct json *json,
-                          struct fault *fault)
+static void carry_out(struct interpreter *interp, const char *size, struct json *json)
 {
     struct looks looks;
     struct watch watch = {.context = &looks, .poll = look};
     struct reply reply = {0};
     struct buf line = {0};
     double worst = 0;
-    enum err err = OK;
     interp->session->watch = &watch;
-    for (size_t i = 0; !err && i < STEPS; i++) {
+    for (size_t i = 0; i < STEPS; i++) {
         write_command(&line, steps[i], size, interp->session);
         const uint64_t begin = clock_ns();
         looks = (struct looks){.last_ns = begin, .what = "begin", .before = "", .after = ""};
-        err = interpreter_execute(interp, buf_text(&line), &reply, fault);
+        bench_subject = buf_text(&line);
+        must(interpreter_execute(interp, buf_text(&line), &reply, &bench_fault));
         note(&looks, "end");
-        if (err)
-            fault_prefix(fault, err, "%s", buf_text(&line));
-        else
-            print(buf_text(&line), times_since(begin), &looks, json);
+        print(buf_text(&line), times_since(begin), &looks, json);
         worst = (double)looks.longest_ns / 1e6 > worst ? (double)looks.longest_ns / 1e6 : worst;
     }
-    if (!err && !json)
+    if (!json)
         printf("%-50s %34.2f ms\n", "the longest", worst);
     reply_release(&reply);
     buf_release(&line);
-    return err;
 }
 
 /* In a folder of its own, which goes with the maps that are saved there. */
 enum err run_looks(const struct options *options, struct fault *fault)
 {
     struct interpreter interp;
-    struct buf folder = {0};
-    struct buf text = {0};
-    struct json json = {.out = &text};
-    enum err err = folder_fresh(&folder, NULL, fault);
-    if (!err && chdir(buf_text(&folder)) != 0)
-        err = fault_errno(fault, "use", buf_text(&folder));
-    if (!err)
-        err = interpreter_init(&interp, fault);
-    if (!err) {
-        json_array(&json, NULL);
-        err = carry_out(&interp, options->words ? options->word[0] : "256x256x256",
-                        options->json ? &json : NULL, fault);
-        json_end(&json);
-        interpreter_release(&interp);
-    }
-    if (!err && options->json)
-        printf("%s\n", buf_text(&text));
-    buf_release(&text);
-    for (size_t i = 0; i < sizeof map / sizeof *map; i++)
-        unlink(map[i]);
-    if (folder.length && chdir("/") == 0)
-        rmdir(buf_text(&folder));
-    buf_release(&folder);
-    return err;
+    const char *folder = bench_folder(NULL);
+    (void)fault;
+    must(chdir(folder) == 0 ? OK : fault_errno(&bench_fault, "use", folder));
+    must(interpreter_init(&interp, &bench_fault));
+    if (options->json)
+        json_array(bench_json(), NULL);
+    carry_out(&interp, options->words ? options->word[0] : "256x256x256",
+              options->json ? bench_json() : NULL);
+    if (options->json)
+        json_end(bench_json());
+    interpreter_release(&interp);
+    return OK;
 }

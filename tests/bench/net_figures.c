@@ -9,6 +9,7 @@
 
 #include "base/mem.h"
 #include "engine/net.h"
+#include "tests/bench/times.h"
 
 enum { SIDE = 48, BALLS = 24, DIRECTIONS = 20, FAR = 14, RAYS = 400 };
 
@@ -124,40 +125,37 @@ struct figure_mesh {
     uint32_t points, triangles;
 };
 
-static bool mesh_of_net(struct figure_mesh *mesh, const struct object *o)
+static struct figure_mesh mesh_of_net(const struct object *o)
 {
     struct net net;
     const struct net_source source = {
         .row = object_row, .context = (void *)(uintptr_t)o, .scale = {4096, 4096, 4096}};
     const uint32_t size[3] = {(uint32_t)o->side, (uint32_t)o->side, (uint32_t)o->side};
-    if (net_make(&net, &source, (const int32_t[]){0, 0, 0}, size, NULL) != OK)
-        return false;
-    mesh->points = net.vertices;
-    mesh->triangles = 2 * net.quads;
-    mesh->at = malloc((net.vertices + 1) * sizeof *mesh->at);
-    mesh->normal = malloc((net.vertices + 1) * sizeof *mesh->normal);
-    mesh->triangle = malloc((2 * net.quads + 1) * sizeof *mesh->triangle);
-    const bool made = mesh->at && mesh->normal && mesh->triangle;
-    for (uint32_t v = 0; v < net.vertices && made; v++)
+    must(net_make(&net, &source, (const int32_t[]){0, 0, 0}, size, &bench_fault));
+    struct figure_mesh m = {.at = must_have((net.vertices + 1) * sizeof *m.at),
+                            .normal = must_have((net.vertices + 1) * sizeof *m.normal),
+                            .triangle = must_have((2 * net.quads + 1) * sizeof *m.triangle),
+                            .points = net.vertices,
+                            .triangles = 2 * net.quads};
+    for (uint32_t v = 0; v < net.vertices; v++)
         for (int k = 0; k < 3; k++) {
-            mesh->at[v][k] = net.vertex[v].cube[k] + net.vertex[v].at[k] / (double)NET_ONE;
-            mesh->normal[v][k] = net.vertex[v].normal[k] / (double)(1 << NET_NORMAL_BITS);
+            m.at[v][k] = net.vertex[v].cube[k] + net.vertex[v].at[k] / (double)NET_ONE;
+            m.normal[v][k] = net.vertex[v].normal[k] / (double)(1 << NET_NORMAL_BITS);
         }
-    for (uint32_t q = 0; q < net.quads && made; q++) {
+    for (uint32_t q = 0; q < net.quads; q++) {
         const uint32_t *c = net.quad[q].corner;
         double d[2] = {0, 0};
         for (int k = 0; k < 3; k++) {
-            d[0] += pow(mesh->at[c[0]][k] - mesh->at[c[2]][k], 2);
-            d[1] += pow(mesh->at[c[1]][k] - mesh->at[c[3]][k], 2);
+            d[0] += pow(m.at[c[0]][k] - m.at[c[2]][k], 2);
+            d[1] += pow(m.at[c[1]][k] - m.at[c[3]][k], 2);
         }
         const int s = d[1] < d[0];
-        memcpy(mesh->triangle[2 * q], (uint32_t[]){c[s], c[s + 1], c[s + 2]},
-               sizeof *mesh->triangle);
-        memcpy(mesh->triangle[2 * q + 1], (uint32_t[]){c[s], c[s + 2], c[(s + 3) % 4]},
-               sizeof *mesh->triangle);
+        memcpy(m.triangle[2 * q], (uint32_t[]){c[s], c[s + 1], c[s + 2]}, sizeof *m.triangle);
+        memcpy(m.triangle[2 * q + 1], (uint32_t[]){c[s], c[s + 2], c[(s + 3) % 4]},
+               sizeof *m.triangle);
     }
     net_release(&net);
-    return made;
+    return m;
 }
 
 static void figure_mesh_release(struct figure_mesh *mesh)
@@ -165,7 +163,6 @@ static void figure_mesh_release(struct figure_mesh *mesh)
     free(mesh->at);
     free(mesh->normal);
     free(mesh->triangle);
-    *mesh = (struct figure_mesh){.points = 0};
 }
 
 /* ---- figures ---- */
@@ -186,9 +183,9 @@ static double silhouette_of(const struct figure_mesh *m, int axis)
 {
     enum { PIXELS = 32 };
     const int u = (axis + 1) % 3, w = (axis + 2) % 3, side = SIDE * PIXELS;
-    uint8_t *is_covered = calloc((size_t)side * (size_t)side, 1);
+    uint8_t *is_covered = must_have((size_t)side * (size_t)side);
     long count = 0;
-    for (uint32_t t = 0; t < m->triangles && is_covered; t++) {
+    for (uint32_t t = 0; t < m->triangles; t++) {
         double p[3][2], low[2] = {side, side}, high[2] = {0, 0};
         for (int k = 0; k < 3; k++)
             for (int i = 0; i < 2; i++) {
@@ -209,7 +206,7 @@ static double silhouette_of(const struct figure_mesh *m, int axis)
                     is_covered[(size_t)y * (size_t)side + (size_t)x] = 1;
             }
     }
-    for (int i = 0; i < side * side && is_covered; i++)
+    for (int i = 0; i < side * side; i++)
         count += is_covered[i];
     free(is_covered);
     return sqrt((double)count / 3.14159265358979) / PIXELS;
@@ -251,18 +248,9 @@ static void add_angle(const double normal[3], const double truth[3])
         angles.value[angles.count++] = acos(fmax(-1, fmin(1, c))) * 180 / 3.14159265358979;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double angle_at(double part)
 {
-    if (angles.count == 0)
-        return 0;
-    qsort(angles.value, angles.count, sizeof *angles.value, by_size);
-    return angles.value[(size_t)(part * (double)(angles.count - 1))];
+    return times_quantile(angles.value, angles.count, part);
 }
 
 /* ---- the table ---- */
@@ -271,16 +259,14 @@ static void measure_balls(double radius)
 {
     double by_volume = 0, seen = 0, ratio = 0, worst = 0;
     struct object o = {.size = radius, .is_in = in_ball, .side = (int32_t)(2 * radius + 14)};
-    o.voxel = malloc((size_t)o.side * (size_t)o.side * (size_t)o.side);
+    o.voxel = must_have((size_t)o.side * (size_t)o.side * (size_t)o.side);
     angles.count = 0;
     state = SEED;
     for (int i = 0; i < BALLS; i++) {
-        struct figure_mesh m;
         long count;
         while ((count = fill(&o)) == 0)
             ;
-        if (!mesh_of_net(&m, &o))
-            return;
+        struct figure_mesh m = mesh_of_net(&o);
         const double volume = volume_of(&m), off = volume / (double)count - 1;
         by_volume += cbrt(volume * 3 / 4 / 3.14159265358979) / BALLS;
         seen += silhouette_of(&m, i % 3) / BALLS;
@@ -304,14 +290,12 @@ static void measure_rods(double radius)
 {
     double mean = 0, least_one = 1e9, most_one = 0;
     struct object o = {.size = radius, .is_in = in_rod, .side = SIDE};
-    o.voxel = malloc((size_t)SIDE * SIDE * SIDE);
+    o.voxel = must_have((size_t)SIDE * SIDE * SIDE);
     state = SEED;
     for (int i = 0; i < BALLS; i++) {
-        struct figure_mesh m;
         turn_by_chance(&o);
         fill(&o);
-        if (!mesh_of_net(&m, &o))
-            return;
+        struct figure_mesh m = mesh_of_net(&o);
         const double r = rod_radius_of(&m, &o);
         mean += r / BALLS;
         least_one = fmin(least_one, r);
@@ -331,17 +315,15 @@ static void measure_sheets(const char *name, double thickness,
     double square = 0, mean = 0, thick = 0, is = 0;
     long count = 0;
     struct object o = {.size = thickness, .is_in = is_in, .side = SIDE};
-    o.voxel = malloc((size_t)SIDE * SIDE * SIDE);
+    o.voxel = must_have((size_t)SIDE * SIDE * SIDE);
     state = SEED;
     angles.count = 0;
     for (int i = 0; i < DIRECTIONS; i++) {
-        struct figure_mesh m;
         turn_by_chance(&o);
         fill(&o);
+        struct figure_mesh m = mesh_of_net(&o);
         const double most = fabs(o.along[0]) + fabs(o.along[1]) + fabs(o.along[2]);
         const double half = is_in == in_plate ? most / 2 : is_in == in_sheet ? thickness / 2 : 0;
-        if (!mesh_of_net(&m, &o))
-            return;
         double sums[2] = {0}, counts[2] = {0};
         for (uint32_t v = 0; v < m.points; v++) {
             double p[3];
@@ -378,10 +360,12 @@ static void measure_sheets(const char *name, double thickness,
     free(o.voxel);
 }
 
-static void measure(void)
+enum err run_surface(const struct options *options, struct fault *fault)
 {
     static const double balls[] = {0.8, 1.1, 1.5, 2.37, 3.19, 4.06, 5.09, 10};
     static const double rods[] = {1, 1.47, 2.49, 4};
+    (void)options, (void)fault;
+    puts("lengths in voxels; normals: median and 95 %, degrees");
     for (size_t k = 0; k < sizeof balls / sizeof *balls; k++)
         measure_balls(balls[k]);
     for (size_t k = 0; k < sizeof rods / sizeof *rods; k++)
@@ -391,15 +375,6 @@ static void measure(void)
     measure_sheets("sheet 2", 2, in_sheet);
     measure_sheets("sheet 3", 3, in_sheet);
     measure_sheets("plate  ", 0, in_plate);
-}
-
-enum err run_surface(const struct options *options, struct fault *fault)
-{
-    (void)options;
-    (void)fault;
-    puts("lengths in voxels; normals: median and 95 %, degrees");
-    measure();
     free(angles.value);
-    angles.value = NULL;
     return OK;
 }

@@ -6,10 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/mem.h"
 #include "session/session_inside.h"
 #include "tests/bench/report.h"
-#include "command/interpreter.h"
+#include "tests/bench/times.h"
 
 enum { SCENES_MOST = 24, QUICK_STEPS = 2 };
 
@@ -80,7 +79,7 @@ struct run {
     uint64_t done, total; /* megavoxels times steps times rounds */
 };
 
-static enum err choose_scenes(struct run *run, struct fault *fault)
+static void choose_scenes(struct run *run)
 {
     const struct options *o = &run->options->common;
     const bool all = o->words == 1 && strcmp(o->word[0], "all") == 0;
@@ -92,15 +91,14 @@ static enum err choose_scenes(struct run *run, struct fault *fault)
     for (size_t i = 0; i < run->scenes; i++) {
         struct trial *trial = &run->trial[i];
         if (!scan_scene(&run->choice[i], name[i]))
-            return fault_set(fault, ERR_USAGE,
-                             "expected brain or geom, as they are or interpolated as in brain211, "
-                             "or ch2better, or all; not %s",
-                             name[i]);
+            must(fault_set(&bench_fault, ERR_USAGE,
+                           "expected brain or geom, as they are or interpolated as in brain211, or "
+                           "ch2better, or all; not %s",
+                           name[i]));
         snprintf(trial->name, sizeof trial->name, "%s", name[i]);
         trial->in_paper = is_in_paper(&run->choice[i]);
         run->total += megavoxels(&run->choice[i]) * run->steps * run->options->rounds;
     }
-    return OK;
 }
 
 /* ---- one scene ---- */
@@ -126,92 +124,56 @@ static bool advanced(void *context, unsigned step, unsigned round)
 }
 
 /* The scene in the interpreter's session, and its seeds. */
-static enum err prepare(struct interpreter *interp, struct seeds *seeds,
-                        const struct scene_choice *choice, struct fault *fault)
+static void prepare(struct interpreter *interp, struct seeds *seeds,
+                    const struct scene_choice *choice)
 {
     const struct source *from = choice->from;
     struct session *session = interp->session;
     struct procedure procedure = {0};
-    enum err err = procedure_load(&procedure, interp, from->base, from->atlas, fault);
-    if (!err && strcmp(from->file, from->base) != 0) {
+    procedure_load(&procedure, interp, from->base, from->atlas);
+    if (strcmp(from->file, from->base) != 0) {
         session_reset(session);
-        err = procedure_open(interp, from->file, fault);
-    } else if (!err) {
-        err = session_interpolate(session, choice->doubled, fault);
+        procedure_open(interp, from->file);
+    } else {
+        must(session_interpolate(session, choice->doubled, &bench_fault));
         session_settle(session);
     }
-    if (!err)
-        err = procedure_seeds(seeds, &procedure, session, fault);
+    must(procedure_seeds(seeds, &procedure, session, &bench_fault));
     procedure_release(&procedure);
-    return err;
 }
 
-static enum err run_scene(struct run *run, struct fault *fault)
+static void run_scene(struct run *run)
 {
     const struct trial_watch watch = {advanced, run};
     struct trial *trial = &run->trial[run->at];
     struct seeds seeds = {0};
     struct interpreter interp;
-    enum err err = interpreter_init(&interp, fault);
-    if (!err && !goes_on(run, "opening", 0))
-        err = fault_set(fault, ERR_CANCELLED, "cancelled");
-    if (!err)
-        err = prepare(&interp, &seeds, &run->choice[run->at], fault);
-    if (!err)
-        err = trial_run(trial, interp.session, &seeds, run->steps, (unsigned)run->options->rounds,
-                        &watch, fault);
-    else
-        fault_prefix(fault, err, "%s", trial->name);
+    must(interpreter_init(&interp, &bench_fault));
+    if (!goes_on(run, "opening", 0))
+        must(fault_set(&bench_fault, ERR_CANCELLED, "cancelled"));
+    bench_subject = trial->name;
+    prepare(&interp, &seeds, &run->choice[run->at]);
+    bench_subject = NULL;
+    must(trial_run(trial, interp.session, &seeds, run->steps, (unsigned)run->options->rounds,
+                   &watch, &bench_fault));
     seeds_release(&seeds);
     interpreter_release(&interp);
-    return err;
-}
-
-/* ---- all of them ---- */
-
-/* Print a report in one write. */
-static enum err print(void (*report)(FILE *out, const struct trial *trial, size_t count),
-                      const struct trial *trial, size_t count, struct fault *fault)
-{
-    char *text = NULL;
-    size_t length = 0;
-    FILE *out = open_memstream(&text, &length);
-    if (!out)
-        return fault_memory(fault, "a report");
-    report(out, trial, count);
-    bool failed = ferror(out) != 0;
-    failed = fclose(out) != 0 || failed;
-    if (!failed)
-        console_print(NULL, text);
-    free(text);
-    return failed ? fault_memory(fault, "a report") : OK;
-}
-
-static enum err run_scenes(struct run *run, struct fault *fault)
-{
-    const struct bench_options *o = run->options;
-    enum err err = OK;
-    for (; !err && run->at < run->scenes; run->at++) {
-        err = run_scene(run, fault);
-        if (!err && !o->common.json)
-            err = print(report_scenes, &run->trial[run->at], 1, fault);
-    }
-    return err;
 }
 
 enum err run_paper(const struct options *common, struct fault *fault)
 {
-    const struct bench_options *o = bench_options(common);
-    struct run *run = mem_new(sizeof *run);
-    if (!run)
-        return fault_memory(fault, "a benchmark");
+    struct run *run = must_have(sizeof *run);
+    (void)fault;
     console_handle_interrupts();
-    run->options = o;
-    enum err err = choose_scenes(run, fault);
-    if (!err)
-        err = run_scenes(run, fault);
-    if (!err)
-        err = print(common->json ? report_json : report_summary, run->trial, run->scenes, fault);
+    run->options = bench_options(common);
+    choose_scenes(run);
+    for (; run->at < run->scenes; run->at++) {
+        run_scene(run);
+        console_print(NULL, ""); /* erase the progress */
+        if (!common->json)
+            report_scenes(stdout, &run->trial[run->at], 1);
+    }
+    (common->json ? report_json : report_summary)(stdout, run->trial, run->scenes);
     free(run);
-    return err;
+    return OK;
 }

@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "session/session_inside.h"
+#include "tests/bench/times.h"
 
 const unsigned procedure_count[PROCEDURE_STEPS] = {660,  730,  1030, 1230,
                                                    1400, 1550, 1955, PROCEDURE_SEEDS};
@@ -134,11 +135,10 @@ enum err procedure_make(struct procedure *procedure, const struct session *base,
     struct volume work = {.geometry = base->geometry};
     memcpy(work.size, grid->size, sizeof work.size);
     work.geometry.slope = 1, work.geometry.intercept = 0;
-    work.intensity = mem_array(grid->voxels, sizeof *work.intensity);
-    uint16_t *region = mem_array(grid->voxels, sizeof *region);
-    enum err err = work.intensity && region ? OK : fault_memory(fault, "a procedure");
-    if (!err)
-        fill_regions(region, base->scene, atlas);
+    work.intensity = must_have(grid->voxels * sizeof *work.intensity);
+    uint16_t *region = must_have(grid->voxels * sizeof *region);
+    enum err err = OK;
+    fill_regions(region, base->scene, atlas);
     unsigned kinds;
     kinds_of(procedure, &kinds);
     for (unsigned k = 0; !err && k < kinds; k++)
@@ -153,39 +153,27 @@ enum err procedure_make(struct procedure *procedure, const struct session *base,
     return OK;
 }
 
-enum err procedure_open(struct interpreter *interp, const char *name, struct fault *fault)
+void procedure_open(struct interpreter *interp, const char *name)
 {
     struct buf path = {0};
-    enum err err = interpreter_find_scene(interp, name, false, &path, fault);
-    if (!err)
-        err = session_open(interp->session, buf_text(&path), NULL, fault);
+    must(interpreter_find_scene(interp, name, false, &path, &bench_fault));
+    must(session_open(interp->session, buf_text(&path), NULL, &bench_fault));
     buf_release(&path);
-    return err;
 }
 
-static enum err read_atlas(struct volume *atlas, const struct interpreter *interp, const char *name,
-                           struct fault *fault)
-{
-    struct buf path = {0};
-    enum err err = interpreter_find_file(interp, name, &path, fault);
-    if (!err)
-        err = volume_read(atlas, buf_text(&path), NULL, NULL, fault);
-    buf_release(&path);
-    return err;
-}
-
-enum err procedure_load(struct procedure *procedure, struct interpreter *interp, const char *base,
-                        const char *atlas, struct fault *fault)
+void procedure_load(struct procedure *procedure, struct interpreter *interp, const char *base,
+                    const char *atlas)
 {
     struct volume map = {0};
-    *procedure = (struct procedure){0};
-    enum err err = procedure_open(interp, base, fault);
-    if (!err && atlas)
-        err = read_atlas(&map, interp, atlas, fault);
-    if (!err)
-        err = procedure_make(procedure, interp->session, atlas ? &map : NULL, fault);
+    struct buf path = {0};
+    procedure_open(interp, base);
+    if (atlas) {
+        must(interpreter_find_file(interp, atlas, &path, &bench_fault));
+        must(volume_read(&map, buf_text(&path), NULL, NULL, &bench_fault));
+    }
+    must(procedure_make(procedure, interp->session, atlas ? &map : NULL, &bench_fault));
     volume_release(&map);
-    return err;
+    buf_release(&path);
 }
 
 /* ---- the seeds of a scene ---- */
@@ -243,18 +231,14 @@ static enum err take_turns(struct turn *turn, const struct procedure *procedure,
 enum err procedure_seeds(struct seeds *seeds, const struct procedure *procedure,
                          const struct session *session, struct fault *fault)
 {
-    *seeds = (struct seeds){.edit = mem_array(PROCEDURE_SEEDS, sizeof *seeds->edit)};
-    struct turn *turn = mem_array(PROCEDURE_SEEDS, sizeof *turn);
-    enum err err = seeds->edit && turn ? OK : fault_memory(fault, "a procedure");
-    if (!err)
-        err = take_turns(turn, procedure, session, fault);
-    if (!err) {
-        qsort(turn, PROCEDURE_SEEDS, sizeof *turn, compare_turns);
-        for (size_t i = 0; i < PROCEDURE_SEEDS; i++)
-            seeds->edit[seeds->count++] = turn[i].edit;
-    } else {
+    *seeds = (struct seeds){.edit = must_have(PROCEDURE_SEEDS * sizeof *seeds->edit)};
+    struct turn *turn = must_have(PROCEDURE_SEEDS * sizeof *turn);
+    const enum err err = take_turns(turn, procedure, session, fault);
+    qsort(turn, PROCEDURE_SEEDS, sizeof *turn, compare_turns);
+    for (size_t i = 0; !err && i < PROCEDURE_SEEDS; i++)
+        seeds->edit[seeds->count++] = turn[i].edit;
+    if (err)
         seeds_release(seeds);
-    }
     free(turn);
     return err;
 }

@@ -48,11 +48,11 @@ enum err procedure_make(struct procedure *procedure, const struct session *base,
                         const struct volume *atlas, struct fault *fault);
 
 /* Open a scene by name in the interpreter's session. */
-enum err procedure_open(struct interpreter *interp, const char *name, struct fault *fault);
+void procedure_open(struct interpreter *interp, const char *name);
 
 /* Open `base` and make its procedure, by the atlas of that name, or as geom if it is NULL. */
-enum err procedure_load(struct procedure *procedure, struct interpreter *interp, const char *base,
-                        const char *atlas, struct fault *fault);
+void procedure_load(struct procedure *procedure, struct interpreter *interp, const char *base,
+                    const char *atlas);
 
 /* The first PROCEDURE_SEEDS seeds inside the scene of `session`, in the order of insertion.
  * ERR_INPUT if there are too few of a kind. */

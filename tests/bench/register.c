@@ -11,9 +11,9 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/mem.h"
-#include "command/interpreter.h"
 #include "image/volume.h"
 #include "apply/registration.h"
+#include "tests/bench/times.h"
 #include "tests/deformed.h"
 
 #define TURNED    .degrees = {5, -4, 6}
@@ -68,118 +68,99 @@ static bool look(void *context, const char *what, uint64_t done, uint64_t total)
     return watch_poll(console_watch(), what, done, total);
 }
 
-static enum err row(const char *name, const struct placed_scene *subject,
-                    const struct placed_scene *procedure, const struct subject *known,
-                    struct fault *fault)
+static void row(const char *name, const struct placed_scene *subject,
+                const struct placed_scene *procedure, const struct subject *known)
 {
     struct watch watch = {.poll = look};
     struct registration r;
     char off[16] = "-";
     held_most = 0;
     const uint64_t begin = clock_ns();
-    const enum err err = registration_find(&r, subject, procedure, &watch, fault);
-    if (err && err != ERR_CHECK && err != ERR_INPUT)
-        return err;
+    const enum err err = registration_find(&r, subject, procedure, &watch, &bench_fault);
+    if (err != ERR_CHECK && err != ERR_INPUT)
+        must(err);
     if (!err && known)
         snprintf(off, sizeof off, "%.2f", subject_error(known, &r.affine));
     printf("%-24s %-7s", name, err ? "refused" : "found");
     if (err == ERR_INPUT)
-        printf("   %s\n", fault->text);
+        printf("   %s\n", bench_fault.text);
     else
         printf(" %6.3f %8.3f %8.3f %7.2f %9.2f  %4.2f-%4.2f %7s %6.1f %4zu\n", r.metric,
                r.identity_metric, r.mirrored_metric, r.overlap, r.agreement_mm, r.stretch[2],
                r.stretch[0], off, (double)(clock_ns() - begin) / 1e9, held_most / 1000000);
     fflush(stdout);
-    return OK;
 }
 
-static enum err made(const struct volume *ch2, const struct placed_scene *procedure,
-                     struct fault *fault)
+static void make(struct subject *subject, const struct volume *ch2, const struct deformation *how)
 {
-    enum err err = OK;
-    for (size_t i = 0; i < sizeof trials / sizeof *trials && !err; i++) {
+    must(subject_make(subject, ch2, how, 1) ? fault_memory(&bench_fault, "a subject") : OK);
+}
+
+static void made(const struct volume *ch2, const struct placed_scene *procedure)
+{
+    for (size_t i = 0; i < sizeof trials / sizeof *trials; i++) {
         struct subject subject;
         const struct trial *t = &trials[i];
-        err = subject_make(&subject, ch2, &t->how, 1);
-        if (err)
-            return fault_memory(fault, "a subject");
+        make(&subject, ch2, &t->how);
         const struct placed_scene placed = subject_placed(&subject);
-        err = row(t->name, &placed, procedure, t->is_to_be_found ? &subject : NULL, fault);
+        row(t->name, &placed, procedure, t->is_to_be_found ? &subject : NULL);
         scene_free(subject.scene);
     }
-    return err;
 }
 
-static enum err take(struct volume *out, const char *name, struct fault *fault)
+static void take(struct volume *out, const char *name)
 {
     struct interpreter interp;
     struct buf path = {0};
-    enum err err = interpreter_init(&interp, fault);
-    err = err ? err : interpreter_find_scene(&interp, name, false, &path, fault);
-    err = err ? err : volume_read(out, buf_text(&path), NULL, NULL, fault);
+    must(interpreter_init(&interp, &bench_fault));
+    must(interpreter_find_scene(&interp, name, false, &path, &bench_fault));
+    must(volume_read(out, buf_text(&path), NULL, NULL, &bench_fault));
     buf_release(&path);
     interpreter_release(&interp);
-    return err;
 }
 
 /* Scenes as they are: other scans, another animal, a solid. */
-static enum err others(const struct placed_scene *procedure, struct fault *fault)
+static void others(const struct placed_scene *procedure)
 {
     static const char *const names[] = {"ch2better.nii.gz", "ch2bet.nii.gz",
                                         "inia19-t1-brain.nii.gz"};
     static const double to_mm[3][4] = {{1, 0, 0, -100}, {0, 1, 0, -100}, {0, 0, 1, -50}};
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
-    struct scene *geom = NULL;
-    enum err err = OK;
-    for (size_t i = 0; i < sizeof names / sizeof *names && !err; i++) {
+    struct scene *scene;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         struct volume volume;
-        struct scene *scene = NULL;
-        err = take(&volume, names[i], fault);
-        if (err)
-            return err;
-        err = scene_new_plain(&scene, volume.size, volume.intensity, NULL, fault);
-        if (!err) {
-            volume.intensity = NULL;
-            const struct placed_scene placed = {scene, &volume.geometry};
-            err = row(names[i], &placed, procedure, NULL, fault);
-        }
+        take(&volume, names[i]);
+        must(scene_new_plain(&scene, volume.size, volume.intensity, NULL, &bench_fault));
+        volume.intensity = NULL;
+        row(names[i], &(struct placed_scene){scene, &volume.geometry}, procedure, NULL);
         scene_free(scene);
         volume_release(&volume);
     }
-    err = err ? err : scene_new_geom(&geom, 0, NULL, fault);
-    if (!err && geometry_place(&geometry, to_mm, ORIENTATION_FILE)) {
-        const struct placed_scene placed = {geom, &geometry};
-        err = row("synth:geom", &placed, procedure, NULL, fault);
-    }
-    scene_free(geom);
-    return err;
+    must(scene_new_geom(&scene, 0, NULL, &bench_fault));
+    if (geometry_place(&geometry, to_mm, ORIENTATION_FILE))
+        row("synth:geom", &(struct placed_scene){scene, &geometry}, procedure, NULL);
+    scene_free(scene);
 }
 
 enum err run_register(const struct options *options, struct fault *fault)
 {
     struct volume ch2;
     struct subject procedure;
-    (void)options;
     struct buf helper = {0};
-    enum err err = file_program_folder(&helper, fault);
-    if (!err)
-        err = take(&ch2, "ch2.nii.gz", fault);
-    if (err)
-        return err;
+    (void)options, (void)fault;
+    must(file_program_folder(&helper, &bench_fault));
     buf_add_text(&helper, "/../../iftty-register");
     register_helper_program = buf_text(&helper);
-    err = subject_make(&procedure, &ch2, &(struct deformation){.noise = 0}, 1);
-    if (!err) {
-        const struct placed_scene placed = subject_placed(&procedure);
-        printf("%-24s %-7s %6s %8s %8s %7s %9s  %-9s %7s %6s %4s\n", "subject, onto ch2", "",
-               "nats", "identity", "mirrored", "overlap", "agree, mm", "stretch", "off, mm", "s",
-               "MB");
-        err = made(&ch2, &placed, fault);
-        err = err ? err : others(&placed, fault);
-        scene_free(procedure.scene);
-    }
+    take(&ch2, "ch2.nii.gz");
+    make(&procedure, &ch2, &(struct deformation){.noise = 0});
+    const struct placed_scene placed = subject_placed(&procedure);
+    printf("%-24s %-7s %6s %8s %8s %7s %9s  %-9s %7s %6s %4s\n", "subject, onto ch2", "", "nats",
+           "identity", "mirrored", "overlap", "agree, mm", "stretch", "off, mm", "s", "MB");
+    made(&ch2, &placed);
+    others(&placed);
+    scene_free(procedure.scene);
     volume_release(&ch2);
     register_helper_program = NULL;
     buf_release(&helper);
-    return err;
+    return OK;
 }

@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "command/execute.h"
 #include "session/session_inside.h"
+#include "tests/bench/times.h"
 
 enum { COMMANDS = 2000, ROUNDS = 3 };
 
@@ -35,74 +36,55 @@ static void write_command(struct buf *line, uint64_t *state)
 }
 
 /* Record COMMANDS commands; commands that fail (nothing to undo, no tree there) do not count. */
-static enum err make_session(struct interpreter *interp, const char *path, struct fault *fault)
+static void make_session(struct interpreter *interp, const char *path)
 {
     struct buf line = {0};
     struct reply reply = {0};
     uint64_t state = 1;
-    enum err err = interpreter_create_journal(interp, path, fault);
-    if (!err)
-        err = journal_set_sync(interp->journal, FILE_SYNC_OFF, fault);
-    if (!err)
-        err = interpreter_execute(interp, "open synth:geom:192x192x192", &reply, fault);
-    if (!err)
-        err = interpreter_execute(interp, "auto on", &reply, fault);
-    while (!err && journal_count(interp->journal) < COMMANDS) {
+    must(interpreter_create_journal(interp, path, &bench_fault));
+    must(journal_set_sync(interp->journal, FILE_SYNC_OFF, &bench_fault));
+    must(interpreter_execute(interp, "open synth:geom:192x192x192", &reply, &bench_fault));
+    must(interpreter_execute(interp, "auto on", &reply, &bench_fault));
+    while (journal_count(interp->journal) < COMMANDS) {
         write_command(&line, &state);
-        err = interpreter_execute(interp, buf_text(&line), &reply, fault);
-        if (err == ERR_INPUT)
-            err = OK;
+        const enum err err = interpreter_execute(interp, buf_text(&line), &reply, &bench_fault);
+        must(err == ERR_INPUT ? OK : err);
     }
     reply_release(&reply);
     buf_release(&line);
-    return err;
 }
 
-static enum err time_resuming(const char *path, uint64_t labels, double *ms, struct fault *fault)
+static double time_resuming(const char *path, uint64_t labels)
 {
     struct interpreter interp;
-    enum err err = interpreter_init(&interp, fault);
+    must(interpreter_init(&interp, &bench_fault));
     interp.is_read_only = true;
     const uint64_t begin = clock_ns();
-    if (!err)
-        err = interpreter_resume_journal(&interp, path, NULL, fault);
-    *ms = (double)(clock_ns() - begin) / 1e6;
-    if (!err && forest_label_digest(interp.session->forest) != labels)
-        err = fault_set(fault, ERR_CHECK, "the resumed session is another one");
+    must(interpreter_resume_journal(&interp, path, NULL, &bench_fault));
+    const double ms = times_since(begin);
+    if (forest_label_digest(interp.session->forest) != labels)
+        must(fault_set(&bench_fault, ERR_CHECK, "the resumed session is another one"));
     interpreter_release(&interp);
-    return err;
+    return ms;
 }
 
-static enum err time_all(const char *path, struct bench_resume *f, struct fault *fault)
+struct bench_resume bench_resuming(void)
 {
+    struct bench_resume f = {.commands = COMMANDS};
     struct interpreter interp;
-    enum err err = interpreter_init(&interp, fault);
+    struct buf path = {0};
+    buf_printf(&path, "%s/long.iftty", bench_folder(NULL));
+    must(interpreter_init(&interp, &bench_fault));
     const uint64_t begin = clock_ns();
-    if (!err)
-        err = make_session(&interp, path, fault);
-    f->session_ms = (double)(clock_ns() - begin) / 1e6;
-    f->voxels = err ? 0 : interp.session->scene->grid.voxels;
-    const uint64_t labels = err ? 0 : forest_label_digest(interp.session->forest);
+    make_session(&interp, buf_text(&path));
+    f.session_ms = times_since(begin);
+    f.voxels = interp.session->scene->grid.voxels;
+    const uint64_t labels = forest_label_digest(interp.session->forest);
     interpreter_release(&interp);
-    for (int i = 0; !err && i < ROUNDS; i++) {
-        double ms;
-        err = time_resuming(path, labels, &ms, fault);
-        f->resume_ms = i == 0 || ms < f->resume_ms ? ms : f->resume_ms;
+    for (int i = 0; i < ROUNDS; i++) {
+        const double ms = time_resuming(buf_text(&path), labels);
+        f.resume_ms = i == 0 || ms < f.resume_ms ? ms : f.resume_ms;
     }
-    f->commands = COMMANDS;
-    return err;
-}
-
-enum err bench_resuming(struct bench_resume *figures, struct fault *fault)
-{
-    struct buf folder = {0}, path = {0};
-    enum err err = folder_fresh(&folder, NULL, fault);
-    if (err)
-        return err;
-    buf_printf(&path, "%s/long.iftty", buf_text(&folder));
-    err = path.failed ? fault_memory(fault, "a path") : time_all(buf_text(&path), figures, fault);
-    folder_remove(buf_text(&folder));
-    buf_release(&folder);
     buf_release(&path);
-    return err;
+    return f;
 }

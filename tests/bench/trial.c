@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/mem.h"
 #include "tests/bench/times.h"
 #include "render/incremental.h"
 #include "render/shade.h"
@@ -39,8 +38,6 @@ struct work {
 
 static void work_free(struct work *work)
 {
-    if (!work)
-        return;
     mesh_release(&work->mesh[0]);
     mesh_release(&work->mesh[1]);
     border_release(&work->sought);
@@ -53,23 +50,16 @@ static void work_free(struct work *work)
     free(work);
 }
 
-static enum err work_new(struct work **out, struct session *session, struct fault *fault)
+static struct work *work_new(struct session *session)
 {
-    struct work *work = *out = mem_new(sizeof *work);
-    if (!work)
-        return fault_memory(fault, "a benchmark");
+    struct work *work = must_have(sizeof *work);
     work->session = session;
-    work->erase = mem_array(PROCEDURE_SEEDS, sizeof *work->erase);
-    enum err err = work->erase ? OK : fault_memory(fault, "a benchmark");
-    if (!err)
-        err = border_init(&work->sought, session->scene, fault);
-    if (!err)
-        err = rendition_init(&work->former, TRIAL_SIDE, TRIAL_SIDE, fault);
-    if (!err)
-        err = rendition_init(&work->made, TRIAL_SIDE, TRIAL_SIDE, fault);
-    if (!err)
-        err = rendition_init(&work->first, TRIAL_SIDE, TRIAL_SIDE, fault);
-    return err;
+    work->erase = must_have(PROCEDURE_SEEDS * sizeof *work->erase);
+    must(border_init(&work->sought, session->scene, &bench_fault));
+    must(rendition_init(&work->former, TRIAL_SIDE, TRIAL_SIDE, &bench_fault));
+    must(rendition_init(&work->made, TRIAL_SIDE, TRIAL_SIDE, &bench_fault));
+    must(rendition_init(&work->first, TRIAL_SIDE, TRIAL_SIDE, &bench_fault));
+    return work;
 }
 
 static void copy_rendition(struct rendition *to, const struct rendition *from)
@@ -86,18 +76,16 @@ static void copy_rendition(struct rendition *to, const struct rendition *from)
 
 /* ---- one experiment ---- */
 
-static enum err segment(struct work *work, enum experiment e, const struct edit *edit, size_t count,
-                        double *ms, struct fault *fault)
+static double segment(struct work *work, enum experiment e, const struct edit *edit, size_t count)
 {
     struct forest *forest = work->session->forest;
     uint64_t begin = clock_ns();
-    enum err err = forest_edit(forest, edit, count, fault);
-    if (!err && e == IFT_SP) {
+    must(forest_edit(forest, edit, count, &bench_fault));
+    if (e == IFT_SP) {
         begin = clock_ns();
-        err = forest_rebuild(forest, fault);
+        must(forest_rebuild(forest, &bench_fault));
     }
-    *ms = times_since(begin);
-    return err;
+    return times_since(begin);
 }
 
 static void keep_border(struct work *work, enum experiment e)
@@ -110,80 +98,70 @@ static void keep_border(struct work *work, enum experiment e)
 }
 
 /* Shading keeps the same data of the previous step for each experiment. */
-static enum err colour(struct work *work, struct rendition *rendition, bool of_kept,
-                       struct fault *fault)
+static void colour(struct work *work, struct rendition *rendition, bool of_kept)
 {
     const struct session *session = work->session;
-    return shade(rendition, &session->pictures->camera, &work->mesh[of_kept],
-                 &session->now.kept.palette, &session->now.outlook.look, &work->shader[of_kept],
-                 fault);
+    must(shade(rendition, &session->pictures->camera, &work->mesh[of_kept],
+               &session->now.kept.palette, &session->now.outlook.look, &work->shader[of_kept],
+               &bench_fault));
 }
 
-static enum err update_mesh(struct work *work, bool of_kept, const struct changes *changes,
-                            struct fault *fault)
+static void update_mesh(struct work *work, bool of_kept, const struct changes *changes)
 {
     const struct session *session = work->session;
-    const enum mesh_kind kind = shade_kind(&session->now.outlook.look);
-    if (of_kept) {
-        mesh_note(&work->mesh[1], &session->border, changes);
-        return mesh_update(&work->mesh[1], &session->border, kind, session->team, NULL, fault);
-    }
-    mesh_release(&work->mesh[0]);
-    return mesh_update(&work->mesh[0], &work->sought, kind, session->team, NULL, fault);
+    const struct border *border = of_kept ? &session->border : &work->sought;
+    if (of_kept)
+        mesh_note(&work->mesh[1], border, changes);
+    else
+        mesh_release(&work->mesh[0]);
+    must(mesh_update(&work->mesh[of_kept], border, shade_kind(&session->now.outlook.look),
+                     session->team, NULL, &bench_fault));
 }
 
-static enum err render(struct work *work, enum experiment e, struct fault *fault)
+static void render(struct work *work, enum experiment e)
 {
     const struct session *session = work->session;
     const struct camera *camera = &session->pictures->camera;
-    const struct look *look = &session->now.outlook.look;
     const struct changes changes = forest_changes(session->forest);
-    enum err err = OK;
     if (e == IFT_SP || e == DIFT_SP)
         border_recount(&work->sought);
     if (e == DIFT_II) {
         mesh_note(&work->mesh[1], &session->border, &changes);
-        err = incremental_image(&work->made, camera, &work->mesh[1], &session->border, look,
-                                &changes, session->team, fault);
+        must(incremental_image(&work->made, camera, &work->mesh[1], &session->border,
+                               &session->now.outlook.look, &changes, session->team, &bench_fault));
     } else {
-        err = update_mesh(work, keeps_border(e), &changes, fault);
-        if (!err)
-            (e == BDIFT_BP || e == DIFT_SCAN_BP ? project_border : project_scene)(
-                &work->made, camera, &work->mesh[keeps_border(e)]);
+        update_mesh(work, keeps_border(e), &changes);
+        (e == BDIFT_BP || e == DIFT_SCAN_BP ? project_border : project_scene)(
+            &work->made, camera, &work->mesh[keeps_border(e)]);
     }
-    return err ? err : colour(work, &work->made, keeps_border(e), fault);
+    colour(work, &work->made, keeps_border(e));
 }
 
 /* From the forest before the step, with `former` its picture, to the one after it. */
-static enum err carry_out(struct work *work, enum experiment e, const struct edit *edit,
-                          size_t count, double ms[PHASES], struct fault *fault)
+static void carry_out(struct work *work, enum experiment e, const struct edit *edit, size_t count,
+                      double ms[PHASES])
 {
     copy_rendition(&work->made, &work->former);
-    enum err err = segment(work, e, edit, count, &ms[SEGMENTATION], fault);
-    if (err)
-        return err;
+    ms[SEGMENTATION] = segment(work, e, edit, count);
     const uint64_t begin = clock_ns();
     keep_border(work, e);
     const uint64_t between = clock_ns();
-    err = render(work, e, fault);
+    render(work, e);
     ms[BORDER] = e == IFT_SP || e == DIFT_SP ? 0 : times_between(begin, between);
     ms[RENDITION] = times_since(between);
-    return err;
 }
 
 /* Back to the forest before the step; a border that was kept goes with it. */
-static enum err take_back(struct work *work, enum experiment e, const struct edit *edit,
-                          size_t count, struct fault *fault)
+static void take_back(struct work *work, enum experiment e, const struct edit *edit, size_t count)
 {
     for (size_t i = 0; i < count; i++)
         work->erase[i] = (struct edit){edit[i].cell, EDIT_ERASE, 0};
-    enum err err = forest_edit(work->session->forest, work->erase, count, fault);
+    must(forest_edit(work->session->forest, work->erase, count, &bench_fault));
     const struct changes changes = forest_changes(work->session->forest);
-    if (!err && keeps_border(e)) {
+    if (keeps_border(e)) {
         border_update(&work->session->border, &changes);
-        err = update_mesh(work, true, &changes, fault);
+        update_mesh(work, true, &changes);
     }
-    return err;
 }
 
 /* ---- E1 ---- */
@@ -267,9 +245,7 @@ static enum err run_round(struct trial *trial, struct work *work, unsigned s, un
     for (unsigned i = 0; !err && i < EXPERIMENTS; i++) {
         const enum experiment e = (round + i) % EXPERIMENTS;
         double ms[PHASES];
-        err = carry_out(work, e, edit, count, ms, fault);
-        if (err)
-            break;
+        carry_out(work, e, edit, count, ms);
         for (enum phase p = 0; p < PHASES; p++)
             work->ms[e][p][round] = ms[p];
         step->cost[e].served = forest_stats(work->session->forest).served;
@@ -279,7 +255,7 @@ static enum err run_round(struct trial *trial, struct work *work, unsigned s, un
         else
             err = compare(trial, work, s, e, fault);
         if (!err)
-            err = take_back(work, e, edit, count, fault);
+            take_back(work, e, edit, count);
     }
     return err;
 }
@@ -292,18 +268,17 @@ static enum err run_step(struct trial *trial, struct work *work, unsigned s,
     double ms[PHASES];
     enum err err = OK;
     if (s == 0) { /* once without the clock, so that memory is there */
-        err = carry_out(work, BDIFT_BP, edit, count, ms, fault);
-        err = err ? err : take_back(work, BDIFT_BP, edit, count, fault);
+        carry_out(work, BDIFT_BP, edit, count, ms);
+        take_back(work, BDIFT_BP, edit, count);
     }
     for (unsigned round = 0; !err && round < trial->rounds; round++) {
         err = run_round(trial, work, s, round, edit, count, fault);
         if (!err && watch && !watch->advanced(watch->context, s, round))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
     }
-    if (!err)
-        err = carry_out(work, BDIFT_BP, edit, count, ms, fault); /* and on to the next step */
     if (err)
         return err;
+    carry_out(work, BDIFT_BP, edit, count, ms); /* and on to the next step */
     copy_rendition(&work->former, &work->made);
     step->border_voxels = border_count(&work->session->border);
     for (enum experiment e = 0; e < EXPERIMENTS; e++)
@@ -317,7 +292,6 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
                    struct fault *fault)
 {
     struct view view = view_default(session->scene);
-    struct work *work = NULL;
     trial->rounds = rounds;
     trial->threads = team_size(session->team);
     trial->voxels = session->scene->grid.voxels;
@@ -327,18 +301,13 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
     session->now.outlook.look = look_default();
     session->now.outlook.look.mode = SHADE_CUBES; /* faces of voxels, as the paper has them */
     struct pictures *pictures;                    /* the session's, which hold the camera */
-    enum err err = session_set_view(session, &view, fault);
-    if (!err)
-        err = pictures_begin(&pictures, session, fault);
-    if (!err)
-        err = work_new(&work, session, fault);
-    if (!err) {
-        rendition_clear(&work->former);
-        err = update_mesh(work, true, &(struct changes){.everything = true}, fault);
-    }
-    if (!err) {
-        err = colour(work, &work->former, true, fault);
-    }
+    must(session_set_view(session, &view, &bench_fault));
+    must(pictures_begin(&pictures, session, &bench_fault));
+    struct work *work = work_new(session);
+    rendition_clear(&work->former);
+    update_mesh(work, true, &(struct changes){.everything = true});
+    colour(work, &work->former, true);
+    enum err err = OK;
     unsigned planted = 0;
     for (unsigned s = 0; !err && s < steps; s++) {
         trial->step[s].seeds = procedure_count[s];

@@ -65,7 +65,7 @@ struct trial_watch {
 };
 
 /* Fill in steps, costs and counts. The session has its scene and no seed; `seeds` are the
- * procedure's, in order. */
+ * procedure's, in order. ERR_CHECK and ERR_CANCELLED as above; the program ends at others. */
 enum err trial_run(struct trial *trial, struct session *session, const struct seeds *seeds,
                    unsigned steps, unsigned rounds, const struct trial_watch *watch,
                    struct fault *fault);

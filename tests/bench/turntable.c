@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "base/file.h"
 #include "tests/bench/times.h"
 
 /* The commands of a journal, and what comes after them. */
@@ -58,24 +57,21 @@ static bool run(struct bench_process *out, const char *program, const char *fold
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-enum err bench_turntable(struct bench_process *out, const char *commands, struct fault *fault)
+struct bench_process bench_turntable(const char *commands)
 {
-    struct buf journal = {0}, program = {0}, folder = {0}, script = {0};
-    enum err err = folder_fresh(&folder, NULL, fault);
-    if (!err) {
-        buf_printf(&script, "%s/script", buf_text(&folder));
-        if (!bench_find_in_tree(&journal, "examples/brain.iftty") ||
-            !bench_find_in_tree(&program, "iftty") || script.failed ||
-            !write_script(buf_text(&script), buf_text(&journal), commands) ||
-            !run(out, buf_text(&program), buf_text(&folder)))
-            err = fault_set(fault, ERR_IO,
-                            "the turntable of examples/brain.iftty cannot be made: expected iftty "
-                            "and its image helper above this program; `make` builds them");
-        folder_remove(buf_text(&folder));
-    }
+    struct buf journal = {0}, program = {0}, script = {0};
+    struct bench_process process;
+    const char *folder = bench_folder(NULL);
+    buf_printf(&script, "%s/script", folder);
+    if (!bench_find_in_tree(&journal, "examples/brain.iftty") ||
+        !bench_find_in_tree(&program, "iftty") ||
+        !write_script(buf_text(&script), buf_text(&journal), commands) ||
+        !run(&process, buf_text(&program), folder))
+        must(fault_set(&bench_fault, ERR_IO,
+                       "the turntable of examples/brain.iftty cannot be made: expected iftty and "
+                       "its image helper above this program; `make` builds them"));
     buf_release(&journal);
     buf_release(&program);
-    buf_release(&folder);
     buf_release(&script);
-    return err;
+    return process;
 }

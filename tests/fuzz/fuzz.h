@@ -45,8 +45,8 @@ const char *fuzz_file(const uint8_t *bytes, size_t length);
 const char *fuzz_pair(const uint8_t *header, size_t header_length, const uint8_t *voxels,
                       size_t voxels_length);
 
-/* What is in that path as a scene: the header alone, its voxels, half of them along each axis, and
- * as a map of a scene that lies elsewhere. */
+/* Read that path as a scene: the header only, its voxels, half of them along each axis, and as a
+ * map of a displaced scene. */
 void fuzz_volume(const char *path);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the helpers answer, any bytes at all: their words and numbers are believed no more than the
- * files. The first byte says what is asked; a request that is refused is refused in one line.
+/* Answers of the helpers, of any bytes: their words and numbers are trusted as little as the files.
+ * The first byte selects the request; a rejected request has one line of message.
  *
  * No helper is started: what the C library would do for it is done here, with the bytes as its
  * answer. */
@@ -34,7 +34,7 @@ int posix_spawn_file_actions_adddup2(posix_spawn_file_actions_t *actions, int fd
     return 0;
 }
 
-/* What it is asked stays in the socket. */
+/* The request remains in the socket. */
 int posix_spawn(pid_t *process, const char *path, const posix_spawn_file_actions_t *actions,
                 const posix_spawnattr_t *attributes, char *const argv[], char *const envp[])
 {
@@ -75,7 +75,7 @@ int prlimit(__pid_t process, enum __rlimit_resource resource, const struct rlimi
     return 0;
 }
 
-/* ---- those who ask ---- */
+/* ---- clients ---- */
 
 static void check(enum err err, const struct fault *fault)
 {
@@ -117,7 +117,7 @@ static void write_picture(struct image_helper *helper)
     HOLDS(picture_init(&picture, 3, 2, 0, NULL) == OK);
     const enum err err = image_write(helper, "/nowhere/a.png", FILE_REPLACE, &picture, &fault);
     check(err, &fault);
-    HOLDS(err); /* nothing was written, whatever it says */
+    HOLDS(err); /* no file was written, for any answer */
     picture_release(&picture);
 }
 
@@ -156,7 +156,7 @@ static void read_volume(void)
 void fuzz_helper(const uint8_t *bytes, size_t length)
 {
     static void (*const asking[])(struct image_helper *) = {read_picture, ask_about, write_picture};
-    if (length == 0 || length > 60000) /* what a socket holds */
+    if (length == 0 || length > 60000) /* the capacity of a socket */
         return;
     answer = bytes + 1;
     answer_length = length - 1;

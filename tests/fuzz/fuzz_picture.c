@@ -22,7 +22,7 @@ static void check_words(enum err err, const struct fault *fault)
     HOLDS(!strpbrk(fault->text, "\n\r\033"));
 }
 
-/* What golden images are compared with: associated, with a world, and without. */
+/* Pictures that golden images are compared with: associated, with a world, and without. */
 static void draw(struct picture *like, bool is_associated)
 {
     HOLDS(!picture_init(like, 5, 4, PICTURE_BUT_NORMAL, NULL));
@@ -110,7 +110,7 @@ static uint32_t number_at(const uint8_t *p)
     return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
 }
 
-/* Every checksum is right, so that what they cover is read. */
+/* Make every checksum right, so that the covered bytes are read. */
 static void mend(uint8_t *bytes, size_t length)
 {
     for (size_t at = 8; length >= 12 && at <= length - 12;) {
@@ -124,7 +124,7 @@ static void mend(uint8_t *bytes, size_t length)
     }
 }
 
-/* The notes alone are those that the whole has. */
+/* Reading only the notes returns the notes of the whole picture. */
 static void read_notes(const struct picture *whole, const uint8_t *bytes, size_t length)
 {
     struct picture notes;

@@ -63,9 +63,9 @@ void fuzz_command(const uint8_t *bytes, size_t length)
     buf_release(&line);
 }
 
-/* Bytes as a journal and as a script: walk, check, script; what is sound encodes to itself. */
+/* Bytes as a journal and as a script: walk, check, script; sound records encode to themselves. */
 
-/* A record that is sound, and has no comments, is what encoding it gives. */
+/* A sound record without comments equals its encoding. */
 static void encode_again(const struct walk *walk, const struct record *record,
                          const struct record_chain *before)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a terminal sends: keys, answers, and a line at the prompt. */
+/* Input from a terminal: keys, answers, and a line at the prompt. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
@@ -53,7 +53,7 @@ static void decode(const uint8_t *bytes, size_t length, struct buf *out)
             check_event(&k, &event);
         }
     }
-    /* whatever came, it swallows neither Enter nor what follows */
+    /* no input swallows Enter or later keys */
     keys_feed(&k, '\r', &event);
     HOLDS(keys_feed(&k, 'x', &event) && event.key == KEY_CHARACTER && event.point == 'x');
 }
@@ -69,7 +69,7 @@ static void take(struct probe_replies *replies, struct buf *typed, const uint8_t
     HOLDS(memchr(replies->name, '\0', sizeof replies->name));
 }
 
-/* No answer is left in what is typed. */
+/* No answer is left in the typed text. */
 static void check_typed(const struct buf *typed)
 {
     struct keys k = {0};
@@ -176,7 +176,7 @@ static void press(struct line *l, char before[LINE_KEYS_MOST], const struct key_
         line_act(l, (enum line_action)found);
 }
 
-/* No control characters, whatever came; the cursor is in the text. */
+/* No control characters after any input; the cursor is in the text. */
 static void check_line(const struct line *l)
 {
     const char *text = buf_text(&l->text);

@@ -134,7 +134,7 @@ static void seal(struct buf *text, const uint8_t *bytes, size_t length)
     buf_add_char(text, '\n');
 }
 
-/* Whether its size would take long here, where nothing else is wrong with it. */
+/* True if the procedure is valid except for a size that would be slow here. */
 static bool is_large(const char *text)
 {
     const char *at = strstr(text, "\nsize ");

@@ -17,7 +17,7 @@
 
 /* ---- files in memory ---- */
 
-enum { VOXELS_MOST = 1 << 20 }; /* more are fine, and take too long here */
+enum { VOXELS_MOST = 1 << 20 }; /* more are valid, but too slow here */
 
 static void fill(int descriptor, const uint8_t *bytes, size_t length)
 {
@@ -151,7 +151,7 @@ void fuzz_nrrd(const uint8_t *bytes, size_t length)
     fuzz_volume(fuzz_file(bytes, length));
 }
 
-/* Bytes as voxels without a header: the first ones say the layout and what part is read. */
+/* Bytes as voxels without a header: the first bytes select the layout and the part to read. */
 
 enum { LAYOUT = 16 };
 

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Fewer changes where one takes longest. */
+/* Fewer changes for the slowest targets. */
 static const struct fuzz_target target[] = {{"command", fuzz_command, 6000},
                                             {"config", fuzz_config, 6000},
                                             {"csa", fuzz_csa, 6000},

@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The same bits everywhere: builds in many ways, and compares what comes out.
+# The same bits everywhere: build in many ways, and compare the results.
 #
 #     run.sh short BUILD    the works (works.h): one list of digests from every build and machine,
-#                           but that those marked slow are built alone; and examples/geom.iftty
-#                           under 1 to 8 threads
+#                           except that slow ones are only built; and examples/geom.iftty under 1 to
+#                           8 threads
 #     run.sh all BUILD      the lists of all, and the whole program built in every way, which has to
 #                           verify every example; then every example under 1 to 8 threads
 #
-# Prints TAP; status 1 when anything failed. Builds go to BUILD/matrix. The first line of the table
-# of builds makes the list that the others are compared with, its threads apart.
+# Prints TAP; status 1 if a comparison failed. Builds are in BUILD/matrix. The first line of the
+# table makes the list that the others are compared with, threads excepted.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 
@@ -46,8 +46,7 @@ field() { # N LINE, without the blanks around it
 # ---- the works ----
 
 # Builds one line of the table and makes its list: BUILD/matrix/NAME.list. SHA-256 is nettle's, or
-# the test's own where nettle is not there; what packs by zlib, which is not there either, no work
-# asks for.
+# the test's own where nettle is not there; no work uses zlib, which is missing as well.
 built_alone='built, and not run'
 make_list() { # LINE, for how
     name=$(field 1 "$1") libraries=$(field 5 "$1") machine=$(field 4 "$1")

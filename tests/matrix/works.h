@@ -15,7 +15,8 @@
 #include "engine/forest.h"
 #include "engine/weight.h"
 
-/* Ends the program where `err` is one; where `holds` is false. The line told says at what. */
+/* End the program if `err` is an error, or if `holds` is false; the last printed line names the
+ * work. */
 void must(enum err err, const struct fault *fault, const char *what);
 void must_hold(bool holds, const char *what);
 

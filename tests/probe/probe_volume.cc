@@ -14,7 +14,7 @@ void catch_signals()
 {
 }
 
-void answer(const Volume &)
+void answer(const Volume &, const Request &)
 {
 }
 

@@ -113,7 +113,7 @@ static void write_picture(const struct known *p, const char *path)
     fclose(out);
 }
 
-/* Sends what is in `bytes` and waits until the terminal has taken it. */
+/* Send `bytes` and wait until the terminal has received them. */
 static bool send(struct buf *bytes, struct fault *fault)
 {
     struct buf typed = {0};
@@ -203,9 +203,8 @@ static void write_facts(const char *path, const struct terminal_facts *facts,
 /* Waits for a key, and leaves the terminal as it was. */
 static void wait_key(void)
 {
-    struct buf typed = {0};
+    OWNED(buf_release) struct buf typed = {0};
     term_read(&typed, -1, -1);
-    buf_release(&typed);
 }
 
 static bool run(const char *folder, char **word, struct fault *fault)

@@ -9,8 +9,8 @@ import os
 import shutil
 import sys
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-import make  # noqa: E402
+import make
+from make import read, run, write
 
 # What is opened, the file of it that is cut, and how its bytes can be counted: plainly; by parts,
 # which say how long they are; packed, or as text.
@@ -33,59 +33,46 @@ SOUND = [
 ]
 
 
-def make_more(folder):
+def make_more():
     """ITK's writers, by plastimatch; teem's; and what neither writes, by hand."""
     for ending in ("mha", "mhd", "nrrd", "gipl", "vtk", "mrc", "mnc", "h5", "tif"):
-        make.run("plastimatch", "convert", "--input", "ni1.twin.nii", "--output-img",
-                 "itk." + ending, "--output-type", "short", cwd=folder,
-                 stderr=make.subprocess.DEVNULL)
-    make.run("teem-unu", "save", "-f", "nrrd", "-e", "ascii", "-i", "LPS-short.nrrd", "-o",
-             "unu.nrrd", cwd=folder)
-    make.run("teem-unu", "save", "-f", "nrrd", "-e", "gzip", "-i", "LPS-short.nrrd", "-o",
-             "packed.nhdr", cwd=folder)
-    make.run("teem-unu", "save", "-f", "vtk", "-e", "ascii", "-i", "beside.nhdr", "-o", "unu.vtk",
-             cwd=folder)
-    shutil.copy(os.path.join(folder, "stack.tif"), os.path.join(folder, "stack.lsm"))
-    with open(os.path.join(folder, "packed.mha"), "rb") as file:
-        whole = file.read()
+        run("plastimatch", "convert", "--input", "ni1.twin.nii", "--output-img", "itk." + ending,
+            "--output-type", "short", stderr=make.subprocess.DEVNULL)
+    for form, encoding, source, to in (("nrrd", "ascii", "LPS-short.nrrd", "unu.nrrd"),
+                                       ("nrrd", "gzip", "LPS-short.nrrd", "packed.nhdr"),
+                                       ("vtk", "ascii", "beside.nhdr", "unu.vtk")):
+        run("teem-unu", "save", "-f", form, "-e", encoding, "-i", source, "-o", to)
+    shutil.copy("stack.tif", "stack.lsm")
+    whole = read("packed.mha")
     at = whole.index(b"CompressedDataSize")
     local = whole.index(b"\n", whole.index(b"ElementDataFile")) + 1
     loose = whole[:at] + whole[whole.index(b"\n", at) + 1:local]
-    with open(os.path.join(folder, "loose.mha"), "wb") as file:
-        file.write(loose + whole[local:])
-    with open(os.path.join(folder, "packed.mhd"), "wb") as file:
-        file.write(loose.replace(b"LOCAL", b"packed.zraw"))
-    with open(os.path.join(folder, "packed.zraw"), "wb") as file:
-        file.write(whole[local:])
+    write("loose.mha", loose, whole[local:])
+    write("packed.mhd", loose.replace(b"LOCAL", b"packed.zraw"))
+    write("packed.zraw", whole[local:])
     header = whole[:whole.index(b"CompressedData")]
     voxels = make.voxels().T.astype("<i2").tobytes()
     for name, data, parts in (("list", b"LIST\nlist1.raw\nlist2.raw\n",
                                ("list1.raw", "list2.raw")),
                               ("count", b"count%02d.raw 1 2 1\n",
                                ("count01.raw", "count02.raw"))):
-        with open(os.path.join(folder, name + ".mhd"), "wb") as file:
-            file.write(header.replace(b"NDims = 3", b"NDims = 4")
-                       .replace(b"DimSize = 26 22 14", b"DimSize = 26 22 7 2")
-                       .replace(b"TransformMatrix", b"X").replace(b"Offset", b"Y")
-                       .replace(b"0.9 1.1 2.5", b"0.9 1.1 2.5 1")
-                       + b"ElementDataFile = " + data)
+        write(name + ".mhd", header.replace(b"NDims = 3", b"NDims = 4")
+              .replace(b"DimSize = 26 22 14", b"DimSize = 26 22 7 2")
+              .replace(b"TransformMatrix", b"X").replace(b"Offset", b"Y")
+              .replace(b"0.9 1.1 2.5", b"0.9 1.1 2.5 1"), b"ElementDataFile = " + data)
         for i, part in enumerate(parts):
-            with open(os.path.join(folder, part), "wb") as file:
-                file.write(voxels[i * len(voxels) // 2:(i + 1) * len(voxels) // 2])
-    with open(os.path.join(folder, "text.mha"), "wb") as file:
-        file.write(header.replace(b"BinaryData = True", b"BinaryData = False")
-                   + b"ElementDataFile = LOCAL\n"
-                   + b" ".join(b"%d" % v for v in make.voxels().T.ravel()) + b"\n")
+            write(part, voxels[i * len(voxels) // 2:(i + 1) * len(voxels) // 2])
+    write("text.mha", header.replace(b"BinaryData = True", b"BinaryData = False"),
+          b"ElementDataFile = LOCAL\n", " ".join(map(str, make.voxels().T.ravel())), "\n")
 
 
 def main():
-    folder = sys.argv[1]
+    os.chdir(sys.argv[1])
     for each in (make.make_pairs, make.make_mgh, make.make_nrrd, make.make_meta, make.make_mrc,
                  make.make_pictures, make.make_hdf5, make.make_minc, make_more):
-        each(folder)
+        each()
     for opened, cut, counting in SOUND:
-        with open(os.path.join(folder, cut), "rb") as file:
-            whole = file.read()
+        whole = read(cut)
         if opened == "byte.mgh":
             whole = whole[:-20]  # how it was scanned, which may be missing
         most = len(whole)
@@ -94,19 +81,18 @@ def main():
             whole = whole[:max(whole.rindex(b" "), whole.rindex(b"\n")) + 1]
         for at in (most // 4, most // 2, most * 99 // 100, most - 1):
             at = min(at, len(whole))
-            there = os.path.join(folder, "cut", "%s-%d" % (opened, at))
+            there = os.path.join("cut", "%s-%d" % (opened, at))
             os.makedirs(there, exist_ok=True)
             stem = opened.split(".")[0]
-            for name in os.listdir(folder):
+            for name in os.listdir():
                 if name == opened or (opened[-4:] in (".mhd", "nhdr", ".hdr") and
                                       name.startswith(stem) and "twin" not in name):
-                    source = os.path.join(folder, name)
-                    copy = shutil.copytree if os.path.isdir(source) else shutil.copy
+                    copy = shutil.copytree if os.path.isdir(name) else shutil.copy
                     if not os.path.exists(os.path.join(there, name)):
-                        copy(source, os.path.join(there, name))
-            with open(os.path.join(there, cut), "wb") as file:
-                file.write(whole[:at])
-            print(os.path.join(there, opened), os.path.basename(cut), counting, at, most)
+                        copy(name, os.path.join(there, name))
+            write(os.path.join(there, cut), whole[:at])
+            print(os.path.abspath(os.path.join(there, opened)), os.path.basename(cut), counting,
+                  at, most)
 
 
 if __name__ == "__main__":

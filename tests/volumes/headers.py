@@ -15,12 +15,10 @@ import h5py
 import nibabel
 import numpy
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from make import LPS, save_plain_twin, save_twin  # noqa: E402
+from make import LPS, read, save_plain_twin, save_twin, write
 
 SIZE = (5, 4, 3)
-folder = sys.argv[1]
-os.chdir(folder)
+os.chdir(sys.argv[1])
 
 
 def voxels(kind="int16", size=SIZE):
@@ -30,29 +28,18 @@ def voxels(kind="int16", size=SIZE):
     return (x + 7 * y + 31 * z + least).astype(kind)
 
 
-def write(name, *parts):
-    with open(name, "wb") as file:
-        for part in parts:
-            file.write(part if isinstance(part, bytes) else part.encode())
-
-
 class Lines:
     """Expected words."""
 
     def __init__(self, story):
-        self.story = story
-        for kind in ("refused", "says"):
-            write("%s.%s" % (story, kind), "")
-
-    def add(self, kind, name, words):
-        with open("%s.%s" % (self.story, kind), "a", encoding="ascii") as file:
-            file.write("%s\t%s\n" % (name, words))
+        self.files = {kind: open("%s.%s" % (story, kind), "w", encoding="ascii")
+                      for kind in ("refused", "says")}
 
     def refused(self, name, words):
-        self.add("refused", name, words)
+        self.files["refused"].write("%s\t%s\n" % (name, words))
 
     def says(self, name, words):
-        self.add("says", name, words)
+        self.files["says"].write("%s\t%s\n" % (name, words))
 
 
 # ---- NRRD ----
@@ -262,6 +249,11 @@ def mrc(name, data, mode, axes=(1, 2, 3), order="<", stamp=None, cell=None, angl
           stored.T.astype(data.dtype.newbyteorder(order)).tobytes(), tail)
 
 
+def change(name, at, bytes_):
+    whole = read(name)
+    write(name, whole[:at], bytes_, whole[at + len(bytes_):])
+
+
 def make_mrc():
     lines = Lines("mrc")
     spacing = (2e-6, 3e-6, 5e-6)
@@ -286,9 +278,7 @@ def make_mrc():
         mrc(name, data, 1, axes=axes, cell=numpy.array(SIZE) * [20, 30, 50])
         save_plain_twin(name, data, spacing)
     mrc("axes-none.mrc", data, 1, extended=b"x" * 160)
-    with open("axes-none.mrc", "r+b") as file:
-        file.seek(64)
-        file.write(bytes(12))
+    change("axes-none.mrc", 64, bytes(12))
     save_plain_twin("axes-none.mrc", data, spacing)
     for name, how in (("wrong-stamp.mrc", {"stamp": b"\x11\x11"}), ("no-stamp.mrc",
                       {"stamp": b"\0\0"}), ("big-no-stamp.mrc", {"stamp": b"\0\0", "order": ">"})):
@@ -317,19 +307,15 @@ def make_mrc():
     mrc("packed.mrc", data.astype("int8"), 0, imod=17)
     lines.refused("packed.mrc", "its numbers have 4 bits (mode 101)")
     mrc("twice.mrc", data, 1)
-    with open("twice.mrc", "r+b") as file:
-        file.seek(68)
-        file.write(b"\1")
+    change("twice.mrc", 68, b"\1")
     lines.refused("twice.mrc", "run along axes 1, 1, 3; expected 1, 2 and 3 in any order")
     mrc("old.mrc", data, 1, map_=b"    ")
     lines.refused("old.mrc", 'byte 208 is not "MAP "')
     mrc("damaged.mrc", data, 1)
-    with open("damaged.mrc", "r+b") as file:
-        file.write(b"\xff" * 8)
+    change("damaged.mrc", 0, b"\xff" * 8)
     lines.refused("damaged.mrc", "its header is damaged")
     mrc("short.mrc", data, 1)
-    with open("short.mrc", "r+b") as file:
-        file.truncate(1100)
+    write("short.mrc", read("short.mrc")[:1100])
     lines.refused("short.mrc", "cut short: it has 1100 bytes, and its header promises 1144")
 
 

@@ -16,8 +16,8 @@ import pydicom.datadict
 from pydicom.dataset import Dataset
 from pydicom.sequence import Sequence
 
-sys.dont_write_bytecode = True
-from make import LPS, PLACE, SECRETS, run, save_plain_twin, save_twin, slices_of, voxels  # noqa
+from make import (LPS, PLACE, SECRETS, forget, identify, read, run, save_plain_twin, save_twin,
+                  slices_of, voxels, write)
 
 SLICES = 5
 MR, ENHANCED = "1.2.840.10008.5.1.4.1.1.4", "1.2.840.10008.5.1.4.1.1.4.1"
@@ -41,12 +41,9 @@ def images_of(volumes):
             one.SOPClassUID = one.file_meta.MediaStorageSOPClassUID = MR
             one.Modality = "MR"
             one.InstanceNumber = z + 1
-            one.SOPInstanceUID = SECRETS[3] + ".6.%d.%d" % (v, z)
-            one.file_meta.MediaStorageSOPInstanceUID = one.SOPInstanceUID
-            for name in ("AcquisitionNumber", "AcquisitionTime", "AcquisitionDate", "ContentTime",
-                         "ContentDate", "ImageType", "SliceLocation", "KVP"):
-                if name in one:
-                    delattr(one, name)
+            identify(one, ".6.%d.%d" % (v, z))
+            forget(one, "AcquisitionNumber", "AcquisitionTime", "AcquisitionDate", "ContentTime",
+                   "ContentDate", "ImageType", "SliceLocation", "KVP")
             for name, value in tags.items():
                 value = value(z) if callable(value) else value
                 if value is not None:
@@ -54,15 +51,14 @@ def images_of(volumes):
     return images
 
 
-def save(folder, name, images, order=None):
-    """Under names in no order, or as given."""
-    path = os.path.join(folder, name)
+def save(path, images):
+    """Under names in no order."""
     os.mkdir(path)
     images = [one for volume in images for one in volume]
     names = list(range(len(images)))
-    random.Random(len(name)).shuffle(names)
-    for i, one in zip(order or names, images):
-        one.save_as(os.path.join(path, "IM%03d" % i))
+    random.Random(len(path)).shuffle(names)
+    for i, one in zip(names, images):
+        one.save_as("%s/IM%03d" % (path, i))
     return path
 
 
@@ -75,16 +71,14 @@ def save_twins(path, volumes):
 # ---- one file of all slices ----
 
 
-def enhanced_of(volumes, pointers=(), order=None):
+def enhanced_of(volumes, pointers=()):
     """Frames in no order. Of each volume: group sequence -> its tags, to be nested so."""
     one = copy.deepcopy(slices_of(data_of(0), PLACE)[0])
     place = [str(number) for number in one.ImageOrientationPatient]
     one.SOPClassUID = one.file_meta.MediaStorageSOPClassUID = ENHANCED
-    for name in ("ImagePositionPatient", "ImageOrientationPatient", "PixelSpacing",
-                 "SliceThickness", "RescaleSlope", "RescaleIntercept", "SliceLocation",
-                 "AcquisitionNumber", "AcquisitionTime", "ContentTime", "ImageType", "KVP"):
-        if name in one:
-            delattr(one, name)
+    forget(one, "ImagePositionPatient", "ImageOrientationPatient", "PixelSpacing",
+           "SliceThickness", "RescaleSlope", "RescaleIntercept", "SliceLocation",
+           "AcquisitionNumber", "AcquisitionTime", "ContentTime", "ImageType", "KVP")
     axes, measures, values, shared = Dataset(), Dataset(), Dataset(), Dataset()
     axes.ImageOrientationPatient = place
     measures.PixelSpacing, measures.SliceThickness = [str(LENGTH[1]), str(LENGTH[0])], "2.5"
@@ -101,7 +95,7 @@ def enhanced_of(volumes, pointers=(), order=None):
     frames = [(v, z) for v in range(len(volumes)) for z in range(SLICES)]
     random.Random(7).shuffle(frames)
     groups, pixels = [], []
-    for v, z in order or frames:
+    for v, z in frames:
         group, position = Dataset(), Dataset()
         at = LPS @ PLACE @ [0, 0, z, 1]
         position.ImagePositionPatient = ["%.10g" % n for n in at[:3]]
@@ -135,7 +129,7 @@ def clock(volume, step=1):
     return lambda z: "1015%02d.%02d" % (volume, step * (z // 2 + z % 2 * 3))
 
 
-def make_keys(folder):
+def make_keys():
     """Each by one tag alone, with the volumes in another order than they are to have."""
     b = "DiffusionBValue"
     keys = {
@@ -161,17 +155,16 @@ def make_keys(folder):
     }
     orders = {"b": [1, 2, 0], "gradient": [2, 1, 0]}
     for name, volumes in keys.items():
-        path = save(folder, name, images_of(volumes))
-        save_twins(path, orders.get(name, [1, 0]))
+        save_twins(save(name, images_of(volumes)), orders.get(name, [1, 0]))
     both = [{"EchoTime": te, "ImageType": kind} for kind in (PHASE, MAGNITUDE) for te in (9, 5)]
-    save_twins(save(folder, "echo-phase", images_of(both)), [3, 1, 2, 0])
+    save_twins(save("echo-phase", images_of(both)), [3, 1, 2, 0])
     # Images of b 0 that are there twice, told apart by the number of their acquisition alone.
     twice = [{b: 0.0, "AcquisitionNumber": 3}, {b: 800.0, "AcquisitionNumber": 2},
              {b: 0.0, "AcquisitionNumber": 1}]
-    save_twins(save(folder, "b-twice", images_of(twice)), [2, 0, 1])
+    save_twins(save("b-twice", images_of(twice)), [2, 0, 1])
 
 
-def make_enhanced(folder):
+def make_enhanced():
     content, echo, diffusion = "FrameContentSequence", "MREchoSequence", "MRDiffusionSequence"
     keys = {
         "echo": [{echo: {"EffectiveEchoTime": 9.84}}, {echo: {"EffectiveEchoTime": 4.92}}],
@@ -197,53 +190,52 @@ def make_enhanced(folder):
     }
     orders = {"b": [1, 2, 0], "gradient": [2, 1, 0]}
     for name, volumes in keys.items():
-        path = os.path.join(folder, "enhanced-" + name)
+        path = "enhanced-" + name
         enhanced_of(volumes, (0x00209056, 0x00209057, 0x00209128)).save_as(path)
         save_twins(path, orders.get(name, [1, 0]))
 
 
-def make_numbers(folder):
+def make_numbers():
     """Volumes that nothing but InstanceNumber divides, or not even that."""
     for name, number in (("numbers", lambda v, z: 40 - 20 * v + z),
                          ("numbers-by-place", lambda v, z: 90 - 2 * z - v),
                          ("jumbled", lambda v, z: (7 * (SLICES * v + z)) % 11),
                          ("used-twice", lambda v, z: z + 1)):
-        path = save(folder, name, images_of(
+        path = save(name, images_of(
             [{"InstanceNumber": lambda z, v=v: number(v, z)} for v in range(2)]))
         save_twins(path, [1, 0])
     # InstanceNumber does not decide where another tag differs, and that tag does not either.
-    save(folder, "both-differ", images_of(
+    save("both-differ", images_of(
         [{"InstanceNumber": lambda z, v=v: 20 * v + z,
           "ContentTime": lambda z, v=v: "1010%02d" % (7 * (SLICES * v + z) % 11)}
          for v in range(2)]))
-    enhanced_of([{}, {}]).save_as(os.path.join(folder, "frames"))
+    enhanced_of([{}, {}]).save_as("frames")
     # An echo whose volumes are whole, in which kinds of images are mixed.
-    save(folder, "mixed-kinds", images_of(
+    save("mixed-kinds", images_of(
         [{"EchoTime": 5 + v, "ImageType": lambda z, v=v: (PHASE, MAGNITUDE)[(z > 2) ^ v]}
          for v in range(2)]))
-    save(folder, "one-wrong", images_of(
+    save("one-wrong", images_of(
         [{"DiffusionBValue": lambda z, v=v: 1000.0 * v * (z != 3),
           "InstanceNumber": lambda z, v=v: 20 * v + z} for v in range(2)]))
     images = images_of([{"EchoTime": 5}, {"EchoTime": 9}])
     del images[1][2]
-    save(folder, "incomplete", images)
+    save("incomplete", images)
     # A type that differs from slice to slice, and from no other image of its place.
-    path = save(folder, "by-slice", images_of(
-        [{"ImageType": lambda z: (PHASE, MAGNITUDE)[z % 2]}]))
-    save_twin(path, data_of(0), PLACE, 2, -1000)
+    save("by-slice", images_of([{"ImageType": lambda z: (PHASE, MAGNITUDE)[z % 2]}]))
+    save_twin("by-slice", data_of(0), PLACE, 2, -1000)
 
 
 # ---- numbers that are easily misread ----
 
 
-def make_values(folder):
-    def series(name, change, data=None, scale=(2, -1000), keeps=()):
+def make_values():
+    def series(name, change, data=None, scale=(2, -1000)):
         images = images_of([{}])
         for z, one in enumerate(images[0]):
             change(one, z)
-        path = save(folder, name, images)
+        save(name, images)
         if data is not None:
-            save_twin(path, data, PLACE, *scale)
+            save_twin(name, data, PLACE, *scale)
 
     def lookup(one, first=-90, bits=16, count=1000):
         item = Dataset()
@@ -273,27 +265,21 @@ def make_values(folder):
         one.RescaleSlope = 2
     series("lookup-slope", lookup_and_slope)
 
-    def slope_0(one, z):
-        one.RescaleSlope = 0
-    series("slope-0", slope_0, plain, (1, 0))
+    series("slope-0", lambda one, z: setattr(one, "RescaleSlope", 0), plain, (1, 0))
     series("slope-0-once", lambda one, z: setattr(one, "RescaleSlope", min(z, 1)))
 
-    def same_object(one, z):
-        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".7"
-    series("one-object", same_object, plain)
+    series("one-object", lambda one, z: identify(one, ".7"), plain)
     images = images_of([{"EchoTime": 5}, {"EchoTime": 9}])
     for one in images[0] + images[1]:
-        same_object(one, 0)
-    save_twins(save(folder, "one-object-echoes", images), [0, 1])
+        identify(one, ".7")
+    save_twins(save("one-object-echoes", images), [0, 1])
     images = images_of([{}, {}])  # of the same places and tags, and other pixels
     for z in range(SLICES):
         images[1][z].SOPInstanceUID = images[0][z].SOPInstanceUID
-    save(folder, "one-object-pixels", images)
+    save("one-object-pixels", images)
     # A copy that is packed in another way.
-    images = images_of([{}])
-    path = save(folder, "packed-copy", images)
-    save_twin(path, plain, PLACE, 2, -1000)
-    run("dcmcrle", os.path.join(path, "IM002"), os.path.join(path, "copy"))
+    series("packed-copy", lambda one, z: None, plain)
+    run("dcmcrle", "packed-copy/IM002", "packed-copy/copy")
     # Decimal commas, in each number that is read.
     commas = {"RescaleSlope": b"1,5 ", "RescaleIntercept": b"-0,5", "PixelSpacing": b"0,9\\0,9 ",
               "ImagePositionPatient": b"1,5\\2,5\\3,5 ",
@@ -305,34 +291,30 @@ def make_values(folder):
         setattr(one, name, [1, 2] if name == "PixelSpacing" else
                 [1, 2, 3] if name == "ImagePositionPatient" else
                 [1, 0, 0, 0, 1, 0] if name == "ImageOrientationPatient" else 7)
-        path = save(folder, "comma-" + name, images)
+        path = save("comma-" + name, images)
         saved = [os.path.join(path, file) for file in os.listdir(path)
                  if pydicom.dcmread(os.path.join(path, file)).InstanceNumber == 3][0]
         write_text(saved, pydicom.datadict.tag_for_keyword(name), text)
-    one = enhanced_of([{}])
-    one.save_as(os.path.join(folder, "comma-enhanced"))
-    write_text(os.path.join(folder, "comma-enhanced"), 0x00281053, b"1,5 ")
+    enhanced_of([{}]).save_as("comma-enhanced")
+    write_text("comma-enhanced", 0x00281053, b"1,5 ")
 
 
 def write_text(path, tag, text):
     """In place of the value that an element of explicit VR has."""
-    with open(path, "rb") as file:
-        data = file.read()
+    data = read(path)
     at = data.index((tag >> 16).to_bytes(2, "little") + (tag & 0xffff).to_bytes(2, "little") +
                     b"DS")
     length = int.from_bytes(data[at + 6:at + 8], "little")
     if b"\x2a\x00\x00\x52" in data or b"\x00\x52\x30\x92" in data:  # a sequence has its length
         text = text.ljust(length)[:length]
-    with open(path, "wb") as file:
-        file.write(data[:at + 6] + len(text).to_bytes(2, "little") + text +
-                   data[at + 8 + length:])
+    write(path, data[:at + 6], len(text).to_bytes(2, "little"), text, data[at + 8 + length:])
 
 
 # ---- slices without a place ----
 
 
-def make_unplaced(folder):
-    data, spacing = data_of(0), LENGTH
+def make_unplaced():
+    data = data_of(0)
 
     def series(name, twin=None, **tags):
         images = images_of([tags])
@@ -342,9 +324,9 @@ def make_unplaced(folder):
             one.RescaleSlope, one.RescaleIntercept = 1, 0
             if "InstanceNumber" not in tags:
                 del one.InstanceNumber
-        path = save(folder, name, images)
+        save(name, images)
         if twin is not None:
-            save_plain_twin(path, twin, spacing)
+            save_plain_twin(name, twin, LENGTH)
     up, down = (lambda z: 30 + LENGTH[2] * z), (lambda z: 30 - LENGTH[2] * z)
     turned = numpy.ascontiguousarray(data[:, :, ::-1])
     series("location", data, SliceLocation=up)
@@ -358,14 +340,14 @@ def make_unplaced(folder):
     one = enhanced_of([{"FrameContentSequence": {"TemporalPositionIndex": lambda z: z + 1}}])
     for group in one.PerFrameFunctionalGroupsSequence:
         del group.PlanePositionSequence
-    one.save_as(os.path.join(folder, "frames-unplaced"))
+    one.save_as("frames-unplaced")
 
 
 # ---- objects that are no images ----
 
 
-def make_objects(folder):
-    os.mkdir(os.path.join(folder, "objects"))
+def make_objects():
+    os.mkdir("objects")
     rows = {"seg-fractional": "66.4", "seg-labelmap": "66.7", "parametric": "30",
             "rtstruct": "481.3", "rtplan": "481.5", "report": "88.33", "pdf": "104.1",
             "state": "11.1", "surface": "66.5", "registration": "66.1", "spectrum": "4.2"}
@@ -382,14 +364,15 @@ def make_objects(folder):
             one.HighBit, one.PixelRepresentation = 7, 0
             one.PixelData = one.PixelData[::2]
             one.SegmentationType = name[4:].upper()
-        one.save_as(os.path.join(folder, "objects", name + ".dcm"))
+        one.save_as("objects/%s.dcm" % name)
     binary = pydicom.dcmread(pydicom.data.get_testdata_file("liver_1frame.dcm"))
-    binary.save_as(os.path.join(folder, "objects", "seg-binary.dcm"))
+    binary.save_as("objects/seg-binary.dcm")
 
 
 def main():
+    os.chdir(sys.argv[1])
     for make in (make_keys, make_enhanced, make_numbers, make_values, make_unplaced, make_objects):
-        make(sys.argv[1])
+        make()
 
 
 if __name__ == "__main__":

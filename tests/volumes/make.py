@@ -47,7 +47,7 @@ def save_twin(name, data, place, slope=1, intercept=0):
 
 def save_plain_twin(name, data, spacing=(0, 0, 0)):
     """Of unknown orientation, and spacing where it is 0."""
-    image = nibabel.Nifti1Image(data, None)
+    image = nibabel.Nifti1Image(data, None, dtype=data.dtype)
     image.header.set_qform(None, code=0)
     image.header.set_sform(None, code=0)
     image.header["pixdim"][:] = 0
@@ -60,22 +60,26 @@ def run(*words, **options):
     subprocess.run(words, check=True, stdout=subprocess.DEVNULL, **options)
 
 
+def write(name, *parts):
+    with open(name, "wb") as file:
+        for part in parts:
+            file.write(part.encode() if isinstance(part, str) else part)
+
+
+def read(name):
+    with open(name, "rb") as file:
+        return file.read()
+
+
 # ---- ANALYZE and NIfTI in pairs, by nibabel and medcon ----
 
 
-def make_pairs(folder):
+def make_pairs():
+    analyze = nibabel.AnalyzeImage
     for name, kind, ending, data_type in (("ni1", nibabel.Nifti1Pair, ".img", "<i2"),
                                           ("ni1-packed", nibabel.Nifti1Pair, ".img.gz", "<f4"),
-                                          ("ni2", nibabel.Nifti2Pair, ".img", ">i2")):
-        data = voxels(data_type)
-        path = os.path.join(folder, name)
-        image = kind(data, PLACE, kind.header_class(endianness=data_type[0]))
-        image.header.set_data_dtype(data_type)
-        image.header.set_xyzt_units("mm")
-        nibabel.save(image, path + ending)
-        save_twin(path, data.astype(data_type[1:]), PLACE)
-    analyze = nibabel.AnalyzeImage
-    for name, kind, ending, data_type in (("an-byte", analyze, ".img", "<u1"),
+                                          ("ni2", nibabel.Nifti2Pair, ".img", ">i2"),
+                                          ("an-byte", analyze, ".img", "<u1"),
                                           ("an-short", analyze, ".img", ">i2"),
                                           ("an-int", analyze, ".img.gz", "<i4"),
                                           ("an-float", analyze, ".img", ">f4"),
@@ -83,48 +87,47 @@ def make_pairs(folder):
                                           ("spm99", nibabel.Spm99AnalyzeImage, ".img", ">i2"),
                                           ("spm2", nibabel.Spm2AnalyzeImage, ".img", "<i2")):
         data = voxels(data_type)
-        path = os.path.join(folder, name)
         image = kind(data, PLACE, kind.header_class(endianness=data_type[0]))
         image.header.set_data_dtype(data_type)
-        if kind is not analyze:  # which writes a .mat, too
+        if name.startswith("spm"):  # which writes a .mat, too
             image.header["scl_slope"] = 0.25
-        nibabel.save(image, path + ending)
-        save_plain_twin(path, data.astype(data_type[1:]), SPACING)
-    run("medcon", "-f", "ni1.twin.nii", "-c", "anlz", "-o", "medcon", "-noprefix", cwd=folder)
-    made = nibabel.load(os.path.join(folder, "medcon.img"))
-    save_plain_twin(os.path.join(folder, "medcon"), numpy.asarray(made.dataobj).astype("i2"),
-                    SPACING)
+        if name.startswith("ni"):
+            image.header.set_xyzt_units("mm")
+            save_twin(name, data.astype(data_type[1:]), PLACE)
+        else:
+            save_plain_twin(name, data.astype(data_type[1:]), SPACING)
+        nibabel.save(image, name + ending)
+    run("medcon", "-f", "ni1.twin.nii", "-c", "anlz", "-o", "medcon", "-noprefix")
+    made = nibabel.load("medcon.img")
+    save_plain_twin("medcon", numpy.asarray(made.dataobj).astype("i2"), SPACING)
 
 
-def make_mgh(folder):
+def make_mgh():
     """By nibabel; uint16, and no place, by a byte of their headers changed."""
     for name, kind in (("byte.mgh", "uint8"), ("short.mgz", "int16"), ("int.mgz", "int32"),
                        ("float.mgh", "float32"), ("series.mgz", "int16")):
         data = voxels(kind)
-        path = os.path.join(folder, name)
         saved = numpy.stack([data, data + 5], 3) if name == "series.mgz" else data
-        nibabel.save(nibabel.MGHImage(saved, PLACE), path)
-        save_twin(path, data, nibabel.load(path).affine)
+        nibabel.save(nibabel.MGHImage(saved, PLACE), name)
+        save_twin(name, data, nibabel.load(name).affine)
     data = voxels("int16")
-    nibabel.save(nibabel.MGHImage(data, PLACE), os.path.join(folder, "from.mgh"))
-    with open(os.path.join(folder, "from.mgh"), "rb") as file:
-        whole = file.read()
+    nibabel.save(nibabel.MGHImage(data, PLACE), "from.mgh")
+    whole = read("from.mgh")
     for name, at, byte in (("ushort.mgh", 23, 10), ("nowhere.mgh", 29, 0), ("rgb.mgh", 23, 9)):
-        with open(os.path.join(folder, name), "wb") as file:
-            file.write(whole[:at] + bytes([byte]) + whole[at + 1:])
-    save_twin(os.path.join(folder, "ushort.mgh"), data.view("uint16"), PLACE)
-    save_plain_twin(os.path.join(folder, "nowhere.mgh"), data)
+        write(name, whole[:at], bytes([byte]), whole[at + 1:])
+    save_twin("ushort.mgh", data.view("uint16"), PLACE)
+    save_plain_twin("nowhere.mgh", data)
 
 
-def make_by_plastimatch(folder):
+def make_by_plastimatch():
     """GIPL; and the head of Debian's mricron, and an oblique scene, as DICOM."""
     head = "/usr/share/mricron/templates/ch2.nii.gz"
     for source, to, target in (("an-short.hdr", "--output-img", "a.gipl"),
                                (head, "--output-dicom", "head"),
                                ("ni1.twin.nii", "--output-dicom", "oblique")):
         run("plastimatch", "convert", "--input", source, to, target, "--output-type", "short",
-            cwd=folder, stderr=subprocess.DEVNULL)
-    shutil.copy(os.path.join(folder, "an-short.twin.nii"), os.path.join(folder, "a.gipl.twin.nii"))
+            stderr=subprocess.DEVNULL)
+    shutil.copy("an-short.twin.nii", "a.gipl.twin.nii")
 
 
 # ---- NRRD by unu, MetaImage and MRC by numpy ----
@@ -134,35 +137,32 @@ def vector(v):
     return "(" + ",".join(repr(float(n)) for n in v) + ")"
 
 
-def make_nrrd(folder):
-    for name, kind, encoding in (("short.nrrd", "int16", "raw"), ("byte.nrrd", "uint8", "gzip"),
-                                 ("float.nrrd", "float32", "raw"),
-                                 ("char.nrrd", "int8", "raw"), ("int.nrrd", "int32", "raw"),
-                                 ("uint.nrrd", "uint32", "gzip"), ("ushort.nrrd", "uint16", "raw"),
-                                 ("double.nrrd", "float64", "gzip")):
+def make_nrrd():
+    for name, kind, type_, encoding in (
+            ("short", "int16", "short", "raw"), ("byte", "uint8", "uchar", "gzip"),
+            ("float", "float32", "float", "raw"), ("char", "int8", "signed char", "raw"),
+            ("int", "int32", "int", "raw"), ("uint", "uint32", "uint", "gzip"),
+            ("ushort", "uint16", "ushort", "raw"), ("double", "float64", "double", "gzip")):
         data = voxels(kind)
-        raw = os.path.join(folder, "raw")
-        data.T.astype(data.dtype.newbyteorder("<")).tofile(raw)
+        data.T.astype(data.dtype.newbyteorder("<")).tofile("raw")
         for space, place in (("RAS", PLACE), ("LPS", LPS @ PLACE)):
-            path = os.path.join(folder, space + "-" + name)
-            types = {"int16": "short", "uint8": "uchar", "float32": "float", "int8": "signed char",
-                     "int32": "int", "uint32": "uint", "uint16": "ushort", "float64": "double"}
-            run("teem-unu", "make", "-i", raw, "-t", types[kind], "-s", *map(str, SIZE), "-en",
+            path = "%s-%s.nrrd" % (space, name)
+            run("teem-unu", "make", "-i", "raw", "-t", type_, "-s", *map(str, SIZE), "-en",
                 "little", "-e", "raw", "-spc", space, "-dirs",
                 " ".join(vector(v) for v in place[:3, :3].T),
                 "-orig", vector(place[:3, 3]), "-o", path)
             if encoding == "gzip":
                 run("teem-unu", "save", "-f", "nrrd", "-e", "gzip", "-i", path, "-o", path)
             save_twin(path, data, PLACE)
-        os.remove(raw)
+        os.remove("raw")
     data = voxels()
-    data.T.astype("<i2").tofile(os.path.join(folder, "beside.raw"))
+    data.T.astype("<i2").tofile("beside.raw")
     run("teem-unu", "make", "-h", "-i", "beside.raw", "-t", "short", "-s", *map(str, SIZE), "-en",
-        "little", "-e", "raw", "-sp", *map(str, SPACING), "-o", "beside.nhdr", cwd=folder)
-    save_plain_twin(os.path.join(folder, "beside.nhdr"), data, SPACING)
+        "little", "-e", "raw", "-sp", *map(str, SPACING), "-o", "beside.nhdr")
+    save_plain_twin("beside.nhdr", data, SPACING)
 
 
-def make_meta(folder):
+def make_meta():
     data = voxels()
     bytes_ = data.T.astype("<i2").tobytes()
     place = LPS @ PLACE
@@ -179,21 +179,15 @@ def make_meta(folder):
                                              "CompressedDataSize = %d" % len(packed),
                                              "ElementDataFile = LOCAL"], packed),
                              ("apart.mhd", ["ElementDataFile = apart.raw"], b"")):
-        path = os.path.join(folder, name)
-        with open(path, "wb") as file:
-            file.write("\n".join(lines + more).encode() + b"\n" + body)
-        save_twin(path, data, PLACE)
-    with open(os.path.join(folder, "apart.raw"), "wb") as file:
-        file.write(bytes_)
-    with open(os.path.join(folder, "outside.mhd"), "w") as file:
-        file.write("\n".join(lines + ["ElementDataFile = ../secret.raw"]) + "\n")
-    with open(os.path.join(folder, "..", "secret.raw"), "wb") as file:
-        file.write(bytes_)
-    shutil.copy(os.path.join(folder, "apart.raw"), os.path.join(folder, "plain.raw"))
-    save_plain_twin(os.path.join(folder, "plain.raw"), data)
+        write(name, "\n".join(lines + more), "\n", body)
+        save_twin(name, data, PLACE)
+    for name in ("apart.raw", "plain.raw", "../secret.raw"):
+        write(name, bytes_)
+    write("outside.mhd", "\n".join(lines + ["ElementDataFile = ../secret.raw"]), "\n")
+    save_plain_twin("plain.raw", data)
 
 
-def make_mrc(folder):
+def make_mrc():
     data = voxels()
     header = numpy.zeros(256, "<i4")
     header[0:3] = header[7:10] = SIZE
@@ -203,78 +197,78 @@ def make_mrc(folder):
     header[16:19] = 1, 2, 3
     header[52] = int.from_bytes(b"MAP ", "little")
     header[53] = 0x4444
-    path = os.path.join(folder, "a.mrc")
-    with open(path, "wb") as file:
-        file.write(header.tobytes() + data.T.astype("<i2").tobytes())
-    save_plain_twin(path, data, (4e-5, 4e-5, 4e-5))
+    write("a.mrc", header.tobytes(), data.T.astype("<i2").tobytes())
+    save_plain_twin("a.mrc", data, (4e-5, 4e-5, 4e-5))
 
 
-def make_vtk(folder):
+def make_vtk():
     data = voxels()
-    path = os.path.join(folder, "a.vtk")
-    with open(path, "wb") as file:
-        file.write(("# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\n"
-                    "DIMENSIONS %d %d %d\nSPACING 0.9 1.1 2.5\nORIGIN 0 0 0\nPOINT_DATA %d\n"
-                    "SCALARS s short 1\nLOOKUP_TABLE default\n" % (*SIZE, data.size)).encode()
-                   + data.T.astype(">i2").tobytes())
-    save_plain_twin(path, data, SPACING)
+    write("a.vtk", "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\n"
+          "DIMENSIONS %d %d %d\nSPACING 0.9 1.1 2.5\nORIGIN 0 0 0\nPOINT_DATA %d\n"
+          "SCALARS s short 1\nLOOKUP_TABLE default\n" % (*SIZE, data.size),
+          data.T.astype(">i2").tobytes())
+    save_plain_twin("a.vtk", data, SPACING)
 
 
 # ---- pictures by oiiotool, HDF5 by h5py, MINC from nibabel's tests ----
 
 
-def make_pictures(folder):
+def make_pictures():
     data = voxels(numpy.uint16)
     slices = range(1, SIZE[2] + 1)
-    page = {z: os.path.join(folder, "slice%d.pgm" % z) for z in slices}
     for z in slices:
-        with open(page[z], "wb") as file:
-            file.write(b"P5 %d %d 65535\n" % SIZE[:2] + data[:, :, z - 1].T.astype(">u2").tobytes())
+        write("slice%d.pgm" % z, b"P5 %d %d 65535\n" % SIZE[:2],
+              data[:, :, z - 1].T.astype(">u2").tobytes())
     # oiiotool takes long to start: one process converts all slices
-    where = {kind: os.path.join(folder, kind) for kind in ("png-slices", "tif-slices", "fine")}
-    for to in where.values():
+    for to in ("png-slices", "tif-slices", "fine"):
         os.mkdir(to)
-    pages = [os.path.join(where["tif-slices"], "s%d.tif" % z) for z in slices]
+    pages = ["tif-slices/s%d.tif" % z for z in slices]
     run("oiiotool", "-d", "uint16", *[word for z in slices for word in
-        (page[z], "-o", os.path.join(where["png-slices"], "s%d.png" % z), "-o", pages[z - 1],
+        ("slice%d.pgm" % z, "-o", "png-slices/s%d.png" % z, "-o", pages[z - 1],
          "--attrib", "XResolution", "254.0", "--attrib", "ResolutionUnit", "in",  # dots an inch
-         "-o", os.path.join(where["fine"], "s%d.tif" % z))])
-    for kind in ("png-slices", "tif-slices"):
-        save_plain_twin(where[kind], data)
+         "-o", "fine/s%d.tif" % z)])
     for z in slices:
-        os.remove(page[z])
-    path = os.path.join(folder, "stack.tif")
-    run("oiiotool", *pages, "--siappendall", "-o", path)
-    save_plain_twin(path, data)
+        os.remove("slice%d.pgm" % z)
+    run("oiiotool", *pages, "--siappendall", "-o", "stack.tif")
+    for name in ("png-slices", "tif-slices", "stack.tif"):
+        save_plain_twin(name, data)
 
 
-def make_hdf5(folder):
+def make_hdf5():
     data = voxels()
     for name, sets in (("a.h5", ["grey"]), ("two.h5", ["grey", "deep/other"])):
-        with h5py.File(os.path.join(folder, name), "w") as file:
+        with h5py.File(name, "w") as file:
             for each in sets:
                 file.create_dataset(each, data=data.T, chunks=True, compression="gzip")
             file["grey"].attrs["element_size_um"] = 1000 * SPACING[::-1]
             file["flat"] = numpy.zeros((4, 5))
-        save_plain_twin(os.path.join(folder, name), data, SPACING)
+        save_plain_twin(name, data, SPACING)
 
 
-def make_minc(folder):
+def make_minc():
     tests = os.path.join(os.path.dirname(nibabel.__file__), "tests", "data")
     for name in ("small.mnc", "tiny.mnc", "minc2_4d.mnc"):
-        path = os.path.join(folder, name)
-        shutil.copy(os.path.join(tests, name), path)
-        image = nibabel.load(path)
+        shutil.copy(os.path.join(tests, name), name)
+        image = nibabel.load(name)
         data = numpy.asarray(image.dataobj)
-        place = image.affine
         if data.ndim == 4:
             data = data[1]  # nibabel's order of MINC: t, z, y, x
         # nibabel keeps the file's order of axes; ours is x, y, z
-        save_twin(path, numpy.ascontiguousarray(data.T).astype(numpy.float32),
-                  place @ numpy.array([[0, 0, 1, 0], [0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1.0]]))
+        save_twin(name, numpy.ascontiguousarray(data.T).astype(numpy.float32),
+                  image.affine[:, [2, 1, 0, 3]])
 
 
 # ---- DICOM by pydicom, on the header of a real CT ----
+
+
+def identify(one, number):
+    one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + number
+
+
+def forget(one, *names):
+    for name in names:
+        if name in one:
+            delattr(one, name)
 
 
 def slices_of(data, place, step=None):
@@ -290,7 +284,7 @@ def slices_of(data, place, step=None):
         one.StudyInstanceUID = SECRETS[3] + ".1"
         one.SeriesInstanceUID = SECRETS[3] + ".2"
         one.SeriesDescription = SECRETS[0] + " thorax"
-        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".3.%d" % z
+        identify(one, ".3.%d" % z)
         one.InstanceNumber = data.shape[2] - z
         one.Rows, one.Columns = data.shape[1], data.shape[0]
         one.PixelSpacing = [float(length[1]), float(length[0])]
@@ -300,9 +294,7 @@ def slices_of(data, place, step=None):
         one.ImagePositionPatient = [float("%.10g" % n) for n in at[:3]]
         one.RescaleSlope, one.RescaleIntercept = 2, -1000
         one.PixelData = data[:, :, z].T.astype("<i2").tobytes()
-        for tag in (0x00280120,):
-            if tag in one:
-                del one[tag]
+        forget(one, "PixelPaddingValue")
         made.append(one)
     return made
 
@@ -313,60 +305,55 @@ def save_series(folder, slices, order=None):
         slices[z].save_as(os.path.join(folder, "%s_IM%04d.dcm" % (SECRETS[0], (7 * z) % 997)))
 
 
-def make_dicom(folder):
+def make_dicom():
     data = voxels()
-    path = os.path.join(folder, "ct")
-    save_series(path, slices_of(data, PLACE))
-    save_twin(path, data, PLACE, 2, -1000)
-    for tool, options in (("dcmcrle", []), ("dcmcjpeg", ["+e1"]), ("dcmcjpls", [])):
-        packed = os.path.join(folder, "ct-" + tool)
-        os.mkdir(packed)
-        for name in os.listdir(path):
-            run(tool, *options, os.path.join(path, name), os.path.join(packed, name))
-        save_twin(packed, data, PLACE, 2, -1000)
+    later = (data + 5).astype(numpy.int16)
+    scale = 2, -1000
     few = [z for z in range(SIZE[2]) if z not in (4, 5, 9)]
-    save_series(os.path.join(folder, "gaps"), slices_of(data, PLACE), few)
-    blank = data.copy()
-    blank[:, :, [4, 5, 9]] = -12  # what is -1024 here
-    save_twin(os.path.join(folder, "gaps"), blank, PLACE, 2, -1000)
     uneven = numpy.arange(SIZE[2]) + numpy.where(numpy.arange(SIZE[2]) % 2, 0.2, 0)
-    save_series(os.path.join(folder, "uneven"), slices_of(data, PLACE, uneven))
     tilted = PLACE.copy()
     tilted[:3, 2] += 0.7 * tilted[:3, 1]
-    save_series(os.path.join(folder, "tilted"), slices_of(data, tilted))
-    save_twin(os.path.join(folder, "tilted"), data, tilted, 2, -1000)
-    mixed = os.path.join(folder, "mixed")
-    save_series(mixed, slices_of(data, PLACE))
+    for name in ("ct", "mixed", "doubled", "times"):
+        save_series(name, slices_of(data, PLACE))
+    save_series("gaps", slices_of(data, PLACE), few)
+    save_series("uneven", slices_of(data, PLACE, uneven))
+    save_series("tilted", slices_of(data, tilted))
+    save_twin("ct", data, PLACE, *scale)
+    save_twin("doubled", data, PLACE, *scale)
+    save_twin("tilted", data, tilted, *scale)
+    save_twin("times", later, PLACE, *scale)
+    blank = data.copy()
+    blank[:, :, [4, 5, 9]] = -12  # what is -1024 here
+    save_twin("gaps", blank, PLACE, *scale)
+    for tool, options in (("dcmcrle", []), ("dcmcjpeg", ["+e1"]), ("dcmcjpls", [])):
+        packed = "ct-" + tool
+        os.mkdir(packed)
+        for name in os.listdir("ct"):
+            run(tool, *options, os.path.join("ct", name), os.path.join(packed, name))
+        save_twin(packed, data, PLACE, *scale)
     for z, one in enumerate(slices_of(data[:, :, :5], PLACE)):
         one.SeriesInstanceUID = SECRETS[3] + ".7"
-        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".8.%d" % z
+        identify(one, ".8.%d" % z)
         one.SeriesNumber = 99
         one.Modality = "MR"
-        one.save_as(os.path.join(mixed, "other%d" % z))
-    doubled = os.path.join(folder, "doubled")
-    save_series(doubled, slices_of(data, PLACE))
+        one.save_as("mixed/other%d" % z)
     again = slices_of(data, PLACE)[3]
-    shutil.copy(os.path.join(doubled, SECRETS[0] + "_IM0021.dcm"), os.path.join(doubled, "copy"))
-    save_twin(doubled, data, PLACE, 2, -1000)
-    clash = os.path.join(folder, "clash")
-    shutil.copytree(doubled, clash)
-    again.SOPInstanceUID = again.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".9"
-    again.save_as(os.path.join(clash, "again"))
-    times = os.path.join(folder, "times")
-    save_series(times, slices_of(data, PLACE))
-    for z, one in enumerate(slices_of((data + 5).astype(numpy.int16), PLACE)):
+    shutil.copy("doubled/%s_IM0021.dcm" % SECRETS[0], "doubled/copy")
+    shutil.copytree("doubled", "clash")
+    identify(again, ".9")
+    again.save_as("clash/again")
+    for z, one in enumerate(slices_of(later, PLACE)):
         one.AcquisitionNumber = 9
-        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".5.%d" % z
-        one.save_as(os.path.join(times, "later%d" % z))
-    save_twin(times, (data + 5).astype(numpy.int16), PLACE, 2, -1000)
+        identify(one, ".5.%d" % z)
+        one.save_as("times/later%d" % z)
     scaled = slices_of(data, PLACE)
     real = numpy.zeros(SIZE, numpy.float32)
     for z, one in enumerate(scaled):
         one.Modality = "PT"
         one.RescaleSlope, one.RescaleIntercept = 0.5 + z, 0
         real[:, :, z] = data[:, :, z] * (0.5 + z)
-    save_series(os.path.join(folder, "pet"), scaled)
-    save_twin(os.path.join(folder, "pet"), real, PLACE)
+    save_series("pet", scaled)
+    save_twin("pet", real, PLACE)
 
 
 # ---- single files of DICOM, of pydicom's own tests ----
@@ -397,35 +384,32 @@ def save_dicom_twin(path, one):
     save_twin(path, data, LPS @ place, *scale)
 
 
-def make_dicom_files(folder):
-    folder = os.path.join(folder, "one")
-    os.mkdir(folder)
+def make_dicom_files():
+    os.mkdir("one")
+    os.chdir("one")
     for name in ("CT_small MR_small MR_small_RLE MR_small_bigendian MR_small_expb "
                  "MR_small_implicit MR_small_padded rtdose rtdose_expb rtdose_rle rtdose_1frame "
-                 "rtdose_expb_1frame rtdose_rle_1frame image_dfl").split():
-        path = os.path.join(folder, name + ".dcm")
-        shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), path)
-        save_dicom_twin(path, dicom(name + ".dcm"))
-    for name in ("MR_small_jp2klossless", "MR_small_jpeg_ls_lossless"):
-        path = os.path.join(folder, name + ".dcm")
-        shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), path)
-        save_dicom_twin(path, dicom("MR_small.dcm"))
+                 "rtdose_expb_1frame rtdose_rle_1frame image_dfl MR_small_jp2klossless "
+                 "MR_small_jpeg_ls_lossless").split():
+        shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), name + ".dcm")
+        same = "MR_small" if name.endswith("lossless") else name
+        save_dicom_twin(name + ".dcm", dicom(same + ".dcm"))
     for name in "MR_truncated SC_rgb_rle badVR".split():
-        shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), folder)
+        shutil.copy(pydicom.data.get_testdata_file(name + ".dcm"), ".")
     one = dicom("liver_1frame.dcm")  # a segmentation, as an image
     one.SOPClassUID = one.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.4.1"
-    one.save_as(os.path.join(folder, "bits.dcm"))
+    one.save_as("bits.dcm")
     one = dicom("MR_small.dcm")
     one.add_new(0x7fe00008, "OF", bytes(4 * one.Rows * one.Columns))
     del one.PixelData
     one.BitsAllocated = 32
-    one.save_as(os.path.join(folder, "float.dcm"))
+    one.save_as("float.dcm")
     # A preamble that is the beginning of a TIFF, or of a NIfTI, for programs that know these.
     for name, begin in (("tiff", b"II*\0\x08\0\0\0"), ("nifti", (348).to_bytes(4, "little"))):
         one = dicom("rtdose.dcm")
         one.preamble = begin.ljust(128, b"\0")
-        one.save_as(os.path.join(folder, name + ".dcm"))
-        save_dicom_twin(os.path.join(folder, name + ".dcm"), one)
+        one.save_as(name + ".dcm")
+        save_dicom_twin(name + ".dcm", one)
     # Of 8 bits in words of 16, both orders; 12 of 16 bits, signed, with others above them.
     one = dicom("MR_small_expb.dcm")
     bytes_ = numpy.arange(64 * 64, dtype="u1").reshape(64, 64)
@@ -433,20 +417,20 @@ def make_dicom_files(folder):
     one.HighBit, one.PixelRepresentation = 7, 0
     one.PixelData = bytes_.reshape(-1, 2)[:, ::-1].tobytes()
     one["PixelData"].VR = "OW"
-    one.save_as(os.path.join(folder, "words.dcm"))
+    one.save_as("words.dcm")
     plain = dicom("MR_small.dcm")
-    save_twin_of(os.path.join(folder, "words.dcm"), plain, bytes_)
+    save_twin_of("words.dcm", plain, bytes_)
     twelve = (numpy.arange(64 * 64) - 2048).astype("i2").reshape(64, 64)
     one = dicom("MR_small.dcm")
     one.BitsStored, one.HighBit = 12, 11
     one.PixelData = ((twelve & 0xfff) | 0x5000).astype("<i2").tobytes()
-    one.save_as(os.path.join(folder, "twelve.dcm"))
-    save_twin_of(os.path.join(folder, "twelve.dcm"), plain, twelve)
+    one.save_as("twelve.dcm")
+    save_twin_of("twelve.dcm", plain, twelve)
     one.HighBit = 15
-    one.save_as(os.path.join(folder, "left.dcm"))
+    one.save_as("left.dcm")
     one = dicom("MR_small.dcm")
     del one.PixelSpacing
-    one.save_as(os.path.join(folder, "unspaced.dcm"))
+    one.save_as("unspaced.dcm")
     # Offsets of a dose that are places, the other way round, uneven and too few.
     one = dicom("rtdose.dcm")
     for name, offsets in (("absolute", [-761.87 + 5 * z for z in range(15)]),
@@ -455,16 +439,15 @@ def make_dicom_files(folder):
                           ("few", [5 * z for z in range(14)]),
                           ("many", [5 * z for z in range(16)])):
         one.GridFrameOffsetVector = offsets
-        one.save_as(os.path.join(folder, "dose-%s.dcm" % name))
+        one.save_as("dose-%s.dcm" % name)
     del one.DoseGridScaling
-    one.save_as(os.path.join(folder, "unscaled.dcm"))
-    shutil.copy(os.path.join(folder, "rtdose.dcm.twin.nii"),
-                os.path.join(folder, "dose-absolute.dcm.twin.nii"))
-    down = nibabel.load(os.path.join(folder, "rtdose.dcm.twin.nii"))
+    one.save_as("unscaled.dcm")
+    shutil.copy("rtdose.dcm.twin.nii", "dose-absolute.dcm.twin.nii")
+    down = nibabel.load("rtdose.dcm.twin.nii")
     place = down.affine @ numpy.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -14], [0, 0, 0, 1.0]])
     data = one.pixel_array.T[:, :, ::-1].astype("u4")
-    save_twin(os.path.join(folder, "dose-downwards.dcm"), data, place, 1e-6, 0)
-    make_cut(folder)
+    save_twin("dose-downwards.dcm", data, place, 1e-6, 0)
+    make_cut()
 
 
 def save_twin_of(path, one, data):
@@ -476,20 +459,15 @@ def save_twin_of(path, one, data):
     save_twin(path, data.T[:, :, None], place)
 
 
-def make_cut(folder):
+def make_cut():
     """Pixels of which some are missing, in every way that a file can say how many there are."""
-    def cut(name, source, bytes_):
-        with open(pydicom.data.get_testdata_file(source), "rb") as file:
-            data = file.read()
-        with open(os.path.join(folder, name), "wb") as file:
-            file.write(data[:-bytes_])
-    cut("cut-plain.dcm", "rtdose.dcm", 1000)
-    cut("cut-big.dcm", "MR_small_expb.dcm", 3000)
-    cut("cut-deflated.dcm", "image_dfl.dcm", 3000)
-    cut("cut-jpeg.dcm", "JPEG-lossy.dcm", 300)
-    cut("cut-jpeg-ls.dcm", "MR_small_jpeg_ls_lossless.dcm", 300)
-    cut("cut-jpeg-2000.dcm", "MR_small_jp2klossless.dcm", 300)
-    cut("cut-rle.dcm", "rtdose_rle.dcm", 500)
+    for name, source, bytes_ in (("plain", "rtdose", 1000), ("big", "MR_small_expb", 3000),
+                                 ("deflated", "image_dfl", 3000), ("jpeg", "JPEG-lossy", 300),
+                                 ("jpeg-ls", "MR_small_jpeg_ls_lossless", 300),
+                                 ("jpeg-2000", "MR_small_jp2klossless", 300),
+                                 ("rle", "rtdose_rle", 500)):
+        data = read(pydicom.data.get_testdata_file(source + ".dcm"))
+        write("cut-%s.dcm" % name, data[:-bytes_])
     for name, source in (("jpeg", "JPEG-lossy"), ("jpeg-ls", "MR_small_jpeg_ls_lossless")):
         one = dicom(source + ".dcm")
         frame = pydicom.encaps.defragment_data(one.PixelData)
@@ -497,24 +475,19 @@ def make_cut(folder):
                              ("whole", [frame, frame, frame])):
             one.PixelData = pydicom.encaps.encapsulate(frames, 2 if name == "jpeg" else 1)
             one.NumberOfFrames = 3
-            one.save_as(os.path.join(folder, "%s-%s.dcm" % (kind, name)))
+            one.save_as("%s-%s.dcm" % (kind, name))
     one = dicom("rtdose_rle.dcm")
     frames = list(pydicom.encaps.generate_pixel_data_frame(one.PixelData, 15))
     one.PixelData = pydicom.encaps.encapsulate(frames[:14])
-    one.save_as(os.path.join(folder, "few-rle.dcm"))
-    with open(pydicom.data.get_testdata_file("image_dfl.dcm"), "rb") as file:
-        data = file.read()
+    one.save_as("few-rle.dcm")
+    data = read(pydicom.data.get_testdata_file("image_dfl.dcm"))
     bomb = zlib.compressobj(9, zlib.DEFLATED, -15)
-    with open(os.path.join(folder, "bomb.dcm"), "wb") as file:
-        file.write(data[:144 + int.from_bytes(data[140:144], "little")])
-        for _ in range(257):
-            file.write(bomb.compress(bytes(1 << 20)))
-        file.write(bomb.flush())
-    folder = os.path.join(folder, "cut-slice")
+    write("bomb.dcm", data[:144 + int.from_bytes(data[140:144], "little")],
+          *(bomb.compress(bytes(1 << 20)) for _ in range(257)), bomb.flush())
     slices = slices_of(voxels(), PLACE)
     for z in (3, 8):
         slices[z].PixelData = slices[z].PixelData[:700]
-    save_series(folder, slices)
+    save_series("cut-slice", slices)
 
 
 def same(pairs):
@@ -533,10 +506,10 @@ def main():
     if sys.argv[1] == "same":
         same(sys.argv[2])
         return
-    folder = sys.argv[1]
+    os.chdir(sys.argv[1])
     for make in (make_pairs, make_mgh, make_by_plastimatch, make_nrrd, make_meta, make_mrc,
                  make_vtk, make_pictures, make_hdf5, make_minc, make_dicom, make_dicom_files):
-        make(folder)
+        make()
 
 
 if __name__ == "__main__":

@@ -8,10 +8,9 @@ unset IFTTY_SCENES
 # without them there is nothing more to test
 made_by() {
     mkdir "$work/v"
-    "$PYTHON" -W ignore "$top/tests/volumes/$1" "$work/v" >"$work/made" 2>&1 ||
+    "$PYTHON" -B -W ignore "$top/tests/volumes/$1" "$work/v" >"$work/made" 2>&1 ||
         fail "$(tail -n 3 "$work/made")"
-    [ "$failures" = 0 ] || { close_story; finish; }
-    close_story
+    [ "$failures" = 0 ] || finish
     cd "$work/v" || exit 1
 }
 
@@ -41,6 +40,25 @@ opened_as() {
     ' "$a.iftty" "$b.iftty" >"$work/differs"
     [ ! -s "$work/differs" ] || fail "$(cat "$work/differs")"
     printf '%s\t%s\t%s\n' "$name" "$a.nii" "$b.nii" >>"$work/opened"
+}
+# twins PATTERN [volume=N] NAME...: PATTERN with each NAME for its % is opened as its twin
+twins() {
+    before=${1%%%*} after=${1#*%} chosen=
+    shift
+    case $1 in volume=*) chosen=$1; shift ;; esac
+    for each; do opened_as "$before$each$after" "$before$each$after.twin.nii" $chosen; done
+}
+refused() { # WORDS COMMANDS: in one line
+    refuses "$1" "$2"
+    same "$2: $(wc -l <"$work/err" | tr -d ' ') line" "$2: 1 line"
+}
+# may_open NAME COMMANDS: they succeed, or are refused in one line; counted in $count, and $bad
+count=0 bad=0
+may_open() {
+    timeout 60 "$iftty" -c "$2" >"$work/out" 2>"$work/err"
+    got=$? lines=$(grep -vc '^iftty: .* voxels: needs' "$work/err") count=$((count + 1))
+    [ $got = 0 ] || bad=$((bad + 1))
+    [ $got = 0 ] || [ "$got $lines" = "3 1" ] || fail "$1: status $got: $(cat "$work/err")"
 }
 before_close() {
     [ -s "$work/opened" ] || return

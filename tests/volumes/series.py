@@ -19,8 +19,7 @@ import pydicom.data
 import pydicom.encaps
 import pydicom.uid
 
-sys.dont_write_bytecode = True
-from make import LPS, PLACE, SECRETS, save_twin, slices_of, voxels  # noqa: E402 (in the source)
+from make import LPS, PLACE, SECRETS, identify, read, save_twin, slices_of, voxels, write
 
 warnings.simplefilter("ignore")
 from nibabel.nicom.dicomwrappers import wrapper_from_file  # noqa: E402 (it warns)
@@ -104,70 +103,65 @@ def save_mosaic_twin(path, name, is_reversed=False, kind=numpy.int16):
     save_twin(name, numpy.ascontiguousarray(data).astype(kind), place)
 
 
-def in_folder(folder, name, one, file="IM0"):
-    path = os.path.join(folder, name)
-    os.makedirs(path, exist_ok=True)
-    one.save_as(os.path.join(path, file))
-    return path
+def in_folder(name, one, file="IM0"):
+    os.makedirs(name, exist_ok=True)
+    one.save_as(os.path.join(name, file))
 
 
-def make_mosaics(folder):
+def make_mosaics():
     data = voxels()[:, :, :IMAGES]
     for name, options in (("mosaic", {}), ("reversed", {"is_reversed": True}),
                           ("full", {"images": 4}), ("one", {"images": 1}),
                           ("uncalled", {"called": "NORM"})):
         images = options.get("images", IMAGES)
-        path = in_folder(folder, name, mosaic_of(data[:, :, :images], PLACE, **options))
-        save_mosaic_twin(os.path.join(path, "IM0"), path, "is_reversed" in options)
+        in_folder(name, mosaic_of(data[:, :, :images], PLACE, **options))
+        save_mosaic_twin(name + "/IM0", name, "is_reversed" in options)
     for time in range(3):
         one = mosaic_of((data + 11 * time).astype(numpy.int16), PLACE)
         one.AcquisitionNumber = one.InstanceNumber = time + 1
-        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".5.%d" % time
-        path = in_folder(folder, "times", one, "IM%d" % (7 * time % 5))
-        if time == 1:
-            save_mosaic_twin(os.path.join(path, "IM2"), path)
+        identify(one, ".5.%d" % time)
+        in_folder("times", one, "IM%d" % (7 * time % 5))
+    save_mosaic_twin("times/IM2", "times")
     for name, options in (("bare", {"has_csa": False}), ("uncounted", {"has_count": False}),
                           ("more", {"left": "\1\0"})):
-        in_folder(folder, name, mosaic_of(data, PLACE, **options))
+        in_folder(name, mosaic_of(data, PLACE, **options))
     more = mosaic_of(data, PLACE)
     square = more.pixel_array.copy()
     square[-3, -4] = 77
     more.PixelData = square.tobytes()
-    in_folder(folder, "hidden", more)
+    in_folder("hidden", more)
     odd = mosaic_of(data, PLACE)
     odd.Columns, odd.Rows = 61, odd.Rows * odd.Columns // 61
     odd.PixelData = odd.PixelData[:2 * odd.Rows * odd.Columns]
-    in_folder(folder, "odd", odd)
+    in_folder("odd", odd)
     unturned = mosaic_of(data, PLACE)
     block = unturned.private_block(0x0029, "SIEMENS CSA HEADER")
     block[0x10].value = csa(NumberOfImagesInMosaic=[IMAGES])
-    in_folder(folder, "unturned", unturned)
+    in_folder("unturned", unturned)
     broken = mosaic_of(data, PLACE)
     block = broken.private_block(0x0029, "SIEMENS CSA HEADER")
     block[0x10].value = block[0x10].value[:100]
-    in_folder(folder, "broken", broken)
+    in_folder("broken", broken)
     twice = mosaic_of(data, PLACE)
     twice.private_block(0x0019, "SIEMENS MR HEADER", create=True).add_new(0x0a, "US", IMAGES + 1)
-    in_folder(folder, "contrary", twice)
+    in_folder("contrary", twice)
     cut = mosaic_of(data, PLACE)  # one image of it, with its header
     cut.Columns, cut.Rows = 27, 21
     cut.ImageType = ["DERIVED", "PRIMARY", "M"]
     cut.PixelData = bytes(2 * 27 * 21)
-    in_folder(folder, "cut", cut)
+    in_folder("cut", cut)
     thick = mosaic_of(data, PLACE)
     del thick.SpacingBetweenSlices
-    path = in_folder(folder, "thick", thick)
-    save_mosaic_twin(os.path.join(path, "IM0"), path)
+    in_folder("thick", thick)
+    save_mosaic_twin("thick/IM0", "thick")
     real = os.path.join(os.path.dirname(nibabel.__file__), "nicom", "tests", "data")
     for value in (0, 1000):
-        for name in ("dwi%d" % value, "dwi"):
-            path = os.path.join(folder, name)
-            os.makedirs(path, exist_ok=True)
-            with gzip.open(os.path.join(real, "siemens_dwi_%d.dcm.gz" % value)) as packed:
-                with open(os.path.join(path, "IM%d" % value), "wb") as file:
-                    shutil.copyfileobj(packed, file)
-        path = os.path.join(folder, "dwi%d" % value)
-        save_mosaic_twin(os.path.join(path, "IM%d" % value), path, kind=numpy.uint16)
+        file = "IM%d" % value
+        for name in ("dwi", "dwi%d" % value):
+            os.makedirs(name, exist_ok=True)
+            packed = read(os.path.join(real, "siemens_dwi_%d.dcm.gz" % value))
+            write(os.path.join(name, file), gzip.decompress(packed))
+        save_mosaic_twin(os.path.join(name, file), name, kind=numpy.uint16)
 
 
 # ---- folders of several series, and with damage ----
@@ -181,15 +175,14 @@ def save_all(folder, slices, number, **words):
             setattr(one, name, value)
         one.SeriesNumber = number
         one.SeriesInstanceUID = SECRETS[3] + ".2.%d" % number
-        one.SOPInstanceUID = SECRETS[3] + ".3.%d.%d" % (number, z)
-        one.file_meta.MediaStorageSOPInstanceUID = one.SOPInstanceUID
+        identify(one, ".3.%d.%d" % (number, z))
         one.save_as(os.path.join(folder, "IM%d-%d" % (number, z)))
 
 
-def make_series(folder):
+def make_series():
     data = voxels()
     few = slices_of(data[:, :, :5], PLACE)
-    path = os.path.join(folder, "study")
+    path = "study"
     phase, size = ["ORIGINAL", "PRIMARY", "P", "ND"], PLACE @ numpy.diag([2, 2, 1, 1])
     save_all(path, few, 1, SeriesDescription="localizer", Modality="MR")
     save_all(path, slices_of(data, PLACE), 2, SeriesDescription="t1_mprage sag", Modality="MR")
@@ -201,23 +194,21 @@ def make_series(folder):
     save_all(path, slices_of(data[:, :, :5], size), 33, Modality="MR",
              SeriesDescription=SECRETS[0].lower() + " T1_MPRAGE")
     one = mosaic_of(data[:, :, :IMAGES], PLACE, has_csa=False)
-    in_folder(folder, "study-mosaic", one)
-    save_all(os.path.join(folder, "study-mosaic"), few, 2, SeriesDescription="t2", Modality="MR")
+    in_folder("study-mosaic", one)
+    save_all("study-mosaic", few, 2, SeriesDescription="t2", Modality="MR")
     for number in range(30):
-        save_all(os.path.join(folder, "many"), few[:1], number + 1, Modality="MR",
+        save_all("many", few[:1], number + 1, Modality="MR",
                  SeriesDescription="protocol with a long name, and number %d" % (number + 1))
     for name in ("damaged", "cut-header", "cut-between", "undecodable"):
-        shutil.copytree(path, os.path.join(folder, name))
-        file = os.path.join(folder, name, "IM2-4")
-        with open(file, "rb") as source:
-            contents = source.read()
+        shutil.copytree(path, name)
+        file = os.path.join(name, "IM2-4")
+        contents = read(file)
         at = contents.index(b"\x20\0\x37\0DS")  # the orientation
         broken = {"damaged": contents[:at + 4] + b"OB\0\0\xff\xff\xff\x7f" + contents[at + 8:],
                   "cut-header": contents[:at + 5],
                   "cut-between": contents[:at],
                   "undecodable": contents}
-        with open(file, "wb") as target:
-            target.write(broken[name])
+        write(file, broken[name])
     one = pydicom.dcmread(file)
     one.file_meta.TransferSyntaxUID = pydicom.uid.JPEGLSLossless
     one.PixelData = pydicom.encaps.encapsulate([b"\xff\xd8" + bytes(500) + b"\xff\xd9"])
@@ -226,8 +217,9 @@ def make_series(folder):
 
 
 def main():
+    os.chdir(sys.argv[1])
     for make in (make_mosaics, make_series):
-        make(sys.argv[1])
+        make()
 
 
 if __name__ == "__main__":

@@ -14,10 +14,11 @@ import subprocess
 import sys
 import zlib
 
-import nibabel
 import numpy
 import tifffile
 from PIL import Image, ImageSequence
+
+from make import read, save_plain_twin
 
 SIZE = (26, 22, 5)  # x, y, z
 KINDS = "uint8 int8 uint16 int16 uint32 int32 uint64 int64 float16 float32 float64".split()
@@ -37,12 +38,7 @@ def twin(name, data, spacing=(0, 0, 0)):
     """Of data[z][y][x], of unknown orientation."""
     if data.dtype == numpy.float16:
         data = data.astype(numpy.float32)
-    image = nibabel.Nifti1Image(numpy.ascontiguousarray(data.T), None, dtype=data.dtype)
-    image.header.set_qform(None, code=0)
-    image.header.set_sform(None, code=0)
-    image.header["pixdim"][1:4] = spacing
-    image.header.set_xyzt_units("mm")
-    nibabel.save(image, name + ".twin.nii")
+    save_plain_twin(name, numpy.ascontiguousarray(data.T), spacing)
     return name + ".twin.nii"
 
 
@@ -52,6 +48,10 @@ def tell(story, name, of, *options):
 
 def run(*words):
     subprocess.run(words, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+# Of three times and two channels: t, c, "tc" and the word that chooses the volume.
+SIX = [(t, c, "%d%d" % (t, c), "volume=%d" % (2 * t + c)) for t in range(3) for c in range(2)]
 
 
 def grey(name, data, **options):
@@ -366,8 +366,7 @@ def make_refused():
     write("wide-tile.tif", [page(one, _322=(4, 0x7ffffff0), _323=(4, 0x7ffffff0), **tile)])
     fax = page(voxels()[0] > 80, 1, bytes(40), _259=(3, 4))
     write("torn-fax.tif", [fax])
-    with open("jpeg.tif", "rb") as file:
-        whole = bytearray(file.read())
+    whole = bytearray(read("jpeg.tif"))
     at = whole.index(b"\xff\xda") + 30
     whole[at:at + 4] = b"\xff\xd9" * 2
     with open("torn-jpeg.tif", "wb") as file:
@@ -382,16 +381,13 @@ def make_imagej():
     stack = many.swapaxes(1, 2)  # ImageJ's order: T Z C
     spaced = {"spacing": 2.5, "unit": "um", "axes": "TZCYX"}
     tifffile.imwrite("ij.tif", stack, imagej=True, resolution=(1 / 0.5, 1 / 0.25), metadata=spaced)
-    tifffile.imwrite("ij-plain.tif", many[0, 0], imagej=True, resolution=(2, 4),
-                     metadata={"spacing": 2.5, "unit": "\\u00B5m", "axes": "ZYX"})
-    tifffile.imwrite("ij-inch.tif", many[0, 0], imagej=True, resolution=(25.4, 25.4),
-                     metadata={"spacing": 0.1, "unit": "inch", "axes": "ZYX"})
-    tifffile.imwrite("ij-flat.tif", many[0, 0], imagej=True, resolution=(2, 4),
-                     metadata={"unit": "mm", "axes": "ZYX"})
-    tifffile.imwrite("ij-pixel.tif", many[0, 0], imagej=True, resolution=(2, 4),
-                     metadata={"spacing": 3, "unit": "pixel", "axes": "ZYX"})
-    tifffile.imwrite("ij-without.tif", many[0, 0], imagej=True, resolution=(2, 4),
-                     metadata={"spacing": 3, "axes": "ZYX"})
+    for name, resolution, words in (
+            ("plain", (2, 4), {"spacing": 2.5, "unit": "\\u00B5m"}),
+            ("inch", (25.4, 25.4), {"spacing": 0.1, "unit": "inch"}),
+            ("flat", (2, 4), {"unit": "mm"}), ("without", (2, 4), {"spacing": 3}),
+            ("pixel", (2, 4), {"spacing": 3, "unit": "pixel"})):
+        tifffile.imwrite("ij-%s.tif" % name, many[0, 0], imagej=True, resolution=resolution,
+                         metadata={**words, "axes": "ZYX"})
     tifffile.imwrite("ij-frames.tif", many[:, 0, 0], imagej=True, metadata={"axes": "TYX"})
     for order in "<>":
         name = "ij-run-%s.tif" % ("small" if order == "<" else "big")
@@ -405,12 +401,11 @@ def make_imagej():
     text = b"ImageJ=1.53t\nimages=30\nchannels=2\nslices=5\nframes=3\nhyperstack=true\n\0"
     write("ij-run-many.tif", [page(stack[0, 0, 0], packed=stack.tobytes(), _270=(2, text),
                                    _279=(4, [stack[0, 0, 0].nbytes]))])
+    for t, c, number, choice in SIX:
+        tell("imagej", "ij-run-many.tif", twin("many" + number, many[t, c]), choice)
+        of = twin("ij" + number, many[t, c], (0.0005, 0.00025, 0.0025))
+        tell("imagej", "ij.tif", of, choice)
     for t in range(3):
-        for c in range(2):
-            of = twin("many%d%d" % (t, c), many[t, c])
-            tell("imagej", "ij-run-many.tif", of, "volume=%d" % (2 * t + c))
-            of = twin("ij%d%d" % (t, c), many[t, c], (0.0005, 0.00025, 0.0025))
-            tell("imagej", "ij.tif", of, "volume=%d" % (2 * t + c))
         tell("imagej", "ij-frames.tif", twin("frame%d" % t, many[t, 0, :1]), "volume=%d" % t)
     tell("imagej", "ij-plain.tif", "ij00.twin.nii")
     tell("imagej", "ij-inch.tif", twin("ij-inch", many[0, 0], (1, 1, 2.54)))
@@ -433,12 +428,9 @@ def make_imagej():
     grey("shaped.tif", many)
     grey("shaped-run.tif", many, truncate=True, byteorder=">")
     grey("shaped-axes.tif", many.transpose(0, 2, 1, 3, 4), metadata={"axes": "TZCYX"})
-    for t in range(3):
-        for c in range(2):
-            for name in ("shaped.tif", "shaped-run.tif"):
-                tell("imagej", name, "many%d%d.twin.nii" % (t, c), "volume=%d" % (2 * t + c))
-            tell("imagej", "shaped-axes.tif", "many%d%d.twin.nii" % (t, c),
-                 "volume=%d" % (2 * t + c))
+    for name in ("shaped.tif", "shaped-run.tif", "shaped-axes.tif"):
+        for _, _, number, choice in SIX:
+            tell("imagej", name, "many%s.twin.nii" % number, choice)
     write("shaped-old.tif", [page(z, _270=(2, b"shape=(3, 2, 5, 22, 26)\0"))
                              for z in many.reshape(-1, *SIZE[1::-1])])
     tell("imagej", "shaped-old.tif", "many21.twin.nii", "volume=5")
@@ -470,14 +462,13 @@ def make_ome():
                                "PhysicalSizeY": 250, "PhysicalSizeYUnit": "nm",
                                "PhysicalSizeZ": 0.0025, "PhysicalSizeZUnit": "mm"})
     plain = many.reshape(-1, *SIZE[1::-1])
-    zct = many.transpose(0, 1, 2, 3, 4)
     orders = {"XYZCT": (0, 1, 2), "XYCZT": (0, 2, 1), "XYTCZ": (2, 1, 0), "XYZTC": (1, 0, 2),
               "XYCTZ": (2, 0, 1), "XYTZC": (1, 2, 0)}
     sizes = 'PhysicalSizeX="0.5" PhysicalSizeY="0.25" PhysicalSizeZ="2.5"'
     names = ["a.ome.tif", "mapped.ome.tif", "part.ome.tif", "renamed.tif"]
     for order, axes in orders.items():
         name = order.lower() + ".tif"
-        ome(name, zct.transpose(*axes, 3, 4).reshape(-1, *SIZE[1::-1]), order, sizes)
+        ome(name, many.transpose(*axes, 3, 4).reshape(-1, *SIZE[1::-1]), order, sizes)
         names.append(name)
     backwards = "".join('<TiffData FirstZ="%d" FirstC="%d" FirstT="%d" IFD="%d"/>' %
                         (i % 5, i // 5 % 2, i // 10, 29 - i) for i in range(30))
@@ -485,15 +476,13 @@ def make_ome():
     runs = "".join('<TiffData FirstC="%d" FirstT="%d" IFD="%d" PlaneCount="5"/>' %
                    (i % 2, i // 2, 31 - 5 * i) for i in range(6))
     pages = [plain[0]] + [z for i in range(6) for z in plain[5 * (5 - i):5 * (6 - i)]]
-    ome("part.ome.tif", [pages[0]] * 6 + pages[1:], sizes=sizes,
-        planes=runs)
+    ome("part.ome.tif", [pages[0]] * 6 + pages[1:], sizes=sizes, planes=runs)
     own = '<TiffData IFD="0" PlaneCount="30"><UUID FileName="before.ome.tif">urn:uuid:1</UUID>' \
           '</TiffData>'
     ome("renamed.tif", plain, sizes=sizes, planes=own)
-    for t in range(3):
-        for c in range(2):
-            for name in names:
-                tell("ome", name, "ij%d%d.twin.nii" % (t, c), "volume=%d" % (2 * t + c))
+    for name in names:
+        for _, _, number, choice in SIX:
+            tell("ome", name, "ij%s.twin.nii" % number, choice)
     away = '<TiffData FirstC="%d"><UUID FileName="%s">urn:uuid:%d</UUID></TiffData>'
     ome("set.ome.tif", plain[:15],
         planes=away % (0, "set.ome.tif", 1) + away % (1, "set_C1.ome.tif", 2))
@@ -507,8 +496,7 @@ def make_ome():
     ome("images.ome.tif", plain, after='<Image ID="Image:1"><Pixels/></Image>')
     ome("torn.ome.tif", plain, after="<Image></OME>")
     ome("bomb.ome.tif", plain, before="<a/>")
-    with open("bomb.ome.tif", "rb") as file:
-        raw = file.read()
+    raw = read("bomb.ome.tif")
     bomb = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY a "a">]><OME>'
     with open("bomb.ome.tif", "wb") as file:
         file.write(raw.replace(raw[raw.index(b"<?xml"):][:len(bomb)], bomb))
@@ -636,8 +624,7 @@ def make_broken(rounds):
     for name in ("uint16.tif uint32-big.tif float16-zip3.tif uint16-tiles-zstd2.tif bits-g4.tif "
                  "jpeg.tif contig-tiles.tif separate.tif palette4.tif of12.tif turned6.tif "
                  "uint16ij-run-big.tif thumb-first.tif samples.ome.tif wrong.lsm").split():
-        with open(name, "rb") as file:
-            whole = file.read()
+        whole = read(name)
         for number in range(rounds):
             random.seed("%s %d" % (name, number))
             with open("bad/%d-%s" % (number, name), "wb") as file:

@@ -15,16 +15,12 @@ import h5py
 import nibabel
 import numpy
 
+from make import read, write
+
 os.chdir(sys.argv[1])
 DATA = (numpy.arange(60).reshape(3, 4, 5) * 7 % 101 + 1).astype("i2")  # z, y, x
 TIMES = numpy.stack([DATA + 1, DATA])
 PLAIN = DATA.transpose(2, 1, 0)
-
-
-def write(name, *parts):
-    with open(name, "wb") as file:
-        for part in parts:
-            file.write(part.encode() if isinstance(part, str) else part)
 
 
 def meta(name, data, kind="SHORT", msb=False, more=(), sides=(5, 4, 3)):
@@ -54,8 +50,6 @@ def make_vtk():
                        ("long", "i8"), ("float", "f4"), ("double", "f8")):
         write(kind + ".vtk", head % ("BINARY", kind), DATA.astype(">" + code).tobytes())
         write(kind + "-text.vtk", head % ("ASCII", kind), " ".join(map(str, DATA.ravel())), "\n")
-
-
     write("times.vtk", (head % ("BINARY", "short")).replace("short 1", "short 2"),
           numpy.stack(TIMES, -1).astype(">i2").tobytes())
 
@@ -84,26 +78,17 @@ def make_hdf5():
 
 def make_itk_hdf5():
     """As ITK writes them: a group for the image, with its place as data sets."""
-    for order, name in (("<", "little"), (">", "big")):
-        with h5py.File("itk-%s.hdf5" % name, "w") as file:
-            group = file.create_group("ITKImage/0")
-            group["Dimension"] = numpy.array([5, 4, 3], "u8")
-            group["Directions"] = numpy.diag([-1.0, -1.0, 1.0])
-            group["Origin"] = numpy.zeros(3)
-            group["Spacing"] = numpy.ones(3)
+    for name, data, order, packed in (("itk-little", DATA, "<", "gzip"),
+                                      ("itk-big", DATA, ">", "gzip"), ("times", TIMES, "<", None)):
+        with h5py.File(name + ".hdf5", "w") as file:
+            group, sides = file.create_group("ITKImage/0"), data.ndim
+            group["Dimension"] = numpy.array(data.shape[::-1], "u8")
+            group["Directions"] = numpy.diag([-1.0, -1.0, 1.0, 1.0][:sides])
+            group["Origin"], group["Spacing"] = numpy.zeros(sides), numpy.ones(sides)
             group["VoxelType"] = "SHORT"
-            group.create_dataset("VoxelData", data=DATA, dtype=order + "i2", compression="gzip")
+            group.create_dataset("VoxelData", data=data, dtype=order + "i2", compression=packed)
             group.create_group("MetaData")
-            file["ITKVersion"] = "5.2.1"
-            file["HDFVersion"] = "1.10.8"
-    with h5py.File("times.hdf5", "w") as file:
-        group = file.create_group("ITKImage/0")
-        group["Dimension"] = numpy.array([5, 4, 3, 2], "u8")
-        group["Directions"] = numpy.diag([-1.0, -1.0, 1.0, 1.0])
-        group["Origin"], group["Spacing"] = numpy.zeros(4), numpy.ones(4)
-        group["VoxelType"], group["VoxelData"] = "SHORT", TIMES
-        group.create_group("MetaData")
-        file["ITKVersion"], file["HDFVersion"] = "5.2.1", "1.10.8"
+            file["ITKVersion"], file["HDFVersion"] = "5.2.1", "1.10.8"
 
 
 def make_mrc():
@@ -154,8 +139,7 @@ def make_others():
     write("text.nrrd", "\n".join(lines), "\nencoding: text\n\n", " ".join(map(str, DATA.ravel())))
     for name in ("SHORT-big.mha", "short.vtk", "i2-little.h5", "i2-little.mrc", "i2.gipl",
                  "big-raw.nrrd"):
-        with open(name, "rb") as file:
-            write(name + ".gz", gzip.compress(file.read()))
+        write(name + ".gz", gzip.compress(read(name)))
 
 
 # ---- PNG ----
@@ -208,8 +192,7 @@ def make_minc():
                 del attributes["units"]
                 if unit:
                     attributes["units"] = numpy.bytes_(unit)
-    with open(os.path.join(folder, "tiny.mnc"), "rb") as file:
-        old = file.read()
+    old = read(os.path.join(folder, "tiny.mnc"))
     begin = old.index(b"units", old.index(b"direction_cosines"))
     at = old.index(b"mm", begin)
     write("old-um.mnc", old[:at] + b"um" + old[at + 2:])

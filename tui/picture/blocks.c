@@ -80,20 +80,14 @@ static uint8_t nearest_16(uint32_t colour)
 
 enum { PARTS_MOST = 6 };
 
-static uint32_t columns_of(enum block_shape shape)
-{
-    return shape == BLOCK_HALF ? 1 : 2;
-}
+/* Parts of a cell, and its pixels across; twice as many are below each other. */
+static const struct {
+    uint32_t columns, rows, width;
+} cell_of[] = {[BLOCK_HALF] = {1, 2, 1}, [BLOCK_QUADRANT] = {2, 2, 2}, [BLOCK_SEXTANT] = {2, 3, 6}};
 
-static uint32_t rows_of(enum block_shape shape)
-{
-    return shape == BLOCK_SEXTANT ? 3 : 2;
-}
-
-/* Return the pixels of a cell. */
 static void cell_pixels(const struct terminal_facts *facts, uint32_t *width, uint32_t *height)
 {
-    *width = facts->shape == BLOCK_HALF ? 1 : facts->shape == BLOCK_QUADRANT ? 2 : 6;
+    *width = cell_of[facts->shape].width;
     *height = 2 * *width;
 }
 
@@ -196,7 +190,7 @@ static struct block colourless(const uint32_t *colour, unsigned count)
 void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
                  const struct terminal_facts *facts)
 {
-    const uint32_t across = columns_of(facts->shape), down = rows_of(facts->shape);
+    const uint32_t across = cell_of[facts->shape].columns, down = cell_of[facts->shape].rows;
     uint32_t width, height, colour[PARTS_MOST];
     cell_pixels(facts, &width, &height);
     for (uint32_t top = 0; top < view->height; top += height, cell += stride)
@@ -277,7 +271,7 @@ static void add_parts(enum block_shape shape, unsigned parts, struct buf *out)
 /* Add a cell, which moves the cursor by one. */
 static void put_cell(struct pen *pen, const struct block *cell, struct buf *out)
 {
-    const unsigned all = (1u << columns_of(pen->shape) * rows_of(pen->shape)) - 1;
+    const unsigned all = (1u << cell_of[pen->shape].columns * cell_of[pen->shape].rows) - 1;
     if (pen->colours == COLOURS_NONE) {
         buf_add_char(out, (char)cell->parts);
     } else if (cell->note) {

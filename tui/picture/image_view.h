@@ -15,10 +15,10 @@
 
 #include "image/picture.h"
 
-/* A part of a slice, and whether the terminal has its greys. */
+/* A part of a slice, and the number of its greys in the terminal; 0: it lacks them. */
 struct image_strip {
     struct raster_box box;
-    bool is_there;
+    uint32_t number;
 };
 
 struct image_view {

@@ -154,7 +154,7 @@ static void send_strip(struct painter *p, const struct raster *raster, uint32_t 
                        struct buf *out)
 {
     char keys[96];
-    snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,p=%d,w=1,h=1,", KITTY_STRIPS + number, HOLD);
+    snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,p=%d,w=1,h=1,", number, HOLD);
     painter_move_to(p, 0, 0, out);
     add_png(p, raster, keys, out);
 }
@@ -164,7 +164,7 @@ static void place_strip(const struct painter *p, uint32_t number, unsigned place
 {
     const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
     painter_move_to(p, box->left / width, box->top / height, out);
-    buf_printf(out, "\033_Ga=p,i=%u,p=%u,C=1,", KITTY_STRIPS + number, place + 1);
+    buf_printf(out, "\033_Ga=p,i=%u,p=%u,C=1,", number, place + 1);
     if (box->left % width)
         buf_printf(out, "X=%u,", box->left % width);
     if (box->top % height)
@@ -174,12 +174,7 @@ static void place_strip(const struct painter *p, uint32_t number, unsigned place
 
 static void hide_strip(uint32_t number, unsigned place, struct buf *out)
 {
-    buf_printf(out, "\033_Ga=d,d=i,i=%u,p=%u,q=2\033\\", KITTY_STRIPS + number, place + 1);
-}
-
-static void free_strip(uint32_t number, struct buf *out)
-{
-    free_picture(KITTY_STRIPS + number, out);
+    buf_printf(out, "\033_Ga=d,d=i,i=%u,p=%u,q=2\033\\", number, place + 1);
 }
 
 static void free_all(struct buf *out)
@@ -192,13 +187,12 @@ static uint32_t lost(const char *reply)
 {
     const char *number = strncmp(reply, "_Gi=", 4) == 0 ? reply + 4 : "";
     const unsigned long image = strtoul(number, NULL, 10);
-    return strstr(reply, ";ENOENT") && image > KITTY_STRIPS && image <= UINT32_MAX
-               ? (uint32_t)(image - KITTY_STRIPS)
-               : 0;
+    const bool is_strip = image > KITTY_STRIPS && image <= UINT32_MAX;
+    return is_strip && strstr(reply, ";ENOENT") ? (uint32_t)image : 0;
 }
 
-static const struct keeping keeping = {send_strip, place_strip, hide_strip,
-                                       free_strip, free_all,    lost};
+static const struct keeping keeping = {KITTY_STRIPS, send_strip, place_strip, hide_strip,
+                                       free_picture, free_all,   lost};
 
 static void remove_picture(struct painter *p, struct buf *out)
 {

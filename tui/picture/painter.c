@@ -119,7 +119,7 @@ static void cut_strips(struct painter *p, const struct image_view *view)
                 return;
             }
             k->strip[k->strips++] = (struct image_strip){
-                {box.left, box.top + y, box.width, least(height, box.height - y)}, false};
+                {box.left, box.top + y, box.width, least(height, box.height - y)}, 0};
         }
     }
 }
@@ -139,8 +139,7 @@ static void key_of(uint8_t key[STRIPS_KEY], const struct image_view *view,
 static void take_strip(struct strips *k, unsigned i, struct strips_image *image)
 {
     image->used = k->clock;
-    k->number[i] = image->number;
-    k->strip[i].is_there = true;
+    k->strip[i].number = image->number;
 }
 
 static void send_strip(struct painter *p, const struct image_view *view, unsigned i,
@@ -169,7 +168,8 @@ static void send_strip(struct painter *p, const struct image_view *view, unsigne
                                   .colour = grey,
                                   .colours = STRIPS_GREYS};
     struct strips_image *image = &k->image[k->images++];
-    *image = (struct strips_image){.number = ++k->last, .pixels = pixels};
+    *image = (struct strips_image){.number = p->facts.graphics->keeping->first + ++k->last,
+                                   .pixels = pixels};
     memcpy(image->key, key, STRIPS_KEY);
     k->pixels += pixels;
     p->effort = view->is_slow ? PNG_SLOW_LINE : PNG_FAST;
@@ -190,7 +190,6 @@ static void send_strips(struct painter *p, const struct image_view *view, size_t
     for (unsigned i = 0; i < k->strips; i++) {
         key_of(key[i], view, &k->strip[i].box);
         struct strips_image *image = find_strip(k, key[i]);
-        k->number[i] = 0;
         if (image)
             take_strip(k, i, image);
     }
@@ -201,7 +200,7 @@ static void send_strips(struct painter *p, const struct image_view *view, size_t
             const struct raster_box *box = &k->strip[i].box;
             const bool in_focus = box->left - view->focus.left < view->focus.width &&
                                   box->top - view->focus.top < view->focus.height;
-            if (k->number[i] || in_focus == (round > 0))
+            if (k->strip[i].number || in_focus == (round > 0))
                 continue;
             if (image) {
                 take_strip(k, i, image);
@@ -215,12 +214,11 @@ static void send_strips(struct painter *p, const struct image_view *view, size_t
 }
 
 /* Clear pixels that the strips show anyway: `places` has `stride` a row. */
-static void clear_strips(const struct strips *k, const struct image_view *view, uint8_t *places,
-                         uint32_t stride)
+static void clear_strips(const struct image_view *view, uint8_t *places, uint32_t stride)
 {
     for (unsigned i = 0; i < view->strips; i++) {
         const struct raster_box *box = &view->strip[i].box;
-        if (!view->strip[i].is_there || k->number[i] == 0)
+        if (!view->strip[i].number)
             continue;
         for (uint32_t y = box->top; y < box->top + box->height; y++) {
             const size_t first = (size_t)y * view->width + box->left;
@@ -240,7 +238,7 @@ static bool same_box(const struct raster_box *a, const struct raster_box *b)
 
 static void hide_slot(struct painter *p, unsigned i, struct buf *out)
 {
-    struct strips_slot *slot = &p->kept.slot[i];
+    struct image_strip *slot = &p->kept.slot[i];
     if (slot->number)
         p->facts.graphics->keeping->hide(slot->number, i, out);
     slot->number = 0;
@@ -289,12 +287,6 @@ struct stale {
     struct raster_box box[BOXES_MOST];
     unsigned count;
     uint64_t cost; /* pixels in all boxes, and the fixed cost of each box */
-};
-
-struct stale_rule {
-    uint32_t tile_width, tile_height;
-    bool whole_tiles;
-    uint32_t box_cost; /* pixels */
 };
 
 static uint64_t cost_of(struct raster_box box, uint32_t box_cost)
@@ -400,7 +392,7 @@ static bool fill_raster(struct painter *p, const struct image_view *view)
     if (!shades_fill(&p->shades, p->has_palette, view, p->of[1].bytes, p->width, p->height))
         return false;
     if (p->has_palette)
-        clear_strips(&p->kept, view, p->of[1].bytes, p->width);
+        clear_strips(view, p->of[1].bytes, p->width);
     return true;
 }
 
@@ -426,39 +418,36 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
         return false;
     const struct raster now = raster_of(p, 1), then = raster_of(p, 0);
     const struct graphics *g = p->facts.graphics;
-    const struct stale_rule rule =
-        !g->over_cells
-            ? (struct stale_rule){PIXEL_TILE, PIXEL_TILE, false,
-                                  p->kept.strips ? CLEAR_FACTOR * g->patch_cost : g->patch_cost}
-            : (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true, g->patch_cost};
+    const uint32_t tile_width = g->over_cells ? p->facts.cell_width : PIXEL_TILE;
+    const uint32_t tile_height = g->over_cells ? p->facts.cell_height : PIXEL_TILE;
+    const uint32_t box_cost = p->kept.strips ? CLEAR_FACTOR * g->patch_cost : g->patch_cost;
     const size_t each = raster_pixel_bytes(&now);
     stale->count = 0;
     stale->cost = 0;
-    for (uint32_t top = 0; top < now.height; top += rule.tile_height) {
-        const uint32_t height = least(rule.tile_height, now.height - top);
+    for (uint32_t top = 0; top < now.height; top += tile_height) {
+        const uint32_t height = least(tile_height, now.height - top);
         /* Find the first and last column of bytes in which any of these rows differ. */
         size_t from = SIZE_MAX, to = 0;
         for (uint32_t y = top; y < top + height; y++) {
             size_t first, last;
             if (!find_difference(now.bytes + y * now.stride, then.bytes + y * then.stride,
-                                 now.width * raster_pixel_bytes(&now), &first, &last))
+                                 now.width * each, &first, &last))
                 continue;
             from = first < from ? first : from;
             to = last > to ? last : to;
         }
         if (from == SIZE_MAX)
             continue;
-        uint32_t left = (uint32_t)(from / each / rule.tile_width) * rule.tile_width;
-        for (; left < now.width && left <= to / each; left += rule.tile_width) {
-            const struct raster_box tile = {left, top, least(rule.tile_width, now.width - left),
-                                            height};
+        uint32_t left = (uint32_t)(from / each / tile_width) * tile_width;
+        for (; left < now.width && left <= to / each; left += tile_width) {
+            const struct raster_box tile = {left, top, least(tile_width, now.width - left), height};
             struct raster_box tight = tile;
             if (shrink_box(&tight, &now, &then))
-                add_box(stale, rule.whole_tiles ? tile : tight, rule.box_cost);
+                add_box(stale, g->over_cells ? tile : tight, box_cost);
         }
     }
     for (unsigned i = 0; i < stale->count; i++)
-        stale->cost += cost_of(stale->box[i], rule.box_cost);
+        stale->cost += cost_of(stale->box[i], box_cost);
     if (stale->count == 0)
         return true;
     const uint64_t all = (uint64_t)p->width * p->height;
@@ -519,14 +508,13 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
             if (i >= k->strips || !same_box(&k->slot[i].box, &k->strip[i].box))
                 hide_slot(p, i, out);
         for (unsigned i = 0; i < k->strips; i++) {
-            const struct strips_slot former = k->slot[i];
-            const struct raster_box *box = &k->strip[i].box;
-            if (!k->strip[i].is_there ||
-                (former.number == k->number[i] && same_box(&former.box, box)))
+            const struct image_strip *now = &k->strip[i], *former = &k->slot[i];
+            if (!now->number ||
+                (former->number == now->number && same_box(&former->box, &now->box)))
                 continue;
-            p->facts.graphics->keeping->place(p, k->number[i], i, box, out);
+            p->facts.graphics->keeping->place(p, now->number, i, &now->box, out);
             hide_slot(p, i, out);
-            k->slot[i] = (struct strips_slot){k->number[i], *box};
+            k->slot[i] = *now;
         }
     }
     if (can_patch(p, view, &stale)) {

@@ -77,21 +77,13 @@ struct strips_image {
     uint64_t used; /* time of the last use, by strips.clock */
 };
 
-/* A place of a strip on the screen. */
-struct strips_slot {
-    uint32_t number; /* 0: not shown */
-    struct raster_box box;
-};
-
 struct strips {
     struct strips_image *image;
     size_t images, capacity;
     uint64_t pixels, clock;
-    uint32_t last; /* the last number used */
-    struct strips_slot slot[STRIPS_MOST];
-    /* for the present view */
-    struct image_strip strip[STRIPS_MOST];
-    uint32_t number[STRIPS_MOST]; /* 0 if the terminal does not have it */
+    uint32_t last;                         /* strips ever sent */
+    struct image_strip slot[STRIPS_MOST];  /* on the screen; number 0: not shown */
+    struct image_strip strip[STRIPS_MOST]; /* in the present view */
     unsigned strips;
     uint8_t *greys; /* palette indices of the present strip */
     size_t greys_capacity;
@@ -190,6 +182,7 @@ enum graphics_kind { GRAPHICS_NOTHING, GRAPHICS_TEXT, GRAPHICS_PIXELS };
 /* Functions for strips stored in the terminal: send one without showing it; show it at a place, one
  * of several numbered ones; hide it; free it, or all of them. */
 struct keeping {
+    uint32_t first; /* numbers are larger */
     void (*send)(struct painter *, const struct raster *, uint32_t number, struct buf *);
     void (*place)(const struct painter *, uint32_t number, unsigned place,
                   const struct raster_box *, struct buf *);

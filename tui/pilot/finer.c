@@ -28,15 +28,11 @@ void refine_release(struct refine *r)
     *r = (struct refine){0};
 }
 
-/* A part of the picture: one tile, cut at the edges. */
-struct tile {
-    uint32_t left, top, width, height;
-};
-
-static struct tile tile_at(const struct refine *r, uint32_t left, uint32_t top)
+/* Return one tile of the picture, cut at the edges. */
+static struct raster_box tile_at(const struct refine *r, uint32_t left, uint32_t top)
 {
-    return (struct tile){left, top, least(REFINE_TILE, r->width - left),
-                         least(REFINE_TILE, r->height - top)};
+    return (struct raster_box){left, top, least(REFINE_TILE, r->width - left),
+                               least(REFINE_TILE, r->height - top)};
 }
 
 /* Return the pixel in the middle of a block of `coarse` pixels a side; not one of words, if
@@ -74,7 +70,7 @@ static void copy_block(struct refine *r, const struct image_view *wanted, uint32
         }
 }
 
-static void copy_tile(struct refine *r, const struct image_view *wanted, const struct tile *t,
+static void copy_tile(struct refine *r, const struct image_view *wanted, const struct raster_box *t,
                       uint32_t coarse)
 {
     for (uint32_t y = t->top; coarse == 1 && y < t->top + t->height; y++) {
@@ -86,7 +82,7 @@ static void copy_tile(struct refine *r, const struct image_view *wanted, const s
             copy_block(r, wanted, x, y, coarse);
 }
 
-static bool is_within(const struct raster_box *box, const struct tile *t)
+static bool is_within(const struct raster_box *box, const struct raster_box *t)
 {
     return t->left + t->width > box->left && t->left < box->left + box->width &&
            t->top + t->height > box->top && t->top < box->top + box->height;
@@ -94,12 +90,12 @@ static bool is_within(const struct raster_box *box, const struct tile *t)
 
 enum below { BELOW_NOTHING, BELOW_THERE, BELOW_AWAITED };
 
-static enum below below_of(const struct image_view *wanted, const struct tile *t)
+static enum below below_of(const struct image_view *wanted, const struct raster_box *t)
 {
     enum below below = BELOW_NOTHING;
     for (unsigned i = 0; i < wanted->strips; i++)
         if (is_within(&wanted->strip[i].box, t)) {
-            if (!wanted->strip[i].is_there)
+            if (!wanted->strip[i].number)
                 return BELOW_AWAITED;
             below = BELOW_THERE;
         }
@@ -112,7 +108,7 @@ static bool list_stale(struct refine *r, const struct image_view *wanted, bool i
 {
     for (uint32_t top = 0; top < r->height; top += REFINE_TILE)
         for (uint32_t left = 0; left < r->width; left += REFINE_TILE) {
-            const struct tile t = tile_at(r, left, top);
+            const struct raster_box t = tile_at(r, left, top);
             bool differs = false;
             if (is_within(&wanted->focus, &t) != in_focus)
                 continue;
@@ -130,7 +126,7 @@ static bool list_stale(struct refine *r, const struct image_view *wanted, bool i
                 continue;
             if (!mem_grow(&r->stale, &r->stale_capacity, r->stales + 1, sizeof *r->stale))
                 return false;
-            r->stale[r->stales++] = (struct refine_place){left, top};
+            r->stale[r->stales++] = t;
         }
     return true;
 }
@@ -163,7 +159,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     r->level = level;
     r->tiles = most < stale ? most : stale;
     for (size_t i = 0; i < r->tiles; i++) {
-        const struct refine_place *here = r->stale + i, *before = i ? here - 1 : here;
+        const struct raster_box *here = r->stale + i, *before = i ? here - 1 : here;
         uint32_t left = here->left;
         /* Fine tiles between coarse ones become coarse too: they would be sent again with the
          * tiles around them, and cost more than all of those. */
@@ -171,7 +167,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
             here->left - before->left <= GAP_MOST * REFINE_TILE)
             left = before->left + REFINE_TILE;
         for (; left <= here->left; left += REFINE_TILE) {
-            const struct tile t = tile_at(r, left, here->top);
+            const struct raster_box t = tile_at(r, left, here->top);
             copy_tile(r, wanted, &t, 1U << level);
         }
     }

@@ -168,9 +168,7 @@ struct refine {
     unsigned level; /* level and number of tiles of the last frame, */
     size_t tiles;
     double cost[REFINE_LEVELS]; /* bytes a tile */
-    struct refine_place {
-        uint32_t left, top;
-    } * stale; /* tiles of the present frame that differ from the wanted picture */
+    struct raster_box *stale;   /* tiles of the present frame that differ from the wanted picture */
     size_t stales, stale_capacity;
     bool waits; /* some tiles wait for the terminal to get their greys */
 };

@@ -42,8 +42,7 @@ enum { PILOT_KNOWN_BYTES = 80 };
 struct pilot_facts {
     uint32_t size[3];     /* size of the scene, in voxels */
     uint32_t place[3];    /* voxel of the cross-hair */
-    uint32_t index[3];    /* its slice, by plane: */
-    const char *plane[3]; /* name of these slices, "axial" or "z", */
+    const char *plane[3]; /* name of slices, by plane, "axial" or "z", */
     unsigned axis[3];     /* the axis that they are counted along, 0 for x, */
     bool counts_down[3];  /* and whether the next slice (key K) has a lower number */
     size_t waiting;       /* edits that will take effect at the next run */

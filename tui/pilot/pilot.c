@@ -210,6 +210,7 @@ static struct pilot_wish wish_of(const struct pilot *p)
                               .heat = p->state->heat,
                               .within_ns = p->is_showing || !p->is_stale ? 0 : p->pace.within_ns,
                               .marks_pixel = p->state->mode == PILOT_PICKING,
+                              .pixel = {p->state->pixel[0], p->state->pixel[1]},
                               .setup = p->state->setup,
                               .corner = (const uint32_t(*)[3])p->state->outline.corner,
                               .corners = p->state->outline.count,
@@ -222,8 +223,6 @@ static struct pilot_wish wish_of(const struct pilot *p)
     wish.is_alone = p->state->is_alone;
     wish.cell_width = wish.width / p->painter.columns;
     wish.cell_height = wish.height / p->painter.rows;
-    for (int i = 0; i < 2; i++)
-        wish.pixel[i] = p->state->pixel[i];
     return wish;
 }
 

@@ -113,7 +113,7 @@ void pilot_change_slice(struct press *p)
 
 void pilot_to_slice(struct press *p)
 {
-    const int64_t here = p->facts->index[p->state->pane], count = p->state->count;
+    const int64_t here = p->facts->place[p->facts->axis[p->state->pane]], count = p->state->count;
     const int64_t by = count ? count - here : p->by < 0 ? -here : INT32_MAX;
     pilot_remember_place(p);
     move_through(p, p->facts->counts_down[p->state->pane] ? -by : by, true);

@@ -336,20 +336,24 @@ static bool is_on_page(const struct pilot_row *row, bool watches)
 enum { KEYS_WIDE = 16, HELP_WIDE = 24, NARROW = 2 + KEYS_WIDE + 1 + HELP_WIDE, WIDE = 78 };
 enum { NAME_WIDE = 20 };
 
+static void add_coloured(struct buf *out, const struct pilot_keys_wish *wish, const char *colour,
+                         const char *text)
+{
+    const bool is_coloured = wish->has_colours && *colour;
+    buf_printf(out, "%s%s%s", is_coloured ? colour : "", text, is_coloured ? "\033[m" : "");
+}
+
 static void add_heading(struct buf *out, const struct pilot_keys_wish *wish, const char *heading)
 {
-    const struct theme *theme = wish->setup->theme;
-    buf_printf(out, "%s%s%s\n", wish->has_colours ? theme->heading : "", heading,
-               wish->has_colours && *theme->heading ? "\033[m" : "");
+    add_coloured(out, wish, wish->setup->theme->heading, heading);
+    buf_add_char(out, '\n');
 }
 
 /* Add the keys in a column of this width. */
 static void add_column(struct buf *out, const struct pilot_keys_wish *wish, const char *keys,
                        size_t wide)
 {
-    const struct theme *theme = wish->setup->theme;
-    buf_printf(out, "%s%s%s", wish->has_colours ? theme->key : "", keys,
-               wish->has_colours && *theme->key ? "\033[m" : "");
+    add_coloured(out, wish, wish->setup->theme->key, keys);
     for (size_t n = strlen(keys); n < wide; n++)
         buf_add_char(out, ' ');
 }

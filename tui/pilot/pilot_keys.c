@@ -22,12 +22,10 @@ void pilot_fit_brush(struct pilot_state *state, uint32_t side)
 
 void pilot_state_enter(struct pilot_state *state)
 {
-    state->mode = state->base = pilot_home(state);
+    pilot_end_outline(state);
     state->pen.is_down = state->stroke.is_set = state->drags = false;
-    state->pen.line.count = state->outline.count = state->hold.line.count = 0;
-    state->hold.is_set = state->is_bent = false;
-    state->instead = state->doubt = 0;
-    state->count = state->leader = 0;
+    state->pen.line.count = 0;
+    state->doubt = state->count = state->leader = 0;
 }
 
 void pilot_state_release(struct pilot_state *state)

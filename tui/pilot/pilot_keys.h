@@ -420,6 +420,8 @@ void pilot_remember_shape(struct press *p);
 bool pilot_add_corner(struct press *p, const uint32_t place[3]);
 /* Extend or drag an outline as the cross-hair goes to a place. Return false without an outline. */
 bool pilot_outline_to(struct press *p, const uint32_t place[3]);
+/* Discard the present outline, and return to the mode without one. */
+void pilot_end_outline(struct pilot_state *state);
 void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane);
 /* Read LOW..HIGH; return false if `at` begins with something else. */
 bool pilot_scan_range(const char **at, struct decimal range[2]);
@@ -435,7 +437,6 @@ int64_t pilot_times(const struct press *p);
 uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end);
 /* Round a value to a thousandth, or to significant digits if it is very small or very large. */
 struct decimal pilot_decimal(double value);
-double pilot_magnitude(double value);
 /* Return true if the path that is shown has an edge; else false, with a message. */
 bool pilot_has_edge(struct press *p);
 /* Add " 2 range=80..120": the label and the range of the brush. */

@@ -60,8 +60,7 @@ bool pilot_add_corner(struct press *p, const uint32_t place[3])
     return true;
 }
 
-/* Discard the present outline. */
-static void end_outline(struct pilot_state *state)
+void pilot_end_outline(struct pilot_state *state)
 {
     state->outline.count = state->hold.line.count = 0;
     state->hold.is_set = state->is_bent = false;
@@ -81,7 +80,7 @@ void pilot_drop_outline(struct press *p)
         buf_add_text(p->message, "the outline is unchanged");
         return;
     }
-    end_outline(state);
+    pilot_end_outline(state);
     buf_add_text(p->message, corners ? "the outline is dropped" : "the pen is up");
 }
 
@@ -128,7 +127,7 @@ void pilot_close_outline(struct press *p)
     buf_add_char(p->line, '\n');
     pilot_remember_shape(p);
     state->change = (struct pilot_change){setup_row(state->setup, "polygon"), *p->event, 0};
-    end_outline(state);
+    pilot_end_outline(state);
     state->doubt = 0; /* the ranking has changed */
 }
 
@@ -140,18 +139,12 @@ void pilot_begin_outline(struct press *p)
         return;
     }
     if (state->base == PILOT_SHAPING)
-        end_outline(state);
+        pilot_end_outline(state);
     state->mode = state->base = PILOT_OUTLINING;
     state->pen.is_down = state->stroke.is_set = false;
 }
 
 /* ---- dragging ---- */
-
-/* A closed line, voxel by voxel. */
-struct ring {
-    uint32_t (*place)[3];
-    size_t count, capacity;
-};
 
 /* a + by * part / parts, rounded half up; within 0 .. end - 1. */
 static uint32_t moved(uint32_t a, int64_t by, int64_t part, int64_t parts, uint32_t end)
@@ -175,32 +168,33 @@ static void way_to(int64_t by[3], const uint32_t from[3], const uint32_t to[3])
         by[a] = (int64_t)to[a] - from[a];
 }
 
-static bool ring_make(struct ring *ring, const struct polyline *line)
+/* List the voxels of a closed line, each as a corner. */
+static bool ring_make(struct polyline *ring, const struct polyline *line)
 {
-    *ring = (struct ring){0};
+    *ring = (struct polyline){0};
     for (size_t i = 0; i < line->count; i++) {
         const uint32_t *from = line->corner[i], *to = line->corner[(i + 1) % line->count];
         int64_t by[3];
         way_to(by, from, to);
         const int64_t steps = farthest(by);
-        if (!mem_grow(&ring->place, &ring->capacity, ring->count + (size_t)steps,
-                      sizeof *ring->place))
+        if (!mem_grow(&ring->corner, &ring->capacity, ring->count + (size_t)steps,
+                      sizeof *ring->corner))
             return false;
         for (int64_t step = 0; step < steps; step++, ring->count++)
             for (int a = 0; a < 3; a++)
-                ring->place[ring->count][a] = moved(from[a], by[a], step, steps, UINT32_MAX);
+                ring->corner[ring->count][a] = moved(from[a], by[a], step, steps, UINT32_MAX);
     }
     return true;
 }
 
 /* Return the index of the line's voxel nearest to a place; `count` if none is within HOLD_MOST. */
-static size_t nearest_of(const struct ring *ring, const uint32_t place[3])
+static size_t nearest_of(const struct polyline *ring, const uint32_t place[3])
 {
     int64_t least = HOLD_MOST * HOLD_MOST + 1;
     size_t nearest = ring->count;
     for (size_t i = 0; i < ring->count; i++) {
         int64_t by[3];
-        way_to(by, place, ring->place[i]);
+        way_to(by, place, ring->corner[i]);
         if (farthest(by) > HOLD_MOST)
             continue;
         const int64_t far = by[0] * by[0] + by[1] * by[1] + by[2] * by[2];
@@ -216,13 +210,13 @@ static bool grab_at(struct press *p, const uint32_t place[3])
 {
     struct pilot_state *state = p->state;
     struct pilot_hold *hold = &state->hold;
-    struct ring ring = {0};
+    struct polyline ring = {0};
     hold->line.count = 0;
     hold->is_set = is_flat(&state->outline, place) && ring_make(&ring, &state->outline) &&
                    nearest_of(&ring, place) < ring.count;
     for (size_t i = 0; hold->is_set && i < state->outline.count; i++)
         hold->is_set = polyline_add(&hold->line, state->outline.corner[i]);
-    free(ring.place);
+    polyline_release(&ring);
     memcpy(hold->place, place, sizeof hold->place);
     if (!hold->is_set)
         buf_printf(p->message, "the outline is more than %d voxels from here", HOLD_MOST);
@@ -242,7 +236,7 @@ void pilot_grab(struct press *p)
 static bool bend_outline(struct polyline *out, const struct pilot_hold *hold,
                          const uint32_t place[3], const uint32_t size[3])
 {
-    struct ring ring;
+    struct polyline ring;
     int64_t by[3];
     bool fits = ring_make(&ring, &hold->line);
     const int64_t count = (int64_t)ring.count, at = (int64_t)nearest_of(&ring, hold->place);
@@ -257,11 +251,11 @@ static bool bend_outline(struct polyline *out, const struct pilot_hold *hold,
         const int64_t left = along < reach ? reach * reach - along * along : 0;
         uint32_t to[3];
         for (int a = 0; a < 3; a++)
-            to[a] =
-                moved(ring.place[i][a], by[a], left * left, reach * reach * reach * reach, size[a]);
+            to[a] = moved(ring.corner[i][a], by[a], left * left, reach * reach * reach * reach,
+                          size[a]);
         fits = polyline_add(out, to);
     }
-    free(ring.place);
+    polyline_release(&ring);
     polyline_simplify(out);
     return fits;
 }
@@ -289,10 +283,10 @@ bool pilot_outline_to(struct press *p, const uint32_t place[3])
 static void load_outline(struct press *p, const uint32_t place[3])
 {
     struct pilot_state *state = p->state;
-    end_outline(state);
+    pilot_end_outline(state);
     if (!p->host->outline(p->host->context, state->brush.label, state->pane, place, &state->outline,
                           &state->instead, p->message)) {
-        end_outline(state);
+        pilot_end_outline(state);
         pilot_say(p, "; {outline} draws an outline");
         return;
     }

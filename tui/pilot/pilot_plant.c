@@ -2,6 +2,7 @@
 /* Functions of keys that plant or remove: seeds, strokes, boxes and shells, with a brush. */
 #include "tui/pilot/pilot_keys.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/scan.h"
@@ -82,7 +83,7 @@ void pilot_take_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
     const double here = p->facts->intensity;
-    double width = pilot_magnitude(p->facts->window[1] - p->facts->window[0]) / 20;
+    double width = fabs(p->facts->window[1] - p->facts->window[0]) / 20;
     width = p->state->count             ? p->state->count
             : width > 1 && width < 1e12 ? (double)(int64_t)width
                                         : width;
@@ -182,19 +183,15 @@ void pilot_enclose_at_edge(struct press *p)
 
 void pilot_show_held(struct press *p)
 {
-    struct buf held = {0};
     uint32_t place[3];
     if (!pilot_take_voxel(p, place))
         return;
-    if (p->host->held(p->host->context, place, p->by, &held)) {
+    if (p->host->held(p->host->context, place, p->by, p->message)) {
         p->state->mode = p->by ? PILOT_CONFIRMING_TREE : PILOT_CONFIRMING;
-        buf_add_text(p->message, buf_text(&held));
         pilot_say(p, p->by ? "; {eliminate-that-tree} removes it" : "; {eliminate-it} removes it");
     } else {
         buf_add_text(p->message, "no tree holds this voxel");
     }
-    p->message->failed |= held.failed;
-    buf_release(&held);
 }
 
 /* ---- strokes ---- */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The user's keys and windows, and shared words and moves. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -145,15 +146,10 @@ uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end)
 
 /* ---- decimals ---- */
 
-double pilot_magnitude(double value)
-{
-    return value < 0 ? -value : value;
-}
-
 struct decimal pilot_decimal(double value)
 {
-    const bool is_huge = pilot_magnitude(value) >= 1e12;
-    if (pilot_magnitude(value) < 1 || is_huge)
+    const bool is_huge = fabs(value) >= 1e12;
+    if (fabs(value) < 1 || is_huge)
         return decimal_near(value, is_huge ? 17 : 6);
     return decimal_of((int64_t)(value * 1000 + (value < 0 ? -0.5 : 0.5)), 3);
 }

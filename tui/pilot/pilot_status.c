@@ -45,13 +45,14 @@ static void add_place(struct status *s, const struct pilot_state *state,
                       const struct pilot_facts *facts)
 {
     const bool has_name = facts->plane[state->pane][1] != '\0';
+    const unsigned axis = facts->axis[state->pane];
     add_part(s, FIRST, state->pen.is_down ? "PEN DOWN" : "");
     add_part(s, FIRST, pilot_outlines(state->base) ? "OUTLINE" : "");
     add_part(s, FIRST, state->base == PILOT_PICKING ? "CORRECT" : "");
     if (has_name)
         buf_add_text(&s->text, facts->plane[state->pane]);
     else /* a pane of voxels, whose axes have no names */
-        buf_printf(&s->text, "%c=%u", "xyz"[facts->axis[state->pane]], facts -> index[state->pane]);
+        buf_printf(&s->text, "%c=%u", "xyz"[axis], facts -> place[axis]);
     end_part(s, FIRST);
     if (facts->times != PILOT_TIMES_ONE) {
         buf_add_text(&s->text, " x");

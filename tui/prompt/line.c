@@ -18,12 +18,6 @@ enum line_step {
     STEP_OVER    /* in place of everything that the last step added */
 };
 
-static void line_undo_clear(struct line_undo *u)
-{
-    u->count = 0;
-    buf_release(&u->removed);
-}
-
 static void line_undo_release(struct line_undo *u)
 {
     free(u->change);
@@ -70,7 +64,7 @@ static void line_undo_note(struct line_undo *u, const struct line_change *change
 {
     if (!join_step(u, change, removed, step)) {
         if (!mem_grow(&u->change, &u->capacity, u->count + 1, sizeof *u->change)) {
-            line_undo_clear(u);
+            line_undo_release(u);
             return;
         }
         u->change[u->count++] = *change;
@@ -78,7 +72,7 @@ static void line_undo_note(struct line_undo *u, const struct line_change *change
             store_removed(u, 0, removed, change->removed);
     }
     if (u->removed.failed)
-        line_undo_clear(u);
+        line_undo_release(u);
     while (u->count > LINE_UNDO_MOST || u->removed.length > LINE_UNDO_BYTES) {
         const size_t oldest = u->change[0].removed; /* bytes */
         memmove(u->change, u->change + 1, --u->count * sizeof *u->change);
@@ -112,7 +106,7 @@ void line_clear(struct line *l)
     buf_clear(&l->draft);
     buf_clear(&l->wanted);
     l->text.failed = failed;
-    line_undo_clear(&l->undo);
+    line_undo_release(&l->undo);
     l->cursor = 0;
     l->last = LAST_OTHER;
     l->searching = l->search_failed = false;
@@ -191,13 +185,6 @@ static size_t blank_left(const struct line *l, size_t at)
     while (at > 0 && l->text.data[at - 1] != ' ')
         at--;
     return at;
-}
-
-static size_t start(const struct line *l, size_t at)
-{
-    (void)l;
-    (void)at;
-    return 0;
 }
 
 static size_t end(const struct line *l, size_t at)
@@ -430,18 +417,16 @@ static void browse(struct line *l, enum line_action action, enum line_last befor
 
 /* ---- actions ---- */
 
-/* Target of an action: the new cursor, or the end of the range to remove. */
+/* Target of an action: the new cursor, or the end of the range to remove. NULL: the start. */
 static size_t (*const target_of[])(const struct line *, size_t) = {
     [LINE_LEFT] = previous,
     [LINE_RIGHT] = next,
     [LINE_WORD_LEFT] = word_left,
     [LINE_WORD_RIGHT] = word_right,
-    [LINE_HOME] = start,
     [LINE_END] = end,
     [LINE_ERASE] = previous,
     [LINE_DELETE] = next,
     [LINE_KILL_TO_END] = end,
-    [LINE_KILL_TO_START] = start,
     [LINE_KILL_BLANK_LEFT] = blank_left,
     [LINE_KILL_WORD_LEFT] = word_left,
     [LINE_KILL_WORD_RIGHT] = word_right,
@@ -450,7 +435,7 @@ static size_t (*const target_of[])(const struct line *, size_t) = {
 /* Actions that move the cursor or remove text up to a target. */
 static void move(struct line *l, enum line_action action, enum line_last before)
 {
-    const size_t at = l->cursor, to = target_of[action](l, at);
+    const size_t at = l->cursor, to = target_of[action] ? target_of[action](l, at) : 0;
     const size_t low = to < at ? to : at, high = to < at ? at : to;
     if (action <= LINE_END) {
         l->cursor = to;

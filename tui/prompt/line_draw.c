@@ -205,19 +205,24 @@ static const char *find_word(const struct candidates *c, size_t number, size_t *
     return word;
 }
 
-/* Add as much of a text as fits, in whole characters that are safe to print. */
-static void add_cropped(struct buf *out, const char *text, size_t length, size_t columns)
+static size_t next(const char *text, size_t at, size_t length)
 {
-    size_t end = 0, used = 0, bytes;
+    const size_t n = safe_character(text + at, length - at);
+    return at + (n ? n : 1);
+}
+
+/* Return the end of the whole characters that fit, drawn safely. */
+static size_t end_of_fitting(const char *text, size_t length, size_t columns)
+{
+    size_t end = 0, used = 0;
     while (end < length) {
-        bytes = safe_character(text + end, length - end);
-        bytes = bytes ? bytes : 1;
-        used += cells_width(text + end, bytes);
+        const size_t then = next(text, end, length);
+        used += cells_width(text + end, then - end);
         if (used > columns)
             break;
-        end += bytes;
+        end = then;
     }
-    buf_add_safe(out, text, end);
+    return end;
 }
 
 /* A row of a list: a word, then the text up to its line feed, cropped to fit. */
@@ -228,7 +233,7 @@ static void list_row(const char *word, size_t length, const char *text, size_t s
     buf_add_safe(out, word, length);
     if (bytes > 0)
         buf_printf(out, "%*s", (int)(stride > width ? stride - width : 1), "");
-    add_cropped(out, text, bytes, columns - stride - 1);
+    buf_add_safe(out, text, end_of_fitting(text, bytes, columns - stride - 1));
     buf_add_text(out, "\r\n");
 }
 
@@ -291,28 +296,6 @@ static void add_caret(struct buf *out, size_t column, bool coloured)
     buf_printf(out, "%*s%s\n", (int)column, "", coloured ? "\033[31m^\033[m" : "^");
 }
 
-static size_t next(const char *text, size_t at, size_t length)
-{
-    const size_t n = safe_character(text + at, length - at);
-    return at + (n ? n : 1);
-}
-
-/* Return the end of the text that fits into `room` columns; a text that fits without the dots is
- * shown whole. */
-static size_t end_shown(const char *text, size_t first, size_t length, size_t room)
-{
-    size_t end = first;
-    if (cells_width(text + first, length - first) <= room + CUT)
-        return length;
-    while (end < length) {
-        const size_t then = next(text, end, length);
-        if (cells_width(text + first, then - first) > room)
-            break;
-        end = then;
-    }
-    return end;
-}
-
 void caret_add(struct buf *out, const struct caret *caret, unsigned columns)
 {
     const size_t length = strlen(caret->text), at = caret->at < length ? caret->at : length;
@@ -329,10 +312,12 @@ void caret_add(struct buf *out, const struct caret *caret, unsigned columns)
         size_t first = 0;
         while (first < at && cells_width(caret->text + first, at - first) > room * 2 / 3)
             first = next(caret->text, first, at);
-        const size_t end = end_shown(caret->text, first, length, room);
-        const size_t before = cells_width(caret->text + first, at - first);
+        const char *shown = caret->text + first;
+        const bool fits = cells_width(shown, length - first) <= room + CUT; /* without the dots */
+        const size_t end = fits ? length : first + end_of_fitting(shown, length - first, room);
+        const size_t before = cells_width(shown, at - first);
         buf_add_text(out, first > 0 ? cut : "");
-        buf_add_safe(out, caret->text + first, end - first);
+        buf_add_safe(out, shown, end - first);
         buf_add_text(out, end < length ? cut : "");
         buf_add_char(out, '\n');
         add_caret(out, (first > 0 ? CUT : 0) + before, caret->coloured);

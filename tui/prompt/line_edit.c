@@ -27,9 +27,6 @@ void line_editor_release(struct line_editor *e)
     buf_release(&e->input);
 }
 
-/* Result of a key. */
-enum outcome { CONTINUE, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, EDIT, NEWS };
-
 /* ---- drawing ---- */
 
 static const char *suggestion(const struct line_editor *e)
@@ -216,62 +213,55 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
 
 /* ---- keys ---- */
 
-static enum outcome do_action(struct line_editor *e, enum line_action action)
+static enum line_editor_act do_action(struct line_editor *e, enum line_action action)
 {
     if (!line_take_suggestion(&e->line, e->hint ? suggestion(e) : "", action))
         line_act(&e->line, action);
-    return CONTINUE;
+    return DUTY_NONE;
 }
 
-static enum outcome key_by_table(struct line_editor *e, const struct key_event *event)
+static enum line_editor_act key_by_table(struct line_editor *e, const struct key_event *event)
 {
     const unsigned found = line_key_find(event, e->keys_before);
+    if (found < LINE_ACTIONS)
+        return do_action(e, (enum line_action)found);
     switch (found) {
-    case DUTY_SUBMIT:
-        return SUBMIT;
     case DUTY_COMPLETE:
-        return event->modifiers == 0 ? COMPLETE : CONTINUE;
+        return event->modifiers == 0 ? DUTY_COMPLETE : DUTY_NONE;
     case DUTY_SEARCH:
         line_search_begin(&e->line);
-        return CONTINUE;
+        return DUTY_NONE;
     case DUTY_DELETE_OR_END:
-        return e->line.text.length == 0 ? END : do_action(e, LINE_DELETE);
-    case DUTY_ABANDON:
-        return ABANDON;
-    case DUTY_CLEAR:
-        return CLEAR;
-    case DUTY_STOP:
-        return SUSPEND;
+        return e->line.text.length == 0 ? DUTY_END : do_action(e, LINE_DELETE);
     case DUTY_OTHER_EDITOR: /* not for a single line on a full screen */
-        return e->is_one_line ? CONTINUE : EDIT;
+        return e->is_one_line ? DUTY_NONE : DUTY_OTHER_EDITOR;
     case DUTY_HOST_LINE:
         if (!e->line_of_ctrl_o)
-            return CONTINUE;
+            return DUTY_NONE;
         line_clear(&e->line);
         line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
-        return SUBMIT;
+        return DUTY_SUBMIT;
     case DUTY_MORE:
-    case DUTY_NONE:
-        return CONTINUE;
+        return DUTY_NONE;
     default:
-        return do_action(e, (enum line_action)found);
+        return (enum line_editor_act)found;
     }
 }
 
-static enum outcome plain_key(struct line_editor *e, const struct key_event *event)
+static enum line_editor_act plain_key(struct line_editor *e, const struct key_event *event)
 {
     const bool held = event->modifiers & (KEY_CONTROL | KEY_ALT);
     if (event->key == KEY_ESCAPE && e->is_one_line) {
         line_clear(&e->line);
-        return SUBMIT;
+        return DUTY_SUBMIT;
     }
     if (event->key != KEY_CHARACTER || held || *e->keys_before)
         return key_by_table(e, event);
     line_insert(&e->line, event->text, event->length);
-    return CONTINUE;
+    return DUTY_NONE;
 }
 
-static enum outcome search_key(struct line_editor *e, const struct key_event *event)
+static enum line_editor_act search_key(struct line_editor *e, const struct key_event *event)
 {
     struct line *l = &e->line;
     const bool control = event->key == KEY_CHARACTER && event->modifiers & KEY_CONTROL;
@@ -288,29 +278,29 @@ static enum outcome search_key(struct line_editor *e, const struct key_event *ev
         line_search_end(l, false);
     } else {
         line_search_end(l, true);
-        return event->key == KEY_ESCAPE || event->key == KEY_TAB ? CONTINUE : plain_key(e, event);
+        return event->key == KEY_ESCAPE || event->key == KEY_TAB ? DUTY_NONE : plain_key(e, event);
     }
-    return CONTINUE;
+    return DUTY_NONE;
 }
 
 /* Pasted text is inserted: only line feeds have an effect, and Ctrl-C, which ends a paste whose end
  * never arrives. In a line of a full screen, where a line feed becomes a blank, Ctrl-C is a key
  * only if no more input follows it. */
-static enum outcome paste_key(struct line_editor *e, const struct key_event *event)
+static enum line_editor_act paste_key(struct line_editor *e, const struct key_event *event)
 {
     bool control = event->modifiers & KEY_CONTROL;
     const bool is_key = !e->is_one_line || e->taken == e->input.length;
     if (event->key == KEY_CHARACTER && control && event->point == 'c' && is_key) {
         e->pasting = false;
-        return ABANDON;
+        return DUTY_ABANDON;
     }
     if (event->key == KEY_ENTER && !e->is_one_line)
-        return SUBMIT;
+        return DUTY_SUBMIT;
     if (event->key == KEY_TAB || event->key == KEY_ENTER)
         line_paste(&e->line, " ", 1);
     else if (event->key == KEY_CHARACTER && !control)
         line_paste(&e->line, event->text, event->length);
-    return CONTINUE;
+    return DUTY_NONE;
 }
 
 void line_editor_reply(struct line_editor *e)
@@ -322,17 +312,17 @@ void line_editor_reply(struct line_editor *e)
         e->answered(e->asker);
 }
 
-static enum outcome take_key(struct line_editor *e, const struct key_event *event)
+static enum line_editor_act take_key(struct line_editor *e, const struct key_event *event)
 {
     if (event->key == KEY_REPLY) {
         line_editor_reply(e);
-        return CONTINUE;
+        return DUTY_NONE;
     }
     if (event->key == KEY_PASTE_BEGIN || event->key == KEY_PASTE_END) {
         e->pasting = event->key == KEY_PASTE_BEGIN;
         e->line.last = LAST_OTHER;
         e->keys_before[0] = '\0';
-        return CONTINUE;
+        return DUTY_NONE;
     }
     if (e->pasting)
         return paste_key(e, event);
@@ -379,11 +369,11 @@ bool line_editor_time_out(struct line_editor *e, struct key_event *event)
 }
 
 /* Handle the bytes that have been read, up to a key that needs more than a redraw. */
-static enum outcome take_input(struct line_editor *e)
+static enum line_editor_act take_input(struct line_editor *e)
 {
     struct key_event event;
-    enum outcome outcome = CONTINUE;
-    while (outcome == CONTINUE && line_editor_next(e, &event))
+    enum line_editor_act outcome = DUTY_NONE;
+    while (outcome == DUTY_NONE && line_editor_next(e, &event))
         outcome = take_key(e, &event);
     return outcome;
 }
@@ -392,33 +382,33 @@ static enum outcome take_input(struct line_editor *e)
 enum screen { DRAWN, STALE, STALE_IN_PASTE };
 
 /* Wait for bytes; set *screen if the line must be drawn again. */
-static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
+static enum line_editor_act wait_for_input(struct line_editor *e, enum screen *screen)
 {
     struct key_event event;
     bool waiting = !e->pasting && keys_waiting(&e->keys); /* a paste contains no keys */
     bool stalled = *screen == STALE_IN_PASTE;
-    enum outcome outcome;
+    enum line_editor_act outcome;
     const int patience = waiting ? KEYS_TIMEOUT_MS : stalled ? PASTE_PATIENCE_MS : -1;
     switch (term_read(&e->input, patience, e->news ? e->news_descriptor : -1)) {
     case TERM_OTHER:
-        return NEWS;
+        return DUTY_NEWS;
     case TERM_BYTES:
         outcome = take_input(e);
         *screen = e->pasting || keys_waiting(&e->keys) ? STALE_IN_PASTE : STALE;
         return outcome;
     case TERM_TIMEOUT:
         *screen = STALE;
-        return line_editor_time_out(e, &event) ? take_key(e, &event) : CONTINUE;
+        return line_editor_time_out(e, &event) ? take_key(e, &event) : DUTY_NONE;
     case TERM_SIGNAL:
         if (term_was_continued())
             e->drawing = (struct line_drawing){0};
         term_was_resized(); /* clear the flag: every drawing reads the size anyway */
         *screen = STALE;
-        return CONTINUE;
+        return DUTY_NONE;
     case TERM_CLOSED:
         break;
     }
-    return GONE;
+    return DUTY_GONE;
 }
 
 void line_editor_take_answers(struct line_editor *e)
@@ -543,33 +533,33 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
 /* ---- the end of a line ---- */
 
 /* Carry out the result of a key, except the end of the line. */
-static enum err carry_out(struct line_editor *e, const char *prompt, enum outcome outcome,
+static enum err carry_out(struct line_editor *e, const char *prompt, enum line_editor_act outcome,
                           struct fault *fault)
 {
     struct buf news = {0};
     enum err err;
     switch (outcome) {
-    case ABANDON:
+    case DUTY_ABANDON:
         err = leave_line(e, prompt, "^C\r\n", fault);
         line_clear(&e->line);
         return err ? err : redraw(e, prompt, fault);
-    case SUSPEND:
+    case DUTY_STOP:
         err = leave_line(e, prompt, "\r\n", fault);
         if (err)
             return err;
         line_editor_suspend(e);
         return redraw(e, prompt, fault);
-    case CLEAR:
+    case DUTY_CLEAR:
         if (e->is_one_line) /* the rest of the screen belongs to the pilot */
             return redraw(e, prompt, fault);
         e->drawing = (struct line_drawing){0};
         err = term_write("\033[H\033[2J", 7, fault);
         return err ? err : redraw(e, prompt, fault);
-    case COMPLETE:
+    case DUTY_COMPLETE:
         return complete_word(e, prompt, fault);
-    case EDIT:
+    case DUTY_OTHER_EDITOR:
         return edit_line_elsewhere(e, prompt, fault);
-    case NEWS:
+    case DUTY_NEWS:
         e->news(e->context, &news);
         err = show_above(e, prompt, &news, fault);
         buf_release(&news);
@@ -587,9 +577,9 @@ enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struc
     e->line.text.failed = false;
     e->keys_before[0] = '\0';
     e->drawing = (struct line_drawing){0};
-    enum outcome outcome = take_input(e);
-    while (!err && outcome != SUBMIT && outcome != END && outcome != GONE) {
-        if (outcome != CONTINUE) {
+    enum line_editor_act outcome = take_input(e);
+    while (!err && outcome != DUTY_SUBMIT && outcome != DUTY_END && outcome != DUTY_GONE) {
+        if (outcome != DUTY_NONE) {
             err = carry_out(e, prompt, outcome, fault);
             screen = e->taken < e->input.length ? STALE : DRAWN;
             outcome = take_input(e);
@@ -604,10 +594,10 @@ enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struc
     }
     if (!err && (e->line.text.failed || e->input.failed))
         err = fault_memory(fault, "the line typed");
-    if (!err && outcome != GONE)
+    if (!err && outcome != DUTY_GONE)
         err = leave_line(e, prompt, "\r\n", fault);
-    e->stored = !err && outcome == SUBMIT &&
+    e->stored = !err && outcome == DUTY_SUBMIT &&
                 line_history_add(&e->history, buf_text(&e->line.text), e->line.text.length);
-    *ended = outcome == END || outcome == GONE;
+    *ended = outcome == DUTY_END || outcome == DUTY_GONE;
     return err;
 }

@@ -29,7 +29,8 @@
  * that, so each key is written once. A sequence of two keys is two words, "Ctrl-X Ctrl-E". Shift,
  * and other modifiers that no row names with a key, are ignored: Shift-Left is Left.
  */
-/* Action of a key: a change of the line by an enum line_action, or one of the editor. */
+/* Action of a key: a change of the line by an enum line_action, or one of the editor; and the
+ * action that remains to be done after it. */
 enum line_editor_act {
     DUTY_NONE = LINE_ACTIONS,
     DUTY_SUBMIT,
@@ -41,7 +42,11 @@ enum line_editor_act {
     DUTY_STOP,
     DUTY_OTHER_EDITOR,
     DUTY_HOST_LINE,
-    DUTY_MORE /* the first key of a sequence */
+    DUTY_MORE, /* the first key of a sequence */
+    /* not of keys: */
+    DUTY_END,
+    DUTY_GONE, /* the terminal is gone */
+    DUTY_NEWS
 };
 
 enum { LINE_KEYS_MOST = 40 }; /* bytes of the longest name, "Ctrl-X Ctrl-E" for example */
