@@ -27,8 +27,8 @@ size_t border_memory(const struct border *border)
 {
     const size_t a_word =
         2 * sizeof *border->shown + sizeof *border->stale + sizeof *border->changed;
-    return border->words * a_word + (border->words / 64 + 1) * sizeof *border->marked +
-           blocks_in(border);
+    const size_t marks = border->words ? border->words / 64 + 1 : 0;
+    return border->words * a_word + marks * sizeof *border->marked + blocks_in(border);
 }
 
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)

@@ -4,7 +4,8 @@
  * it. Defined before this is included:
  *
  *     RUN_IN_FOLDER     the folder is the working directory of the stories
- *     NO_DRAFT_IS_LEFT  a draft of a file in it, after all stories, is a failure
+ *     ONLY_LEAVES       an expression of grep -E: another name in it, after all stories, is a
+ *                       failure
  *     BEFORE_STORIES    a statement that is executed before them
  */
 #ifndef TESTS_FOLDER_MAIN_H
@@ -27,9 +28,9 @@ int main(void)
         return 1;
 #endif
     int status = check_run();
-#ifdef NO_DRAFT_IS_LEFT
-    char command[FOLDER_LENGTH + 64];
-    snprintf(command, sizeof command, "! ls -A '%s' | grep '^[.]iftty-'", folder);
+#ifdef ONLY_LEAVES
+    char command[FOLDER_LENGTH + 256];
+    snprintf(command, sizeof command, "! ls -A '%s' | grep -vxE '%s'", folder, ONLY_LEAVES);
     status |= system(command) != 0;
 #endif
     return status | remove_folder(folder);

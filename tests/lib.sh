@@ -158,12 +158,14 @@ err_has() { # the same of its errors
 expect_out() {
     expected_words=$1
     shift
-    expect_out "$expected_words" "$@"
+    expect "$@"
+    out_has "$expected_words"
 }
 expect_err() {
     expected_words=$1
     shift
-    expect_err "$expected_words" "$@"
+    expect "$@"
+    err_has "$expected_words"
 }
 # answers WORDS COMMANDS: iftty executes them, and the words are in its output
 # refuses WORDS COMMANDS: it fails with bad input, and the words are in the errors

@@ -270,6 +270,8 @@ static inline size_t random_batch(const struct world *w, struct edit *batch, uin
         if (what < 3 && cell_is_reached(cell)) { /* the seed whose tree holds the voxel */
             at = key_root(cell->key);
             label = what == 0 ? w->scene->cell[at].label : EDIT_ERASE;
+        } else if (what == 2) {
+            label = EDIT_ERASE; /* of nothing */
         }
         if (w->scene->cell[at].flags & CELL_OUTSIDE)
             continue;

@@ -53,7 +53,7 @@ static void cut_as(struct border *border, const struct cut *cut)
 
 STORY(slabs_boxes_and_planes_take_what_they_say)
 {
-    OWNED(border_release) struct border border;
+    struct border border;
     struct scene *scene = hand_scene(&border);
     const struct grid *grid = &scene->grid;
     struct cut cut = cut_none();
@@ -111,6 +111,7 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
         stage_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){-(1 << 29), -(1 << 29), 0});
     cut_as(&border, &cut);
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 2, 3, 0) && !shows(&border, 4, 3, 0));
+    border_release(&border);
     scene_free(scene);
 }
 

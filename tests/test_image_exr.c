@@ -9,7 +9,7 @@
 #include "image/exr.h"
 #include "image/exr_write.h"
 #include "image/linear.h"
-#define NO_DRAFT_IS_LEFT
+#define ONLY_LEAVES "a[.]exr"
 #define RUN_IN_FOLDER
 #include "folder_main.h"
 

@@ -14,8 +14,10 @@
 #include "tests/folder.h"
 
 static struct image_helper *helper;
-#define BEFORE_STORIES image_helper_new(&helper, built_program("iftty-image"), NULL)
-#define NO_DRAFT_IS_LEFT
+#define BEFORE_STORIES                                                                             \
+    if (image_helper_new(&helper, built_program("iftty-image"), NULL) != OK)                       \
+    return 1
+#define ONLY_LEAVES "(a[.](png|PNG|tif|bmp|tga|ppm|gif|hdr|jpg|exr)|bad[.]png|helper[.]sh)"
 #include "tests/folder_main.h"
 
 static struct picture sample(uint32_t width, uint32_t height)

@@ -10,7 +10,7 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "image/volume.h"
-#define NO_DRAFT_IS_LEFT
+#define ONLY_LEAVES "a[.](nii|nii[.]gz|hdr|img|scene)"
 #define RUN_IN_FOLDER
 #include "folder_main.h"
 
@@ -774,6 +774,7 @@ STORY(words_of_the_file_never_reach_the_terminal)
     CHECK(strstr(refusal(&m), "owned") == NULL);
     save("\033[31m\n.nii", m.bytes, m.length);
     CHECK_HAS(refusal_of("\033[31m\n.nii"), "\\x1b[31m\\x0a.nii");
+    unlink("\033[31m\n.nii");
 }
 
 STORY(damaged_files_never_do_harm)

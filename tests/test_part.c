@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "image/volume.h"
 #define RUN_IN_FOLDER
+#define ONLY_LEAVES "v[.]nii([.]gz)?"
 #include "folder_main.h"
 
 static const char path[] = "v.nii", packed[] = "v.nii.gz";

@@ -12,7 +12,7 @@
 #include "image/exr.h"
 #include "image/image_helper.h"
 #include "image/picture_writer.h"
-#define NO_DRAFT_IS_LEFT
+#define ONLY_LEAVES "[^.].*" /* no drafts */
 #include "folder_main.h"
 
 static struct picture sample(uint8_t level)

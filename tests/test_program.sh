@@ -343,7 +343,7 @@ expect 0 "$iftty" -c "$other; save labels l.nii.gz replace=yes; render p.exr rep
 ! cmp -s l.nii.gz l.kept || fail "replace=yes has replaced nothing"
 ! cmp -s p.exr p.kept || fail "replace=yes has replaced nothing"
 # shellcheck disable=SC2010
-[ -z "$(ls -A | grep tmp)" ] || fail "drafts are left: $(ls -A | grep tmp)"
+[ -z "$(ls -A | grep '^[.]iftty-')" ] || fail "drafts are left: $(ls -A | grep '^[.]iftty-')"
 
 begin "saved maps are scenes of the same size"
 expect 0 "$iftty" -c "$start; save cost c.nii; save root o.nii.gz; save border b.nii"

@@ -150,8 +150,9 @@ cp -r times broken
 while [ "$count" -lt $rounds ]; do
     mv "broken-$((count + 1))" broken/IM2
     may_open "$count" "open broken volume=0"
+    [ $got = 0 ] || same "$count: $(wc -l <"$work/err" | tr -d ' ') line" "$count: 1 line"
 done
-[ $((3 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
+[ $((3 * bad)) -gt $((count + 1)) ] || fail "$bad of $count were refused"
 
 cd "$work" || exit 1
 . "$top/tests/tmux.sh"

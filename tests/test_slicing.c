@@ -439,7 +439,7 @@ static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 
  * a seed's dot, an x, the white rim of pending edits. */
 static void marks_are(const char *lines, bool seed, bool eliminator, bool waiting)
 {
-    struct canvas canvas;
+    OWNED(canvas_release) struct canvas canvas = {0};
     must(&interp, lines);
     CHECK(slicing_draw(&canvas, interp.session, SLICE_KIND_AXIAL, NULL, false, &fault) == OK);
     CHECK(shows_colour(&canvas, dot[0], dot[1], dot[2]) == seed);

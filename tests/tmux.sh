@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # A real terminal for stories: tmux, 80x24, with a shell in it. Source it after lib.sh, in the
 # folder $work; it ends the script if tmux is missing.
-story="at a terminal"
+begin "at a terminal"
 needs tmux || finish
 story=
 

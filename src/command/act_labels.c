@@ -38,14 +38,16 @@ static enum err read_taken(const struct grid *grid, const struct record_word *wo
                            size_t *count, struct fault *fault)
 {
     const char *at = word->value, *end = word->value + word->value_length;
-    bool goes_on = true;
-    for (*count = 0; goes_on && *count < TAKEN_MOST; goes_on = scan_text(&at, ";")) {
+    bool fits = true;
+    *count = 0;
+    do {
         int64_t p[3];
-        if (!scan_three(&at, 0, 0, UINT32_MAX, p) || !grid_contains(grid, p[0], p[1], p[2]))
-            return fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
-        seed[(*count)++] = grid_cell(grid, (uint32_t)p[0], (uint32_t)p[1], (uint32_t)p[2]);
-    }
-    return at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
+        fits = *count < TAKEN_MOST && scan_three(&at, 0, 0, UINT32_MAX, p) &&
+               grid_contains(grid, p[0], p[1], p[2]);
+        if (fits)
+            seed[(*count)++] = grid_cell(grid, (uint32_t)p[0], (uint32_t)p[1], (uint32_t)p[2]);
+    } while (fits && scan_text(&at, ";"));
+    return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
 }
 
 static enum err remove_trees(const struct act *act)

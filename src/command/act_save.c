@@ -194,15 +194,13 @@ enum err act_golden(const struct act *act)
 /* Read the parameters of a step: those of its row, and no others. */
 static enum err take_argument(struct finish_step *step, const struct act *act)
 {
-    static const char *const own[] = {"", "radius", "voxels", "sweeps"};
-    static const char *const others[] = {
-        [FINISH_TAKES_NOTHING] = "reach|radius|voxels|sweeps",
-        [FINISH_TAKES_RADIUS] = "reach|voxels|sweeps",
-        [FINISH_TAKES_VOXELS] = "reach|radius|sweeps",
-        [FINISH_TAKES_SWEEPS] = "radius|voxels",
-    };
+    static const char *const own[] = {[FINISH_TAKES_RADIUS] = "radius",
+                                      [FINISH_TAKES_VOXELS] = "voxels",
+                                      [FINISH_TAKES_SWEEPS] = "sweeps"};
     const struct finish_row *row = &finish_table[step->kind];
-    const char *other = call_given(act->call, others[row->takes]);
+    const char *other = row->takes != FINISH_TAKES_SWEEPS ? call_given(act->call, "reach") : NULL;
+    for (unsigned i = 0; !other && i < sizeof own / sizeof *own; i++)
+        other = own[i] && i != row->takes ? call_given(act->call, own[i]) : NULL;
     if (other)
         return fault_set(act->fault, ERR_USAGE, "%s: `finish %s` has none", other, row->name);
     step->argument = row->usual;

@@ -177,14 +177,14 @@ void open_folder(Volume &volume, const Request &request, const Files &all)
                                     : "; in a replay no link of a folder is followed: `cp -rL` "
                                       "makes a folder without links, for --scene",
             object.c_str());
-    std::string kind; /* that with the most pictures; of equal ones the last by name */
-    for (const auto &[each, path] : pictures)
-        if (kind.empty() || path.size() >= pictures[kind].size())
-            kind = each;
+    std::string kind; /* the pictures to read; "" for none */
     if (!slices.empty()) {
-        kind = ""; /* none is read */
         stack_slices(volume, slices, request);
     } else {
+        /* The kind with the most pictures; of equal ones the last by name. */
+        for (const auto &[each, path] : pictures)
+            if (kind.empty() || path.size() >= pictures[kind].size())
+                kind = each;
         stack_pictures(volume, pictures[kind], kind);
     }
     for (const auto &[other, path] : pictures)

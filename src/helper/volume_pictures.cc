@@ -175,15 +175,13 @@ bool is_before(const std::string &a, const std::string &b)
     while (i < a.size() && j < b.size()) {
         if (std::isdigit(static_cast<unsigned char>(a[i])) &&
             std::isdigit(static_cast<unsigned char>(b[j]))) {
-            const auto take_digits =
-                [](const std::string &s,
-                   size_t &at) { /* zeros aside */
-                                 const size_t from = at;
-                                 at = std::min(s.find_first_not_of("0123456789", at), s.size());
-                                 const size_t first =
-                                     std::min(s.find_first_not_of('0', from), at - 1);
-                                 return s.substr(first, at - first);
-                };
+            /* Zeros in front of a number do not count. */
+            const auto take_digits = [](const std::string &s, size_t &at) {
+                const size_t from = at;
+                at = std::min(s.find_first_not_of("0123456789", at), s.size());
+                const size_t first = std::min(s.find_first_not_of('0', from), at - 1);
+                return s.substr(first, at - first);
+            };
             const std::string p = take_digits(a, i), q = take_digits(b, j);
             if (p != q)
                 return p.size() != q.size() ? p.size() < q.size() : p < q;

@@ -169,7 +169,8 @@ def tell(name, rows):
         dice = [row["dice"] for row in some if "dice" in row]
         cells = []
         for label in "123" if dice else "":
-            cells.append("%7.3f" % statistics.median(row[label] for row in dice if label in row))
+            known = [row[label] for row in dice if label in row]
+            cells.append("%7.3f" % statistics.median(known) if known else " " * 7)
         cells += ["%7.3f" % min(row["1"] for row in dice)] if dice else []
         took = [row["seconds"] for row in some if "seconds" in row]
         cells += ["%6.1f" % statistics.median(took)] if took and dice else []

@@ -357,7 +357,9 @@ static struct cost time_patches(const struct graphics *by, const struct image_vi
     struct frames f;
     changed.rgba = rgba;
     begin_frames(&f, by, view->width);
-    painter_show(&f.painter, view, &f.out);
+    must(painter_show(&f.painter, view, &f.out)
+             ? OK
+             : fault_memory(&bench_fault, "a picture for the terminal"));
     for (uint32_t top = 11; top + PATCH_SIDE + 3 < view->height; top += 53)
         for (uint32_t left = 17; left + PATCH_SIDE + 5 < view->width; left += 67) {
             if (f.count + 2 > FRAMES_MOST || !is_full(view, left, top))

@@ -142,7 +142,6 @@ enum err run_effort(const struct options *common, struct fault *fault)
 {
     struct efforts *e = must_have(sizeof *e);
     bool goes_on = true;
-    (void)fault;
     e->options = bench_options(common);
     console_handle_interrupts();
     check_words(e);
@@ -159,5 +158,5 @@ enum err run_effort(const struct options *common, struct fault *fault)
            "medians, of the processor.\n");
     interpreter_release(&e->interp);
     free(e);
-    return goes_on ? OK : fault_set(&bench_fault, ERR_CANCELLED, "cancelled");
+    return goes_on ? OK : fault_set(fault, ERR_CANCELLED, "cancelled");
 }

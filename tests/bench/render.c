@@ -503,6 +503,8 @@ enum err run_render(const struct options *o, struct fault *fault)
     time_finish(session, table, "finish: open radius 3", FINISH_OPEN, 3);
     time_stats(session, table);
     time_following(session, table);
+    if (watch_poll(console_watch(), "VTK", 1, 2))
+        must(fault_set(&bench_fault, ERR_CANCELLED, "cancelled"));
     time_vtk(session, table);
     if (o->json)
         write_table(bench_json(), table, session);

@@ -43,7 +43,7 @@ static void tell_forest(const struct forest *forest, const char *name, unsigned 
 static void weigh(struct forest *forest, struct scene *scene, const struct weight_choice *choice,
                   struct team *team)
 {
-    OWNED(weight_work_release) struct weight_work work = {.team = team};
+    struct weight_work work = {.team = team};
     struct arc_rule arcs = {.kind = weight_arcs(choice->kind)};
     struct fault fault;
     for (int label = 0; label < 6; label++)
@@ -52,6 +52,7 @@ static void weigh(struct forest *forest, struct scene *scene, const struct weigh
     weight_compute(scene, forest_adjacency(forest), choice, &work);
     forest_set_arcs(forest, &arcs);
     must(forest_rebuild(forest, &fault), &fault, "a forest from nothing");
+    weight_work_release(&work);
 }
 
 /* Grown from nothing; a third erased and replanted with other labels, bit by bit; taken back. */

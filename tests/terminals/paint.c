@@ -203,8 +203,9 @@ static void write_facts(const char *path, const struct terminal_facts *facts,
 /* Waits for a key, and leaves the terminal as it was. */
 static void wait_key(void)
 {
-    OWNED(buf_release) struct buf typed = {0};
+    struct buf typed = {0};
     term_read(&typed, -1, -1);
+    buf_release(&typed);
 }
 
 static bool run(const char *folder, char **word, struct fault *fault)
