@@ -82,6 +82,43 @@ JOURNAL_STORY(a_shell_cuts_no_other_object, "others.iftty")
     CHECK(beyond(3, 4) > 0 && beyond(1, 4) == 0);
 }
 
+/* Digest of the forest after commands in a new session. */
+static uint64_t forest_after(const char *first, const char *second, const char *third)
+{
+    interpreter_release(&interp);
+    begin_with_journal(&interp, "order.iftty");
+    must(&interp, "auto on");
+    must(&interp, first);
+    must(&interp, second);
+    must(&interp, third);
+    return forest_digest(interp.session->forest);
+}
+
+/* An object with a seed outside, or in the shell, is not enclosed: it is not cut. */
+STORY(a_shell_around_two_objects_may_come_first_or_last)
+{
+    static const char *const object[] = {"seed 4,5,5 1 radius=1", "box 6,5,5 7,6,5 2"},
+                             *const background[] = {"seed 5,5,5 0 radius=4 shell=yes",
+                                                    "seed 5,5,5 0 radius=4 shell=yes around=2",
+                                                    "seed 5,5,5 0 radius=4mm shell=yes",
+                                                    "box 1,1,2 9,9,8 0 shell=yes"};
+    begin_with_journal(&interp, "order.iftty");
+    for (size_t i = 0; i < sizeof background / sizeof *background; i++) {
+        const uint64_t first = forest_after(background[i], object[0], object[1]);
+        CHECK(forest_after(object[0], background[i], object[1]) == first);
+        CHECK(forest_after(object[0], object[1], background[i]) == first);
+        CHECK(!strstr(buf_text(&reply.text), "left out"));
+    }
+    must(&interp, "undo; seed 11,10,9 2");
+    MUST_MENTION(&interp, background[0], "left out, in another object: ");
+    must(&interp, "undo 2; seed 5,5,1 1; seed 1,5,5 2");
+    MUST_MENTION(&interp, background[0], "left out, in another object: ");
+    must(&interp, "undo 3; seed 5,7,5 0"); /* in the middle between both */
+    must(&interp, background[0]);
+    CHECK_INT(beyond(1, 4) + beyond(2, 4), 0);
+    interpreter_release(&interp);
+}
+
 /* Voxels are 1 x 1.5 x 2 mm: a ball of the world goes through the voxel, and no farther. */
 JOURNAL_STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through, "through.iftty")
 {
@@ -154,7 +191,7 @@ JOURNAL_STORY(what_is_no_shell_is_refused, "refused.iftty")
                "less than 3 voxels thick has nothing inside");
     is_refused(&interp, "box 5,5,5 5,5,5 0 shell=yes",
                "less than 3 voxels thick has nothing inside");
-    is_refused(&interp, "seed 5,5,5 0 radius=2 shell=yes around=2",
+    is_refused(&interp, "seed 9,5,5 0 radius=2 shell=yes around=2",
                "is in objects other than the one");
     must(&interp, "seed 0,0,0 2 radius=2 shell=yes");
 }

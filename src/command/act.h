@@ -206,14 +206,15 @@ enum err act_take_slices(const struct act *act, enum slice_kind kind, const stru
 /* Planting, shared by all commands that plant (planting.c). */
 
 /* Counts of a planting: voxels planted, and voxels left out because they are outside the region of
- * interest, beyond the intensities `within`, or, for a shell, in an object that is neither the
- * enclosed one nor of the shell's own label. */
+ * interest, beyond the intensities `within`, or, for a shell, in an object that is neither enclosed
+ * nor of the shell's own label. */
 struct planting {
     struct interval within;
     uint16_t reach; /* the seeds' reach (forest_add_reach), or 0 */
     bool is_shell;
-    uint8_t inside; /* label of the enclosed object of a shell */
-    bool yields;    /* it is a piece of a segmentation (session_plant_piece) with these runs: */
+    uint8_t inside;            /* label of the object in the middle of a shell, */
+    struct label_set encloses; /* and of all objects that it encloses */
+    bool yields; /* it is a piece of a segmentation (session_plant_piece) with these runs: */
     const struct marker_run *run;
     size_t runs;
     size_t planted, outside, beyond, others;

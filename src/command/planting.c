@@ -43,11 +43,12 @@ static bool is_exact(const struct act *act, const struct planting *planting)
     return forest_is_exact(act->session->forest, planting->reach);
 }
 
-/* A shell cuts no object other than the enclosed one. Letting shells cross other objects, with
+/* A shell cuts no object other than the enclosed ones. Letting shells cross other objects, with
  * trees refused by label, did not reduce the corrections in scenes of three and four objects. */
 static bool is_of_another(const struct planting *planting, const struct cell *at, int16_t label)
 {
-    return planting->is_shell && at->label && at->label != planting->inside && at->label != label;
+    return planting->is_shell && at->label && at->label != label &&
+           !label_set_has(&planting->encloses, at->label);
 }
 
 /* Move the cells that are allowed to the front, and return their number. */
@@ -430,14 +431,6 @@ static enum err find_unit(const uint32_t **unit, const struct act *act, const ch
                            name);
 }
 
-static enum err make_brush(struct brush *brush, const struct act *act, const struct value *radius,
-                           int most)
-{
-    const uint32_t *unit;
-    const enum err err = find_unit(&unit, act, "radius", radius);
-    return err ? err : brush_init(brush, unit, radius->number, most, act->fault);
-}
-
 enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels)
 {
     const struct value *radius = act_value(act, "radius");
@@ -448,7 +441,10 @@ enum err act_find_voxels(const struct act *act, const struct value *to, struct v
         (const uint32_t(*)[3])(goes_on ? to->line->corner[0] : act_place(act, "PLACE"));
     const size_t corners = goes_on ? to->line->count : 1;
     struct brush brush = {0};
-    enum err err = make_brush(&brush, act, radius, BRUSH_REACH_MOST);
+    const uint32_t *unit;
+    enum err err = find_unit(&unit, act, "radius", radius);
+    if (!err)
+        err = brush_init(&brush, unit, radius->number, BRUSH_REACH_MOST, act->fault);
     if (!err)
         err = paint_stroke(voxels, grid, &brush, corner, corners, session->watch, act->fault);
     brush_release(&brush);
@@ -480,21 +476,76 @@ static enum err look_inside(const struct act *act, const uint32_t middle[3], uin
     return err;
 }
 
-/* Plant a shell around the object `around`, by default the one in its middle. */
-static enum err plant_shell(const struct act *act, struct voxels *voxels, const uint32_t middle[3])
+/* A ball, or a box between two corners. */
+struct body {
+    struct reach ball;                 /* its centre is the middle of the box too */
+    const uint32_t *corner, *opposite; /* NULL for a ball */
+};
+
+static bool body_holds(const struct body *body, struct place p)
+{
+    const uint32_t at[3] = {p.x, p.y, p.z};
+    bool holds = true;
+    if (!body->corner)
+        return reach_holds(&body->ball, p.x, p.y, p.z);
+    for (int a = 0; a < 3; a++)
+        holds &= (at[a] >= body->corner[a] || at[a] >= body->opposite[a]) &&
+                 (at[a] <= body->corner[a] || at[a] <= body->opposite[a]);
+    return holds;
+}
+
+/* Find the objects of other labels whose seeds are all in the body and not in its shell: a shell
+ * that was planted before these seeds would have the same voxels. */
+static bool find_enclosed(struct planting *planting, const struct act *act, const struct body *body,
+                          const struct voxels *shell, int16_t label)
+{
+    const struct markers *markers = &act->session->markers;
+    struct label_set inside = {{0}}, outside = {{0}};
+    bool has_one = false;
+    for (size_t i = 0; i < shell->count; i++) {
+        const int16_t seed = markers_seed(markers, shell->cell[i]);
+        if (seed != EDIT_ERASE)
+            label_set_add(&outside, (uint8_t)seed);
+    }
+    for (size_t m = 0; m < markers->count; m++) {
+        const struct marker *marker = &markers->marker[m];
+        const uint8_t object = (uint8_t)marker->label;
+        if (!marker->is_valid || marker->label <= 0 || marker->label == label)
+            continue;
+        if (m < markers->former)
+            label_set_add(&outside, object);
+        for (size_t i = 0; i < marker->voxels && !label_set_has(&outside, object); i++) {
+            const uint32_t cell = markers->cover[marker->first + i].cell;
+            const struct place place = grid_place(&act->session->scene->grid, cell);
+            if (markers_at(markers, cell) == m + 1)
+                label_set_add(body_holds(body, place) ? &inside : &outside, object);
+        }
+    }
+    for (int i = 0; i < 4; i++) {
+        planting->encloses.word[i] = inside.word[i] & ~outside.word[i];
+        has_one |= planting->encloses.word[i] != 0;
+    }
+    return has_one;
+}
+
+/* Plant a shell around the object `around`, by default the one in its middle, and around objects
+ * that are planted only inside. */
+static enum err plant_shell(const struct act *act, struct voxels *voxels, const struct body *body)
 {
     const int16_t label = (int16_t)act_number(act, "LABEL");
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     bool is_reached = false;
-    enum err err = look_inside(act, middle, &planting.inside, &is_reached);
+    enum err err = look_inside(act, body->ball.centre, &planting.inside, &is_reached);
+    const bool encloses = find_enclosed(&planting, act, body, voxels, label);
     if (!err)
         err = act_begin_exact(&planting, act, voxels, NULL, 0);
     planting.is_shell = true;
     planting.inside = (uint8_t)act_number_or(act, "around", planting.inside);
+    label_set_add(&planting.encloses, planting.inside);
     if (!err && !voxels->count)
         err = fault_set(act->fault, ERR_INPUT,
                         "shell: none of it is in the scene; nothing was planted");
-    if (!err && planting.inside == label && (is_reached || act_has(act, "around")))
+    if (!err && planting.inside == label && (act_has(act, "around") || (is_reached && !encloses)))
         err = fault_set(act->fault, ERR_INPUT,
                         "shell: label %u is also the label of the object inside; a shell has the "
                         "label of the surroundings, and around=LABEL names the object; nothing "
@@ -538,29 +589,39 @@ static enum err plant_hollow_ball(const struct act *act)
     const uint32_t *middle = act_place(act, "PLACE");
     const bool is_through = act_has(act, "through");
     struct value radius = *act_value(act, "radius");
+    struct body body = {.corner = NULL};
     struct voxels voxels = {0};
     struct brush brush = {0};
+    const uint32_t *unit;
     if (radius.given && is_through)
         return refuse_shell(act, "`radius` or `through`, not both");
     enum err err = is_through ? find_radius(&radius, act) : OK;
     if (!err && radius.number == 0)
         return refuse_shell(act, "a ball of radius 0 has nothing inside; give a radius");
     if (!err)
-        err = make_brush(&brush, act, &radius, BRUSH_HOLLOW_REACH_MOST);
+        err = find_unit(&unit, act, "radius", &radius);
+    if (!err)
+        err = brush_init(&brush, unit, radius.number, BRUSH_HOLLOW_REACH_MOST, act->fault);
     if (!err)
         err = brush_hollow(&brush, session->now.kept.adjacency, act->fault);
     if (!err)
         err =
             paint_shell(&voxels, &session->scene->grid, &brush, middle, session->watch, act->fault);
     brush_release(&brush);
-    return err ? err : plant_shell(act, &voxels, middle);
+    if (err)
+        return err;
+    body.ball.radius = radius.number;
+    memcpy(body.ball.centre, middle, sizeof body.ball.centre);
+    memcpy(body.ball.unit, unit, sizeof body.ball.unit);
+    return plant_shell(act, &voxels, &body);
 }
 
 static enum err plant_hollow_box(const struct act *act)
 {
     const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
     struct voxels voxels = {0};
-    uint32_t middle[3];
+    struct body body = {.corner = corner, .opposite = opposite};
+    uint32_t *middle = body.ball.centre;
     for (int a = 0; a < 3; a++) {
         middle[a] = (corner[a] + opposite[a]) / 2;
         if (middle[a] == corner[a] || middle[a] == opposite[a])
@@ -568,7 +629,7 @@ static enum err plant_hollow_box(const struct act *act)
     }
     const enum err err = paint_box(&voxels, &act->session->scene->grid, corner, opposite, true,
                                    act->session->watch, act->fault);
-    return err ? err : plant_shell(act, &voxels, middle);
+    return err ? err : plant_shell(act, &voxels, &body);
 }
 
 /* ---- `seed` ---- */

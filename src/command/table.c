@@ -277,8 +277,10 @@ static const struct command command_table[] = {
      "joined=yes: one marker and one undo step together with the previous command, which planted "
      "seeds of the same label: for a stroke too long for one line of the journal.\n"
      "shell=yes: only the voxels of the ball that have a neighbour outside, to enclose an object. "
-     "Voxels of objects other than the enclosed one are left out.\n"
-     "around: the label of the enclosed object; by default that of its middle.\n"
+     "Voxels of objects other than the enclosed ones are left out. These are `around`, and each "
+     "object whose seeds are all inside: a sphere around touching objects is the same after their "
+     "balls as before.\n"
+     "around: the label of an enclosed object; by default that of its middle.\n"
      "through: of a shell, a voxel on it, in place of its radius.\n"
      "within: of a ball, the reach of its trees from PLACE, in the units of radius: a correction "
      "changes nothing beyond. About three times the depth of the error is a good choice; a voxel "
@@ -290,7 +292,7 @@ static const struct command command_table[] = {
      "plant a box, or a rectangle in a slice",
      "Between two corners, both included." WITHIN_NOTE "\n"
      "shell=yes: only its six faces, as in `seed`.\n"
-     "around: the label of the enclosed object; by default that of its middle." EXACT_NOTE,
+     "around: the label of an enclosed object; by default that of its middle." EXACT_NOTE,
      "box 80,90,50 120,110,50 2"},
     {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
