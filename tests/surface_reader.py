@@ -132,7 +132,7 @@ def voxels(name, wanted):
     nx, ny, _ = struct.unpack_from("<3h", data, 42)
     rows = [struct.unpack_from("<4f", data, 280 + 16 * a) for a in range(3)]
     count, sums = 0, [0, 0, 0]
-    for i, label in enumerate(data[352:]):
+    for i, label in enumerate(data[int(struct.unpack_from("<f", data, 108)[0]):]):
         if label and wanted in (0, label):
             count += 1
             for a, x in enumerate((i % nx, i // nx % ny, i // nx // ny)):

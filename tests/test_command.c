@@ -1288,10 +1288,10 @@ static void make_long(const char *name, double z_mm)
     struct geometry geometry = {.slope = 1,
                                 .spacing_nm = {1000000, 1000000, (uint32_t)(z_mm * 1e6)}};
     geometry_place_plain(&geometry, spacing);
-    CHECK(volume_write(
-              place(name), FILE_REPLACE,
-              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL, NULL},
-              NULL, NULL) == OK);
+    CHECK(volume_write(place(name), FILE_REPLACE,
+                       &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL,
+                                            NULL, NULL},
+                       NULL, NULL) == OK);
 }
 
 STORY(zoom_fit_works_for_any_samples)

@@ -22,7 +22,9 @@ END
 }
 # The voxels of a NIfTI of ours, of an NRRD as unu reads them, of a MetaImage: on standard output.
 nifti_voxels() {
-    tail -c +353 "$1"
+    python3 -c 'import struct, sys
+bytes = open(sys.argv[1], "rb").read()
+sys.stdout.buffer.write(bytes[int(struct.unpack_from("<f", bytes, 108)[0]):])' "$1"
 }
 nrrd_voxels() {
     teem-unu save -f nrrd -e raw -i "$1" | teem-unu data -

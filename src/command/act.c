@@ -100,6 +100,17 @@ void atlas_advise_names(const struct act *act, const bool has[256])
 
 /* ---- out of a table ---- */
 
+void act_write_changed_names(const struct act *act, const struct label_tally *tally)
+{
+    struct buf *out = &act->reply->text;
+    if (!tally->changed)
+        return;
+    buf_printf(out, "%u name%s had to be changed to fit; the first is of label %u, now ",
+               tally->changed, plural(tally->changed), tally->first_changed);
+    buf_add_safe_text(out, act->next->kept.label_name[tally->first_changed]);
+    buf_add_char(out, '\n');
+}
+
 enum err act_label_file(const struct act *act)
 {
     const char *name = act_text(act, "FILE");
@@ -128,13 +139,7 @@ enum err act_label_file(const struct act *act)
     if (tally.beyond && !act_has(act, "regions"))
         buf_printf(out, "%u more entr%s for no label 1..255; choose with regions=A,B as=1,2\n",
                    tally.beyond, tally.beyond == 1 ? "y is" : "ies are");
-    if (tally.changed) {
-        buf_printf(out, "%u name%s had to be changed to fit; the first is of label ", tally.changed,
-                   plural(tally.changed));
-        buf_printf(out, "%u, now ", tally.first_changed);
-        buf_add_safe_text(out, act->next->kept.label_name[tally.first_changed]);
-        buf_add_char(out, '\n');
-    }
+    act_write_changed_names(act, &tally);
     act_add_digest(act, "names", label_table_digest(&act->next->kept));
     return act_go(act);
 }
@@ -218,11 +223,12 @@ struct map_place act_map_place(const struct act *act)
     return place;
 }
 
-enum err act_read_map(const struct act *act, struct volume *map)
+enum err act_read_map(const struct act *act, struct volume *map, struct buf *names)
 {
     const struct session *session = act->session;
-    const struct map_place place = act_map_place(act);
+    struct map_place place = act_map_place(act);
     struct buf *path = act_buf(act);
+    place.names = names;
     const enum err err =
         interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
     return err ? err : map_read(map, buf_text(path), &place, session->watch, act->fault);

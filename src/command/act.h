@@ -126,8 +126,8 @@ void act_add_weights(const struct act *act);
 struct map_place act_map_place(const struct act *act);
 
 /* Read the map FILE. It must fit the scene's grid unless `resample=yes`. The caller releases the
- * map, also on error. */
-enum err act_read_map(const struct act *act, struct volume *map);
+ * map, also on error. `names` receives its table of labels (image/names.h); or NULL. */
+enum err act_read_map(const struct act *act, struct volume *map, struct buf *names);
 
 /* Origin of a journal: landmarks, which match scenes, and the procedure that made the journal
  * (act_ask.c). */
@@ -150,6 +150,9 @@ enum err act_choose_regions(uint16_t **as, const struct act *act, const struct v
 
 /* Read the table; empty if it cannot be read. The caller releases it. */
 struct label_table atlas_table(const struct act *act, const char *path);
+
+/* Report names that had to be changed. */
+void act_write_changed_names(const struct act *act, const struct label_tally *tally);
 
 /* After seeds were planted from FILE with `regions` and `as`: add a line with the command that
  * names the labels, if the table exists and one of the labels in `has`, other than the background,

@@ -178,7 +178,7 @@ static enum err get_map_labels(struct compared *compared, bool listed[256], cons
     else if (!err && act_has(act, "regions"))
         regions_list(listed, as);
     if (!err)
-        err = act_read_map(act, &map);
+        err = act_read_map(act, &map, NULL);
     if (!err) {
         const struct map_labels choice = {as, (int)act_number_or(act, "label", LABEL_OWN)};
         buf_add_text(&act->reply->text, map.notes);

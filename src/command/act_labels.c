@@ -19,6 +19,8 @@
 #include "session/markers.h"
 #include "session/paint.h"
 #include "session/seed_file.h"
+#include "image/names.h"
+#include "show/label_table.h"
 
 enum { TAKEN_MOST = 256 }; /* seeds in the record of one command */
 
@@ -199,12 +201,23 @@ static enum err find_copy(struct buf *path, const struct act *act, const char *d
 
 /* Write the copy, unless it exists: then its content is the same. Nothing is written for a journal
  * opened read-only. */
-static enum err keep_copy(const struct act *act, const struct volume *map, const char *digest)
+static enum err keep_copy(const struct act *act, const struct volume *map,
+                          const struct label_table *names, const char *digest)
 {
     struct interpreter *interp = act->interp;
     struct buf *path = act_buf(act);
     struct golden_files files;
+    struct volume_label label[256] = {0};
     const bool only_looks = interp->journal && journal_only_looks(interp->journal);
+    for (unsigned l = 0; l < 256; l++)
+        label[l].name = "";
+    for (size_t i = 0; i < names->count; i++) {
+        const struct label_entry *entry = &names->entry[i];
+        struct volume_label *of = &label[entry->number];
+        *of = (struct volume_label){.name = entry->name, .number = (uint16_t)entry->number};
+        of->used = true;
+        memcpy(of->rgb, entry->rgb, sizeof of->rgb);
+    }
     enum err err = find_copy(path, act, digest);
     if (err || !path->length || only_looks || file_exists(buf_text(path)))
         return err;
@@ -213,8 +226,8 @@ static enum err keep_copy(const struct act *act, const struct volume *map, const
     if (!err)
         err = interpreter_will_write(interp, buf_text(path), FILE_KEEP, act->fault);
     if (!err)
-        err = label_copy_write(buf_text(path), map, &act->session->geometry, act->session->watch,
-                               act->fault);
+        err = label_copy_write(buf_text(path), map, names->count ? label : NULL,
+                               &act->session->geometry, act->session->watch, act->fault);
     if (!err)
         act_write_file_line("copied to ", buf_text(path), act->reply);
     return err;
@@ -277,17 +290,88 @@ static enum err find_regions(struct volume *map, const struct act *act)
     return map_to_regions(map, 0, REGION_MOST, act->session->watch, act->fault);
 }
 
-static enum err read_original(struct volume *map, const struct act *act, struct buf *numbers)
+/* Read a table out of a map; one that is not a table is noted. */
+static enum err read_names(struct label_table *names, const struct act *act, const struct buf *text)
+{
+    struct fault own = {.text = ""};
+    const enum err err =
+        text->length ? label_table_read(names, text->data, text->length, &own) : OK;
+    if (err == ERR_MEMORY)
+        return fault_memory(act->fault, "the names of labels");
+    if (err)
+        buf_printf(&act->reply->text, "the names of its labels are not read: %s\n", own.text);
+    return OK;
+}
+
+/* Replace the numbers of a table by labels, as the map was. Keep only those of labels with voxels,
+ * and none for a label of several entries. An entry without a colour has the label's present one. */
+static void choose_names(struct label_table *names, const struct act *act, const uint16_t *as,
+                         const struct volume *map)
+{
+    const size_t voxels = voxels_in(map->size);
+    const int64_t one = act_number_or(act, "label", LABEL_OWN);
+    struct label_entry of[256];
+    unsigned entries[256] = {0};
+    bool has[256] = {false};
+    for (size_t i = 0; i < voxels; i++)
+        if (map->intensity[i] < 256)
+            has[map->intensity[i]] = true;
+    for (size_t i = 0; i < names->count; i++) {
+        const uint32_t number = names->entry[i].number;
+        uint32_t label = number && number <= REGION_MOST ? as[number] : REGION_NONE;
+        label = label != REGION_NONE && one != LABEL_OWN ? (uint32_t)one : label;
+        if (label == 0 || label > 255 || !has[label] || entries[label]++)
+            continue;
+        of[label] = names->entry[i];
+        of[label].number = label;
+        if (!of[label].has_colour)
+            memcpy(of[label].rgb, act->next->kept.palette.rgb[label], sizeof of->rgb);
+        of[label].has_colour = true;
+    }
+    names->count = 0;
+    for (unsigned label = 1; label < 256; label++)
+        if (entries[label] == 1)
+            names->entry[names->count++] = of[label];
+}
+
+/* Name the labels of the map, and append the words of the table. */
+static void apply_names(const struct act *act, const struct label_table *names)
+{
+    struct label_tally tally;
+    struct buf *out = &act->reply->text;
+    if (!names->count)
+        return;
+    label_table_fill(&act->next->kept, &tally, names);
+    act_add_digest(act, "names", label_table_digest(&act->next->kept));
+    if (tally.names && tally.names == tally.colours)
+        buf_printf(out, "%u name%s and colours from the file\n", tally.names, plural(tally.names));
+    else if (tally.names || tally.colours)
+        buf_printf(out, "%u name%s and %u colour%s from the file\n", tally.names,
+                   plural(tally.names), tally.colours, plural(tally.colours));
+    act_write_changed_names(act, &tally);
+}
+
+/* Append the table as it is part of the copy's digest. */
+static void write_names(struct buf *out, const struct label_table *names)
+{
+    for (size_t i = 0; i < names->count; i++)
+        names_add(out, names->entry[i].number, names->entry[i].rgb, names->entry[i].name,
+                  strlen(names->entry[i].name));
+}
+
+static enum err read_original(struct volume *map, struct label_table *names, const struct act *act,
+                              struct buf *numbers)
 {
     const struct session *session = act->session;
     const char *name = act_text(act, "FILE");
     struct map_labels choice = {.label = (int)act_number_or(act, "label", LABEL_OWN)};
     uint16_t *as = NULL;
+    struct buf *text = act_buf(act);
     enum err err = act_choose_regions(&as, act, act_value(act, "label"));
     if (!err && !act_has(act, "regions"))
         as[0] = 0; /* the background */
     if (!err)
-        err = act_read_map(act, map);
+        err = act_read_map(act, map, text);
     choice.as = as;
     if (!err)
         err = act_prefix_file(name, find_regions(map, act), act->fault);
@@ -297,7 +381,11 @@ static enum err read_original(struct volume *map, const struct act *act, struct 
         err =
             act_prefix_file(name, map_label(map, &choice, session->watch, act->fault), act->fault);
     if (!err)
+        err = read_names(names, act, text);
+    if (!err) {
+        choose_names(names, act, as, map);
         buf_add_text(&act->reply->text, map->notes);
+    }
     free(as);
     return err;
 }
@@ -351,27 +439,34 @@ static enum err erase_seeds(const struct act *act)
 }
 
 /* Read a copy on the scene's grid; its digest is checked by the caller. */
-static enum err read_copy(struct volume *map, const struct act *act, const char *path)
+static enum err read_copy(struct volume *map, struct label_table *names, const struct act *act,
+                          const char *path)
 {
     const struct session *session = act->session;
-    const struct map_place place = {
-        .grid = &session->scene->grid, .geometry = &session->geometry, .is_copy = true};
+    struct buf *text = act_buf(act);
+    const struct map_place place = {.grid = &session->scene->grid,
+                                    .geometry = &session->geometry,
+                                    .is_copy = true,
+                                    .names = text};
     bool leads_out;
     enum err err = interpreter_may_read(act->interp, path, &leads_out, act->fault);
     if (!err)
         err = map_read(map, path, &place, session->watch, act->fault);
     if (!err)
         err = map_to_regions(map, 0, 255, session->watch, act->fault);
+    if (!err)
+        err = read_names(names, act, text);
     return err && err != ERR_MEMORY && err != ERR_CANCELLED && leads_out
                ? golden_refuse_link(path, act->fault)
                : err;
 }
 
 /* Read the recorded copy, or if it is missing, the file, which must be the same. */
-static enum err read_recorded(struct volume *map, const struct act *act, const char *recorded)
+static enum err read_recorded(struct volume *map, struct label_table *names, const struct act *act,
+                              const char *recorded)
 {
     const struct value *numbered = act_value(act, "numbers");
-    struct buf *path = act_buf(act), *numbers = act_buf(act);
+    struct buf *path = act_buf(act), *numbers = act_buf(act), *words = act_buf(act);
     char digest[LABEL_COPY_DIGEST];
     if (!scan_is_hex(recorded, LABEL_COPY_DIGEST - 1))
         return fault_set(act->fault, ERR_USAGE,
@@ -380,15 +475,16 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
     enum err err = find_copy(path, act, recorded);
     const bool has_copy = !err && path->length && file_exists(buf_text(path));
     if (!err)
-        err = has_copy       ? read_copy(map, act, buf_text(path))
+        err = has_copy       ? read_copy(map, names, act, buf_text(path))
               : is_here(act) ? read_here(map, act)
-                             : read_original(map, act, numbers);
+                             : read_original(map, names, act, numbers);
     if (!err && has_copy && numbered->given)
         err = apply_numbers(act, numbered->text);
     if (err && !has_copy && path->length)
         fault_prefix(act->fault, err, "there is no copy %s", buf_text(path));
+    write_names(words, names);
     if (!err)
-        err = label_copy_digest(digest, map, act->session->watch, act->fault);
+        err = label_copy_digest(digest, map, words, act->session->watch, act->fault);
     if (err)
         return err;
     const bool same_numbers =
@@ -402,15 +498,17 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
 }
 
 /* Read the file; the record ends in copy=DIGEST. */
-static enum err read_new(struct volume *map, const struct act *act, char digest[LABEL_COPY_DIGEST])
+static enum err read_new(struct volume *map, struct label_table *names, const struct act *act,
+                         char digest[LABEL_COPY_DIGEST])
 {
-    struct buf *numbers = act_buf(act);
+    struct buf *numbers = act_buf(act), *words = act_buf(act);
     if (act_has(act, "numbers"))
         return fault_set(act->fault, ERR_USAGE,
                          "numbers: only in journals, with copy=DIGEST; regions= chooses regions");
-    enum err err = is_here(act) ? read_here(map, act) : read_original(map, act, numbers);
+    enum err err = is_here(act) ? read_here(map, act) : read_original(map, names, act, numbers);
+    write_names(words, names);
     if (!err)
-        err = label_copy_digest(digest, map, act->session->watch, act->fault);
+        err = label_copy_digest(digest, map, words, act->session->watch, act->fault);
     if (!err && numbers->length)
         buf_printf(&act->reply->canonical, " numbers=%s", buf_text(numbers));
     if (!err)
@@ -578,14 +676,16 @@ static enum err plant_labels(const struct act *act)
     const struct piece_choice choice = {rounds, (uint32_t)act_number(act, "least"),
                                         act_number(act, "rest") == 1 ? REGION_NONE : 0};
     struct volume map = {0};
+    struct label_table names = {0};
     struct piece_seeds seeds = {0};
     if (!act_has(act, "erode"))
         buf_printf(&act->reply->canonical, " erode=%u", rounds);
     const char *copy = act_text(act, "copy");
     char digest[LABEL_COPY_DIGEST];
-    enum err err = copy ? read_recorded(&map, act, copy) : read_new(&map, act, digest);
+    enum err err =
+        copy ? read_recorded(&map, &names, act, copy) : read_new(&map, &names, act, digest);
     if (!err && act->interp->mode == MODE_LIVE)
-        err = keep_copy(act, &map, copy ? copy : digest);
+        err = keep_copy(act, &map, &names, copy ? copy : digest);
     const size_t voxels = err ? 0 : (size_t)map.size[0] * map.size[1] * map.size[2];
     size_t empty = 0;
     while (empty < voxels && map.intensity[empty] == REGION_NONE)
@@ -604,9 +704,12 @@ static enum err plant_labels(const struct act *act)
         warn_of_noise(act, &seeds);
     if (!err && is_here(act))
         err = erase_seeds(act);
-    if (!err)
+    if (!err) {
+        apply_names(act, &names);
         err = plant_pieces(act, &seeds, &map);
+    }
     piece_seeds_release(&seeds);
+    label_table_release(&names);
     volume_release(&map);
     return err;
 }

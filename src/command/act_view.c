@@ -124,7 +124,7 @@ static enum err mask_by_file(const struct act *act)
     const uint32_t *regions = act_has(act, "regions") ? act_place(act, "regions") : all;
     struct volume map = {0};
     uint64_t *mask = NULL;
-    enum err err = act_read_map(act, &map);
+    enum err err = act_read_map(act, &map, NULL);
     if (!err)
         err = act_prefix_file(
             name, map_to_regions(&map, regions[0], regions[1], session->watch, act->fault),

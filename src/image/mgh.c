@@ -14,6 +14,16 @@
  *          42  float32[9] directions of the three axes: to the right, the front and the head
  *          78  float32[3] position of voxel width/2, height/2, depth/2: the middle of the volume
  *
+ * After the voxels, five numbers of the scan and then tags, each with its length except for the
+ * oldest. Tag 1 is a table of labels, which mri_convert and the programs of recon-all embed:
+ *
+ *     int32   -2, or the number of entries in version 1, which then has no next but one field
+ *     int32   the number after the largest of its labels
+ *     text    a name of the table: its length with the NUL, and its bytes
+ *     int32   the number of entries
+ *     entry   int32 number, text name, int32 red, green, blue and 255 - alpha, each 0 to 255;
+ *             in version 1 without the number: it counts from 0
+ *
  * Without the flag neither distances nor the place are known: FreeSurfer's readers then assume 1 mm
  * and coronal slices, which is a guess.
  *
@@ -29,6 +39,7 @@
 
 #include "base/buf.h"
 #include "engine/grid.h"
+#include "image/names.h"
 #include "image/volume_format.h"
 
 enum {
@@ -166,6 +177,127 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     return voxels_check(out, source, fault);
 }
 
+/* ---- names of labels ---- */
+
+enum { TAG_TABLE = 1, TAG_OLD_PLACE = 2, TAG_OLD_SURFACE = 20, TAG_OLD_TRANSFORM = 30 };
+enum { SCAN_BYTES = 20, TEXT_MOST = 4096, ENTRIES_MOST = 65536, TABLE_VERSION = 2 };
+
+static bool take_int(struct volume_source *source, int32_t *value, struct fault *fault)
+{
+    uint8_t bytes[4];
+    const enum err err = source_read(source, bytes, sizeof bytes, "its tags", NULL, fault);
+    *value = err ? 0 : get_int(bytes);
+    return !err;
+}
+
+/* Read a text with its length before it. */
+static bool take_text(struct volume_source *source, char text[TEXT_MOST], struct fault *fault)
+{
+    int32_t length;
+    if (!take_int(source, &length, fault) || length < 0 || length >= TEXT_MOST)
+        return false;
+    text[length] = '\0';
+    return !source_read(source, text, (size_t)length, "its table", NULL, fault);
+}
+
+static bool take_table(struct buf *names, struct volume_source *source, struct fault *fault)
+{
+    char text[TEXT_MOST];
+    int32_t version, entries, number, part[4];
+    if (!take_int(source, &version, fault))
+        return false;
+    entries = version;
+    if (version == -TABLE_VERSION && !take_int(source, &entries, fault))
+        return false;
+    if (!take_text(source, text, fault) || (version < 0 && !take_int(source, &entries, fault)))
+        return false;
+    bool fits = version >= -TABLE_VERSION && version != -1 && entries <= ENTRIES_MOST;
+    for (int32_t i = 0; fits && i < entries; i++) {
+        number = i;
+        fits = (version > 0 || take_int(source, &number, fault)) && number >= 0 &&
+               take_text(source, text, fault);
+        for (int k = 0; fits && k < 4; k++)
+            fits = take_int(source, &part[k], fault) && part[k] >= 0 && part[k] <= 255;
+        if (fits && number > 0)
+            names_add(names, (uint32_t)number,
+                      (const uint8_t[]){(uint8_t)part[0], (uint8_t)part[1], (uint8_t)part[2]}, text,
+                      strlen(text));
+    }
+    return fits;
+}
+
+/* Find the table among the tags; a file ends after any of them. */
+static enum err read_names(struct buf *names, const struct volume_header *header,
+                           struct volume_source *source, struct fault *fault)
+{
+    uint64_t at = header->offset + SCAN_BYTES +
+                  (uint64_t)voxels_in(header->whole) * header->volumes * voxel_bytes(header->type);
+    int32_t tag, length[2];
+    enum err err = source_go_to(source, at, "its tags", fault);
+    while (!err && take_int(source, &tag, NULL) && tag > 0) {
+        const bool is_long = tag != TAG_OLD_TRANSFORM;
+        at += 4;
+        length[0] = length[1] = 0;
+        if (tag == TAG_TABLE)
+            return take_table(names, source, fault)
+                       ? OK
+                       : fault_set(fault, ERR_INPUT, "its table of labels is damaged");
+        if (tag == TAG_OLD_PLACE || tag == TAG_OLD_SURFACE)
+            continue;
+        if ((is_long && !take_int(source, &length[0], NULL)) ||
+            !take_int(source, &length[1], NULL) || length[0] || length[1] < 0)
+            return OK;
+        at += (is_long ? 8U : 4U) + (uint64_t)(uint32_t)length[1];
+        err = source_go_to(source, at, "its tags", fault);
+    }
+    return watch_fault(source->watch, fault);
+}
+
+static void add_int(struct buf *out, int32_t value)
+{
+    uint8_t bytes[4];
+    put_int(bytes, value);
+    buf_add(out, bytes, sizeof bytes);
+}
+
+static void add_text(struct buf *out, const char *text)
+{
+    add_int(out, (int32_t)strlen(text) + 1);
+    buf_add(out, text, strlen(text) + 1);
+}
+
+/* Write the table after the voxels; nothing if no label has a name. */
+static void write_names(struct buf *out, const struct volume_label label[256])
+{
+    int32_t entries = 0, largest = 0;
+    bool has_names = false;
+    for (int l = 1; l < 256; l++) {
+        if (!label[l].number || !(label[l].used || *label[l].name))
+            continue;
+        has_names |= *label[l].name != '\0';
+        entries++;
+        largest = largest > (int32_t)label[l].number ? largest : (int32_t)label[l].number;
+    }
+    if (!has_names)
+        return;
+    for (int i = 0; i < SCAN_BYTES / 4; i++)
+        add_int(out, 0);
+    add_int(out, TAG_TABLE);
+    add_int(out, -TABLE_VERSION);
+    add_int(out, largest + 1);
+    add_text(out, "iftty");
+    add_int(out, entries);
+    for (int l = 1; l < 256; l++) {
+        if (!label[l].number || !(label[l].used || *label[l].name))
+            continue;
+        add_int(out, (int32_t)label[l].number);
+        add_text(out, label[l].name);
+        for (int k = 0; k < 3; k++)
+            add_int(out, label[l].rgb[k]);
+        add_int(out, 0);
+    }
+}
+
 /* ---- writing ---- */
 
 static void put_place(uint8_t *bytes, const struct geometry *geometry, const uint32_t size[3])
@@ -208,7 +340,7 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
 {
     uint8_t bytes[HEADER_BYTES] = {0};
     struct volume_map written = *map, narrow = *map;
-    struct buf header = {0};
+    struct buf header = {0}, tail = {0};
     if (map->type == VOXEL_UINT32)
         return fault_set(fault, ERR_USAGE,
                          "cannot write %s: FreeSurfer's files hold no numbers up to 4294967295; "
@@ -225,9 +357,15 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
     put_int(bytes + TYPE_AT, map->type == VOXEL_UINT8 ? UINT8 : INT32);
     put_place(bytes, map->geometry, map->size);
     buf_add(&header, bytes, sizeof bytes);
-    return voxels_write(path, mode, &header,
-                        file_is_named(path, ".mgh") ? PACKED_NOT : PACKED_WHOLE, &written, watch,
-                        fault);
+    if (map->label)
+        write_names(&tail, map->label);
+    header.failed |= tail.failed;
+    written.tail = &tail;
+    const enum err err =
+        voxels_write(path, mode, &header, file_is_named(path, ".mgh") ? PACKED_NOT : PACKED_WHOLE,
+                     &written, watch, fault);
+    buf_release(&tail);
+    return err;
 }
 
 extern const struct volume_format mgh_format;
@@ -236,5 +374,7 @@ const struct volume_format mgh_format = {
     .endings = ".mgh|.mgz|.mgh.gz",
     .recognises = recognises,
     .read_header = read_header,
+    .read_names = read_names,
+    .held_by = ".mgh|.mgz|.mgh.gz",
     .write = write_map,
 };

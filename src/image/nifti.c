@@ -24,11 +24,14 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/safe.h"
 #include "engine/grid.h"
 #include "image/image_inside.h"
+#include "image/names.h"
 #include "image/reader_common.h"
 #include "image/volume.h"
 
@@ -620,6 +623,73 @@ static enum err take_fields(struct volume_header *out, struct nifti_header *head
     return err;
 }
 
+/*
+ * Extensions lie between the header and the voxels of a single file, if the first of four bytes after
+ * the header is not 0: each begins with its length, a multiple of 16, and a code. Code 30 is the XML
+ * of Caret and Workbench, whose LabelTable has the names of labels; TotalSegmentator writes the same
+ * under code 0. A map of labels gets one if a label has a name.
+ */
+
+enum { CARET = 30, EXTENSION_HEAD = 8, TABLE_BYTES_MOST = 4 << 20, LABEL_INTENT = 1002 };
+
+static enum err read_names(struct buf *names, const struct volume_header *header,
+                           struct volume_source *source, struct fault *fault)
+{
+    static const char part[] = "its extensions";
+    const bool big = header->big_endian, is_second = strcmp(header->format, "nifti-2") == 0;
+    const size_t before = names->length;
+    uint64_t at = is_second ? NIFTI_MOST_BYTES : NIFTI_LEAST_BYTES;
+    uint8_t head[EXTENSION_HEAD] = {0};
+    if (!is_second && strcmp(header->format, "nifti-1") != 0)
+        return OK; /* a pair */
+    enum err err = source_go_to(source, at, part, fault);
+    if (!err)
+        err = source_read(source, head, 4, part, NULL, fault);
+    at += 4;
+    for (bool goes_on = head[0]; !err && goes_on && header->offset - at > EXTENSION_HEAD;) {
+        err = source_read(source, head, sizeof head, part, NULL, fault);
+        const uint64_t length = bits_get(head, 4, big), code = bits_get(head + 4, 4, big);
+        goes_on = length > EXTENSION_HEAD && length <= header->offset - at;
+        if (err || !goes_on)
+            continue;
+        at += length;
+        if ((code != CARET && code != 0) || length > TABLE_BYTES_MOST) {
+            err = source_go_to(source, at, part, fault);
+            continue;
+        }
+        char *xml = mem_new((size_t)length);
+        err = xml ? source_read(source, xml, (size_t)length - EXTENSION_HEAD, part, NULL, fault)
+                  : fault_memory(fault, part);
+        if (!err)
+            names_read_xml(names, xml, (size_t)length - EXTENSION_HEAD, header->choice.volume);
+        free(xml);
+        goes_on = names->length == before;
+    }
+    return err;
+}
+
+/* Append the four bytes after the header, and the extension. */
+static void write_names(struct buf *out, const struct volume_map *map)
+{
+    struct buf xml = {0};
+    uint8_t head[4 + EXTENSION_HEAD] = {0};
+    bool has_names = false;
+    for (int l = 1; map->label && l < 256; l++)
+        has_names |= *map->label[l].name != '\0';
+    if (has_names) {
+        names_write_xml(&xml, map->label);
+        while ((xml.length + EXTENSION_HEAD) % 16 && !xml.failed)
+            buf_add_char(&xml, '\n');
+        head[0] = 1;
+        bits_put(head + 4, 4, xml.length + EXTENSION_HEAD, false);
+        bits_put(head + 8, 4, CARET, false);
+    }
+    buf_add(out, head, has_names ? sizeof head : 4);
+    buf_add_text(out, buf_text(&xml));
+    out->failed |= xml.failed;
+    buf_release(&xml);
+}
+
 /* ---- pairs ---- */
 
 static bool is_voxels(const char *path)
@@ -735,12 +805,12 @@ static enum err read_without_header(struct volume_header *out, struct volume_sou
 
 /* ---- writing ---- */
 
-/* Write the header and the four bytes after it that say "no extensions", then the voxels. */
+/* Write the header, the names of labels, then the voxels. */
 static enum err write_map(const char *path, enum file_mode mode, const struct volume_map *map,
                           struct watch *watch, struct fault *fault)
 {
-    uint8_t bytes[NIFTI_MOST_BYTES + 4] = {0};
-    struct buf begin = {0};
+    uint8_t bytes[NIFTI_MOST_BYTES] = {0};
+    struct buf begin = {0}, names = {0};
     struct nifti_header header = {.bytes = NIFTI_LEAST_BYTES, .scl_slope = 1, .dim = {3}};
     for (int a = 1; a < 8; a++) {
         header.dim[a] = a <= 3 ? map->size[a - 1] : 1;
@@ -753,7 +823,9 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
     header.datatype = datatype->code;
     header.bitpix = INT64_C(8) * voxel_bytes(map->type);
     nifti_header_place(&header, map->geometry);
-    header.vox_offset = (double)header.bytes + 4;
+    header.intent_code = map->label ? LABEL_INTENT : 0;
+    write_names(&names, map);
+    header.vox_offset = (double)(header.bytes + names.length);
     const size_t length = strnlen(map->description, sizeof header.descrip - 1);
     size_t fits = 0; /* bytes of the description, and never half a character */
     for (size_t n; fits < length; fits += n) {
@@ -764,7 +836,10 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
     }
     memcpy(header.descrip, map->description, fits);
     nifti_header_encode(&header, bytes);
-    buf_add(&begin, bytes, header.bytes + 4);
+    buf_add(&begin, bytes, header.bytes);
+    buf_add(&begin, names.data, names.length);
+    begin.failed |= names.failed;
+    buf_release(&names);
     return voxels_write(path, mode, &begin, file_is_named(path, ".gz") ? PACKED_WHOLE : PACKED_NOT,
                         map, watch, fault);
 }
@@ -775,6 +850,8 @@ const struct volume_format nifti_format = {
     .endings = ".nii|.nii.gz",
     .recognises = recognises,
     .read_header = read_header,
+    .read_names = read_names,
+    .held_by = ".nii|.nii.gz",
     .write = write_map,
 };
 

@@ -428,6 +428,36 @@ enum err volume_read(struct volume *out, const char *path, const struct volume_c
     return err;
 }
 
+enum err volume_read_names(struct buf *names, const struct volume_reader *reader,
+                           char notes[VOLUME_NOTES_BYTES], struct fault *fault)
+{
+    const size_t before = names->length;
+    struct fault own = {.text = ""};
+    struct volume_source source;
+    if (!reader->format->read_names)
+        return OK;
+    enum err err = source_open(&source, reader->path, reader->source.watch, &own);
+    if (!err) {
+        err = reader->format->read_names(names, &reader->header, &source, &own);
+        source_close(&source);
+    }
+    if (names->failed)
+        return fault_memory(fault, "the names of labels");
+    if (err == ERR_MEMORY || err == ERR_CANCELLED)
+        return fault_set(fault, err, "%s", own.text);
+    if (err) {
+        names->length = before;
+        volume_note(notes, "the names and colours of its labels are not read: %s", own.text);
+    }
+    return OK;
+}
+
+bool volume_holds_names(const char *path)
+{
+    const struct volume_format *format = format_named(path, true);
+    return format && format->held_by && file_is_named(path, format->held_by);
+}
+
 /* ---- writing ---- */
 
 enum err volume_write(const char *path, enum file_mode mode, const struct volume_map *map,

@@ -87,6 +87,14 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
 enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault);
 void volume_close(struct volume_reader *reader);
 
+/* Append the names and colours of the labels in the file of a volume that was taken, as lines of a
+ * table (image/names.h); nothing for a file without. A damaged table is described in a note. */
+enum err volume_read_names(struct buf *names, const struct volume_reader *reader,
+                           char notes[VOLUME_NOTES_BYTES], struct fault *fault);
+
+/* True if maps of this name hold names and colours of labels. */
+bool volume_holds_names(const char *path);
+
 /* Open, read and close a volume; choice and watch may be NULL. Needs two bytes a voxel, four or
  * eight while wider numbers are read. On failure *out is empty, and the message has the error and
  * the expected value: ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */

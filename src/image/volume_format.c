@@ -205,7 +205,8 @@ static enum err write_draft(const char *draft, const char *path, const struct bu
         errno = EIO;
         const bool fine =
             (packing == PACKED_VOXELS || write_bytes(gz, path, header->data, header->length)) &&
-            write_rows(gz, path, map, values, watch);
+            write_rows(gz, path, map, values, watch) &&
+            (!map->tail || write_bytes(gz, path, map->tail->data, map->tail->length));
         const int number = errno;
         const bool closed = gzclose_w(gz) == Z_OK;
         if (!fine)

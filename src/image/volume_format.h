@@ -167,6 +167,7 @@ struct volume_label {
     const char *name; /* "" for none */
     uint8_t rgb[3];
     uint16_t number; /* value of its voxels in the map; 0 for the background, and for none */
+    bool used;       /* a voxel has it */
 };
 
 /* A map to be written. `row` is called for each row in file order, y faster than z, and fills
@@ -179,6 +180,7 @@ struct volume_map {
     void (*row)(void *context, uint32_t y, uint32_t z, void *values);
     void *context;
     const struct volume_label *label; /* [256], for a map of labels; else NULL */
+    const struct buf *tail;           /* bytes after the voxels, from a format; or NULL */
 };
 
 enum volume_taking { TAKES_FOLDERS = 1, TAKES_LAYOUTS = 2 };
@@ -194,6 +196,12 @@ struct volume_format {
     /* Called before the voxels are read from the same source, at header->offset; or NULL. */
     enum err (*begin_voxels)(const struct volume_header *header, struct volume_source *source,
                              struct fault *fault);
+    /* Append the names and colours of the labels in the chosen volume (image/names.h). The source is
+     * at its first byte. `held_by`: endings of the files in which `write` keeps them. Both NULL if the
+     * format holds none. */
+    enum err (*read_names)(struct buf *names, const struct volume_header *header,
+                           struct volume_source *source, struct fault *fault);
+    const char *held_by;
     /* NULL if the format is only read. */
     enum err (*write)(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault);

@@ -283,6 +283,8 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     reader.header.notes[0] = '\0'; /* notes are for scenes */
     if (!err)
         err = volume_take(map, &reader, fault);
+    if (!err && place->names)
+        err = volume_read_names(place->names, &reader, map->notes, fault);
     volume_close(&reader);
     if (!err && *reader.header.contents)
         volume_note(map->notes, "volume %" PRIu32 " of %" PRIu32 ": %s", place->choice.volume,
@@ -492,7 +494,7 @@ void regions_list(bool listed[256], const uint16_t *as)
 enum { PIECE = 4096 };
 
 enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map,
-                           struct watch *watch, struct fault *fault)
+                           const struct buf *names, struct watch *watch, struct fault *fault)
 {
     const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
     struct sha256_ctx sha;
@@ -509,6 +511,8 @@ enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *
             piece[n++] = htole16(map->intensity[i++]);
         sha256_update(&sha, n * sizeof *piece, (const uint8_t *)piece);
     }
+    if (names->length)
+        sha256_update(&sha, names->length, (const uint8_t *)names->data);
     sha256_hex(digest, &sha, (LABEL_COPY_DIGEST - 1) / 2);
     return watch_fault(watch, fault);
 }
@@ -526,13 +530,15 @@ static void copy_row(void *context, uint32_t y, uint32_t z, void *values)
 }
 
 enum err label_copy_write(const char *path, const struct volume *map,
-                          const struct geometry *geometry, struct watch *watch, struct fault *fault)
+                          const struct volume_label label[256], const struct geometry *geometry,
+                          struct watch *watch, struct fault *fault)
 {
     const struct volume_map copy = {.size = map->size,
                                     .geometry = geometry,
                                     .type = VOXEL_UINT16,
                                     .description = "iftty labels, copied",
                                     .row = copy_row,
-                                    .context = (void *)(uintptr_t)map};
+                                    .context = (void *)(uintptr_t)map,
+                                    .label = label};
     return volume_write(path, FILE_KEEP, &copy, watch, fault);
 }

@@ -9,8 +9,9 @@
  * A copy of a label map keeps the labels that a command has read from a file, which may be moved,
  * changed or deleted later. It is stored with the golden images, so a replay needs neither the file
  * nor the program or learned model that made it. It holds labels 0..255, and 65535 in voxels of
- * regions that were not chosen, as uint16 on the scene's grid, and nothing else of the file. Its
- * name is the digest of those numbers, which the command records:
+ * regions that were not chosen, as uint16 on the scene's grid, and the names and colours of those
+ * labels, if the file has some, and nothing else of the file. Its name is the digest of both, which
+ * the command records:
  *
  *     study.golden/labels-0123456789abcdef0123456789abcdef.nii.gz
  */
@@ -59,6 +60,7 @@ struct map_place {
     struct volume_choice choice;
     enum regrid_how resample; /* resample a map on another grid, nearest voxel (image/regrid.h) */
     bool is_copy;             /* the map was written on this grid: compare only sizes and axes */
+    struct buf *names;        /* receives the file's table of labels (image/names.h); or NULL */
 };
 
 /* Read a map on the scene's grid by volume_read; resample or reject another grid. Size and
@@ -107,17 +109,19 @@ enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *f
 enum { LABEL_COPY_DIGEST = 33 }; /* 32 digits and NUL: 128 bits of SHA-256 */
 
 /* Digest of a map after map_label: over its sides as 32 bits each, then its labels, x fastest,
- * as 16 bits; all little-endian. */
+ * as 16 bits; all little-endian; then the table of its labels (image/names.h). */
 enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map,
-                           struct watch *watch, struct fault *fault); /* ERR_CANCELLED */
+                           const struct buf *names, struct watch *watch,
+                           struct fault *fault); /* ERR_CANCELLED */
 
 /* Append the file name of a copy. */
 void label_copy_name(struct buf *out, const char *digest);
 
-/* Write a new copy, at the place of `geometry`. The errors of volume_write. */
+/* Write a new copy, at the place of `geometry`, with names and colours of labels, or NULL. The
+ * errors of volume_write. */
 enum err label_copy_write(const char *path, const struct volume *map,
-                          const struct geometry *geometry, struct watch *watch,
-                          struct fault *fault);
+                          const struct volume_label label[256], const struct geometry *geometry,
+                          struct watch *watch, struct fault *fault);
 
 /*
  * Own numbers of labels: their numbers in files.

@@ -20,6 +20,7 @@ struct map_source {
     enum map map;
     uint16_t *margin;     /* by cell, for MAP_MARGIN */
     uint16_t number[256]; /* own number of each label */
+    bool used[256];       /* labels of voxels */
     bool is_wide;         /* a number is above 255 */
 };
 
@@ -69,6 +70,7 @@ void export_labels(struct volume_label label[256], const struct kept *kept)
     for (int l = 0; l < 256; l++) {
         label[l].name = kept->label_name[l];
         label[l].number = numbering_of(kept, (unsigned)l);
+        label[l].used = false;
         memcpy(label[l].rgb, kept->palette.rgb[l], sizeof label[l].rgb);
     }
 }
@@ -78,7 +80,7 @@ static enum err number_labels(struct map_source *source, struct fault *fault)
 {
     const struct kept *kept = &source->session->now.kept;
     const struct grid *grid = &source->session->scene->grid;
-    bool used[256] = {false};
+    bool *used = source->used;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
@@ -114,6 +116,8 @@ enum err export_map(const struct session *session, enum map map, const struct la
     if (err)
         return err;
     export_labels(label, &session->now.kept);
+    for (int l = 0; l < 256; l++)
+        label[l].used = source.used[l];
     buf_add_text(&description, form[map].description);
     if (map == MAP_LABELS && labels->finished) {
         buf_add_text(&description, ", finished: ");
@@ -125,7 +129,8 @@ enum err export_map(const struct session *session, enum map map, const struct la
                                        buf_text(&description),
                                        fill_row,
                                        &source,
-                                       map == MAP_LABELS ? label : NULL};
+                                       map == MAP_LABELS ? label : NULL,
+                                       NULL};
     err = description.failed ? fault_memory(fault, "a map")
                              : volume_write(path, mode, &written, session->watch, fault);
     buf_release(&description);

@@ -192,7 +192,7 @@ static enum err read_line(struct label_table *table, struct part line, uint32_t 
     struct part name;
     const char *at = line.at;
     int64_t value;
-    if (scan_integer(&at, 0, INT32_MAX, &value) && is_blank(*at)) {
+    if (scan_integer(&at, 0, UINT32_MAX, &value) && is_blank(*at)) {
         const struct part rest = trimmed((struct part){at, line.end});
         entry.number = (uint32_t)value;
         if (table->count > REGION_MOST)
@@ -313,6 +313,23 @@ enum err label_table_apply(struct kept *kept, struct label_tally *tally,
                : fault_set(fault, ERR_INPUT,
                            "none of its entries is for a label 1..255; choose with "
                            "regions=2001,2002 as=1,2; nothing has changed");
+}
+
+void label_table_fill(struct kept *kept, struct label_tally *tally, const struct label_table *table)
+{
+    struct palette usual;
+    palette_default(&usual);
+    *tally = (struct label_tally){0};
+    for (size_t i = 0; i < table->count; i++) {
+        struct label_entry entry = table->entry[i];
+        const uint8_t *rgb = kept->palette.rgb[entry.number];
+        if (*kept->label_name[entry.number])
+            *entry.name = '\0';
+        entry.has_colour = entry.has_colour &&
+                           memcmp(rgb, usual.rgb[entry.number], sizeof entry.rgb) == 0 &&
+                           memcmp(rgb, entry.rgb, sizeof entry.rgb) != 0;
+        take_entry(kept, tally, &entry, entry.number);
+    }
 }
 
 uint64_t label_table_digest(const struct kept *kept)

@@ -64,6 +64,11 @@ enum err label_table_apply(struct kept *kept, struct label_tally *tally,
                            const struct label_table *table, const uint16_t *as,
                            struct fault *fault);
 
+/* Set the names of labels that have none, and the colours of labels that have those of
+ * palette_default; the number of each entry is its label. */
+void label_table_fill(struct kept *kept, struct label_tally *tally,
+                      const struct label_table *table);
+
 /* Digest of names and colours of labels 1..255: a sum mod 2^64. */
 uint64_t label_table_digest(const struct kept *kept);
 

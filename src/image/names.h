@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Names and colours of labels in files of maps: a table as text, with a line for each label that
+ * label_table_read (show/label_table.h) reads, and as the LabelTable of Connectome Workbench, XML
+ * in an extension of NIfTI, as TotalSegmentator writes it too:
+ *
+ *     <Label Key="300" Red="0.0627" Green="0.125" Blue="0.188" Alpha="1"><![CDATA[big]]></Label>
+ *
+ * The XML comes from files of others: no entities are defined, nothing is expanded but the five of
+ * XML and numbers of ASCII, and the time is linear in its length.
+ */
+#ifndef IMAGE_NAMES_H
+#define IMAGE_NAMES_H
+
+#include "base/buf.h"
+#include "image/volume_format.h"
+
+/* Append a line of the table: "300 16 32 48 1 1 1 "big"", without colour if rgb is NULL. */
+void names_add(struct buf *names, uint32_t number, const uint8_t rgb[3], const char *name,
+               size_t length);
+
+/* Read a part of a colour, 0 to 1, as 0..255; greater numbers are 255. */
+bool names_scan_part(const char **at, uint8_t *part);
+
+/* Append the labels of LabelTable number `table`, from 0, in `length` bytes of XML, with a NUL
+ * after them; of the last one if there are fewer. Labels below 0 or above 2^32 - 1, and 0 "???" of
+ * Workbench, are left out. */
+void names_read_xml(struct buf *names, const char *xml, size_t length, uint32_t table);
+
+/* Append such XML: the labels of a map that have a number, and a name or `used`. */
+void names_write_xml(struct buf *out, const struct volume_label label[256]);
+
+#endif
