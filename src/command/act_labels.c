@@ -304,7 +304,7 @@ static enum err read_names(struct label_table *names, const struct act *act, con
 }
 
 /* Replace the numbers of a table by labels, as the map was. Keep only those of labels with voxels,
- * and none for a label of several entries. An entry without a colour has the label's present one. */
+ * and none for a label of several entries. An entry without a colour has the present one. */
 static void choose_names(struct label_table *names, const struct act *act, const uint16_t *as,
                          const struct volume *map)
 {

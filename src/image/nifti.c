@@ -624,9 +624,9 @@ static enum err take_fields(struct volume_header *out, struct nifti_header *head
 }
 
 /*
- * Extensions lie between the header and the voxels of a single file, if the first of four bytes after
- * the header is not 0: each begins with its length, a multiple of 16, and a code. Code 30 is the XML
- * of Caret and Workbench, whose LabelTable has the names of labels; TotalSegmentator writes the same
+ * A single file has extensions between header and voxels if the first of the four bytes after the
+ * header is not 0. Each begins with its length, a multiple of 16, and a code. Code 30 is the XML of
+ * Caret and Workbench, whose LabelTable has the names of labels; TotalSegmentator writes the same
  * under code 0. A map of labels gets one if a label has a name.
  */
 

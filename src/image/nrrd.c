@@ -203,7 +203,7 @@ static void read_field(struct segment *segment, const char *at, const char *end)
     }
 }
 
-/* Read the segments in the lines of a header, an array that the caller frees; NULL out of memory. */
+/* Read the segments in the lines of a header, an array to be freed; NULL out of memory. */
 static struct segment *read_segments(unsigned *count, const char *bytes, size_t length)
 {
     struct segment *segment = mem_array(SEGMENTS_MOST, sizeof *segment);
@@ -242,7 +242,7 @@ static void write_layer(struct buf *out, const struct segment *segment, unsigned
         buf_add_text(out, "none");
 }
 
-/* Set out->contents by the lines of a header: the segments of the chosen volume first, or of all. */
+/* Set out->contents by the lines of a header: all segments, those of the chosen volume first. */
 static void list_segments(struct volume_header *out, const char *bytes, size_t length)
 {
     enum { LISTED_MOST = 64 };
@@ -286,8 +286,8 @@ static char *first_bytes(struct volume_source *source, size_t *length)
     }
 }
 
-/* Append the names of the segments in the chosen layer; names that Slicer made, and that would be
- * written again for their number, are none. */
+/* Append the names of the segments in the chosen layer, without names that Slicer made and that
+ * write_segment makes again. */
 static enum err read_names(struct buf *names, const struct volume_header *header,
                            struct volume_source *source, struct fault *fault)
 {

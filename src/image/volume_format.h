@@ -196,9 +196,9 @@ struct volume_format {
     /* Called before the voxels are read from the same source, at header->offset; or NULL. */
     enum err (*begin_voxels)(const struct volume_header *header, struct volume_source *source,
                              struct fault *fault);
-    /* Append the names and colours of the labels in the chosen volume (image/names.h). The source is
-     * at its first byte. `held_by`: endings of the files in which `write` keeps them. Both NULL if the
-     * format holds none. */
+    /* Append the names and colours of the labels in the chosen volume (image/names.h). The source
+     * is at its first byte. `held_by`: endings of the files in which `write` keeps them. Both NULL
+     * if the format holds none. */
     enum err (*read_names)(struct buf *names, const struct volume_header *header,
                            struct volume_source *source, struct fault *fault);
     const char *held_by;
