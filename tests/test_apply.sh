@@ -162,6 +162,40 @@ $phantom check o/lesion.seeds.nii.gz moved 7 2.2 | grep -q ' 257:2[0-9][0-9]' ||
 out_has "large"
 expect 0 "$iftty" verify o/lesion.iftty
 
+begin "labels far from where they were carried, and labels of a wrong volume, are all marked"
+advice() { sed -n "s,^ *$1 .* \([0-9]*\.[0-9]*\) *\(look here.*\)*$,\1 \2,p" out; } # LABEL
+expect 0 "$iftty" -c "save labels from.nii" --journal p.iftty --read-only
+$phantom make bad.nii moved
+apply bad.nii --by world
+same "$(advice 1), $(advice 2)" "0.00 , 0.00 look here first"
+$phantom make bad.nii moved leak
+apply bad.nii --by world
+leaks="$(advice 1), $(advice 2)"
+expect 0 "$iftty" -c "save labels to.nii" --journal o/bad.iftty --read-only
+far=$(python3 - <<'END'
+def voxels(name, x, y, z): # of label 1, of a grid that is elsewhere by whole millimetres
+    with open(name, "rb") as file:
+        data = file.read()
+    size = [int.from_bytes(data[at:at + 2], "little") for at in (42, 44, 46)]
+    return {(i % size[0] + x, i // size[0] % size[1] + y, i // size[0] // size[1] + z)
+            for i, value in enumerate(data[352:]) if value == 1}
+there, here = voxels("from.nii", -28, -28, -24), voxels("to.nii", -33, -26, -27)
+near = [(x, y, z) for x in range(-5, 6) for y in range(-5, 6) for z in range(-5, 6)
+        if x * x + y * y + z * z <= 25]
+print("%.2f" % (sum(all((x + a, y + b, z + c) not in there for a, b, c in near)
+                    for x, y, z in here - there) / 1000))
+END
+)
+same "$leaks" "$far look here, 0.00 "
+[ "$far" != 0.00 ] || fail "there is no leak"
+$phantom make bad.nii moved leak grown
+apply bad.nii --by world
+same "$(advice 1), $(advice 2)" "$far look here, 0.00 look here first"
+apply bad.nii --by world --json
+out_has '"far_mm3": 0.000, "bad": true'
+apply moved.nii --by world --json
+same "$(grep -o '"bad": [a-z]*' out | tr '\n' ' ')" '"bad": false "bad": false '
+
 begin "finished subjects and differing files are left alone, and corrections stay"
 apply moved.nii --by world
 before=$(cat o/moved.iftty)

@@ -120,13 +120,18 @@ expect_out "12 subjects, 3 to look at before any other" 1 "$cohort/gather.py" st
 out_has "sub-11: refused: no <overlap>"
 same "$(cut -d, -f 1 made/cohort.csv | sed -n '2,7p' | tr '\n' ' ')" \
     "sub-10 sub-11 sub-12 sub-07 sub-08 sub-09 "
-grep -qx 'sub-08,done,5,1,a <b>,101,100,0.4,0.1,0.9,[0-9.]*,2,1,50,1.5,c08' made/cohort.csv ||
+grep -qx 'sub-08,done,5,1,a <b>,101,100,0.4,0.1,0.9,[0-9.]*,2,1,50,1.5,c08,0,0' made/cohort.csv ||
     fail "$(grep sub-08 made/cohort.csv)"
 grep -q 'a &lt;b&gt;: volume 0.40 of the cohort' made/cohort.html || fail "not said why"
 grep -q 'no &lt;overlap&gt;' made/cohort.html || fail "a reason is taken for HTML"
 grep -q '<b>[^/]*<b>\|<overlap>' made/cohort.html && fail "a name is taken for HTML"
 same "$(head -c 4 made/cohort.png | od -An -tx1 | tr -d ' ')" 89504e47
 same "$(ls made | grep -c part)" 0
+sed -i 's/"doubt": 0.1/&, "far_mm3": 2500, "bad": true/' made/sub-03/anat/*.json
+expect 1 "$cohort/gather.py" study made
+same "$(sed -n 5p made/cohort.csv | cut -d, -f 1,17,18)" sub-03,2.5,1
+grep -q 'a &lt;b&gt;: bad, 100.00 ml of 100.00 ml expected, 2.50 ml far' made/cohort.html ||
+    fail "a bad label is not named"
 rm -r study made/sub-1?
 for number in 01 02 03; do
     make_told $number 101 10 0.1

@@ -16,7 +16,9 @@ The order does not know Dice. First come subjects that are missing, were refused
 Of the others, a label counts by how far it is from what the cohort has: the logarithm of its volume
 as a share of the procedure's (in the millimetres of its own scene), its share of dropped seeds, its
 doubt; each less the median and over the median deviation from it, at least so much that nothing
-counts which is within 5 %. A subject counts by its worst label.
+counts which is within 5 %. A subject counts by its worst label; before all others come subjects
+with a label that `iftty apply` calls bad: by its volume, or by the part of it that is far from the
+place where it was carried.
 
 Exit status: 0 all are there, verified, and none was refused; 1 some are not; 3 bad input or I/O.
 """
@@ -37,7 +39,7 @@ from whole import write_whole
 
 COLUMNS = ["subject", "state", "order", "label", "name", "volume_ml", "procedure_ml",
            "dropped_share", "doubt", "dice", "strange", "seconds", "processor_seconds",
-           "memory_mb", "disk_mb", "chain"]
+           "memory_mb", "disk_mb", "chain", "far_ml", "bad"]
 LEAST = {"volume": 0.05, "dropped_share": 0.05, "doubt": 0.05}  # deviations that count as none
 SIDE = 320  # pixels of a picture of the sheet
 
@@ -73,7 +75,8 @@ def read_subject(out, scene):
         subject["labels"].append({
             "label": label, "name": row["name"], "volume_ml": row["volume_mm3"] / 1000,
             "procedure_ml": facts.get("procedure_ml"), "dice": told["Dice"].get(label),
-            "dropped_share": facts.get("dropped_share"), "doubt": facts.get("doubt")})
+            "dropped_share": facts.get("dropped_share"), "doubt": facts.get("doubt"),
+            "far_ml": facts.get("far_ml"), "bad": facts.get("bad")})
     return dict(subject, state="done" if told["Verified"] else "not verified",
                 disk_mb=told["DiskMegabytes"], chain=told["Chain"])
 
@@ -92,7 +95,8 @@ def applied_labels(told):
                 dropped, _, seeds = figure.partition("/")
                 facts.setdefault(label, {})["dropped_share"] = int(dropped) / max(1, int(seeds))
     for row in told["Apply"][0].get("labels", []):
-        facts.setdefault(str(row["label"]), {})["doubt"] = row["doubt"]
+        facts.setdefault(str(row["label"]), {}).update(
+            doubt=row["doubt"], far_ml=row.get("far_mm3", 0) / 1000, bad=int(row.get("bad", False)))
     return facts
 
 
@@ -125,10 +129,14 @@ def judge(subjects):
                         if what == "volume" else "%s: %s %.2f, the cohort has %.2f" % (
                             row["name"], what.replace("_", " "), value, middle))))
     for subject in subjects:
+        bad = [row for row in subject["labels"] if row["bad"]]
+        subject["bad"] = len(bad)
+        subject["why"] += [(math.inf, "%s: bad, %.2f ml of %.2f ml expected, %.2f ml far away" % (
+            row["name"], row["volume_ml"], row["procedure_ml"] or 0, row["far_ml"])) for row in bad]
         subject["why"] = [word if isinstance(word, str) else word[1] for word in
                           sorted(subject["why"], key=lambda w: w if isinstance(w, str) else -w[0])]
         subject["strange"] = max([row["strange"] for row in subject["labels"]], default=0)
-    subjects.sort(key=lambda s: (s["state"] == "done", -s["strange"], s["subject"]))
+    subjects.sort(key=lambda s: (s["state"] == "done", not s["bad"], -s["strange"], s["subject"]))
 
 
 def write_csv(path, subjects):
@@ -172,7 +180,8 @@ def write_page(path, subjects):
              "sans-serif;max-width:70em;margin:1em auto}img{width:320px}td,th{padding:1px 8px;"
              "text-align:right}section{display:flex;gap:1em;border-top:1px solid;padding:1em 0}"
              "</style><h1>%d subjects, those to look at first</h1>" % len(subjects)]
-    columns = ["name", "volume_ml", "procedure_ml", "dropped_share", "doubt", "dice", "strange"]
+    columns = ["name", "volume_ml", "procedure_ml", "far_ml", "dropped_share", "doubt", "dice",
+               "strange"]
     for subject in subjects:
         parts.append("<section><div><b>%s</b>: %s" % tuple(
             html.escape(subject[key]) for key in ("subject", "state")))

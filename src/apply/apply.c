@@ -198,10 +198,22 @@ static void print_text(struct applying *a, struct buf *text)
     buf_release(text);
 }
 
+static const char *advice(const struct subject *s, unsigned l)
+{
+    bool has_bad = false;
+    for (unsigned other = 1; other < 256; other++)
+        has_bad |= s->label[other].is_bad;
+    if (s->label[l].dropped == s->label[l].seeds)
+        return "  no seed was planted";
+    if (l == s->worst && (s->label[l].is_bad || !has_bad))
+        return "  look here first";
+    return s->label[l].is_bad ? "  look here" : "";
+}
+
 static void write_table(struct buf *out, const struct applying *a, const struct subject *s)
 {
-    buf_printf(out, "    %-22s %11s %9s %9s %8s %7s\n", "label", "volume ml", "expected", "dropped",
-               "depth mm", "doubt");
+    buf_printf(out, "    %-22s %11s %9s %9s %8s %7s %7s\n", "label", "volume ml", "expected",
+               "dropped", "depth mm", "doubt", "far ml");
     for (unsigned l = 1; l < 256; l++) {
         const struct subject_label *label = &s->label[l];
         struct buf name = {0};
@@ -209,13 +221,10 @@ static void write_table(struct buf *out, const struct applying *a, const struct 
             continue;
         buf_printf(&name, "%u ", l);
         buf_add_safe_text(&name, a->procedure.label[l].name);
-        buf_printf(out, "    %-22s %11.2f %7.0f %% %7.1f %% %8.1f %5.1f %%%s\n", buf_text(&name),
-                   label->mm3 / 1000, 100 * label->mm3 / label->expected_mm3,
+        buf_printf(out, "    %-22s %11.2f %7.0f %% %7.1f %% %8.1f %5.1f %% %7.2f%s\n",
+                   buf_text(&name), label->mm3 / 1000, 100 * label->mm3 / label->expected_mm3,
                    label->seeds ? 100.0 * (double)label->dropped / (double)label->seeds : 0.0,
-                   label->depth_mm, 100 * label->doubt,
-                   label->dropped == label->seeds ? "  no seed was planted"
-                   : l == s->worst                ? "  look here first"
-                                                  : "");
+                   label->depth_mm, 100 * label->doubt, label->far_mm3 / 1000, advice(s, l));
         buf_release(&name);
     }
 }
@@ -281,6 +290,8 @@ static void write_json(struct applying *a, const struct subject *s, enum err err
             json_count(json, "dropped", label->dropped);
             json_fixed(json, "depth_mm", label->depth_mm, 3);
             json_fixed(json, "doubt", label->doubt, 4);
+            json_fixed(json, "far_mm3", label->far_mm3, 3);
+            json_boolean(json, "bad", label->is_bad);
             json_end(json);
         }
         json_end(json);

@@ -116,6 +116,8 @@ struct subject_label {
     uint64_t seeds, dropped;  /* planned; not planted */
     double depth_mm;          /* erosion */
     double doubt;             /* 0..1: weak voxels of its border, by hints */
+    double far_mm3;           /* far from the label that was carried over (warp_count_far) */
+    bool is_bad;              /* by volume, or by the share of these */
 };
 
 struct subject {
@@ -185,6 +187,12 @@ void warp_find_gates(struct warped *warped, const struct procedure *procedure, d
 /* Convert the labels to a map of seeds. ERR_MEMORY, ERR_CANCELLED. */
 enum err warp_seeds(struct warped *warped, const struct session *session, double depth_mm,
                     struct fault *fault);
+
+/* Count voxels that the session has under a label far from the warped label: at more than 5 mm, and
+ * more than a third of the radius of a ball of its volume, in whole millimetres. A leak that another
+ * loss hides in the volume is there. ERR_MEMORY, ERR_CANCELLED. */
+enum err warp_count_far(uint64_t far[256], const struct warped *warped,
+                        const struct session *session, struct fault *fault);
 
 /* Test whether a value is in a range; low above high means any value. */
 static inline bool warp_may_have(const double within[2], double value)

@@ -24,6 +24,10 @@
  * object's percentiles. 0.3 to 0.8 had similar results. */
 #define GATE_OF_BACKGROUND 0.5
 
+/* A label is bad if its volume is less than two thirds or more than three halves of the expected
+ * one, or if one voxel of these is far from where it was carried. */
+enum { BAD_ONE_OF = 50 };
+
 struct making {
     struct interpreter interp;
     const struct procedure *procedure;
@@ -531,18 +535,35 @@ static enum err find_doubts(struct making *m)
     return err;
 }
 
+/* The map of seeds has replaced the warped labels: warp them again. */
+static enum err find_far(uint64_t far[256], struct making *m)
+{
+    const struct session *session = m->interp.session;
+    warped_release(&m->warped);
+    const enum err err =
+        warp_labels(&m->warped, m->procedure, session, &m->subject->pull, m->fault);
+    return err ? err : warp_count_far(far, &m->warped, session, m->fault);
+}
+
 static enum err sum_up(struct making *m)
 {
     struct session *session = m->interp.session;
     const double voxel_mm3 = tally_voxel_mm3(&session->geometry);
     double share;
+    uint64_t far[256];
     enum err err = session_find_worst(session, &m->subject->worst, &share, m->fault);
     if (!err)
         err = find_doubts(m);
-    for (unsigned l = 0; !err && l < 256; l++) {
+    if (!err)
+        err = find_far(far, m);
+    for (unsigned l = 1; !err && l < 256; l++) {
         struct subject_label *label = &m->subject->label[l];
         label->voxels = session->tally.voxels[l];
         label->mm3 = (double)label->voxels * voxel_mm3;
+        label->far_mm3 = (double)far[l] * voxel_mm3;
+        label->is_bad = label->is_there && (2 * label->mm3 > 3 * label->expected_mm3 ||
+                                            3 * label->mm3 < 2 * label->expected_mm3 ||
+                                            far[l] * BAD_ONE_OF > label->voxels);
     }
     return err;
 }

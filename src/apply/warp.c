@@ -9,9 +9,10 @@
 #include "engine/distance.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
+#include "session/tally.h"
 
 /* An object keeps at least one of this many voxels. */
-enum { KEEPS_ONE_OF = 10, BINS = 4096 };
+enum { KEEPS_ONE_OF = 10, BINS = 4096, FAR_MM = 5 };
 
 void warped_release(struct warped *warped)
 {
@@ -172,4 +173,101 @@ enum err warp_seeds(struct warped *warped, const struct session *session, double
     free(depth);
     free(count);
     return err ? err : watch_fault(session->watch, fault);
+}
+
+/* ---- far from the warped label ---- */
+
+/* Box around a label, warped and in the session. */
+struct extent {
+    uint32_t low[3], high[3];
+    uint64_t warped;
+    bool is_there;
+};
+
+static void extend(struct extent *box, uint32_t x, uint32_t y, uint32_t z)
+{
+    const uint32_t at[3] = {x, y, z};
+    for (int a = 0; a < 3; a++) {
+        box->low[a] = !box->is_there || at[a] < box->low[a] ? at[a] : box->low[a];
+        box->high[a] = !box->is_there || at[a] > box->high[a] ? at[a] : box->high[a];
+    }
+    box->is_there = true;
+}
+
+static void find_extents(struct extent box[256], const struct warped *warped,
+                         const struct scene *scene)
+{
+    const uint16_t *from = warped->label;
+    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
+        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
+            const struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
+            for (uint32_t x = 0; x < scene->grid.size[0]; x++, from++, cell++) {
+                extend(&box[cell->label], x, y, z);
+                if (*from < 256 && ++box[*from].warped)
+                    extend(&box[*from], x, y, z);
+            }
+        }
+}
+
+/* The square of the distance beyond which a voxel is far, in units of the scale. A ball of radius
+ * 3 d has a volume of 36 pi d^3, about 113 d^3. */
+static uint64_t find_far(double mm3, const struct distance_scale *scale)
+{
+    uint64_t mm = FAR_MM;
+    while (mm < 1000 && 113 * (mm + 1) * (mm + 1) * (mm + 1) <= (uint64_t)mm3)
+        mm++;
+    return mm * 1000000 * mm * 1000000 / (scale->unit_nm * scale->unit_nm);
+}
+
+/* Count the far voxels of one label, with room for its box. */
+static enum err count_far(uint64_t *far, uint64_t *squared, const struct extent *box,
+                          unsigned label, const struct warped *warped,
+                          const struct session *session, struct fault *fault)
+{
+    const struct scene *scene = session->scene;
+    const struct grid *grid = &scene->grid;
+    const struct distance_scale scale = distance_scale_of(scene->spacing_nm, grid->size);
+    const uint64_t most =
+        find_far((double)box->warped * tally_voxel_mm3(&session->geometry), &scale);
+    uint32_t size[3];
+    for (int a = 0; a < 3; a++)
+        size[a] = box->high[a] - box->low[a] + 1;
+    for (int pass = 0; pass < 2; pass++) {
+        size_t i = 0;
+        for (uint32_t z = box->low[2]; z <= box->high[2]; z++)
+            for (uint32_t y = box->low[1]; y <= box->high[1]; y++) {
+                const uint16_t *from =
+                    warped->label + ((size_t)z * grid->size[1] + y) * grid->size[0];
+                const struct cell *cell = scene->cell + grid_row(grid, y, z).first;
+                for (uint32_t x = box->low[0]; x <= box->high[0]; x++, i++)
+                    if (pass == 0)
+                        squared[i] = from[x] == label ? 0 : DISTANCE_NONE;
+                    else
+                        *far += cell[x].label == label && squared[i] > most;
+            }
+        const enum err err =
+            pass ? OK
+                 : distance_spread(squared, size, &scale, session->team, session->watch, fault);
+        if (err)
+            return err;
+    }
+    return OK;
+}
+
+enum err warp_count_far(uint64_t far[256], const struct warped *warped,
+                        const struct session *session, struct fault *fault)
+{
+    struct extent *box = mem_new(256 * sizeof *box);
+    uint64_t *squared = mem_array(session->scene->grid.voxels, sizeof *squared);
+    enum err err = box && squared ? OK : fault_memory(fault, "the distance of labels");
+    if (!err)
+        find_extents(box, warped, session->scene);
+    for (unsigned l = 1; !err && l < 256; l++) {
+        far[l] = 0;
+        if (box[l].is_there && session->tally.voxels[l])
+            err = count_far(&far[l], squared, &box[l], l, warped, session, fault);
+    }
+    free(box);
+    free(squared);
+    return err;
 }

@@ -265,7 +265,11 @@ static const struct program program[] = {
                "output of `iftty log --procedure`. For each SCENE, writes SCENE.iftty, "
                "atomically: a journal that can be corrected and verified like any other. Skips a "
                "SCENE with an identical journal. Drops and counts seeds whose intensity does not "
-               "occur in the procedure's object. Exit status 1: a scene was rejected.",
+               "occur in the procedure's object. Prints each label's volume, its share of the "
+               "expected one, and the volume that is far from the label that was carried over: "
+               "farther than 5 mm and than a third of the radius of a ball of that volume. Marks "
+               "every label that has two thirds of its volume, or three halves, or a fiftieth "
+               "of it far away. Exit status 1: a scene was rejected.",
      .run = run_apply},
     {"compare", NULL, "A B", 2, 2,
      .option = {VOLUME, REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},

@@ -2,14 +2,15 @@
 # SPDX-License-Identifier: MIT
 """Scenes for test_apply.sh: two balls in the world, as grids of any kind have them.
 
-    phantom.py make FILE WHERE [lesion] [silent]   writes the scene, .nii
+    phantom.py make FILE WHERE [lesion] [leak] [grown] [silent]   writes the scene, .nii
     phantom.py check SEEDS WHERE DEPTH SMALL       whether a map of seeds is what it has to be
 
 The large ball is of radius 14 mm around 0,0,0, the small one of 5 mm around 20,5,0; a third one, of
 no label, is where only one way of turning the three meets all of them. WHERE is one of
 the rows of `where`: size, voxels to millimetres, and the pull, by which a place of the subject is
-one of the balls' world. A lesion is a brighter ball of 4 mm in the large one. A silent file says
-nothing of where it lies.
+one of the balls' world. A lesion is a brighter ball of 4 mm in the large one; a leak, a rod of 4 mm
+radius along y out of it, as bright; grown, a small ball of 6.4 mm. A silent file says nothing of
+where it lies.
 
 A seed of a label has to lie where the pull leads into its ball, as deep as DEPTH millimetres (SMALL
 in the small one); and each voxel that does is a seed: but for a voxel's width.
@@ -40,11 +41,14 @@ def through(matrix, at):
     return [row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3] for row in matrix]
 
 
-def value_at(at, lesion):
-    if lesion and math.dist(at, (2, 2, 2)) <= 4:
+def value_at(at, words):
+    if "lesion" in words and math.dist(at, (2, 2, 2)) <= 4:
         return 220
     for label, middle, radius in BALLS:
-        if math.dist(at, middle) <= radius:  # a slope, so that percentiles lie apart
+        is_leak = (label == 1 and "leak" in words and 0 < at[1] < 28 and
+                   math.hypot(at[0], at[2]) <= 4)
+        radius += 1.4 * (label == 2 and "grown" in words)
+        if math.dist(at, middle) <= radius or is_leak:  # a slope, so that percentiles lie apart
             return (80 if label == 1 else 150) + int(at[0] * 0.7)
     return 50 if math.dist(at, (-6, -19, 10)) <= 6 else 20
 
@@ -57,7 +61,7 @@ def make(path, name, words):
         for y in range(size[1]):
             for x in range(size[0]):
                 at = through(pull, through(to_mm, (x, y, z)))
-                voxels.append(value_at(at, "lesion" in words))
+                voxels.append(value_at(at, words))
     steps = [math.sqrt(sum(row[a] ** 2 for row in to_mm)) for a in range(3)]
     header = struct.pack("<i36x8h14x2h", 348, 3, *size, 1, 1, 1, 1, 2, 8)
     header += struct.pack("<h8f3f", 0, 1, *steps, 0, 0, 0, 0, 352, 0, 0)
