@@ -52,7 +52,10 @@ STORY(each_format_gives_its_names_and_colours)
         "# ITK-SnAP Label Description File\n    0     0    0    0        0  0  0    \"Clear\"\n"
         "    7   255    0   16        1  1  1    \"left hemi\"\n",
         "#No. Label Name:   R   G   B   A\n\n0 Unknown 0 0 0 0\n7\tleft hemi  255 0 16 0\n",
-        "7 left hemi 255 0 16", "\xef\xbb\xbf  7 left hemi 255 0 16 255\r\n"};
+        "7 left hemi 255 0 16",
+        "\xef\xbb\xbf  7 left hemi 255 0 16 255\r\n",
+        "index\tname\tabbreviation\tcolor\tmapping\r\n7\tleft hemi\tlh\t#FF0010\t3\r\n",
+        "color\tindex\tname\n\t8\tn/a\n#ff0010\t7\tleft hemi\n"};
     for (size_t i = 0; i < sizeof text / sizeof text[0]; i++) {
         CHECK_INT(take(text[i], NULL, NULL), OK);
         CHECK_TEXT(told(7), "left hemi ff0010");
@@ -145,8 +148,11 @@ STORY(names_that_a_format_cannot_hold_are_counted)
         const char *written;
     } row[] = {
         {TABLE_ITKSNAP, 1, 2, "3rd vent, 'left'"}, /* which ends a name there */
-        {TABLE_SLICER, 2, 1, "left_hemi"},         {TABLE_FREESURFER, 2, 1, "left_hemi"},
-        {TABLE_MRICRON, 2, 1, "left_hemi"},        {TABLE_LUT, 3, 1, ""},
+        {TABLE_SLICER, 2, 1, "left_hemi"},
+        {TABLE_FREESURFER, 2, 1, "left_hemi"},
+        {TABLE_MRICRON, 2, 1, "left_hemi"},
+        {TABLE_LUT, 3, 1, ""},
+        {TABLE_BIDS, 0, 0, ""},
     };
     OWNED(buf_release) struct buf text = {0};
     CHECK_INT(
@@ -160,6 +166,24 @@ STORY(names_that_a_format_cannot_hold_are_counted)
         CHECK_TEXT(writing.first_written, row[i].written);
         CHECK(strstr(buf_text(&text), row[i].written));
     }
+}
+
+STORY(a_table_of_bids_is_read_by_its_columns_and_written)
+{
+    static const bool used[256] = {[9] = true};
+    OWNED(buf_release) struct buf text = {0};
+    struct label_writing writing;
+    CHECK_INT(take("index\tname\tcolor\n7\t3rd vent, \"left\"\t#0aff01\n", NULL, NULL), OK);
+    label_table_write(&text, &writing, TABLE_BIDS, &state.kept, used);
+    CHECK_HAS(buf_text(&text), "index\tname\tcolor\n7\t3rd vent, \"left\"\t#0aff01\n9\tLabel 9\t#");
+    CHECK_INT(take("index\tname\n4294967295\tlast\n7\tone\n", NULL, NULL), OK);
+    CHECK_TEXT(state.kept.label_name[7], "one");
+    CHECK_INT(take("index\tname\n-1\tone\n", NULL, NULL), ERR_INPUT);
+    CHECK_HAS(fault.text, "line 2: expected a cell for each column, and a number in `index`");
+    CHECK_INT(take("index\tname\n\n1 2\tone\n", NULL, NULL), ERR_INPUT);
+    CHECK_HAS(fault.text, "line 3: ");
+    CHECK_INT(take("index\tname\tcolor\n1\tone\t#12345g\n", NULL, NULL), OK);
+    CHECK(tally.names == 1 && tally.colours == 0);
 }
 
 STORY(regions_choose_entries_and_their_labels)
@@ -176,6 +200,24 @@ STORY(regions_choose_entries_and_their_labels)
     CHECK_HAS(fault.text, "none of its entries is for a label 1..255; choose with regions=");
     CHECK_INT(take(atlas, "2001,2002", "3,3"), ERR_INPUT);
     CHECK_HAS(fault.text, "two of its entries, 2001 and 2002, are for label 3");
+}
+
+STORY(a_map_names_only_labels_without_a_name_and_colours_those_that_have_the_usual_colour)
+{
+    static const char text[] = "1 one 1 2 3 0\n2 two 4 5 6 0\n3 one 7 8 9 0\n";
+    state = state_default();
+    strcpy(state.kept.label_name[1], "mine");
+    state.kept.palette.rgb[2][0] ^= 1;
+    CHECK_INT(read_text(text), OK);
+    label_table_fill(&state.kept, &tally, &table);
+    CHECK(tally.names == 2 && tally.colours == 2);
+    CHECK_TEXT(told(1), "mine 010203");
+    CHECK_TEXT(state.kept.label_name[2], "two");
+    CHECK(state.kept.palette.rgb[2][1] != 5);
+    CHECK_TEXT(told(3), "one 070809");
+    label_table_fill(&state.kept, &tally, &table);
+    CHECK(tally.names == 0 && tally.colours == 0);
+    label_table_release(&table);
 }
 
 STORY(lists_of_regions_and_labels_are_of_one_length)

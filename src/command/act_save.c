@@ -369,13 +369,14 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     if (!label_table_ending(path, &format))
         return fault_set(act->fault, ERR_USAGE,
                          "cannot write %s: expected .txt or .label for ITK-SNAP, .ctab for "
-                         "FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron",
+                         "FreeSurfer, .ctbl for 3D Slicer, .tsv for BIDS, .nii.txt or .lut for "
+                         "mricron",
                          path);
     const struct kept *kept = &act->session->now.kept;
     if (format == TABLE_LUT && numbering_is_used(kept))
         return fault_set(act->fault, ERR_USAGE,
                          "cannot write %s: labels have numbers of their own, and a .lut holds 0 to "
-                         "255; expected .txt, .label, .ctbl, .ctab or .nii.txt",
+                         "255; expected .txt, .label, .ctbl, .ctab, .tsv or .nii.txt",
                          path);
     enum err err = session_count_labels(act->session, act->fault);
     for (int l = 0; l < 256; l++)
@@ -423,6 +424,7 @@ static enum err check_parameters(const struct act *act)
  * region of interest or not. */
 struct coverage {
     uint64_t labelled, outside, unreached;
+    bool has[256];
 };
 
 static struct coverage count_coverage(const struct session *session, const struct labels *labels)
@@ -433,7 +435,9 @@ static struct coverage count_coverage(const struct session *session, const struc
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
             const struct cell *cell = session->scene->cell + c;
             const bool is_outside = cell->flags & CELL_OUTSIDE;
-            count.labelled += labels_at(labels, c) > 0;
+            const uint8_t label = labels_at(labels, c);
+            count.labelled += label > 0;
+            count.has[label] = true;
             count.outside += is_outside;
             count.unreached += !is_outside && !cell_is_reached(cell);
         }
@@ -447,6 +451,20 @@ static void warn_of_background(struct buf *out, uint64_t voxels, const char *whi
                    which, voxels == 1 ? "has" : "have");
 }
 
+/* Report names, with their colours, that a map of labels does not hold. */
+static void warn_of_names(const struct act *act, const char *path, const bool has[256])
+{
+    const struct kept *kept = &act->session->now.kept;
+    unsigned names = 0;
+    for (unsigned l = 1; l < 256; l++)
+        names += *kept->label_name[l] && has[l];
+    if (names && !volume_holds_names(path))
+        buf_printf(&act->reply->text,
+                   "%u name%s and colours not written: %s holds none; `save names FILE` writes "
+                   "them, and .seg.nrrd, .nii.gz and .mgz hold them\n",
+                   names, plural(names), volume_ending(path));
+}
+
 /* Warn about contents that may be unexpected. */
 static void warn_of_contents(const struct act *act, const char *path,
                              const struct coverage *coverage, bool finished)
@@ -455,6 +473,8 @@ static void warn_of_contents(const struct act *act, const char *path,
     const int64_t what = act_number(act, "MAP");
     warn_of_background(&act->reply->text, coverage->unreached, "that no seed reaches");
     warn_of_background(&act->reply->text, coverage->outside, "outside the region of interest");
+    if (what == MAP_LABELS)
+        warn_of_names(act, path, coverage->has);
     if (volume_ending(path) && !geometry_has_place(&session->geometry))
         buf_add_text(&act->reply->text, "its position is as unknown as that of the scene's file\n");
     if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act_has(act, "finished") && !finished &&

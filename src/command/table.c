@@ -258,8 +258,9 @@ static const struct command command_table[] = {
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .least = 1, .most = 255)},
      "read names and colours of labels from a table",
-     "A label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, or the .nii.txt "
-     "or .lut next to an atlas of mricron. The number of an entry is its label; label 0 does not "
+     "A label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, a dseg.tsv of "
+     "BIDS, or the .nii.txt or .lut next to an atlas of mricron. The number of an entry is its "
+     "label; label 0 does not "
      "change. `save names` writes such tables.\n"
      "regions: read only the entries with these numbers, the values of an atlas.\n"
      "as: their labels, one for each of `regions`.",
@@ -352,6 +353,8 @@ static const struct command command_table[] = {
      "here: the present labels instead of a file, as if they had been saved and read, for exact "
      "corrections of objects that were grown. finished=yes: those after `finish`, at a prompt as "
      "shown unless given.\n"
+     "The names and colours in a .seg.nrrd, .nii, .nii.gz or .mgz become those of labels that have "
+     "none; the journal's copy keeps them.\n"
      "regions: the values of the map; all unless given. Other voxels are background.\n"
      "as: their labels, one for each of `regions`. Without it, if a region is not a label 1..255, "
      "up to 255 regions become labels in rising order; `label-file` and `save labels` still use "
@@ -624,7 +627,8 @@ static const struct command command_table[] = {
       KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX), YES_NO("empty")},
      "write a map, surfaces, seeds or names of labels",
      "Writes a map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as "
-     ".seg.nrrd are a segmentation of 3D Slicer, with the names and colours of labels.\n"
+     ".seg.nrrd, a segmentation of 3D Slicer, as .nii, .nii.gz or .mgz have the names and colours "
+     "of labels.\n"
      "labels: uint8, or uint16 if labels have numbers above 255 (`labels`). A voxel that no seed "
      "reaches is 0; the answer has the number of these voxels.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
@@ -637,7 +641,8 @@ static const struct command command_table[] = {
      "needs about the time of a run.\n"
      "seeds: all planted seeds, as FILE.csv, which `seed-file` reads.\n"
      "names: of labels, with their colours, in a format of `label-file`: .txt or .label for "
-     "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .nii.txt or .lut for mricron.\n"
+     "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .tsv for BIDS, .nii.txt or .lut for "
+     "mricron.\n"
      "surface: of each label, as .stl, .ply, .obj or .vtp, in millimetres of the world: the same "
      "surface as in pictures. It is closed, and has the volume of the voxels. A .stl has no "
      "labels: it contains all of them as one.\n"

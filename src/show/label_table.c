@@ -185,46 +185,128 @@ static bool scan_named(struct part line, struct label_entry *entry, struct part 
     return line.at < line.end;
 }
 
-static enum err read_line(struct label_table *table, struct part line, uint32_t number,
-                          struct fault *fault)
+/*
+ * A table of BIDS has a line of column names, and cells with tabs between them; "n/a" is an empty
+ * cell:
+ *
+ *     index   name             abbreviation   color
+ *     17      left amygdala    lAMY           #67ffff
+ */
+enum column { INDEX, NAME, COLOUR, COLUMNS };
+
+/* Cut the first cell off a line; false at its end. */
+static bool take_cell(struct part *line, struct part *cell)
+{
+    if (!line->at)
+        return false;
+    const char *tab = memchr(line->at, '\t', (size_t)(line->end - line->at));
+    *cell = trimmed((struct part){line->at, tab ? tab : line->end});
+    line->at = tab ? tab + 1 : NULL;
+    return true;
+}
+
+static bool part_is(struct part part, const char *word)
+{
+    return (size_t)(part.end - part.at) == strlen(word) && memcmp(part.at, word, strlen(word)) == 0;
+}
+
+/* Find the columns by their names; false for a line of another format. */
+static bool find_columns(int column[COLUMNS], struct part line)
+{
+    static const char *const name[COLUMNS] = {"index", "name", "color"};
+    struct part cell;
+    for (int k = 0; k < COLUMNS; k++)
+        column[k] = -1;
+    for (int i = 0; take_cell(&line, &cell); i++)
+        for (int k = 0; k < COLUMNS; k++)
+            column[k] = part_is(cell, name[k]) ? i : column[k];
+    return column[INDEX] >= 0 && column[NAME] >= 0;
+}
+
+/* Read "#67ffff". */
+static bool scan_hex_colour(struct part cell, uint8_t rgb[3])
+{
+    char digits[7] = "";
+    const char *at = digits;
+    uint64_t colour;
+    if (cell.end - cell.at != 7 || *cell.at != '#')
+        return false;
+    for (int i = 0; i < 6; i++)
+        digits[i] = (char)tolower((unsigned char)cell.at[i + 1]);
+    if (!scan_hex(&at, 6, &colour))
+        return false;
+    for (int k = 0; k < 3; k++)
+        rgb[k] = (uint8_t)(colour >> (16 - 8 * k));
+    return true;
+}
+
+/* Read a line of a table of BIDS. */
+static bool scan_cells(struct part line, const int column[COLUMNS], struct label_entry *entry,
+                       struct part *name)
+{
+    struct part cell;
+    int64_t value = -1;
+    *name = (struct part){line.at, line.at};
+    for (int i = 0; take_cell(&line, &cell); i++) {
+        const char *at = cell.at;
+        if (i == column[INDEX] && (!scan_integer(&at, 0, UINT32_MAX, &value) || at != cell.end))
+            return false;
+        if (i == column[NAME] && !part_is(cell, "n/a"))
+            *name = cell;
+        if (i == column[COLOUR])
+            entry->has_colour = scan_hex_colour(cell, entry->rgb);
+    }
+    entry->number = (uint32_t)value;
+    return value >= 0;
+}
+
+static enum err read_line(struct label_table *table, struct part line, const int column[COLUMNS],
+                          uint32_t number, struct fault *fault)
 {
     struct label_entry entry = {0};
     struct part name;
     const char *at = line.at;
     int64_t value;
-    if (scan_integer(&at, 0, UINT32_MAX, &value) && is_blank(*at)) {
+    bool reads = column[INDEX] >= 0 && scan_cells(line, column, &entry, &name);
+    if (column[INDEX] < 0 && scan_integer(&at, 0, UINT32_MAX, &value) && is_blank(*at)) {
         const struct part rest = trimmed((struct part){at, line.end});
         entry.number = (uint32_t)value;
+        reads = scan_itksnap(rest, &entry, &name) || scan_named(rest, &entry, &name);
+    }
+    if (reads) {
         if (table->count > REGION_MOST)
             return fault_set(fault, ERR_LIMIT, "line %u: more than %d labels; nothing has changed",
                              number, REGION_MOST + 1);
-        if (scan_itksnap(rest, &entry, &name) || scan_named(rest, &entry, &name)) {
-            const enum err err = take_name(&entry, name, fault);
-            return err || add_entry(table, &entry) ? err : fault_memory(fault, "a table of labels");
-        }
+        const enum err err = take_name(&entry, name, fault);
+        return err || add_entry(table, &entry) ? err : fault_memory(fault, "a table of labels");
     }
     const ptrdiff_t length = line.end - line.at;
-    return fault_set(fault, ERR_INPUT,
-                     "line %u: expected NUMBER NAME [R G B A], or NUMBER R G B A VISIBLE MESH "
-                     "\"NAME\", not %.*s; nothing has changed",
-                     number, (int)(length < 60 ? length : 60), line.at);
+    return fault_set(fault, ERR_INPUT, "line %u: expected %s, not %.*s; nothing has changed",
+                     number,
+                     column[INDEX] >= 0 ? "a cell for each column, and a number in `index`"
+                                        : "NUMBER NAME [R G B A], or NUMBER R G B A VISIBLE MESH "
+                                          "\"NAME\"",
+                     (int)(length < 60 ? length : 60), line.at);
 }
 
 enum err label_table_read(struct label_table *table, const char *text, size_t length,
                           struct fault *fault)
 {
     const char *end = text + length;
+    int column[COLUMNS] = {-1};
     enum err err = OK;
     *table = (struct label_table){0};
     scan_text(&text, "\xef\xbb\xbf"); /* a byte order mark */
     for (uint32_t number = 1; !err && text < end; number++) {
         const char *stop = memchr(text, '\n', (size_t)(end - text));
         stop = stop ? stop : end;
-        struct part line = {text, stop - (stop > text && stop[-1] == '\r')};
-        line = trimmed(line);
+        const struct part whole = {text, stop - (stop > text && stop[-1] == '\r')};
+        const struct part line = trimmed(whole);
         text = stop + (stop < end);
-        if (line.at < line.end && *line.at != '#')
-            err = read_line(table, line, number, fault);
+        if (line.at == line.end || (*line.at == '#' && column[INDEX] < 0))
+            continue;
+        if (number > 1 || !find_columns(column, whole))
+            err = read_line(table, column[INDEX] < 0 ? line : whole, column, number, fault);
     }
     if (!err && table->count == 0)
         err = fault_set(fault, ERR_INPUT,
@@ -352,11 +434,8 @@ const char *label_table_ending(const char *path, enum label_table_format *format
     static const struct {
         enum label_table_format format;
         const char *endings;
-    } row[] = {{TABLE_MRICRON, ".nii.txt"},
-               {TABLE_ITKSNAP, ".txt|.label"},
-               {TABLE_SLICER, ".ctbl"},
-               {TABLE_FREESURFER, ".ctab"},
-               {TABLE_LUT, ".lut"}};
+    } row[] = {{TABLE_MRICRON, ".nii.txt"}, {TABLE_ITKSNAP, ".txt|.label"}, {TABLE_SLICER, ".ctbl"},
+               {TABLE_FREESURFER, ".ctab"}, {TABLE_BIDS, ".tsv"},           {TABLE_LUT, ".lut"}};
     const char *ending = NULL;
     for (size_t i = 0; i < sizeof row / sizeof row[0] && !ending; i++) {
         ending = file_ending(path, row[i].endings);
@@ -369,15 +448,15 @@ const char *label_table_ending(const char *path, enum label_table_format *format
 static void write_name(struct buf *out, struct label_writing *writing,
                        enum label_table_format format, const struct kept *kept, unsigned label)
 {
-    const bool has_blanks = format == TABLE_ITKSNAP;
+    const bool has_blanks = format == TABLE_ITKSNAP || format == TABLE_BIDS;
     const char *name = kept->label_name[label];
     const size_t begin = out->length;
     if (!*name)
         buf_printf(out, "Label%c%u", has_blanks ? ' ' : '_', numbering_of(kept, label));
     for (; *name; name++)
-        buf_add_char(out, *name == ' ' && !has_blanks  ? '_'
-                          : *name == '"' && has_blanks ? '\''
-                                                       : *name);
+        buf_add_char(out, *name == ' ' && !has_blanks               ? '_'
+                          : *name == '"' && format == TABLE_ITKSNAP ? '\''
+                                                                    : *name);
     name = kept->label_name[label];
     if (out->failed)
         return;
@@ -399,10 +478,12 @@ static void write_line(struct buf *out, struct label_writing *writing,
         buf_add_text(out, "\"\n");
         return;
     }
-    buf_printf(out, "%u ", number);
+    buf_printf(out, "%u%c", number, format == TABLE_BIDS ? '\t' : ' ');
     write_name(out, writing, format, kept, label);
     if (format == TABLE_SLICER || format == TABLE_FREESURFER) /* opacity; transparency */
         buf_printf(out, " %u %u %u %d", rgb[0], rgb[1], rgb[2], format == TABLE_SLICER ? 255 : 0);
+    if (format == TABLE_BIDS)
+        buf_printf(out, "\t#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
     buf_add_char(out, '\n');
 }
 
@@ -416,6 +497,7 @@ void label_table_write(struct buf *out, struct label_writing *writing,
                           "    0      0    0    0        0  0  0    \"Clear Label\"\n",
         [TABLE_SLICER] = "# Color table file\n0 Background 0 0 0 0\n",
         [TABLE_FREESURFER] = "# No. Label_Name R G B A\n0 Unknown 0 0 0 0\n",
+        [TABLE_BIDS] = "index\tname\tcolor\n",
         [TABLE_MRICRON] = ""};
     *writing = (struct label_writing){0};
     if (format == TABLE_LUT) { /* 256 of red, of green and of blue, and no names */

@@ -5,6 +5,7 @@
  *     ITK-SNAP              1  255 0 0  1  1 1  "left hippocampus"      R G B, opacity, two flags
  *     FreeSurfer, Slicer    17  Left-Hippocampus  220 216 20 0          R G B A
  *     mricron               37  Hippocampus_L  4101                     a number of its own
+ *     BIDS, dseg.tsv        17  left hippocampus  #dcd814               columns that it names
  *     mricron, .lut         768 bytes: 256 of red, then of green, then of blue
  *
  * One reader accepts all of them, line by line; it skips empty lines and comments (#). In .lut,
@@ -77,11 +78,12 @@ enum label_table_format {
     TABLE_SLICER,
     TABLE_FREESURFER,
     TABLE_MRICRON,
+    TABLE_BIDS,
     TABLE_LUT,
 };
 
 /* The ending of a file name, and its format: .nii.txt mricron, other .txt and .label ITK-SNAP,
- * .ctbl 3D Slicer, .ctab FreeSurfer, .lut. NULL for other names. */
+ * .ctbl 3D Slicer, .ctab FreeSurfer, .tsv BIDS, .lut. NULL for other names. */
 const char *label_table_ending(const char *path, enum label_table_format *format);
 
 /* Names that had to be changed for a format. */

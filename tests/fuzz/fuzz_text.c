@@ -89,7 +89,8 @@ static bool take(struct kept *kept, const struct label_table *table)
 
 void fuzz_labels(const uint8_t *bytes, size_t length)
 {
-    static const enum label_table_format format[] = {TABLE_ITKSNAP, TABLE_SLICER, TABLE_FREESURFER};
+    static const enum label_table_format format[] = {TABLE_ITKSNAP, TABLE_SLICER, TABLE_FREESURFER,
+                                                     TABLE_BIDS};
     static const bool used[256] = {[7] = true};
     struct state state = state_default();
     struct label_table table, again;

@@ -13,6 +13,7 @@
 #include "image/regrid.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
+#include "show/label_table.h"
 #include "tests/folder.h"
 
 /* ---- files in memory ---- */
@@ -64,6 +65,25 @@ const char *fuzz_pair(const uint8_t *header, size_t header_length, const uint8_t
     return file_in(folder, "A.hdr");
 }
 
+/* The names of labels in any file are lines that the reader of tables accepts. */
+static void read_names(const char *path, const struct volume_choice *choice)
+{
+    struct volume_reader reader;
+    struct buf names = {0};
+    struct label_table table = {0};
+    char notes[VOLUME_NOTES_BYTES] = "";
+    if (volume_open(&reader, path, choice, NULL, NULL) == OK) {
+        HOLDS(volume_read_names(&names, &reader, notes, NULL) == OK);
+        HOLDS(!*notes || names.length == 0);
+        HOLDS(!names.length || !memchr(names.data, '\0', names.length));
+        HOLDS(!names.length ||
+              label_table_read(&table, buf_text(&names), names.length, NULL) != ERR_INPUT);
+    }
+    volume_close(&reader);
+    label_table_release(&table);
+    buf_release(&names);
+}
+
 void fuzz_volume(const char *path)
 {
     struct volume_header facts;
@@ -79,6 +99,8 @@ void fuzz_volume(const char *path)
     const struct volume_choice last = {.has_volume = facts.volumes > 1,
                                        .volume = facts.volumes - 1};
     err = volume_read(&volume, path, &last, NULL, &fault);
+    if (!err)
+        read_names(path, &last);
     HOLDS(!err == (volume.intensity != NULL));
     HOLDS(err || memcmp(volume.size, facts.size, sizeof volume.size) == 0);
     if (!err) {
