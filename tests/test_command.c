@@ -79,6 +79,25 @@ static void canonical(struct buf *out, const char *line, const struct session *s
         printf("#   %s: %s\n", line, fault.text);
 }
 
+BEGUN_STORY(recipes_of_help_parse_and_fit_80_columns, begin_interpreter)
+{
+    OWNED(buf_release) struct buf once = {0};
+    unsigned commands = 0;
+    CHECK(!command_page("seed"));
+    must(interp, "open synth:geom");
+    for (const char *at = command_page("correct"); *at; at += strcspn(at, "\n") + 1) {
+        char line[100];
+        snprintf(line, sizeof line, "%.*s", (int)strcspn(at, "\n"), at);
+        CHECK(strlen(line) <= 80);
+        if (*line != ' ' || line[4] == '$')
+            continue;
+        canonical(&once, line, interp->session);
+        CHECK_TEXT(buf_text(&once), line + 4);
+        commands++;
+    }
+    CHECK(commands > 10);
+}
+
 BEGUN_STORY(every_example_parses_and_its_canonical_form_is_its_own, begin_interpreter)
 {
     OWNED(buf_release) struct buf once = {0}, twice = {0};
@@ -743,8 +762,8 @@ SCENE_STORY(completion_offers_valid_words)
     CHECK_TEXT(buf_text(&out), buf_text(&names));
     buf_clear(&out);
     complete_words(&out, &start, "help ", interp);
-    CHECK(strncmp(buf_text(&out), "keys\n", 5) == 0);
-    CHECK_TEXT(buf_text(&out) + 5, buf_text(&names));
+    CHECK(strncmp(buf_text(&out), "keys\ncorrect\n", 13) == 0);
+    CHECK_TEXT(buf_text(&out) + 13, buf_text(&names));
     completes(interp, "see", "seed\nseed-file\n", 0);
     completes(interp, "  see", "seed\nseed-file\n", 2);
     completes(interp, "xyz", "", 0);
@@ -783,6 +802,7 @@ SCENE_STORY(completion_explains_words)
     must(interp, "label 7 cortex; seed 1,1,1 7");
     means(interp, "un", "undo\tundo the last change of the segmentation\n");
     means(interp, "help ", "keys\tlist the keys of the prompt.\n");
+    means(interp, "help c", "correct\tshow how to correct a segmentation of another program.\n");
     means(interp, "shade ", "cubes\tthe faces of their voxels, with the normals of the surface.\n");
     means(interp, "shade ",
           "surface\tthe visible objects, smoothed.\n"); /* surface, the default: */

@@ -506,6 +506,8 @@ enum err act_help(const struct act *act)
     const struct command *command = about ? command_find(about) : NULL;
     if (!about || command)
         command_help(&act->reply->text, command);
+    else if (command_page(about))
+        buf_add_text(&act->reply->text, command_page(about));
     else if (act->interp->add_keys)
         act->interp->add_keys(&act->reply->text);
     else

@@ -119,6 +119,9 @@ void command_usage(struct buf *out, const struct command *command);
 /* Add the text of `help` (command NULL) or `help NAME`, in lines of at most 80 columns. */
 void command_help(struct buf *out, const struct command *command);
 
+/* Return the text of `help NAME` if it is not of a command, or NULL. */
+const char *command_page(const char *name);
+
 /* Return the help of a command about a word, a choice or a key: the rest of the line of its detail
  * that begins "WORD: " or "WORD, ..: ". Length 0 if not found; it is not ended by NUL. */
 const char *command_note(const struct command *command, const char *word, size_t word_length,

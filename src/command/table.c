@@ -778,9 +778,10 @@ static const struct command command_table[] = {
      "the prompt does the same.",
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
-     {MAY("COMMAND", VALUE_COMMAND, .choices = "keys")},
+     {MAY("COMMAND", VALUE_COMMAND, .choices = "keys|correct")},
      "print this list, help of a command, or the keys",
-     "keys: list the keys of the prompt.",
+     "keys: list the keys of the prompt.\n"
+     "correct: show how to correct a segmentation of another program.",
      "help seed"},
     {CALLED("quit", "exit|bye|q|logout", act_quit, GROUP_QUESTIONS, 0),
      {{0}},
@@ -788,6 +789,48 @@ static const struct command command_table[] = {
      NULL,
      "quit"},
 };
+
+/* Indented lines are commands, those with a $ commands of the shell. */
+static const char recipes[] =
+    "Correct a segmentation: `labels FILE` loads it, and each piece becomes a marker.\n"
+    "The commands below change only voxels of the named labels, `undo` reverts one,\n"
+    "`save labels` writes the map. In a session grown from seeds, first type\n"
+    "`labels here`; without `over` and `within=0`, seeds grow, and move borders.\n\n"
+    "Erase label 5 in a ball where it leaked; other labels stay:\n"
+    "    seed 60,108,90 0 radius=5 within=0 over=5\n"
+    "Paint label 5 into the background alone, by ball or outline:\n"
+    "    seed 60,108,90 5 radius=5 within=0 over=0\n"
+    "    outline 60,90,50 5 to=70,90,50 to=65,99,50 within=0 over=0\n"
+    "Grow label 5 over background alone, up to the edges of the scene:\n"
+    "    seed 60,108,90 5 radius=2 within=9 over=0\n"
+    "Split two touching objects of label 7 by a ball in each; their outline stays:\n"
+    "    seed 40,108,90 7 radius=2 over=7\n"
+    "    seed 60,108,90 8 radius=2 over=7\n"
+    "Swap labels 3 and 4 of the file:\n"
+    "    labels model.nii.gz regions=3,4 as=4,3 rest=none\n"
+    "Merge labels 17 and 53 of the file into 11 and 5:\n"
+    "    labels model.nii.gz regions=17,53 as=11,5 rest=none\n"
+    "Give a piece of label 5 to label 3, by a box around it:\n"
+    "    box 27,30,40 34,38,52 3 within=0 over=5\n"
+    "Draw a new object without changing others, or all but label 2:\n"
+    "    seed 70,100,88 9 radius=4 within=0 over=0\n"
+    "    seed 70,100,88 9 radius=4 within=0 keep=2\n"
+    "Start from an atlas: carry its labels to another head, where borders are\n"
+    "recomputed, and correct them there by balls, which grow:\n"
+    "    $ iftty -c 'open head.nii.gz; labels atlas.nii.gz' --journal head.iftty\n"
+    "    $ iftty apply head.iftty other.nii.gz\n"
+    "    $ iftty other.iftty\n"
+    "An atlas that lies on the scene already: keep the inside of its regions:\n"
+    "    labels atlas.nii.gz erode=2 resample=yes\n"
+    "Touching objects without a map: a ball in each, and one sphere around all:\n"
+    "    seed 40,108,90 1 radius=3\n"
+    "    seed 60,108,90 2 radius=3\n"
+    "    seed 50,108,90 0 radius=30 shell=yes\n";
+
+const char *command_page(const char *name)
+{
+    return strcmp(name, "correct") == 0 ? recipes : NULL;
+}
 
 enum { COMMANDS = sizeof command_table / sizeof *command_table };
 

@@ -308,7 +308,9 @@ static const struct program program[] = {
                "`verify`.",
      .run = run_info},
     {"help", NULL, "[COMMAND|PROGRAM]", 0, 1, .summary = "describe a command or a program",
-     .detail = "`iftty help keys` lists the keys of the prompt.", .run = run_help},
+     .detail = "`iftty help keys` lists the keys of the prompt, `iftty help correct` shows how to "
+               "correct a segmentation of another program.",
+     .run = run_help},
     {NULL, "--version", "", 0, 0, .option = {VERSION},
      .summary = "print versions of program and libraries", .run = run_version},
 };

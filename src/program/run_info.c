@@ -460,6 +460,8 @@ enum err run_help(const struct options *o, struct fault *fault)
     struct buf of_command = {0}, of_program = {0};
     if (!name || command)
         command_help(&of_command, command);
+    else if (command_page(name))
+        buf_add_text(&of_command, command_page(name));
     else if (strcmp(name, "keys") == 0)
         line_keys_page(&of_command);
     if (name && !program_add_help(&of_program, &program_table, name) && !of_command.length) {
