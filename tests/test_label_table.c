@@ -24,14 +24,14 @@ static enum err read_text(const char *text)
 /* Reads a table and gives its names and colours to a fresh state. */
 static enum err take(const char *text, const char *regions, const char *labels)
 {
-    uint16_t *as = NULL;
+    struct regions chosen = {0};
     state = state_default();
     enum err err = read_text(text);
     if (!err)
-        err = regions_new(&as, regions, labels, &fault);
+        err = regions_read(&chosen, regions, labels, &fault);
     if (!err)
-        err = label_table_apply(&state.kept, &tally, &table, as, &fault);
-    free(as);
+        err = label_table_apply(&state.kept, &tally, &table, &chosen, &fault);
+    regions_release(&chosen);
     label_table_release(&table);
     return err;
 }
@@ -71,7 +71,7 @@ STORY(each_format_gives_its_names_and_colours)
 STORY(a_lut_gives_every_label_a_colour)
 {
     uint8_t bytes[768];
-    uint16_t *as;
+    struct regions all;
     for (unsigned i = 0; i < 256; i++) {
         bytes[i] = (uint8_t)i;
         bytes[256 + i] = 7;
@@ -79,15 +79,15 @@ STORY(a_lut_gives_every_label_a_colour)
     }
     state = state_default();
     strcpy(state.kept.label_name[9], "spleen");
-    CHECK(regions_new(&as, NULL, NULL, NULL) == OK);
+    CHECK(regions_read(&all, NULL, NULL, NULL) == OK);
     CHECK_INT(label_table_read_lut(&table, bytes, 768, &fault), OK);
-    CHECK_INT(label_table_apply(&state.kept, &tally, &table, as, &fault), OK);
+    CHECK_INT(label_table_apply(&state.kept, &tally, &table, &all, &fault), OK);
     CHECK_TEXT(told(9), "spleen 0907f6");
     CHECK(tally.names == 0 && tally.colours == 255);
     label_table_release(&table);
     CHECK_INT(label_table_read_lut(&table, bytes, 767, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "767 bytes; expected the 768 of a .lut");
-    free(as);
+    regions_release(&all);
 }
 
 STORY(names_are_made_to_fit)
@@ -197,7 +197,7 @@ STORY(regions_choose_entries_and_their_labels)
     CHECK_TEXT(state.kept.label_name[5], "Pre_R");
     CHECK_INT(tally.beyond, 2);
     CHECK_INT(take(atlas, NULL, NULL), ERR_INPUT);
-    CHECK_HAS(fault.text, "none of its entries is for a label 1..255; choose with regions=");
+    CHECK_HAS(fault.text, "none of its entries is for a label; choose with regions=");
     CHECK_INT(take(atlas, "2001,2002", "3,3"), ERR_INPUT);
     CHECK_HAS(fault.text, "two of its entries, 2001 and 2002, are for label 3");
 }
@@ -220,6 +220,13 @@ STORY(a_map_names_only_labels_without_a_name_and_colours_those_that_have_the_usu
     label_table_release(&table);
 }
 
+/* The number of a region's label, or -1. */
+static int64_t number_for(const struct regions *regions, uint32_t region)
+{
+    uint32_t number;
+    return regions_choose(regions, region, &number) ? (int64_t)number : -1;
+}
+
 STORY(lists_of_regions_and_labels_are_of_one_length)
 {
     static const char *const row[][3] = {
@@ -228,18 +235,26 @@ STORY(lists_of_regions_and_labels_are_of_one_length)
         {"1-3,2", NULL, "2 is listed twice"},
         {NULL, "1", "needs `regions`"},
     };
-    uint16_t *as;
+    struct regions regions;
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        CHECK_INT(regions_new(&as, row[i][0], row[i][1], &fault), ERR_USAGE);
-        CHECK(as == NULL);
+        CHECK_INT(regions_read(&regions, row[i][0], row[i][1], &fault), ERR_USAGE);
+        CHECK(regions.range == NULL && regions.count == 0);
         CHECK_HAS(fault.text, row[i][2]);
     }
-    CHECK_INT(regions_new(&as, NULL, NULL, &fault), OK);
-    CHECK(as[0] == REGION_NONE && as[1] == 1 && as[REGION_MOST] == REGION_MOST);
-    free(as);
-    CHECK_INT(regions_new(&as, "0,65533", NULL, &fault), OK);
-    CHECK(as[0] == 0 && as[1] == REGION_NONE && as[REGION_MOST] == REGION_MOST);
-    free(as);
+    CHECK_INT(regions_read(&regions, NULL, NULL, &fault), OK);
+    CHECK(number_for(&regions, 0) == -1 && number_for(&regions, 1) == 1);
+    CHECK(number_for(&regions, REGION_MOST) == REGION_MOST);
+    CHECK(number_for(&regions, UINT32_MAX) == UINT32_MAX);
+    regions_release(&regions);
+    CHECK_INT(regions_read(&regions, "0,65533", NULL, &fault), OK);
+    CHECK(number_for(&regions, 0) == 0 && number_for(&regions, 1) == -1);
+    CHECK(number_for(&regions, REGION_MOST) == REGION_MOST);
+    regions_release(&regions);
+    CHECK_INT(regions_read(&regions, "2001-2003,17,4000000001", "5,300-302,1", &fault), OK);
+    CHECK(number_for(&regions, 2001) == 5 && number_for(&regions, 2002) == 300);
+    CHECK(number_for(&regions, 2003) == 301 && number_for(&regions, 17) == 302);
+    CHECK(number_for(&regions, 4000000001) == 1 && number_for(&regions, 2004) == -1);
+    regions_release(&regions);
 }
 
 STORY(a_line_of_numbers_alone_ends_where_it_ends)

@@ -167,7 +167,7 @@ see "^:box 10 xx u seed 1,1,1 2 q$hint\$"
 pressing Escape '^i seed '
 type_letters ":label 5 "
 tmux_here paste-buffer -p -b paste -t prompt
-see '^:label 5 box 10 xx u seed 1,1,1 2 q( \[number=1\.\.65533\])?$'
+see '^:label 5 box 10 xx u seed 1,1,1 2 q( \[number=N\])?$'
 pressing Enter '^error: '
 typing "?" 'a seed of the label'
 tmux_here paste-buffer -p -b paste -t prompt

@@ -264,7 +264,7 @@ STORY(a_line_is_typed_mended_and_carried_out)
     CHECK_INT(t->screen.column, 7 + 3);
     BEGIN_AFTER("\r", "48000 voxels changed, label 1: 48 ml, ");
     SEE_LINE("synth>");
-    LINE_AFTER("label 1 \346\234\254x", "synth> label 1 \346\234\254x [#rrggbb] [number=1..65533]");
+    LINE_AFTER("label 1 \346\234\254x", "synth> label 1 \346\234\254x [#rrggbb] [number=N]");
     CHECK_INT(t->screen.column, 7 + 8 + 3);
     ROW_AFTER("\177\177kidney\r", "synth> label 1 kidney");
     type("seed 2,2,2 2\r");
@@ -348,7 +348,7 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
         take(5);
     }
     SEE("synth> label 99 part-99");
-    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=1..65533]"); /* waits for Enter */
+    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=N]"); /* waits for Enter */
     LINE_AFTER("\r", "synth>");
     const char *text = quit();
     for (int i = 1; i <= 100; i++) {
@@ -380,7 +380,7 @@ STORY(history_outlives_a_session_that_is_killed)
     CHECK(stat("history", &status) == 0 && (status.st_mode & 0777) == 0600);
     start_at_prompt();
     type("\020\020"); /* up, past `quit` */
-    SEE_LINE("synth> label 7 second [#rrggbb] [number=1..65533]");
+    SEE_LINE("synth> label 7 second [#rrggbb] [number=N]");
     LINE_AFTER("\022fir", "(search 'fir') label 7 first");
     LINE_AFTER("\007", "synth>");
     quit();
@@ -409,10 +409,10 @@ STORY(what_was_entered_before_is_suggested_and_taken)
     start_at_prompt();
     type("se"); /* neither a voxel beyond the scene, nor a label without a name, nor a mistake */
     SEE_LINE("synth> se");
-    LINE_AFTER("\025label 7 ", "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    LINE_AFTER("\025label 7 ", "synth> label 7 liver [#rrggbb] [number=N]");
     const struct screen_cell *cell = t->screen.cell[t->screen.row];
     CHECK(cell[15].grey && cell[21].grey && !cell[8].grey && t->screen.column == 15);
-    LINE_AFTER("\033[C", "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    LINE_AFTER("\033[C", "synth> label 7 liver [#rrggbb] [number=N]");
     check_awaited(is_at_column, "20", __LINE__);
     LINE_AFTER("\r", "synth>");
     BEGIN_AFTER("se", "synth> seed 1,1,1 liver [radius=");
@@ -423,7 +423,7 @@ STORY(what_was_entered_before_is_suggested_and_taken)
     check_awaited(is_at_column, "23", __LINE__);
     type("\037\037"); /* undo the suggestion, and a word of it */
     check_awaited(is_at_column, "11", __LINE__);
-    LINE_AFTER("\025la\033[A", "synth> label 7 liver [#rrggbb] [number=1..65533]");
+    LINE_AFTER("\025la\033[A", "synth> label 7 liver [#rrggbb] [number=N]");
     type("\033[B");
     check_awaited(is_at_column, "9", __LINE__);
     LINE_AFTER("\025goto \033.\033.", "synth> goto 1");

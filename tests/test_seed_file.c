@@ -42,14 +42,13 @@ static const char *told(const struct grid *grid)
 
 /* ---- lists ---- */
 
-static char label_name[256][LABEL_NAME_BYTES] = {[0] = "nothing", [1] = "brain", [9] = "a,b"};
+static const struct kept kept = {.label_name = {[0] = "nothing", [1] = "brain", [9] = "a,b"}};
 
 static enum err list(const char *text, int label)
 {
     const struct grid grid = grid_of(10, 9, 8);
     fault = (struct fault){.text = ""};
-    return seeds_from_list(&seeds, text, strlen(text), &grid, (const char(*)[32])label_name, label,
-                           NULL, &fault);
+    return seeds_from_list(&seeds, text, strlen(text), &grid, &kept, label, NULL, &fault);
 }
 
 STORY(a_list_gives_its_seeds_in_the_order_of_voxels)
@@ -108,8 +107,8 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
         seeds_release(&seeds);
     }
     const struct grid grid = grid_of(10, 9, 8); /* a NUL is no end of a line */
-    CHECK(seeds_from_list(&seeds, "1,1,1,1\0\n2,2,2,2\n", 17, &grid, (const char(*)[32])label_name,
-                          LABEL_OWN, NULL, &fault) == ERR_INPUT);
+    CHECK(seeds_from_list(&seeds, "1,1,1,1\0\n2,2,2,2\n", 17, &grid, &kept, LABEL_OWN, NULL,
+                          &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "line 1");
 }
 
@@ -166,8 +165,7 @@ STORY(any_text_gives_seeds_of_the_scene_or_one_line)
         memcpy(exact, text, n);
         exact[n] = '\0';
         fault = (struct fault){.text = ""};
-        enum err err = seeds_from_list(&seeds, exact, n, &grid, (const char(*)[32])label_name,
-                                       LABEL_OWN, NULL, &fault);
+        enum err err = seeds_from_list(&seeds, exact, n, &grid, &kept, LABEL_OWN, NULL, &fault);
         free(exact);
         fine += err == OK;
         CHECK(err == OK ? seeds.count > 0 : seeds.count == 0 && fault.text[0]);
@@ -251,7 +249,8 @@ STORY(values_are_what_the_header_makes_of_them)
     geometry.intercept = -1; /* int16 with -1 outside */
     gives("0123", &grid, geometry, &choice, "2,0,0:1 3,0,0:2");
     geometry.intercept = 254;
-    refuses("0123", &grid, geometry, &choice, "region 256 of the map is no label 0..255");
+    refuses("0123", &grid, geometry, &choice,
+            "region 256 of the map is no label; `label 256 NAME` makes it one");
     choice.last = 255;
     gives("0123", &grid, geometry, &choice, "0,0,0:254 1,0,0:255");
     choice.last = REGION_MOST, choice.label = 1;
@@ -476,8 +475,7 @@ STORY(a_table_of_seeds_counts_against_the_limit_of_memory)
         const size_t held = mem_held();
         mem_limit(is_limited ? held + ROOM : SIZE_MAX);
         const enum err err =
-            seeds_from_list(&seeds, text, LINES * LINE, &grid, (const char(*)[32])label_name,
-                            LABEL_OWN, NULL, &fault);
+            seeds_from_list(&seeds, text, LINES * LINE, &grid, &kept, LABEL_OWN, NULL, &fault);
         mem_limit(SIZE_MAX);
         CHECK_INT(err, is_limited ? ERR_MEMORY : OK);
         CHECK((most_held() < held + ROOM + MORE) == is_limited);
@@ -498,8 +496,8 @@ STORY(a_list_can_be_stopped_anywhere)
     for (; err == ERR_CANCELLED; most++) {
         int looks = most;
         struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1000};
-        err = seeds_from_list(&seeds, buf_text(&text), text.length, &grid,
-                              (const char(*)[32])label_name, LABEL_OWN, &watch, &fault);
+        err = seeds_from_list(&seeds, buf_text(&text), text.length, &grid, &kept, LABEL_OWN, &watch,
+                              &fault);
         CHECK(err ? !seeds.edit : seeds.count == 3200);
         seeds_release(&seeds);
     }

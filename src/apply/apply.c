@@ -13,6 +13,7 @@
 #include "base/json.h"
 #include "base/scan.h"
 #include "command/table.h"
+#include "session/map.h"
 #include "verify/replay_file.h"
 
 struct applying {
@@ -214,12 +215,17 @@ static void write_table(struct buf *out, const struct applying *a, const struct 
 {
     buf_printf(out, "    %-22s %11s %9s %9s %8s %7s %7s\n", "label", "volume ml", "expected",
                "dropped", "depth mm", "doubt", "far ml");
-    for (unsigned l = 1; l < 256; l++) {
+    uint32_t number[256];
+    uint8_t order[256];
+    procedure_numbers(number, &a->procedure);
+    numbering_order(order, number);
+    for (unsigned i = 1; i < 256; i++) {
+        const unsigned l = order[i];
         const struct subject_label *label = &s->label[l];
         struct buf name = {0};
         if (!label->is_there)
             continue;
-        buf_printf(&name, "%u ", l);
+        buf_printf(&name, "%u ", number[l]);
         buf_add_safe_text(&name, a->procedure.label[l].name);
         buf_printf(out, "    %-22s %11.2f %7.0f %% %7.1f %% %8.1f %5.1f %% %7.2f%s\n",
                    buf_text(&name), label->mm3 / 1000, 100 * label->mm3 / label->expected_mm3,
@@ -255,6 +261,10 @@ static void write_json(struct applying *a, const struct subject *s, enum err err
                        const struct fault *fault)
 {
     struct json *json = &a->json;
+    uint32_t number[256];
+    uint8_t order[256];
+    procedure_numbers(number, &a->procedure);
+    numbering_order(order, number);
     json_object(json, NULL);
     json_text(json, "scene", a->choice.scene);
     json_text(json, "state",
@@ -274,14 +284,15 @@ static void write_json(struct applying *a, const struct subject *s, enum err err
         if (a->choice.carry.way == CARRY_LANDMARKS)
             json_fixed(json, "rms_mm", s->rms_mm, 4);
         json_text(json, "found", buf_text(&s->words));
-        json_count(json, "worst", s->worst);
+        json_count(json, "worst", number[s->worst]);
         json_array(json, "labels");
-        for (unsigned l = 1; l < 256; l++) {
+        for (unsigned i = 1; i < 256; i++) {
+            const unsigned l = order[i];
             const struct subject_label *label = &s->label[l];
             if (!label->is_there)
                 continue;
             json_object(json, NULL);
-            json_count(json, "label", l);
+            json_count(json, "label", number[l]);
             json_text(json, "name", a->procedure.label[l].name);
             json_count(json, "voxels", label->voxels);
             json_fixed(json, "volume_mm3", label->mm3, 3);

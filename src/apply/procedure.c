@@ -198,14 +198,14 @@ static void write_settings(struct buf *out, const struct kept *kept, const struc
     }
     for (unsigned label = 0; kept->weight.kind == WEIGHT_POLARITY && label < 256; label++)
         if (kept->polarity[label])
-            buf_printf(out, "polarity %u %d\n", label, kept->polarity[label]);
+            buf_printf(out, "polarity %u %d\n", numbering_of(kept, label), kept->polarity[label]);
     for (const struct command *setting = setting_table; setting->name; setting++)
         if (setting->flags & COMMAND_CARRIED) {
             setting_write(out, setting, state);
             buf_add_char(out, '\n');
         }
     buf_clear(&text);
-    finish_write(&text, &kept->finish);
+    numbering_write_finish(&text, kept);
     for (const char *at = buf_text(&text); kept->finish.count && *at;) {
         const char *next = strstr(at, ", ");
         buf_printf(out, "finish %.*s\n", next ? (int)(next - at) : (int)strlen(at), at);
@@ -253,7 +253,7 @@ static enum err take_labels(struct procedure *p, const struct session *session, 
         err = percentiles_find(found, session, label, fault);
     for (unsigned l = 0; !err && l < 256; l++) {
         struct procedure_label *to = &p->label[l];
-        to->is_there = found->voxels[l] > 0;
+        to->is_there = found->voxels[l] || kept->label_number[l];
         to->voxels = found->voxels[l];
         to->low = found->low[l];
         to->high = found->high[l];
@@ -389,6 +389,15 @@ void procedure_release(struct procedure *p)
     *p = (struct procedure){0};
 }
 
+void procedure_numbers(uint32_t number[256], const struct procedure *p)
+{
+    bool is_used = false;
+    for (unsigned l = 0; l < 256; l++)
+        is_used |= p->label[l].number > 0;
+    for (unsigned l = 0; l < 256; l++)
+        number[l] = is_used ? p->label[l].number : l;
+}
+
 double procedure_voxel_mm3(const struct procedure *p)
 {
     return fabs(affine_determinant(&p->to_mm));
@@ -475,13 +484,16 @@ void procedure_write(struct buf *out, const struct procedure *p)
         write_reals(out, p->landmark[i].mm, 3);
         buf_add_char(out, '\n');
     }
+    uint32_t index[256];
+    for (unsigned label = 0; label < 256; label++)
+        index[label] = label;
     for (size_t i = 0; i < p->gestures; i++) {
         const struct procedure_gesture *g = &p->gesture[i];
         buf_printf(out, "gesture %u", g->label);
         write_reals(out, (const double[]){g->radius_mm, g->within_mm, g->intensity}, 3);
         if (g->has_over) {
             buf_add_text(out, " over=");
-            label_set_write(out, &g->over);
+            numbering_write_set(out, index, &g->over);
         }
         write_reals(out, p->corner[g->corner], 3 * g->corners);
         buf_add_char(out, '\n');
@@ -624,13 +636,13 @@ static enum err read_labels(struct reader *r, struct procedure *p)
             return refuse_line(r, "labels 0..255, in rising order");
         struct procedure_label *l = &p->label[label];
         if (!scan_text(&r->at, " #") || !scan_hex(&r->at, 6, &colour) ||
-            !take_number(r, 0, REGION_MOST, &number) || !take_real(r, &l->low) ||
+            !take_number(r, 0, UINT32_MAX, &number) || !take_real(r, &l->low) ||
             !take_real(r, &l->high) || l->low > l->high ||
             !take_name(r, l->name, sizeof l->name, "\n") || !ends_line(r))
             return refuse_line(r, "label N #rrggbb NUMBER LOW HIGH NAME");
         for (int k = 0; k < 3; k++)
             l->rgb[k] = (uint8_t)(colour >> (16 - 8 * k));
-        l->number = (uint16_t)number;
+        l->number = (uint32_t)number;
         l->is_there = true;
         before = label;
     }
@@ -654,6 +666,19 @@ static enum err read_landmarks(struct reader *r, struct procedure *p)
     return OK;
 }
 
+/* Read "0,3-7". */
+static bool take_set(struct reader *r, struct label_set *set)
+{
+    int64_t first, last;
+    do {
+        if (!scan_range(&r->at, 0, 255, &first, &last))
+            return false;
+        for (; first <= last; first++)
+            label_set_add(set, (uint8_t)first);
+    } while (scan_text(&r->at, ","));
+    return true;
+}
+
 static enum err read_gestures(struct reader *r, struct procedure *p)
 {
     int64_t label;
@@ -666,7 +691,7 @@ static enum err read_gestures(struct reader *r, struct procedure *p)
             return refuse_line(r, "gesture LABEL RADIUS REACH INTENSITY X Y Z ...");
         g.label = (uint8_t)label;
         g.has_over = scan_text(&r->at, " over=");
-        if (g.has_over && !label_set_scan(&g.over, &r->at))
+        if (g.has_over && !take_set(r, &g.over))
             return refuse_line(r, "over=, and labels as in 0,3-7");
         enum err err = procedure_add_gesture(p, &g, r->fault);
         while (!err && *r->at == ' ')

@@ -17,7 +17,8 @@
  *     to_mm A B C D ...                 twelve numbers: world = to_mm * (i, j, k, 1), as NIfTI
  *     left 0 1 0 3                      not carried over (enum procedure_left)
  *     setting weight gauss 1.5          a command each
- *     label 2 #56b4e9 0 40.5 90 cerebellum    colour, own number, percentiles 10 and 90, name
+ *     label 2 #56b4e9 0 40.5 90 cerebellum    index, colour, number (0: the index), percentiles 10
+ *                                       and 90, name
  *     landmark AC 0.5 3 -4              millimetres of the world
  *     gesture 2 3 0 75 X Y Z ...        label, radius and reach in mm (0: none; -1: exact),
  *                                       intensity, over=LABELS unless all, corners
@@ -25,7 +26,7 @@
  *     0*345 1*17 0*4 ...                labels by rows, x fastest; one for each voxel
  *     digest SHA256                     of all bytes before this line
  *
- * Lines have this order; those from `setting` to `gesture` may be repeated or missing, and `left`
+ * Gestures and voxels have the indices of labels. Lines have this order; those from `setting` to `gesture` may be repeated or missing, and `left`
  * is missing if nothing is left out. Intensities are real values. Numbers have 17 digits, enough to
  * be read back exactly.
  */
@@ -54,10 +55,10 @@ enum {
 };
 
 struct procedure_label {
-    bool is_there; /* it has voxels */
+    bool is_there; /* it has voxels or a number */
     char name[PROCEDURE_NAME];
     uint8_t rgb[3];
-    uint16_t number;  /* in files; 0: the label */
+    uint32_t number;  /* 0: the index */
     uint64_t voxels;  /* counted from the labels */
     double low, high; /* real values: percentiles 10 and 90 of its voxels */
 };
@@ -104,6 +105,9 @@ struct procedure {
 };
 
 void procedure_release(struct procedure *procedure);
+
+/* Numbers of all labels, as numbering_fill gets them. */
+void procedure_numbers(uint32_t number[256], const struct procedure *procedure);
 
 /* Volume of a voxel, mm3. */
 double procedure_voxel_mm3(const struct procedure *procedure);

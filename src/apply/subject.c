@@ -17,6 +17,7 @@
 #include "engine/hints.h"
 #include "image/volume.h"
 #include "journal/journal.h"
+#include "session/map.h"
 #include "session/paint.h"
 #include "session/tally.h"
 
@@ -37,6 +38,9 @@ struct making {
     struct warped warped;
     struct buf origin, seeds; /* a command; commands, one a line */
     struct buf made;          /* paths of written files, each with its NUL */
+    uint32_t number[256];     /* of the procedure's labels */
+    uint8_t here[256];        /* labels of the session by labels of the procedure, */
+    uint8_t there[256];       /* and the other way around */
     struct fault *fault;
 };
 
@@ -123,22 +127,47 @@ static enum err execute_settings(struct making *m)
     return err;
 }
 
+static enum err name_label(struct making *m, unsigned l)
+{
+    const struct procedure_label *label = &m->procedure->label[l];
+    struct buf line = {0}, name = {0};
+    buf_printf(&line, "label %u ", m->number[l]);
+    if (*label->name)
+        buf_add_text(&name, label->name);
+    else
+        buf_printf(&name, "label-%u", m->number[l]);
+    command_write_word(&line, buf_text(&name));
+    line.failed |= name.failed;
+    buf_release(&name);
+    if (l)
+        buf_printf(&line, " #%02x%02x%02x", label->rgb[0], label->rgb[1], label->rgb[2]);
+    return execute_buf(m, &line);
+}
+
+/* Make labels that have numbers, before settings that name them. */
+static enum err number_labels(struct making *m)
+{
+    const struct kept *kept = &m->interp.session->now.kept;
+    enum err err = OK;
+    for (unsigned l = 1; !err && l < 256; l++)
+        if (m->procedure->label[l].number)
+            err = name_label(m, l);
+    for (unsigned l = 1; !err && l < 256; l++) {
+        const int here = numbering_find(kept, m->number[l]);
+        m->here[l] = (uint8_t)(here > 0 ? here : 0);
+        m->there[m->here[l]] = (uint8_t)l;
+    }
+    m->there[0] = 0;
+    return err;
+}
+
 static enum err name_labels(struct making *m)
 {
     enum err err = OK;
-    for (unsigned l = 0; !err && l < 256; l++) {
-        const struct procedure_label *label = &m->procedure->label[l];
-        struct buf line = {0};
-        if (!label->is_there || !*label->name)
-            continue;
-        buf_printf(&line, "label %u ", l);
-        command_write_word(&line, label->name);
-        if (l)
-            buf_printf(&line, " #%02x%02x%02x", label->rgb[0], label->rgb[1], label->rgb[2]);
-        if (label->number)
-            buf_printf(&line, " number=%u", label->number);
-        err = execute_buf(m, &line);
-    }
+    for (unsigned l = 0; !err && l < 256; l++)
+        if (*m->procedure->label[l].name && m->procedure->label[l].is_there &&
+            !m->procedure->label[l].number)
+            err = name_label(m, l);
     return err;
 }
 
@@ -224,7 +253,7 @@ static enum err prepare_labels(struct making *m)
         m->subject->label[label].depth_mm = m->warped.depth_mm[label];
         if (left) {
             buf_printf(&regions, "%s%u", regions.length ? "," : "", l);
-            buf_printf(&as, "%s%u", as.length ? "," : "", label);
+            buf_printf(&as, "%s%u", as.length ? "," : "", m->number[label]);
         }
     }
     if (!err && !regions.length)
@@ -321,7 +350,8 @@ static enum err prepare_gesture(struct making *m, const struct procedure_gesture
     const enum err err = count_seeds(m, g, radius_nm, (const uint32_t(*)[3])corner, range, &left);
     if (err || !left)
         return err;
-    buf_printf(&m->seeds, "seed %u,%u,%u %u", corner[0][0], corner[0][1], corner[0][2], g->label);
+    buf_printf(&m->seeds, "seed %u,%u,%u %u", corner[0][0], corner[0][1], corner[0][2],
+               m->number[g->label]);
     if (radius_nm) {
         buf_add_text(&m->seeds, " radius=");
         write_mm(&m->seeds, radius_nm);
@@ -342,7 +372,7 @@ static enum err prepare_gesture(struct making *m, const struct procedure_gesture
     }
     if (g->has_over) {
         buf_add_text(&m->seeds, " over=");
-        label_set_write(&m->seeds, &g->over);
+        numbering_write_set(&m->seeds, m->number, &g->over);
     }
     buf_add_char(&m->seeds, '\n');
     return OK;
@@ -401,16 +431,18 @@ static void add_figures(struct making *m)
     const char *between = " volumes=";
     if (m->choice->carry.way == CARRY_LANDMARKS)
         buf_printf(out, " rms=%.6g", m->subject->rms_mm);
-    for (unsigned l = 1; l < 256; l++)
-        if (m->subject->label[l].is_there) {
-            buf_printf(out, "%s%u:%.0f", between, l,
+    uint8_t order[256];
+    numbering_order(order, m->number);
+    for (unsigned i = 1, l; i < 256; i++)
+        if (m->subject->label[l = order[i]].is_there) {
+            buf_printf(out, "%s%u:%.0f", between, m->number[l],
                        fmin(round(m->subject->label[l].expected_mm3), UINT32_MAX));
             between = ",";
         }
     between = " dropped=";
-    for (unsigned l = 0; l < 256; l++)
-        if (m->subject->label[l].seeds) {
-            buf_printf(out, "%s%u:%llu/%llu", between, l,
+    for (unsigned i = 0, l; i < 256; i++)
+        if (m->subject->label[l = order[i]].seeds) {
+            buf_printf(out, "%s%u:%llu/%llu", between, m->number[l],
                        (unsigned long long)m->subject->label[l].dropped,
                        (unsigned long long)m->subject->label[l].seeds);
             between = ",";
@@ -525,11 +557,11 @@ static enum err find_doubts(struct making *m)
     count_borders(border, session);
     for (size_t i = 0; !err && i < hints->count; i++) {
         const struct hint *hint = &hints->item[i];
-        m->subject->label[hint->label].doubt += hint->voxels;
-        m->subject->label[hint->other].doubt += hint->voxels;
+        m->subject->label[m->there[hint->label]].doubt += hint->voxels;
+        m->subject->label[m->there[hint->other]].doubt += hint->voxels;
     }
     for (unsigned l = 0; l < 256; l++) { /* the border has two sides */
-        const double share = m->subject->label[l].doubt / (2 * (double)border[l] + 1);
+        const double share = m->subject->label[l].doubt / (2 * (double)border[m->here[l]] + 1);
         m->subject->label[l].doubt = fmin(share, 1);
     }
     return err;
@@ -542,6 +574,10 @@ static enum err find_far(uint64_t far[256], struct making *m)
     warped_release(&m->warped);
     const enum err err =
         warp_labels(&m->warped, m->procedure, session, &m->subject->pull, m->fault);
+    const struct grid *grid = &session->scene->grid;
+    for (size_t i = 0; !err && i < grid->voxels; i++) /* as labels of the session */
+        if (m->warped.label[i] < 256)
+            m->warped.label[i] = m->here[m->warped.label[i]];
     return err ? err : warp_count_far(far, &m->warped, session, m->fault);
 }
 
@@ -556,14 +592,15 @@ static enum err sum_up(struct making *m)
         err = find_doubts(m);
     if (!err)
         err = find_far(far, m);
+    m->subject->worst = m->there[m->subject->worst];
     for (unsigned l = 1; !err && l < 256; l++) {
         struct subject_label *label = &m->subject->label[l];
-        label->voxels = session->tally.voxels[l];
+        label->voxels = session->tally.voxels[m->here[l]];
         label->mm3 = (double)label->voxels * voxel_mm3;
-        label->far_mm3 = (double)far[l] * voxel_mm3;
+        label->far_mm3 = (double)far[m->here[l]] * voxel_mm3;
         label->is_bad = label->is_there && (2 * label->mm3 > 3 * label->expected_mm3 ||
                                             3 * label->mm3 < 2 * label->expected_mm3 ||
-                                            far[l] * BAD_ONE_OF > label->voxels);
+                                            far[m->here[l]] * BAD_ONE_OF > label->voxels);
     }
     return err;
 }
@@ -636,8 +673,8 @@ static enum err carry_over(struct making *m)
 static enum err make_journal(struct making *m)
 {
     static enum err (*const step[])(struct making * m) = {
-        open_scene,      carry_over,    execute_settings, name_labels,
-        place_landmarks, prepare_seeds, plant_seeds,      sum_up};
+        open_scene,    carry_over,  number_labels, execute_settings, name_labels, place_landmarks,
+        prepare_seeds, plant_seeds, sum_up};
     enum err err = OK;
     for (size_t i = 0; !err && i < sizeof step / sizeof *step; i++)
         err = step[i](m);
@@ -650,6 +687,7 @@ enum err subject_make(struct subject *subject, const struct procedure *procedure
     struct making m = {
         .procedure = procedure, .choice = choice, .subject = subject, .fault = fault};
     struct buf draft = {0}, goldens = {0};
+    procedure_numbers(m.number, procedure);
     subject_path(&subject->journal, choice, SUBJECT_JOURNAL);
     subject_path(&goldens, choice, SUBJECT_GOLDENS);
     const char *path = buf_text(&subject->journal);

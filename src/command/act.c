@@ -15,28 +15,46 @@
 
 /* ---- by hand ---- */
 
+/* Make the label of the command, or give it another number. */
+static enum err number_label(const struct act *act, int *label)
+{
+    struct kept *kept = &act->next->kept;
+    const struct markers *markers = &act->session->markers;
+    const uint32_t number = act_place(act, "LABEL")[0];
+    const struct value *other = act_value(act, "number");
+    if (other->given && *label == 0)
+        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
+    if (*label == NUMBER_UNKNOWN)
+        *label = numbering_add(kept, number, markers);
+    if (*label == NUMBER_UNKNOWN)
+        return fault_set(act->fault, ERR_LIMIT,
+                         "LABEL: 255 labels exist, and no more fit into a session; give one of "
+                         "them this number by `label LABEL NAME number=%u`; nothing has changed",
+                         number);
+    if (other->given && !numbering_change(kept, *label, (uint32_t)other->number, markers))
+        return fault_set(act->fault, ERR_USAGE,
+                         "number: there is a label %lld already; nothing has changed",
+                         (long long)other->number);
+    return OK;
+}
+
 enum err act_label(const struct act *act)
 {
     struct kept *kept = &act->next->kept;
-    const size_t label = (size_t)act_number(act, "LABEL");
+    int label = (int)act_number(act, "LABEL");
     const char *name = act_text(act, "NAME");
-    const struct value *number = act_value(act, "number");
     if (!label_name_fits(name))
         return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected a name of at most %d bytes, with no = or \\ in it, no # "
                          "at its beginning and no blank at its ends, and no number, not %s",
                          LABEL_NAME_BYTES - 1, *name ? name : "nothing");
-    for (size_t other = 0; other < 256; other++)
+    for (int other = 0; other < 256; other++)
         if (other != label && strcmp(kept->label_name[other], name) == 0)
-            return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other, name);
-    if (number->given && label == 0)
-        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
-    for (unsigned other = 1; number->given && other < 256; other++)
-        if (other != label && kept->label_number[other] == number->number)
-            return fault_set(act->fault, ERR_USAGE, "number: %lld is that of label %u already",
-                             (long long)number->number, other);
-    if (number->given)
-        kept->label_number[label] = (uint16_t)number->number;
+            return fault_set(act->fault, ERR_USAGE, "label %u is already called %s",
+                             numbering_of(kept, (unsigned)other), name);
+    const enum err err = number_label(act, &label);
+    if (err)
+        return err;
     memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
     memcpy(kept->label_name[label], name, strlen(name));
     for (int k = 0; act_has(act, "COLOUR") && k < 3; k++)
@@ -46,15 +64,13 @@ enum err act_label(const struct act *act)
 
 /* ---- regions of an atlas, and their names ---- */
 
-enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label)
+enum err act_choose_regions(struct regions *regions, const struct act *act,
+                            const struct value *label)
 {
     if (label && label->given && act_has(act, "as"))
         return fault_set(act->fault, ERR_USAGE,
                          "as and label are mutually exclusive; expected one of them");
-    const enum err err = regions_new(as, act_text(act, "regions"), act_text(act, "as"), act->fault);
-    if (!err && !act_has(act, "as"))
-        numbering_translate(*as, &act->session->now.kept);
-    return err;
+    return regions_read(regions, act_text(act, "regions"), act_text(act, "as"), act->fault);
 }
 
 enum { BESIDE_BYTES_MOST = 1 << 20, TABLE_BYTES_MOST = 16 << 20 };
@@ -106,7 +122,8 @@ void act_write_changed_names(const struct act *act, const struct label_tally *ta
     if (!tally->changed)
         return;
     buf_printf(out, "%u name%s had to be changed to fit; the first is of label %u, now ",
-               tally->changed, plural(tally->changed), tally->first_changed);
+               tally->changed, plural(tally->changed),
+               numbering_of(&act->next->kept, tally->first_changed));
     buf_add_safe_text(out, act->next->kept.label_name[tally->first_changed]);
     buf_add_char(out, '\n');
 }
@@ -116,12 +133,15 @@ enum err act_label_file(const struct act *act)
     const char *name = act_text(act, "FILE");
     struct label_table table = {0};
     struct label_tally tally;
-    uint16_t *as = NULL;
+    struct regions regions;
     struct buf *out = &act->reply->text, *path = act_buf(act), *text = act_buf(act);
-    enum err err = act_choose_regions(&as, act, NULL);
+    enum err err = act_choose_regions(&regions, act, NULL);
     if (err)
         return err;
-    err = interpreter_find_file(act->interp, name, path, act->fault);
+    if (act_has(act, "as"))
+        err = regions_check(&regions, &act->next->kept, act->fault);
+    if (!err)
+        err = interpreter_find_file(act->interp, name, path, act->fault);
     if (!err)
         err = file_read(text, buf_text(path), TABLE_BYTES_MOST, act->fault);
     if (!err && file_is_named(name, ".lut"))
@@ -129,15 +149,15 @@ enum err act_label_file(const struct act *act)
     else if (!err)
         err = label_table_read(&table, buf_text(text), text->length, act->fault);
     if (!err)
-        err = label_table_apply(&act->next->kept, &tally, &table, as, act->fault);
-    free(as);
+        err = label_table_apply(&act->next->kept, &tally, &table, &regions, act->fault);
+    regions_release(&regions);
     label_table_release(&table);
     if (err)
         return act_prefix_file(name, err, act->fault);
     buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),
                tally.colours, plural(tally.colours));
     if (tally.beyond && !act_has(act, "regions"))
-        buf_printf(out, "%u more entr%s for no label 1..255; choose with regions=A,B as=1,2\n",
+        buf_printf(out, "%u more entr%s for no label; choose with regions=A,B as=1,2\n",
                    tally.beyond, tally.beyond == 1 ? "y is" : "ies are");
     act_write_changed_names(act, &tally);
     act_add_digest(act, "names", label_table_digest(&act->next->kept));

@@ -139,9 +139,11 @@ void act_write_origin(struct buf *out, const struct session *session);
 
 /* Regions of an atlas: their labels and their names (act.c). */
 
-/* Call regions_new with `regions` and `as`, and translate by the labels' own numbers
- * (session/map.h). ERR_USAGE if a single label for all is given too; `label` may be NULL. */
-enum err act_choose_regions(uint16_t **as, const struct act *act, const struct value *label);
+/* Read `regions` and `as` by regions_read. ERR_USAGE if a single label for all is given too; `label`
+ * may be NULL. */
+struct regions;
+enum err act_choose_regions(struct regions *regions, const struct act *act,
+                            const struct value *label);
 
 /*
  * The table next to an atlas, "aal.nii.txt" for "aal.nii.gz", with the names of its regions. It is

@@ -77,16 +77,18 @@ static enum err check_pull(const struct act *act)
 static enum err read_pairs(const struct act *act, const char *key, uint32_t *volume)
 {
     const char *at = act_text(act, key);
+    const struct kept *kept = &act->session->now.kept;
     int64_t label, number, of, before = -1;
     bool fine = true;
     while (fine && at && *at) {
-        fine = scan_integer(&at, 0, 255, &label) && label > before && scan_text(&at, ":") &&
+        fine = scan_integer(&at, 0, UINT32_MAX, &label) && label > before &&
+               numbering_find(kept, (uint32_t)label) != NUMBER_UNKNOWN && scan_text(&at, ":") &&
                scan_integer(&at, 0, UINT32_MAX, &number) &&
                (volume ||
                 (scan_text(&at, "/") && scan_integer(&at, 0, UINT32_MAX, &of) && number <= of)) &&
                (!*at || (scan_text(&at, ",") && *at));
         if (fine && volume)
-            volume[label] = (uint32_t)number;
+            volume[numbering_find(kept, (uint32_t)label)] = (uint32_t)number;
         before = label;
     }
     return fine ? OK
@@ -322,9 +324,8 @@ static void take_column(struct profile *p, unsigned column)
         sum += value;
         p->least = i == 0 || value < p->least ? value : p->least;
         p->most = i == 0 || value > p->most ? value : p->most;
-        p->label[column] = !cell_is_reached(cell) ? '.'
-                           : cell->label > 9      ? '+'
-                                                  : (char)('0' + cell->label);
+        const uint32_t label = numbering_of(&p->session->now.kept, cell->label);
+        p->label[column] = !cell_is_reached(cell) ? '.' : label > 9 ? '+' : (char)('0' + label);
     }
     p->sum += sum;
     p->mean[column] = sum / (double)(end - first);
@@ -488,6 +489,7 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
                          size_t number)
 {
     const struct session *session = act->session;
+    const struct kept *kept = &session->now.kept;
     const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
     struct way way = {0};
     const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
@@ -498,9 +500,9 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
     json_count(json, "voxels", hint->voxels);
     if (!session->geometry.spacing_unknown)
         json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(&session->geometry), 9);
-    json_count(json, "label", hint->label);
+    json_count(json, "label", numbering_of(kept, hint->label));
     json_count(json, "cost", cost);
-    json_count(json, "next_label", hint->other);
+    json_count(json, "next_label", numbering_of(kept, hint->other));
     json_count(json, "next_cost", cost + hint->margin);
     json_count(json, "edge_between", hint->edge);
     json_fixed(json, "certainty", hint->certainty, 0);

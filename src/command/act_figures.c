@@ -55,10 +55,14 @@ static void write_counts(const struct act *act, const struct counts *counts, uns
 enum err act_write_counts(const struct act *act)
 {
     struct counts counts;
+    uint32_t number[256];
+    uint8_t order[256];
     const enum err err = count_labels(&counts, act);
-    for (unsigned label = 0; !err && label < 256; label++)
-        if (counts.voxels[label])
-            write_counts(act, &counts, label);
+    numbering_fill(number, &act->session->now.kept);
+    numbering_order(order, number);
+    for (unsigned i = 0; !err && i < 256; i++)
+        if (counts.voxels[order[i]])
+            write_counts(act, &counts, order[i]);
     return err;
 }
 
@@ -88,10 +92,14 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
     struct buf *text = act_buf(act);
     struct counts counts;
     bool listed[256] = {false};
+    uint32_t number[256];
+    uint8_t order[256];
     const struct tally *tally = &session->tally;
     const bool knows_moves = tally->knows_moves && !labels->finished;
     struct area_weights area;
     area_weights_init(&area, &session->geometry);
+    numbering_fill(number, &session->now.kept);
+    numbering_order(order, number);
     const struct label_report report = {
         .stats = stats,
         .area = &area,
@@ -99,8 +107,7 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
         .lost = knows_moves ? tally->lost : NULL,
         .before = labels->finished ? NULL : session_voxels_before_edit(session),
         .label_name = session->now.kept.label_name,
-        .label_number =
-            numbering_is_used(&session->now.kept) ? session->now.kept.label_number : NULL,
+        .label_number = number,
         .geometry = &session->geometry,
         .levels = session->levels,
         .listed = listed};
@@ -113,7 +120,8 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
         label_report_write_csv(text, &report);
     if (!err)
         err = act_write_report(act, text);
-    for (unsigned label = 0; !err && label < 256; label++) {
+    for (unsigned i = 0; !err && i < 256; i++) {
+        const unsigned label = order[i];
         if (labels->finished)
             counts.voxels[label] = (size_t)stats[label].sums.voxels;
         if (!counts.voxels[label] && !listed[label])
@@ -166,28 +174,41 @@ static enum err get_own_labels(struct compared *compared, const struct act *act,
     return watch_fault(act->session->watch, act->fault);
 }
 
-/* Get the labels of the map. */
-static enum err get_map_labels(struct compared *compared, bool listed[256], const struct act *act)
+/* Get the labels of the map; those that only it has are made in `kept`. */
+static enum err get_map_labels(struct compared *compared, struct kept *kept, bool listed[256],
+                               const struct act *act)
 {
     struct watch *watch = act->session->watch;
     struct volume map = {0};
+    struct regions regions;
     uint16_t *as = NULL;
-    enum err err = act_choose_regions(&as, act, act_value(act, "label"));
-    if (!err && act_has(act, "label"))
-        listed[act_number(act, "label")] = true;
-    else if (!err && act_has(act, "regions"))
-        regions_list(listed, as);
+    enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
     if (!err)
         err = act_read_map(act, &map, NULL);
     if (!err) {
-        const struct map_labels choice = {as, (int)act_number_or(act, "label", LABEL_OWN)};
         buf_add_text(&act->reply->text, map.notes);
+        err = act_prefix_file(act_text(act, "FILE"),
+                              map_to_regions(&map, 0, REGION_MOST, watch, act->fault), act->fault);
+    }
+    if (!err && !act_has(act, "label"))
+        err = act_prefix_file(
+            act_text(act, "FILE"),
+            numbering_admit(kept, &map, &regions, &act->session->markers, act->fault), act->fault);
+    if (!err)
+        err = regions_table(&as, &regions, kept, act->fault);
+    if (!err && act_has(act, "label"))
+        listed[act_number(act, "label")] = true;
+    else if (!err && act_has(act, "regions"))
+        regions_list(listed, &regions, kept);
+    if (!err) {
+        const struct map_labels choice = {as, (int)act_number_or(act, "label", LABEL_OWN)};
         err = act_prefix_file(act_text(act, "FILE"),
                               map_to_labels(&compared->label[1], &map, &choice, watch, act->fault),
                               act->fault);
     }
     volume_release(&map);
     free(as);
+    regions_release(&regions);
     return err;
 }
 
@@ -218,15 +239,13 @@ static enum err write_picture(const struct act *act, const char *which, const st
 }
 
 static enum err answer_comparison(const struct act *act, const struct labels *labels,
-                                  const struct comparison *comparison, const bool *listed)
+                                  const struct comparison *comparison, const struct kept *kept,
+                                  const bool *listed)
 {
     const struct session *session = act->session;
     const char *name = labels->finished ? "the labels here, finished" : "the labels here";
-    const struct comparison_report report = {comparison,
-                                             {name, act_text(act, "FILE")},
-                                             session->now.kept.label_name,
-                                             &session->geometry,
-                                             listed};
+    const struct comparison_report report = {
+        comparison, {name, act_text(act, "FILE")}, kept, &session->geometry, listed};
     const char *file = act_text(act, "report");
     struct buf *text = act_buf(act);
     if (file && file_is_named(file, ".json"))
@@ -250,7 +269,8 @@ enum err act_compare(const struct act *act)
     struct session *session = act->session;
     struct compared compared = {0};
     struct labels labels = {0};
-    bool listed[256] = {false}; /* labels with a name or requested */
+    bool listed[256] = {false};           /* labels with a name or requested */
+    struct kept *kept = &act->next->kept; /* and the labels of the map, which are not applied */
     struct comparison *comparison = mem_new(sizeof *comparison);
     enum err err = comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison");
     if (!err && act_has(act, "at") && !act_has(act, "picture"))
@@ -263,13 +283,13 @@ enum err act_compare(const struct act *act)
         compared.spacing_nm[a] = session->scene->spacing_nm[a];
     }
     if (!err)
-        err = get_map_labels(&compared, listed, act);
+        err = get_map_labels(&compared, kept, listed, act);
     if (!err)
         err = get_own_labels(&compared, act, &labels);
     if (!err)
         err = comparison_make(comparison, &compared, session->team, session->watch, act->fault);
     if (!err)
-        err = answer_comparison(act, &labels, comparison, listed);
+        err = answer_comparison(act, &labels, comparison, kept, listed);
     free(compared.label[0]);
     free(compared.label[1]);
     free(comparison);

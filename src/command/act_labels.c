@@ -244,36 +244,26 @@ static enum err apply_numbers(const struct act *act, const char *list)
         numbering_take(&act->next->kept, &tally, list, &act->session->markers, act->fault);
     if (err)
         return act_prefix_file(act_text(act, "FILE"), err, act->fault);
-    if (tally.regions)
-        buf_printf(
-            out,
-            "%u region%s %s labels %u to %u, in rising order; `save labels` writes their own "
-            "numbers\n",
-            tally.regions, plural(tally.regions), tally.regions == 1 ? "is" : "are",
-            tally.first_label, tally.last_label);
+    if (tally.added)
+        buf_printf(out, "%u region%s of it %s label%s with the file's number%s\n", tally.added,
+                   plural(tally.added), tally.added == 1 ? "is a" : "are", plural(tally.added),
+                   plural(tally.added));
     if (tally.names)
-        buf_printf(out, "%u label%s lost a name that was not the region's\n", tally.names,
+        buf_printf(out, "%u label%s that had only a name made room\n", tally.names,
                    plural(tally.names));
     return OK;
 }
 
-/* If chosen regions are not labels by their numbers, choose labels for them: `numbers` and `as`. */
-static enum err number_regions(struct buf *numbers, uint16_t *as, const struct act *act,
+/* Make labels of the chosen regions that are none: `numbers`. */
+static enum err number_regions(struct buf *numbers, const uint16_t *as, const struct act *act,
                                const struct volume *map)
 {
-    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
-    bool *has = mem_new((REGION_MOST + 1) * sizeof *has);
+    bool *has = map_regions(map);
     if (!has)
         return fault_memory(act->fault, "the regions");
-    for (size_t i = 0; i < voxels; i++)
-        if (map->intensity[i] <= REGION_MOST)
-            has[map->intensity[i]] = true;
     numbering_list(numbers, as, has, &act->session->now.kept);
     free(has);
-    const enum err err = numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
-    if (!err)
-        numbering_translate(as, &act->next->kept);
-    return err;
+    return numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
 }
 
 /* Without `regions`, reject values that are no regions. */
@@ -305,8 +295,8 @@ static enum err read_names(struct label_table *names, const struct act *act, con
 
 /* Replace the numbers of a table by labels, as the map was. Keep only those of labels with voxels,
  * and none for a label of several entries. An entry without a colour has the present one. */
-static void choose_names(struct label_table *names, const struct act *act, const uint16_t *as,
-                         const struct volume *map)
+static void choose_names(struct label_table *names, const struct act *act,
+                         const struct regions *regions, const struct volume *map)
 {
     const size_t voxels = voxels_in(map->size);
     const int64_t one = act_number_or(act, "label", LABEL_OWN);
@@ -317,13 +307,14 @@ static void choose_names(struct label_table *names, const struct act *act, const
         if (map->intensity[i] < 256)
             has[map->intensity[i]] = true;
     for (size_t i = 0; i < names->count; i++) {
-        const uint32_t number = names->entry[i].number;
-        uint32_t label = number && number <= REGION_MOST ? as[number] : REGION_NONE;
-        label = label != REGION_NONE && one != LABEL_OWN ? (uint32_t)one : label;
-        if (label == 0 || label > 255 || !has[label] || entries[label]++)
+        uint32_t number = names->entry[i].number;
+        if (!number || !regions_choose(regions, number, &number))
+            continue;
+        const int64_t label = one == LABEL_OWN ? numbering_find(&act->next->kept, number) : one;
+        if (label <= 0 || !has[label] || entries[label]++)
             continue;
         of[label] = names->entry[i];
-        of[label].number = label;
+        of[label].number = (uint32_t)label;
         if (!of[label].has_colour)
             memcpy(of[label].rgb, act->next->kept.palette.rgb[label], sizeof of->rgb);
         of[label].has_colour = true;
@@ -363,30 +354,41 @@ static enum err read_original(struct volume *map, struct label_table *names, con
                               struct buf *numbers)
 {
     const struct session *session = act->session;
+    const struct kept *kept = &act->next->kept;
     const char *name = act_text(act, "FILE");
     struct map_labels choice = {.label = (int)act_number_or(act, "label", LABEL_OWN)};
+    struct regions regions;
     uint16_t *as = NULL;
     struct buf *text = act_buf(act);
-    enum err err = act_choose_regions(&as, act, act_value(act, "label"));
-    if (!err && !act_has(act, "regions"))
-        as[0] = 0; /* the background */
+    enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
+    if (!err && act_has(act, "as"))
+        err = regions_check(&regions, kept, act->fault);
     if (!err)
         err = act_read_map(act, map, text);
-    choice.as = as;
     if (!err)
         err = act_prefix_file(name, find_regions(map, act), act->fault);
+    if (!err)
+        err = regions_table(&as, &regions, kept, act->fault);
     if (!err && !act_has(act, "as|label"))
         err = number_regions(numbers, as, act, map);
+    if (!err && numbers->length) {
+        free(as);
+        err = regions_table(&as, &regions, kept, act->fault);
+    }
+    if (!err && !act_has(act, "regions"))
+        as[0] = 0; /* the background */
+    choice.as = as;
     if (!err)
         err =
             act_prefix_file(name, map_label(map, &choice, session->watch, act->fault), act->fault);
     if (!err)
         err = read_names(names, act, text);
     if (!err) {
-        choose_names(names, act, as, map);
+        choose_names(names, act, &regions, map);
         buf_add_text(&act->reply->text, map->notes);
     }
     free(as);
+    regions_release(&regions);
     return err;
 }
 
@@ -637,8 +639,10 @@ static enum err plant_pieces(const struct act *act, const struct piece_seeds *se
     }
     voxels_release(&voxels);
     act->next->lists = act->session->now.lists;
+    for (unsigned label = 1; label < 256 && !is_here(act) && !act_has(act, "as|label"); label++)
+        act->next->kept.label_is_region[label] |= seeds->labels[label] > 0;
     if (!err && !kept_equals(&act->next->kept, &act->session->now.kept))
-        err = act_go(act); /* to the labels' own numbers */
+        err = act_go(act); /* to the numbers of the labels */
     if (err)
         return err;
     write_pieces(act, seeds, planting.planted);

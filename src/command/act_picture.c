@@ -313,7 +313,7 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
     const struct journal *journal = act->interp->journal;
     struct buf *steps = act_buf(act), *name = act_buf(act);
     enum err err = OK;
-    finish_write(steps, &act->session->now.kept.finish);
+    numbering_write_finish(steps, &act->session->now.kept);
     if (journal)
         golden_journal_name(name, journal_path(journal));
     if (labels->finished)

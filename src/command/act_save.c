@@ -285,8 +285,8 @@ static enum err make_surface(struct surface **surface, const struct act *act,
     if (err || (*surface)->parts)
         return err;
     return label->given
-               ? fault_set(act->fault, ERR_INPUT, "no voxel has label %lld; nothing was written",
-                           (long long)label->number)
+               ? fault_set(act->fault, ERR_INPUT, "no voxel has label %u; nothing was written",
+                           label->place[0])
                : fault_set(act->fault, ERR_INPUT,
                            "no voxel has a label above 0: plant a `seed` first; nothing was "
                            "written");
@@ -301,7 +301,7 @@ static enum err write_surface(const struct act *act, const struct labels *labels
     export_labels(label, &session->now.kept);
     if (labels->finished) {
         buf_add_text(notes, "finished: ");
-        finish_write(notes, &session->now.kept.finish);
+        numbering_write_finish(notes, &session->now.kept);
     }
     const struct surface_document document = {surface, &session->geometry, label, buf_text(notes)};
     return surface_write(path, how, &document, session->watch, act->fault);
@@ -375,14 +375,12 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     const struct kept *kept = &act->session->now.kept;
     if (format == TABLE_LUT && numbering_is_used(kept))
         return fault_set(act->fault, ERR_USAGE,
-                         "cannot write %s: labels have numbers of their own, and a .lut holds 0 to "
+                         "cannot write %s: labels are numbered by a file, and a .lut holds 0 to "
                          "255; expected .txt, .label, .ctbl, .ctab, .tsv or .nii.txt",
                          path);
     enum err err = session_count_labels(act->session, act->fault);
     for (int l = 0; l < 256; l++)
         used[l] = act->session->tally.voxels[l] > 0 || *kept->label_name[l];
-    if (!err)
-        err = numbering_check(kept, used, act->fault);
     label_table_write(text, &writing, format, &act->session->now.kept, used);
     if (!err)
         err = file_write(path, text->data, text->length, how, act->fault);
@@ -395,7 +393,7 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
         return OK;
     }
     buf_printf(out, "had to be changed to fit; the first is of label %u, in the file ",
-               writing.first_changed);
+               numbering_of(kept, writing.first_changed));
     buf_add_safe_text(out, writing.first_written);
     buf_add_char(out, '\n');
     return OK;

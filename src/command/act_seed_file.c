@@ -32,15 +32,16 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     return err ? err
                : act_prefix_file(act_text(act, "FILE"),
                                  seeds_from_list(seeds, buf_text(text), text->length,
-                                                 &session->scene->grid,
-                                                 session->now.kept.label_name, label_of(act),
-                                                 session->watch, fault),
+                                                 &session->scene->grid, &session->now.kept,
+                                                 label_of(act), session->watch, fault),
                                  fault);
 }
 
 /* Read the parameters about regions; the caller frees the labels `as`. */
 static enum err choose_regions(struct region_choice *choice, uint16_t **as, const struct act *act)
 {
+    const struct kept *kept = &act->session->now.kept;
+    struct regions regions;
     *choice = (struct region_choice){
         .first = REGION_MOST,
         .label = label_of(act),
@@ -48,13 +49,18 @@ static enum err choose_regions(struct region_choice *choice, uint16_t **as, cons
         .each = (uint32_t)act_number(act, "each"),
         .generator = (uint64_t)act_number_or(act, "generator", 1),
     };
-    const enum err err = act_choose_regions(as, act, act_value(act, "label"));
+    enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
+    if (!err && act_has(act, "as"))
+        err = regions_check(&regions, kept, act->fault);
+    if (!err)
+        err = regions_table(as, &regions, kept, act->fault);
     for (uint32_t r = 0; !err && r <= REGION_MOST; r++)
         if ((*as)[r] != REGION_NONE) {
             choice->first = r < choice->first ? r : choice->first;
             choice->last = r;
         }
     choice->as = *as;
+    regions_release(&regions);
     return err;
 }
 

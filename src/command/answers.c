@@ -169,7 +169,9 @@ void volumes_write(struct buf *out, const struct session *session, bool is_finis
         buf_add_text(out, " before finishing");
     for (unsigned i = 0; i < count && i < LISTED_MOST; i++) {
         buf_add_text(out, ", label ");
-        label_report_write_name(out, session, label[i]);
+        const bool is_there = session->tally.voxels[label[i]] > 0;
+        label_report_write_label(out, is_there ? &session->now.kept : &session->former.kept,
+                                 label[i]);
         buf_add_text(out, ": ");
         const uint64_t voxels = session->tally.voxels[label[i]];
         label_report_write_extent(out, session, voxels);
@@ -270,7 +272,7 @@ void act_write_weight(struct buf *out, const struct kept *kept)
         buf_printf(out, "%s%g", form[row->takes].before, choice->argument / form[row->takes].unit);
     for (unsigned label = 0; choice->kind == WEIGHT_POLARITY && label < 256; label++)
         if (kept->polarity[label])
-            buf_printf(out, " %u:%d", label, kept->polarity[label]);
+            buf_printf(out, " %u:%d", numbering_of(kept, label), kept->polarity[label]);
 }
 
 /* "region    mask brain.nii regions 1-90, range 40..1200: 880 of 1320 voxels inside" */
@@ -302,7 +304,7 @@ void act_write_finish(struct buf *out, const struct session *session)
     if (!session->now.kept.finish.count)
         return;
     buf_add_text(out, "finish    ");
-    finish_write(out, &session->now.kept.finish);
+    numbering_write_finish(out, &session->now.kept);
     buf_add_text(out, session->now.outlook.shows_finished ? "; pictures show it\n" : "\n");
 }
 
@@ -404,21 +406,20 @@ void act_write_slices(struct buf *out, struct session *session)
 
 /* ---- the commands ---- */
 
-/* Add a line about labels with other numbers in files. */
+/* Add a line about the labels that exist, if they are numbered. */
 static void write_numbers(struct buf *out, const struct kept *kept)
 {
-    unsigned count = 0, least = UINT16_MAX, most = 0;
+    unsigned count = 0;
+    uint32_t least = UINT32_MAX, most = 0;
     for (unsigned label = 1; label < 256; label++) {
-        const unsigned number = kept->label_number[label];
-        if (!number)
-            continue;
-        least = number < least ? number : least;
+        const uint32_t number = kept->label_number[label];
+        least = number && number < least ? number : least;
         most = number > most ? number : most;
-        count++;
+        count += number > 0;
     }
     if (count)
-        buf_printf(out, "numbers   %u label%s %u to %u in files; `stats` lists them\n", count,
-                   count == 1 ? " is" : "s are", least, most);
+        buf_printf(out, "numbers   %u label%s, %u to %u, of 255; `stats` lists them\n", count,
+                   plural(count), least, most);
 }
 
 /* Add the scene, its part of the file, and the values of the file. */

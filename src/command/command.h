@@ -29,12 +29,13 @@ struct session;
 /* The value of a parameter. */
 struct value {
     bool given;
-    int64_t number; /* choice: its index; DECIMAL: thousandths; COLOUR: 0xrrggbb; RADIUS: voxels or
+    int64_t
+        number; /* LABEL: its index (session/map.h); choice: its index; DECIMAL: thousandths; COLOUR: 0xrrggbb; RADIUS: voxels or
                        nanometres; -1: a plain word */
     struct decimal real[2]; /* REAL: the first; INTERVAL: both ends */
     bool in_mm;             /* RADIUS: it is in millimetres */
     const char *text;       /* the word, if it is a choice or the type is a word */
-    uint32_t place[3];      /* POSITION, in the scene; RANGE: first and last */
+    uint32_t place[3];      /* POSITION, in the scene; RANGE: first and last; LABEL: its number */
     struct label_set set;   /* LABELS */
     const struct polyline
         *line; /* LINE: all of it, with its first corner; not given if it is a single place */
@@ -45,6 +46,7 @@ struct call {
     const struct command *command;       /* NULL for an empty line or a comment */
     struct value value[PARAMETERS_MOST]; /* in the order of the table; look them up by name */
     const char *quotes;                  /* quote characters of this line */
+    const struct kept *kept;             /* the numbers of its labels */
     struct buf store;                    /* owns the words that values point to */
     struct buf settled;                  /* the same for a file name rewritten for the record */
     struct polyline line;                /* the same for the corners of a line */

@@ -339,15 +339,15 @@ static void offer_commands(const struct offers *o)
 static void offer_labels(const struct offers *o, const struct parameter *p)
 {
     struct offers offers = *o;
-    for (int label = (int)p->least; label < 256; label++) {
+    for (unsigned label = (unsigned)p->least; label < 256; label++) {
         const char *name = o->interp->session->now.kept.label_name[label];
         offers.quoted |=
             !p->keyed && *name && starts_so(o, name, strlen(name)) && command_needs_quotes(name);
     }
-    for (int label = (int)p->least; label < 256; label++) {
+    for (unsigned label = (unsigned)p->least; label < 256; label++) {
         const char *name = o->interp->session->now.kept.label_name[label];
         char note[32];
-        snprintf(note, sizeof note, "label %d", label);
+        snprintf(note, sizeof note, "label %u", numbering_of(&o->interp->session->now.kept, label));
         if (!p->keyed || !command_needs_quotes(name))
             offer(&offers, name, strlen(name), note_of(note));
     }

@@ -13,6 +13,7 @@
 #include "command/near.h"
 #include "image/geometry.h"
 #include "journal/record.h"
+#include "session/map.h"
 #include "session/session.h"
 
 const struct command *command_find(const char *name)
@@ -175,15 +176,37 @@ static enum err read_position(struct value *value, const struct parameter *p, co
     return OK;
 }
 
+/* Report that no label has a number, with the nearest one, and how to make it. */
+static enum err report_number(const struct parameter *p, uint32_t number, const struct known *known,
+                              struct fault *fault)
+{
+    const uint32_t nearest = numbering_nearest(known->kept, number, (uint32_t)p->least);
+    const char *name = known->kept->label_name[numbering_find(known->kept, nearest)];
+    return fault_set(fault, ERR_USAGE,
+                     "%s: there is no label %u; the nearest is %u%s%s; `label %u NAME` makes it",
+                     p->name, number, nearest, *name ? " " : "", name, number);
+}
+
+/* A label by its number, or by its name. With `makes`, a number that no label has yet is accepted,
+ * as NUMBER_UNKNOWN. */
 static enum err read_label(struct value *value, const struct parameter *p, const char *word,
                            const struct known *known, struct fault *fault)
 {
+    const bool is_numbered = numbering_is_used(known->kept);
     const char *at = word;
-    if (scan_integer(&at, p->least, 255, &value->number) && *at == '\0')
-        return OK;
-    for (int label = 0; label < 256; label++)
-        if (*word && strcmp(known->kept->label_name[label], word) == 0 && label >= p->least) {
+    int64_t number;
+    if (scan_integer(&at, p->least, UINT32_MAX, &number) && *at == '\0') {
+        value->place[0] = (uint32_t)number;
+        value->number = numbering_find(known->kept, (uint32_t)number);
+        if (value->number >= 0 || p->makes)
+            return OK;
+        if (is_numbered)
+            return report_number(p, (uint32_t)number, known, fault);
+    }
+    for (int label = (int)p->least; label < 256; label++)
+        if (*word && strcmp(known->kept->label_name[label], word) == 0) {
             value->number = label;
+            value->place[0] = numbering_of(known->kept, (unsigned)label);
             return OK;
         }
     const char *choices = p->choices ? p->choices : "";
@@ -191,11 +214,33 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     near_try_choices(&near, choices);
     for (int label = (int)p->least; label < 256; label++)
         near_try(&near, known->kept->label_name[label], strlen(known->kept->label_name[label]));
-    fault_set(fault, ERR_USAGE, "%s: expected %s%sa label %d..255 or the name of one, not %s%s",
-              p->name, choices, *choices ? ", " : "", (int)p->least, word,
-              near.count ? "" : "; name one with `label N NAME`");
+    const char *after = near.count ? "" : "; name one with `label N NAME`";
+    if (is_numbered)
+        fault_set(fault, ERR_USAGE, "%s: expected %s%sthe number or the name of a label, not %s%s",
+                  p->name, choices, *choices ? ", " : "", word, after);
+    else
+        fault_set(fault, ERR_USAGE, "%s: expected %s%sa label %d..255 or the name of one, not %s%s",
+                  p->name, choices, *choices ? ", " : "", (int)p->least, word, after);
     near_append(&near, "", fault);
     return ERR_USAGE;
+}
+
+/* Add the labels with numbers first..last. At least one exists; if labels are not numbered, all. */
+static enum err read_label_range(struct value *value, const struct parameter *p, int64_t first,
+                                 int64_t last, const char *word, const struct known *known,
+                                 struct fault *fault)
+{
+    bool found = false;
+    if (last > 255 && !numbering_is_used(known->kept))
+        return read_label(value, p, word, known, fault);
+    for (unsigned label = 0; label < 256; label++) {
+        const uint32_t number = numbering_of(known->kept, label);
+        if ((label && !number) || number < first || number > last)
+            continue;
+        label_set_add(&value->set, (uint8_t)label);
+        found = true;
+    }
+    return found ? OK : report_number(p, (uint32_t)first, known, fault);
 }
 
 /* Read labels with commas between them, each a number, a range A-B or a name. */
@@ -213,15 +258,14 @@ static enum err read_labels(struct value *value, const struct parameter *p, cons
         number = buf_text(&item);
         if (item.failed)
             err = fault_memory(fault, "a command");
-        else if (!scan_range(&number, 0, 255, &first, &last) || *number) {
-            err = read_label(value, p, buf_text(&item), known, fault);
-            first = last = value->number;
-        }
-        for (; !err && first <= last; first++)
-            label_set_add(&value->set, (uint8_t)first);
+        else if (scan_range(&number, 0, UINT32_MAX, &first, &last) && !*number)
+            err = read_label_range(value, p, first, last, buf_text(&item), known, fault);
+        else if (!(err = read_label(value, p, buf_text(&item), known, fault)))
+            label_set_add(&value->set, (uint8_t)value->number);
         at += length;
     }
     value->number = 0;
+    value->place[0] = 0;
     buf_release(&item);
     return err;
 }
@@ -522,7 +566,7 @@ enum err command_parse_by(struct call *call, const char *line, const struct sess
     const struct known known = {session, kept};
     unsigned count, wrong;
     const char *at = line;
-    *call = (struct call){.quotes = COMMAND_QUOTES};
+    *call = (struct call){.quotes = COMMAND_QUOTES, .kept = kept};
     scan_blanks(&at);
     if (*at == '#')
         return OK;
@@ -692,16 +736,21 @@ void command_write_word(struct buf *out, const char *word)
     buf_add_char(out, '"');
 }
 
-static void write_value(struct buf *out, const struct parameter *p, const struct value *value)
+static void write_value(struct buf *out, const struct call *call, const struct parameter *p,
+                        const struct value *value)
 {
+    uint32_t number[256];
     const struct decimal part = decimal_of(value->number, value->in_mm ? 6 : 3);
     if (value->text)
         command_write_word(out, value->text);
     else if (p->type == VALUE_PARTS)
         setting_write_parts(out, p->choices, value->number);
-    else if (p->type == VALUE_LABELS)
-        label_set_write(out, &value->set);
-    else if (p->type == VALUE_POSITION)
+    else if (p->type == VALUE_LABEL)
+        buf_printf(out, "%u", value->place[0]);
+    else if (p->type == VALUE_LABELS) {
+        numbering_fill(number, call->kept);
+        numbering_write_set(out, number, &value->set);
+    } else if (p->type == VALUE_POSITION)
         buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
     else if (p->type == VALUE_RANGE && value->place[0] == value->place[1])
         buf_printf(out, "%u", value->place[0]);
@@ -746,6 +795,6 @@ void command_write(struct buf *out, const struct call *call)
         buf_add_char(out, ' ');
         if (p[i].keyed)
             buf_printf(out, "%s=", p[i].name);
-        write_value(out, &p[i], value);
+        write_value(out, call, &p[i], value);
     }
 }

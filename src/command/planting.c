@@ -121,6 +121,7 @@ static void warn_of_grown(const struct act *act)
 
 enum err act_write_planting(const struct act *act, const struct planting *planting)
 {
+    const struct kept *kept = &act->session->now.kept;
     if (!planting->planted && planting->outside)
         return fault_set(
             act->fault, ERR_INPUT,
@@ -134,7 +135,7 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
         return fault_set(act->fault, ERR_INPUT,
                          "all of the shell is in objects other than the one inside, label %u; "
                          "around=LABEL names the object; nothing was planted",
-                         planting->inside);
+                         numbering_of(kept, planting->inside));
     if (!planting->planted && planting->spared)
         return fault_set(act->fault, ERR_INPUT,
                          "over, keep: no voxel of it has a label that may change; nothing was "
@@ -550,7 +551,7 @@ static enum err plant_shell(const struct act *act, struct voxels *voxels, const 
                         "shell: label %u is also the label of the object inside; a shell has the "
                         "label of the surroundings, and around=LABEL names the object; nothing "
                         "was planted",
-                        planting.inside);
+                        numbering_of(&act->session->now.kept, planting.inside));
     if (!err)
         err = plant_all(act, &planting, voxels, label);
     voxels_release(voxels);
@@ -724,9 +725,9 @@ enum err act_seed(const struct act *act)
         return plant_hollow_ball(act);
     if (act_has(act, "joined") && !can_join(act))
         return fault_set(act->fault, ERR_USAGE,
-                         "joined: the previous command did not plant seeds of label %lld; nothing "
+                         "joined: the previous command did not plant seeds of label %u; nothing "
                          "was planted",
-                         (long long)act_number(act, "LABEL"));
+                         act_place(act, "LABEL")[0]);
     const bool is_ball = !act_has(act, "to|joined") && act_value(act, "radius")->number > 0;
     const bool grows =
         act_has(act, "over|keep") && (is_confined || (is_ball && !act_has(act, "within")));
@@ -981,9 +982,9 @@ static enum err plant_object(struct search *s)
     if (!s->voxels.count)
         return fault_set(
             act->fault, ERR_INPUT,
-            "no seed of label %d is in a voxel of this range; plant one there, or name a "
+            "no seed of label %u is in a voxel of this range; plant one there, or name a "
             "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
-            s->label);
+            act_place(act, "LABEL")[0]);
     enum err err = act_begin_exact(&s->planting, act, &s->voxels, NULL, 0);
     if (!err)
         err = act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label);

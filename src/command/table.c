@@ -248,15 +248,19 @@ static const struct command command_table[] = {
      "`mask`, both apply.",
      "range 40 1200.5"},
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
-     {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD, .is_kept = true),
-      MAY("COLOUR", VALUE_COLOUR), KEYED("number", VALUE_NUMBER, .least = 1, .most = REGION_MOST)},
+     {NEED("LABEL", VALUE_LABEL, .most = 255, .makes = true),
+      NEED("NAME", VALUE_WORD, .is_kept = true), MAY("COLOUR", VALUE_COLOUR),
+      KEYED("number", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N")},
      "set the name and colour of a label",
      "Label 0 is the background. Quote a name of several words, as in \"left hemi\".\n"
-     "number: the value of the label in files of `save labels`; by default the label itself.",
+     "LABEL may be a new number up to 4294967295; at most 255 labels exist at a time. After the "
+     "first number above 255, here or in a file of `labels`, a number exists only if it is "
+     "planted, has a name, or came with a file; other commands reject further ones.\n"
+     "number: give the label another number.",
      "label 2 cerebellum #40c060"},
     {COMMAND("label-file", act_label_file, GROUP_SEEDS, R),
-     {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
-      KEYED("as", VALUE_LIST, .least = 1, .most = 255)},
+     {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = UINT32_MAX),
+      KEYED("as", VALUE_LIST, .least = 1, .most = UINT32_MAX)},
      "read names and colours of labels from a table",
      "A label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, a dseg.tsv of "
      "BIDS, or the .nii.txt or .lut next to an atlas of mricron. The number of an entry is its "
@@ -319,7 +323,7 @@ static const struct command command_table[] = {
      "outline 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
-      KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),
+      KEYED("regions", VALUE_LIST, .most = UINT32_MAX), KEYED("as", VALUE_LIST, .most = UINT32_MAX),
       KEYED("erode", VALUE_NUMBER, .most = 9),
       KEYED("each", VALUE_NUMBER, .least = 1, .most = 100000),
       KEYED("generator", VALUE_NUMBER, .most = 99999), OF_MAP, EXACT},
@@ -336,11 +340,11 @@ static const struct command command_table[] = {
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "here"),
-      KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),
+      KEYED("regions", VALUE_LIST, .most = UINT32_MAX), KEYED("as", VALUE_LIST, .most = UINT32_MAX),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), FINISHED,
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST, .added = true),
       KEYED("copy", VALUE_WORD, .is_kept = true, .form = "DIGEST", .added = true), OF_MAP,
-      KEYED("numbers", VALUE_LIST, .least = 1, .most = REGION_MOST, .added = true),
+      KEYED("numbers", VALUE_LIST, .least = 1, .most = UINT32_MAX, .added = true),
       KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000),
       KEYED("rest", VALUE_CHOICE, .choices = "background|none")},
      "start from a segmentation, and correct it",
@@ -356,16 +360,17 @@ static const struct command command_table[] = {
      "The names and colours in a .seg.nrrd, .nii, .nii.gz or .mgz become those of labels that have "
      "none; the journal's copy keeps them.\n"
      "regions: the values of the map; all unless given. Other voxels are background.\n"
-     "as: their labels, one for each of `regions`. Without it, if a region is not a label 1..255, "
-     "up to 255 regions become labels in rising order; `label-file` and `save labels` still use "
-     "the values of the map.\n"
+     "as: their labels, one for each of `regions`. Without it, a region is the label of its "
+     "number, "
+     "up to 4294967295; at most 255 labels exist at a time. A region is rejected if a label of its "
+     "number was planted by other commands.\n"
      "label: one label for all regions except the background.\n"
      "erode: rounds, 0 unless given; each removes the voxels that have a face neighbour of "
      "another label, so that borders are recomputed. A piece that would vanish keeps its "
      "innermost voxels.\n"
      "copy: the digest of the journal's own copy of the labels, which makes FILE unnecessary; "
      "added to the record.\n"
-     "numbers: the regions that became labels in rising order; added to the record.\n"
+     "numbers: the regions, if some of their numbers are above 255; added to the record.\n"
      "least: omit pieces of fewer voxels; the surrounding trees grow into them.\n"
      "rest: none leaves other voxels without seeds; the surrounding trees grow into them." MAP_NOTE,
      "labels model.nii.gz erode=3"},
@@ -629,7 +634,7 @@ static const struct command command_table[] = {
      "Writes a map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as "
      ".seg.nrrd, a segmentation of 3D Slicer, as .nii, .nii.gz or .mgz have the names and colours "
      "of labels.\n"
-     "labels: uint8, or uint16 if labels have numbers above 255 (`labels`). A voxel that no seed "
+     "labels: uint8, or uint16 or uint32 for numbers above 255. A voxel that no seed "
      "reaches is 0; the answer has the number of these voxels.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
      "root: uint32, the voxel index of the seed; 4294967295 where no seed reaches.\n"
@@ -744,8 +749,8 @@ static const struct command command_table[] = {
      "report: write the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S | A),
-     {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
-      KEYED("as", VALUE_LIST, .least = 1, .most = 255),
+     {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = UINT32_MAX),
+      KEYED("as", VALUE_LIST, .least = 1, .most = UINT32_MAX),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
       KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
       YES_NO("replace"), FINISHED, OF_MAP},

@@ -68,7 +68,7 @@ enum err finish_check(const struct finish_list *list, const struct scene *scene,
 
 /* ---- text form ---- */
 
-void finish_write(struct buf *out, const struct finish_list *list)
+void finish_write(struct buf *out, const struct finish_list *list, const uint32_t number[256])
 {
     for (uint32_t i = 0; i < list->count; i++) {
         buf_add_text(out, i ? ", " : "");
@@ -84,7 +84,7 @@ void finish_write(struct buf *out, const struct finish_list *list)
         else if (row->takes == FINISH_TAKES_SWEEPS)
             buf_printf(out, " sweeps=%u reach=%u", step->argument, step->reach);
         if (step->label != FINISH_ALL_LABELS)
-            buf_printf(out, " label=%u", step->label);
+            buf_printf(out, " label=%u", number[step->label]);
     }
     if (!list->count)
         buf_add_text(out, "none");

@@ -165,8 +165,8 @@ enum err finish_make(uint8_t **label, const struct finish_list *list, const stru
  * of interest change. */
 bool finish_uses_seeds(const struct finish_list *list);
 
-/* Append "majority radius=1, largest label=2", or "none". */
-void finish_write(struct buf *out, const struct finish_list *list);
+/* Append "majority radius=1, largest label=2", or "none"; `number` has the numbers of labels. */
+void finish_write(struct buf *out, const struct finish_list *list, const uint32_t number[256]);
 
 /* ---- for the files of steps ---- */
 

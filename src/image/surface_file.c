@@ -319,7 +319,8 @@ static void write_vtp(struct output *out)
     uint64_t offset = 0;
     unsigned label_bytes = 1;
     for (unsigned p = 0; p < s->parts; p++)
-        label_bytes = number_of(out, s->part[p].label) > 255 ? 2 : label_bytes;
+        while (number_of(out, s->part[p].label) >> (8 * label_bytes - 1) >> 1)
+            label_bytes *= 2;
     buf_printf(&out->bytes,
                "<?xml version=\"1.0\"?>\n"
                "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
@@ -331,7 +332,11 @@ static void write_vtp(struct output *out)
     put_array(out, "Float32", "Points", 3, &offset, 12 * points);
     buf_add_text(&out->bytes, "</Points>\n<PointData Scalars=\"colour\">\n");
     put_array(out, "UInt8", "colour", 3, &offset, 3 * points);
-    put_array(out, label_bytes > 1 ? "UInt16" : "UInt8", "label", 1, &offset, label_bytes * points);
+    put_array(out,
+              label_bytes > 2   ? "UInt32"
+              : label_bytes > 1 ? "UInt16"
+                                : "UInt8",
+              "label", 1, &offset, label_bytes * points);
     buf_add_text(&out->bytes, "</PointData>\n<Polys>\n");
     put_array(out, "Int64", "connectivity", 1, &offset, 24 * triangles);
     put_array(out, "Int64", "offsets", 1, &offset, 8 * triangles);

@@ -166,7 +166,7 @@ struct volume_header {
 struct volume_label {
     const char *name; /* "" for none */
     uint8_t rgb[3];
-    uint16_t number; /* value of its voxels in the map; 0 for the background, and for none */
+    uint32_t number; /* value of its voxels in the map; 0 for the background, and for none */
     bool used;       /* a voxel has it */
 };
 

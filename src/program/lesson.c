@@ -209,6 +209,8 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
     if (!err)
         err = map_read(&map, buf_text(&path), &place, watch, fault);
     if (!err)
+        err = map_to_regions(&map, 0, REGION_MOST, watch, fault);
+    if (!err)
         err = map_to_labels(&lesson->truth, &map, &choice, watch, fault);
     memcpy(lesson->size, place.grid->size, sizeof lesson->size);
     volume_release(&map);

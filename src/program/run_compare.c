@@ -21,7 +21,8 @@ enum { PICTURE_SIDE = 1024 };
 /* Both maps, and their grid. */
 struct pair {
     const struct options *options;
-    uint16_t *as;            /* label of each value of both maps (session/map.h) */
+    struct regions regions;  /* of both maps (session/map.h) */
+    struct kept kept;        /* the numbers of their labels */
     struct session *session; /* for pictures */
     struct grid grid;
     struct geometry geometry;
@@ -31,12 +32,21 @@ struct pair {
 
 /* ---- maps ---- */
 
+/* Convert a map; labels that no map before it has are made. */
 static enum err take_labels(struct pair *pair, int side, struct volume *map, struct fault *fault)
 {
     const struct options *o = pair->options;
-    const struct map_labels choice = {pair->as, o->binary ? 1 : LABEL_OWN};
-    const enum err err =
-        map_to_labels(&pair->compared.label[side], map, &choice, console_watch(), fault);
+    struct map_labels choice = {.label = o->binary ? 1 : LABEL_OWN};
+    uint16_t *as = NULL;
+    enum err err = map_to_regions(map, 0, REGION_MOST, console_watch(), fault);
+    if (!err && !o->binary)
+        err = numbering_admit(&pair->kept, map, &pair->regions, NULL, fault);
+    if (!err)
+        err = regions_table(&as, &pair->regions, &pair->kept, fault);
+    choice.as = as;
+    if (!err)
+        err = map_to_labels(&pair->compared.label[side], map, &choice, console_watch(), fault);
+    free(as);
     return err ? fault_prefix(fault, err, "%s", o->word[side]) : OK;
 }
 
@@ -117,17 +127,16 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
 
 static enum err compare_pair(struct pair *pair, struct team *team, struct fault *fault)
 {
-    static const char no_name[256][LABEL_NAME_BYTES];
     const struct options *o = pair->options;
     struct buf text = {0};
     bool listed[256] = {false};
     const struct comparison_report report = {
-        &pair->comparison, {o->word[0], o->word[1]}, no_name, &pair->geometry, listed};
-    if (o->regions && !o->binary) /* requested labels have a row */
-        regions_list(listed, pair->as);
+        &pair->comparison, {o->word[0], o->word[1]}, &pair->kept, &pair->geometry, listed};
     enum err err = o->picture || o->surface ? open_scene(pair, fault) : read_first(pair, fault);
     if (!err)
         err = read_map(pair, 1, fault);
+    if (o->regions && !o->binary) /* requested labels have a row */
+        regions_list(listed, &pair->regions, &pair->kept);
     for (int a = 0; a < 3 && !err; a++) {
         pair->compared.size[a] = pair->grid.size[a];
         pair->compared.spacing_nm[a] = pair->geometry.spacing_nm[a];
@@ -170,7 +179,7 @@ enum err run_compare(const struct options *o, struct fault *fault)
         return fault_memory(fault, "a comparison");
     pair->options = o;
     console_handle_interrupts();
-    err = regions_new(&pair->as, o->regions, o->as, fault);
+    err = regions_read(&pair->regions, o->regions, o->as, fault);
     if (!err)
         err = team_new(&team, team_size_wanted(), fault);
     if (!err)
@@ -178,7 +187,7 @@ enum err run_compare(const struct options *o, struct fault *fault)
     session_free(pair->session);
     free(pair->compared.label[0]);
     free(pair->compared.label[1]);
-    free(pair->as);
+    regions_release(&pair->regions);
     team_free(team);
     free(pair);
     return err;

@@ -13,35 +13,9 @@
 #include "base/mem.h"
 #include "base/scan.h"
 
-enum { LABELS = 256, OTHER = REGION_NONE - 1 };
+enum { LABELS = 256 };
 
-/* Return the label with this own number, or LABELS. */
-static unsigned kept_label(const struct kept *kept, uint32_t number)
-{
-    unsigned label = number ? 1 : LABELS;
-    while (label < LABELS && kept->label_number[label] != number)
-        label++;
-    return label;
-}
-
-uint16_t numbering_of(const struct kept *kept, unsigned label)
-{
-    return kept->label_number[label]          ? kept->label_number[label]
-           : kept_label(kept, label) < LABELS ? 0
-                                              : (uint16_t)label;
-}
-
-void numbering_translate(uint16_t *as, const struct kept *kept)
-{
-    for (unsigned label = 1; label < LABELS; label++)
-        if (kept->label_number[label] && as[label] == label)
-            as[label] = OTHER;
-    for (unsigned label = 1; label < LABELS; label++) {
-        const uint16_t number = kept->label_number[label];
-        if (number && as[number] != REGION_NONE)
-            as[number] = (uint16_t)label;
-    }
-}
+/* ---- numbers of labels ---- */
 
 bool numbering_is_used(const struct kept *kept)
 {
@@ -49,6 +23,125 @@ bool numbering_is_used(const struct kept *kept)
     for (unsigned label = 1; label < LABELS; label++)
         is_used |= kept->label_number[label] > 0;
     return is_used;
+}
+
+uint32_t numbering_of(const struct kept *kept, unsigned label)
+{
+    return kept->label_number[label] || numbering_is_used(kept) ? kept->label_number[label] : label;
+}
+
+int numbering_find(const struct kept *kept, uint32_t number)
+{
+    if (number == 0)
+        return 0;
+    for (int label = 1; label < LABELS; label++)
+        if (kept->label_number[label] == number)
+            return label;
+    return number < LABELS && !numbering_is_used(kept) ? (int)number : NUMBER_UNKNOWN;
+}
+
+uint32_t numbering_nearest(const struct kept *kept, uint32_t number, uint32_t least)
+{
+    uint32_t nearest = least, most = UINT32_MAX;
+    for (unsigned label = least > 0; label < LABELS; label++) {
+        const uint32_t is = numbering_of(kept, label),
+                       far = is > number ? is - number : number - is;
+        if ((is || !label) && is >= least && far < most) {
+            nearest = is;
+            most = far;
+        }
+    }
+    return nearest;
+}
+
+void numbering_fill(uint32_t number[LABELS], const struct kept *kept)
+{
+    const bool is_used = numbering_is_used(kept);
+    for (unsigned label = 0; label < LABELS; label++)
+        number[label] = is_used ? kept->label_number[label] : label;
+}
+
+void numbering_order(uint8_t order[LABELS], const uint32_t number[LABELS])
+{
+    order[0] = 0;
+    for (unsigned label = 1; label < LABELS; label++) {
+        unsigned at = label; /* a label without a number is behind all others */
+        for (; at > 1 && number[order[at - 1]] - 1 > number[label] - 1; at--)
+            order[at] = order[at - 1];
+        order[at] = (uint8_t)label;
+    }
+}
+
+void numbering_write_set(struct buf *out, const uint32_t number[LABELS],
+                         const struct label_set *set)
+{
+    uint8_t order[LABELS];
+    const char *comma = "";
+    numbering_order(order, number);
+    for (unsigned i = 0, end; i < LABELS; i = end) {
+        end = i + 1;
+        if (!label_set_has(set, order[i]) || (i && !number[order[i]]))
+            continue;
+        while (end < LABELS && label_set_has(set, order[end]) &&
+               number[order[end]] == number[order[end - 1]] + 1)
+            end++;
+        buf_printf(out, "%s%u", comma, number[order[i]]);
+        if (end > i + 1)
+            buf_printf(out, "-%u", number[order[end - 1]]);
+        comma = ",";
+    }
+}
+
+void numbering_write_finish(struct buf *out, const struct kept *kept)
+{
+    uint32_t number[LABELS];
+    numbering_fill(number, kept);
+    finish_write(out, &kept->finish, number);
+}
+
+/* Find the labels that are planted. */
+static void find_planted(bool planted[LABELS], const struct markers *markers)
+{
+    memset(planted, 0, LABELS * sizeof *planted);
+    for (size_t i = 0; markers && i < markers->count; i++)
+        if (markers->marker[i].is_valid && markers->marker[i].label > 0)
+            planted[markers->marker[i].label] = true;
+}
+
+/* Begin numbered labels: those that are planted, have a name or came with a file exist. */
+static void begin_numbers(struct kept *kept, const struct markers *markers)
+{
+    bool planted[LABELS];
+    if (numbering_is_used(kept))
+        return;
+    find_planted(planted, markers);
+    for (unsigned label = 1; label < LABELS; label++)
+        if (planted[label] || *kept->label_name[label] || kept->label_is_region[label])
+            kept->label_number[label] = label;
+}
+
+int numbering_add(struct kept *kept, uint32_t number, const struct markers *markers)
+{
+    int label = 1;
+    begin_numbers(kept, markers);
+    if (number < LABELS && !kept->label_number[number])
+        label = (int)number;
+    while (label < LABELS && kept->label_number[label])
+        label++;
+    if (label == LABELS)
+        return NUMBER_UNKNOWN;
+    kept->label_number[label] = number;
+    return label;
+}
+
+bool numbering_change(struct kept *kept, int label, uint32_t number, const struct markers *markers)
+{
+    const uint32_t former = numbering_of(kept, (unsigned)label);
+    begin_numbers(kept, markers);
+    kept->label_number[label] = former;
+    const int other = numbering_find(kept, number);
+    kept->label_number[label] = number;
+    return other == label || other == NUMBER_UNKNOWN;
 }
 
 static bool is_chosen(const uint16_t *as, const bool *has, uint32_t r)
@@ -59,16 +152,14 @@ static bool is_chosen(const uint16_t *as, const bool *has, uint32_t r)
 void numbering_list(struct buf *list, const uint16_t *as, const bool has[REGION_MOST + 1],
                     const struct kept *kept)
 {
-    const bool takes_all = !numbering_is_used(kept);
-    bool is_needed = false;
+    bool is_needed = numbering_is_used(kept);
     for (uint32_t r = 1; r <= REGION_MOST; r++)
-        is_needed |= is_chosen(as, has, r) && as[r] >= LABELS;
+        is_needed |= is_chosen(as, has, r) && as[r] == REGION_UNKNOWN;
     for (uint32_t r = 1, last; is_needed && r <= REGION_MOST; r = last + 1) {
         last = r;
-        if (!is_chosen(as, has, r) || (!takes_all && as[r] < LABELS))
+        if (!is_chosen(as, has, r))
             continue;
-        while (last < REGION_MOST && is_chosen(as, has, last + 1) &&
-               (takes_all || as[last + 1] >= LABELS))
+        while (last < REGION_MOST && is_chosen(as, has, last + 1))
             last++;
         buf_printf(list, list->length ? ",%u" : "%u", r);
         if (last > r)
@@ -76,21 +167,54 @@ void numbering_list(struct buf *list, const uint16_t *as, const bool has[REGION_
     }
 }
 
+bool *map_regions(const struct volume *map)
+{
+    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
+    bool *has = mem_new((REGION_MOST + 1) * sizeof *has);
+    for (size_t i = 0; has && i < voxels; i++)
+        if (map->intensity[i] <= REGION_MOST)
+            has[map->intensity[i]] = true;
+    return has;
+}
+
 /* ---- numbering by a list ---- */
 
-static enum err refuse(const char *list, unsigned fits, struct fault *fault)
+/* The numbers of a list, in order. */
+struct numbers {
+    const char *at;
+    int64_t next, last;
+};
+
+static struct numbers numbers_of(const char *list)
 {
-    int64_t first, last;
-    uint32_t count = 0, low = 0, high = 0;
-    for (const char *at = list; scan_list_range(&at, 0, REGION_MOST, &first, &last);)
-        for (int64_t r = first; r <= last; r++, count++) {
-            low = count == 0 ? (uint32_t)r : low;
-            high = count < fits ? (uint32_t)r : high;
+    return (struct numbers){list, 1, 0};
+}
+
+static bool take_number(struct numbers *numbers, uint32_t *number)
+{
+    if (numbers->next > numbers->last &&
+        !scan_list_range(&numbers->at, 0, UINT32_MAX, &numbers->next, &numbers->last))
+        return false;
+    *number = (uint32_t)numbers->next++;
+    return true;
+}
+
+/* The list holds more regions than labels were left for those that are none yet. */
+static enum err refuse_list(const struct kept *kept, const char *list, unsigned fits,
+                            struct fault *fault)
+{
+    struct numbers numbers = numbers_of(list);
+    unsigned count = 0;
+    uint32_t low = 0, high = 0;
+    for (uint32_t r; take_number(&numbers, &r); count++)
+        if (numbering_find(kept, r) != NUMBER_UNKNOWN && count == (high ? count : 0)) {
+            low = low ? low : r;
+            high = r;
         }
     if (fits == 0)
         return fault_set(fault, ERR_INPUT,
-                         "it has %u regions that are no labels yet, and no label is free; nothing "
-                         "was planted",
+                         "it has %u regions, some of which are no labels yet, and no label is "
+                         "free; nothing was planted",
                          count);
     return fault_set(fault, ERR_INPUT,
                      "it has %u regions, and labels for %u are free; choose some, as in "
@@ -98,46 +222,54 @@ static enum err refuse(const char *list, unsigned fits, struct fault *fault)
                      count, fits, low, high);
 }
 
+/* Take a label that only has a name. */
+static int take_named(struct kept *kept, uint32_t number, const bool planted[LABELS])
+{
+    int label = 1;
+    while (label < LABELS && (planted[label] || kept->label_is_region[label]))
+        label++;
+    if (label == LABELS)
+        return NUMBER_UNKNOWN;
+    memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
+    kept->label_number[label] = number;
+    return label;
+}
+
 enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const char *list,
                         const struct markers *markers, struct fault *fault)
 {
-    bool is_free[LABELS];
-    unsigned label = 1, fits = 0;
-    int64_t first, last;
+    bool planted[LABELS];
+    struct numbers numbers = numbers_of(list);
+    find_planted(planted, markers);
     *tally = (struct numbering_tally){0};
-    for (unsigned l = 0; l < LABELS; l++)
-        is_free[l] = l && !kept->label_number[l];
-    for (size_t i = 0; i < markers->count; i++)
-        if (markers->marker[i].is_valid && markers->marker[i].label > 0)
-            is_free[markers->marker[i].label] = false;
-    for (unsigned l = 0; l < LABELS; l++)
-        fits += is_free[l];
-    for (const char *at = list; scan_list_range(&at, 1, REGION_MOST, &first, &last);)
-        for (int64_t r = first; r <= last; r++) {
-            if (kept_label(kept, (uint32_t)r) < LABELS)
-                continue;
-            while (label < LABELS && !is_free[label])
-                label++;
-            if (label == LABELS)
-                return refuse(list, fits, fault);
-            tally->names += *kept->label_name[label] != '\0';
-            memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
-            kept->label_number[label] = (uint16_t)r;
-            tally->first_label = tally->regions++ ? tally->first_label : label;
-            tally->last_label = label++;
-        }
-    return OK;
-}
-
-enum err numbering_check(const struct kept *kept, const bool used[256], struct fault *fault)
-{
-    for (unsigned label = 1; label < LABELS; label++) {
-        const unsigned other = kept_label(kept, label);
-        if (used[label] && !kept->label_number[label] && other < LABELS)
+    for (uint32_t r; take_number(&numbers, &r);) {
+        const int label = numbering_find(kept, r);
+        if (label > 0 && planted[label] && !kept->label_is_region[label])
             return fault_set(fault, ERR_INPUT,
-                             "label %u would be %u in a file, and that is the number of label %u; "
-                             "`label %u NAME number=N` sets another number; nothing was written",
-                             label, label, other, label);
+                             "its region %u has the number of a label that was planted here: "
+                             "`label %u NAME number=N` gives that one another number, or choose "
+                             "regions and their labels, as in regions=%u as=%u; nothing was "
+                             "planted",
+                             r, r, r, r);
+        if (label == NUMBER_UNKNOWN)
+            continue;
+        tally->added += !kept->label_is_region[label];
+        kept->label_is_region[label] = true;
+    }
+    numbers = numbers_of(list);
+    for (uint32_t r; take_number(&numbers, &r);) {
+        int label = numbering_find(kept, r);
+        if (label != NUMBER_UNKNOWN)
+            continue;
+        label = numbering_add(kept, r, markers);
+        if (label == NUMBER_UNKNOWN) {
+            label = take_named(kept, r, planted);
+            tally->names += label != NUMBER_UNKNOWN;
+        }
+        if (label == NUMBER_UNKNOWN)
+            return refuse_list(kept, list, tally->added, fault);
+        kept->label_is_region[label] = true;
+        tally->added++;
     }
     return OK;
 }
@@ -357,19 +489,19 @@ enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struc
 enum err map_refuse_region(uint32_t region, struct fault *fault)
 {
     return fault_set(fault, ERR_INPUT,
-                     "region %u of the map is no label 0..255; choose regions and their labels, as "
-                     "in regions=%u,%u as=1,2, or give all one label with label=; nothing has "
-                     "changed",
-                     region, region, region + 1);
+                     "region %u of the map is no label; `label %u NAME` makes it one; or choose "
+                     "regions and their labels, as in regions=%u,%u as=1,2, or give all one label "
+                     "with label=; nothing has changed",
+                     region, region, region, region + 1);
 }
 
 /* REGION_NONE if it is not chosen; the result may exceed a label. */
 static uint32_t label_of(const struct map_labels *choice, uint16_t region)
 {
-    const uint32_t as = region == REGION_NONE ? REGION_NONE
-                        : choice->as          ? choice->as[region]
-                        : region              ? region
-                                              : REGION_NONE;
+    const uint32_t as = region > REGION_MOST ? REGION_NONE
+                        : choice->as         ? choice->as[region]
+                        : region             ? region
+                                             : REGION_NONE;
     return as == REGION_NONE || !region || choice->label == LABEL_OWN ? as
                                                                       : (uint32_t)choice->label;
 }
@@ -405,8 +537,7 @@ enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_lab
 {
     const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
     *label = NULL;
-    enum err err = map_to_regions(map, 0, REGION_MOST, watch, fault);
-    err = err ? err : map_label(map, choice, watch, fault);
+    const enum err err = map_label(map, choice, watch, fault);
     if (err)
         return err;
     uint8_t *made = *label = mem_array(voxels, 1);
@@ -424,69 +555,160 @@ enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *f
 
 /* ---- chosen regions ---- */
 
-/* The numbers of a list, in order. */
-struct numbers {
-    const char *at;
-    int64_t next, last;
-};
-
-static struct numbers numbers_of(const char *list)
+void regions_release(struct regions *regions)
 {
-    return (struct numbers){list, 1, 0};
+    free(regions->range);
+    *regions = (struct regions){0};
 }
 
-static bool take_number(struct numbers *numbers, int64_t *number)
+static int compare_ranges(const void *a, const void *b)
 {
-    if (numbers->next > numbers->last &&
-        !scan_list_range(&numbers->at, 0, REGION_MOST, &numbers->next, &numbers->last))
-        return false;
-    *number = numbers->next++;
-    return true;
+    const struct region_range *x = a, *y = b;
+    return (x->first > y->first) - (x->first < y->first);
 }
 
-static enum err pair_up(uint16_t *as, const char *regions, const char *labels, struct fault *fault)
+/* Take as many regions as have labels one after another. */
+static enum err pair_up(struct regions *regions, const char *list, const char *as,
+                        struct fault *fault)
 {
-    struct numbers region = numbers_of(regions), label = numbers_of(labels ? labels : regions);
-    int64_t r, l;
-    while (take_number(&region, &r)) {
-        if (as[r] != REGION_NONE)
-            return fault_set(fault, ERR_USAGE, "regions: %lld is listed twice", (long long)r);
-        if (!take_number(&label, &l))
+    int64_t first = 1, last = 0, label = 1, last_label = 0;
+    size_t capacity = 0;
+    while (first <= last || scan_list_range(&list, 0, UINT32_MAX, &first, &last)) {
+        if (!as)
+            label = first, last_label = last;
+        else if (label > last_label && !scan_list_range(&as, 0, UINT32_MAX, &label, &last_label))
             return fault_set(fault, ERR_USAGE,
                              "as: expected a label for each of `regions`; labels are missing from "
                              "region %lld on",
-                             (long long)r);
-        as[r] = (uint16_t)l;
+                             (long long)first);
+        const int64_t more = last - first < last_label - label ? last - first : last_label - label;
+        if (!mem_grow(&regions->range, &capacity, regions->count + 1, sizeof *regions->range))
+            return fault_memory(fault, "the regions");
+        regions->range[regions->count++] =
+            (struct region_range){(uint32_t)first, (uint32_t)(first + more), (uint32_t)label};
+        first += more + 1;
+        label += more + 1;
     }
-    if (take_number(&label, &l))
+    if (as && (label <= last_label || scan_list_range(&as, 0, UINT32_MAX, &label, &last_label)))
         return fault_set(fault, ERR_USAGE, "as: label %lld and those after it have no region",
-                         (long long)l);
+                         (long long)label);
+    qsort(regions->range, regions->count, sizeof *regions->range, compare_ranges);
+    for (size_t i = 1; i < regions->count; i++)
+        if (regions->range[i].first <= regions->range[i - 1].last)
+            return fault_set(fault, ERR_USAGE, "regions: %u is listed twice",
+                             regions->range[i].first);
     return OK;
 }
 
-enum err regions_new(uint16_t **as, const char *regions, const char *labels, struct fault *fault)
+enum err regions_read(struct regions *regions, const char *list, const char *as,
+                      struct fault *fault)
 {
-    *as = NULL;
-    if (labels && !regions)
+    *regions = (struct regions){0};
+    if (as && !list)
         return fault_set(fault, ERR_USAGE, "as: needs `regions`, which become these labels");
-    uint16_t *made = mem_array(REGION_MOST + 1, sizeof *made);
-    if (!made)
-        return fault_memory(fault, "the regions");
-    for (uint32_t r = 0; r <= REGION_MOST; r++)
-        made[r] = regions || r == 0 ? REGION_NONE : (uint16_t)r;
-    const enum err err = regions ? pair_up(made, regions, labels, fault) : OK;
+    const enum err err = pair_up(regions, list ? list : "1-4294967295", as, fault);
     if (err)
-        free(made);
-    else
-        *as = made;
+        regions_release(regions);
     return err;
 }
 
-void regions_list(bool listed[256], const uint16_t *as)
+bool regions_choose(const struct regions *regions, uint32_t region, uint32_t *number)
 {
-    for (size_t value = 0; value <= REGION_MOST; value++)
-        if (as[value] > 0 && as[value] < 256)
-            listed[as[value]] = true;
+    size_t low = 0, high = regions->count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        const struct region_range *range = &regions->range[middle];
+        if (region >= range->first && region <= range->last) {
+            *number = range->as + (region - range->first);
+            return true;
+        }
+        if (region < range->first)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return false;
+}
+
+enum err regions_table(uint16_t **as, const struct regions *regions, const struct kept *kept,
+                       struct fault *fault)
+{
+    uint16_t *made = *as = mem_array(REGION_MOST + 1, sizeof *made);
+    if (!made)
+        return fault_memory(fault, "the regions");
+    for (uint32_t r = 0, number = 0; r <= REGION_MOST; r++) {
+        const bool is_there = regions_choose(regions, r, &number);
+        const int label = is_there ? numbering_find(kept, number) : REGION_NONE;
+        made[r] = (uint16_t)(label == NUMBER_UNKNOWN ? REGION_UNKNOWN : label);
+    }
+    return OK;
+}
+
+/* True if the label of a number is among those of a range. */
+static bool range_makes(const struct region_range *range, uint32_t number)
+{
+    return number >= range->as && number - range->as <= range->last - range->first;
+}
+
+void regions_list(bool listed[LABELS], const struct regions *regions, struct kept *kept)
+{
+    uint64_t count = 0;
+    for (size_t i = 0; i < regions->count; i++)
+        count += (uint64_t)regions->range[i].last - regions->range[i].first + 1;
+    for (size_t i = 0; i < regions->count && count < LABELS; i++)
+        for (uint32_t k = 0; k <= regions->range[i].last - regions->range[i].first; k++)
+            if (numbering_find(kept, regions->range[i].as + k) == NUMBER_UNKNOWN)
+                numbering_add(kept, regions->range[i].as + k, NULL);
+    for (unsigned label = 1; label < LABELS; label++)
+        for (size_t i = 0; i < regions->count && numbering_of(kept, label); i++)
+            listed[label] |= range_makes(&regions->range[i], numbering_of(kept, label));
+}
+
+enum err regions_check(const struct regions *regions, const struct kept *kept, struct fault *fault)
+{
+    for (size_t i = 0; i < regions->count; i++) {
+        const struct region_range *range = &regions->range[i];
+        for (uint32_t k = 0; k <= range->last - range->first; k++) /* at most 256 exist */
+            if (numbering_find(kept, range->as + k) == NUMBER_UNKNOWN)
+                return fault_set(fault, ERR_USAGE,
+                                 "as: there is no label %u; `label %u NAME` makes it; nothing has "
+                                 "changed",
+                                 range->as + k, range->as + k);
+    }
+    return OK;
+}
+
+enum err numbering_admit(struct kept *kept, const struct volume *map, const struct regions *regions,
+                         const struct markers *markers, struct fault *fault)
+{
+    bool *has = map_regions(map);
+    if (!has)
+        return fault_memory(fault, "the regions");
+    unsigned wanted = 0;
+    for (uint32_t r = 0, number; r <= REGION_MOST; r++) {
+        const bool is_there = has[r] && regions_choose(regions, r, &number);
+        const int label = is_there ? numbering_find(kept, number) : 0;
+        wanted += label == NUMBER_UNKNOWN;
+        if (label > 0)
+            kept->label_is_region[label] = true;
+    }
+    for (uint32_t r = 0, number; wanted && r <= REGION_MOST; r++) {
+        if (!has[r] || !regions_choose(regions, r, &number) ||
+            numbering_find(kept, number) != NUMBER_UNKNOWN)
+            continue;
+        const int label = numbering_add(kept, number, markers);
+        if (label == NUMBER_UNKNOWN)
+            break;
+        kept->label_is_region[label] = true;
+        wanted--;
+    }
+    free(has);
+    return wanted
+               ? fault_set(fault, ERR_LIMIT,
+                           "more than 255 labels at a time, by %u; choose some with regions=, as "
+                           "in regions=1-100",
+                           wanted)
+               : OK;
 }
 
 /* ---- copies ---- */

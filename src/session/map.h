@@ -2,9 +2,9 @@
 /*
  * Maps: volumes on the scene's grid whose voxels hold whole numbers. Label maps, masks, weights.
  *
- * Regions are the numbers of a map or a table. Atlases number them up to 65533, but labels are
- * 1..255 (0 is the background), so a user chooses: regions "2001,2002,2101-2110" as "1,2,11-20",
- * the first region as the first label and so on.
+ * Regions are the numbers of a map or a table. Those of a map become labels of the same numbers, or
+ * a user chooses: regions "2001,2002,2101-2110" as "1,2,11-20", the first region as the first label
+ * and so on.
  *
  * A copy of a label map keeps the labels that a command has read from a file, which may be moved,
  * changed or deleted later. It is stored with the golden images, so a replay needs neither the file
@@ -23,18 +23,41 @@
 #include "engine/grid.h"
 #include "image/regrid.h"
 #include "session/markers.h"
+#include "session/setting.h"
 #include "session/state.h"
 
-enum { REGION_MOST = 65533, REGION_NONE = 65535 };
+enum { REGION_MOST = 65533, REGION_UNKNOWN = 65534, REGION_NONE = 65535 };
 
-/* Make a table of the label of each region, [REGION_MOST + 1], freed by free(); REGION_NONE for
- * one that is not chosen. `regions` NULL chooses 1..REGION_MOST. `labels` NULL uses each region's
- * own number, which may exceed a label. Both are lists as the parser reads them. ERR_USAGE if their
- * lengths differ, or a region is chosen twice. */
-enum err regions_new(uint16_t **as, const char *regions, const char *labels, struct fault *fault);
+/* Chosen regions, in rising order: `first` to `last` are the labels with numbers from `as` on. */
+struct region_range {
+    uint32_t first, last, as;
+};
+struct regions {
+    struct region_range *range;
+    size_t count;
+};
+void regions_release(struct regions *regions);
 
-/* Set listed[1..255] for the labels of the chosen regions. */
-void regions_list(bool listed[256], const uint16_t *as);
+/* Read both lists, as the parser accepts them. `list` NULL chooses all regions but 0, `as` NULL uses
+ * each region's own number. ERR_USAGE if their lengths differ, or a region is chosen twice. On
+ * errors *regions is empty. */
+enum err regions_read(struct regions *regions, const char *list, const char *as,
+                      struct fault *fault);
+
+/* Find the number of a region's label. False for a region that is not chosen. */
+bool regions_choose(const struct regions *regions, uint32_t region, uint32_t *number);
+
+/* Make a table of the label of each region, [REGION_MOST + 1], freed by free(): REGION_NONE for one
+ * that is not chosen, REGION_UNKNOWN for one whose number no label has. */
+enum err regions_table(uint16_t **as, const struct regions *regions, const struct kept *kept,
+                       struct fault *fault);
+
+/* Set listed[label] for the labels of the chosen regions, except 0. If 255 regions or fewer are
+ * chosen, labels are made of those that are none. */
+void regions_list(bool listed[256], const struct regions *regions, struct kept *kept);
+
+/* ERR_USAGE if no label has one of the numbers that the regions become. */
+enum err regions_check(const struct regions *regions, const struct kept *kept, struct fault *fault);
 
 /* ERR_INPUT if a map of this size is not on the scene's grid. */
 enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault);
@@ -80,25 +103,25 @@ enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struc
 /* The labels that the regions of a map become. */
 enum { LABEL_OWN = -1 };
 struct map_labels {
-    const uint16_t *as; /* labels of chosen regions (regions_new); NULL: all regions from 1 */
+    const uint16_t *as; /* labels of chosen regions (regions_table); NULL: regions 1..255 */
     int label;          /* one label for all chosen regions but 0; LABEL_OWN: that of `as`, or
                            the region's number */
 };
 
 /* Replace the regions of a map, converted by map_to_regions, by these labels, in place, and
- * others by REGION_NONE. ERR_INPUT for a region that would be a label above 255, ERR_CANCELLED. */
+ * others by REGION_NONE. ERR_INPUT for a region whose number no label has, ERR_CANCELLED. */
 enum err map_label(struct volume *map, const struct map_labels *choice, struct watch *watch,
                    struct fault *fault);
 
 /* Count voxels whose numbers are not regions; map_to_regions ignores them. */
 uint64_t map_count_beyond(const struct volume *map, struct watch *watch);
 
-/* Do both in turn, to a byte per voxel, [z][y][x], freed by free(), with 0 for others. The map
- * is invalid afterwards, and *label is NULL on errors. */
+/* The same to a byte per voxel, [z][y][x], freed by free(), with 0 for others. The map is invalid
+ * afterwards, and *label is NULL on errors. */
 enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
                        struct watch *watch, struct fault *fault);
 
-/* The error of a region that should be a label and is not in 0..255. */
+/* The error of a region that should be a label and is none. */
 enum err map_refuse_region(uint32_t region, struct fault *fault);
 
 /* As map_to_regions; ERR_INPUT if a voxel is not a whole number 0..65535. */
@@ -124,55 +147,83 @@ enum err label_copy_write(const char *path, const struct volume *map,
                           struct watch *watch, struct fault *fault);
 
 /*
- * Own numbers of labels: their numbers in files.
+ * Numbers of labels.
  *
- * A label is 0..255, and atlases number their regions up to 65533. So if a file has regions that
- * cannot be labels of the same number, its regions become labels in ascending order, each the
- * lowest free one, and the label keeps the number: saved maps and tables have it again, and files
- * that are read later are interpreted by it.
+ * A label of the engine is an index 0..255. People, journals, JSON and files see its *number*,
+ * 0..4294967295, which is that of the file where the label came from a file. The index is internal.
  *
- *     a file has 2, 41, 1001, 1035       they become labels 1, 2, 3, 4
- *     label 77 is planted in addition    it has no own number, and is 77 in files
+ * A session begins with the labels 1..255, whose numbers are their indices. As soon as a label gets
+ * another number, by `label 300 NAME`, `number=` or a file, the labels are *numbered*: those exist
+ * that are planted or have a name, and each further one is made by `label N NAME` or comes from a
+ * file. Its index is its number if that is free, or the lowest free one; a file's regions get theirs
+ * in rising order.
  *
- * A region that has become a label is that label in every later file. A label is free if it has no
- * own number, and no valid marker plants it.
+ *     a file has 2, 41, 1001, 1035       labels 2, 41, 1001, 1035, of index 2, 41, 1, 3
+ *     `seed 1,2,3 77`                    is rejected: no label has the number 77
+ *     `label 77 lesion`                  makes label 77, of index 77
+ *
+ * A region that has become a label is that label in every later file. A label that was made
+ * otherwise, and is planted, clashes with a region of its number.
  *
  * Invariants
- *   N1 no two labels have the same own number, and label 0 has none: it is 0 in every file;
+ *   N1 no two labels have the same number, and label 0 has the number 0;
  *   N2 the labels of a list of regions depend on the list and the state only.
  */
 
-/* Number of a label in files; 0 for the background, and if its number belongs to another label.
- * */
-uint16_t numbering_of(const struct kept *kept, unsigned label);
-
-/* Translate as[r] for regions that would become labels of their numbers (regions_new without
- * labels): own numbers become their labels. A region whose number is another label's exceeds a
- * label, as those above 255 do. */
-void numbering_translate(uint16_t *as, const struct kept *kept);
-
-/* True if labels have own numbers. */
+/* True if the labels are numbered. */
 bool numbering_is_used(const struct kept *kept);
 
-/* Append to `list`, as the parser reads it, the regions that need numbers: regions in the file
- * (`has`) that `as` chooses and that exceed a label; if no label has an own number yet, all but 0.
- * Append nothing if all regions are labels. */
+/* Number of a label; 0 for the background, and for a label that does not exist. */
+uint32_t numbering_of(const struct kept *kept, unsigned label);
+
+/* The label with a number, or NUMBER_UNKNOWN. */
+enum { NUMBER_UNKNOWN = -1 };
+int numbering_find(const struct kept *kept, uint32_t number);
+
+/* The existing number from `least` on that is nearest to `number`. */
+uint32_t numbering_nearest(const struct kept *kept, uint32_t number, uint32_t least);
+
+/* Get the numbers of all labels, as numbering_of does. */
+void numbering_fill(uint32_t number[256], const struct kept *kept);
+
+/* List all labels by rising numbers; those that do not exist are last. */
+void numbering_order(uint8_t order[256], const uint32_t number[256]);
+
+/* Append a set of labels as their numbers, "0,3-7". */
+void numbering_write_set(struct buf *out, const uint32_t number[256], const struct label_set *set);
+
+/* Append the steps of `finish` (finish_write). */
+void numbering_write_finish(struct buf *out, const struct kept *kept);
+
+/* Make a label with a number that no label has; return it, or NUMBER_UNKNOWN if all 255 exist.
+ * `markers` NULL: nothing is planted. */
+int numbering_add(struct kept *kept, uint32_t number, const struct markers *markers);
+
+/* Give a label another number. False, and *kept is invalid, if another label has it. */
+bool numbering_change(struct kept *kept, int label, uint32_t number, const struct markers *markers);
+
+/* Append to `list`, as the parser reads it, the regions that a map has (`has`) and that `as`
+ * chooses; nothing if the labels are not numbered and all these regions are labels. */
 void numbering_list(struct buf *list, const uint16_t *as, const bool has[REGION_MOST + 1],
                     const struct kept *kept);
 
 /* Result of a list. */
 struct numbering_tally {
-    unsigned regions, first_label, last_label; /* labels of the first and of the last region */
-    unsigned names;                            /* names that were removed from these labels */
+    unsigned added; /* labels that came with files for the first time */
+    unsigned names; /* labels that were not planted, and were replaced by some of these */
 };
 
-/* Give free labels the numbers of a list in ascending order, except for existing own numbers. A
- * former name of such a label is removed. ERR_INPUT, and *kept is invalid, if the list is longer
- * than the free labels. */
+/* Make labels of the regions of a list that are none. ERR_INPUT, and *kept is invalid, if the list
+ * is longer than the free labels, or a region clashes. */
 enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const char *list,
                         const struct markers *markers, struct fault *fault);
 
-/* ERR_INPUT if the number of one of these labels is the own number of another. */
-enum err numbering_check(const struct kept *kept, const bool used[256], struct fault *fault);
+/* Find the regions that a map has, after map_to_regions: [REGION_MOST + 1], freed by free(). NULL
+ * without memory. */
+bool *map_regions(const struct volume *map);
+
+/* Make labels of its chosen regions that are none, for a comparison. ERR_LIMIT, ERR_MEMORY. */
+enum err numbering_admit(struct kept *kept, const struct volume *map, const struct regions *regions,
+                         const struct markers *markers, struct fault *fault);
 
 #endif

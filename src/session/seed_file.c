@@ -80,7 +80,7 @@ struct row {
 
 struct list {
     const struct grid *grid;
-    const char (*label_name)[LABEL_NAME_BYTES];
+    const struct kept *kept; /* names and numbers of labels */
     int label;
     struct row *row;
     size_t rows, capacity;
@@ -150,10 +150,11 @@ static bool scan_label(const char **at, const struct list *list, int64_t *label,
 {
     const char *number = *at;
     *reach = (struct reach){.radius = 0};
-    if (scan_integer(&number, 0, 255, label) &&
+    if (scan_integer(&number, 0, UINT32_MAX, label) &&
         (number == *at + strcspn(*at, " \t\r\n") || scan_reach(&number, reach))) {
-        *at = number;
-        return true;
+        *label = numbering_find(list->kept, (uint32_t)*label);
+        *at = *label == NUMBER_UNKNOWN ? *at : number;
+        return *label != NUMBER_UNKNOWN;
     }
     size_t length = strcspn(*at, "\r\n"); /* a name may contain blanks; a comment may follow it */
     for (size_t i = 0; i < length; i++)
@@ -162,8 +163,8 @@ static bool scan_label(const char **at, const struct list *list, int64_t *label,
     while (length > 0 && ((*at)[length - 1] == ' ' || (*at)[length - 1] == '\t'))
         length--;
     for (int i = 0; i < 256; i++)
-        if (length && strlen(list->label_name[i]) == length &&
-            memcmp(list->label_name[i], *at, length) == 0) {
+        if (length && strlen(list->kept->label_name[i]) == length &&
+            memcmp(list->kept->label_name[i], *at, length) == 0) {
             *label = i;
             *at += length;
             return true;
@@ -183,9 +184,10 @@ static enum err read_row(struct list *list, const char *at, const char *end, uin
             goto malformed;
     if (!scan_label(&at, list, &label, &reach))
         return fault_set(fault, ERR_INPUT,
-                         "line %u: expected a label 0..255 or the name of one, not %.*s; nothing "
-                         "was planted",
-                         line, (int)(end - at < 40 ? end - at : 40), at);
+                         "line %u: expected a label %sor the name of one, not %.*s; nothing was "
+                         "planted",
+                         line, numbering_is_used(list->kept) ? "" : "0..255 ",
+                         (int)(end - at < 40 ? end - at : 40), at);
     scan_blanks(&at);
     if (at != end && *at != '#')
         goto malformed;
@@ -295,9 +297,11 @@ static enum err add_rows(struct seeds *seeds, const struct list *list, const uin
             add_seed(seeds, row->cell, row->label, row->region);
         else if (row->label != before->label)
             return fault_set(fault, ERR_INPUT,
-                             "line %u: the voxel of line %u again, with label %d instead of %d; "
+                             "line %u: the voxel of line %u again, with label %u instead of %u; "
                              "nothing was planted",
-                             row->line, before->line, row->label, before->label);
+                             row->line, before->line,
+                             numbering_of(list->kept, (unsigned)row->label),
+                             numbering_of(list->kept, (unsigned)before->label));
         else if (row->region != before->region)
             return fault_set(fault, ERR_INPUT,
                              "line %u: the voxel of line %u again, within another distance; "
@@ -330,10 +334,10 @@ static enum err settle_rows(struct seeds *seeds, struct list *list, struct fault
 }
 
 enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
-                         const struct grid *grid, const char (*label_name)[LABEL_NAME_BYTES],
-                         int label, struct watch *watch, struct fault *fault)
+                         const struct grid *grid, const struct kept *kept, int label,
+                         struct watch *watch, struct fault *fault)
 {
-    struct list list = {.grid = grid, .label_name = label_name, .label = label, .watch = watch};
+    struct list list = {.grid = grid, .kept = kept, .label = label, .watch = watch};
     *seeds = (struct seeds){0};
     enum err err = read_rows(&list, text, text + length, fault);
     if (!err)

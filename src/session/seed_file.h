@@ -61,13 +61,12 @@ enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end
 /* Sum mod 2^64 over the seeds of a mix of (cell, label), and of cell and reach. */
 uint64_t seeds_digest(const struct seeds *seeds);
 
-/* Read a list: `length` bytes at `text`, followed by a NUL. `label` is that of all seeds, or
- * LABEL_OWN. The first line that is wrong or contradicts another is an error that names it, and
+/* Read a list: `length` bytes at `text`, followed by a NUL. `kept` has the names and numbers of
+ * labels; `label` is that of all seeds, or LABEL_OWN. The first line that is wrong or contradicts another is an error that names it, and
  * *seeds stays empty: ERR_INPUT. ERR_LIMIT, ERR_MEMORY; ERR_CANCELLED by the watch, or NULL. */
 enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
-                         const struct grid *grid,
-                         const char (*label_name)[LABEL_NAME_BYTES], /* [256] */
-                         int label, struct watch *watch, struct fault *fault);
+                         const struct grid *grid, const struct kept *kept, int label,
+                         struct watch *watch, struct fault *fault);
 
 struct region_choice {
     uint32_t first, last; /* map values, 0..REGION_MOST */

@@ -213,6 +213,7 @@ static const struct state_field {
     FIELD(kept.palette, MADE_COLOURS),
     FIELD(kept.label_name, 0),
     FIELD(kept.label_number, 0),
+    FIELD(kept.label_is_region, 0),
     FIELD(kept.visible, MADE_BORDER),
     FIELD(kept.opacity, MADE_BY_OPACITY),
     FIELD(kept.orient, MADE_CAMERA),
@@ -289,32 +290,6 @@ unsigned state_difference(const struct state *a, const struct state *b)
 }
 
 /* ---- in words ---- */
-
-void label_set_write(struct buf *out, const struct label_set *set)
-{
-    const char *comma = "";
-    for (unsigned first = 0, last; first < 256; first = last + 1) {
-        for (last = first; last < 255 && label_set_has(set, (uint8_t)first) &&
-                           label_set_has(set, (uint8_t)(last + 1));)
-            last++;
-        if (!label_set_has(set, (uint8_t)first))
-            continue;
-        buf_printf(out, last > first ? "%s%u-%u" : "%s%u", comma, first, last);
-        comma = ",";
-    }
-}
-
-bool label_set_scan(struct label_set *set, const char **at)
-{
-    int64_t first, last;
-    do {
-        if (!scan_range(at, 0, 255, &first, &last))
-            return false;
-        for (; first <= last; first++)
-            label_set_add(set, (uint8_t)first);
-    } while (scan_text(at, ","));
-    return true;
-}
 
 void setting_write_parts(struct buf *out, const char *choices, int64_t bits)
 {

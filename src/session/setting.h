@@ -31,7 +31,7 @@ struct act;
 enum value_type {
     VALUE_END,      /* no parameter: the end of the list */
     VALUE_POSITION, /* X,Y,Z as indices, or X,Y,Zmm in the world */
-    VALUE_LABEL,    /* a label's number or name; least..255 */
+    VALUE_LABEL,    /* a label's number, from `least` on, or name */
     VALUE_LABELS,   /* labels, "0,3-7,NAME" */
     VALUE_NUMBER,   /* an integer, least..most */
     VALUE_LINE,     /* further corners of a line from the first parameter; keyed, may be repeated */
@@ -89,6 +89,7 @@ struct parameter {
     bool is_kept;  /* WORD: numbers, a digest or a name that other commands use, which `log
                       --anonymise` keeps; any other word may be personal */
     bool paired;   /* given if and only if the value before it is not one of the choices there */
+    bool makes;    /* LABEL: no label may have the number yet */
     bool added;    /* keyed; added to the record if the line lacks it */
     int64_t least, most;
     const char *choices; /* words allowed instead, "a|b|c", or NULL */
@@ -108,10 +109,6 @@ static inline void label_set_add(struct label_set *set, uint8_t label)
 {
     set->word[label >> 6] |= UINT64_C(1) << (label & 63);
 }
-
-/* "0,3-7": append a set, or add such labels to one and advance *at; false for another text. */
-void label_set_write(struct buf *out, const struct label_set *set);
-bool label_set_scan(struct label_set *set, const char **at);
 
 enum { PARAMETERS_MOST = 18 };
 

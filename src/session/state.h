@@ -120,7 +120,8 @@ struct landmark {
 struct kept {
     struct palette palette;
     char label_name[256][LABEL_NAME_BYTES]; /* "" for none; padded with zeros */
-    uint16_t label_number[256]; /* number of each label in files, or 0: the label (session/map.h) */
+    uint32_t label_number[256]; /* number of each label; all 0: the label itself (session/map.h) */
+    bool label_is_region[256];  /* the label is a region of a file */
     bool visible[256];
     uint8_t opacity[256]; /* opacity of labels in renditions, percent; 0 hides the label */
     char orient[8];       /* argument of `orient` for the scene (geometry_orient); "" for none */

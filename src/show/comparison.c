@@ -9,6 +9,7 @@
 
 #include "base/mem.h"
 #include "engine/distance.h"
+#include "session/map.h"
 #include "session/tally.h"
 
 enum { DIGITS = 12 };
@@ -405,6 +406,14 @@ static struct figures figures_of(const struct comparison_report *report, unsigne
     return f;
 }
 
+/* Order the rows by the numbers of the labels. */
+static void order_rows(uint8_t order[256], const struct comparison_report *report)
+{
+    uint32_t number[256];
+    numbering_fill(number, report->kept);
+    numbering_order(order, number);
+}
+
 /* ---- JSON ---- */
 
 static void add_figures(struct json *json, const struct comparison_report *report, unsigned label)
@@ -421,6 +430,7 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
 {
     const struct comparison *c = report->comparison;
     struct json json = {.out = out};
+    uint8_t order[256];
     json_object(&json, NULL);
     json_text(&json, "a", report->name[0]);
     json_text(&json, "b", report->name[1]);
@@ -432,12 +442,14 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
     add_figures(&json, report, 0);
     json_end(&json);
     json_array(&json, "labels");
-    for (unsigned label = 1; label < 256; label++) {
+    order_rows(order, report);
+    for (unsigned i = 1; i < 256; i++) {
+        const unsigned label = order[i];
         if (!has_row(report, label))
             continue;
         json_object(&json, NULL);
-        json_count(&json, "label", label);
-        json_text(&json, "name", report->label_name[label]);
+        json_count(&json, "label", numbering_of(report->kept, label));
+        json_text(&json, "name", report->kept->label_name[label]);
         add_figures(&json, report, label);
         json_end(&json);
     }
@@ -451,19 +463,21 @@ static void write_csv_row(struct buf *out, const struct comparison_report *repor
 {
     const struct figures f = figures_of(report, label);
     if (label)
-        buf_printf(out, "%u", label);
+        buf_printf(out, "%u", numbering_of(report->kept, label));
     else
         buf_add_text(out, "all");
-    figures_write_csv(out, label ? report->label_name[label] : "", &f);
+    figures_write_csv(out, label ? report->kept->label_name[label] : "", &f);
 }
 
 void comparison_write_csv(struct buf *out, const struct comparison_report *report)
 {
     const struct figures f = figures_of(report, 0);
+    uint8_t order[256];
     figures_write_csv_names(out, &f);
-    for (unsigned label = 1; label < 256; label++)
-        if (has_row(report, label))
-            write_csv_row(out, report, label);
+    order_rows(order, report);
+    for (unsigned i = 1; i < 256; i++)
+        if (has_row(report, order[i]))
+            write_csv_row(out, report, order[i]);
     write_csv_row(out, report, 0);
 }
 
@@ -475,8 +489,8 @@ static void write_row(struct buf *out, const struct comparison_report *report, u
     const struct label_distances *d = &report->comparison->distance[label];
     struct buf name = {0};
     if (label)
-        buf_printf(&name, "%u ", label);
-    buf_add_safe_text(&name, label ? report->label_name[label] : "all");
+        buf_printf(&name, "%u ", numbering_of(report->kept, label));
+    buf_add_safe_text(&name, label ? report->kept->label_name[label] : "all");
     buf_printf(out, "%-16s", buf_text(&name));
     buf_release(&name);
     figures_add_cell(out, 6, 4, figures_dice(&report->comparison->overlap, label));
@@ -500,9 +514,11 @@ void comparison_write_text(struct buf *out, const struct comparison_report *repo
     }
     buf_add_text(out,
                  "label              Dice Jaccard  volume A     A - B Hausdorff   95 %   mean\n");
-    for (unsigned label = 1; label < 256; label++)
-        if (has_row(report, label))
-            write_row(out, report, label);
+    uint8_t order[256];
+    order_rows(order, report);
+    for (unsigned i = 1; i < 256; i++)
+        if (has_row(report, order[i]))
+            write_row(out, report, order[i]);
     if (c->labels != 1)
         write_row(out, report, 0);
     /* The surface of a cavity can be far from the other object's surface although all voxels are

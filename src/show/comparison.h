@@ -77,9 +77,9 @@ const uint32_t *comparison_farthest(const struct comparison *comparison,
  * only A has, is "-" in text, null in JSON and an empty field in CSV. */
 struct comparison_report {
     const struct comparison *comparison;
-    const char *name[2];                        /* file names of A and B: any bytes */
-    const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
-    const struct geometry *geometry;            /* an unknown spacing counts as 1 mm */
+    const char *name[2];             /* file names of A and B: any bytes */
+    const struct kept *kept;         /* names and numbers of labels */
+    const struct geometry *geometry; /* an unknown spacing counts as 1 mm */
     const bool *listed; /* [256], labels with a row although neither has voxels of them; or NULL */
 };
 

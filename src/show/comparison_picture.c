@@ -13,7 +13,7 @@
 #include "render/mosaic.h"
 #include "render/notes.h"
 #include "render/slice.h"
-#include "session/state.h"
+#include "session/map.h"
 #include "show/decorating.h"
 #include "show/draw.h"
 #include "show/export_picture.h"
@@ -341,14 +341,19 @@ static void write_report(const struct canvas *canvas, const struct comparison_re
         write_words(&sheet, 3, difference_words[i], false);
     }
     write_row(&sheet, "Dice", "Hausdorff mm", "of label");
-    for (unsigned label = 1; label < 256 && sheet.top < box.height; label++)
-        if (comparison_has(report->comparison, label)) {
+    uint32_t number[256];
+    uint8_t order[256];
+    numbering_fill(number, report->kept);
+    numbering_order(order, number);
+    for (unsigned i = 1; i < 256 && sheet.top < box.height; i++)
+        if (comparison_has(report->comparison, order[i])) {
+            const unsigned label = order[i];
             const struct label_distances *d = &report->comparison->distance[label];
-            char dice[24], far[24] = "none", words[LABEL_NAME_BYTES + 8];
+            char dice[24], far[24] = "none", words[LABEL_NAME_BYTES + 12];
             snprintf(dice, sizeof dice, "%.4f", figures_dice(&report->comparison->overlap, label));
             if (d->has_hausdorff)
                 snprintf(far, sizeof far, "%.2f", d->hausdorff_mm);
-            snprintf(words, sizeof words, "%u %s", label, report->label_name[label]);
+            snprintf(words, sizeof words, "%u %s", number[label], report->kept->label_name[label]);
             write_row(&sheet, dice, far, words);
         }
 }

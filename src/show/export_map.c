@@ -19,9 +19,9 @@ struct map_source {
     const struct labels *labels;
     enum map map;
     uint16_t *margin;     /* by cell, for MAP_MARGIN */
-    uint16_t number[256]; /* own number of each label */
+    uint32_t number[256]; /* of each label */
     bool used[256];       /* labels of voxels */
-    bool is_wide;         /* a number is above 255 */
+    enum voxel_type wide; /* the smallest type of these numbers */
 };
 
 static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
@@ -38,8 +38,10 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
         bool reached = cell_is_reached(cell);
         switch (source->map) {
         case MAP_LABELS:
-            if (source->is_wide)
-                *pair++ = source->number[labels_at(source->labels, c)];
+            if (source->wide == VOXEL_UINT32)
+                *root++ = source->number[labels_at(source->labels, c)];
+            else if (source->wide == VOXEL_UINT16)
+                *pair++ = (uint16_t)source->number[labels_at(source->labels, c)];
             else
                 *byte++ = (uint8_t)source->number[labels_at(source->labels, c)];
             break;
@@ -67,18 +69,19 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
 
 void export_labels(struct volume_label label[256], const struct kept *kept)
 {
+    uint32_t number[256];
+    numbering_fill(number, kept);
     for (int l = 0; l < 256; l++) {
         label[l].name = kept->label_name[l];
-        label[l].number = numbering_of(kept, (unsigned)l);
+        label[l].number = number[l];
         label[l].used = false;
         memcpy(label[l].rgb, kept->palette.rgb[l], sizeof label[l].rgb);
     }
 }
 
-/* Number the labels. Two labels of the map must not have one number. */
-static enum err number_labels(struct map_source *source, struct fault *fault)
+/* Find the smallest type that holds the numbers of the labels. */
+static void find_type(struct map_source *source)
 {
-    const struct kept *kept = &source->session->now.kept;
     const struct grid *grid = &source->session->scene->grid;
     bool *used = source->used;
     for (uint32_t z = 0; z < grid->size[2]; z++)
@@ -87,11 +90,10 @@ static enum err number_labels(struct map_source *source, struct fault *fault)
             for (uint32_t c = row.first; c < row.end; c++)
                 used[labels_at(source->labels, c)] = true;
         }
-    for (unsigned l = 0; l < 256; l++) {
-        source->number[l] = numbering_of(kept, l);
-        source->is_wide |= used[l] && source->number[l] > 255;
-    }
-    return numbering_check(kept, used, fault);
+    uint32_t most = 0;
+    for (unsigned l = 0; l < 256; l++)
+        most = used[l] && source->number[l] > most ? source->number[l] : most;
+    source->wide = most > UINT16_MAX ? VOXEL_UINT32 : most > UINT8_MAX ? VOXEL_UINT16 : VOXEL_UINT8;
 }
 
 enum err export_map(const struct session *session, enum map map, const struct labels *labels,
@@ -110,22 +112,23 @@ enum err export_map(const struct session *session, enum map map, const struct la
     struct map_source source = {.session = session, .labels = labels, .map = map};
     struct volume_label label[256];
     struct buf description = {0};
-    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session->forest, fault)
-                   : map == MAP_LABELS ? number_labels(&source, fault)
-                                       : OK;
+    enum err err = map == MAP_MARGIN ? margin_new(&source.margin, session->forest, fault) : OK;
     if (err)
         return err;
+    numbering_fill(source.number, &session->now.kept);
+    if (map == MAP_LABELS)
+        find_type(&source);
     export_labels(label, &session->now.kept);
     for (int l = 0; l < 256; l++)
         label[l].used = source.used[l];
     buf_add_text(&description, form[map].description);
     if (map == MAP_LABELS && labels->finished) {
         buf_add_text(&description, ", finished: ");
-        finish_write(&description, &session->now.kept.finish);
+        numbering_write_finish(&description, &session->now.kept);
     }
     const struct volume_map written = {session->scene->grid.size,
                                        &session->geometry,
-                                       source.is_wide ? VOXEL_UINT16 : form[map].type,
+                                       map == MAP_LABELS ? source.wide : form[map].type,
                                        buf_text(&description),
                                        fill_row,
                                        &source,
@@ -142,6 +145,8 @@ enum err export_seeds(struct buf *out, const struct session *session, struct fau
 {
     const struct grid *grid = &session->scene->grid;
     struct task task = task_begin(session->watch, "seeds", grid->voxels);
+    uint32_t number[256];
+    numbering_fill(number, &session->now.kept);
     buf_add_text(out, forest_limited_seeds(session->forest) ? "x,y,z,label,within,of x,of y,of z\n"
                                                             : "x,y,z,label\n");
     for (uint32_t z = 0; z < grid->size[2]; z++)
@@ -151,7 +156,8 @@ enum err export_seeds(struct buf *out, const struct session *session, struct fau
                 if (!(session->scene->cell[c].flags & CELL_SEED))
                     continue;
                 const struct reach *reach = forest_reach(session->forest, c);
-                buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z, session->scene->cell[c].label);
+                buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z,
+                           number[session->scene->cell[c].label]);
                 if (reach && reach->unit[0] == 1)
                     buf_printf(out, ",%lld",
                                reach->radius == REACH_EXACT ? 0 : (long long)reach->radius);

@@ -15,8 +15,7 @@ enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN,
 
 /* Write a map in the scene's geometry:
  *
- *     labels      or finished labels: their own numbers, uint8, or uint16 if one is above 255;
- *                 ERR_INPUT if two labels have one number
+ *     labels      or finished labels: their numbers, in the smallest of uint8, uint16, uint32
  *     border      uint8
  *     cost        uint16, 65535 where no seed reaches
  *     root        uint32, the voxel index of the seed; 0xFFFFFFFF where no seed reaches

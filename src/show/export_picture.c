@@ -149,7 +149,7 @@ void export_opacity(struct buf *out, const struct kept *kept)
     struct buf others = {0};
     for (unsigned label = 1; label < 256; label++)
         if (opacity[label] != usual)
-            buf_printf(&others, ", %u %% of label %u", opacity[label], label);
+            buf_printf(&others, ", %u %% of label %u", opacity[label], numbering_of(kept, label));
     if (usual < BORDER_OPAQUE || others.length)
         buf_printf(out, "%u %%%s", usual, buf_text(&others));
     out->failed |= others.failed;
@@ -202,12 +202,10 @@ static enum err add_label_note(struct picture *picture, const struct session *se
         const uint8_t *rgb = kept->palette.rgb[label];
         if (!shown[label])
             continue;
-        snprintf(number, sizeof number, "%u", label);
+        snprintf(number, sizeof number, "%u", numbering_of(kept, label));
         json_object(&json, number);
         if (*kept->label_name[label])
             json_text(&json, "name", kept->label_name[label]);
-        if (kept->label_number[label])
-            json_count(&json, "number", kept->label_number[label]);
         json_format(&json, "colour", "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
         json_end(&json);
     }
@@ -272,6 +270,8 @@ static void export_fill(const struct picture *to, const struct session *session,
                         const struct rendition *r, size_t first)
 {
     const size_t pixels = (size_t)to->width * to->height;
+    uint32_t number[256];
+    numbering_fill(number, &session->now.kept);
     /* Millimetres of a unit of depth: crossings are in 2^-24 pixels, times four. */
     const struct camera *camera = &session->pictures->camera;
     const double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
@@ -281,7 +281,7 @@ static void export_fill(const struct picture *to, const struct session *session,
         const uint32_t cell = r->cell[first + i];
         const bool seen = cell != CELL_NONE;
         to->depth_mm[i] = seen ? (float)((double)r->depth[first + i] * unit_mm) : (float)INFINITY;
-        to->label[i] = r->label[first + i];
+        to->label[i] = number[r->label[first + i]];
         to->voxel[i] = seen ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
     if (to->normal)

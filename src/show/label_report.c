@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "session/map.h"
 #include "session/tally.h"
 #include "show/comparison.h"
 
@@ -201,12 +202,15 @@ double label_area_mm2(const struct area_weights *weights, const uint64_t pairs[P
 
 /* ---- names and volumes ---- */
 
+void label_report_write_label(struct buf *out, const struct kept *kept, unsigned label)
+{
+    const char *name = kept->label_name[label];
+    buf_printf(out, "%u%s%s", numbering_of(kept, label), *name ? " " : "", name);
+}
+
 void label_report_write_name(struct buf *out, const struct session *session, unsigned label)
 {
-    const char *name = session->now.kept.label_name[label];
-    buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
-    if (session->now.kept.label_number[label])
-        buf_printf(out, " (%u)", session->now.kept.label_number[label]);
+    label_report_write_label(out, &session->now.kept, label);
 }
 
 void label_report_write_extent(struct buf *out, const struct session *session, uint64_t voxels)
@@ -364,25 +368,25 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     figures_add(&f, "gained", report->gained ? (double)report->gained[label] : NAN);
     figures_add(&f, "lost", report->lost ? (double)report->lost[label] : NAN);
     figures_add(&f, "change", change(report, label));
-    if (report->label_number)
-        figures_add(&f, "number_in_files",
-                    report->label_number[label] ? report->label_number[label] : label);
     return f;
 }
 
 void label_report_write_json(struct buf *out, const struct label_report *report)
 {
     struct json json = {.out = out};
+    uint8_t order[256];
     json_object(&json, NULL);
     if (geometry_fill(report->geometry) < 1) /* surfaces are approximate there */
         json_real(&json, "shear_degrees", geometry_shear(report->geometry), 4);
     json_array(&json, "by_label");
-    for (unsigned label = 1; label < 256; label++) {
+    numbering_order(order, report->label_number);
+    for (unsigned i = 1; i < 256; i++) {
+        const unsigned label = order[i];
         if (!has_row(report, label))
             continue;
         const struct figures f = figures_of(report, label);
         json_object(&json, NULL);
-        json_count(&json, "number", label);
+        json_count(&json, "number", report->label_number[label]);
         json_text(&json, "name", report->label_name[label]);
         figures_write_json(&json, &f);
         json_end(&json);
@@ -411,12 +415,15 @@ static struct figures csv_figures_of(const struct label_report *report, unsigned
 void label_report_write_csv(struct buf *out, const struct label_report *report)
 {
     const struct figures names = csv_figures_of(report, 0);
+    uint8_t order[256];
     figures_write_csv_names(out, &names);
-    for (unsigned label = 1; label < 256; label++) {
+    numbering_order(order, report->label_number);
+    for (unsigned i = 1; i < 256; i++) {
+        const unsigned label = order[i];
         if (!has_row(report, label))
             continue;
         const struct figures f = csv_figures_of(report, label);
-        buf_printf(out, "%u", label);
+        buf_printf(out, "%u", report->label_number[label]);
         figures_write_csv(out, report->label_name[label], &f);
     }
 }

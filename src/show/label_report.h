@@ -69,7 +69,7 @@ struct label_report {
     const uint64_t *gained, *lost;              /* [256], by the last edit; NULL: not known, */
     const uint64_t *before;                     /* [256], voxels before it; NULL: not known */
     const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
-    const uint16_t *label_number;               /* [256], own numbers, 0 for none; or NULL */
+    const uint32_t *label_number;               /* [256] (numbering_fill) */
     const struct geometry *geometry;
     const struct levels *levels; /* the session's */
     const bool *listed;          /* [256], labels with a row although they have no voxel; or NULL */
@@ -84,7 +84,8 @@ void label_report_write_text(struct buf *out, const struct label_report *report,
 void label_report_write_sums(struct buf *out, const struct label_sums *sums,
                              const struct geometry *geometry);
 
-/* "2 cerebellum", "2" without a name, "2 cerebellum (1008)" with a number of its own. */
+/* "2 cerebellum", "2" without a name: number and name of a label, in the present state. */
+void label_report_write_label(struct buf *out, const struct kept *kept, unsigned label);
 void label_report_write_name(struct buf *out, const struct session *session, unsigned label);
 
 /* A volume: "1.24 l", or "3 voxels" if the spacing is unknown. */

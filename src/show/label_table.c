@@ -354,9 +354,9 @@ static void take_entry(struct kept *kept, struct label_tally *tally,
     for (unsigned l = 0; l < LABELS; l++)
         is_taken |= l != label && strcmp(kept->label_name[l], entry->name) == 0;
     if (is_taken) {
-        char *name = kept->label_name[label], number[8]; /* "Unknown (12)", or fewer characters of
-                                                            the name */
-        const int length = snprintf(number, sizeof number, " (%u)", label);
+        char *name = kept->label_name[label], number[16]; /* "Unknown (12)", or fewer characters
+                                                             of the name */
+        const int length = snprintf(number, sizeof number, " (%u)", numbering_of(kept, label));
         size_t fits = strlen(name);
         if (fits > (size_t)(NAME_MOST - length))
             fits = character_at(name, (size_t)(NAME_MOST - length), -1);
@@ -369,20 +369,23 @@ static void take_entry(struct kept *kept, struct label_tally *tally,
 }
 
 enum err label_table_apply(struct kept *kept, struct label_tally *tally,
-                           const struct label_table *table, const uint16_t *as, struct fault *fault)
+                           const struct label_table *table, const struct regions *regions,
+                           struct fault *fault)
 {
     uint32_t from[LABELS] = {0}; /* the entry of each label, from 1 */
     *tally = (struct label_tally){0};
     for (size_t i = 0; i < table->count; i++) {
         const uint32_t number = table->entry[i].number;
-        const unsigned label = number <= REGION_MOST ? as[number] : REGION_NONE;
-        tally->beyond += number > 0 && label >= LABELS;
-        if (label == 0 || label >= LABELS)
+        uint32_t as;
+        const int label =
+            regions_choose(regions, number, &as) ? numbering_find(kept, as) : NUMBER_UNKNOWN;
+        tally->beyond += number > 0 && label == NUMBER_UNKNOWN;
+        if (label <= 0)
             continue;
         if (from[label])
             return fault_set(fault, ERR_INPUT,
                              "two of its entries, %u and %u, are for label %u; nothing has changed",
-                             table->entry[from[label] - 1].number, number, label);
+                             table->entry[from[label] - 1].number, number, as);
         from[label] = (uint32_t)i + 1;
         if (*table->entry[i].name) /* names that are replaced do not conflict */
             memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
@@ -393,7 +396,7 @@ enum err label_table_apply(struct kept *kept, struct label_tally *tally,
     return tally->names + tally->colours > 0
                ? OK
                : fault_set(fault, ERR_INPUT,
-                           "none of its entries is for a label 1..255; choose with "
+                           "none of its entries is for a label; choose with "
                            "regions=2001,2002 as=1,2; nothing has changed");
 }
 
@@ -510,7 +513,11 @@ void label_table_write(struct buf *out, struct label_writing *writing,
         return;
     }
     buf_add_text(out, head[format]);
-    for (unsigned l = 1; l < LABELS; l++)
-        if (numbering_of(kept, l) && (used[l] || *kept->label_name[l]))
-            write_line(out, writing, format, kept, l);
+    uint32_t number[LABELS];
+    uint8_t order[LABELS];
+    numbering_fill(number, kept);
+    numbering_order(order, number);
+    for (unsigned i = 1; i < LABELS; i++)
+        if (number[order[i]] && (used[order[i]] || *kept->label_name[order[i]]))
+            write_line(out, writing, format, kept, order[i]);
 }

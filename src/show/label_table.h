@@ -22,6 +22,7 @@
 #define REPORT_LABEL_TABLE_H
 
 #include "base/buf.h"
+#include "session/map.h"
 #include "session/state.h"
 
 /* True for a valid name: printable UTF-8 of 1 to LABEL_NAME_BYTES - 1 bytes, without = and \, no
@@ -53,16 +54,16 @@ enum err label_table_read_lut(struct label_table *table, const uint8_t *bytes, s
 /* Result of applying a table. */
 struct label_tally {
     unsigned names, colours; /* names and colours that were set */
-    unsigned beyond;         /* entries whose label is not 1..255, or was not chosen */
+    unsigned beyond;         /* entries whose label does not exist, or was not chosen */
     unsigned changed;        /* names that were changed; the first: */
     uint8_t first_changed;
 };
 
-/* Set names and colours of labels 1..255 from the entries: entry n is for label as[n]
- * (session/map.h). A name that another label has gets the number of the label at its end.
+/* Set names and colours of labels from the entries: entry n is for the label of region n
+ * (session/map.h), but 0. A name that another label has gets the number of the label at its end.
  * ERR_INPUT, with nothing changed, if two entries are for one label, or no entry is for any. */
 enum err label_table_apply(struct kept *kept, struct label_tally *tally,
-                           const struct label_table *table, const uint16_t *as,
+                           const struct label_table *table, const struct regions *regions,
                            struct fault *fault);
 
 /* Set the names of labels that have none, and the colours of labels that have those of

@@ -318,6 +318,8 @@ enum err slicing_export(struct picture *picture, const struct session *session,
 {
     const size_t pixels = (size_t)canvas->width * canvas->height;
     bool shown[256] = {false};
+    uint32_t number[256];
+    numbering_fill(number, &session->now.kept);
     enum err err =
         picture_init(picture, canvas->width, canvas->height, PICTURE_LABEL | PICTURE_VOXEL, fault);
     if (err)
@@ -328,7 +330,7 @@ enum err slicing_export(struct picture *picture, const struct session *session,
         const bool shows = cell != CELL_NONE;
         const uint8_t label = shows ? labels_at(labels, cell) : 0;
         shown[label] = true;
-        picture->label[i] = label;
+        picture->label[i] = number[label];
         picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
     err = export_notes(picture, session, shown, fault);

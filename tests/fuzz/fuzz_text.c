@@ -80,10 +80,10 @@ static void check_names(const struct kept *kept)
 static bool take(struct kept *kept, const struct label_table *table)
 {
     struct label_tally tally;
-    uint16_t *as = NULL;
-    HOLDS(regions_new(&as, NULL, NULL, NULL) == OK);
-    const enum err err = label_table_apply(kept, &tally, table, as, NULL);
-    free(as);
+    struct regions regions;
+    HOLDS(regions_read(&regions, NULL, NULL, NULL) == OK);
+    const enum err err = label_table_apply(kept, &tally, table, &regions, NULL);
+    regions_release(&regions);
     return err == OK;
 }
 
@@ -247,7 +247,7 @@ static void check_seeds(const struct seeds *seeds, const struct grid *grid, int 
 
 void fuzz_seeds(const uint8_t *bytes, size_t length)
 {
-    static const char label_name[256][LABEL_NAME_BYTES] = {[2] = "brain", [9] = "left part"};
+    static const struct kept kept = {.label_name = {[2] = "brain", [9] = "left part"}};
     struct grid grid;
     struct buf text = {0};
     HOLDS(grid_init(&grid, (const uint32_t[]){90, 80, 70}, NULL) == OK);
@@ -255,8 +255,8 @@ void fuzz_seeds(const uint8_t *bytes, size_t length)
     for (int label = LABEL_OWN; label <= 3; label += 3 - LABEL_OWN) {
         struct seeds seeds = {0};
         struct fault fault = {.text = ""};
-        const enum err err = seeds_from_list(&seeds, buf_text(&text), length, &grid, label_name,
-                                             label, NULL, &fault);
+        const enum err err =
+            seeds_from_list(&seeds, buf_text(&text), length, &grid, &kept, label, NULL, &fault);
         HOLDS(!err || (seeds.count == 0 && fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
         check_seeds(&seeds, &grid, label);
         seeds_release(&seeds);
