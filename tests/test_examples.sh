@@ -54,6 +54,10 @@ while read -r line; do
     open | quit) before=info ;;
     orient) before='open unknown.nii' ;;
     interpolate) before='open synth:geom:20x20x20' ;;
+    between)
+        before='open synth:geom:20x20x20; fill 2,2,2 2 to=9,2,2 to=9,9,2 within=0
+            fill 4,4,9 2 to=9,4,9 to=9,9,9 within=0'
+        ;;
     object) before='open ct.nii; seed 6,6,6 2' ;;
     pick) before='open synth:geom:40x40x40; seed 9,9,9 1; run; render' ;;
     redo) before='open synth:geom:20x20x20; seed 9,9,9 1; undo' ;;

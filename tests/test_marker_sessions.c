@@ -480,6 +480,8 @@ static void changes_its_voxels(const char *line, const uint8_t before[CELLS])
     const char *over = strstr(line, "over="), *keep = strstr(line, "keep=");
     uint8_t expected[CELLS];
     bool fits = true;
+    if (strncmp(line, "between", 7) == 0 && !over && !keep)
+        over = "0";
     memcpy(expected, before, CELLS);
     for (size_t m = session->former_markers; m < markers->count; m++)
         for (size_t i = 0; i < markers->marker[m].voxels; i++) {
@@ -510,15 +512,25 @@ STORY(exact_gestures_change_only_voxels_that_they_name)
         "seed X,Y,Z <6> radius=<1-3> over=[0,1|2,3,4|5]; seed X,Y,Z <6> over=[0|1,2] within=<6>; "
         "seed X,Y,Z <6> radius=<1-3> keep=[0|1,2,3]; undo <1-4>; redo <1-3>; goto; run; "
         "finish [relax|none]; adjacency [6|26]";
+    /* Outlines of two planes, and the slices between them. */
+    static const char outlines[] =
+        "outline X,Y,Z 1 to=U,Y,Z to=X,V,Z within=0; fill X,Y,Z 1 to=U,Y,Z to=U,V,Z within=0; "
+        "fill X,Y,Z 2 to=X,Y,W to=X,V,W within=0; fill X,Y,Z <1-2> to=U,Y,Z to=U,Y,W within=0; "
+        "outline X,Y,Z 1 to=U,Y,Z to=X,V,Z within=0; fill X,Y,Z 2 to=X,V,Z to=X,Y,W within=0; "
+        "between <1-2>; between 1 plane=axial[| over=0,3,4,5| keep=3]; between 1 plane=axial "
+        "keep=1; "
+        "between 2 plane=sagittal keep=[2|0]; between <1-2> plane=coronal over=[1,2|0,3,4,5]; "
+        "seed X,Y,Z <6> radius=<3> within=0; undo <1-2>; redo; goto; finish [relax|none]; "
+        "seed X,Y,Z <6> radius=2 over=[0|1,2]";
     const int rounds = (int)check_scaled(60);
-    unsigned gestures = 0;
+    unsigned gestures = 0, fillings = 0;
     struct record_word word;
     char line[LINE], threads[2] = "1";
     make_regions("regions.nii", size[0], 0);
     CHECK(chdir(folder) == 0);
     for (int i = 0; i < rounds && check_failures < 5; i++) {
         struct snapshot whole, resumed;
-        threads[0] = (char)('1' + i % 3);
+        threads[0] = (char)('1' + i / 3 % 3);
         setenv("IFTTY_THREADS", threads, 1);
         write_random_map();
         write_map("map.nii", size, VOXEL_UINT8, map_row, NULL);
@@ -541,7 +553,7 @@ STORY(exact_gestures_change_only_voxels_that_they_name)
         copy_labels(after[first]);
         for (int n = 0; n < 60 && check_failures < 5; n++) {
             uint8_t before[CELLS];
-            const char *form = random_form(forms, &seed);
+            const char *form = random_form(i % 3 == 2 ? outlines : forms, &seed);
             if (strcmp(form, "goto") == 0)
                 snprintf(line, LINE, "goto %zu",
                          first + below((uint32_t)(interp.history.records - first)));
@@ -560,6 +572,7 @@ STORY(exact_gestures_change_only_voxels_that_they_name)
             } else {
                 changes_its_voxels(line, before);
                 gestures++;
+                fillings += strncmp(line, "between", 7) == 0;
             }
             copy_labels(after[interp.history.records]);
             if (check_failures)
@@ -574,6 +587,6 @@ STORY(exact_gestures_change_only_voxels_that_they_name)
         verify_journal("exact.iftty");
     }
     unsetenv("IFTTY_THREADS");
-    printf("# %u exact gestures\n", gestures);
-    CHECK(gestures > 20 * (unsigned)rounds);
+    printf("# %u exact gestures, %u between outlines\n", gestures, fillings);
+    CHECK(gestures > 20 * (unsigned)rounds && fillings > (unsigned)rounds);
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "engine/components.h"
@@ -15,6 +16,7 @@
 #include "image/levels.h"
 #include "journal/record.h"
 #include "show/label_report.h"
+#include "session/between.h"
 #include "session/markers.h"
 #include "session/paint.h"
 
@@ -29,13 +31,17 @@ struct planting act_begin_planting(const struct session *session, const struct v
                       : all};
 }
 
-enum err act_find_exact(struct planting *planting, const struct act *act)
+/* Give the planting the reach that holds no voxel. */
+static enum err make_exact(struct planting *planting, const struct act *act)
 {
     static const struct reach none = {.unit = {1, 1, 1}, .radius = REACH_EXACT};
+    return session_add_reach(act->session, &none, &planting->reach, act->fault);
+}
+
+enum err act_find_exact(struct planting *planting, const struct act *act)
+{
     const struct value *within = act_value(act, "within");
-    return within->given && within->number == 0
-               ? session_add_reach(act->session, &none, &planting->reach, act->fault)
-               : OK;
+    return within->given && within->number == 0 ? make_exact(planting, act) : OK;
 }
 
 static bool is_exact(const struct act *act, const struct planting *planting)
@@ -662,7 +668,6 @@ static enum err find_reach(uint16_t *number, const struct act *act, const struct
 static enum err plant_confined(const struct act *act, struct planting *planting,
                                struct voxels *seeds)
 {
-    static const struct reach none = {.unit = {1, 1, 1}, .radius = REACH_EXACT};
     const int16_t label = (int16_t)act_number(act, "LABEL");
     const struct label_set takes = call_takes(act->call);
     struct session *session = act->session;
@@ -681,7 +686,7 @@ static enum err plant_confined(const struct act *act, struct planting *planting,
     if (!err)
         err = leave_out(act, &around, NULL, &grown, NULL, 0);
     if (!err)
-        err = session_add_reach(session, &none, &planting->reach, act->fault);
+        err = make_exact(planting, act);
     for (size_t i = 0, next = 0; !err && i < around.count; i++) {
         for (; next < seeds->count && seeds->cell[next] < around.cell[i]; next++)
             ;
@@ -858,6 +863,140 @@ enum err act_outline(const struct act *act)
                          "`keep`; nothing was planted");
     const enum err err = act_has(act, "instead") ? remove_former(act) : OK;
     return err ? err : plant_polygon(act, (int)ring);
+}
+
+/* ---- `between` ---- */
+
+/* Find the plane whose slices are counted along an axis. */
+static enum slice_plane plane_of(const struct scene *scene, int axis)
+{
+    enum slice_plane plane = SLICE_AXIAL;
+    while (slice_axis(scene, plane) != axis)
+        plane++;
+    return plane;
+}
+
+static enum err refuse_between(const struct act *act, const char *why, const char *other)
+{
+    struct buf *name = act_buf(act);
+    label_report_write_name(name, act->session, (unsigned)act_number(act, "LABEL"));
+    return fault_set(act->fault, ERR_INPUT, "between: label %s %s%s; nothing was planted",
+                     buf_text(name), why, other);
+}
+
+/* Find the axis at right angles to the outlines. */
+static enum err find_outlines(int *axis, const struct act *act)
+{
+    const struct session *session = act->session;
+    const struct scene *scene = session->scene;
+    struct buf *planes = act_buf(act);
+    unsigned axes;
+    const enum err err =
+        between_find(&axes, NULL, &session->markers, &scene->grid,
+                     (int16_t)act_number(act, "LABEL"), 0, session->watch, act->fault);
+    if (err)
+        return err;
+    if (act_has(act, "plane"))
+        axes &= 1u << slice_axis(scene, (enum slice_plane)act_number(act, "plane"));
+    *axis = axes ? __builtin_ctz(axes) : 0;
+    for (unsigned plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
+        const struct choice word = choice_at(SLICE_WORDS, plane);
+        if (axes >> slice_axis(scene, (enum slice_plane)plane) & 1)
+            buf_printf(planes, "%s%.*s", planes->length ? "|" : "", (int)word.length, word.word);
+    }
+    if (!axes)
+        return refuse_between(act,
+                              act_has(act, "plane")
+                                  ? "has no exact outlines in slices of this plane"
+                                  : "has no exact outlines",
+                              "; draw them by `outline ... within=0` in slices of one plane");
+    return axes == 1u << *axis
+               ? OK
+               : refuse_between(
+                     act, "has outlines in several planes; expected plane=", buf_text(planes));
+}
+
+/* Collect the filled voxels of a map. */
+static enum err collect_filled(struct voxels *out, const struct act *act, const uint8_t *map,
+                               size_t count)
+{
+    const struct grid *grid = &act->session->scene->grid;
+    const struct slab whole = {0, grid->size[2]};
+    struct grid_walk walk = grid_walk(grid, act->session->watch, "slices", whole, 0);
+    out->cell = mem_array(count, sizeof *out->cell);
+    if (!out->cell)
+        return fault_memory(act->fault, "seeds");
+    while (grid_walk_next(&walk))
+        for (uint32_t c = walk.row.first; c < walk.row.end; c++)
+            if (map[c] == BETWEEN_FILLED)
+                out->cell[out->count++] = c;
+    return watch_fault(act->session->watch, act->fault);
+}
+
+static enum err find_between(struct voxels *out, struct between_tally *tally, const struct act *act,
+                             int axis)
+{
+    struct session *session = act->session;
+    const struct scene *scene = session->scene;
+    uint8_t *map = mem_array(scene->grid.cells, 1);
+    unsigned axes;
+    if (!map)
+        return fault_memory(act->fault, "outlines");
+    memset(map, 0, scene->grid.cells);
+    enum err err =
+        between_find(&axes, map, &session->markers, &scene->grid, (int16_t)act_number(act, "LABEL"),
+                     axis, session->watch, act->fault);
+    if (!err)
+        err = between_fill(map, tally, &scene->grid, scene->spacing_nm, axis, session->team,
+                           session->watch, act->fault);
+    if (!err)
+        err = collect_filled(out, act, map, tally->voxels);
+    free(map);
+    if (!err && tally->sections < 2)
+        return refuse_between(act, "has exact outlines in one slice alone",
+                              "; outline it in another slice too");
+    return err || tally->voxels ? err
+                                : refuse_between(act, "has no voxels between its outlines", "");
+}
+
+enum err act_between(const struct act *act)
+{
+    const struct scene *scene = act->session->scene;
+    struct planting planting = act_begin_planting(act->session, NULL);
+    struct label_set takes = {{1}}; /* over=0 */
+    struct between_tally tally;
+    struct voxels voxels = {0};
+    uint32_t from[3] = {0}, to[3] = {0};
+    int axis;
+    if (act_has(act, "over|keep"))
+        takes = call_takes(act->call);
+    else
+        buf_add_text(&act->reply->canonical, " over=0");
+    enum err err = find_outlines(&axis, act);
+    if (!err)
+        err = find_between(&voxels, &tally, act, axis);
+    if (!err)
+        err = session_run(act->session, act->fault);
+    if (!err)
+        err = make_exact(&planting, act);
+    const size_t all = voxels.count;
+    if (!err)
+        err = leave_out(act, &voxels, &takes, NULL, NULL, 0);
+    planting.spared = all - voxels.count;
+    if (!err)
+        err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
+    voxels_release(&voxels);
+    if (err)
+        return err;
+    const enum slice_plane plane = plane_of(scene, axis);
+    from[axis] = tally.first;
+    to[axis] = tally.last;
+    buf_printf(&act->reply->text,
+               "%zu voxel%s planted in %u slice%s between %u outlines, %s %u to %u\n",
+               planting.planted, plural(planting.planted), tally.slices, plural(tally.slices),
+               tally.sections, slice_name(scene, plane), slice_index(scene, plane, from),
+               slice_index(scene, plane, to));
+    return OK;
 }
 
 /* ---- `object`: components within a range that contain a seed ---- */

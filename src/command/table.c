@@ -321,6 +321,22 @@ static const struct command command_table[] = {
      "instead: the number of a marker, `marker=` of its record, to remove in the same undo step: "
      "an outline that was dragged." EXACT_NOTE,
      "outline 80,90,50 2 to=120,90,50 to=100,110,50"},
+    {COMMAND("between", act_between, GROUP_SEEDS, R | S | E | P),
+     {NEED("LABEL", VALUE_LABEL, .least = 1, .most = 255),
+      KEYED("plane", VALUE_CHOICE, .choices = SLICE_WORDS),
+      KEYED("over", VALUE_LABELS, .added = true), KEYED("keep", VALUE_LABELS)},
+     "fill an object in the slices between outlines",
+     "Outlines are exact gestures of the label in slices of one plane: `outline` and `fill` with "
+     "within=0, or `seed-file` with within=0 of a map that has some slices only. In every slice "
+     "between two outlined ones, however far apart, the border is interpolated by its distances; "
+     "sections that overlap by less than half are moved towards each other first. Nothing is "
+     "planted before the first and after the last outline. The voxels are one exact marker: "
+     "`remove` it before `between` is repeated with other outlines. Voxels of an outline that a "
+     "later marker covers do not count, and neither do single lines.\n"
+     "plane: the plane of the outlines, if there are some in several.\n"
+     "over, keep: fill only voxels whose label now is in the list, or is not, as in `outline`; "
+     "over=0, the background, unless given, and added to the record.",
+     "between 2"},
     {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
       KEYED("regions", VALUE_LIST, .most = UINT32_MAX), KEYED("as", VALUE_LIST, .most = UINT32_MAX),

@@ -23,7 +23,7 @@ act_function act_open, act_interpolate, act_orient;
 act_function act_landmark, act_origin, act_pick, act_measure, act_profile, act_why, act_hints,
     act_hint;
 /* planting.c */
-act_function act_seed, act_box, act_fill, act_outline, act_object;
+act_function act_seed, act_box, act_fill, act_outline, act_between, act_object;
 /* act_seed_file.c */
 act_function act_seed_file;
 /* act_labels.c */

@@ -33,7 +33,7 @@ struct distance_scale {
 
 /* Choose the unit: the greatest common divisor of the spacing. For a box with more than 2^30 units
  * along an axis, it is the least sufficient multiple by a power of two, and the steps are rounded:
- * by less than 1 in 30 000, and by less than 1 in 400 000 up to 2 metres. Sides are 1..65534. */
+ * by less than 1 in 30 000, and by less than 1 in 400 000 up to 2 metres. Sides are 1..2^20. */
 struct distance_scale distance_scale_of(const uint32_t spacing_nm[3], const uint32_t size[3]);
 
 #define DISTANCE_NONE UINT64_MAX
