@@ -406,7 +406,7 @@ STORY(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place)
         OWNED(volume_release) struct volume map = map_of(is, &geometry);
         const struct geometry place = map.geometry;
         size_t n = 0, wrong = 0, beyond = 0;
-        CHECK_INT(regrid(&map, size, &scene, true, NULL, &fault), OK);
+        CHECK_INT(regrid(&map, size, &scene, true, NULL, NULL, &fault), OK);
         for (uint32_t z = 0; z < size[2]; z++)
             for (uint32_t y = 0; y < size[1]; y++)
                 for (uint32_t x = 0; x < size[0]; x++, n++) {
@@ -442,7 +442,7 @@ STORY(a_map_out_of_all_proportion_is_refused)
             else
                 place.to_mm[0][0] = 1 / far[i];
             OWNED(volume_release) struct volume map = map_of(size, &place);
-            CHECK_INT(regrid(&map, size, &scene, true, NULL, &fault), ERR_INPUT);
+            CHECK_INT(regrid(&map, size, &scene, true, NULL, NULL, &fault), ERR_INPUT);
             CHECK_HAS(fault.text, "too far apart, or their voxels differ too much");
         }
 }

@@ -210,7 +210,8 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     uint64_t *mask = malloc(bytes);
     if (CHECK(mask != NULL)) {
         memset(mask, 255, bytes);
-        CHECK(session_set_mask(session, mask, "mask.nii", (const uint32_t[]){1, 1}, NULL) == OK);
+        CHECK(session_set_mask(session, mask, "mask.nii", (const uint32_t[]){1, 1}, NULL, NULL) ==
+              OK);
         CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
         CHECK_HAS(fault.text, "a mask or weights from a file belong to the present grid");
     }

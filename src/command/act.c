@@ -243,12 +243,11 @@ struct map_place act_map_place(const struct act *act)
     return place;
 }
 
-enum err act_read_map(const struct act *act, struct volume *map, struct buf *names)
+enum err act_read_map(const struct act *act, struct volume *map)
 {
     const struct session *session = act->session;
-    struct map_place place = act_map_place(act);
+    const struct map_place place = act_map_place(act);
     struct buf *path = act_buf(act);
-    place.names = names;
     const enum err err =
         interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
     return err ? err : map_read(map, buf_text(path), &place, session->watch, act->fault);

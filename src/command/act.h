@@ -126,8 +126,8 @@ void act_add_weights(const struct act *act);
 struct map_place act_map_place(const struct act *act);
 
 /* Read the map FILE. It must fit the scene's grid unless `resample=yes`. The caller releases the
- * map, also on error. `names` receives its table of labels (image/names.h); or NULL. */
-enum err act_read_map(const struct act *act, struct volume *map, struct buf *names);
+ * map, also on error. */
+enum err act_read_map(const struct act *act, struct volume *map);
 
 /* Origin of a journal: landmarks, which match scenes, and the procedure that made the journal
  * (act_ask.c). */

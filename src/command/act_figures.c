@@ -184,7 +184,7 @@ static enum err get_map_labels(struct compared *compared, struct kept *kept, boo
     uint16_t *as = NULL;
     enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
     if (!err)
-        err = act_read_map(act, &map, NULL);
+        err = act_read_map(act, &map);
     if (!err) {
         buf_add_text(&act->reply->text, map.notes);
         err = act_prefix_file(act_text(act, "FILE"),

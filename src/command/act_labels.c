@@ -266,17 +266,54 @@ static enum err number_regions(struct buf *numbers, const uint16_t *as, const st
     return numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
 }
 
+/* `rest=keep`: the regions that are not chosen are written back as they were. */
+enum { REST_NONE = 1, REST_KEEP = 2 };
+static bool keeps_rest(const struct act *act)
+{
+    return act_number(act, "rest") == REST_KEEP;
+}
+
+/* Copy the regions of a map before they become labels. */
+static uint16_t *copy_regions(const struct volume *map)
+{
+    const size_t voxels = voxels_in(map->size);
+    uint16_t *copy = mem_array(voxels, sizeof *copy);
+    if (copy)
+        memcpy(copy, map->intensity, voxels * sizeof *copy);
+    return copy;
+}
+
+/* Mark the regions that have become no label as kept. */
+static enum err mark_kept(struct volume *map, const uint16_t *region, struct fault *fault)
+{
+    const size_t voxels = voxels_in(map->size);
+    for (size_t i = 0; i < voxels; i++) {
+        if (map->intensity[i] != REGION_NONE)
+            continue;
+        if (region[i] >= REGION_NONE - KEPT_FROM)
+            return fault_set(fault, ERR_INPUT,
+                             "region %u cannot be kept, since its number is above %d; nothing has "
+                             "changed",
+                             region[i], REGION_NONE - 1 - KEPT_FROM);
+        map->intensity[i] = (uint16_t)(KEPT_FROM + region[i]);
+    }
+    return OK;
+}
+
 /* Without `regions`, reject values that are no regions. */
 static enum err find_regions(struct volume *map, const struct act *act)
 {
-    const uint64_t beyond =
-        act_has(act, "regions") ? 0 : map_count_beyond(map, act->session->watch);
+    const uint64_t beyond = act_has(act, "regions") && !keeps_rest(act)
+                                ? 0
+                                : map_count_beyond(map, act->session->watch);
     if (beyond)
         return fault_set(act->fault, ERR_INPUT,
                          "%llu of its voxels hold%s numbers below 0 or above %d, which are no "
-                         "regions; with regions=1-255, or others, these become background; nothing "
-                         "was planted",
-                         (unsigned long long)beyond, beyond == 1 ? "s" : "", REGION_MOST);
+                         "regions%s; nothing was planted",
+                         (unsigned long long)beyond, beyond == 1 ? "s" : "", REGION_MOST,
+                         keeps_rest(act)
+                             ? " and cannot be kept"
+                             : "; with regions=1-255, or others, these become background");
     return map_to_regions(map, 0, REGION_MOST, act->session->watch, act->fault);
 }
 
@@ -350,6 +387,34 @@ static void write_names(struct buf *out, const struct label_table *names)
                   strlen(names->entry[i].name));
 }
 
+/* Set the voxels of a map to the present labels; in those of `beyond`, only to labels above 0. */
+static enum err fill_with_labels(struct volume *map, const uint8_t *beyond, const struct act *act)
+{
+    struct session *session = act->session;
+    struct labels labels = labels_of_forest(session->scene);
+    enum err err = session_catch_up(session, act->fault);
+    uint16_t *to = map->intensity;
+    if (!err && act_is_yes(act, "finished"))
+        err = session_labels(session, true, &labels, act->fault);
+    for (struct grid_walk w = scene_walk(session->scene, "present labels", NULL, 0);
+         !err && grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++, to++)
+            if (!beyond || (*beyond++ && labels_at(&labels, c)))
+                *to = labels_at(&labels, c);
+    return err ? err : watch_fault(session->watch, act->fault);
+}
+
+/* Take the present labels as the map. */
+static enum err read_here(struct volume *map, const struct act *act)
+{
+    const struct grid *grid = &act->session->scene->grid;
+    map->intensity = mem_array(grid->voxels, sizeof *map->intensity);
+    memcpy(map->size, grid->size, sizeof map->size);
+    map->geometry = act->session->geometry;
+    return map->intensity ? fill_with_labels(map, NULL, act)
+                          : fault_memory(act->fault, "the present labels");
+}
+
 static enum err read_original(struct volume *map, struct label_table *names, const struct act *act,
                               struct buf *numbers)
 {
@@ -358,13 +423,20 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     const char *name = act_text(act, "FILE");
     struct map_labels choice = {.label = (int)act_number_or(act, "label", LABEL_OWN)};
     struct regions regions;
-    uint16_t *as = NULL;
-    struct buf *text = act_buf(act);
+    uint16_t *as = NULL, *region = NULL;
+    struct buf *text = act_buf(act), *path = act_buf(act);
+    struct map_place place = act_map_place(act);
     enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
+    place.names = text;
     if (!err && act_has(act, "as"))
         err = regions_check(&regions, kept, act->fault);
+    if (!err && place.resample == REGRID_RESAMPLE &&
+        !(place.beyond = mem_new(session->scene->grid.voxels)))
+        err = fault_memory(act->fault, "a map");
     if (!err)
-        err = act_read_map(act, map, text);
+        err = interpreter_find_file(act->interp, name, path, act->fault);
+    if (!err)
+        err = map_read(map, buf_text(path), &place, session->watch, act->fault);
     if (!err)
         err = act_prefix_file(name, find_regions(map, act), act->fault);
     if (!err)
@@ -375,18 +447,26 @@ static enum err read_original(struct volume *map, struct label_table *names, con
         free(as);
         err = regions_table(&as, &regions, kept, act->fault);
     }
-    if (!err && !act_has(act, "regions"))
+    if (!err && (!act_has(act, "regions") || keeps_rest(act)))
         as[0] = 0; /* the background */
     choice.as = as;
+    if (!err && keeps_rest(act) && !(region = copy_regions(map)))
+        err = fault_memory(act->fault, "the regions that are kept");
     if (!err)
         err =
             act_prefix_file(name, map_label(map, &choice, session->watch, act->fault), act->fault);
+    if (!err && region)
+        err = act_prefix_file(name, mark_kept(map, region, act->fault), act->fault);
+    if (!err && place.beyond)
+        err = fill_with_labels(map, place.beyond, act);
     if (!err)
         err = read_names(names, act, text);
     if (!err) {
         choose_names(names, act, &regions, map);
         buf_add_text(&act->reply->text, map->notes);
     }
+    free(place.beyond);
+    free(region);
     free(as);
     regions_release(&regions);
     return err;
@@ -395,26 +475,6 @@ static enum err read_original(struct volume *map, struct label_table *names, con
 static bool is_here(const struct act *act)
 {
     return act_number(act, "FILE") == 0;
-}
-
-/* Take the present labels as the map. */
-static enum err read_here(struct volume *map, const struct act *act)
-{
-    struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
-    struct labels labels = labels_of_forest(session->scene);
-    uint16_t *to = map->intensity = mem_array(grid->voxels, sizeof *map->intensity);
-    memcpy(map->size, grid->size, sizeof map->size);
-    map->geometry = session->geometry;
-    enum err err =
-        to ? session_catch_up(session, act->fault) : fault_memory(act->fault, "the present labels");
-    if (!err && act_is_yes(act, "finished"))
-        err = session_labels(session, true, &labels, act->fault);
-    for (struct grid_walk w = scene_walk(session->scene, "labels", NULL, 0);
-         !err && grid_walk_next(&w);)
-        for (uint32_t c = w.row.first; c < w.row.end; c++)
-            *to++ = labels_at(&labels, c);
-    return err ? err : watch_fault(session->watch, act->fault);
 }
 
 /* Remove all seeds that belong to no piece: the pieces take their place. */
@@ -455,7 +515,8 @@ static enum err read_copy(struct volume *map, struct label_table *names, const s
     if (!err)
         err = map_read(map, path, &place, session->watch, act->fault);
     if (!err)
-        err = map_to_regions(map, 0, 255, session->watch, act->fault);
+        err = map_to_regions(map, 0, keeps_rest(act) ? REGION_NONE - 1 : 255, session->watch,
+                             act->fault);
     if (!err)
         err = read_names(names, act, text);
     return err && err != ERR_MEMORY && err != ERR_CANCELLED && leads_out
@@ -657,6 +718,49 @@ static enum err plant_pieces(const struct act *act, const struct piece_seeds *se
     return act_prefix_file(act_text(act, "FILE"), act_write_planting(act, &planting), act->fault);
 }
 
+/* Put the regions that are kept out of the region of interest, and out of the map. */
+static enum err keep_rest(const struct act *act, struct volume *map)
+{
+    struct session *session = act->session;
+    const struct roi *roi = &session->roi;
+    const size_t voxels = voxels_in(map->size);
+    uint64_t *mask = mem_new(mask_bytes(&session->scene->grid));
+    uint16_t *rest = mem_array(voxels, sizeof *rest);
+    size_t kept = 0;
+    enum err err = mask && rest ? OK : fault_memory(act->fault, "the regions that are kept");
+    for (size_t i = 0; !err && i < voxels; i++) {
+        const uint16_t value = map->intensity[i];
+        const bool is_kept = value >= KEPT_FROM && value != REGION_NONE;
+        rest[i] = is_kept ? (uint16_t)(value - KEPT_FROM) : 0;
+        map->intensity[i] = is_kept ? REGION_NONE : value;
+        kept += is_kept;
+    }
+    const uint16_t *at = rest;
+    for (struct grid_walk w = scene_walk(session->scene, "regions that are kept", NULL, 0);
+         !err && grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++)
+            if (!*at++ && (!roi->mask || roi->mask[c >> 6] >> (c & 63) & 1))
+                mask[c >> 6] |= UINT64_C(1) << (c & 63);
+    if (!err)
+        err = session_set_mask(session, mask, act_text(act, "FILE"), (const uint32_t[]){0, 0}, rest,
+                               act->fault);
+    if (!err) {
+        struct kept *next = &act->next->kept;
+        const struct kept *now = &session->now.kept;
+        next->mask = now->mask;
+        next->rest = now->rest;
+        memcpy(next->mask_file, now->mask_file, sizeof next->mask_file);
+        memcpy(next->mask_regions, now->mask_regions, sizeof next->mask_regions);
+        buf_printf(&act->reply->text,
+                   "%zu voxel%s of other regions %s outside the region of interest; `save labels` "
+                   "writes them back\n",
+                   kept, plural(kept), kept == 1 ? "is" : "are");
+    }
+    free(mask);
+    free(rest);
+    return err;
+}
+
 /* Warn before planting if most voxels would be seeds: the file is probably no segmentation. */
 static void warn_of_noise(const struct act *act, const struct piece_seeds *seeds)
 {
@@ -678,7 +782,7 @@ static enum err plant_labels(const struct act *act)
     const struct session *session = act->session;
     const unsigned rounds = (unsigned)act_number(act, "erode");
     const struct piece_choice choice = {rounds, (uint32_t)act_number(act, "least"),
-                                        act_number(act, "rest") == 1 ? REGION_NONE : 0};
+                                        act_number(act, "rest") >= REST_NONE ? REGION_NONE : 0};
     struct volume map = {0};
     struct label_table names = {0};
     struct piece_seeds seeds = {0};
@@ -690,6 +794,8 @@ static enum err plant_labels(const struct act *act)
         copy ? read_recorded(&map, &names, act, copy) : read_new(&map, &names, act, digest);
     if (!err && act->interp->mode == MODE_LIVE)
         err = keep_copy(act, &map, &names, copy ? copy : digest);
+    if (!err && keeps_rest(act))
+        err = keep_rest(act, &map);
     const size_t voxels = err ? 0 : (size_t)map.size[0] * map.size[1] * map.size[2];
     size_t empty = 0;
     while (empty < voxels && map.intensity[empty] == REGION_NONE)
@@ -723,11 +829,21 @@ enum err act_labels(const struct act *act)
 {
     struct call said = *act->call;
     struct act with = *act;
-    if (!is_here(act))
-        return act_has(act, "finished") ? fault_set(act->fault, ERR_USAGE,
-                                                    "finished: only with `labels here`; nothing "
-                                                    "was planted")
-                                        : plant_labels(act);
+    if (keeps_rest(act) && (!act_has(act, "regions") || act->session->now.kept.rest))
+        return fault_set(act->fault, ERR_USAGE, "rest=keep: %s; nothing was planted",
+                         act->session->now.kept.rest
+                             ? "regions are kept already; `undo` to before that command, and give "
+                               "all regions to correct at once"
+                             : "needs `regions`, as in regions=5; it keeps the others");
+    if (!is_here(act) && act_has(act, "finished"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "finished: only with `labels here`; nothing was planted");
+    if (!is_here(act) && !act_is_yes(act, "resample"))
+        return plant_labels(act);
+    if (!is_here(act)) { /* the present labels may belong to the map */
+        const enum err err = session_run(act->session, act->fault);
+        return err ? err : plant_labels(act);
+    }
     if (act_has(act, "regions|as|label|rest|resample|volume|data|numbers"))
         return fault_set(act->fault, ERR_USAGE,
                          "here: only with finished, erode and least; nothing was planted");

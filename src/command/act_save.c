@@ -3,6 +3,7 @@
  * labels. */
 #include "command/act.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -421,25 +422,33 @@ static enum err check_parameters(const struct act *act)
 /* Coverage of a map of labels: voxels with a label above 0, and unreached voxels, outside the
  * region of interest or not. */
 struct coverage {
-    uint64_t labelled, outside, unreached;
+    uint64_t labelled, outside, unreached, kept; /* kept: outside, in regions that are kept */
     bool has[256];
 };
 
-static struct coverage count_coverage(const struct session *session, const struct labels *labels)
+static enum err count_coverage(struct coverage *coverage, const struct session *session,
+                               const struct labels *labels, struct fault *fault)
 {
     struct coverage count = {0};
+    uint16_t *rest;
+    const enum err err = session_take_rest(session, &rest, fault);
+    const uint16_t *region = rest;
     struct grid_walk walk = scene_walk(session->scene, "counting", NULL, 0);
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
             const struct cell *cell = session->scene->cell + c;
-            const bool is_outside = cell->flags & CELL_OUTSIDE;
+            const bool is_kept = region && *region++;
+            const bool is_outside = cell->flags & CELL_OUTSIDE && !is_kept;
+            count.kept += is_kept;
             const uint8_t label = labels_at(labels, c);
             count.labelled += label > 0;
             count.has[label] = true;
             count.outside += is_outside;
-            count.unreached += !is_outside && !cell_is_reached(cell);
+            count.unreached += !is_outside && !is_kept && !cell_is_reached(cell);
         }
-    return count;
+    free(rest);
+    *coverage = count;
+    return err;
 }
 
 static void warn_of_background(struct buf *out, uint64_t voxels, const char *which)
@@ -471,6 +480,10 @@ static void warn_of_contents(const struct act *act, const char *path,
     const int64_t what = act_number(act, "MAP");
     warn_of_background(&act->reply->text, coverage->unreached, "that no seed reaches");
     warn_of_background(&act->reply->text, coverage->outside, "outside the region of interest");
+    if (what == MAP_LABELS && coverage->kept)
+        buf_printf(&act->reply->text, "%llu voxel%s of other regions %s as in %s\n",
+                   (unsigned long long)coverage->kept, plural(coverage->kept),
+                   coverage->kept == 1 ? "is" : "are", session->now.kept.mask_file);
     if (what == MAP_LABELS)
         warn_of_names(act, path, coverage->has);
     if (volume_ending(path) && !geometry_has_place(&session->geometry))
@@ -500,9 +513,11 @@ enum err act_save(const struct act *act)
         return err;
     const char *path = buf_text(to);
     if (has_labels)
-        coverage = count_coverage(act->session, &labels);
+        err = count_coverage(&coverage, act->session, &labels, act->fault);
+    if (err)
+        return err;
     /* An empty map would be mistaken for a result. */
-    if (what == MAP_LABELS && !coverage.labelled && !act_is_yes(act, "empty"))
+    if (what == MAP_LABELS && !coverage.labelled && !coverage.kept && !act_is_yes(act, "empty"))
         return fault_set(
             act->fault, ERR_INPUT,
             "no voxel has a label above 0: plant a `seed` of one first, or write the empty "

@@ -124,7 +124,7 @@ static enum err mask_by_file(const struct act *act)
     const uint32_t *regions = act_has(act, "regions") ? act_place(act, "regions") : all;
     struct volume map = {0};
     uint64_t *mask = NULL;
-    enum err err = act_read_map(act, &map, NULL);
+    enum err err = act_read_map(act, &map);
     if (!err)
         err = act_prefix_file(
             name, map_to_regions(&map, regions[0], regions[1], session->watch, act->fault),
@@ -140,8 +140,8 @@ static enum err mask_by_file(const struct act *act)
         buf_add_text(&act->reply->text, map.notes);
         const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
         act_add_digest(act, "file", roi_tally(&alone, session->scene).digest);
-        err = act_prefix_file(name, session_set_mask(session, mask, name, regions, act->fault),
-                              act->fault);
+        err = act_prefix_file(
+            name, session_set_mask(session, mask, name, regions, NULL, act->fault), act->fault);
     }
     volume_release(&map);
     free(mask);
@@ -155,8 +155,13 @@ enum err act_mask(const struct act *act)
     if (!is_file && of_file)
         return fault_set(act->fault, ERR_USAGE, "%s: `mask none` has no %s; nothing has changed",
                          of_file, strcmp(of_file, "regions") == 0 ? "regions" : "map");
-    return add_roi(act, is_file ? mask_by_file(act)
-                                : session_set_mask(act->session, NULL, NULL, NULL, act->fault));
+    if (act->session->now.kept.rest)
+        return fault_set(act->fault, ERR_USAGE,
+                         "a mask would change regions that `labels rest=keep` has kept; give the "
+                         "mask before that command; nothing has changed");
+    return add_roi(act, is_file
+                            ? mask_by_file(act)
+                            : session_set_mask(act->session, NULL, NULL, NULL, NULL, act->fault));
 }
 
 /* Count the voxels of the scene whose level contains an end of the range. */

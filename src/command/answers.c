@@ -282,7 +282,10 @@ void act_write_region(struct buf *out, const struct session *session)
     if (!kept->mask && !kept->has_range)
         return;
     buf_add_text(out, "region    ");
-    if (kept->mask) {
+    if (kept->rest) {
+        buf_add_text(out, "without the regions that are kept of ");
+        buf_add_safe_text(out, kept->mask_file);
+    } else if (kept->mask) {
         buf_add_text(out, "mask ");
         buf_add_safe_text(out, kept->mask_file);
         buf_printf(out, " regions %u-%u", kept->mask_regions[0], kept->mask_regions[1]);

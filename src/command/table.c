@@ -362,7 +362,7 @@ static const struct command command_table[] = {
       KEYED("copy", VALUE_WORD, .is_kept = true, .form = "DIGEST", .added = true), OF_MAP,
       KEYED("numbers", VALUE_LIST, .least = 1, .most = UINT32_MAX, .added = true),
       KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000),
-      KEYED("rest", VALUE_CHOICE, .choices = "background|none")},
+      KEYED("rest", VALUE_CHOICE, .choices = "background|none|keep")},
      "start from a segmentation, and correct it",
      "FILE is a label map of any program on the scene's grid. Its labels are reproduced exactly. "
      "Each piece of each label, and of the background, becomes a marker, all in one undo step. "
@@ -388,7 +388,13 @@ static const struct command command_table[] = {
      "added to the record.\n"
      "numbers: the regions, if some of their numbers are above 255; added to the record.\n"
      "least: omit pieces of fewer voxels; the surrounding trees grow into them.\n"
-     "rest: none leaves other voxels without seeds; the surrounding trees grow into them." MAP_NOTE,
+     "rest: none leaves other voxels without seeds; the surrounding trees grow into them. keep "
+     "puts "
+     "the other regions out of the region of interest, and `save labels` writes them back "
+     "unchanged: to correct some of many objects.\n"
+     "resample=yes with a part of the scene, such as a corrected crop: voxels outside it keep "
+     "their "
+     "labels; without one they are background." MAP_NOTE,
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),

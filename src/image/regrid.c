@@ -155,8 +155,8 @@ static bool find_way(struct way *way, const struct geometry *map, const uint32_t
 }
 
 /* Resample a row of the scene; returns the number of its voxels outside the map. */
-static size_t resample_row(uint16_t *out, const struct volume *map, const struct way *way,
-                           uint32_t count, uint32_t y, uint32_t z)
+static size_t resample_row(uint16_t *out, uint8_t *is_beyond, const struct volume *map,
+                           const struct way *way, uint32_t count, uint32_t y, uint32_t z)
 {
     const uint32_t *size = map->size;
     size_t beyond = 0;
@@ -174,6 +174,8 @@ static size_t resample_row(uint16_t *out, const struct volume *map, const struct
         out[x] = inside ? map->intensity[(place[2] * size[1] + place[1]) * size[0] + place[0]]
                         : way->zero;
         beyond += !inside;
+        if (is_beyond)
+            is_beyond[x] = !inside;
     }
     return beyond;
 }
@@ -203,8 +205,9 @@ static void note_shift(struct volume *map, double apart_mm, const struct geometr
                     apart_mm);
 }
 
-static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t size[3],
-                             const struct geometry *scene, struct watch *watch, struct fault *fault)
+static enum err resample_map(struct volume *map, uint16_t *out, uint8_t *is_beyond,
+                             const uint32_t size[3], const struct geometry *scene,
+                             struct watch *watch, struct fault *fault)
 {
     struct way way = {.zero = 0};
     if (!find_way(&way, &map->geometry, size, scene))
@@ -219,22 +222,25 @@ static enum err resample_map(struct volume *map, uint16_t *out, const uint32_t s
         fabs(geometry_value(&map->geometry, zero)) <= fabs(map->geometry.slope) / 2;
     way.zero = has_zero ? (uint16_t)zero : 0;
     for (uint32_t z = 0; z < size[2]; z++)
-        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0])
-            beyond += resample_row(out, map, &way, size[0], y, z);
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0]) {
+            beyond += resample_row(out, is_beyond, map, &way, size[0], y, z);
+            is_beyond += is_beyond ? size[0] : 0;
+        }
     if (beyond && !has_zero)
         return fault_set(fault, ERR_INPUT,
                          "%zu voxels of the scene are outside the map, which has no value 0 for "
                          "them; nothing has changed",
                          beyond);
     if (beyond)
-        volume_note(map->notes, "%zu voxels of the scene are outside the map: set to 0", beyond);
+        volume_note(map->notes, "%zu voxels of the scene are outside the map: %s", beyond,
+                    is_beyond ? "they keep their labels, or are background" : "set to 0");
     volume_note(map->notes, "resampled from %ux%ux%u voxels by the nearest", map->size[0],
                 map->size[1], map->size[2]);
     return watch_fault(watch, fault);
 }
 
 enum err regrid(struct volume *map, const uint32_t size[3], const struct geometry *scene,
-                enum regrid_how how, struct watch *watch, struct fault *fault)
+                enum regrid_how how, uint8_t *beyond, struct watch *watch, struct fault *fault)
 {
     struct regrid_order order;
     enum err err = regrid_check(map->size, &map->geometry, size, scene, how, fault);
@@ -263,7 +269,7 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
         note_shift(map, order.apart_mm, scene);
         err = watch_fault(watch, fault);
     } else {
-        err = resample_map(map, out, size, scene, watch, fault);
+        err = resample_map(map, out, beyond, size, scene, watch, fault);
     }
     if (err) {
         free(out);

@@ -45,9 +45,10 @@ enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
                       const uint32_t size[3], const struct geometry *scene, enum regrid_how how,
                       struct fault *fault);
 
-/* Move the map to the scene's grid, with the same values; notes describe the change. ERR_INPUT as
+/* Move the map to the scene's grid, with the same values; notes describe the change. `beyond` is
+ * NULL, or all 0 and gets 1 for each voxel outside the map, which the caller fills. ERR_INPUT as
  * above, ERR_MEMORY, ERR_CANCELLED by the watch (or NULL); release the map after an error. */
 enum err regrid(struct volume *map, const uint32_t size[3], const struct geometry *scene,
-                enum regrid_how how, struct watch *watch, struct fault *fault);
+                enum regrid_how how, uint8_t *beyond, struct watch *watch, struct fault *fault);
 
 #endif

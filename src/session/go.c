@@ -424,22 +424,44 @@ static enum err check_region(const struct session *session, const struct roi *ro
 }
 
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
-                          const uint32_t regions[2], struct fault *fault)
+                          const uint32_t regions[2], const uint16_t *rest, struct fault *fault)
 {
     const struct roi roi = {mask, session->roi.low, session->roi.high};
     struct state next = session->now;
-    struct packed *packed = NULL;
+    struct packed *packed = NULL, *packed_rest = NULL;
     enum err err = check_region(session, &roi, fault);
     if (!err && mask)
         err = packed_new(&packed, mask, mask_bytes(&session->scene->grid), session->watch, fault);
-    if (err)
+    if (!err && rest)
+        err = packed_new(&packed_rest, rest, session->scene->grid.voxels * sizeof *rest,
+                         session->watch, fault);
+    if (err) {
+        packed_release(packed);
         return err;
+    }
     next.kept.mask = packed;
+    next.kept.rest = packed_rest;
     set_words(next.kept.mask_file, mask ? name : "");
     for (int i = 0; i < 2; i++)
         next.kept.mask_regions[i] = mask ? regions[i] : 0;
     err = session_go(session, &next, NULL, 0, fault);
     packed_release(packed);
+    packed_release(packed_rest);
+    return err;
+}
+
+enum err session_take_rest(const struct session *session, uint16_t **rest, struct fault *fault)
+{
+    const struct packed *packed = session->now.kept.rest;
+    *rest = packed ? mem_array(session->scene->grid.voxels, sizeof **rest) : NULL;
+    if (!packed)
+        return OK;
+    const enum err err = *rest ? packed_take_out(packed, *rest, session->watch, fault)
+                               : fault_memory(fault, "the regions that are kept");
+    if (err) {
+        free(*rest);
+        *rest = NULL;
+    }
     return err;
 }
 

@@ -169,6 +169,8 @@ static size_t point_memory(const struct point *point, const struct point *parent
     bytes += edit_lists_memory(&point->lists);
     if (kept.mask && before.mask != kept.mask)
         bytes += packed_memory(kept.mask);
+    if (kept.rest && before.rest != kept.rest)
+        bytes += packed_memory(kept.rest);
     if (kept.weight_map && before.weight_map != kept.weight_map)
         bytes += packed_memory(kept.weight_map);
     return bytes;

@@ -9,7 +9,8 @@
  * A copy of a label map keeps the labels that a command has read from a file, which may be moved,
  * changed or deleted later. It is stored with the golden images, so a replay needs neither the file
  * nor the program or learned model that made it. It holds labels 0..255, and 65535 in voxels of
- * regions that were not chosen, as uint16 on the scene's grid, and the names and colours of those
+ * regions that were not chosen, or 256 more than the number of one that is kept, as uint16 on the
+ * scene's grid, and the names and colours of those
  * labels, if the file has some, and nothing else of the file. Its name is the digest of both, which
  * the command records:
  *
@@ -83,6 +84,7 @@ struct map_place {
     struct volume_choice choice;
     enum regrid_how resample; /* resample a map on another grid, nearest voxel (image/regrid.h) */
     bool is_copy;             /* the map was written on this grid: compare only sizes and axes */
+    uint8_t *beyond;          /* receives 1 for voxels outside the map, [voxels], all 0; or NULL */
     struct buf *names;        /* receives the file's table of labels (image/names.h); or NULL */
 };
 
@@ -129,6 +131,7 @@ enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *f
 
 /* ---- copies ---- */
 
+enum { KEPT_FROM = 256 /* added to the number of a region that is kept */ };
 enum { LABEL_COPY_DIGEST = 33 }; /* 32 digits and NUL: 128 bits of SHA-256 */
 
 /* Digest of a map after map_label: over its sides as 32 bits each, then its labels, x fastest,

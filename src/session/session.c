@@ -375,6 +375,7 @@ static size_t scene_memory(const struct session *session)
     bytes += border_memory(&session->border);
     bytes += session->inside->mask_room ? mask_bytes(&session->scene->grid) : 0;
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
+    bytes += kept->rest ? packed_memory(kept->rest) : 0;
     bytes += session->levels ? sizeof *session->levels : 0;
     return bytes + (kept->weight_map ? packed_memory(kept->weight_map) : 0);
 }

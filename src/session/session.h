@@ -404,9 +404,13 @@ enum err session_set_weight_map(struct session *session, const char *name, const
                                 struct fault *fault);
 
 /* Set the two parts of the region of interest; NULL for none. ERR_INPUT, without a change, if no
- * voxel would be inside, or a planted or pending seed outside. */
+ * voxel would be inside, or a planted or pending seed outside. `rest`: the regions that the mask
+ * excludes and that maps of labels keep, [z][y][x], or NULL. */
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
-                          const uint32_t regions[2], struct fault *fault);
+                          const uint32_t regions[2], const uint16_t *rest, struct fault *fault);
+
+/* Take out these regions, an array that the caller frees; NULL for none. */
+enum err session_take_rest(const struct session *session, uint16_t **rest, struct fault *fault);
 enum err session_set_range(struct session *session, const struct decimal range[2],
                            struct fault *fault);
 

@@ -222,6 +222,7 @@ static const struct state_field {
     FIELD(kept.polarity, MADE_BY_POLARITY),
     FIELD(kept.weight_map, MADE_WEIGHTS),
     FIELD(kept.mask, MADE_ROI),
+    FIELD(kept.rest, 0),
     FIELD(kept.weight_file, 0),
     FIELD(kept.mask_file, 0),
     FIELD(kept.mask_regions, 0),

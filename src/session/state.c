@@ -331,13 +331,15 @@ void kept_hold(const struct kept *kept)
 {
     packed_hold(kept->weight_map);
     packed_hold(kept->mask);
+    packed_hold(kept->rest);
 }
 
 void kept_release(struct kept *kept)
 {
     packed_release(kept->weight_map);
     packed_release(kept->mask);
-    kept->weight_map = kept->mask = NULL;
+    packed_release(kept->rest);
+    kept->weight_map = kept->mask = kept->rest = NULL;
 }
 
 void state_release(struct state *state)

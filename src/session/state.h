@@ -131,8 +131,10 @@ struct kept {
     struct weight_choice weight;
     int8_t polarity[256]; /* polarity of each label, in percent; used if the weight is `polarity` */
 
-    struct packed *weight_map;          /* uint16 [z][y][x]; NULL unless the weight is a file's */
-    struct packed *mask;                /* bits (engine/roi.h); NULL for none */
+    struct packed *weight_map; /* uint16 [z][y][x]; NULL unless the weight is a file's */
+    struct packed *mask;       /* bits (engine/roi.h); NULL for none */
+    struct packed *rest; /* regions that the mask excludes (`labels rest=keep`): uint16 numbers in
+                            files [z][y][x], 0 for none; or NULL */
     char weight_file[FILE_WORDS_BYTES]; /* names of both, cut if long; "" for none */
     char mask_file[FILE_WORDS_BYTES];
     uint32_t mask_regions[2];            /* first and last */

@@ -21,6 +21,7 @@ struct map_source {
     uint16_t *margin;     /* by cell, for MAP_MARGIN */
     uint32_t number[256]; /* of each label */
     bool used[256];       /* labels of voxels */
+    uint16_t *rest;       /* regions that are kept; or NULL */
     enum voxel_type wide; /* the smallest type of these numbers */
 };
 
@@ -29,6 +30,7 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
     const struct map_source *source = context;
     const struct session *session = source->session;
     struct span row = grid_row(&session->scene->grid, y, z);
+    const size_t first = ((size_t)z * session->scene->grid.size[1] + y) * (row.end - row.first);
     uint8_t *byte = values;
     uint16_t *pair = values;
     uint32_t *root = values;
@@ -36,14 +38,17 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
     for (uint32_t c = row.first; c < row.end; c++) {
         const struct cell *cell = session->scene->cell + c;
         bool reached = cell_is_reached(cell);
+        uint32_t number;
         switch (source->map) {
         case MAP_LABELS:
+            number = source->rest ? source->rest[first + c - row.first] : 0;
+            number = number ? number : source->number[labels_at(source->labels, c)];
             if (source->wide == VOXEL_UINT32)
-                *root++ = source->number[labels_at(source->labels, c)];
+                *root++ = number;
             else if (source->wide == VOXEL_UINT16)
-                *pair++ = (uint16_t)source->number[labels_at(source->labels, c)];
+                *pair++ = (uint16_t)number;
             else
-                *byte++ = (uint8_t)source->number[labels_at(source->labels, c)];
+                *byte++ = (uint8_t)number;
             break;
         case MAP_BORDER:
             *byte++ = border_holds(&session->border, c);
@@ -79,8 +84,34 @@ void export_labels(struct volume_label label[256], const struct kept *kept)
     }
 }
 
-/* Find the smallest type that holds the numbers of the labels. */
-static void find_type(struct map_source *source)
+/* Find the greatest number of a region that is kept. Reject a label with such a number: files could
+ * not tell them apart. */
+static enum err check_rest(const struct map_source *source, uint32_t *most, struct fault *fault)
+{
+    const size_t voxels = source->session->scene->grid.voxels;
+    bool *has = mem_new((REGION_NONE + 1) * sizeof *has);
+    unsigned label = 1;
+    if (!has)
+        return fault_memory(fault, "the regions that are kept");
+    for (size_t i = 0; i < voxels; i++) {
+        has[source->rest[i]] = true;
+        *most = source->rest[i] > *most ? source->rest[i] : *most;
+    }
+    while (label < 256 && !(source->used[label] && source->number[label] <= REGION_MOST &&
+                            has[source->number[label]]))
+        label++;
+    free(has);
+    if (label == 256)
+        return OK;
+    return fault_set(fault, ERR_INPUT,
+                     "label %u has the number of a region that is kept, so that the file could not "
+                     "tell them apart; `label %u NAME number=N` sets another number; nothing was "
+                     "written",
+                     source->number[label], source->number[label]);
+}
+
+/* Find the labels of voxels, and the smallest type that holds the numbers of the map. */
+static enum err find_type(struct map_source *source, struct fault *fault)
 {
     const struct grid *grid = &source->session->scene->grid;
     bool *used = source->used;
@@ -91,9 +122,11 @@ static void find_type(struct map_source *source)
                 used[labels_at(source->labels, c)] = true;
         }
     uint32_t most = 0;
+    const enum err err = source->rest ? check_rest(source, &most, fault) : OK;
     for (unsigned l = 0; l < 256; l++)
         most = used[l] && source->number[l] > most ? source->number[l] : most;
     source->wide = most > UINT16_MAX ? VOXEL_UINT32 : most > UINT8_MAX ? VOXEL_UINT16 : VOXEL_UINT8;
+    return err;
 }
 
 enum err export_map(const struct session *session, enum map map, const struct labels *labels,
@@ -112,12 +145,16 @@ enum err export_map(const struct session *session, enum map map, const struct la
     struct map_source source = {.session = session, .labels = labels, .map = map};
     struct volume_label label[256];
     struct buf description = {0};
-    enum err err = map == MAP_MARGIN ? margin_new(&source.margin, session->forest, fault) : OK;
-    if (err)
-        return err;
+    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session->forest, fault)
+                   : map == MAP_LABELS ? session_take_rest(session, &source.rest, fault)
+                                       : OK;
     numbering_fill(source.number, &session->now.kept);
-    if (map == MAP_LABELS)
-        find_type(&source);
+    if (!err && map == MAP_LABELS)
+        err = find_type(&source, fault);
+    if (err) {
+        free(source.rest);
+        return err;
+    }
     export_labels(label, &session->now.kept);
     for (int l = 0; l < 256; l++)
         label[l].used = source.used[l];
@@ -138,6 +175,7 @@ enum err export_map(const struct session *session, enum map map, const struct la
                              : volume_write(path, mode, &written, session->watch, fault);
     buf_release(&description);
     free(source.margin);
+    free(source.rest);
     return err;
 }
 

@@ -109,7 +109,7 @@ void fuzz_volume(const char *path)
         geometry_place_plain(&place, (const double[3]){1, 1, 1});
         geometry_orient(&place, "LPS");
         place.orientation = ORIENTATION_FILE;
-        const enum err placed = regrid(&volume, size, &place, true, NULL, &fault);
+        const enum err placed = regrid(&volume, size, &place, true, NULL, NULL, &fault);
         HOLDS(placed || memcmp(volume.size, size, sizeof size) == 0);
     }
     volume_release(&volume);
