@@ -1037,6 +1037,9 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
     CHECK_HAS(hint_now(), "i seed  b label");
     facts.has_one_object = true;
     CHECK_HAS(hint_now(), "fills all: a here, then beyond its edge S encloses it; s0 back");
+    facts.has_one_object = false;
+    facts.wants_outline = true;
+    CHECK_HAS(hint_now(), "@ outlines the object in a slice where it is wrong; i or s0 corrects");
     KEYS("v");
     CHECK_HAS(hint_now(), "moving draws; v ends the stroke, Escape drops it");
 }

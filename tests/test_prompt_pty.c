@@ -859,6 +859,7 @@ STORY(a_dumb_terminal_gets_no_escape_at_all)
     start(&setting);
     SEE_LINE("synth>");
     BEGIN_AFTER("seed 20,20,15 1\r", "48000 voxels changed, label 1: 48 ml, ");
+    SEE_BEGIN("`seed 20,20,15 0 shell=yes through=X,Y,Z`; it labels all");
     SEE_LINE("synth>"); /* the terminal echoes by itself: not before the prompt */
     ROW_AFTER("sede\r", "error: unknown command sede; did you mean seed?");
     SEE_LINE("synth>");

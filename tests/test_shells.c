@@ -119,6 +119,29 @@ STORY(a_shell_around_two_objects_may_come_first_or_last)
     interpreter_release(&interp);
 }
 
+STORY(a_new_session_leads_to_a_sphere_and_then_to_an_outline)
+{
+    static const struct {
+        const char *commands;
+        enum proposal proposal;
+    } step[] = {{"auto on", PROPOSE_NOTHING},
+                {"seed 5,5,5 1 radius=1", PROPOSE_SPHERE},
+                {"seed 5,5,6 1", PROPOSE_SPHERE},
+                {"undo; seed 5,5,5 0 radius=4 shell=yes", PROPOSE_OUTLINE},
+                {"seed 2,2,2 0", PROPOSE_NOTHING},
+                {"undo 3; outline 2,2,5 1 to=6,2,5 to=6,6,5", PROPOSE_OUTLINE}, /* with its ring */
+                {"seed 9,9,9 2", PROPOSE_NOTHING},
+                {"undo 2; seed 5,5,5 0", PROPOSE_NOTHING},
+                {"undo; seed 5,5,5 1; remove 5,5,5", PROPOSE_NOTHING}};
+    begin_with_journal(&interp, "next.iftty");
+    CHECK(session_find_proposal(interp.session) == PROPOSE_NOTHING);
+    for (size_t i = 0; i < sizeof step / sizeof *step; i++) {
+        must(&interp, step[i].commands);
+        CHECK_INT(session_find_proposal(interp.session), step[i].proposal);
+    }
+    interpreter_release(&interp);
+}
+
 /* Voxels are 1 x 1.5 x 2 mm: a ball of the world goes through the voxel, and no farther. */
 JOURNAL_STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through, "through.iftty")
 {

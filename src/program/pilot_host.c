@@ -128,20 +128,6 @@ static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
         label_report_write_sums(&fact[PILOT_SUMS], &sums, geometry);
 }
 
-/* True if all seeds have one label above 0. */
-static bool has_one_label(const struct session *session)
-{
-    const struct markers *markers = &session->markers;
-    int found = 0;
-    for (size_t i = 0; i < markers->count; i++) {
-        const int label = markers->marker[i].label;
-        if (markers->marker[i].is_valid && (label <= 0 || (found && label != found)))
-            return false;
-        found = markers->marker[i].is_valid ? label : found;
-    }
-    return found > 0;
-}
-
 /* The view of the rendition in its pane, which may not be drawn yet. */
 static struct view view_of_pane(const struct pilot_interpreter *pilot)
 {
@@ -161,6 +147,7 @@ static bool host_facts(void *context, struct pilot_facts *out)
     const struct outlook *outlook = &session->now.outlook;
     const struct slice_settings *s = &outlook->slices;
     const struct view view = view_of_pane(pilot);
+    const enum proposal proposal = session_find_proposal(session);
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .intensity =
                                     levels_value(&session->geometry, session->levels,
@@ -170,7 +157,8 @@ static bool host_facts(void *context, struct pilot_facts *out)
                                 .frame_height = view.height,
                                 .overlay = s->overlay,
                                 .has_object = panes_have_object(session),
-                                .has_one_object = has_one_label(session),
+                                .has_one_object = proposal == PROPOSE_SPHERE,
+                                .wants_outline = proposal == PROPOSE_OUTLINE,
                                 .shows = !session_shows_finished(session) ? PILOT_FOREST
                                          : session_is_rough(session)      ? PILOT_ROUGH
                                                                           : PILOT_FINISHED,

@@ -196,7 +196,8 @@ struct prompt {
     char name[24];     /* before the "> " */
     const char *first; /* opened after the prompt is shown */
     bool resumes;
-    struct lesson *lesson; /* or NULL */
+    struct lesson *lesson;  /* or NULL */
+    enum proposal proposed; /* by the last answer */
 };
 
 /* ---- the host of prompt and pilot ---- */
@@ -282,6 +283,29 @@ static void add_lesson(struct prompt *prompt, struct buf *output)
     lesson_add_page(output, prompt->lesson, journal_name(prompt));
 }
 
+/* Propose the next step of a new session below the answer that leads to it. */
+static void add_proposal(struct prompt *prompt, struct buf *output)
+{
+    const struct session *session = prompt->interp.session;
+    const struct markers *markers = &session->markers;
+    const enum proposal proposal =
+        session->has_scene ? session_find_proposal(session) : PROPOSE_NOTHING;
+    if (proposal == PROPOSE_SPHERE && proposal != prompt->proposed) {
+        const struct marker *last = markers->marker + markers->count - 1;
+        const struct place middle =
+            grid_place(&session->scene->grid, markers->cover[last->first + last->voxels / 2].cell);
+        buf_printf(output,
+                   "next: enclose the object by a sphere of background through a voxel beyond its "
+                   "edge,\n`seed %u,%u,%u 0 shell=yes through=X,Y,Z`; it labels all of the scene "
+                   "so far\n",
+                   middle.x, middle.y, middle.z);
+    } else if (proposal == PROPOSE_OUTLINE && proposal != prompt->proposed) {
+        buf_add_text(output, "next: `outline` the object in a slice where it is wrong (`hints "
+                             "slice` lists slices), or correct it by balls\n");
+    }
+    prompt->proposed = proposal;
+}
+
 static enum err repl_execute(void *context, const char *line, struct buf *output,
                              struct fault *fault)
 {
@@ -291,8 +315,10 @@ static enum err repl_execute(void *context, const char *line, struct buf *output
         interpreter_write_losses(&prompt->interp, console_watch(), output, NULL);
         console_erase_progress();
     }
-    if (!err && prompt->interp.wish == WISH_NONE)
+    if (!err && prompt->interp.wish == WISH_NONE && prompt->lesson)
         add_lesson(context, output);
+    else if (!err)
+        add_proposal(prompt, output);
     return err;
 }
 

@@ -234,6 +234,28 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
     return err || *numbers ? err : report_no_tree(session, fault);
 }
 
+/* ---- the next step ---- */
+
+enum proposal session_find_proposal(const struct session *session)
+{
+    const struct markers *markers = &session->markers;
+    unsigned objects = 0, backgrounds = 0;
+    int16_t object = 0;
+    for (const struct marker *m = markers->marker; m < markers->marker + markers->count; m++) {
+        if (!m->is_valid)
+            continue;
+        if (m->label == EDIT_ERASE || m->yields || (m->label && object && m->label != object))
+            return PROPOSE_NOTHING;
+        object = m->label ? m->label : object;
+        objects += m->label != 0;
+        backgrounds += m->label == 0;
+    }
+    return !objects                           ? PROPOSE_NOTHING
+           : !backgrounds                     ? PROPOSE_SPHERE
+           : objects == 1 && backgrounds == 1 ? PROPOSE_OUTLINE
+                                              : PROPOSE_NOTHING;
+}
+
 /* ---- single trees ---- */
 
 enum err session_erase_trees(struct session *session, const uint32_t *cell, size_t count,

@@ -386,6 +386,11 @@ uint64_t session_finished_digest(const struct session *session);
 const uint8_t *session_finished(const struct session *session);
 uint64_t session_finish_source(const struct session *session);
 
+/* The next step of a new session. Seeds of one object alone label all of the scene: they need a
+ * sphere of background around it. The object with the first background is outlined next. */
+enum proposal { PROPOSE_NOTHING, PROPOSE_SPHERE, PROPOSE_OUTLINE };
+enum proposal session_find_proposal(const struct session *session);
+
 /* In a session with the origin of a procedure: find the label whose volume differs most from
  * that in the procedure, and the ratio; 0 for no label. ERR_CANCELLED. */
 enum err session_find_worst(struct session *session, unsigned *label, double *share,

@@ -57,6 +57,7 @@ struct pilot_facts {
     unsigned overlay;    /* labels in slices: 0 none, 1 tint, 2 contour */
     bool has_object;     /* a voxel has a label above 0, or a seed waits to give it one */
     bool has_one_object; /* only the seeds of one object exist so far */
+    bool wants_outline;  /* the first seeds of one object and of the background exist */
     uint32_t times;      /* magnification of slices, in thousandths */
     enum pilot_labels shows;
     bool has_finish; /* labels can be finished */

@@ -275,6 +275,10 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
         setup_say(out, setup,
                   "one label fills all: {corner} here, then beyond its edge {enclose} encloses it; "
                   "{plant-label:0} background");
+    } else if (moves && facts->wants_outline) {
+        setup_say(out, setup,
+                  "{outline} outlines the object in a slice where it is wrong; {plant} or "
+                  "{plant-label:0} corrects by balls; {keys} keys");
     } else if (state->mode == PILOT_WINDOWING) {
         buf_add_text(out, "window ");
         pilot_add_decimal(out, facts->window[0]);
