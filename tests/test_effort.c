@@ -196,6 +196,41 @@ STORY(a_plain_object_is_found_at_once_and_runs_agree)
     }
 }
 
+STORY(an_outline_follows_the_largest_piece_of_a_slice)
+{
+    OWNED(effort_robot_release) struct effort_robot robot;
+    OWNED(buf_release) struct buf line = {0};
+    struct effort_gesture gesture;
+    begin(&robot);
+    fill(truth, (uint32_t[]){3, 3, 12}, (uint32_t[]){8, 8, 12}, 1); /* another piece, smaller */
+    effort_robot_outline(&robot, label, &gesture);
+    CHECK_INT(gesture.at[2], 12);
+    CHECK_INT(gesture.corners, 2 * (16 + 7) - 4); /* of the border */
+    effort_write_command(&line, &gesture, false);
+    CHECK(strncmp(buf_text(&line), "outline 14,12,12 1 to=15,12,12 to=16,", 36) == 0);
+}
+
+STORY(exact_corrections_repair_defects_and_nothing_else)
+{
+    static const struct effort_method method[] = {
+        {.name = "exact", .weight = "morph", .corrects = CORRECTS_EXACTLY},
+        {.name = "over", .weight = "morph", .corrects = CORRECTS_OVER},
+        {.name = "row", .weight = "morph", .background = SHAPE_SPHERE, .outlines = true}};
+    struct effort_robot robot;
+    begin(&robot);
+    effort_robot_release(&robot);
+    CHECK(effort_prepare(&object, folder, NULL) == OK);
+    for (size_t m = 0; m < sizeof method / sizeof *method; m++) {
+        struct effort_run run = {0};
+        struct fault fault = {0};
+        if (!CHECK(effort_run(&run, &method[m], &object, folder, &fault) == OK))
+            printf("#   %s\n", fault.text);
+        CHECK(run.beyond == 0 || method[m].corrects != CORRECTS_EXACTLY);
+        CHECK(run.repaired > 0 || !method[m].corrects);
+        CHECK(run.dice[CURVE - 1] > run.dice[0] || run.dice[0] == DICE_ONE);
+    }
+}
+
 STORY(phantoms_are_unchanged)
 {
     enum { SIDE = PHANTOM_SIDE, ALL = SIDE * SIDE * SIDE };

@@ -19,10 +19,15 @@ static const struct effort_method method[] = {
     {"sphere, relax, within", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .limits = true},
     {"sphere, relax, reach 16", "morph", SHAPE_SPHERE, .reach = FINISH_BAND_MOST},
     {"sphere, relax, brush 6", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .brush = 6},
+    {"as the row proposes", "morph", SHAPE_SPHERE, .reach = FINISH_BAND, .outlines = true},
     {"gauss 1", "gauss 1", SHAPE_BALL, .reach = 0},
     {"gauss 1, sphere", "gauss 1", SHAPE_SPHERE, .reach = 0},
     {"gauss 1, relax", "gauss 1", SHAPE_BALL, .reach = FINISH_BAND},
     {"gauss 1, sphere, relax", "gauss 1", SHAPE_SPHERE, .reach = FINISH_BAND},
+    {"corrects, grows", "morph", .corrects = CORRECTS_GROWING},
+    {"corrects, within", "morph", .corrects = CORRECTS_WITHIN},
+    {"corrects, within over=", "morph", .corrects = CORRECTS_OVER},
+    {"corrects, exact", "morph", .corrects = CORRECTS_EXACTLY},
 };
 enum { METHODS = sizeof method / sizeof *method, OBJECTS_MOST = 64 };
 
@@ -102,6 +107,26 @@ static bool run_object(struct efforts *e, size_t object)
     return goes_on;
 }
 
+/* Print what corrections of a loaded segmentation repaired. */
+static void print_corrections(const struct efforts *e, enum effort_group group)
+{
+    for (size_t m = 0; m < METHODS; m++) {
+        size_t maps = 0, wrong = 0, repaired = 0, beyond = 0;
+        for (size_t i = 0; i < e->runs; i++) {
+            const struct effort_run *run = &e->run[i];
+            if (run->method != m || effort_object_group(run->object) != group)
+                continue;
+            maps++;
+            wrong += run->wrong;
+            repaired += run->repaired;
+            beyond += run->beyond;
+        }
+        if (method[m].corrects && maps)
+            printf("%-27s %zu of %zu wrong voxels repaired in %zu map%s, %zu others made wrong\n",
+                   method[m].name, repaired, wrong, maps, plural(maps), beyond);
+    }
+}
+
 static void print_table(const struct efforts *e, enum effort_group group)
 {
     double first = 0;
@@ -114,7 +139,7 @@ static void print_table(const struct efforts *e, enum effort_group group)
                 ms[count.runs] = e->run[i].ms;
                 effort_count(&count, &e->run[i]);
             }
-        if (!count.runs)
+        if (!count.runs || method[m].corrects)
             continue;
         if (!has_title)
             printf("%u object%s: %s\n%-27s  gestures  of      gestures  Dice after      "
@@ -151,7 +176,10 @@ enum err run_effort(const struct options *common, struct fault *fault)
         if (wants_object(common, object))
             goes_on = run_object(e, object);
     for (int group = 0; group < EFFORT_GROUPS; group++) /* after Ctrl-C, of the runs so far */
+    {
         print_table(e, (enum effort_group)group);
+        print_corrections(e, (enum effort_group)group);
+    }
     printf("Gestures count the first two, and 23 where 22 do not reach the goal; in brackets, how "
            "many\nobjects reach it. Of 1st: by the gestures to 0.8 of the first method. A "
            "collapse is a drop of\nmore than 0.05 from one gesture to the next. Times are "

@@ -13,6 +13,8 @@ enum {
     NEAR = 2, /* for the background's first ball */
     FAR = 10,
     WITHIN_DEPTHS = 3,
+    CORNERS_MOST = 3000,
+    DEFECTS = 4,
 };
 
 /* ---- chance ---- */
@@ -34,13 +36,15 @@ enum err effort_robot_init(struct effort_robot *robot, const struct effort_objec
         return err;
     robot->wrong = mem_new(robot->grid.cells);
     robot->squared = mem_array(robot->grid.voxels, sizeof *robot->squared);
-    return robot->wrong && robot->squared ? OK : fault_memory(fault, "a robot");
+    robot->corner = mem_array(CORNERS_MOST, sizeof *robot->corner);
+    return robot->wrong && robot->squared && robot->corner ? OK : fault_memory(fault, "a robot");
 }
 
 void effort_robot_release(struct effort_robot *robot)
 {
     free(robot->wrong);
     free(robot->squared);
+    free(robot->corner);
 }
 
 /* ---- boxes and depths ---- */
@@ -219,6 +223,127 @@ enum err effort_robot_background(struct effort_robot *robot, enum effort_shape s
         return outside_ball(robot, gesture, fault);
     sphere(robot, gesture);
     return OK;
+}
+
+/* ---- outlines ---- */
+
+/* The slice with most wrong voxels. */
+static uint32_t worst_slice(const struct effort_robot *robot, const uint8_t *label)
+{
+    const uint32_t *n = robot->object->size;
+    const size_t plane = (size_t)n[0] * n[1];
+    uint32_t worst = 0;
+    size_t most = 0;
+    for (uint32_t z = 0; z < n[2]; z++) {
+        size_t wrong = 0;
+        for (size_t i = z * plane; i < (z + 1) * plane; i++)
+            wrong += label[i] != robot->object->truth[i];
+        worst = wrong > most ? z : worst;
+        most = wrong > most ? wrong : most;
+    }
+    return worst;
+}
+
+static bool is_inside(const struct effort_robot *robot, const int32_t at[2], uint32_t z)
+{
+    const uint32_t *n = robot->object->size;
+    return at[0] >= 0 && at[1] >= 0 && at[0] < (int32_t)n[0] && at[1] < (int32_t)n[1] &&
+           robot->object->truth[((size_t)z * n[1] + (size_t)at[1]) * n[0] + (size_t)at[0]];
+}
+
+/* Follow the border of a piece clockwise from a voxel without one to its left; twice the area
+ * inside, negative for a hole. */
+static int64_t trace(struct effort_robot *robot, uint32_t x, uint32_t y, uint32_t z,
+                     size_t *corners)
+{
+    static const int8_t step[8][2] = {{-1, 0}, {-1, -1}, {0, -1}, {1, -1},
+                                      {1, 0},  {1, 1},   {0, 1},  {-1, 1}};
+    int32_t at[2] = {(int32_t)x, (int32_t)y};
+    unsigned begin = 0, first = 8;
+    int64_t area = 0;
+    for (*corners = 0; *corners < CORNERS_MOST;) {
+        int32_t next[2] = {0};
+        unsigned way = 0;
+        for (; way < 8; way++) {
+            for (int a = 0; a < 2; a++)
+                next[a] = at[a] + step[(begin + way) % 8][a];
+            if (is_inside(robot, next, z))
+                break;
+        }
+        const unsigned to = (begin + way) % 8;
+        if (way == 8 || (*corners && to == first && at[0] == (int32_t)x && at[1] == (int32_t)y))
+            return area;
+        first = *corners ? first : to;
+        robot->corner[*corners][0] = (uint32_t)at[0];
+        robot->corner[(*corners)++][1] = (uint32_t)at[1];
+        area += (int64_t)at[0] * next[1] - (int64_t)next[0] * at[1];
+        begin = (to + (to % 2 ? 6 : 7)) % 8;
+        memcpy(at, next, sizeof at);
+    }
+    return 0; /* too long */
+}
+
+void effort_robot_outline(struct effort_robot *robot, const uint8_t *label,
+                          struct effort_gesture *gesture)
+{
+    const uint32_t *n = robot->object->size, z = worst_slice(robot, label);
+    uint32_t best[2] = {0};
+    int64_t most = 0;
+    for (uint32_t y = 0; y < n[1]; y++)
+        for (uint32_t x = 0; x < n[0]; x++) {
+            const int32_t at[2] = {(int32_t)x, (int32_t)y}, left[2] = {at[0] - 1, at[1]};
+            if (!is_inside(robot, at, z) || is_inside(robot, left, z))
+                continue;
+            size_t corners;
+            const int64_t area = trace(robot, x, y, z, &corners);
+            if (area <= most)
+                continue;
+            most = area;
+            best[0] = x, best[1] = y;
+        }
+    *gesture = (struct effort_gesture){.shape = SHAPE_OUTLINE, .label = 1};
+    if (most)
+        trace(robot, best[0], best[1], z, &gesture->corners);
+    gesture->at[0] = best[0], gesture->at[1] = best[1], gesture->at[2] = z;
+    gesture->corner = (const uint32_t(*)[2])robot->corner;
+}
+
+/* ---- defects ---- */
+
+static bool is_border(const struct effort_object *object, size_t i)
+{
+    const size_t n[3] = {object->size[0], object->size[1], object->size[2]};
+    const size_t step[3] = {1, n[0], n[0] * n[1]};
+    for (int a = 0; a < 3; a++) {
+        const size_t at = i / step[a] % n[a];
+        if (object->truth[i] &&
+            ((at && !object->truth[i - step[a]]) || (at + 1 < n[a] && !object->truth[i + step[a]])))
+            return true;
+    }
+    return false;
+}
+
+void effort_robot_damage(struct effort_robot *robot, uint8_t *label)
+{
+    const struct effort_object *object = robot->object;
+    const struct box box = whole(robot);
+    memcpy(label, object->truth, object->voxels);
+    for (int defect = 0; defect < DEFECTS; defect++) {
+        const int64_t radius = 3 + below(robot, 4);
+        size_t at = below(robot, object->voxels), tried = 0;
+        uint32_t middle[3], p[3];
+        while (tried++ < object->voxels && !is_border(object, at))
+            at = at + 1 < object->voxels ? at + 1 : 0;
+        place_in(middle, &box, at);
+        for (size_t i = 0; i < object->voxels; i++) {
+            int64_t squared = 0;
+            place_in(p, &box, i);
+            for (int a = 0; a < 3; a++)
+                squared += ((int64_t)p[a] - middle[a]) * ((int64_t)p[a] - middle[a]);
+            if (squared <= radius * radius)
+                label[i] = defect % 2 != 0;
+        }
+    }
 }
 
 /* ---- what is wrong ---- */

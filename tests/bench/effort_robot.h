@@ -12,10 +12,15 @@
  *   background   a ball of label 0 at the deepest voxel of those that are more than 2 and at most
  *                10 voxels outside of it; or
  *   sphere       the surface of the smallest ball around the truth, 2 to 5 voxels larger
+ * After a sphere, a robot that does what a new session proposes draws
+ *   outline      of the largest piece of the truth in the axial slice with most wrong voxels
  *
  * Each further gesture corrects the largest component (by faces) of the wrong voxels, at its
  * deepest voxel by the true label there. The radius is depth - 1, rounded down, at most 3 or
  * radius_most. Methods with limits end a refinement within three times the depth.
+ *
+ * A robot that corrects a segmentation begins with the truth with defects: balls of radius 3 to 6
+ * around border voxels, in turn taken out of the object and added to it.
  *
  * Random numbers are one stream a run, seeded by the object's name, so all methods get the same
  * sphere.
@@ -27,13 +32,15 @@
 #include "engine/grid.h"
 #include "tests/bench/effort_object.h"
 
-enum effort_shape { SHAPE_BALL, SHAPE_SPHERE };
+enum effort_shape { SHAPE_BALL, SHAPE_SPHERE, SHAPE_OUTLINE };
 
 struct effort_gesture {
     enum effort_shape shape;
     uint32_t at[3], radius;
     uint8_t label;
-    uint32_t within; /* limit of the distance of a refinement; 0: unlimited */
+    uint32_t within;             /* limit of the distance of a refinement; 0: unlimited */
+    const uint32_t (*corner)[2]; /* of an outline, after `at`, of the robot: x, y */
+    size_t corners;
 };
 
 struct effort_robot {
@@ -43,6 +50,7 @@ struct effort_robot {
     struct grid grid;
     uint8_t *wrong;    /* [grid.cells]: 1 where the labels are wrong */
     uint64_t *squared; /* [voxels]: depths, of a box that some set lies in */
+    uint32_t (*corner)[2];
 };
 
 /* The object outlives it. ERR_MEMORY, ERR_LIMIT. */
@@ -54,6 +62,13 @@ enum err effort_robot_object(struct effort_robot *robot, struct effort_gesture *
                              struct fault *fault);
 enum err effort_robot_background(struct effort_robot *robot, enum effort_shape shape,
                                  struct effort_gesture *gesture, struct fault *fault);
+
+/* Outline the object in a slice, given label[voxels]. */
+void effort_robot_outline(struct effort_robot *robot, const uint8_t *label,
+                          struct effort_gesture *gesture);
+
+/* Add defects to label[voxels]. */
+void effort_robot_damage(struct effort_robot *robot, uint8_t *label);
 
 /* Choose the next gesture, given label[voxels]; *found is false if no label is wrong. */
 enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,

@@ -10,6 +10,7 @@
 #include "base/mem.h"
 #include "command/execute.h"
 #include "engine/labels.h"
+#include "image/volume.h"
 #include "tests/bench/times.h"
 #include "session/session.h"
 
@@ -34,6 +35,12 @@ void effort_write_command(struct buf *line, const struct effort_gesture *gesture
 {
     const uint32_t *at = gesture->at;
     buf_clear(line);
+    if (gesture->shape == SHAPE_OUTLINE) {
+        buf_printf(line, "outline %u,%u,%u %u", at[0], at[1], at[2], gesture->label);
+        for (size_t i = 1; i < gesture->corners; i++)
+            buf_printf(line, " to=%u,%u,%u", gesture->corner[i][0], gesture->corner[i][1], at[2]);
+        return;
+    }
     buf_printf(line, "seed %u,%u,%u %u", at[0], at[1], at[2], gesture->label);
     if (gesture->radius)
         buf_printf(line, " radius=%u", gesture->radius);
@@ -88,7 +95,14 @@ static enum err apply(struct work *work, const struct effort_gesture *gesture, s
 {
     struct labels labels;
     struct buf line = {0};
-    effort_write_command(&line, gesture, work->method->limits);
+    const enum effort_correction corrects = work->method->corrects;
+    effort_write_command(&line, gesture,
+                         work->method->limits || corrects == CORRECTS_WITHIN ||
+                             corrects == CORRECTS_OVER);
+    if (corrects == CORRECTS_EXACTLY)
+        buf_add_text(&line, " within=0");
+    if (corrects >= CORRECTS_OVER)
+        buf_printf(&line, " over=%u", !gesture->label);
     const double begin = clock_ms();
     enum err err = command(work, buf_text(&line), fault);
     err =
@@ -109,22 +123,75 @@ static unsigned dice_of(const struct work *work)
     return overlap_dice(&overlap, 1);
 }
 
-static enum err segment(struct effort_run *run, struct effort_robot *robot, struct work *work,
-                        struct fault *fault)
+static void wrong_row(void *context, uint32_t y, uint32_t z, void *values)
 {
+    const struct work *work = context;
+    const uint32_t *n = work->object->size;
+    memcpy(values, work->label + ((size_t)z * n[1] + y) * n[0], n[0]);
+}
+
+/* Load the truth with defects, which stay in `wrong`. */
+static enum err begin_correction(uint8_t *wrong, struct effort_robot *robot, struct work *work,
+                                 const char *folder, struct fault *fault)
+{
+    static const double spacing_mm[3] = {1, 1, 1};
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
+    const struct volume_map map = {.size = work->object->size,
+                                   .geometry = &geometry,
+                                   .type = VOXEL_UINT8,
+                                   .description = "a map with defects",
+                                   .row = wrong_row,
+                                   .context = work};
+    char path[PATH_MAX], line[PATH_MAX + 16];
+    geometry_place_plain(&geometry, spacing_mm);
+    effort_robot_damage(robot, work->label);
+    memcpy(wrong, work->label, work->object->voxels);
+    snprintf(path, sizeof path, "%s/wrong.nii", folder);
+    snprintf(line, sizeof line, "labels %s/wrong.nii", folder);
+    const enum err err = volume_write(path, FILE_REPLACE, &map, NULL, fault);
+    return err ? err : command(work, line, fault);
+}
+
+static void count_repaired(struct effort_run *run, const struct work *work, const uint8_t *wrong)
+{
+    const uint8_t *truth = work->object->truth, *label = work->label;
+    for (size_t i = 0; i < work->object->voxels; i++) {
+        run->wrong += wrong[i] != truth[i];
+        run->repaired += wrong[i] != truth[i] && label[i] == truth[i];
+        run->beyond += wrong[i] == truth[i] && label[i] != truth[i];
+    }
+}
+
+static enum err begin_segmentation(struct effort_robot *robot, struct work *work,
+                                   struct fault *fault)
+{
+    struct effort_gesture gesture;
+    enum err err = effort_robot_object(robot, &gesture, fault);
+    err = err ? err : apply(work, &gesture, fault);
+    err = err ? err : effort_robot_background(robot, work->method->background, &gesture, fault);
+    return err ? err : apply(work, &gesture, fault);
+}
+
+static enum err segment(struct effort_run *run, struct effort_robot *robot, struct work *work,
+                        const char *folder, struct fault *fault)
+{
+    const struct effort_method *method = work->method;
+    uint8_t *damaged = mem_new(work->object->voxels);
     struct effort_gesture gesture;
     double ms[CURVE];
     size_t times = 0;
     bool wrong = true;
-    enum err err = effort_robot_object(robot, &gesture, fault);
-    err = err ? err : apply(work, &gesture, fault);
-    err = err ? err : effort_robot_background(robot, work->method->background, &gesture, fault);
-    err = err ? err : apply(work, &gesture, fault);
+    enum err err = !damaged           ? fault_memory(fault, "a map")
+                   : method->corrects ? begin_correction(damaged, robot, work, folder, fault)
+                                      : begin_segmentation(robot, work, fault);
     if (!err)
         run->dice[0] = dice_of(work);
     for (size_t at = 1; !err && at < CURVE; at++) {
         run->dice[at] = DICE_ONE;
-        if (wrong)
+        const bool outlines = at == 1 && method->outlines && wrong;
+        if (outlines)
+            effort_robot_outline(robot, work->label, &gesture);
+        if (wrong && (!outlines || gesture.corners < 3))
             err = effort_robot_next(robot, work->label, &gesture, &wrong, fault);
         if (err || !wrong)
             continue;
@@ -133,6 +200,9 @@ static enum err segment(struct effort_run *run, struct effort_robot *robot, stru
         ms[times++] = work->ms;
     }
     run->ms = times_median(ms, times);
+    if (!err && method->corrects)
+        count_repaired(run, work, damaged);
+    free(damaged);
     return err;
 }
 
@@ -154,7 +224,7 @@ enum err effort_run(struct effort_run *run, const struct effort_method *method,
                         : method->brush  ? brush_in(object, method->brush)
                                          : robot.radius_most;
     err = err ? err : work_begin(&work, folder, fault);
-    err = err ? err : segment(run, &robot, &work, fault);
+    err = err ? err : segment(run, &robot, &work, folder, fault);
     work_end(&work);
     effort_robot_release(&robot);
     return err;
