@@ -180,10 +180,10 @@ all,\"\",$(count a.nii '[123]'),$(count b.nii '[123]')"
 expect 0 "$iftty" compare a.nii b.nii --csv --regions 2-3 --binary
 same "$(sed -n 2p out | cut -d , -f 1-4)" "1,\"\",$(count a.nii '[23]'),$(count b.nii '[23]')"
 for words in '--as 1' '--regions 2,2' '--regions 1,2 --as 1' '--regions 1 --as 1 --binary' \
-    '--regions 1-' '--regions 70000' '--regions 1 --as 256'; do
+    '--regions 1-' '--regions 4294967296' '--regions 1 --as 4294967296'; do
     expect 2 "$iftty" compare a.nii b.nii $words # words on purpose
 done
-err_has "--as: expected numbers 0..255, as in 1-90,105, not 256"
+err_has "--as: expected numbers 0..4294967295, as in 1-90,105, not 4294967296"
 
 begin "a name with blanks is quoted, also after its key"
 cp b.nii 'b 2.nii'
