@@ -110,6 +110,13 @@ static bool doubt(void *context, unsigned of, unsigned rank, enum pilot_pane *pa
     return rank <= doubts;
 }
 
+static bool next_label(void *context, uint32_t of, int by, uint32_t *next)
+{
+    (void)context;
+    *next = of > 255 ? 1 : (of + 256 + (uint32_t)by) % 256;
+    return of < 256;
+}
+
 static bool is_hidden(void *context, unsigned of)
 {
     (void)context;
@@ -172,6 +179,7 @@ static const struct pilot_host host = {.move = move,
                                        .doubt = doubt,
                                        .outline = outline_there,
                                        .is_hidden = is_hidden,
+                                       .next_label = next_label,
                                        .label = label,
                                        .voxel_at = voxel_at,
                                        .voxel_of_frame = voxel_of_frame,
@@ -422,7 +430,7 @@ STORY(seeds_brushes_and_strokes)
          "s3|seed 20,25,30 3", "<Enter>|seed 20,25,30 3", "bi|seed 20,25,30 4",
          "++i|seed 20,25,30 4 radius=2", "-s0|seed 20,25,30 0 radius=1",
          "Bi|seed 20,25,30 255 radius=1", /* they go round */
-         "12bi|seed 20,25,30 12 radius=1", "256b|*|*labels are 0 to 255, not 256");
+         "12bi|seed 20,25,30 12 radius=1", "256b|*|*there is no label 256; `:label 256 NAME` makes it");
     for (int i = 0; i < 50; i++)
         type("+");
     KEYS("s1|seed 20,25,30 1 radius=32", "9999-6+i|seed 20,25,30 1 radius=6",

@@ -14,6 +14,7 @@
 #include "render/rendition.h"
 #include "render/slice.h"
 #include "session/doubtful.h"
+#include "session/map.h"
 #include "session/markers.h"
 #include "session/session.h"
 #include "session/state.h"
@@ -191,14 +192,47 @@ static void host_move(void *context, const int64_t by[3], uint32_t place[3])
 
 /* ---- labels and their seeds ---- */
 
-static void host_label(void *context, unsigned number, struct buf *out)
+static int label_of(void *context, uint32_t number)
 {
-    label_report_write_name(out, session_of(context), number);
+    return numbering_find(&session_of(context)->now.kept, number);
 }
 
-static bool host_is_hidden(void *context, unsigned number)
+static void host_label(void *context, uint32_t number, struct buf *out)
 {
-    return !session_of(context)->now.kept.visible[number];
+    const int label = label_of(context, number);
+    if (label == NUMBER_UNKNOWN)
+        buf_printf(out, "%u", number);
+    else
+        label_report_write_name(out, session_of(context), (unsigned)label);
+}
+
+static bool host_next_label(void *context, uint32_t number, int by, uint32_t *next)
+{
+    const struct session *session = session_of(context);
+    const int label = label_of(context, number);
+    uint32_t numbers[256];
+    uint8_t order[256];
+    int count = 1, at = 0;
+    numbering_fill(numbers, &session->now.kept);
+    numbering_order(order, numbers);
+    while (count < 256 && numbers[order[count]])
+        count++;
+    while (label != NUMBER_UNKNOWN && order[at] != label)
+        at++;
+    if (label == NUMBER_UNKNOWN) {
+        const uint32_t cell = cell_at(session, session->now.outlook.slices.cross);
+        const unsigned here = session_shown_label(session, cell);
+        *next = here ? numbers[here] : numbers[order[count > 1]];
+        return false;
+    }
+    *next = numbers[order[((at + by) % count + count) % count]];
+    return true;
+}
+
+static bool host_is_hidden(void *context, uint32_t number)
+{
+    const int label = label_of(context, number);
+    return label >= 0 && !session_of(context)->now.kept.visible[label];
 }
 
 /* A voxel in the middle of the visible part of a marker; CELL_NONE if others cover all of it. */
@@ -215,16 +249,17 @@ static uint32_t middle_of(const struct markers *markers, uint32_t number)
 }
 
 /* Seeds are visited in the order in which they were planted. */
-static bool host_seed(void *context, unsigned number, int64_t by, uint32_t place[3])
+static bool host_seed(void *context, uint32_t number, int64_t by, uint32_t place[3])
 {
     const struct session *session = session_of(context);
     const struct markers *markers = &session->markers;
     const uint32_t here = cell_at(session, session->now.outlook.slices.cross);
+    const int label = label_of(context, number);
     int64_t count = 0, at = by > 0 ? -1 : 0;
     uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
     for (uint32_t n = 1; cell && n <= markers->count; n++) {
         const struct marker *marker = markers->marker + n - 1;
-        if (!marker->is_valid || marker->label != (int)number)
+        if (!marker->is_valid || marker->label != label || label == NUMBER_UNKNOWN)
             continue;
         const uint32_t middle = middle_of(markers, n);
         if (middle == here && (by > 0 || at == 0)) /* the further one of two at one place */
@@ -238,11 +273,13 @@ static bool host_seed(void *context, unsigned number, int64_t by, uint32_t place
     return count > 0;
 }
 
-static bool host_centre(void *context, unsigned number, uint32_t place[3])
+static bool host_centre(void *context, uint32_t number, uint32_t place[3])
 {
     struct session *session = session_of(context);
-    return session_count_labels(session, NULL) == OK && session->tally.voxels[number] > 0 &&
-           centre_of_label(session->scene, number, place);
+    const int label = label_of(context, number);
+    return label >= 0 && session_count_labels(session, NULL) == OK &&
+           session->tally.voxels[label] > 0 &&
+           centre_of_label(session->scene, (unsigned)label, place);
 }
 
 static bool host_why(void *context, const uint32_t place[3], struct pilot_way *out,
@@ -268,8 +305,9 @@ static bool host_why(void *context, const uint32_t place[3], struct pilot_way *o
         return false;
     }
     const size_t steps = way->count - 1;
-    *out = (struct pilot_way){.label = at->label,
-                              .next = rival.exists ? rival.label : 0,
+    const struct kept *kept = &session->now.kept;
+    *out = (struct pilot_way){.label = numbering_of(kept, at->label),
+                              .next = rival.exists ? numbering_of(kept, rival.label) : 0,
                               .has_edge = way->edge != CELL_NONE};
     grid_find(grid, key_root(at->key), out->root);
     buf_add_text(words, "label ");
@@ -360,28 +398,33 @@ static uint32_t find_marker(struct polyline *line, const struct session *session
     return 0;
 }
 
-static bool host_outline(void *context, unsigned number, enum pilot_pane pane,
+static bool host_outline(void *context, uint32_t number, enum pilot_pane pane,
                          const uint32_t place[3], struct polyline *line, uint32_t *marker,
                          struct buf *out)
 {
     struct session *session = session_of(context);
     const unsigned axis = (unsigned)slice_axis(session->scene, (enum slice_plane)pane);
     struct labels labels;
-    *marker = find_marker(line, session, number, axis, place);
+    const int label = label_of(context, number);
+    if (label == NUMBER_UNKNOWN) {
+        buf_printf(out, "there is no label %u", number);
+        return false;
+    }
+    *marker = find_marker(line, session, (unsigned)label, axis, place);
     if (*marker) {
         buf_printf(out, "the outline of marker %u", *marker);
         return true;
     }
     const bool found =
         session_labels(session, session_shows_finished(session), &labels, NULL) == OK &&
-        contour_of_label(line, &labels, number, axis, place, NULL) == OK &&
+        contour_of_label(line, &labels, (unsigned)label, axis, place, NULL) == OK &&
         line->count >= CORNERS_LEAST;
     buf_add_text(out, found ? "the border of label " : "in this slice there is nothing of label ");
-    label_report_write_name(out, session, number);
+    label_report_write_name(out, session, (unsigned)label);
     return found;
 }
 
-static bool host_doubt(void *context, unsigned number, unsigned rank, enum pilot_pane *pane,
+static bool host_doubt(void *context, uint32_t number, unsigned rank, enum pilot_pane *pane,
                        uint32_t place[3], struct buf *out)
 {
     struct session *session = session_of(context);
@@ -389,20 +432,22 @@ static bool host_doubt(void *context, unsigned number, unsigned rank, enum pilot
     struct labels labels;
     struct fault why;
     size_t count = 0;
-    if (number == 0) {
+    const int found = label_of(context, number);
+    const unsigned label = (unsigned)found;
+    if (found <= 0) {
         buf_add_text(out, "the background has no outline: choose a label first");
         return false;
     }
-    enum err err = doubtful_find(slice, &count, session, number, &why);
+    enum err err = doubtful_find(slice, &count, session, label, &why);
     if (!err)
         err = session_labels(session, session_shows_finished(session), &labels, &why);
     if (err) {
         buf_add_text(out, why.text);
         return false;
     }
-    if (rank > count || !doubtful_place(place, &labels, number, &slice[rank - 1])) {
+    if (rank > count || !doubtful_place(place, &labels, label, &slice[rank - 1])) {
         buf_printf(out, "no%s slice has anything in doubt of label ", rank > 1 ? " further" : "");
-        label_report_write_name(out, session, number);
+        label_report_write_name(out, session, label);
         return false;
     }
     *pane = (enum pilot_pane)label_report_write_doubt(out, session, &slice[rank - 1]);
@@ -456,8 +501,9 @@ static enum err host_picture(void *context, const struct pilot_wish *wish, struc
                                 .hues = shown_hues(pilot->hue, session_of(context))};
     if (wish->heat && view->hues < 256)
         pilot->hue[view->hues++] = PANES_HEAT_HUE;
-    if (wish->marks_outline && view->hues < 256) { /* the label may have no voxels yet */
-        const uint8_t *rgb = session_of(context)->now.kept.palette.rgb[wish->label];
+    const int label = label_of(context, wish->label);
+    if (wish->marks_outline && view->hues < 256 && label >= 0) { /* it may have no voxels yet */
+        const uint8_t *rgb = session_of(context)->now.kept.palette.rgb[label];
         pilot->hue[view->hues++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
     }
     return OK;
@@ -643,6 +689,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->voxel_of_frame = host_voxel_of_frame;
     host->frame_pixel = host_frame_pixel;
     host->label = host_label;
+    host->next_label = host_next_label;
     host->held = host_held;
     host->why = host_why;
     host->hints = host_hints;

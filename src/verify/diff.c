@@ -16,6 +16,7 @@
 #include "render/border.h"
 #include "render/canvas.h"
 #include "render/notes.h"
+#include "session/map.h"
 #include "session/state.h"
 #include "show/comparison_picture.h"
 #include "show/decorating.h"
@@ -202,8 +203,8 @@ static void draw_labels(const struct sheet *sheet)
         const unsigned dice = overlap_dice(overlap, (uint8_t)label);
         if (!overlap->a[label] && !overlap->b[label])
             continue;
-        snprintf(words, sizeof words, "%d%s%s  Dice %u.%04u", label, *name ? " " : "", name,
-                 dice / DICE_ONE, dice % DICE_ONE);
+        snprintf(words, sizeof words, "%u%s%s  Dice %u.%04u", numbering_of(kept, (unsigned)label),
+                 *name ? " " : "", name, dice / DICE_ONE, dice % DICE_ONE);
         if (left + 2 * (int64_t)sheet->tall + text_width(words, sheet->tall) > end)
             return;
         const int64_t right = draw_entry(sheet, left, row, kept->palette.rgb[label], words);
@@ -279,6 +280,79 @@ struct journals {
     struct overlap overlap;
 };
 
+/* Find the labels that some voxels have. */
+static void find_used(bool used[256], const uint8_t *label, size_t voxels)
+{
+    memset(used, 0, 256 * sizeof *used);
+    for (size_t i = 0; i < voxels; i++)
+        used[label[i]] = true;
+}
+
+/* Number of a label; 0 for none. */
+static uint32_t number_of(const struct side_facts *facts, unsigned label)
+{
+    bool is_used = false;
+    for (unsigned l = 0; l < 256; l++)
+        is_used |= facts->label_number[l] > 0;
+    return is_used ? facts->label_number[label] : label;
+}
+
+/* Unless both journals have the same numbers: give the labels of B the indices of those of A with the same numbers, and others free ones: in its
+ * voxels, names, colours and numbers. ERR_LIMIT for more than 255 labels of both. */
+static enum err align(struct side *side, const struct side_facts *a, const uint8_t *label_a,
+                      struct fault *fault)
+{
+    struct side_facts *b = (struct side_facts *)(void *)side->bytes.data;
+    struct side_facts *former = mem_new(sizeof *former);
+    uint8_t *voxel = (uint8_t *)(b + 1), to[256] = {0};
+    bool used[256], is_a[256], taken[256] = {true};
+    if (memcmp(b->label_number, a->label_number, sizeof a->label_number) == 0) {
+        free(former);
+        return OK;
+    }
+    if (!former)
+        return fault_memory(fault, "labels");
+    *former = *b;
+    find_used(used, voxel, b->voxels);
+    find_used(is_a, label_a, a->voxels);
+    for (unsigned l = 1; l < 256; l++)
+        taken[l] = is_a[l] && number_of(a, l);
+    for (unsigned l = 1; l < 256; l++) {
+        unsigned at = 0;
+        if (!used[l])
+            continue;
+        for (unsigned i = 1; i < 256 && !at; i++) /* the label of A */
+            at = taken[i] && is_a[i] && number_of(a, i) == number_of(former, l) ? i : 0;
+        if (!at && !taken[l])
+            at = l;
+        for (unsigned i = 1; i < 256 && !at; i++)
+            at = taken[i] ? 0 : i;
+        to[l] = (uint8_t)at;
+        taken[at] = true;
+    }
+    for (unsigned l = 1; l < 256; l++) {
+        if (used[l] && !to[l]) {
+            free(former);
+            return fault_set(fault, ERR_LIMIT, "the journals have more than 255 labels");
+        }
+        if (!used[l])
+            continue;
+        b->label_number[to[l]] = number_of(former, l);
+        memcpy(b->palette.rgb[to[l]], former->palette.rgb[l], 3);
+        memcpy(b->label_name[to[l]], former->label_name[l], LABEL_NAME_BYTES);
+    }
+    for (size_t i = 0; i < b->voxels; i++)
+        voxel[i] = to[voxel[i]];
+    free(former);
+    return OK;
+}
+
+/* The number of a label of either journal, after align(). */
+static uint32_t number_in(const struct journals *j, unsigned label)
+{
+    return number_of(j->side[j->overlap.a[label] ? 0 : 1].facts, label);
+}
+
 /* Header before the pixels. */
 struct drawn {
     uint32_t width, height;
@@ -292,20 +366,28 @@ static enum err draw(struct picture *picture, struct session *session, const str
     const uint8_t *label_b = j->side[1].labels;
     const struct side_facts *other = j->side[1].facts;
     const char *const *path = j->options->path;
+    struct side b = j->side[1]; /* its bytes are those of this process */
+    enum err err = align(&b, facts, label, fault);
+    if (err)
+        return err;
     overlap_add(&overlap, label, label_b, session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {shown_name(facts, path[0]), shown_name(other, path[1])},
         .label = {label, label_b},
         .overlap = &overlap};
     struct state next = session->now;
+    if (memcmp(facts->label_number, other->label_number, sizeof facts->label_number) != 0)
+        numbering_fill(next.kept.label_number, &session->now.kept);
     for (int l = 1; l < 256; l++) { /* use the names and colours of B where A has no such label */
         if (overlap.a[l])
             continue;
+        if (overlap.b[l] && number_of(other, (unsigned)l) != number_of(facts, (unsigned)l))
+            next.kept.label_number[l] = number_of(other, (unsigned)l);
         memcpy(next.kept.palette.rgb[l], other->palette.rgb[l], 3);
         if (!next.kept.label_name[l][0])
             memcpy(next.kept.label_name[l], other->label_name[l], LABEL_NAME_BYTES);
     }
-    const enum err err = session_go(session, &next, NULL, 0, fault);
+    err = session_go(session, &next, NULL, 0, fault);
     return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
@@ -409,7 +491,7 @@ static void write_labels(struct buf *out, const struct journals *j)
         const unsigned dice = overlap_dice(o, (uint8_t)label);
         if (!is_listed(o, label))
             continue;
-        buf_printf(&name, "%d ", label);
+        buf_printf(&name, "%u ", number_in(j, (unsigned)label));
         buf_add_safe_text(&name, name_of(j, label));
         buf_printf(out, "%-22s %2u.%04u %12" PRIu64 " %12" PRIu64 " %12" PRIu64 "\n",
                    buf_text(&name), dice / DICE_ONE, dice % DICE_ONE, o->a[label], o->b[label],
@@ -479,7 +561,7 @@ static void write_json(struct buf *out, const struct journals *j)
         if (!is_listed(o, label))
             continue;
         json_object(&json, NULL);
-        json_count(&json, "label", (uint64_t)label);
+        json_count(&json, "label", number_in(j, (unsigned)label));
         json_text(&json, "name", name_of(j, label));
         json_count(&json, "dice_ten_thousandths", overlap_dice(o, (uint8_t)label));
         json_count(&json, "a", o->a[label]);
@@ -540,6 +622,8 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
                         "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
                         "labels can be compared",
                         a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
+    if (!err)
+        err = align(&j->side[1], a, j->side[0].labels, fault);
     if (!err)
         overlap_add(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
     if (!err)

@@ -79,6 +79,7 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     facts->is_private = session->is_private;
     memcpy(facts->proof, session->proof, sizeof facts->proof);
     memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
+    memcpy(facts->label_number, kept->label_number, sizeof facts->label_number);
     facts->palette = kept->palette;
     facts->scene_digest = session->scene_digest;
     facts->voxels = voxels;

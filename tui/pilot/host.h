@@ -65,7 +65,7 @@ struct pilot_facts {
 
 /* The path from a voxel back to the seed of its label. */
 struct pilot_way {
-    unsigned label, next; /* and the label it would have otherwise, or 0 */
+    uint32_t label, next; /* numbers of it, and of the label it would have otherwise, or 0 */
     uint32_t root[3];     /* the seed */
     bool has_edge; /* the cost rises along the path, last to its maximum at the strongest edge, */
     uint32_t edge[3]; /* which leads into this voxel */
@@ -91,7 +91,7 @@ struct pilot_wish {
     size_t corners;
     bool marks_corners;   /* each with a cross, */
     bool marks_outline;   /* and the line through them, with its area in the colour of */
-    unsigned label;       /* this label */
+    uint32_t label;       /* this label */
     enum pilot_pane pane; /* the pane to mark, */
     bool is_alone;        /* or to show on the whole screen */
 };
@@ -146,8 +146,11 @@ struct pilot_host {
     bool (*voxel_of_frame)(void *context, uint32_t column, uint32_t row, uint32_t place[3]);
     /* Convert a pixel of the last picture to the nearest pixel of the rendition. */
     void (*frame_pixel)(void *context, uint32_t column, uint32_t row, uint32_t pixel[2]);
-    /* Add the name of a label: "2 cerebellum". */
-    void (*label)(void *context, unsigned label, struct buf *out);
+    /* Labels are named by their numbers. Add the number and the name of one: "2 cerebellum". */
+    void (*label)(void *context, uint32_t label, struct buf *out);
+    /* Find the label `by` places after one by number, cyclically; by 0: that label. Return false if
+     * it does not exist: *next is then the label at the cross-hair, or the first one. */
+    bool (*next_label)(void *context, uint32_t label, int by, uint32_t *next);
     /* Add the effect of an eliminator at a voxel, on a marker or a single tree: "marker 7: 3 trees,
      * 123 voxels, label 2". Return false without an effect. */
     bool (*held)(void *context, const uint32_t place[3], bool tree, struct buf *out);
@@ -159,20 +162,20 @@ struct pilot_host {
     /* Find the slice where the border of the label is `rank`th least certain, from 1 on: its pane,
      * a place in it, and in words the uncertain amount. Return false, with words, beyond the last
      * rank. */
-    bool (*doubt)(void *context, unsigned label, unsigned rank, enum pilot_pane *pane,
+    bool (*doubt)(void *context, uint32_t label, unsigned rank, enum pilot_pane *pane,
                   uint32_t place[3], struct buf *out);
     /* Find the outline of the label in the slice of a pane through a place: add it, closed from its
      * last corner to its first, to an empty line, and in words its source: a marker, or, with 0,
      * the label as shown. Return false, with words, without either. */
-    bool (*outline)(void *context, unsigned label, enum pilot_pane pane, const uint32_t place[3],
+    bool (*outline)(void *context, uint32_t label, enum pilot_pane pane, const uint32_t place[3],
                     struct polyline *line, uint32_t *marker, struct buf *out);
     /* Find a seed of the label, one per command: `by` places after the one at the cross-hair,
      * cyclically. Return false without seeds. */
-    bool (*seed)(void *context, unsigned label, int64_t by, uint32_t place[3]);
+    bool (*seed)(void *context, uint32_t label, int64_t by, uint32_t place[3]);
     /* Find the voxel of the label nearest to the mean of all its voxels. Return false if it has
      * none. */
-    bool (*centre)(void *context, unsigned label, uint32_t place[3]);
-    bool (*is_hidden)(void *context, unsigned label);
+    bool (*centre)(void *context, uint32_t label, uint32_t place[3]);
+    bool (*is_hidden)(void *context, uint32_t label);
     /* Set the callbacks, or with NULL remove them. */
     void (*look_on)(void *context, const struct pilot_onlooker *onlooker);
     /* Make the shown labels exact in idle time, if facts report PILOT_ROUGH. Add messages for the

@@ -302,6 +302,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         p->is_over = true;
         return OK;
     }
+    p->host->next_label(p->host->context, p->state->brush.label, 0, &p->state->brush.label);
     if (p->flow.failed) { /* the state of the terminal is unknown */
         buf_add_text(&out, graphics_recovery(p->facts));
         painter_drop(&p->painter, &out);

@@ -7,7 +7,7 @@
 
 enum { JUMP = 10, PIXEL_JUMP = 16 }; /* voxels, pixels */
 enum { TURN = 15, TURNS_MOST = 24 }; /* degrees */
-enum { ZOOM_LEAST = 10, ZOOM_MOST = 64000, LABELS = 256 };
+enum { ZOOM_LEAST = 10, ZOOM_MOST = 64000 };
 
 static int right_of(int way)
 {
@@ -237,11 +237,13 @@ void pilot_undo(struct press *p)
 /* Hide or show the chosen label, or that of the count. */
 void pilot_hide(struct press *p)
 {
-    const unsigned label = p->state->count ? p->state->count : p->state->brush.label;
-    if (label == 0 || label >= LABELS) {
-        buf_add_text(p->message, label ? "labels are 1 to 255" : "the background is never shown");
+    const uint32_t label = p->state->count ? p->state->count : p->state->brush.label;
+    if (label == 0) {
+        buf_add_text(p->message, "the background is never shown");
         return;
     }
+    if (!pilot_has_label(p, label))
+        return;
     const bool is_hidden = p->host->is_hidden(p->host->context, label);
     uint32_t place[3];
     if (!is_hidden && !p->host->seed(p->host->context, label, 1, place) &&
@@ -258,12 +260,15 @@ void pilot_hide(struct press *p)
 
 void pilot_show_all(struct press *p)
 {
-    unsigned label = 1;
-    while (label < LABELS && !p->host->is_hidden(p->host->context, label))
-        label++;
-    if (label < LABELS)
+    uint32_t label = 0;
+    bool is_hidden = false;
+    do {
+        p->host->next_label(p->host->context, label, 1, &label);
+        is_hidden = label && p->host->is_hidden(p->host->context, label);
+    } while (label && !is_hidden);
+    if (is_hidden)
         buf_add_text(p->line, "show all\n");
-    buf_add_text(p->message, label < LABELS ? "all labels are shown" : "no label is hidden");
+    buf_add_text(p->message, is_hidden ? "all labels are shown" : "no label is hidden");
 }
 
 static int degrees(const struct press *p)

@@ -5,8 +5,6 @@
 
 #include "base/scan.h"
 
-enum { COUNT_MOST = 9999 };
-
 void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup)
 {
     *state = (struct pilot_state){.setup = setup, .pane = PILOT_AXIAL, .brush = setup->brush};
@@ -166,8 +164,8 @@ static bool take_count_digit(struct press *p)
         pilot_say(p, "a count begins with 1-9; {plant-label:0} plants a seed of label 0");
         return true;
     }
-    const uint32_t next = state->count * 10 + (event->point - '0');
-    state->count = next < COUNT_MOST ? next : COUNT_MOST;
+    const uint64_t next = (uint64_t)state->count * 10 + (event->point - '0');
+    state->count = next < UINT32_MAX ? (uint32_t)next : UINT32_MAX;
     buf_printf(p->message, "%u", state->count);
     return true;
 }

@@ -47,7 +47,7 @@ struct setup_window {
 
 /* How seeds and strokes are planted. */
 struct pilot_brush {
-    unsigned label;
+    uint32_t label;  /* its number */
     unsigned radius; /* voxels, or half millimetres with in_mm; 0 for one voxel */
     bool in_mm;
     bool fits;      /* the radius was not chosen: limit it by the size of the scene */
@@ -434,6 +434,9 @@ void pilot_jump(struct press *p, const uint32_t place[3]);
 bool pilot_take_voxel(struct press *p, uint32_t place[3]);
 /* Return the count typed before the key, else 1; `at` moved by voxels within 0 .. end - 1. */
 int64_t pilot_times(const struct press *p);
+
+/* Return true if a label exists; else say that it does not. */
+bool pilot_has_label(const struct press *p, uint32_t label);
 uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end);
 /* Round a value to a thousandth, or to significant digits if it is very small or very large. */
 struct decimal pilot_decimal(double value);

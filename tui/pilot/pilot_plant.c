@@ -7,7 +7,7 @@
 
 #include "base/scan.h"
 
-enum { RADIUS_MOST = 32, LABELS = 256 };
+enum { RADIUS_MOST = 32 };
 enum { LINE_MOST = 60000 }; /* bytes; the limit of a journal is 65535 */
 
 /* ---- lines ---- */
@@ -50,13 +50,14 @@ static void say_brush(struct press *p)
 
 void pilot_choose_label(struct press *p)
 {
+    const struct pilot_host *host = p->host;
     const uint32_t count = p->state->count;
-    if (count >= LABELS) {
-        buf_printf(p->message, "labels are 0 to %d, not %u", LABELS - 1, count);
+    uint32_t label = count;
+    if (count && !pilot_has_label(p, count))
         return;
-    }
-    p->state->brush.label =
-        count ? count : (p->state->brush.label + (p->by < 0 ? LABELS - 1 : 1)) % LABELS;
+    if (!count)
+        host->next_label(host->context, p->state->brush.label, p->by, &label);
+    p->state->brush.label = label;
     say_brush(p);
 }
 
@@ -140,13 +141,22 @@ void pilot_end_range(struct press *p)
 
 /* ---- seeds ---- */
 
+/* The brush gets the label of the digit, if it exists. */
+static bool take_digit(struct press *p)
+{
+    const uint32_t digit = p->event->point - '0';
+    const bool exists = pilot_has_label(p, digit);
+    p->state->brush.label = exists ? digit : p->state->brush.label;
+    return exists;
+}
+
 /* With `by` 1: plant a seed of the label of the digit. */
 void pilot_plant(struct press *p)
 {
     struct pilot_state *state = p->state;
     uint32_t place[3];
-    if (p->by)
-        state->brush.label = p->event->point - '0';
+    if (p->by && !take_digit(p))
+        return;
     if (!pilot_take_voxel(p, place))
         return;
     add_seed(p, place, state->stroke.is_set ? state->stroke.place : NULL);
@@ -160,7 +170,10 @@ void pilot_plant_at_edge(struct press *p)
     struct pilot_state *state = p->state;
     if (!pilot_has_edge(p))
         return;
-    state->brush.label = p->by ? p->event->point - '0' : state->way.next;
+    if (p->by && !take_digit(p))
+        return;
+    if (!p->by)
+        state->brush.label = state->way.next;
     pilot_jump(p, state->way.edge);
     add_seed(p, state->way.edge, NULL);
 }

@@ -133,9 +133,20 @@ void setup_say(struct buf *out, const struct pilot_setup *setup, const char *for
     buf_release(&words);
 }
 
+bool pilot_has_label(const struct press *p, uint32_t label)
+{
+    uint32_t other;
+    const bool exists = p->host->next_label(p->host->context, label, 0, &other);
+    if (!exists)
+        buf_printf(p->message, "there is no label %u; `:label %u NAME` makes it", label, label);
+    return exists;
+}
+
 int64_t pilot_times(const struct press *p)
 {
-    return p->state->count ? p->state->count : 1;
+    enum { TIMES_MOST = 9999 };
+    const uint32_t count = p->state->count;
+    return !count ? 1 : count < TIMES_MOST ? count : TIMES_MOST;
 }
 
 uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end)
