@@ -214,7 +214,7 @@ static enum err keep_copy(const struct act *act, const struct volume *map,
     for (size_t i = 0; i < names->count; i++) {
         const struct label_entry *entry = &names->entry[i];
         struct volume_label *of = &label[entry->number];
-        *of = (struct volume_label){.name = entry->name, .number = (uint16_t)entry->number};
+        *of = (struct volume_label){.name = entry->name, .number = entry->number};
         of->used = true;
         memcpy(of->rgb, entry->rgb, sizeof of->rgb);
     }
@@ -726,7 +726,7 @@ static enum err keep_rest(const struct act *act, struct volume *map)
     const size_t voxels = voxels_in(map->size);
     uint64_t *mask = mem_new(mask_bytes(&session->scene->grid));
     uint16_t *rest = mem_array(voxels, sizeof *rest);
-    size_t kept = 0;
+    size_t kept = 0, chosen = 0;
     enum err err = mask && rest ? OK : fault_memory(act->fault, "the regions that are kept");
     for (size_t i = 0; !err && i < voxels; i++) {
         const uint16_t value = map->intensity[i];
@@ -734,7 +734,12 @@ static enum err keep_rest(const struct act *act, struct volume *map)
         rest[i] = is_kept ? (uint16_t)(value - KEPT_FROM) : 0;
         map->intensity[i] = is_kept ? REGION_NONE : value;
         kept += is_kept;
+        chosen += value > 0 && value < KEPT_FROM;
     }
+    if (!err && !chosen)
+        err = fault_set(act->fault, ERR_INPUT,
+                        "%s has no voxel of these regions; nothing was planted",
+                        act_text(act, "FILE"));
     const uint16_t *at = rest;
     for (struct grid_walk w = scene_walk(session->scene, "regions that are kept", NULL, 0);
          !err && grid_walk_next(&w);)

@@ -269,27 +269,22 @@ static void add_text(struct buf *out, const char *text)
 /* Write the table after the voxels; nothing if no label has a name. */
 static void write_names(struct buf *out, const struct volume_label label[256])
 {
-    int32_t entries = 0, largest = 0;
+    int32_t entries = 0;
+    uint32_t last = 0;
     bool has_names = false;
-    for (int l = 1; l < 256; l++) {
-        if (!label[l].number || !(label[l].used || *label[l].name))
-            continue;
+    for (unsigned l; (l = names_next(label, &last)) > 0; entries++)
         has_names |= *label[l].name != '\0';
-        entries++;
-        largest = largest > (int32_t)label[l].number ? largest : (int32_t)label[l].number;
-    }
     if (!has_names)
         return;
     for (int i = 0; i < SCAN_BYTES / 4; i++)
         add_int(out, 0);
     add_int(out, TAG_TABLE);
     add_int(out, -TABLE_VERSION);
-    add_int(out, largest + 1);
+    add_int(out, (int32_t)last + 1);
     add_text(out, "iftty");
     add_int(out, entries);
-    for (int l = 1; l < 256; l++) {
-        if (!label[l].number || !(label[l].used || *label[l].name))
-            continue;
+    last = 0;
+    for (unsigned l; (l = names_next(label, &last)) > 0;) {
         add_int(out, (int32_t)label[l].number);
         add_text(out, label[l].name);
         for (int k = 0; k < 3; k++)

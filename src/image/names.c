@@ -146,15 +146,25 @@ void names_read_xml(struct buf *names, const char *xml, size_t length, uint32_t 
     buf_release(&name);
 }
 
+unsigned names_next(const struct volume_label label[256], uint32_t *last)
+{
+    unsigned next = 0;
+    for (unsigned l = 1; l < 256; l++)
+        if (label[l].number > *last && (label[l].used || *label[l].name) &&
+            (!next || label[l].number < label[next].number))
+            next = l;
+    *last = next ? label[next].number : *last;
+    return next;
+}
+
 void names_write_xml(struct buf *out, const struct volume_label label[256])
 {
     buf_add_text(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CaretExtension>\n"
                       " <VolumeInformation Index=\"0\">\n  <LabelTable>\n   <Label Key=\"0\" "
                       "Red=\"0\" Green=\"0\" Blue=\"0\" Alpha=\"0\"><![CDATA[???]]></Label>\n");
-    for (unsigned l = 1; l < 256; l++) {
+    uint32_t last = 0;
+    for (unsigned l; (l = names_next(label, &last)) > 0;) {
         const struct volume_label *of = &label[l];
-        if (!of->number || !(of->used || *of->name))
-            continue;
         buf_printf(out, "   <Label Key=\"%u\" Red=\"%.6f\" Green=\"%.6f\" Blue=\"%.6f\" ",
                    of->number, of->rgb[0] / 255.0, of->rgb[1] / 255.0, of->rgb[2] / 255.0);
         buf_add_text(out, "Alpha=\"1\"><![CDATA[");

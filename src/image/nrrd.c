@@ -423,19 +423,6 @@ static unsigned label_at(const struct volume_map *map, uint32_t number)
     return label;
 }
 
-/* The label with the least number above *last, which becomes that number; 0 for none. */
-static unsigned next_label(const struct volume_map *map, uint32_t *last)
-{
-    unsigned next = 0;
-    for (unsigned label = 1; label < LABELS; label++) {
-        const uint32_t number = map->label[label].number;
-        if (number > *last && (!next || number < map->label[next].number))
-            next = label;
-    }
-    *last = next ? map->label[next].number : *last;
-    return next;
-}
-
 /* Find the extent of each label; `row` has room for one. */
 static void find_extents(struct extent extent[LABELS], const struct volume_map *map, void *row,
                          struct watch *watch)
@@ -497,9 +484,8 @@ static enum err write_segments(struct buf *out, const struct volume_map *map, st
                       "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n"
                       "Segmentation_ReferenceImageExtentOffset:=0 0 0\n");
     uint32_t last = 0;
-    for (unsigned label = next_label(map, &last); label; label = next_label(map, &last))
-        if (extent[label].any || *map->label[label].name)
-            write_segment(out, number++, &map->label[label], &extent[label]);
+    for (unsigned label; (label = names_next(map->label, &last)) > 0;)
+        write_segment(out, number++, &map->label[label], &extent[label]);
     return watch_fault(watch, fault);
 }
 
