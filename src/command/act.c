@@ -67,6 +67,7 @@ enum err act_label(const struct act *act)
 enum err act_choose_regions(struct regions *regions, const struct act *act,
                             const struct value *label)
 {
+    *regions = (struct regions){0};
     if (label && label->given && act_has(act, "as"))
         return fault_set(act->fault, ERR_USAGE,
                          "as and label are mutually exclusive; expected one of them");
