@@ -21,6 +21,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h" /* OWNED */
+
 static unsigned check_failures;   /* of the current story */
 static const char *check_missing; /* why it, or a part of it, was not done; or NULL */
 
@@ -54,10 +56,6 @@ static inline bool check_report(bool fine, const char *file, int line, const cha
     } while (0)
 
 #define SKIP(why) (void)(check_missing = (why))
-
-/* Release a variable, which is initialised first, at the end of its scope:
- *     OWNED(buf_release) struct buf out = {0}; */
-#define OWNED(release) __attribute__((cleanup(release)))
 
 struct story {
     const char *name;

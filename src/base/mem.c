@@ -40,6 +40,13 @@ void *mem_new(size_t bytes)
     return is_allowed(bytes) ? calloc(1, bytes) : NULL;
 }
 
+void mem_release(void *pointer)
+{
+    void *memory;
+    memcpy(&memory, pointer, sizeof memory);
+    free(memory);
+}
+
 bool size_multiply(size_t a, size_t b, size_t *out)
 {
     size_t product;
