@@ -112,12 +112,10 @@ static enum err compare_attributes(const struct buf *a, const struct buf *b, con
              (find_attribute(b, one.name, &other) && strcmp(one.type, other.type) == 0 &&
               one.length == other.length && memcmp(one.value, other.value, one.length) == 0)))
             continue;
-        struct buf name = {0};
+        OWNED(buf_release) struct buf name = {0};
         buf_add_safe_excerpt(&name, one.name, strlen(one.name));
-        fault_set(fault, ERR_CHECK, what, is_twice ? "two attributes" : "an attribute",
-                  buf_text(&name));
-        buf_release(&name);
-        return ERR_CHECK;
+        return fault_set(fault, ERR_CHECK, what, is_twice ? "two attributes" : "an attribute",
+                         buf_text(&name));
     }
     return OK;
 }
@@ -128,7 +126,7 @@ static enum err check_header(const struct buf *header, const struct picture *lik
                              struct fault *fault)
 {
     struct exr_attribute_bytes window;
-    struct buf expected = {0};
+    OWNED(buf_release) struct buf expected = {0};
     int64_t side[2] = {0, 0};
     if (find_attribute(header, "dataWindow", &window) && window.length == WINDOW)
         for (size_t d = 0; d < 2; d++)
@@ -147,10 +145,9 @@ static enum err check_header(const struct buf *header, const struct picture *lik
     if (!err)
         err = compare_attributes(header, &expected, "it has %s %s that iftty does not write there",
                                  fault);
-    if (!err)
-        err = compare_attributes(&expected, header, "it lacks %s %s, or has it otherwise", fault);
-    buf_release(&expected);
-    return err;
+    return err ? err
+               : compare_attributes(&expected, header, "it lacks %s %s, or has it otherwise",
+                                    fault);
 }
 
 enum {
@@ -269,9 +266,8 @@ static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, siz
 static enum err get_attributes(struct picture *out, exr_context_t context, struct fault *fault)
 {
     int32_t count = 0;
-    enum err err = OK;
     exr_get_attribute_count(context, 0, &count);
-    for (int32_t i = 0; i < count && !err; i++) {
+    for (int32_t i = 0; i < count; i++) {
         const exr_attribute_t *attribute;
         if (exr_get_attribute_by_index(context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) ||
             attribute->type != EXR_ATTR_STRING || exr_is_reserved(attribute->name))
@@ -280,15 +276,16 @@ static enum err get_attributes(struct picture *out, exr_context_t context, struc
         if (string->length < 0 || string->length > NOTE_MOST)
             return fault_set(fault, ERR_LIMIT, "a note of %d bytes; expected at most %d",
                              string->length, NOTE_MOST);
-        char *value = mem_array((size_t)string->length + 1, 1);
+        OWNED(mem_release) char *value = mem_array((size_t)string->length + 1, 1);
         if (!value)
             return fault_memory(fault, "a note on a picture");
         memcpy(value, string->length ? string->str : "", (size_t)string->length);
         value[string->length] = '\0';
-        err = picture_note(out, attribute->name, value, fault);
-        free(value);
+        const enum err err = picture_note(out, attribute->name, value, fault);
+        if (err)
+            return err;
     }
-    return err;
+    return OK;
 }
 
 struct reader {
@@ -465,7 +462,7 @@ static enum err check_golden(uint64_t *header_bytes, const struct exr_stream *st
 {
     /* A file of more bytes than pixels and notes can need is another one. */
     const uint64_t most = (uint64_t)like->width * like->height * EXR_CHANNELS * 4 + FILE_MORE;
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     enum err err = exr_header_read(&header, stream->fd, fault);
     if (!err)
         err = check_header(&header, like, fault);
@@ -473,7 +470,6 @@ static enum err check_golden(uint64_t *header_bytes, const struct exr_stream *st
         err = fault_set(fault, ERR_CHECK, "it has %" PRIu64 " bytes, too many for its pixels",
                         stream->bytes);
     *header_bytes = header.length;
-    buf_release(&header);
     return err ? fault_prefix(fault, err, "%s", stream->path) : OK;
 }
 

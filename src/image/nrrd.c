@@ -234,7 +234,7 @@ static void write_layer(struct buf *out, const struct segment *segment, unsigned
 static void list_segments(struct volume_header *out, const char *bytes, size_t length)
 {
     struct segment segment[SEGMENTS_MOST];
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     unsigned count = 0;
     while (count < SEGMENTS_MOST && read_segment(&segment[count], bytes, length, count))
         count++;
@@ -248,7 +248,6 @@ static void list_segments(struct volume_header *out, const char *bytes, size_t l
         write_layer(&text, segment, count, v);
     }
     safe_copy(out->contents, sizeof out->contents, buf_text(&text), text.length);
-    buf_release(&text);
 }
 
 /* ---- reading ---- */
@@ -419,18 +418,15 @@ static enum err write_segments(struct buf *out, const struct volume_map *map, st
                                struct fault *fault)
 {
     struct extent extent[LABELS] = {0};
-    uint16_t *row = mem_array(map->size[0], sizeof *row);
-    uint8_t *of_number = mem_new(NUMBERS);
+    OWNED(mem_release) uint16_t *row = mem_array(map->size[0], sizeof *row);
+    OWNED(mem_release) uint8_t *of_number = mem_new(NUMBERS);
     unsigned number = 0;
-    for (unsigned label = 0; of_number && label < LABELS; label++)
-        if (map->label[label].number)
-            of_number[map->label[label].number] = (uint8_t)label;
-    if (row && of_number)
-        find_extents(extent, map, row, of_number, watch);
-    free(row);
-    free(of_number);
     if (!row || !of_number)
         return fault_memory(fault, "the segments");
+    for (unsigned label = 0; label < LABELS; label++)
+        if (map->label[label].number)
+            of_number[map->label[label].number] = (uint8_t)label;
+    find_extents(extent, map, row, of_number, watch);
     buf_add_text(out, "Segmentation_MasterRepresentation:=Binary labelmap\n"
                       "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n"
                       "Segmentation_ReferenceImageExtentOffset:=0 0 0\n");
@@ -444,20 +440,15 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
                           struct watch *watch, struct fault *fault)
 {
     const bool is_segmentation = file_is_named(path, ".seg.nrrd");
-    struct buf header = {0};
-    enum err err = OK;
+    OWNED(buf_release) struct buf header = {0};
     if (is_segmentation && !map->label)
         return fault_set(fault, ERR_USAGE,
                          "cannot write %s: a .seg.nrrd holds labels; expected .nrrd for this map",
                          path);
     write_header(&header, map);
-    if (is_segmentation)
-        err = write_segments(&header, map, watch, fault);
+    const enum err err = is_segmentation ? write_segments(&header, map, watch, fault) : OK;
     buf_add_char(&header, '\n');
-    if (!err)
-        return voxels_write(path, mode, &header, PACKED_VOXELS, map, watch, fault);
-    buf_release(&header);
-    return err;
+    return err ? err : voxels_write(path, mode, &header, PACKED_VOXELS, map, watch, fault);
 }
 
 extern const struct volume_format nrrd_format;

@@ -145,23 +145,21 @@ static enum err compress_strip(void *context, const struct picture *rows, uint32
 {
     const struct png_coder *coder = context;
     const size_t row_bytes = (size_t)coder->width * coder->channels, stride = row_bytes + 1;
-    uint8_t *raw = mem_array(stride, rows->height);
-    struct buf data = {0};
-    enum err err = raw ? OK : ERR_MEMORY;
-    for (uint32_t y = 0; !err && y < rows->height; y++)
+    OWNED(mem_release) uint8_t *raw = mem_array(stride, rows->height);
+    OWNED(buf_release) struct buf data = {0};
+    if (!raw)
+        return fault_memory(fault, "a picture");
+    for (uint32_t y = 0; y < rows->height; y++)
         fill_row(raw + y * stride + 1, rows->rgba + (size_t)4 * y * rows->width, rows->width,
                  coder->channels);
-    if (!err) {
-        filter_strip(raw, row_bytes, rows->height, coder->channels);
-        *check = (uint32_t)adler32(1, raw, (uInt)(stride * rows->height));
-        if (top == 0)
-            buf_add(&data, "\x78\x5e", 2); /* zlib: a window of 32 kB, made fast */
-        err = deflate_part(&data, raw, stride * rows->height, top + rows->height == coder->height);
-    }
+    filter_strip(raw, row_bytes, rows->height, coder->channels);
+    *check = (uint32_t)adler32(1, raw, (uInt)(stride * rows->height));
+    if (top == 0)
+        buf_add(&data, "\x78\x5e", 2); /* zlib: a window of 32 kB, made fast */
+    const enum err err =
+        deflate_part(&data, raw, stride * rows->height, top + rows->height == coder->height);
     if (!err)
         add_chunk(out, "IDAT", data.data, data.length);
-    buf_release(&data);
-    free(raw);
     return err || out->failed ? fault_memory(fault, "a picture") : OK;
 }
 
@@ -181,7 +179,7 @@ static enum err add_note(struct buf *png, const struct attribute *note, const ch
                          struct fault *fault)
 {
     bool is_ascii = true;
-    struct buf data = {0};
+    OWNED(buf_release) struct buf data = {0};
     if (!is_keyword(note->name))
         return fault_set(fault, ERR_INPUT, "cannot write %s: \"%.40s\" cannot name a note in PNG",
                          path, note->name);
@@ -193,7 +191,6 @@ static enum err add_note(struct buf *png, const struct attribute *note, const ch
     buf_add_text(&data, note->value);
     add_chunk(png, is_ascii ? "tEXt" : "iTXt", buf_text(&data), data.length);
     png->failed |= data.failed;
-    buf_release(&data);
     return OK;
 }
 
@@ -236,7 +233,7 @@ static enum err write_file(void *context, const char *draft, const struct pictur
     const char *path = pieces->path;
     uLong sum = adler32(0, NULL, 0);
     uint8_t number[4];
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     enum err err = add_head(&bytes, coder, path, like, fault);
     const int fd = err ? -1 : file_step_open(draft, O_RDWR | O_CREAT | O_EXCL);
     if (!err && fd < 0)
@@ -258,7 +255,6 @@ static enum err write_file(void *context, const char *draft, const struct pictur
         err = bytes.failed ? fault_memory(fault, path) : write_buf(fd, path, &bytes, fault);
     if (fd >= 0 && close(fd) != 0 && !err)
         err = fault_errno(fault, "write", path);
-    buf_release(&bytes);
     return err;
 }
 
@@ -437,12 +433,11 @@ enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint
                                   .stride = (size_t)width * 4,
                                   .bytes = rgba,
                                   .has_alpha = true};
-    struct png_writer writer = {0};
+    OWNED(png_release) struct png_writer writer = {0};
     if (width == 0 || height == 0 || width > PICTURE_SIDE_MOST || height > PICTURE_SIDE_MOST)
         return fault_set(fault, ERR_LIMIT, "a picture has sides of 1 to %d pixels, not %ux%u",
                          PICTURE_SIDE_MOST, width, height);
     png_add(&writer, &raster, PNG_FILE, out);
-    png_release(&writer);
     return out->failed ? fault_memory(fault, "a picture") : OK;
 }
 
@@ -507,7 +502,7 @@ static enum err take_other(struct reading *r)
         const uint8_t *zero = memchr(r->data, 0, r->length);
         const size_t before = zero ? (size_t)(zero - r->data) : 0;
         const size_t skipped = before + 1 + (is_utf8 ? 4 : 0);
-        struct buf value = {0};
+        OWNED(buf_release) struct buf value = {0};
         if (!before || before > KEYWORD_MOST || skipped > r->length ||
             (is_utf8 && memcmp(zero + 1, "\0\0\0", 4) != 0) ||
             memchr(r->data + skipped, 0, r->length - skipped))
@@ -516,10 +511,8 @@ static enum err take_other(struct reading *r)
         if (picture_find(r->out, name))
             return refuse(r, "two texts in it have one name");
         buf_add(&value, r->data + skipped, r->length - skipped);
-        const enum err err = value.failed ? fault_memory(r->fault, "a note on a picture")
-                                          : picture_note(r->out, name, buf_text(&value), r->fault);
-        buf_release(&value);
-        return err;
+        return value.failed ? fault_memory(r->fault, "a note on a picture")
+                            : picture_note(r->out, name, buf_text(&value), r->fault);
     }
     if (strcmp(r->type, "pHYs") == 0 && r->length == SCALE && number_at(r->data) > 0 &&
         number_at(r->data) == number_at(r->data + 4) && r->data[8] == 1) { /* per metre, square */
@@ -530,12 +523,10 @@ static enum err take_other(struct reading *r)
         if (strcmp(r->type, constant[i].type) == 0 && r->length == constant[i].length &&
             memcmp(r->data, constant[i].data, r->length) == 0)
             return OK;
-    struct buf type = {0};
+    OWNED(buf_release) struct buf type = {0};
     buf_add_safe_text(&type, r->type);
-    const enum err err = fault_set(
-        r->fault, ERR_INPUT, "it has a part %s that iftty does not write there", buf_text(&type));
-    buf_release(&type);
-    return err;
+    return fault_set(r->fault, ERR_INPUT, "it has a part %s that iftty does not write there",
+                     buf_text(&type));
 }
 
 static enum err take_chunks(struct reading *r, uint32_t width, uint32_t height)
@@ -600,7 +591,7 @@ static enum err take_pixels(struct reading *r)
 {
     const size_t bytes = r->out->width * r->channels, all = (bytes + 1) * r->out->height;
     struct libdeflate_decompressor *inflater = libdeflate_alloc_decompressor();
-    uint8_t *raw = mem_array(all, 1), *zeros = mem_new(bytes);
+    OWNED(mem_release) uint8_t *raw = mem_array(all, 1), *zeros = mem_new(bytes);
     size_t used = 0, made = 0;
     enum err err = raw && zeros && inflater ? OK : fault_memory(r->fault, "a picture");
     if (!err && (libdeflate_zlib_decompress_ex(inflater, buf_text(&r->packed), r->packed.length,
@@ -610,8 +601,6 @@ static enum err take_pixels(struct reading *r)
     if (!err && used != r->packed.length)
         err = refuse(r, "bytes follow its packed pixels");
     libdeflate_free_decompressor(inflater);
-    free(raw);
-    free(zeros);
     return err;
 }
 
