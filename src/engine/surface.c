@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sort.h"
 #include "base/mem.h"
+#include "base/sort.h"
 #include "engine/net_graph.h"
 
 enum {

@@ -11,8 +11,8 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/sort.h"
 #include "base/mem.h"
+#include "base/sort.h"
 #include "engine/weight_gradient.h"
 
 enum { FLUSH = 1 << 20 };

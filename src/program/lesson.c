@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/mem.h"
 #include "command/interpreter.h"
 #include "engine/forest.h"
 #include "session/map.h"
@@ -159,7 +160,7 @@ void lesson_add_beginning(struct buf *out)
 
 void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *journal)
 {
-    struct buf missing = {0};
+    OWNED(buf_release) struct buf missing = {0};
     const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS)
@@ -168,12 +169,11 @@ void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *j
         buf_printf(out, "    %-4s %s\n", step[n].key[k].keys, step[n].key[k].what);
     if (n < STEPS)
         buf_printf(out, "%s  %s\n", step[n].key[0].keys ? "or here:" : "here:   ", step[n].command);
-    buf_release(&missing);
 }
 
 void lesson_add_captions(struct buf *out, const struct lesson *lesson, const char *journal)
 {
-    struct buf missing = {0}, keys = {0};
+    OWNED(buf_release) struct buf missing = {0}, keys = {0};
     const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS) {
@@ -185,8 +185,6 @@ void lesson_add_captions(struct buf *out, const struct lesson *lesson, const cha
     for (unsigned k = 0; n < STEPS && k < KEYS_MOST && step[n].key[k].keys; k++)
         buf_printf(&keys, "%s%s %s", k ? "; " : "", step[n].key[k].keys, step[n].key[k].what);
     cells_wrap(out, &keys, COLUMNS);
-    buf_release(&missing);
-    buf_release(&keys);
 }
 
 void lesson_add_keys(struct buf *out)
@@ -203,16 +201,14 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
     const struct map_place place = session_map_place(interp->session, false);
     const struct map_labels choice = {NULL, OBJECT};
     struct watch *watch = interp->session->watch;
-    struct volume map = {0};
-    struct buf path = {0};
+    OWNED(volume_release) struct volume map = {0};
+    OWNED(buf_release) struct buf path = {0};
     enum err err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
     if (!err)
         err = map_read(&map, buf_text(&path), &place, watch, fault);
     if (!err)
         err = map_to_labels(&lesson->truth, &map, &choice, watch, fault);
     memcpy(lesson->size, place.grid->size, sizeof lesson->size);
-    volume_release(&map);
-    buf_release(&path);
     return err;
 }
 
@@ -270,11 +266,10 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits)
 /* ERR_IO if the scene or the truth is missing; called before the terminal changes. */
 static enum err find_files(const struct interpreter *interp, struct fault *fault)
 {
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     enum err err = interpreter_find_file(interp, LESSON_SCENE, &path, fault);
     if (!err)
         err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
-    buf_release(&path);
     return err ? fault_set(
                      fault, err,
                      "the lesson needs the head " LESSON_SCENE " and its brain " LESSON_TRUTH

@@ -76,7 +76,7 @@ static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *ses
     const unsigned label = session_shown_label(session, at), changed = changed_most(session);
     const unsigned measured = label ? label : changed;
     const uint64_t *before, *voxels = session_shown_voxels(session, &before);
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     label_report_write_name(&name, session, label);
     const size_t number = strcspn(buf_text(&name), " ");
     if (cell->flags & CELL_OUTSIDE) {
@@ -102,7 +102,6 @@ static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *ses
         label_report_write_name(&fact[PILOT_IN_FOREST], session, cell->label);
     }
     fact->failed |= name.failed;
-    buf_release(&name);
 }
 
 static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
@@ -233,7 +232,7 @@ static bool host_seed(void *context, unsigned number, int64_t by, uint32_t place
     const struct markers *markers = &session->markers;
     const uint32_t here = cell_at(session, session->now.outlook.slices.cross);
     int64_t count = 0, at = by > 0 ? -1 : 0;
-    uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
+    OWNED(mem_release) uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
     for (uint32_t n = 1; cell && n <= markers->count; n++) {
         const struct marker *marker = markers->marker + n - 1;
         if (!marker->is_valid || marker->label != (int)number)
@@ -246,7 +245,6 @@ static bool host_seed(void *context, unsigned number, int64_t by, uint32_t place
     }
     if (count > 0)
         grid_find(&session->scene->grid, cell[((at + by) % count + count) % count], place);
-    free(cell);
     return count > 0;
 }
 

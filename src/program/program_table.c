@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "apply/apply.h"
+#include "base/mem.h"
 #include "session/map.h"
 #include "verify/verify.h"
 
@@ -31,10 +32,9 @@ static enum err read_graphics(const struct option *option, const char *text, voi
     struct options *o = out;
     if (graphics_from_name(text, &o->graphics))
         return OK;
-    struct buf names = {0};
+    OWNED(buf_release) struct buf names = {0};
     option->add_choices(&names, ", ", " or ");
     fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", option->name, buf_text(&names), text);
-    buf_release(&names);
     return ERR_USAGE;
 }
 
