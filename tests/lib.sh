@@ -24,6 +24,7 @@ IFTTY_CONFIG=$top/tests/bare.config # with IFTTY_CONFIG= a session begins as for
 build=${IFTTY_BUILD:-build}
 case $build in /*) ;; *) build=$top/$build ;; esac
 iftty=$build/iftty
+PYTHON=/usr/bin/python3 # which has Debian's modules
 work=$(mktemp -d "${TMPDIR:-/tmp}/iftty-test-XXXXXX") || exit 1
 trap 'chmod -R u+rwx "$work" 2>/dev/null; rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM

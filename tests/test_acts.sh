@@ -53,7 +53,7 @@ END
 
 begin "acts request only parameters of their command"
 if needs python3; then
-    found=$(python3 "$work/asked.py" "$top")
+    found=$("$PYTHON" "$work/asked.py" "$top")
     [ "$(echo "$found" | sed '$d')" = '' ] || fail "$found"
     [ "$(echo "$found" | sed -n '$s/ asked//p')" -gt 200 ] || fail "$found"
 fi
@@ -65,7 +65,7 @@ if needs python3; then
     sed -i 's/"replace"/"replaced"/' "$work/tree"/src/command/act*.c
     sed -i 's/act_has(act, "around|through")/act_has(act, "around|thorough")/' \
         "$work/tree"/src/command/*.c
-    found=$(python3 "$work/asked.py" "$work/tree")
+    found=$("$PYTHON" "$work/asked.py" "$work/tree")
     for line in "asks for replaced, which \`spin\` has not" \
         "asks for thorough, which \`seed\` has not"; do
         echo "$found" | grep -qF "$line" || fail "no $line in $found"

@@ -9,7 +9,7 @@ make_scene s.nii 24 20 16
     nifti_header 24 20 16 512 16
     awk 'BEGIN { for (i = 0; i < 7680; i++) {
         v = i % 24 < 4 ? 2001 : i % 24 < 8 ? 2002 : i % 24 > 19 ? 9170 : 0
-        printf "%d\n", v } }' | python3 -c 'import struct, sys
+        printf "%d\n", v } }' | "$PYTHON" -c 'import struct, sys
 for v in sys.stdin: sys.stdout.buffer.write(struct.pack("<H", int(v)))'
 } >atlas.nii
 printf '2001 Precentral_L 255 0 0 0\n2002 Precentral_R 0 255 0 0\n9170 Vermis 0 0 255 0\n' \
@@ -49,7 +49,7 @@ expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,,2'
 err_has 'regions: expected A-B, or A, within 0-65533, not 1,,2; several have commas between them'
 
 begin "regions above 255 become labels in rising order, and keep their numbers in files"
-/usr/bin/python3 - <<'END' || fail "nibabel cannot write the atlas"
+"$PYTHON" - <<'END' || fail "nibabel cannot write the atlas"
 import nibabel, numpy
 scene = nibabel.load('s.nii')
 values = numpy.zeros(scene.shape, numpy.int32)
@@ -75,7 +75,7 @@ out_has '6 names and 6 colours of labels'
 out_has '0 of 7680 voxels differ'
 grep -qE '^labels aparc.nii.gz erode=0 numbers=2,41,1001-1002,1035,2035 copy=[0-9a-f]{32}$' \
     aparc.iftty || fail "$(grep ^labels aparc.iftty)"
-/usr/bin/python3 - <<'END' || fail "another reader finds other numbers"
+"$PYTHON" - <<'END' || fail "another reader finds other numbers"
 import nibabel, numpy
 was, now = nibabel.load('aparc.nii.gz'), nibabel.load('o.nii.gz')
 assert now.get_data_dtype() == numpy.uint16
@@ -105,7 +105,7 @@ out_has 'numbers   6 labels are 2 to 2035 in files; `stats` lists them'
 grep -q '^    1 .*"one"' n.txt || fail "undo leaves numbers: $(cat n.txt)"
 
 begin "whole numbers stored as real ones are read exactly"
-/usr/bin/python3 - <<'END' || fail "cannot make the map"
+"$PYTHON" - <<'END' || fail "cannot make the map"
 import nibabel, numpy
 scene = nibabel.load('s.nii')
 values = numpy.zeros(scene.shape, numpy.float32)
@@ -117,7 +117,7 @@ END
 expect 0 "$iftty" -c 'open s.nii; labels real.nii; save labels whole.nii; compare real.nii'
 out_has 'label 3 (14175): '
 out_has '0 of 7680 voxels differ'
-/usr/bin/python3 - <<'END' || fail "nibabel finds other numbers"
+"$PYTHON" - <<'END' || fail "nibabel finds other numbers"
 import nibabel, numpy
 was, now = nibabel.load('real.nii'), nibabel.load('whole.nii')
 assert (numpy.asarray(was.dataobj) == numpy.asarray(now.dataobj)).all()
@@ -163,7 +163,7 @@ expect 0 "$iftty" verify j.iftty
 begin "tables of names are written and read back in every format"
 { # 256 of red, of green, of blue
     awk 'BEGIN { for (i = 0; i < 256; i++) print i; for (i = 0; i < 512; i++) print 9 }' |
-        python3 -c 'import sys
+        "$PYTHON" -c 'import sys
 sys.stdout.buffer.write(bytes(int(v) for v in sys.stdin))'
 } >c.lut
 expect 0 "$iftty" -c 'open s.nii; label 4 "left part" #102030; label 5 spleen #405060

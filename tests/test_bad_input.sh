@@ -281,7 +281,7 @@ refused 3 "$said" bounded "$iftty" compare swell.nii.gz swell.nii.gz
 refused 3 "$said" bounded "$iftty" info --histogram swell.nii.gz
 expect 0 "$iftty" info swell.nii.gz
 if needs python3; then
-    python3 - <<'EOP' # 256 million pixels, and the bytes of the first few
+    "$PYTHON" - <<'EOP' # 256 million pixels, and the bytes of the first few
 import struct, zlib
 def piece(name, data):
     return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))

@@ -21,7 +21,7 @@ out_has '"ift_to_dift"'
 same "$(grep -c '"experiment":' "$work/out")" 10
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
 if needs python3; then
-    python3 -m json.tool "$work/out" >/dev/null 2>"$work/err" || fail "$(cat "$work/err")"
+    "$PYTHON" -m json.tool "$work/out" >/dev/null 2>"$work/err" || fail "$(cat "$work/err")"
 fi
 
 begin "one edit touches the same voxels in a scene eight times as large"
@@ -97,12 +97,12 @@ for last; do :; done
 cat "$last"
 EOS
     chmod +x "$work/bin/chafa"
-    PATH="$work/bin:$PATH" expect 0 python3 -B tests/bench/chafa.py --json "$build"
+    PATH="$work/bin:$PATH" expect 0 "$PYTHON" -B tests/bench/chafa.py --json "$build"
     for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": {"bytes": ' \
         '"sixel": ' '"blocks": '; do
         out_has "$words"
     done
-    PATH=$work/bin:$PATH expect 0 python3 -B tests/bench/chafa.py "$build"
+    PATH=$work/bin:$PATH expect 0 "$PYTHON" -B tests/bench/chafa.py "$build"
     same "$(grep -c '^chafa: ' "$work/out")" 2
 fi
 

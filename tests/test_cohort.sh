@@ -26,7 +26,7 @@ subject() { # STATUS PROGRAM
     same "$(find made -name '*.part')" ''
 }
 says() { # CONDITION ON told
-    /usr/bin/python3 -c 'import json, sys; told = json.load(open(sys.argv[1]))
+    "$PYTHON" -c 'import json, sys; told = json.load(open(sys.argv[1]))
 sys.exit(not eval(sys.argv[2]))' $sidecar "$1" || fail "the sidecar: not $1"
 }
 

@@ -90,7 +90,7 @@ same_files from_program from_command
 sed 's/,"[a-z]*",/,/' r.csv >from_command
 same_files from_program from_command
 if needs python3; then
-    python3 - <<'EOS' || fail "JSON and CSV differ: $(cat r.json)"
+    "$PYTHON" - <<'EOS' || fail "JSON and CSV differ: $(cat r.json)"
 import csv, json
 d = json.load(open('r.json'))
 rows = list(csv.DictReader(open('r.csv')))

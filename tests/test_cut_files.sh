@@ -4,7 +4,6 @@
 # ITK, teem and others made them (volumes/cut.py). Each is refused, and the words name the file, the
 # actual and the expected number of bytes; no missing voxel is replaced.
 . "$(dirname "$0")/lib.sh"
-PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
 
 begin "files of other programs are made, and copies of them cut"

@@ -48,7 +48,7 @@ grep -q '^3 spleen' told || fail "no name that B alone has: $(cat told)"
 begin "the same for programs"
 expect 1 "$iftty" diff --json a.iftty b.iftty
 if needs python3; then
-    python3 - <<'EOS' >"$work/figures" || fail "no JSON: $(cat out)"
+    "$PYTHON" - <<'EOS' >"$work/figures" || fail "no JSON: $(cat out)"
 import json
 d = json.load(open('out'))
 assert d['parts'] and d['a']['command'] == 'seed 20,10,8 2' and d['b']['line'] == 10

@@ -67,7 +67,7 @@ expect 0 "$iftty" info tilted.nii
 sed -n 's/^note *//p' "$work/out" >noted
 same_files said noted
 expect 0 "$iftty" info --json tilted.nii
-same "$(python3 -c 'import json, sys; print(*json.load(sys.stdin)["open_notes"], sep="\n")' \
+same "$("$PYTHON" -c 'import json, sys; print(*json.load(sys.stdin)["open_notes"], sep="\n")' \
     <"$work/out")" "$(cat said)"
 ! grep -q 'oblique\|come after' plain || fail "$(cat plain)"
 

@@ -60,7 +60,7 @@ elif needs python3; then
         printf '%s\n' 'size 256 256' render info
     }
     peak() { # of the script
-        python3 -c 'import resource, subprocess, sys
+        "$PYTHON" -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], stdout=open("out", "w"), stderr=subprocess.DEVNULL, check=True)
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script
     }
@@ -94,7 +94,7 @@ zoom 8'
     for each in without with; do
         expect 0 "$iftty" run $each --journal $each.iftty
         set -- "$iftty" verify $each.iftty
-        python3 -c 'import resource, subprocess, sys
+        "$PYTHON" -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True, env={"IFTTY_THREADS": "2"})
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$@" >peak.$each
     done

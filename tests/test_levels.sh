@@ -3,7 +3,6 @@
 # Scenes of real and of wide whole numbers, as nibabel writes them: values as they are in the file,
 # few that are far from the others, ranges against numpy, records, and journals of before.
 . "$(dirname "$0")/lib.sh"
-PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
 cd "$work" || exit 1
 out_lacks() { # a fixed string

@@ -270,7 +270,7 @@ changed "another label" 's/^label 2 ball/label 2 bell/' "record 2, line 5: its c
 begin "verify --json prints one object with the content of TAP"
 expect 1 "$iftty" verify j.iftty t.iftty --json
 if needs python3; then
-    python3 -B - out >found 2>&1 <<'EOP' || fail "$(cat found)"
+    "$PYTHON" -B - out >found 2>&1 <<'EOP' || fail "$(cat found)"
 import json, sys
 report = json.load(open(sys.argv[1]))
 assert (report["verified"], report["failed"]) == (1, 1), report

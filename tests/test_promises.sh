@@ -10,7 +10,7 @@ promises=$top/tests/promises.txt
 # words_of NAME FILE: a line for each key of a document, or of each document that is a line: "json
 # verify journals[].chain".
 words_of() {
-    python3 - "$@" <<'END'
+    "$PYTHON" - "$@" <<'END'
 import json, sys
 name, text = sys.argv[1], open(sys.argv[2]).read()
 try:
@@ -72,9 +72,7 @@ END
     prints verify 1 "$iftty" verify a.iftty c.iftty
     prints diff 1 "$iftty" diff a.iftty b.iftty
     prints compare 0 "$iftty" compare a.nii b.nii
-    for where in plain moved far; do
-        python3 "$top/tests/apply/phantom.py" make $where.nii $where
-    done
+    "$PYTHON" "$top/tests/apply/phantom.py" scenes plain moved far
     "$iftty" -c 'open plain.nii; seed 28,28,24 1 radius=5; seed 5,5,5 0 radius=2; run' \
         --journal p.iftty >/dev/null || fail "no procedure"
     prints apply 3 "$iftty" apply p.iftty moved.nii far.nii --by world --out applied

@@ -100,7 +100,7 @@ expect 0 "$iftty" verify --strict seen.iftty
 begin "a PNG with the right pixels, and other texts or chunks that change their display"
 # put_chunk TYPE HEXADECIMAL [TYPE]: into the PNG, before the first chunk of that type (IDAT)
 put_chunk() {
-    /usr/bin/python3 - "$1" "$2" "${3:-IDAT}" <<'END'
+    "$PYTHON" - "$1" "$2" "${3:-IDAT}" <<'END'
 import struct, sys, zlib
 kind, data, before = sys.argv[1].encode(), bytes.fromhex(sys.argv[2]), sys.argv[3].encode()
 png = open("j.golden/first.png", "rb").read()
@@ -128,7 +128,7 @@ put_chunk tEXt "$(hex 'Comment\0after')" IEND
 bad_png "something follows its pixels"
 cat j.golden/first.png s.nii >seen.golden/first.png
 bad_png "something follows its pixels"
-/usr/bin/python3 - <<'END' # the same pixels by another writer: every filter, two IDAT
+"$PYTHON" - <<'END' # the same pixels by another writer: every filter, two IDAT
 import struct, zlib
 png, at, rows = open("j.golden/first.png", "rb").read(), 8, b""
 while at < len(png):
@@ -167,7 +167,7 @@ copy seen
 begin "a golden image and its PNG have the notes of the drawn one"
 # note NAME VALUE: both files carry it, with the checksum of the PNG right
 note() {
-    /usr/bin/python3 - "$1" "$2" <<'END'
+    "$PYTHON" - "$1" "$2" <<'END'
 import re, struct, sys, zlib
 name, value = sys.argv[1].encode(), sys.argv[2].encode()
 exr = open("j.golden/first.exr", "rb").read()

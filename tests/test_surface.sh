@@ -6,7 +6,7 @@
 
 # oblique FILE ROW ROW ROW: gives a scene of make_scene these rows of an sform
 oblique() {
-    python3 - "$@" <<'EOF' || fail "no scene $1"
+    "$PYTHON" - "$@" <<'EOF' || fail "no scene $1"
 import struct, sys
 data = bytearray(open(sys.argv[1], "rb").read())
 rows = [[float(x) for x in row.split(',')] for row in sys.argv[2:]]
@@ -20,7 +20,7 @@ open(sys.argv[1], "wb").write(data)
 EOF
 }
 read_surfaces() {
-    python3 -B tests/surface_reader.py "$@" || fail "cannot read $*"
+    "$PYTHON" -B tests/surface_reader.py "$@" || fail "cannot read $*"
 }
 
 begin "every format holds the same closed surface, in the scene's own world"

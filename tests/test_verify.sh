@@ -153,7 +153,7 @@ grep -q 'name="a&lt;b&gt;&amp;&quot;c&#39;.iftty"' report.xml || fail "$(cat rep
 grep -q '<failure type="check failed" message="record 7 (line' report.xml ||
     fail "$(cat report.xml)"
 if needs python3; then
-    python3 -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' report.xml 2>err ||
+    "$PYTHON" -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' report.xml 2>err ||
         fail "$(cat err)"
 fi
 cp report.xml before

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Files that others write, and whether a volume is opened as its twin is: for test_volumes.sh,
 # test_series.sh and test_elsewhere.sh, which source this after lib.sh.
-PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
 
 # made_by SCRIPT: a story in which it makes files in $work/v, the working folder from then on;
