@@ -31,12 +31,8 @@ trap 'exit 1' HUP INT TERM
 
 story='' stories=0 bad_stories=0 failures=0 lacks=''
 
-before_close() { # redefined by a story that has checks at its end
-    :
-}
 close_story() { # of begin and finish
     [ -n "$story" ] || return
-    before_close
     stories=$((stories + 1))
     if [ "$failures" = 0 ]; then
         printf 'ok %d - %s%s\n' "$stories" "$story" "${lacks:+ # SKIP $lacks}"

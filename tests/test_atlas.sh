@@ -24,8 +24,7 @@ expect 0 "$iftty" -c "open s.nii; label-file atlas.nii.txt $chosen; seed-file at
 erode=1; run; stats" --journal j.iftty
 out_has '2 names and 2 colours of labels'
 out_has 'region 2001 Precentral_L is label 4 Precentral_L, 504 seeds'
-out_has 'region 9170 Vermis is label 9 Vermis, 504 seeds'
-out_has '1008 seeds'
+out_has 'region 9170 Vermis is label 9 Vermis, 504 seeds' '1008 seeds'
 expect 0 "$iftty" -c "open s.nii; seed-file atlas.nii $chosen; label-file atlas.nii.txt $chosen
 seed-file atlas.nii $chosen"
 same "$(grep -c "their names: .label-file atlas.nii.txt $chosen." out)" 1
@@ -70,9 +69,7 @@ expect 0 "$iftty" -c "open s.nii; labels aparc.nii.gz; run; label-file lut.txt; 
 save names o.txt; save names o.ctbl; save surface o.obj; save surface o.vtp; stats report=o.csv
 compare aparc.nii.gz" --journal aparc.iftty
 out_has '6 regions are labels 1 to 6, in rising order; `save labels` writes their own numbers'
-out_has 'label 6 ctx-rh-insula (2035): '
-out_has '6 names and 6 colours of labels'
-out_has '0 of 7680 voxels differ'
+out_has 'label 6 ctx-rh-insula (2035): ' '6 names and 6 colours of labels' '0 of 7680 voxels differ'
 grep -qE '^labels aparc.nii.gz erode=0 numbers=2,41,1001-1002,1035,2035 copy=[0-9a-f]{32}$' \
     aparc.iftty || fail "$(grep ^labels aparc.iftty)"
 "$PYTHON" - <<'END' || fail "another reader finds other numbers"
@@ -115,8 +112,7 @@ values[0, 0, 0] = 0.5
 nibabel.save(nibabel.Nifti1Image(values, scene.affine), 'half.nii')
 END
 expect 0 "$iftty" -c 'open s.nii; labels real.nii; save labels whole.nii; compare real.nii'
-out_has 'label 3 (14175): '
-out_has '0 of 7680 voxels differ'
+out_has 'label 3 (14175): ' '0 of 7680 voxels differ'
 "$PYTHON" - <<'END' || fail "nibabel finds other numbers"
 import nibabel, numpy
 was, now = nibabel.load('real.nii'), nibabel.load('whole.nii')
@@ -219,8 +215,7 @@ templates=/usr/share/mricron/templates
 if [ -e $templates/aal.nii.txt ]; then
     expect 0 "$iftty" -c "label-file $templates/aal.nii.txt; label-file $templates/aal.nii.lut
 label-file $templates/JHU-WhiteMatter-labels-1mm.nii.txt; label-file $templates/AICHAmc.nii.txt"
-    out_has '116 names and 0 colours of labels'
-    out_has '0 names and 255 colours of labels'
+    out_has '116 names and 0 colours of labels' '0 names and 255 colours of labels'
     out_has '18 names had to be changed to fit; the first is of label 2, now Pontine_crossing_~'
     out_has '192 names'
 else

@@ -40,8 +40,7 @@ STORY(the_table_is_in_order)
             }
             CHECK(!q->paired || (p > 0 && q[-1].choices && !q->keyed && q->optional));
             CHECK(q->type != VALUE_LINE || (q->keyed && c->parameter[0].type == VALUE_POSITION));
-            CHECK(q->least <= q->most);
-            CHECK(q->type != VALUE_CHOICE || q->choices);
+            CHECK(q->least <= q->most && (q->type != VALUE_CHOICE || q->choices));
         }
     }
 }
@@ -821,8 +820,7 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
     OWNED(buf_release) struct buf name = {0};
     CHECK(command_opens(&name, "open volume=2 \"a b.nii\" reduce=2"));
     CHECK_TEXT(buf_text(&name), "a b.nii");
-    CHECK(!command_opens(&name, "mask a.nii"));
-    CHECK(!command_opens(&name, "open volume=2"));
+    CHECK(!command_opens(&name, "mask a.nii") && !command_opens(&name, "open volume=2"));
 }
 
 /* Create files with names of all kinds in a folder, and change to it. */
@@ -843,8 +841,7 @@ static void begin_with_files(struct interpreter *interp)
     }
     write_text("files/masks/m.nii", "");
     write_text("files/to do/one.nii", "");
-    CHECK(symlink("masks", place("files/link")) == 0);
-    CHECK(chdir(place("files")) == 0);
+    CHECK(symlink("masks", place("files/link")) == 0 && chdir(place("files")) == 0);
 }
 
 BEGUN_STORY(completion_offers_files, begin_with_files)
@@ -1018,8 +1015,7 @@ static void fails_then_works(struct interpreter *interp, const struct deed *deed
         file_step_hook = fail_on_journal;
         enum err err = execute(interp, line);
         file_step_hook = NULL;
-        CHECK(failed_steps > 0);
-        CHECK(err == ERR_IO);
+        CHECK(failed_steps > 0 && err == ERR_IO);
         CHECK_HAS(fault.text, "the command is undone, because it could not be recorded");
         CHECK_HAS(fault.text, i == 0 ? "No space left on device" : "Input/output error");
         CHECK(is_plain(fault.text));
@@ -1425,8 +1421,7 @@ STORY(random_edits_fail_at_random)
         if (err)
             is_as_before(&before, &interp, line);
     }
-    CHECK(undone > 90);
-    CHECK(journal_audit(interp.journal));
+    CHECK(undone > 90 && journal_audit(interp.journal));
     interpreter_release(&interp);
     journal_verifies();
 }
@@ -1701,8 +1696,7 @@ STORY(opening_that_is_cancelled_opens_nothing)
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         OWNED(interpreter_release) struct interpreter interp;
         begin_interpreter(&interp);
-        CHECK(stop_until_done(&interp, line[i]) > 0);
-        CHECK(interp.session->has_scene);
+        CHECK(stop_until_done(&interp, line[i]) > 0 && interp.session->has_scene);
     }
 }
 
@@ -1753,8 +1747,7 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
         mem_allows = NULL;
         if (!err)
             break;
-        CHECK(err == ERR_MEMORY || strstr(fault.text, strerror(ENOMEM)));
-        CHECK(is_plain(fault.text));
+        CHECK((err == ERR_MEMORY || strstr(fault.text, strerror(ENOMEM))) && is_plain(fault.text));
         is_as_before(&before, interp, line);
         CHECK_INT(files_in(folder), files);
         CHECK(!kept ||

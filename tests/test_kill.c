@@ -184,8 +184,7 @@ static size_t compare(const struct victim *v, size_t *acknowledged)
     size_t more = 0;
     while (walk_next_sound(&walk, &record) == WALK_RECORD)
         more++;
-    CHECK(walk.over != WALK_DAMAGED);
-    CHECK(more <= 1);
+    CHECK(walk.over != WALK_DAMAGED && more <= 1);
     walk_release(&walk);
     buf_release(&bytes);
     return records + more;

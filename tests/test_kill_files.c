@@ -131,8 +131,7 @@ static bool kill_at(unsigned step, unsigned *acknowledged)
         ++*acknowledged;
     close(ends[0]);
     waitpid(child, &status, 0);
-    CHECK(await_orphans());
-    CHECK(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
+    CHECK(await_orphans() && (WIFSIGNALED(status) || WEXITSTATUS(status) == 0));
     return WIFSIGNALED(status);
 }
 
@@ -266,8 +265,7 @@ static void continue_after(unsigned acknowledged, bool goes_on)
     if (CHECK(interpreter_resume_journal(&interp, "j.iftty", &told, &fault) == OK)) {
         const size_t records = interp.history.records,
                      before = acknowledged ? (size_t)records_after[acknowledged - 1] : 0;
-        CHECK(records == before || records == before + 1);
-        CHECK(chdir("..") == 0);
+        CHECK((records == before || records == before + 1) && chdir("..") == 0);
         CHECK_INT(look_through("") + look_through("j.golden/"), 0);
         has_goldens();
         CHECK(chdir(HERE) == 0);

@@ -38,11 +38,8 @@ done <counts
 
 begin "values far from all others are counted, reported, and use no levels"
 expect 0 "$iftty" -c 'open far4.nii; why 3,4,5; why 7,7,7; info; profile 7,7,7 9,7,7'
-out_has 'outliers: the scale is 0 to 1.9'
-out_has '0 voxels below and 1 above are clamped to its ends'
-out_has 'intensity 10000, '
-out_has '1 voxel is above 1.9'
-out_has 'a level is 3.0'
+out_has 'outliers: the scale is 0 to 1.9' '0 voxels below and 1 above are clamped to its ends'
+out_has 'intensity 10000, ' '1 voxel is above 1.9' 'a level is 3.0'
 cp out first
 grep -q "voxel 7,7,7 .*: intensity $far, " first || fail "$far" "$(grep 7,7,7 first)"
 expect 0 "$iftty" -c 'open far4.nii; box 0,0,0 13,11,9 1; stats report=far4.csv'
@@ -56,8 +53,7 @@ out_lacks 'within the scale'
 answers 'intensity 1e+20, ' 'open far20.nii; why 3,4,5'
 expect 0 "$iftty" -c 'open holes.nii'
 answers 'intensity no number, ' 'open holes.nii; why 0,0,0; why 1,1,1'
-out_has 'intensity 1e+300, '
-out_has '121 voxels are no number or infinite: taken for less than 0'
+out_has 'intensity 1e+300, ' '121 voxels are no number or infinite: taken for less than 0'
 answers 'the scale is -1000 to 6' 'open ct-far.nii; why 0,0,0; why 5,6,7'
 out_has 'intensity -1000, '
 answers 'outliers: the scale' 'open quotients.nii.gz; info'
@@ -78,15 +74,13 @@ expect 0 "$iftty" -c 'open ct-real.nii; why 7,7,7; info' --journal b.iftty
 out_has 'values    1 * intensity -1000'
 out_lacks 'a level is'
 same "$(last_word scene a.iftty)" "$(last_word scene b.iftty)"
-expect 0 "$iftty" -c 'open counts.nii; why 0,0,1'
-out_has "intensity $counts, "
+expect_out "intensity $counts, " 0 "$iftty" -c 'open counts.nii; why 0,0,1'
 
 begin "a range that ends within a level says so, and how large a level is"
 expect 0 "$iftty" -c 'open low.nii; seed 1,1,1 0
 object 1 threshold -1e30..0.5 from=3,4,5; run; stats
 stats report=s.json'
-out_has 'a level is 3.0'
-out_has '1 voxel is below -0.9'
+out_has 'a level is 3.0' '1 voxel is below -0.9'
 grep -q '"intensity_step": *3.0' s.json || fail "$(cat s.json)"
 expect 0 "$iftty" -c 'open close.nii; range 0.2 0.500000015'
 out_has '120 voxels have a level that contains an end of the range: its width is 1.53e-05'

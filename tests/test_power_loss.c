@@ -276,8 +276,7 @@ static void open_acknowledged(void)
         return;
     }
     if (CHECK(open_left(&journal, &count, &why) == OK)) {
-        CHECK(count == acknowledged || count == acknowledged + 1);
-        CHECK(journal_audit(journal));
+        CHECK((count == acknowledged || count == acknowledged + 1) && journal_audit(journal));
         journal_close(journal);
     } else {
         printf("#   %zu acknowledged: %s\n", acknowledged, why.text);
@@ -511,9 +510,7 @@ STORY(without_syncs_what_was_synced_last_is_there)
             leave("j.iftty", now, count);
             open_or_repair(2);
         }
-        CHECK(losses_of_bytes > 100);
-        CHECK(journal_sync(journal, NULL) == OK);
-        CHECK(journal_audit(journal));
+        CHECK(losses_of_bytes > 100 && journal_sync(journal, NULL) == OK && journal_audit(journal));
         journal_close(journal);
     }
 }

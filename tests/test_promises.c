@@ -43,8 +43,7 @@ static void check_kind(const struct buf *now, const char *kind)
                 printf("#   %s: %s\n", i ? "promised, and gone" : "new, and no line in the file",
                        buf_text(&line));
         }
-    CHECK(count >= 10);
-    CHECK(!line.failed);
+    CHECK(count >= 10 && !line.failed);
 }
 
 /* Add a line of `before` with each of "a|b|c" after it. */

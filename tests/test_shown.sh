@@ -66,8 +66,7 @@ same "$(says j.iftty 12 "$opacity")" "100 %, 30 % of label 1, 55 % of label 2"
 same "$(says j.iftty 13 "$opacity")" "40 %"
 same "$(says j.iftty 14 "$opacity")" ""
 expect 0 "$iftty" -c 'undo; undo; info; redo; info' --journal j.iftty
-out_has "opacity   100 %, 30 % of label 1, 55 % of label 2"
-out_has "opacity   40 %"
+out_has "opacity   100 %, 30 % of label 1, 55 % of label 2" "opacity   40 %"
 grep -qx 'opacity 1 30' j.iftty || fail "a name is recorded as its number: $(grep opac j.iftty)"
 
 begin "translucency changes the picture, and no label; 0 omits an object"

@@ -26,8 +26,7 @@ static uint16_t add_reach(struct world *w, uint32_t x, uint32_t y, uint32_t z, i
 static void plant(struct world *w, uint32_t x, int label, uint16_t reach)
 {
     const struct edit edit = {grid_cell(&w->scene->grid, x, 0, 0), (int16_t)label, reach};
-    CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK);
-    CHECK(forest_check(w->forest, NULL));
+    CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK && forest_check(w->forest, NULL));
 }
 
 /* Labels of a row; '.' for a voxel without a tree. */
