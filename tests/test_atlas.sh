@@ -118,8 +118,7 @@ import nibabel, numpy
 was, now = nibabel.load('real.nii'), nibabel.load('whole.nii')
 assert (numpy.asarray(was.dataobj) == numpy.asarray(now.dataobj)).all()
 END
-expect 3 "$iftty" -c 'open s.nii; labels half.nii'
-err_has 'regions are whole numbers; nothing has changed'
+refuses 'regions are whole numbers; nothing has changed' 'open s.nii; labels half.nii'
 
 begin "no two labels share a number in a file"
 expect 3 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; save labels two.nii'
@@ -207,8 +206,7 @@ expect 0 "$iftty" -c 'open s.nii; label-file a.nii.txt; save names Smith.label' 
 expect_out 'label-file file-1.nii.txt' 0 "$iftty" log --anonymise n.iftty
 out_has 'save names file-2.label'
 expect_err 'expected .txt or .label for ITK-SNAP' 2 "$iftty" -c 'open s.nii; save names a.doc'
-expect 3 "$iftty" -c 'open s.nii; label-file s.nii'
-err_has 's.nii: line 1: expected NUMBER NAME [R G B A]'
+refuses 's.nii: line 1: expected NUMBER NAME [R G B A]' 'open s.nii; label-file s.nii'
 
 begin "the tables of mricron are read"
 templates=/usr/share/mricron/templates

@@ -8,9 +8,7 @@ cd "$work" || exit 1
 mkdir -p study/sub-01/anat store
 make_scene s.nii 24 20 16
 put s.nii 254 '\001\000' # the place of its voxels: the millimetres are their numbers
-for diagonal in 280 300 320; do
-    put s.nii $diagonal '\000\000\200\077'
-done
+for diagonal in 280 300 320; do put s.nii $diagonal '\000\000\200\077'; done
 gzip -nc s.nii >store/one
 ln -s ../../../store/one study/sub-01/anat/sub-01_T1w.nii.gz
 expect 0 "$iftty" -c 'open s.nii; label 1 "a <b>"; seed 2,2,2 0; seed 12,10,8 1 radius=3; run' \
@@ -128,9 +126,7 @@ grep -q '<b>[^/]*<b>\|<overlap>' made/cohort.html && fail "a name is taken for H
 same "$(head -c 4 made/cohort.png | od -An -tx1 | tr -d ' ')" 89504e47
 same "$(ls made | grep -c part)" 0
 rm -r study made/sub-1?
-for number in 01 02 03; do
-    make_told $number 101 10 0.1
-done
+for number in 01 02 03; do make_told $number 101 10 0.1; done
 expect 0 "$cohort/gather.py" study made
 expect 3 "$cohort/gather.py" nowhere made
 

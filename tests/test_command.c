@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The command language: every command of the table by its example, by random lines and by wrong
- * lines; and interpreter_execute, which undoes a command that cannot be recorded.
- */
+/* The command language: every command of the table by its example, by random lines and by wrong
+ * lines; and interpreter_execute, which undoes a command that cannot be recorded. */
 #include <errno.h>
 #include <dirent.h>
 #include <limits.h>
@@ -973,11 +971,9 @@ static int fail_on_journal(enum file_step step, const char *path)
     return step == FILE_STEP_WRITE ? ENOSPC : EIO;
 }
 
-/*
- * Deeds are lines to execute, with "; " between them. "~" comes before lines that change only the
+/* Deeds are lines to execute, with "; " between them. "~" comes before lines that change only the
  * view, whose records may be synced later, and " > FILE" after lines that write it. "@" is the
- * folder of the test.
- */
+ * folder of the test. */
 struct deed {
     char line[PATH_MAX + 64], file[64];
     bool only_looks;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Distances and comparisons: small cases worked by hand, and random ones beside a plain slow
- * computation, which looks from each voxel at each other one.
- */
+/* Distances and comparisons: small cases worked by hand, and random ones beside a plain slow
+ * computation, which looks from each voxel at each other one. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Contours of areas compared with plain models. The polygon through their corners is the component
+/* Contours of areas compared with plain models. The polygon through their corners is the component
  * at a place, or otherwise the largest one, with its holes filled; only voxels within half a voxel
  * of the line may differ. Areas are random circles, rectangles and holes in slices of all three
- * planes.
- */
+ * planes. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Cuts: borders compared with a slow count, four ways to one picture through cuts, edits and hidden
- * labels, and commands.
- */
+/* Cuts: borders compared with a slow count, four ways to one picture through cuts, edits and hidden
+ * labels, and commands. */
 #include "command/execute.h"
 #include "interpreting.h"
 

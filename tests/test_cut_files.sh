@@ -96,9 +96,7 @@ err_has "within.mha: cut short: it has $(file_bytes within.mha) bytes, and ends 
 expect 3 "$iftty" -c "open itk.mhd"
 err_has "itk.raw, which is cut short: it has 0 bytes, and its header promises 16016; fetch"
 rm itk.raw list2.raw
-for name in itk.mhd list.mhd; do
-    expect 3 "$iftty" -c "open $name volume=1"
-done
+for name in itk.mhd list.mhd; do expect 3 "$iftty" -c "open $name volume=1"; done
 sed -i '$d' list.mhd
 refuses "its header names 1 file, and says that it has 2 pieces" "open list.mhd volume=1"
 refuses "its voxels are packed, and its header lacks CompressedDataSize" "open loose.mha"

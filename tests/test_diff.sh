@@ -45,8 +45,7 @@ grep -q '^3 spleen' told || fail "no name that B alone has: $(cat told)"
 
 begin "the same for programs"
 expect 1 "$iftty" diff --json a.iftty b.iftty
-if needs python3; then
-    "$PYTHON" - <<'EOS' >"$work/figures" || fail "no JSON: $(cat out)"
+"$PYTHON" - <<'EOS' >"$work/figures" || fail "no JSON: $(cat out)"
 import json
 d = json.load(open('out'))
 assert d['parts'] and d['a']['command'] == 'seed 20,10,8 2' and d['b']['line'] == 10
@@ -56,8 +55,7 @@ for l in d['labels']:
         l['a'], l['b'], l['both'])
 print('voxels', d['differing'], 'of', d['voxels'], 'differ')
 EOS
-    same_files figures expected
-fi
+same_files figures expected
 
 begin "comments, results and questions are no commands"
 "$iftty" log --script a.iftty | grep -v '^save' | sed 's/^run$/# why\ninfo\nrun/' >a.txt

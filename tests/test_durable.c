@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What a journal is protected from: files that are deleted, moved, replaced or changed under it,
- * syncs that fail, a second writer, flipped bits. And how it goes on elsewhere.
- */
+/* What a journal is protected from: files that are deleted, moved, replaced or changed under it,
+ * syncs that fail, a second writer, flipped bits. And how it goes on elsewhere. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -38,9 +38,7 @@ refused() {
         same "$kernel: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
             "$kernel: $# of $#"
     done
-    for name; do
-        expect_err "$words" 3 timeout 30 "$iftty" info "$name"
-    done
+    for name; do expect_err "$words" 3 timeout 30 "$iftty" info "$name"; done
     printf 'open %s\nslice axial 0 secret.png\n' "$1" >j
     expect_err "$words" 3 loose timeout 30 "$iftty" replay j --unconfined --out "$work/pictures"
     same "$(ls "$work/pictures")" ""

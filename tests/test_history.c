@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The history: undo and redo restore states exactly, branches stay separate, and a resumed session
- * equals the one that was left, whether its commands are carried out or only skimmed.
- */
+/* The history: undo and redo restore states exactly, branches stay separate, and a resumed session
+ * equals the one that was left, whether its commands are carried out or only skimmed. */
 #include <pthread.h>
 
 #include "command/execute.h"

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Records and walks in memory: what FORMAT.md says, what a cut, a flip and hostile bytes do.
- */
+/* Records and walks in memory: what FORMAT.md says, what a cut, a flip and hostile bytes do. */
 #include <nettle/sha2.h>
 #include <stdlib.h>
 

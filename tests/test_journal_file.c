@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The journal as a file: failing writes and syncs, short writes, power loss.
- */
+/* The journal as a file: failing writes and syncs, short writes, power loss. */
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>

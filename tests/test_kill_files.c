@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A session that is killed at each step of the commands that write files: golden images,
+/* A session that is killed at each step of the commands that write files: golden images,
  * renditions, turntables, maps, surfaces and reports.
  *
  * A child carries out a list of commands, and is killed before step N of the file layer, for every
@@ -8,8 +7,7 @@
  * each of the writes of a file too. What it leaves has to be: a journal with every command that was
  * acknowledged, which verifies as it is; files that are whole, or not there; after the journal is
  * continued, a golden image for each record of one, no other, and no draft; and the rest of the
- * commands can be carried out, golden images from another view too.
- */
+ * commands can be carried out, golden images from another view too. */
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>

@@ -120,9 +120,7 @@ rm model.nii
 begin "a copy that was changed is not believed, nor a digest that leads elsewhere"
 mkdir a.golden
 first=$(ls copies | head -n 1)
-for copy in $(ls copies); do
-    cp "copies/$first" "a.golden/$copy"
-done
+for copy in $(ls copies); do cp "copies/$first" "a.golden/$copy"; done
 expect_out "holds labels other than recorded" 3 "$iftty" verify a.iftty
 printf 'open s.nii\nlabels x.nii copy=../../../../../../etc/passwd00000000000\n' >script
 expect_err "expected 32 digits" 2 "$iftty" run script

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Scenes of any size: what is refused before memory is allocated, the synthetic scene at every
+/* Scenes of any size: what is refused before memory is allocated, the synthetic scene at every
  * size, the watch over long work, and the line that shows progress. tests/test_large.sh tests the
- * program.
- */
+ * program. */
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Levels: numbers as users write them; which scale real and wide whole numbers get, against the
- * rule read plainly off sorted numbers; ranges, against the numbers of the file.
- */
+/* Levels: numbers as users write them; which scale real and wide whole numbers get, against the
+ * rule read plainly off sorted numbers; ranges, against the numbers of the file. */
 #include "tests/check_main.h"
 
 #include <math.h>

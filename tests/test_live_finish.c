@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Finished labels while one works: pictures under `finished on`, rough labels right after an edit,
+/* Finished labels while one works: pictures under `finished on`, rough labels right after an edit,
  * exact ones after it, with border and rendition that follow; compared with what is made from
- * nothing.
- */
+ * nothing. */
 #include "base/mem.h"
 #include "show/draw.h"
 #include "show/pictures.h"

@@ -197,9 +197,7 @@ for format in $lossless; do same_files back-$format.ppm a-png.ppm; done
 
 begin "formats with loss come near it"
 set --
-for format in jpg webp $heic gif; do
-    set -- "$@" a.$format --ch R,G,B a.png --diff
-done
+for format in jpg webp $heic gif; do set -- "$@" a.$format --ch R,G,B a.png --diff; done
 compared 0 --fail 0.01 --warn 1 a.hdr --colorconvert linear sRGB a.png --diff \
     --fail 0.1 --failpercent 2 --hardfail 0.4 "$@"
 
@@ -248,10 +246,8 @@ same "$(sed -n 's/^records *//p' out)" "$(grep -c '^= ' session.iftty)"
 for file in s.nii session.iftty lines.exr a.png a.tif a.gif; do
     expect 0 "$iftty" info $file --json
     same "$(wc -l <out | tr -d ' ')" 1
-    if needs python3; then
-        "$PYTHON" -c 'import json, sys; json.load(sys.stdin)' <out 2>err ||
-            fail "$file: $(cat out err)"
-    fi
+    "$PYTHON" -c 'import json, sys; json.load(sys.stdin)' <out 2>err ||
+        fail "$file: $(cat out err)"
 done
 "$iftty" info a.tif --json >out
 out_has "\"iftty:scene\": \"$scene\""

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Power loss: a model of a disk that keeps what was synced and, of all else, whatever it likes.
+/* Power loss: a model of a disk that keeps what was synced and, of all else, whatever it likes.
  *
  * A real journal is written below a folder. Before each step of the file layer the model takes the
  * power away in many ways: every block written since the last sync of its file is there, or is what

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The names that 1.0 promises (.package/PROMISES.md) equal tests/promises.txt: commands, their
+/* The names that 1.0 promises (.package/PROMISES.md) equal tests/promises.txt: commands, their
  * parameters and choices, lines in canonical form, exit statuses. A new name needs a new line
  * there. A line that is removed or changed breaks a promise, which tests/test_promises.sh detects.
  */

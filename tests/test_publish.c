@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Publishing files, on file systems that have less than others: no renaming to a name that has to
- * be new, no hard links. And what is cleared away of those that were killed while they did so.
- */
+/* Publishing files, on file systems that have less than others: no renaming to a name that has to
+ * be new, no hard links. And what is cleared away of those that were killed while they did so. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Seeds out of files, worked by hand: lists line by line, maps of a few voxels.
- */
+/* Seeds out of files, worked by hand: lists line by line, maps of a few voxels. */
 #include "session/seed_file.h"
 
 #include <stdlib.h>

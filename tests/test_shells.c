@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Shells, as commands: an object does not leave one, other objects are not cut by it, it is one
+/* Shells, as commands: an object does not leave one, other objects are not cut by it, it is one
  * marker and one undo, and what makes no sense is refused. Which voxels they are, test_paint
- * proves.
- */
+ * proves. */
 #include "command/execute.h"
 #include "tests/scene_main.h"
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Slices and mosaics by command: real files in every orientation, real values, waiting edits, and
- * journals that show the same again.
- */
+/* Slices and mosaics by command: real files in every orientation, real values, waiting edits, and
+ * journals that show the same again. */
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>

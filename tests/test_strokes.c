@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Strokes and what else a hand paints, as commands: one record, one marker, one undo; what they
+/* Strokes and what else a hand paints, as commands: one record, one marker, one undo; what they
  * say, what they refuse, and what a journal has of them. Which voxels they are, test_paint proves.
  */
 #include <stdlib.h>

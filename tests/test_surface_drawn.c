@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Pictures of known shapes: the right size, no holes, the right depth, flat where cut.
- */
+/* Pictures of known shapes: the right size, no holes, the right depth, flat where cut. */
 #include "tests/check_main.h"
 
 #include <math.h>

@@ -35,9 +35,7 @@ same "$(cat out)" "1..0
 for part in 1 2 3; do # it is missed by nobody
     expect 3 "$iftty" verify --shard $part/3 nothing.iftty
 done
-for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do
-    expect 2 "$iftty" verify --shard $wrong j1.iftty
-done
+for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do expect 2 "$iftty" verify --shard $wrong j1.iftty; done
 rm -r far
 
 begin "a folder means all journals in it and below, of any name"

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Watching a journal: steps that are shown in any order have the same digests, bit for bit; a step
- * is drawn before it is carried out; and the verdict of the replay.
- */
+/* Watching a journal: steps that are shown in any order have the same digests, bit for bit; a step
+ * is drawn before it is carried out; and the verdict of the replay. */
 #include "base/file.h"
 #include "engine/forest.h"
 #include "program/programs.h"

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Arc weights: tiny scenes worked by hand, then random ones against plain slow recomputes that
- * hold whole volumes and look at every neighbour.
- */
+/* Arc weights: tiny scenes worked by hand, then random ones against plain slow recomputes that
+ * hold whole volumes and look at every neighbour. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Reaches of seeds, worked by hand. Random edits, with arcs of every kind, regions of interest and
+/* Reaches of seeds, worked by hand. Random edits, with arcs of every kind, regions of interest and
  * reaches, against a run from scratch and an oracle that shares no code with the engine; edits that
- * do not go through; threads.
- */
+ * do not go through; threads. */
 #include "tests/check_main.h"
 
 #include <stdlib.h>
