@@ -47,7 +47,7 @@ err_has 'as and label are mutually exclusive'
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,,2'
 err_has 'regions: expected A-B, or A, within 0-65533, not 1,,2; several have commas between them'
 
-begin "regions above 255 become labels in rising order, and keep their numbers in files"
+begin "regions above 255 become labels in ascending order, and keep their numbers in files"
 "$PYTHON" - <<'END' || fail "nibabel cannot write the atlas"
 import nibabel, numpy
 scene = nibabel.load('s.nii')
@@ -68,7 +68,7 @@ saves='save labels o.nii.gz; save labels o.nrrd; save labels o.seg.nrrd; save la
 expect 0 "$iftty" -c "open s.nii; labels aparc.nii.gz; run; label-file lut.txt; $saves
 save names o.txt; save names o.ctbl; save surface o.obj; save surface o.vtp; stats report=o.csv
 compare aparc.nii.gz" --journal aparc.iftty
-out_has '6 regions are labels 1 to 6, in rising order; `save labels` writes their own numbers'
+out_has '6 regions are labels 1 to 6, in ascending order; `save labels` writes their own numbers'
 out_has 'label 6 ctx-rh-insula (2035): ' '6 names and 6 colours of labels' '0 of 7680 voxels differ'
 grep -qE '^labels aparc.nii.gz erode=0 numbers=2,41,1001-1002,1035,2035 copy=[0-9a-f]{32}$' \
     aparc.iftty || fail "$(grep ^labels aparc.iftty)"

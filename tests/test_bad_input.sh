@@ -441,7 +441,7 @@ same_files l.nii good.nii
 begin "a journal that may not grow: the command is undone, the rest is kept"
 seeds >"$work/seeds"
 expect 3 within 8 "$iftty" run "$work/seeds" --journal grown.iftty
-err_has "the command is undone, because it could not be recorded"
+err_has "the command was undone because it could not be recorded"
 same "$(wc -l <"$work/err" | tr -d ' ')" 3 # why, and two lines of how to go on
 err_has "iftty run $work/seeds --journal grown.iftty"
 holds_what_was_said grown.iftty

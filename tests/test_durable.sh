@@ -82,7 +82,7 @@ for harm in deleted replaced shorter longer; do
     esac
     cp b.iftty b.kept 2>/dev/null
     tell 'seed 6,6,6 2'
-    errors_have "the command is undone, because it could not be recorded"
+    errors_have "the command was undone because it could not be recorded"
     errors_have "journal FILE"
     tell 'journal elsewhere.iftty'
     tell 'seed 7,7,7 2'

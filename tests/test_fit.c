@@ -171,7 +171,7 @@ BEGUN_STORY(fit_is_recorded_as_what_it_comes_to, begin_with_object)
 {
     must(interp, "zoom fit"); /* the seed waits: no object yet */
     CHECK_TEXT(buf_text(&reply.text), "no object is shown: the scene fits\n"
-                                      "without the 257 edits that wait for `run`\n");
+                                      "not included: the 257 pending edits (`run` applies them)\n");
     const uint32_t whole = interp->session->now.outlook.view.zoom;
     must(interp, "run; clip axial 5-12; cut 20,0,0 59,49,39; zoom fit");
     const struct view fitted = interp->session->now.outlook.view;

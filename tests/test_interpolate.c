@@ -169,9 +169,9 @@ STORY(once_seeds_are_there_it_is_refused)
     CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1, 1, 0,
                         NULL) == OK);
     CHECK(session_interpolate(session, 7, &fault) == ERR_USAGE);
-    CHECK_HAS(fault.text, "this one has 0 seeds and 1 waiting edit;");
+    CHECK_HAS(fault.text, "this one has 0 seeds and 1 pending edit;");
     CHECK(session_run(session, NULL) == OK && session_interpolate(session, 7, &fault) == ERR_USAGE);
-    CHECK_HAS(fault.text, "before its first seed, and this one has 1 seed and 0 waiting edits;");
+    CHECK_HAS(fault.text, "before its first seed, and this one has 1 seed and 0 pending edits;");
     CHECK(session->scene_digest == digest && session->inside->former_scene.scene == NULL);
     CHECK(session_erase_trees(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1,
                               NULL) == OK);

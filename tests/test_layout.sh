@@ -596,7 +596,7 @@ house >"$work/house"
 shown README.md "The folders" | grep -v '^    \(tests\|examples\) ' >"$work/drawn"
 cmp -s "$work/house" "$work/drawn" || fail "README.md, The folders; it is" "$(cat "$work/house")"
 way >"$work/way"
-shown src/README.md "The rooms, and the direction of includes" >"$work/drawn"
+shown src/README.md "The rooms and their includes" >"$work/drawn"
 cmp -s "$work/way" "$work/drawn" || fail "src/README.md, The rooms; it is" "$(cat "$work/way")"
 
 begin "the behaviours of tests/guess.txt are where it says"

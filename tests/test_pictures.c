@@ -518,7 +518,7 @@ BEGUN_STORY(what_is_there_is_left_alone_at_once, begin_beside)
 {
     must(interp, "render twice.png");
     is_refused(interp, "render twice.png", ERR_IO,
-               "twice.png exists already and was left alone; replace=yes writes over it");
+               "twice.png exists already and was left alone; replace=yes overwrites it");
     must(interp, "render twice.png replace=yes");
     is_refused(interp, "render none/a.png", ERR_IO, "there is no folder none");
     is_refused(interp, "render odd.xyz", ERR_INPUT, "no known format writes .xyz");

@@ -333,7 +333,7 @@ cp l.nii.gz l.kept && cp p.exr p.kept && cp p.png q.kept
 other='open s.nii; seed 2,3,4 3; run'
 for command in "save labels l.nii.gz" "save labels l.nii.gz replace=no" \
     "render p.exr" "render p.png"; do
-    refuses "exists already and was left alone; replace=yes writes over it" "$other; $command"
+    refuses "exists already and was left alone; replace=yes overwrites it" "$other; $command"
 done
 same_files l.nii.gz l.kept && same_files p.exr p.kept && same_files p.png q.kept
 expect 0 "$iftty" -c "$other; save labels l.nii.gz replace=yes; render p.exr replace=yes"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Slices and mosaics by command: real files in every orientation, real values, waiting edits, and
+/* Slices and mosaics by command: real files in every orientation, real values, pending edits, and
  * journals that show the same again. */
 #include <limits.h>
 #include <math.h>

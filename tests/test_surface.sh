@@ -71,7 +71,7 @@ expect_in "$work" 0 "$iftty" -c "open s.nii; seed 6,10,8 1; seed 20,10,8 2
     --journal j.iftty
 echo "save surface a.ply" >"$work/again.iftty"
 expect_in "$work" 3 "$iftty" run again.iftty --journal j.iftty
-err_has "a.ply exists already and was left alone; replace=yes writes over it"
+err_has "a.ply exists already and was left alone; replace=yes overwrites it"
 expect_in "$work" 0 "$iftty" replay j.iftty --out again
 for ending in ply stl vtp obj; do same_files "$work/a.$ending" "$work/again/a.$ending"; done
 IFTTY_THREADS=1 expect_in "$work" 0 "$iftty" verify j.iftty

@@ -135,7 +135,7 @@ STORY(a_step_is_drawn_before_it_is_carried_out)
     const uint32_t *cross = interp.session->now.outlook.slices.cross;
     CHECK_INT(cross[0], 3); /* in the middle of the box */
     CHECK_INT(cross[1], 4);
-    CHECK_TEXT(said(watched_describe), "drawn, and not carried out yet: at 3,4,2, label 0");
+    CHECK_TEXT(said(watched_describe), "drawn, but not run yet: at 3,4,2, label 0");
     struct digests drawn = digests_now();
     CHECK_INT(drawn.waits, 15);
     drawn.waits = 0;

@@ -234,7 +234,7 @@ static enum err apply_numbers(const struct act *act, const char *list)
     if (tally.regions)
         buf_printf(
             out,
-            "%u region%s %s labels %u to %u, in rising order; `save labels` writes their own "
+            "%u region%s %s labels %u to %u, in ascending order; `save labels` writes their own "
             "numbers\n",
             tally.regions, plural(tally.regions), tally.regions == 1 ? "is" : "are",
             tally.first_label, tally.last_label);

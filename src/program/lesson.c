@@ -76,27 +76,27 @@ struct step {
 
 static const struct step step[] = {
     {"in the object",
-     {{"3L", "30 voxels to the screen's right, out of a ventricle into white matter"},
-      {"i", "a ball of label 1 in the object, which has all voxels so far"}},
+     {{"3L", "move 30 voxels right, from a ventricle into white matter"},
+      {"i", "plant a ball of label 1, which now fills the whole scene"}},
      "seed 60,108,90 1 radius=6",
      .planted = OBJECT},
     {"its neighbour",
-     {{"4L", "40 voxels on, into the skull"},
-      {"s0", "a ball of the background in the skull, which touches the object"}},
+     {{"4L", "move 40 voxels further, into the skull"},
+      {"s0", "plant a ball of background in the skull, next to the brain"}},
      "seed 20,108,90 0 radius=6",
      .planted = BACKGROUND,
      .dice = 7500},
     {"the other side",
-     {{"14H", "140 voxels to the other side"},
-      {"i", "the same there: the object is now the brain, with muscles of the neck"}},
+     {{"14H", "move 140 voxels to the other side"},
+      {"i", "plant background there too: label 1 is now brain and neck muscles"}},
      "seed 160,108,90 0 radius=6",
      .planted = -1,
      .dice = 9200},
     {"the leak",
-     {{"80J", "80 slices down, next to the neck"},
-      {"I", "one end of a stroke"},
-      {"14L", "140 voxels through the leak"},
-      {"i", "a stroke of the background: 1.69 litres of brain"}},
+     {{"80J", "move 80 slices down, next to the neck"},
+      {"I", "begin a stroke"},
+      {"14L", "move 140 voxels, across the leak"},
+      {"i", "plant a stroke of background: 1.69 litres of brain are left"}},
      "seed 160,108,10 0 radius=6 to=20,108,10",
      .planted = -1,
      .dice = 9500},
@@ -153,7 +153,7 @@ void lesson_add_beginning(struct buf *out)
 {
     buf_printf(out,
                "A first organ: the brain of this head, in %d steps. Each step has instructions,\n"
-               "and is complete when its result is there, whatever you did. `undo` undoes a\n"
+               "and is complete when its result is reached, by any commands. `undo` undoes a\n"
                "command that did not help. The keys are those of the pilot (Ctrl-O); u undoes.\n",
                STEPS);
 }
@@ -177,7 +177,7 @@ void lesson_add_captions(struct buf *out, const struct lesson *lesson, const cha
     const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS) {
-        buf_add_text(&keys, "q leads back. ");
+        buf_add_text(&keys, "q returns to the prompt. ");
         add_end(&keys, journal);
     } else if (!step[n].key[0].keys) {
         buf_printf(&keys, ":%s and Enter", step[n].command);

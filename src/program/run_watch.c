@@ -365,7 +365,7 @@ void watched_describe(struct buf *out, const struct watched *w)
     const size_t waits = session_pendings(session);
     unsigned said = 0, more = 0;
     if (w->is_drawn) {
-        buf_add_text(out, "drawn, and not carried out yet");
+        buf_add_text(out, "drawn, but not run yet");
         if (w->has_place)
             buf_printf(out, ": at %u,%u,%u", w->place[0], w->place[1], w->place[2]);
         if (w->label >= 0) {
@@ -417,7 +417,7 @@ void watched_verdict(struct buf *out, const struct watched *w)
         buf_printf(out, "NOT verified: %s", w->why.text);
         return;
     }
-    buf_printf(out, "verified: %zu command%s carried out again, %zu result%s the same", r->executed,
+    buf_printf(out, "verified: %zu command%s replayed, %zu result%s the same", r->executed,
                plural(r->executed), r->compared, plural(r->compared));
     if (r->is_torn)
         buf_add_text(out, "; an unfinished record at the end was left alone");
