@@ -107,8 +107,7 @@ struct session {
 enum err session_new(struct session **session, struct fault *fault);
 void session_free(struct session *session);
 
-/* Reset a session to its initial state, except for the watch and the setting of session_let_wait.
- * */
+/* Reset a session to its initial state, except for its watch and session_let_wait. */
 void session_reset(struct session *session);
 
 /*
@@ -183,8 +182,8 @@ struct follower {
 void session_set_pictures(struct session *session, struct pictures *pictures,
                           const struct follower *follower);
 
-/* Find the default intensities of black and white, the smaller first: the permilles WINDOW_BLACK
- * and WINDOW_WHITE of the intensities of all voxels (engine/scene.h). White is below the maximum,
+/* Find the default intensities of black and white, the smaller first: the quantiles WINDOW_BLACK
+ * and WINDOW_WHITE, in thousandths, of all intensities (engine/scene.h). White is below the maximum,
  * since only the few voxels of vessels and fat are that bright. Computed once. */
 enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
 void session_find_window(struct session *session, int32_t window[2]);
@@ -218,7 +217,7 @@ enum err session_catch_up(struct session *session, struct fault *fault);
 
 /* Call this from `show` of the watch (base/watch.h), while a command runs. `draw` may read the
  * session and make pictures of its present state, and must not run a command. The data of the
- * running command are restored afterwards. */
+ * running command is restored afterwards. */
 void session_show(struct session *session, void (*draw)(void *context), void *context);
 
 /* Move the cross-hair within `draw`. The caller restores it, so that no command uses the temporary
@@ -241,8 +240,7 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
 
 /* Lazy opening: do not make the cells of a scene for which session_bytes_for returns `least` or
  * more (S7); all facts about the scene are known nevertheless. session_complete makes missing cells
- * and recomputes stale parts (S5). After ERR_CANCELLED or ERR_MEMORY the cells are still missing.
- * */
+ * and recomputes stale parts (S5). After ERR_CANCELLED or ERR_MEMORY cells are still missing. */
 void session_let_wait(struct session *session, uint64_t least);
 enum err session_complete(struct session *session, struct fault *fault);
 
