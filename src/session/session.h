@@ -183,8 +183,8 @@ void session_set_pictures(struct session *session, struct pictures *pictures,
                           const struct follower *follower);
 
 /* Find the default intensities of black and white, the smaller first: the quantiles WINDOW_BLACK
- * and WINDOW_WHITE, in thousandths, of all intensities (engine/scene.h). White is below the maximum,
- * since only the few voxels of vessels and fat are that bright. Computed once. */
+ * and WINDOW_WHITE, in thousandths, of all intensities (engine/scene.h). White is below the
+ * maximum, since only the few voxels of vessels and fat are that bright. Computed once. */
 enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
 void session_find_window(struct session *session, int32_t window[2]);
 
