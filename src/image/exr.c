@@ -12,18 +12,13 @@
 #include "base/file.h"
 #include "base/least.h"
 #include "base/mem.h"
+#include "base/scan.h"
 #include "base/watch.h"
 #include "image/exr_write.h"
 #include "image/linear.h"
 #include "image/reader_common.h"
 
 enum { BEFORE = 8, FIRST_READ = 1 << 14, LONG_NAMES = 0x400, WINDOW = 16, ATTRIBUTES_MOST = 200 };
-
-static uint32_t number_at(const char *at)
-{
-    const uint8_t *p = (const uint8_t *)at;
-    return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-}
 
 /* ---- reading ---- */
 
@@ -37,7 +32,7 @@ bool exr_header_next(const struct buf *header, size_t *at, struct exr_attribute_
     const char *size = type ? memchr(type + 1, 0, (size_t)(end - type) - 1) : NULL;
     if (!size || end - size < 5)
         return false;
-    const size_t length = number_at(size + 1);
+    const size_t length = bits_get(size + 1, 4, false);
     if (length > (size_t)(end - size) - 5)
         return false;
     *out = (struct exr_attribute_bytes){name, type + 1, size + 5, length};
@@ -130,8 +125,8 @@ static enum err check_header(const struct buf *header, const struct picture *lik
     int64_t side[2] = {0, 0};
     if (find_attribute(header, "dataWindow", &window) && window.length == WINDOW)
         for (size_t d = 0; d < 2; d++)
-            side[d] = (int64_t)(int32_t)number_at(window.value + 8 + 4 * d) -
-                      (int32_t)number_at(window.value + 4 * d) + 1;
+            side[d] = (int64_t)(int32_t)bits_get(window.value + 8 + 4 * d, 4, false) -
+                      (int32_t)bits_get(window.value + 4 * d, 4, false) + 1;
     if (side[0] != like->width || side[1] != like->height)
         return fault_set(fault, ERR_CHECK,
                          "the sizes differ: it is %lldx%lld pixels, and %ux%u are drawn",
@@ -139,8 +134,8 @@ static enum err check_header(const struct buf *header, const struct picture *lik
     enum err err = exr_write_header_of(&expected, like, fault);
     if (!err && !cut_header(&expected))
         err = fault_memory(fault, "a header");
-    if (!err && (number_at(header->data + 4) & ~(uint32_t)LONG_NAMES) !=
-                    (number_at(expected.data + 4) & ~(uint32_t)LONG_NAMES))
+    if (!err && ((bits_get(header->data + 4, 4, false) ^ bits_get(expected.data + 4, 4, false)) &
+                 ~(uint64_t)LONG_NAMES))
         err = fault_set(fault, ERR_CHECK, "it has several parts, or is of another kind");
     if (!err)
         err = compare_attributes(header, &expected, "it has %s %s that iftty does not write there",

@@ -28,6 +28,7 @@
 #include <string.h>
 
 #include "base/buf.h"
+#include "base/scan.h"
 #include "engine/grid.h"
 #include "image/volume_format.h"
 

@@ -28,6 +28,7 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "base/scan.h"
 #include "engine/grid.h"
 #include "image/image_inside.h"
 #include "image/reader_common.h"

@@ -11,6 +11,7 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "base/scan.h"
 
 enum {
     STRIP_ROWS = 64,
@@ -33,21 +34,15 @@ struct png_coder {
 
 /* ---- chunks: length, type, data, CRC of type and data ---- */
 
-static void put_number(uint8_t *place, uint32_t n)
-{
-    for (unsigned i = 0; i < 4; i++)
-        place[i] = (uint8_t)(n >> (24 - 8 * i));
-}
-
 static void add_chunk(struct buf *png, const char type[4], const void *data, size_t length)
 {
     uint8_t number[4];
     uint32_t crc = libdeflate_crc32(libdeflate_crc32(0, type, 4), data, length);
-    put_number(number, (uint32_t)length);
+    bits_put(number, 4, length, true);
     buf_add(png, number, 4);
     buf_add(png, type, 4);
     buf_add(png, data, length);
-    put_number(number, crc);
+    bits_put(number, 4, crc, true);
     buf_add(png, number, 4);
 }
 
@@ -55,8 +50,8 @@ static void add_beginning(struct buf *png, uint32_t width, uint32_t height, unsi
                           enum png_kind kind)
 {
     uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = (uint8_t)kind};
-    put_number(header, width);
-    put_number(header + 4, height);
+    bits_put(header, 4, width, true);
+    bits_put(header + 4, 4, height, true);
     buf_add(png, signature, sizeof signature);
     add_chunk(png, "IHDR", header, HEADER);
 }
@@ -207,8 +202,8 @@ static enum err add_head(struct buf *png, const struct png_coder *coder, const c
                   coder->channels == 4 ? PNG_WITH_ALPHA : PNG_COLOURED);
     for (int i = 0; i < WRITTEN; i++)
         add_chunk(png, constant[i].type, constant[i].data, constant[i].length);
-    put_number(scale, a_metre);
-    put_number(scale + 4, a_metre);
+    bits_put(scale, 4, a_metre, true);
+    bits_put(scale + 4, 4, a_metre, true);
     if (a_metre)
         add_chunk(png, "pHYs", scale, SCALE);
     for (size_t i = 0; i < picture->attributes && !err; i++)
@@ -247,7 +242,7 @@ static enum err write_file(void *context, const char *draft, const struct pictur
         if (!err)
             err = write_buf(fd, path, &bytes, fault);
     }
-    put_number(number, (uint32_t)sum);
+    bits_put(number, 4, sum, true);
     buf_clear(&bytes);
     add_chunk(&bytes, "IDAT", number, sizeof number);
     add_chunk(&bytes, "IEND", "", 0);
@@ -454,11 +449,6 @@ struct reading {
     struct fault *fault;
 };
 
-static uint32_t number_at(const uint8_t *p)
-{
-    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
-}
-
 static enum err refuse(const struct reading *r, const char *what)
 {
     return fault_set(r->fault, ERR_INPUT, "%s", what);
@@ -467,13 +457,13 @@ static enum err refuse(const struct reading *r, const char *what)
 static enum err next_chunk(struct reading *r)
 {
     const size_t left = (size_t)(r->end - r->at);
-    const uint32_t length = left < AROUND ? 0 : number_at(r->at);
+    const size_t length = left < AROUND ? 0 : bits_get(r->at, 4, true);
     if (left < AROUND || length > left - AROUND)
         return refuse(r, "it is cut short");
     memcpy(r->type, r->at + 4, 4);
     r->data = r->at + 8;
     r->length = length;
-    if (libdeflate_crc32(0, r->at + 4, length + 4) != number_at(r->data + length))
+    if (libdeflate_crc32(0, r->at + 4, length + 4) != bits_get(r->data + length, 4, true))
         return refuse(r, "a checksum in it is wrong");
     r->at += length + AROUND;
     return OK;
@@ -486,7 +476,7 @@ static enum err take_header(struct reading *r, uint32_t width, uint32_t height)
     if (strcmp(r->type, "IHDR") != 0 || r->length != HEADER || d[8] != 8 ||
         (d[9] != PNG_COLOURED && d[9] != PNG_WITH_ALPHA) || d[10] || d[11] || d[12])
         return refuse(r, "it is no PNG of 8 bits a channel, in colours, as iftty writes them");
-    if (width && (number_at(d) != width || number_at(d + 4) != height))
+    if (width && (bits_get(d, 4, true) != width || bits_get(d + 4, 4, true) != height))
         return fault_set(r->fault, ERR_CHECK, "it has another size");
     r->channels = d[9] == PNG_COLOURED ? 3 : 4;
     return OK;
@@ -514,9 +504,10 @@ static enum err take_other(struct reading *r)
         return value.failed ? fault_memory(r->fault, "a note on a picture")
                             : picture_note(r->out, name, buf_text(&value), r->fault);
     }
-    if (strcmp(r->type, "pHYs") == 0 && r->length == SCALE && number_at(r->data) > 0 &&
-        number_at(r->data) == number_at(r->data + 4) && r->data[8] == 1) { /* per metre, square */
-        r->out->pixel_mm = 1000.0 / number_at(r->data);
+    if (strcmp(r->type, "pHYs") == 0 && r->length == SCALE && bits_get(r->data, 4, true) > 0 &&
+        bits_get(r->data, 4, true) == bits_get(r->data + 4, 4, true) &&
+        r->data[8] == 1) { /* per metre, square */
+        r->out->pixel_mm = 1000.0 / (double)bits_get(r->data, 4, true);
         return OK;
     }
     for (size_t i = 0; i < sizeof constant / sizeof *constant; i++)

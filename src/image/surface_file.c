@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/mem.h"
+#include "base/scan.h"
 #include "base/sort.h"
 #include "engine/weight_gradient.h"
 

@@ -116,9 +116,7 @@ static bool names_journal(const struct attribute *text, const struct interpreter
 {
     OWNED(buf_release) struct buf name = {0};
     golden_journal_name(&name, buf_text(&interp->home));
-    const bool is_name =
-        strcmp(text->name, "iftty:journal") == 0 && strcmp(text->value, buf_text(&name)) == 0;
-    return is_name;
+    return strcmp(text->name, "iftty:journal") == 0 && strcmp(text->value, buf_text(&name)) == 0;
 }
 
 static enum err compare_texts(const struct picture *file, const struct picture *golden,

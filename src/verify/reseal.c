@@ -425,13 +425,11 @@ static enum err refuse_link(const char *path, struct fault *fault)
 {
     OWNED(buf_release) struct buf real = {0};
     file_real(&real, path);
-    const enum err err =
-        real.failed ? fault_memory(fault, "a path")
-        : strcmp(buf_text(&real), path) != 0
-            ? fault_set(fault, ERR_INPUT, "%s is a link; name the journal itself, %s; %s", path,
-                        buf_text(&real), unchanged)
-            : OK;
-    return err;
+    return real.failed ? fault_memory(fault, "a path")
+           : strcmp(buf_text(&real), path) != 0
+               ? fault_set(fault, ERR_INPUT, "%s is a link; name the journal itself, %s; %s", path,
+                           buf_text(&real), unchanged)
+               : OK;
 }
 
 /* The reason must fit one comment of a record, and must come from a person. */
