@@ -39,13 +39,8 @@ static uint64_t mix_text(uint64_t sum, const char *text)
 static uint64_t mix_file(uint64_t sum, const char *path)
 {
     char text[256];
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return sum;
-    if (fgets(text, sizeof text, file))
-        sum = mix_text(sum, text);
-    fclose(file);
-    return sum;
+    OWNED(stream_release) FILE *file = fopen(path, "re");
+    return file && fgets(text, sizeof text, file) ? mix_text(sum, text) : sum;
 }
 
 static void read_system(uint64_t part[PARTS])
@@ -67,11 +62,8 @@ static uint64_t started(long process)
 {
     char path[64], line[1024];
     snprintf(path, sizeof path, "/proc/%ld/stat", process);
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return 0;
-    const char *at = fgets(line, sizeof line, file) ? strrchr(line, ')') : NULL;
-    fclose(file);
+    OWNED(stream_release) FILE *file = fopen(path, "re");
+    const char *at = file && fgets(line, sizeof line, file) ? strrchr(line, ')') : NULL;
     if (at && strncmp(at, ") Z", 3) == 0)
         return has_ended;
     for (int field = 2; at && field < STARTED_FIELD; field++)

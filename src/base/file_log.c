@@ -236,15 +236,12 @@ static void add_process(struct buf *out, long process)
     char path[64], name[64];
     buf_printf(out, "process %ld", process);
     snprintf(path, sizeof path, "/proc/%ld/comm", process);
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return;
-    if (fgets(name, sizeof name, file)) {
+    OWNED(stream_release) FILE *file = fopen(path, "re");
+    if (file && fgets(name, sizeof name, file)) {
         buf_add_text(out, " (");
         buf_add_safe(out, name, strcspn(name, "\n"));
         buf_add_char(out, ')');
     }
-    fclose(file);
 }
 
 /* Append "process 4711 (iftty)" if a process of this machine holds an exclusive flock on the file,
@@ -254,7 +251,7 @@ static bool find_holder(struct buf *out, const struct stat *status)
 {
     char line[256];
     bool found = false;
-    FILE *locks = fopen("/proc/locks", "re");
+    OWNED(stream_release) FILE *locks = fopen("/proc/locks", "re");
     while (locks && !found && fgets(line, sizeof line, locks)) {
         unsigned major_number, minor_number;
         unsigned long inode;
@@ -269,8 +266,6 @@ static bool find_holder(struct buf *out, const struct stat *status)
         if (found)
             add_process(out, process);
     }
-    if (locks)
-        fclose(locks);
     return found;
 }
 

@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* out = a * b; false (and out unchanged) if the product does not fit. */
 bool size_multiply(size_t a, size_t b, size_t *out);
@@ -23,8 +24,9 @@ extern bool (*mem_allows)(size_t bytes);
  *     OWNED(mem_release) uint8_t *voxels = mem_array(count, 1); */
 #define OWNED(release) __attribute__((cleanup(release)))
 
-/* Free the memory to which the pointer at this address points. */
+/* Free the memory to which the pointer at this address points; close a stream. NULL is none. */
 void mem_release(void *pointer);
+void stream_release(FILE **stream);
 
 /* Return one zeroed object of `bytes`, or NULL. Freed by free(). */
 void *mem_new(size_t bytes);

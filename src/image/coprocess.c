@@ -193,10 +193,8 @@ static bool add_work(long process, uint64_t *busy_ms, uint64_t *pages)
     unsigned long long user, system;
     long resident;
     snprintf(path, sizeof path, "/proc/%ld/stat", process);
-    FILE *file = fopen(path, "re");
+    OWNED(stream_release) FILE *file = fopen(path, "re");
     const size_t n = file ? fread(line, 1, sizeof line - 1, file) : 0;
-    if (file)
-        fclose(file);
     line[n] = '\0';
     const char *at = strrchr(line, ')'); /* its name may hold anything */
     if (!at || sscanf(at + 1,
@@ -222,11 +220,9 @@ static bool makes_progress(struct coprocess *c, uint64_t *until)
     char path[64];
     long child;
     snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)c->process, (long)c->process);
-    FILE *file = fopen(path, "re");
+    OWNED(stream_release) FILE *file = fopen(path, "re");
     for (int i = 0; file && i < PROCESSES_MOST && fscanf(file, "%ld", &child) == 1; i++)
         add_work(child, &busy_ms, &pages);
-    if (file)
-        fclose(file);
     if (!add_work(c->process, &busy_ms, &pages))
         return true;
     const bool is_first = !c->pages || busy_ms < c->busy_ms; /* one of them has ended */

@@ -133,12 +133,8 @@ enum err run_script(const struct options *o, struct fault *fault)
 {
     if (strcmp(o->word[0], "-") == 0)
         return run_lines(o, stdin, "standard input", fault);
-    FILE *input = fopen(o->word[0], "re");
-    if (!input)
-        return fault_errno(fault, "open", o->word[0]);
-    const enum err err = run_lines(o, input, o->word[0], fault);
-    fclose(input);
-    return err;
+    OWNED(stream_release) FILE *input = fopen(o->word[0], "re");
+    return input ? run_lines(o, input, o->word[0], fault) : fault_errno(fault, "open", o->word[0]);
 }
 
 /* Write each command on a line: semicolons separate them, except in quotes and in comments, which
@@ -168,9 +164,7 @@ enum err run_commands(const struct options *o, struct fault *fault)
 {
     OWNED(buf_release) struct buf lines = {0};
     split_commands(&lines, o->commands);
+    OWNED(stream_release)
     FILE *input = lines.failed ? NULL : fmemopen(lines.data, lines.length, "r");
-    enum err err = input ? run_lines(o, input, "-c", fault) : fault_memory(fault, "commands");
-    if (input)
-        fclose(input);
-    return err;
+    return input ? run_lines(o, input, "-c", fault) : fault_memory(fault, "commands");
 }
