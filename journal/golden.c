@@ -169,13 +169,12 @@ static size_t whole_length(const char *journal_path)
 
 void golden_journal_name(struct buf *out, const char *journal_path)
 {
-    struct buf real = {0};
+    OWNED(buf_release) struct buf real = {0};
     file_real(&real, journal_path);
     const char *name = file_name(buf_text(&real));
     buf_clear(out);
     buf_add(out, name, whole_length(name));
     out->failed |= real.failed;
-    buf_release(&real);
 }
 
 static void write_folder(struct buf *out, const char *journal_path)
@@ -193,33 +192,30 @@ static void write_folder(struct buf *out, const char *journal_path)
 
 enum err golden_folder(struct buf *out, const char *journal_path, struct fault *fault)
 {
-    struct buf real = {0};
+    OWNED(buf_release) struct buf real = {0};
     file_real(&real, journal_path);
     write_folder(out, journal_path);
     if (!real.failed && strcmp(buf_text(&real), journal_path) != 0) {
         const bool is_beside_link = file_is_folder(buf_text(out));
-        struct buf beside_link = *out;
+        OWNED(buf_release) struct buf beside_link = *out;
         *out = (struct buf){0};
         write_folder(out, buf_text(&real));
         if (is_beside_link && !file_is_folder(buf_text(out))) {
             buf_clear(out);
             buf_add_text(out, buf_text(&beside_link));
         }
-        buf_release(&beside_link);
     }
     const bool lacks = out->failed || real.failed;
-    buf_release(&real);
     return lacks ? fault_memory(fault, "a file name") : OK;
 }
 
 enum err golden_folder_next_to_link(struct buf *out, const char *journal_path, struct fault *fault)
 {
-    struct buf used = {0};
+    OWNED(buf_release) struct buf used = {0};
     const enum err err = golden_folder(&used, journal_path, fault);
     write_folder(out, journal_path);
     if (!file_is_folder(buf_text(out)) || file_is_same(buf_text(out), buf_text(&used)))
         buf_clear(out);
-    buf_release(&used);
     return err;
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "journal/record.h"
 
 enum { COMMENTS_MAX = 1 << 20 };
@@ -67,7 +68,7 @@ static enum err repair_failures(struct journal *journal, struct fault *fault)
 static enum err judge_content(const struct journal *journal, struct fault *fault)
 {
     const struct buf *kept = &journal->kept;
-    struct buf found = {0};
+    OWNED(buf_release) struct buf found = {0};
     size_t at = 0;
     if (!file_log_was_touched(journal->log))
         return OK;
@@ -77,7 +78,6 @@ static enum err judge_content(const struct journal *journal, struct fault *fault
     while (is_comparable && at < found.length && found.data[at] == kept->data[at])
         at++;
     const bool differs = is_comparable && at < found.length;
-    buf_release(&found);
     if (is_comparable && !differs)
         file_log_note_times(journal->log);
     return differs ? fault_set(fault, ERR_IO,
@@ -163,7 +163,7 @@ static enum err survey(struct walk *walk, const struct buf *bytes,
 static enum err cut_tail(struct journal *journal, const struct buf *bytes, const struct walk *sound,
                          struct buf *notice, struct fault *fault)
 {
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     const size_t lost = bytes->length - sound->offset;
     enum err err = file_write_beside(&name, journal_path(journal), "torn",
                                      bytes->data + sound->offset, lost, fault);
@@ -175,7 +175,6 @@ static enum err cut_tail(struct journal *journal, const struct buf *bytes, const
         buf_printf(notice, " and cut off; %zu record%s left", sound->records,
                    plural(sound->records));
     }
-    buf_release(&name);
     return err;
 }
 
@@ -210,9 +209,9 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
                       struct buf *notice, struct fault *fault)
 {
     struct journal *journal;
-    struct walk sound, walk;
+    OWNED(walk_release) struct walk sound = {0}, walk = {0};
     struct record record;
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     *out = NULL;
     if (notice)
         buf_clear(notice);
@@ -232,15 +231,12 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
             while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
                 err = resume->on_record(resume->context, &record, fault);
             assert(err || walk.records == sound.records);
-            walk_release(&walk);
         }
         if (err)
             fault_prefix(fault, err, "cannot continue %s", path);
         else
             err = take_over(journal, &bytes, &sound, notice, fault);
-        walk_release(&sound);
     }
-    buf_release(&bytes);
     if (err)
         journal_close(journal);
     else
@@ -268,7 +264,7 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *notice
 enum err journal_append(struct journal *journal, const char *command, const char *words,
                         struct fault *fault)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     struct record_chain chain = journal->chain;
     const struct record record = {
         .number = journal->count + 1, .command = command, .result = words ? words : ""};
@@ -284,7 +280,6 @@ enum err journal_append(struct journal *journal, const char *command, const char
         journal->chain = chain;
         buf_clear(&journal->comments);
     }
-    buf_release(&bytes);
     return err;
 }
 
@@ -396,7 +391,7 @@ const char *journal_chain(const struct journal *journal)
 
 enum err journal_script(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
     enum err err = walk_begin(&walk, bytes, length, fault);
     while (!err && walk_next(&walk, &record) == WALK_RECORD) {
@@ -408,10 +403,7 @@ enum err journal_script(struct buf *out, const char *bytes, size_t length, struc
         buf_add(out, walk.bytes + walk.offset, walk.length - walk.offset);
     if (!err)
         err = walk_judge(&walk, fault);
-    if (out->failed)
-        err = fault_memory(fault, "the commands of a journal");
-    walk_release(&walk);
-    return err;
+    return out->failed ? fault_memory(fault, "the commands of a journal") : err;
 }
 
 static enum err condition_set(struct journal_condition *condition, enum journal_state state,
@@ -431,7 +423,7 @@ static const struct record line_1 = {.number = 1, .line = 1};
 enum err journal_check(struct journal_condition *condition, const char *bytes, size_t length,
                        struct fault *fault)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
     struct fault words;
     *condition = (struct journal_condition){.chain = record_chain_zero};
@@ -453,16 +445,15 @@ enum err journal_check(struct journal_condition *condition, const char *bytes, s
             condition->chain = record.chain;
         }
     }
-    if (!err && walk.over == WALK_TORN)
-        err = condition_set(condition, JOURNAL_TORN, &record, walk.fault.text, fault);
-    else if (!err && walk.over == WALK_DAMAGED)
-        err = condition_set(condition, JOURNAL_DAMAGED, &record, walk.fault.text, fault);
-    if (!err) {
-        condition->state = walk.is_journal ? JOURNAL_INTACT : JOURNAL_SCRIPT;
-        snprintf(condition->text, sizeof condition->text, "%s, %zu %s%s",
-                 walk.is_journal ? "intact" : "a script", condition->records,
-                 walk.is_journal ? "record" : "command", plural(condition->records));
-    }
-    walk_release(&walk);
-    return err;
+    if (err)
+        return err;
+    if (walk.over == WALK_TORN)
+        return condition_set(condition, JOURNAL_TORN, &record, walk.fault.text, fault);
+    if (walk.over == WALK_DAMAGED)
+        return condition_set(condition, JOURNAL_DAMAGED, &record, walk.fault.text, fault);
+    condition->state = walk.is_journal ? JOURNAL_INTACT : JOURNAL_SCRIPT;
+    snprintf(condition->text, sizeof condition->text, "%s, %zu %s%s",
+             walk.is_journal ? "intact" : "a script", condition->records,
+             walk.is_journal ? "record" : "command", plural(condition->records));
+    return OK;
 }

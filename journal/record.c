@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/mem.h"
 #include "base/scan.h"
 
 static const char header_begin[] = RECORD_HEADER;
@@ -313,7 +314,7 @@ static bool parse_result(const char *line, size_t length, struct result *result)
 enum err record_encode(struct buf *out, struct record_chain *chain, const char *header,
                        const char *comments, const struct record *record, struct fault *fault)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     struct record_chain after;
     enum err err = record_command_check(record->command, fault);
     if (!err)
@@ -334,7 +335,6 @@ enum err record_encode(struct buf *out, struct record_chain *chain, const char *
         buf_add(out, text.data, text.length);
         *chain = after;
     }
-    buf_release(&text);
     return err;
 }
 

@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "journal/record.h"
 
 enum { SHOWN_MAX = 80 }; /* bytes of untrusted text in a message */
@@ -69,7 +70,7 @@ static enum err compare(const struct record *record, const char *words,
 enum err replay_record(const struct record *record, const struct replay_host *host,
                        struct replay_report *report, struct fault *fault)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     struct fault why = {.text = ""};
     if (host->on_record)
         host->on_record(host->context, record);
@@ -90,7 +91,6 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
         report->compared += err == OK;
     }
     report->executed += err == OK;
-    buf_release(&words);
     return err;
 }
 

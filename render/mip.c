@@ -139,14 +139,13 @@ static enum err cut_away(struct mip *mip, struct fault *fault)
     const size_t cells = mip->of.scene->grid.cells, words = cells / 64 + 1;
     if (cut_is_none(&mip->of.cut))
         return OK;
-    uint64_t *bits = mem_array(words, sizeof *bits);
+    OWNED(mem_release) uint64_t *bits = mem_array(words, sizeof *bits);
     if (!bits)
         return fault_memory(fault, "the cut");
     memset(bits, UINT8_MAX, words * sizeof *bits);
     if (cut_clear(&mip->of.cut, mip->of.scene, bits))
         for (size_t c = 0; c < cells; c++)
             mip->grey[c] = bits[c / 64] >> (c % 64) & 1 ? mip->grey[c] : 0;
-    free(bits);
     return OK;
 }
 

@@ -306,7 +306,7 @@ static bool draw_rims(const struct work *work, const struct mark_runs *runs)
     const size_t columns = work->columns + 2 * (size_t)margin;
     struct run_map map = {work, NULL, (ptrdiff_t)columns, margin};
     map.run = mem_new(columns * (size_t)rows * sizeof *map.run);
-    uint8_t *is_used = mem_new((size_t)rows); /* rows with runs within reach */
+    OWNED(mem_release) uint8_t *is_used = mem_new((size_t)rows); /* rows with runs within reach */
     const bool fine = map.run && is_used;
     for (int64_t y = row->first; y < row->end && fine; y++) {
         const uint16_t *of = runs->run + (size_t)slice_side_voxel(row, y) * runs->columns;
@@ -320,7 +320,6 @@ static bool draw_rims(const struct work *work, const struct mark_runs *runs)
         for (size_t x = 0; x < work->columns && is_used[y - row->first + margin]; x++)
             draw_rim(&map, x, y);
     free(map.run);
-    free(is_used);
     return fine;
 }
 

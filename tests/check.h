@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A small test driver: each test program is one file of named stories, run in the order of the
+/* A small test driver: each test program is one file of named stories, run in the order of the
  * file.
  *
  *     STORY(planting_a_seed_claims_the_scene) { CHECK(a == b); CHECK_INT(n, 3); }
@@ -9,8 +8,7 @@
  * A story goes on after a failed check; it counts once, as passed or failed. Output is TAP:
  * "ok 1 - name" or "not ok 1 - name" with the failed checks before it as comments. What this
  * machine cannot do is said by SKIP("why"): "ok 1 - name # SKIP why", which does not count as
- * passed.
- */
+ * passed. */
 #ifndef TESTS_CHECK_H
 #define TESTS_CHECK_H
 
@@ -20,6 +18,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/mem.h" /* OWNED */
 
 static unsigned check_failures;   /* of the current story */
 static const char *check_missing; /* why it, or a part of it, was not done; or NULL */
@@ -54,10 +54,6 @@ static inline bool check_report(bool fine, const char *file, int line, const cha
     } while (0)
 
 #define SKIP(why) (void)(check_missing = (why))
-
-/* Release a variable, which is initialised first, at the end of its scope:
- *     OWNED(buf_release) struct buf out = {0}; */
-#define OWNED(release) __attribute__((cleanup(release)))
 
 struct story {
     const char *name;

@@ -31,9 +31,7 @@ end_all() {
         kill "$pid" 2>/dev/null && wait "$pid" 2>/dev/null
     done
     daemons=
-    for pid in $(ours .); do
-        kill -9 "$pid" 2>/dev/null
-    done
+    for pid in $(ours .); do kill -9 "$pid" 2>/dev/null; done
     umount full 2>/dev/null
 }
 daemons=

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Subjects that are made of one scene: turned, stretched, bent, noisy, unevenly lit, mirrored, cut;
- * the way back to it is known.
- */
+/* Subjects that are made of one scene: turned, stretched, bent, noisy, unevenly lit, mirrored, cut;
+ * the way back to it is known. */
 #ifndef TESTS_DEFORMED_H
 #define TESTS_DEFORMED_H
 

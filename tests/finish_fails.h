@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What programs about the steps of `finish` share: the teams; and if a step is stopped or memory
- * runs out at any point, it is an error that changes nothing, and the next call is correct.
- */
+/* What programs about the steps of `finish` share: the teams; and if a step is stopped or memory
+ * runs out at any point, it is an error that changes nothing, and the next call is correct. */
 #ifndef TESTS_FINISH_FAILS_H
 #define TESTS_FINISH_FAILS_H
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The folder that a test program works in, and leaves nothing of. It lies below $TMPDIR, which
+/* The folder that a test program works in, and leaves nothing of. It lies below $TMPDIR, which
  * tests/run.sh sets for each program; for a program that is run by hand, in memory where there is
- * such a place.
- */
+ * such a place. */
 #ifndef TESTS_FOLDER_H
 #define TESTS_FOLDER_H
 

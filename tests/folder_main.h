@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The main of a test program with a folder for its files: make the folder, run the stories, remove
+/* The main of a test program with a folder for its files: make the folder, run the stories, remove
  * it. Defined before this is included:
  *
  *     RUN_IN_FOLDER     the folder is the working directory of the stories
  *     ONLY_LEAVES       an expression of grep -E: another name in it, after all stories, is a
  *                       failure
- *     BEFORE_STORIES    a statement that is executed before them
- */
+ *     BEFORE_STORIES    a statement that is executed before them */
 #ifndef TESTS_FOLDER_MAIN_H
 #define TESTS_FOLDER_MAIN_H
 

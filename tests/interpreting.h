@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Helpers for stories with an interpreter: lines are executed as at the prompt, with the image
+/* Helpers for stories with an interpreter: lines are executed as at the prompt, with the image
  * helper built for the tests.
  *
- * `reply` and `fault` belong to the last line; main releases `reply` at the end.
- */
+ * `reply` and `fault` belong to the last line; main releases `reply` at the end. */
 #ifndef TESTS_INTERPRETING_H
 #define TESTS_INTERPRETING_H
 

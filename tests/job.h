@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A job in a pseudo-terminal: a small shell starts it in the foreground, reports how it stops or
- * ends, takes the terminal back as shells do, and continues it on request.
- */
+/* A job in a pseudo-terminal: a small shell starts it in the foreground, reports how it stops or
+ * ends, takes the terminal back as shells do, and continues it on request. */
 #ifndef TESTS_JOB_H
 #define TESTS_JOB_H
 

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * How a terminal of kitty's family reads our graphics: numbered pictures, placed at cells, unscaled
+/* How a terminal of kitty's family reads our graphics: numbered pictures, placed at cells, unscaled
  * or scaled, in layers, changed in place and deleted. It is stricter than any terminal: it requires
  * what the protocol or kitty 0.26.5 needs (q= and at most 4096 bytes a chunk, a=f,i=,r=1 on every
  * chunk of a patch), and that no number is used twice while its picture exists.
  *
  * A terminal may have no frame edits (Ghostty, WezTerm, Konsole), and a limited memory: then it
- * silently drops pictures that are not placed at once, and after that the oldest.
- */
+ * silently drops pictures that are not placed at once, and after that the oldest. */
 #ifndef TESTS_KITTY_DECODE_H
 #define TESTS_KITTY_DECODE_H
 

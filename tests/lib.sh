@@ -24,18 +24,15 @@ IFTTY_CONFIG=$top/tests/bare.config # with IFTTY_CONFIG= a session begins as for
 build=${IFTTY_BUILD:-build}
 case $build in /*) ;; *) build=$top/$build ;; esac
 iftty=$build/iftty
+PYTHON=/usr/bin/python3 # which has Debian's modules
 work=$(mktemp -d "${TMPDIR:-/tmp}/iftty-test-XXXXXX") || exit 1
 trap 'chmod -R u+rwx "$work" 2>/dev/null; rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
 
 story='' stories=0 bad_stories=0 failures=0 lacks=''
 
-before_close() { # redefined by a story that has checks at its end
-    :
-}
 close_story() { # of begin and finish
     [ -n "$story" ] || return
-    before_close
     stories=$((stories + 1))
     if [ "$failures" = 0 ]; then
         printf 'ok %d - %s%s\n' "$stories" "$story" "${lacks:+ # SKIP $lacks}"

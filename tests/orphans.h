@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What a killed process had started: programs that end because it did, a moment after it. A test
- * that kills, and then looks at the files or removes the folder, waits for them first.
- */
+/* What a killed process had started: programs that end because it did, a moment after it. A test
+ * that kills, and then looks at the files or removes the folder, waits for them first. */
 #ifndef TESTS_ORPHANS_H
 #define TESTS_ORPHANS_H
 

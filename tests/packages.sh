@@ -44,8 +44,7 @@ there root "$apt install $(printf '/debs/%s_*.deb ' $packages) mricron-data"
 begin "their own test passes, as root and as a user"
 for user in root somebody; do
     there $user "sh /debs/tests/demo"
-    out_has "# 2 verified, 0 failed"
-    out_has "# 1 verified, 0 failed"
+    out_has "# 2 verified, 0 failed" "# 1 verified, 0 failed"
 done
 
 begin "the manual, completions and papers are where Debian has them"

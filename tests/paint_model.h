@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Models of painting that examine every voxel: balls by distance, strokes by the voxel nearest to
+/* Models of painting that examine every voxel: balls by distance, strokes by the voxel nearest to
  * each step, polygons by the winding number around each centre, rings by the distance from each
- * voxel inside. They are independent of session/paint.c. Each sets covers[cell] where it paints.
- */
+ * voxel inside. They are independent of session/paint.c. Each sets covers[cell] where it paints. */
 #ifndef TESTS_PAINT_MODEL_H
 #define TESTS_PAINT_MODEL_H
 

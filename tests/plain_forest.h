@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A plain solution of the equation of engine/forest.h, by Dijkstra's algorithm without a queue. It
+/* A plain solution of the equation of engine/forest.h, by Dijkstra's algorithm without a queue. It
  * shares no code with the engine: seeds and reaches are those that the test has recorded. And
- * sessions of random edits that are compared with it, and with a run from scratch.
- */
+ * sessions of random edits that are compared with it, and with a run from scratch. */
 #ifndef TESTS_PLAIN_FOREST_H
 #define TESTS_PLAIN_FOREST_H
 

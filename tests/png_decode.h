@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A decoder of base64 and of the PNG files that we write: one IDAT, filter 0 or 3, a palette of 1
+/* A decoder of base64 and of the PNG files that we write: one IDAT, filter 0 or 3, a palette of 1
  * to 8 bits, whose first colour may be clear, or 24-bit colours. Anything else is refused, and so
- * is a truncated file. It uses zlib, which did not write the file.
- */
+ * is a truncated file. It uses zlib, which did not write the file. */
 #ifndef TESTS_PNG_DECODE_H
 #define TESTS_PNG_DECODE_H
 

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Random commands, each from a form:
+/* Random commands, each from a form:
  *
  *     X Y Z, U V W    a random voxel of the scene, and another one: "box X,Y,Z U,V,W 2"
  *     <5> <3-7>       a number below 5; a number from 3 to 7
  *     [on|off|]       one of these texts, which may contain the above
  *
  * Commands have no capital letters of their own. random_form chooses one of many forms, with "; "
- * between them.
- */
+ * between them. */
 #ifndef TESTS_RANDOM_COMMANDS_H
 #define TESTS_RANDOM_COMMANDS_H
 

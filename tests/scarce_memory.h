@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Memory that runs out: allow_allocations(n) lets the next `n` allocations of base/mem succeed and
+/* Memory that runs out: allow_allocations(n) lets the next `n` allocations of base/mem succeed and
  * makes all later ones fail, until mem_allows is NULL again. Stories try n = 0, 1, 2, ... until
- * the tested call succeeds.
- */
+ * the tested call succeeds. */
 #ifndef TESTS_SCARCE_MEMORY_H
 #define TESTS_SCARCE_MEMORY_H
 

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A screen of a plain terminal: the output of a program is drawn in cells, so that a story can
+/* A screen of a plain terminal: the output of a program is drawn in cells, so that a story can
  * check what a user would see.
  *
  * It supports what the prompt may send: text with wide characters and combining marks, deferred
  * wrap, CR, LF, BEL, CSI A B C D G H J K m, the alternate screen (CSI ? 1049 h), modes, and strings
  * (DCS, APC, OSC), which draw nothing. After a change of size the cells common to both sizes stay,
- * as in xterm.
- */
+ * as in xterm. */
 #ifndef TESTS_SCREEN_H
 #define TESTS_SCREEN_H
 

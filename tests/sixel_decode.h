@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A decoder for the sixels that we write. A truncated picture is refused, and so is painting
- * outside the picture or with an undeclared colour.
- */
+/* A decoder for the sixels that we write. A truncated picture is refused, and so is painting
+ * outside the picture or with an undeclared colour. */
 #ifndef TESTS_SIXEL_DECODE_H
 #define TESTS_SIXEL_DECODE_H
 

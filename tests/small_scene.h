@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What stories about a small scene share: the scene, maps on its grid, and snapshots of a session
+/* What stories about a small scene share: the scene, maps on its grid, and snapshots of a session
  * to compare. All files are in `folder`, which main creates and removes (begin_folder,
- * end_folder).
- */
+ * end_folder). */
 #ifndef TESTS_SMALL_SCENE_H
 #define TESTS_SMALL_SCENE_H
 

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Data for stories about renditions: a scene, its forest and border, and the view.
+/* Data for stories about renditions: a scene, its forest and border, and the view.
  *
  * A story allocates the rendition if it needs one; stage_release frees it with the rest, also after
- * a failed stage_init.
- */
+ * a failed stage_init. */
 #ifndef TESTS_STAGE_H
 #define TESTS_STAGE_H
 

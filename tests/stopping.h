@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A watch that stops: with `.context = &looks, .poll = stop_after_looks` it continues for `looks`
- * looks and stops at the next one. Stories try 0, 1, 2, ... until the work is complete.
- */
+/* A watch that stops: with `.context = &looks, .poll = stop_after_looks` it continues for `looks`
+ * looks and stops at the next one. Stories try 0, 1, 2, ... until the work is complete. */
 #ifndef TESTS_STOPPING_H
 #define TESTS_STOPPING_H
 

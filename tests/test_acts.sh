@@ -52,24 +52,20 @@ print(count, 'asked')
 END
 
 begin "acts request only parameters of their command"
-if needs python3; then
-    found=$(python3 "$work/asked.py" "$top")
-    [ "$(echo "$found" | sed '$d')" = '' ] || fail "$found"
-    [ "$(echo "$found" | sed -n '$s/ asked//p')" -gt 200 ] || fail "$found"
-fi
+found=$("$PYTHON" "$work/asked.py" "$top")
+[ "$(echo "$found" | sed '$d')" = '' ] || fail "$found"
+[ "$(echo "$found" | sed -n '$s/ asked//p')" -gt 200 ] || fail "$found"
 
 begin "another parameter is found, also in a function that several acts call"
-if needs python3; then
-    mkdir "$work/tree"
-    cp -r "$top/src" "$top/render" "$top/journal" "$work/tree"
-    sed -i 's/"replace"/"replaced"/' "$work/tree"/src/command/act*.c
-    sed -i 's/act_has(act, "around|through")/act_has(act, "around|thorough")/' \
-        "$work/tree"/src/command/*.c
-    found=$(python3 "$work/asked.py" "$work/tree")
-    for line in "asks for replaced, which \`spin\` has not" \
-        "asks for thorough, which \`seed\` has not"; do
-        echo "$found" | grep -qF "$line" || fail "no $line in $found"
-    done
-fi
+mkdir "$work/tree"
+cp -r "$top/src" "$top/render" "$top/journal" "$work/tree"
+sed -i 's/"replace"/"replaced"/' "$work/tree"/src/command/act*.c
+sed -i 's/act_has(act, "around|through")/act_has(act, "around|thorough")/' \
+    "$work/tree"/src/command/*.c
+found=$("$PYTHON" "$work/asked.py" "$work/tree")
+for line in "asks for replaced, which \`spin\` has not" \
+    "asks for thorough, which \`seed\` has not"; do
+    echo "$found" | grep -qF "$line" || fail "no $line in $found"
+done
 
 finish

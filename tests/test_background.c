@@ -161,8 +161,7 @@ BEGUN_STORY(an_exr_holds_the_objects_alone_whatever_is_behind, begin_with_object
     CHECK(rendition_digest(session_frame(interp->session)) == digest);
     CHECK_INT(exr_read(&gradient, "gradient.exr", NULL), OK);
     CHECK_INT(exr_read(&white, "white.exr", NULL), OK);
-    CHECK(memcmp(gradient.rgba, white.rgba, (size_t)4 * PIXELS) == 0);
-    CHECK(gradient.rgba[3] == 0);
+    CHECK(memcmp(gradient.rgba, white.rgba, (size_t)4 * PIXELS) == 0 && gradient.rgba[3] == 0);
 }
 
 /* All of the pane, including the area next to the rendition, and only the pane. */

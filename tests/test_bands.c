@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Pictures of samples: drawn in bands by any number of threads, or repaired after an edit, they are
- * equal to the picture drawn at once.
- */
+/* Pictures of samples: drawn in bands by any number of threads, or repaired after an edit, they are
+ * equal to the picture drawn at once. */
 #include "interpreting.h"
 
 #include <unistd.h>

@@ -324,14 +324,12 @@ STORY(means_leave_the_first_step_out)
 {
     const struct trial trial = made_trial("x");
     CHECK(trial_mean(&trial, IFT_SP, SEGMENTATION) == 11.5);
-    CHECK(trial_mean(&trial, BDIFT_BP, BORDER) == 2);
-    CHECK(trial_mean_total(&trial, BDIFT_BP) == 37.5);
+    CHECK(trial_mean(&trial, BDIFT_BP, BORDER) == 2 && trial_mean_total(&trial, BDIFT_BP) == 37.5);
     CHECK(trial_total(&trial.step[0], DIFT_II) == 46);
     CHECK(trial_ns_per_voxel(&trial.step[0], IFT_SP) == 100000);
     CHECK(report_ratio(&trial, RATIO_IFT) == 11.5 / 21.5);
     CHECK(report_ratio(&trial, RATIO_BDIFT) == 33.5 / 21.5);
-    CHECK(report_ratio(&trial, RATIO_KEEP) == 33.5 / 53.5);
-    CHECK(report_ratio(&trial, RATIO_II) == 1);
+    CHECK(report_ratio(&trial, RATIO_KEEP) == 33.5 / 53.5 && report_ratio(&trial, RATIO_II) == 1);
     CHECK(report_ratio(&trial, RATIO_BORDER_SHARE) == 2 / 33.5);
 }
 
@@ -359,12 +357,9 @@ STORY(the_summary_is_readable_in_100_columns)
 STORY(medians_and_quantiles_of_times_in_any_order)
 {
     double odd[] = {5, 1, 9, 3, 7}, even[] = {4, 1, 3, 10}, one[] = {6}, none[1] = {2};
-    CHECK(times_median(odd, 5) == 5);
-    CHECK(times_quantile(odd, 5, 0) == 1);
-    CHECK(times_quantile(odd, 5, 0.9) == 9);
-    CHECK(times_median(even, 4) == 3.5);
-    CHECK(times_quantile(even, 4, 0.5) == 4);
-    CHECK(times_quantile(even, 4, 1) == 10);
+    CHECK(times_median(odd, 5) == 5 && times_quantile(odd, 5, 0) == 1);
+    CHECK(times_quantile(odd, 5, 0.9) == 9 && times_median(even, 4) == 3.5);
+    CHECK(times_quantile(even, 4, 0.5) == 4 && times_quantile(even, 4, 1) == 10);
     CHECK(times_median(one, 1) == 6 && times_quantile(one, 1, 0.9) == 6);
     CHECK(times_median(none, 0) == 0 && times_quantile(none, 0, 1) == 0);
     CHECK(times_between(1000000, 3500000) == 2.5);

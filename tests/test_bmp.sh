@@ -6,7 +6,7 @@
 cd "$work" || exit 1
 
 begin "slices of each kind, and their voxels"
-/usr/bin/python3 -W ignore - <<'END' || fail "no slices"
+"$PYTHON" -W ignore - <<'END' || fail "no slices"
 import os, struct, nibabel, numpy
 a = (numpy.arange(6 * 4 * 5).reshape(6, 4, 5) * 2).astype("u1") # z, y, x
 nibabel.save(nibabel.Nifti1Image(a.transpose(2, 1, 0), numpy.eye(4)), "right.nii")
@@ -47,7 +47,7 @@ begin "grey of 8 bits is read voxel for voxel, rows from the bottom and from the
 for folder in up down wide short; do
     answers "5x4x6 voxels of unknown size, orientation unknown" "open $folder; info"
     expect 0 "$iftty" info --json --histogram $folder
-    python3 -c 'import json, sys; d = json.load(sys.stdin)
+    "$PYTHON" -c 'import json, sys; d = json.load(sys.stdin)
 assert d["format"] == "BMP slices" and d["type"] == "uint8", d' <out || fail "$(cat out)"
     for voxel in 0,0,0 4,0,0 0,3,0 2,1,3 4,3,5; do
         value=$(echo $voxel | awk -F, '{ print (($3 * 4 + $2) * 5 + $1) * 2 }')

@@ -6,7 +6,7 @@
 cd "$work" || exit 1
 
 begin "maps of two volumes, and each volume as a separate file"
-/usr/bin/python3 -W ignore - <<'END' 2>err || fail "$(cat err)"
+"$PYTHON" -W ignore - <<'END' 2>err || fail "$(cat err)"
 import h5py, nibabel, numpy
 random = numpy.random.default_rng(43)
 size = (12, 10, 8)
@@ -133,7 +133,7 @@ sed -n '/^histogram/,$p' out | cmp -s - got || fail "info: $(cat got)"
 expect_err "as in --volume 0" 3 "$iftty" info --histogram both.nii
 
 begin "apply opens the volume of each scene, and its journal says which"
-/usr/bin/python3 -W ignore - <<'END' || fail nibabel
+"$PYTHON" -W ignore - <<'END' || fail nibabel
 import nibabel, numpy
 s = nibabel.load("s.nii")
 a = numpy.asanyarray(s.dataobj)

@@ -8,9 +8,7 @@ cd "$work" || exit 1
 mkdir -p study/sub-01/anat store
 make_scene s.nii 24 20 16
 put s.nii 254 '\001\000' # the place of its voxels: the millimetres are their numbers
-for diagonal in 280 300 320; do
-    put s.nii $diagonal '\000\000\200\077'
-done
+for diagonal in 280 300 320; do put s.nii $diagonal '\000\000\200\077'; done
 gzip -nc s.nii >store/one
 ln -s ../../../store/one study/sub-01/anat/sub-01_T1w.nii.gz
 expect 0 "$iftty" -c 'open s.nii; label 1 "a <b>"; seed 2,2,2 0; seed 12,10,8 1 radius=3; run' \
@@ -26,7 +24,7 @@ subject() { # STATUS PROGRAM
     same "$(find made -name '*.part')" ''
 }
 says() { # CONDITION ON told
-    /usr/bin/python3 -c 'import json, sys; told = json.load(open(sys.argv[1]))
+    "$PYTHON" -c 'import json, sys; told = json.load(open(sys.argv[1]))
 sys.exit(not eval(sys.argv[2]))' $sidecar "$1" || fail "the sidecar: not $1"
 }
 
@@ -133,9 +131,7 @@ same "$(sed -n 5p made/cohort.csv | cut -d, -f 1,17,18)" sub-03,2.5,1
 grep -q 'a &lt;b&gt;: bad, 100.00 ml of 100.00 ml expected, 2.50 ml far' made/cohort.html ||
     fail "a bad label is not named"
 rm -r study made/sub-1?
-for number in 01 02 03; do
-    make_told $number 101 10 0.1
-done
+for number in 01 02 03; do make_told $number 101 10 0.1; done
 expect 0 "$cohort/gather.py" study made
 expect 3 "$cohort/gather.py" nowhere made
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The command language: every command of the table by its example, by random lines and by wrong
- * lines; and interpreter_execute, which undoes a command that cannot be recorded.
- */
+/* The command language: every command of the table by its example, by random lines and by wrong
+ * lines; and interpreter_execute, which undoes a command that cannot be recorded. */
 #include <errno.h>
 #include <dirent.h>
 #include <limits.h>
@@ -40,8 +38,7 @@ STORY(the_table_is_in_order)
             }
             CHECK(!q->paired || (p > 0 && q[-1].choices && !q->keyed && q->optional));
             CHECK(q->type != VALUE_LINE || (q->keyed && c->parameter[0].type == VALUE_POSITION));
-            CHECK(q->least <= q->most);
-            CHECK(q->type != VALUE_CHOICE || q->choices);
+            CHECK(q->least <= q->most && (q->type != VALUE_CHOICE || q->choices));
         }
     }
 }
@@ -803,15 +800,15 @@ SCENE_STORY(completion_explains_words)
     means(interp, "un", "undo\tundo the last change of the segmentation\n");
     means(interp, "help ", "keys\tlist the keys of the prompt.\n");
     means(interp, "help c", "correct\tshow how to correct a segmentation of another program.\n");
-    means(interp, "shade ", "cubes\tthe faces of their voxels, with the normals of the surface.\n");
+    means(interp, "shade ", "cubes\tdraw voxel faces, with the normals of the surface.\n");
     means(interp, "shade ",
-          "surface\tthe visible objects, smoothed.\n"); /* surface, the default: */
+          "surface\tdraw the smooth surfaces of visible objects.\n"); /* surface, the default: */
     means(interp, "weight so", "sobel\tthe 3-D Sobel operator.\n");
     means(interp, "remove 1,1,1 of=t",
           "tree\tremove only the seed of the tree that contains the voxel");
-    means(interp, "seed-file x.nii er", "erode=\trounds; each removes the voxels");
-    means(interp, "seed-file x.nii gen", "generator=\tthe number that the drawing starts");
-    means(interp, "spin 9 x.gif del", "delay=\t20..60000\n");
+    means(interp, "seed-file x.nii er", "erode=\tthe number of erosions of each region;");
+    means(interp, "seed-file x.nii gen", "generator=\tthe start value of the random generator");
+    means(interp, "spin 9 x.gif del", "delay=\tthe time of each picture");
     means(interp, "hide co", "cortex\tlabel 7\n");
     means(interp, "goto ", "\tseed 1,1,1 7\n");
     means(interp, "adjacency 2", "26\n");
@@ -843,8 +840,7 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
     OWNED(buf_release) struct buf name = {0};
     CHECK(command_opens(&name, "open volume=2 \"a b.nii\" reduce=2"));
     CHECK_TEXT(buf_text(&name), "a b.nii");
-    CHECK(!command_opens(&name, "mask a.nii"));
-    CHECK(!command_opens(&name, "open volume=2"));
+    CHECK(!command_opens(&name, "mask a.nii") && !command_opens(&name, "open volume=2"));
 }
 
 /* Create files with names of all kinds in a folder, and change to it. */
@@ -865,8 +861,7 @@ static void begin_with_files(struct interpreter *interp)
     }
     write_text("files/masks/m.nii", "");
     write_text("files/to do/one.nii", "");
-    CHECK(symlink("masks", place("files/link")) == 0);
-    CHECK(chdir(place("files")) == 0);
+    CHECK(symlink("masks", place("files/link")) == 0 && chdir(place("files")) == 0);
 }
 
 BEGUN_STORY(completion_offers_files, begin_with_files)
@@ -999,11 +994,9 @@ static int fail_on_journal(enum file_step step, const char *path)
     return step == FILE_STEP_WRITE ? ENOSPC : EIO;
 }
 
-/*
- * Deeds are lines to execute, with "; " between them. "~" comes before lines that change only the
+/* Deeds are lines to execute, with "; " between them. "~" comes before lines that change only the
  * view, whose records may be synced later, and " > FILE" after lines that write it. "@" is the
- * folder of the test.
- */
+ * folder of the test. */
 struct deed {
     char line[PATH_MAX + 64], file[64];
     bool only_looks;
@@ -1041,9 +1034,8 @@ static void fails_then_works(struct interpreter *interp, const struct deed *deed
         file_step_hook = fail_on_journal;
         enum err err = execute(interp, line);
         file_step_hook = NULL;
-        CHECK(failed_steps > 0);
-        CHECK(err == ERR_IO);
-        CHECK_HAS(fault.text, "the command is undone, because it could not be recorded");
+        CHECK(failed_steps > 0 && err == ERR_IO);
+        CHECK_HAS(fault.text, "the command was undone because it could not be recorded");
         CHECK_HAS(fault.text, i == 0 ? "No space left on device" : "Input/output error");
         CHECK(is_plain(fault.text));
         is_as_before(&before, interp, line);
@@ -1230,50 +1222,46 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     static const char before[] = "~auto on; ~auto off; label 4 liver #102030; open @/scene.nii";
     static const char deeds[] =
         "label 2 cerebellum; label 0 nothing #010203; label-file @/names.txt; weight morph; "
-        "adjacency 26; adjacency 6; seed 1,1,1 1; seed 10,9,8 2 radius=1; run; "
-        "seed-file @/seeds.csv; seed-file @/regions.nii label=4 erode=1 each=2; seed 5,5,5 3; "
-        "remove 5,5,5; seed 6,2,7 0; save border @/b.nii > b.nii; weight gauss 1.5; "
-        "adjacency 26; weight sobel; weight morph radius=2; weight @/weights.nii; "
-        "weight @/heavier.nii; adjacency 6; weight difference; adjacency 26; polarity 4 50; "
-        "weight polarity; polarity 4 -50; polarity 2 100; weight @/heavier.nii; weight sobel; "
-        "mask @/regions.nii regions=0-2; remove 6,2,7; range 0 290.5; run; mask @/regions.nii; "
-        "range none; weight polarity; mask none; ~size 40 30; render; render mode=ii; "
-        "~size 33 32; render mode=bp; ~view left; render mode=ray; ~turn 10 -5; ~zoom 2; "
-        "render mode=sp; weight gauss 0.5; ~zoom fit; ~pan 3.5 -1; render; ~focus 2,3,4; hide 2; "
-        "render; show 2; render; hide all; show 3; render; show all; render; opacity 2 40; "
-        "render; ~samples 2; render mode=sp; seed 8,8,2 1; run; render mode=ray; ~samples 1; "
-        "opacity all 70; clip axial 1-8; render; plane 6,4,3; cut 0,0,0 5,5,5; render mode=ray; "
-        "plane 6,5,4 normal=1,-0.5,2 offset=1.5; render; ~focus scene; cut none; render; "
-        "clip sagittal 3-10; seed 9,9,3 5; run; plane none; render; opacity 2 0; clip none; "
-        "label 1 heart #ff0000; ~shade cubes; render; ~light 20 40.5; ~cue 60; ~edges on; "
-        "~decorate scale; ~samples 2; ~background #405060; ~context mip; render; ~shade surface; "
-        "render mode=sp; render @/p.exr > p.exr; render @/p.png > p.png; "
-        "spin 3 @/s%d.png > s2.png; spin 3 @/s.gif > s.gif; save labels @/l.nii.gz > l.nii.gz; "
-        "golden first > door.golden/first.exr; golden second > door.golden/second.png; "
-        "~cross 3,4,5; ~window 10 90.5; mosaic; ~window auto; ~overlay tint marks=off; "
-        "slice sagittal; slice coronal 2 @/s.png > s.png; slice axial @/s.exr zoom=3 > s.exr; "
-        "~overlay none words=off cross=off marks=on; ~hint 1; mosaic @/m.exr > m.exr; "
-        "golden third of=sagittal > door.golden/third.exr; "
-        "golden fourth of=mosaic > door.golden/fourth.png; seed 3,3,3 4; render mode=bp; "
-        "~auto on; seed 7,3,3 5; seed 7,3,3 6; seed 8,8,8 liver radius=2; remove 1,1,1; "
-        "adjacency 6; render; seed 2,8,1 3; ~view 30 20 10; run; undo; undo 7; redo 3; "
-        "branch other; seed 4,4,4 2; "
-        "seed 5,5,5 2 radius=1.7mm range=20..190.5 to=6,6,6 to=6,8,6; "
-        "seed 6,8,6 2 to=2,2,2 to=7,2,9 joined=yes; remove 7,2,9; "
-        "box 1,1,1 3,4,1 5 range=-10..9999; fill 8,1,3 6 to=11,1,9 to=8,1,9; "
-        "outline 2,7,3 6 to=5,7,3 to=2,7,5 ring=1; undo; mask @/regions.nii regions=0-2; "
-        "goto main; render; goto 30; goto other; undo 44; render; redo 12; "
-        "~magnify 2.5 at=3,4,5; finish majority; finish components voxels=9 label=2; "
-        "save labels @/f.nii finished=yes > f.nii; render finished=yes; mosaic finished=yes; "
-        "slice axial @/fs.exr finished=yes > fs.exr; "
-        "golden fifth finished=yes > door.golden/fifth.exr; ~finished on; render; seed 3,7,7 4; "
-        "mosaic; undo; golden sixth of=sagittal > door.golden/sixth.exr; finish none; "
-        "object 2 threshold 0..90 from=3,3,3; fill 1,1,2 4 to=4,1,2 to=4,4,2 within=0; "
+        "adjacency 26; adjacency 6; seed 1,1,1 1; seed 10,9,8 2 radius=1; run; seed-file "
+        "@/seeds.csv; seed-file @/regions.nii label=4 erode=1 each=2; seed 5,5,5 3; remove 5,5,5; "
+        "seed 6,2,7 0; save border @/b.nii > b.nii; weight gauss 1.5; adjacency 26; weight sobel; "
+        "weight morph radius=2; weight @/weights.nii; weight @/heavier.nii; adjacency 6; weight "
+        "difference; adjacency 26; polarity 4 50; weight polarity; polarity 4 -50; polarity 2 100; "
+        "weight @/heavier.nii; weight sobel; mask @/regions.nii regions=0-2; remove 6,2,7; range 0 "
+        "290.5; run; mask @/regions.nii; range none; weight polarity; mask none; ~size 40 30; "
+        "render; render mode=ii; ~size 33 32; render mode=bp; ~view left; render mode=ray; ~turn "
+        "10 -5; ~zoom 2; render mode=sp; weight gauss 0.5; ~zoom fit; ~pan 3.5 -1; render; ~focus "
+        "2,3,4; hide 2; render; show 2; render; hide all; show 3; render; show all; render; "
+        "opacity 2 40; render; ~samples 2; render mode=sp; seed 8,8,2 1; run; render mode=ray; "
+        "~samples 1; opacity all 70; clip axial 1-8; render; plane 6,4,3; cut 0,0,0 5,5,5; render "
+        "mode=ray; plane 6,5,4 normal=1,-0.5,2 offset=1.5; render; ~focus scene; cut none; render; "
+        "clip sagittal 3-10; seed 9,9,3 5; run; plane none; render; opacity 2 0; clip none; label "
+        "1 heart #ff0000; ~shade cubes; render; ~light 20 40.5; ~cue 60; ~edges on; ~decorate "
+        "scale; ~samples 2; ~background #405060; ~context mip; render; ~shade surface; render "
+        "mode=sp; render @/p.exr > p.exr; render @/p.png > p.png; spin 3 @/s%d.png > s2.png; spin "
+        "3 @/s.gif > s.gif; save labels @/l.nii.gz > l.nii.gz; golden first > "
+        "door.golden/first.exr; golden second > door.golden/second.png; ~cross 3,4,5; ~window 10 "
+        "90.5; mosaic; ~window auto; ~overlay tint marks=off; slice sagittal; slice coronal 2 "
+        "@/s.png > s.png; slice axial @/s.exr zoom=3 > s.exr; ~overlay none words=off cross=off "
+        "marks=on; ~hint 1; mosaic @/m.exr > m.exr; golden third of=sagittal > "
+        "door.golden/third.exr; golden fourth of=mosaic > door.golden/fourth.png; seed 3,3,3 4; "
+        "render mode=bp; ~auto on; seed 7,3,3 5; seed 7,3,3 6; seed 8,8,8 liver radius=2; remove "
+        "1,1,1; adjacency 6; render; seed 2,8,1 3; ~view 30 20 10; run; undo; undo 7; redo 3; "
+        "branch other; seed 4,4,4 2; seed 5,5,5 2 radius=1.7mm range=20..190.5 to=6,6,6 to=6,8,6; "
+        "seed 6,8,6 2 to=2,2,2 to=7,2,9 joined=yes; remove 7,2,9; box 1,1,1 3,4,1 5 "
+        "range=-10..9999; fill 8,1,3 6 to=11,1,9 to=8,1,9; outline 2,7,3 6 to=5,7,3 to=2,7,5 "
+        "ring=1; undo; mask @/regions.nii regions=0-2; goto main; render; goto 30; goto other; "
+        "undo 44; render; redo 12; ~magnify 2.5 at=3,4,5; finish majority; finish components "
+        "voxels=9 label=2; save labels @/f.nii finished=yes > f.nii; render finished=yes; mosaic "
+        "finished=yes; slice axial @/fs.exr finished=yes > fs.exr; golden fifth finished=yes > "
+        "door.golden/fifth.exr; ~finished on; render; seed 3,7,7 4; mosaic; undo; golden sixth "
+        "of=sagittal > door.golden/sixth.exr; finish none; object 2 threshold 0..90 from=3,3,3; "
+        "fill 1,1,2 4 to=4,1,2 to=4,4,2 within=0; "
         "fill 2,2,6 4 to=6,2,6 to=6,6,6 within=0; between 4 over=0-6; "
         "labels @/regions.nii erode=1 > "
-        "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz; "
-        "orient sform; landmark AC 3,4,5; landmark PC 3,2,5; landmark AC none; "
-        "origin 74120d6c3f0cc54e2237dc0bced98ab5 volumes=1:900";
+        "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz; orient sform; landmark AC "
+        "3,4,5; landmark PC 3,2,5; landmark AC none; origin 74120d6c3f0cc54e2237dc0bced98ab5 "
+        "volumes=1:900";
     OWNED(interpreter_release) struct interpreter interp;
     struct snapshot end, again;
     OWNED(buf_release) struct buf told = {0};
@@ -1373,15 +1361,14 @@ STORY(a_replay_gives_the_recorded_results)
     struct interpreter interp;
     begin_recording(&interp, "replay.iftty");
     static const char deeds[] =
-        "open scene.nii; seed 1,1,1 1; seed 10,9,8 2; run; ~size 32 32; adjacency 26; "
-        "remove 1,1,1; weight sobel; ~auto on; weight gauss 2; seed 2,2,2 7 radius=2; "
-        "weight weights.nii; mask regions.nii regions=0-2; weight polarity; polarity 7 -40; "
-        "range -5 220.125; adjacency 6; golden third > replay.golden/third.exr; remove 2,2,2; "
-        "~auto off; seed 5,6,7 2; remove 9,9,9; ~cross 5,6,7; ~overlay tint; "
-        "golden waiting of=axial > replay.golden/waiting.exr; "
-        "golden waiting-too of=mosaic > replay.golden/waiting-too.exr; run; "
-        "slice coronal 3 zoom=5; golden near of=coronal > replay.golden/near.exr; seed 8,6,7 2; "
-        "why 8,6,7; seed 8,6,8 2; golden applied of=coronal > replay.golden/applied.exr";
+        "open scene.nii; seed 1,1,1 1; seed 10,9,8 2; run; ~size 32 32; adjacency 26; remove "
+        "1,1,1; weight sobel; ~auto on; weight gauss 2; seed 2,2,2 7 radius=2; weight weights.nii; "
+        "mask regions.nii regions=0-2; weight polarity; polarity 7 -40; range -5 220.125; "
+        "adjacency 6; golden third > replay.golden/third.exr; remove 2,2,2; ~auto off; seed 5,6,7 "
+        "2; remove 9,9,9; ~cross 5,6,7; ~overlay tint; golden waiting of=axial > "
+        "replay.golden/waiting.exr; golden waiting-too of=mosaic > replay.golden/waiting-too.exr; "
+        "run; slice coronal 3 zoom=5; golden near of=coronal > replay.golden/near.exr; seed 8,6,7 "
+        "2; why 8,6,7; seed 8,6,8 2; golden applied of=coronal > replay.golden/applied.exr";
     all_fail_then_work(&interp, deeds);
     interpreter_release(&interp);
     journal_verifies();
@@ -1391,11 +1378,10 @@ STORY(an_interpolated_scene_is_the_same_when_replayed)
 {
     struct interpreter interp;
     static const char deeds[] =
-        "open scene.nii; ~size 8 8; interpolate 1 1 2; ~size 32 32; render; hide 3; "
-        "weight morph radius=2; range 0 211; interpolate 2 1 1; interpolate 1 1 1; "
-        "seed 1,1,1 1; seed 21,9,17 2; "
-        "weight sobel; run; golden finer > finer.golden/finer.exr; "
-        "golden slice of=sagittal > finer.golden/slice.exr";
+        "open scene.nii; ~size 8 8; interpolate 1 1 2; ~size 32 32; render; hide 3; weight morph "
+        "radius=2; range 0 211; interpolate 2 1 1; interpolate 1 1 1; seed 1,1,1 1; seed 21,9,17 "
+        "2; weight sobel; run; golden finer > finer.golden/finer.exr; golden slice of=sagittal > "
+        "finer.golden/slice.exr";
     begin_recording(&interp, "finer.iftty");
     all_fail_then_work(&interp, deeds);
     is_refused(&interp, "interpolate 2 2 2", "a scene is interpolated before its first seed");
@@ -1449,8 +1435,7 @@ STORY(random_edits_fail_at_random)
         if (err)
             is_as_before(&before, &interp, line);
     }
-    CHECK(undone > 90);
-    CHECK(journal_audit(interp.journal));
+    CHECK(undone > 90 && journal_audit(interp.journal));
     interpreter_release(&interp);
     journal_verifies();
 }
@@ -1529,11 +1514,11 @@ SCENE_STORY(trees_stay_in_the_region_of_interest)
 SCENE_STORY(a_roi_is_refused_that_leaves_seeds_outside)
 {
     must(interp, "seed 5,5,5 1");
-    is_refused(interp, "mask regions.nii", "0 planted and 1 waiting seeds would be outside");
+    is_refused(interp, "mask regions.nii", "0 planted and 1 pending seeds would be outside");
     must(interp, "remove 5,5,5; seed 6,5,5 1; remove 6,5,5");
     must(interp, "mask regions.nii"); /* none of them would be planted */
     must(interp, "run; mask none; seed 5,5,5 1; run; seed 6,5,5 1; seed 6,5,5 2");
-    is_refused(interp, "mask regions.nii", "1 planted and 1 waiting seeds would be outside");
+    is_refused(interp, "mask regions.nii", "1 planted and 1 pending seeds would be outside");
     is_refused(interp, "range 0 10", "remove them and run first; nothing has changed");
     is_refused(interp, "range 900 1000", "no voxel of the scene would be inside");
     is_refused(interp, "mask regions.nii regions=7", "no voxel of the scene would be inside");
@@ -1725,8 +1710,7 @@ STORY(opening_that_is_cancelled_opens_nothing)
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         OWNED(interpreter_release) struct interpreter interp;
         begin_interpreter(&interp);
-        CHECK(stop_until_done(&interp, line[i]) > 0);
-        CHECK(interp.session->has_scene);
+        CHECK(stop_until_done(&interp, line[i]) > 0 && interp.session->has_scene);
     }
 }
 
@@ -1777,8 +1761,7 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
         mem_allows = NULL;
         if (!err)
             break;
-        CHECK(err == ERR_MEMORY || strstr(fault.text, strerror(ENOMEM)));
-        CHECK(is_plain(fault.text));
+        CHECK((err == ERR_MEMORY || strstr(fault.text, strerror(ENOMEM))) && is_plain(fault.text));
         is_as_before(&before, interp, line);
         CHECK_INT(files_in(folder), files);
         CHECK(!kept ||
@@ -1793,14 +1776,13 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
 SCENE_STORY(pictures_without_memory_leave_everything_as_it_was)
 {
     static const char row[] =
-        "render mode=bp; render @/old.png replace=yes > old.png; "
-        "render @/old.exr replace=yes > old.exr; render @/new.exr; "
-        "spin 3 @/old.gif replace=yes > old.gif; spin 3 @/old%d.png replace=yes > old1.png; "
-        "spin 3 @/new%d.exr; slice axial 3 @/old.png replace=yes > old.png; "
-        "mosaic @/old.exr replace=yes > old.exr; mosaic; "
-        "save labels @/old.nii.gz replace=yes > old.nii.gz; golden bright; "
-        "golden dark of=mosaic; clip axial 2-5; plane 3,3,3; samples 2; background white; "
-        "decorate all; shade surface; mosaic @/small.png; render";
+        "render mode=bp; render @/old.png replace=yes > old.png; render @/old.exr replace=yes > "
+        "old.exr; render @/new.exr; spin 3 @/old.gif replace=yes > old.gif; spin 3 @/old%d.png "
+        "replace=yes > old1.png; spin 3 @/new%d.exr; slice axial 3 @/old.png replace=yes > "
+        "old.png; mosaic @/old.exr replace=yes > old.exr; mosaic; save labels @/old.nii.gz "
+        "replace=yes > old.nii.gz; golden bright; golden dark of=mosaic; clip axial 2-5; plane "
+        "3,3,3; samples 2; background white; decorate all; shade surface; mosaic @/small.png; "
+        "render";
     static const char *const before[] = {"old.png",  "old.exr",  "old.gif",   "old0.png",
                                          "old1.png", "old2.png", "old.nii.gz"};
     CHECK(interpreter_create_journal(interp, place("poor.iftty"), &fault) == OK);

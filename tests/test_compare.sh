@@ -89,8 +89,7 @@ same_files from_program from_command
 "$iftty" compare --csv a.nii b.nii | sed 's/,"",/,/' >from_program
 sed 's/,"[a-z]*",/,/' r.csv >from_command
 same_files from_program from_command
-if needs python3; then
-    python3 - <<'EOS' || fail "JSON and CSV differ: $(cat r.json)"
+"$PYTHON" - <<'EOS' || fail "JSON and CSV differ: $(cat r.json)"
 import csv, json
 d = json.load(open('r.json'))
 rows = list(csv.DictReader(open('r.csv')))
@@ -101,7 +100,6 @@ for row, told in zip(rows, d['labels'] + [d['all']]):
             assert told[key] == (float(value) if value else None), (key, value, told[key])
 assert len(rows) == len(d['labels']) + 1 and d['b'] == 'b.nii'
 EOS
-fi
 
 begin "a question changes nothing and is not recorded"
 cp a.iftty former.iftty

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Distances and comparisons: small cases worked by hand, and random ones beside a plain slow
- * computation, which looks from each voxel at each other one.
- */
+/* Distances and comparisons: small cases worked by hand, and random ones beside a plain slow
+ * computation, which looks from each voxel at each other one. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -88,8 +86,7 @@ STORY(units_divide_the_spacing_as_long_as_squares_fit)
     CHECK_INT(s.unit_nm, 2); /* 1.6 m, in the 10^9 units that fit */
     CHECK_INT(s.step[0], 478516);
     s = distance_scale_of((const uint32_t[]){UINT32_MAX, 1, 1}, most);
-    CHECK((uint64_t)s.step[0] * 65533 <= 1 << 30);
-    CHECK(s.step[1] == 1 && s.step[2] == 1);
+    CHECK((uint64_t)s.step[0] * 65533 <= 1 << 30 && s.step[1] == 1 && s.step[2] == 1);
     check_distances((const uint32_t[]){300, 1, 2}, (const uint32_t[]){UINT32_MAX, 7, 1}, 40, NULL);
 }
 
@@ -151,8 +148,7 @@ STORY(rows_of_voxels_are_measured_as_worked_out_by_hand)
     CHECK(is_near(d->directed_mean_mm[1], (0 + 3) / 2.0 * 1.5));
     CHECK(is_near(d->mean_mm, (2 + 0 + 0 + 3) / 4.0 * 1.5));
     CHECK(is_near(d->directed_percentile_95_mm[0], 0.95 * 2 * 1.5)); /* 0 and 2 */
-    CHECK(is_near(d->percentile_95_mm, 0.95 * 3 * 1.5));
-    CHECK(is_near(d->most_mm, 3 * 1.5));
+    CHECK(is_near(d->percentile_95_mm, 0.95 * 3 * 1.5) && is_near(d->most_mm, 3 * 1.5));
     CHECK(memcmp(d, &c->distance[0], sizeof *d) == 0); /* there is no other label */
 }
 

@@ -58,8 +58,7 @@ static bool works(int process)
 
 static void check_status(int process)
 {
-    CHECK(process > 0);
-    CHECK(has_status(process, "NoNewPrivs:\t1"));
+    CHECK(process > 0 && has_status(process, "NoNewPrivs:\t1"));
     CHECK(!confine_knows_calls() || has_status(process, "Seccomp:\t2"));
 }
 

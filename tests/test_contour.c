@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Contours of areas compared with plain models. The polygon through their corners is the component
+/* Contours of areas compared with plain models. The polygon through their corners is the component
  * at a place, or otherwise the largest one, with its holes filled; only voxels within half a voxel
  * of the line may differ. Areas are random circles, rectangles and holes in slices of all three
- * planes.
- */
+ * planes. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -184,8 +182,7 @@ STORY(the_polygon_of_a_contour_is_the_piece_at_a_place_or_the_largest)
         const struct labels labels = all_labels();
         const size_t voxels = find_piece();
         CHECK(contour_of_label(&line, &labels, LABEL, axis, from, NULL) == OK);
-        CHECK((line.count > 0) == (voxels > 0));
-        CHECK(line.count <= CONTOUR_CORNERS_MOST);
+        CHECK((line.count > 0) == (voxels > 0) && line.count <= CONTOUR_CORNERS_MOST);
         if (line.count) {
             bool *hole = find_holes(), *has = mem_new(scene.grid.cells);
             CHECK(paint_polygon(&filled, &scene.grid, (corners_of)line.corner, line.count, NULL,

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Cuts: borders compared with a slow count, four ways to one picture through cuts, edits and hidden
- * labels, and commands.
- */
+/* Cuts: borders compared with a slow count, four ways to one picture through cuts, edits and hidden
+ * labels, and commands. */
 #include "command/execute.h"
 #include "interpreting.h"
 
@@ -525,8 +523,7 @@ BEGUN_STORY(a_picture_notes_what_is_cut_away_and_in_focus, begin)
     snprintf(path, sizeof path, "%s/whole.exr", folder);
     snprintf(line, sizeof line, "render %s", path);
     must(interp, line);
-    CHECK(exr_read(&p, path, NULL) == OK);
-    CHECK(!picture_find(&p, "iftty:cut"));
+    CHECK(exr_read(&p, path, NULL) == OK && !picture_find(&p, "iftty:cut"));
     const char *note = picture_find(&p, "iftty:view");
     CHECK_TEXT(
         note ? note : "",

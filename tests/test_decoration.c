@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Decorations: letters are never wrong, the bar has the length it states, hidden seeds have no
- * marks, and only colours change, in every way of drawing.
- */
+/* Decorations: letters are never wrong, the bar has the length it states, hidden seeds have no
+ * marks, and only colours change, in every way of drawing. */
 #include <stdlib.h>
 
 #include "render/decoration.h"

@@ -153,12 +153,13 @@ answers "they are in the order of their frames" "open frames-unplaced"
 refused "no SliceLocation, and no InstanceNumber that differs from file to file" "open nothing"
 says=file
 
-begin "objects that are no images are refused by name, in every command that reads a volume"
+begin "objects that are no images are refused by name, one in every command that reads a volume"
 while read -r name words; do
     file=objects/$name.dcm
     refused "$file: $words" "open $file"
     "$iftty" info "$file" >"$work/out" 2>&1
     out_has "$words"
+    [ $name = seg-binary ] || continue
     expect 3 "$iftty" run --keep-going - <<END2
 open by-slice
 labels $file
@@ -191,4 +192,4 @@ refused "it holds 2 series" "open by-slice"
 opened_as by-slice by-slice.twin.nii series=1
 refused "seg-fractional.dcm is a segmentation (DICOM SEG)" "open by-slice series=2"
 
-finish
+finish_opened

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The pure parts of a comparison of two journals: the first command in which they differ, how far
- * labels differ, and the picture of it.
- */
+/* The pure parts of a comparison of two journals: the first command in which they differ, how far
+ * labels differ, and the picture of it. */
 #include <stdlib.h>
 
 #include "render/notes.h"
@@ -204,8 +202,7 @@ STORY(the_picture_shows_both_and_where_they_differ)
     const uint32_t line = (uint32_t)text_line(notes_tall(100)), top = line + 8,
                    right = 2 * (120 + 2);
     CHECK_INT(picture.height, top + 100 + 3 * line + 8);
-    CHECK(shows(&picture, 0, top, again.session));
-    CHECK(shows(&picture, 120 + 2, top, b.session));
+    CHECK(shows(&picture, 0, top, again.session) && shows(&picture, 120 + 2, top, b.session));
     CHECK(!shows(&picture, 120 + 2, top, again.session));
     size_t alone[3] = {0}, voxels = a.session->scene->grid.voxels;
     for (size_t i = 0; i < voxels; i++)

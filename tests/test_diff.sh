@@ -19,15 +19,13 @@ proof=$(tr ' ' '\n' <a.iftty | grep -E '=[0-9a-f]{64}$' | sed 's/.*=//')
 begin "a journal and itself"
 same "${#proof}" 64
 expect_out "commands  8, all equal" 0 "$iftty" diff a.iftty a.iftty
-out_has "scenes    the same: 24x20x16 voxels, SHA-256 $proof"
-out_has "voxels    0 of 7680 differ"
+out_has "scenes    the same: 24x20x16 voxels, SHA-256 $proof" "voxels    0 of 7680 differ"
 grep -qE '^1 liver +1\.0000 ' out || fail "$(cat out)"
 [ ! -s err ] || fail "it warns: $(cat err)"
 
 begin "the first command at which two part, and every figure as the label maps have it"
 expect_err "of 7680 voxels have another label" 1 "$iftty" diff a.iftty b.iftty
-out_has "commands  4 equal, then they differ"
-out_has "    A  a.iftty, command 5, line 10: seed 20,10,8 2"
+out_has "commands  4 equal, then they differ" "    A  a.iftty, command 5, line 10: seed 20,10,8 2"
 out_has "    B  b.iftty, command 5, line 10: seed 20,12,3 2 radius=1"
 cp out told
 for n in a b; do
@@ -47,8 +45,7 @@ grep -q '^3 spleen' told || fail "no name that B alone has: $(cat told)"
 
 begin "the same for programs"
 expect 1 "$iftty" diff --json a.iftty b.iftty
-if needs python3; then
-    python3 - <<'EOS' >"$work/figures" || fail "no JSON: $(cat out)"
+"$PYTHON" - <<'EOS' >"$work/figures" || fail "no JSON: $(cat out)"
 import json
 d = json.load(open('out'))
 assert d['parts'] and d['a']['command'] == 'seed 20,10,8 2' and d['b']['line'] == 10
@@ -58,8 +55,7 @@ for l in d['labels']:
         l['a'], l['b'], l['both'])
 print('voxels', d['differing'], 'of', d['voxels'], 'differ')
 EOS
-    same_files figures expected
-fi
+same_files figures expected
 
 begin "comments, results and questions are no commands"
 "$iftty" log --script a.iftty | grep -v '^save' | sed 's/^run$/# why\ninfo\nrun/' >a.txt
@@ -83,8 +79,7 @@ cp a.txt larger
 expect 0 "$iftty" diff a.txt a.txt
 "$iftty" diff a.txt other/a.txt >out 2>err
 [ $? -lt 2 ] || fail "$(cat err)"
-out_has "commands  8, all equal"
-out_has "scenes    not the same; both have 24x20x16 voxels"
+out_has "commands  8, all equal" "scenes    not the same; both have 24x20x16 voxels"
 err_has "# the scenes are not the same: voxels were compared place by place"
 expect 3 "$iftty" diff a.txt larger/a.txt
 err_has "scenes of 24x20x16 and 25x20x16 voxels: expected two of one size"

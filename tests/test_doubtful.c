@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Which slices to outline next, against a plain choice from the sums of engine/doubt.h: random
+/* Which slices to outline next, against a plain choice from the sums of engine/doubt.h: random
  * seeds, outlines and steps of `finish`, asked again after undo, without memory, and as a command.
  */
 #include <stdlib.h>

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What a journal is protected from: files that are deleted, moved, replaced or changed under it,
- * syncs that fail, a second writer, flipped bits. And how it goes on elsewhere.
- */
+/* What a journal is protected from: files that are deleted, moved, replaced or changed under it,
+ * syncs that fail, a second writer, flipped bits. And how it goes on elsewhere. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -97,8 +95,7 @@ STORY(a_file_whose_times_alone_have_changed_is_written_to)
     struct journal *journal = make_journal(path, 3);
     usleep(20000);
     CHECK(chmod(path, 0640) == 0 && utimensat(AT_FDCWD, path, NULL, 0) == 0);
-    CHECK(append(journal, 4, NULL) == OK);
-    CHECK(append(journal, 5, NULL) == OK);
+    CHECK(append(journal, 4, NULL) == OK && append(journal, 5, NULL) == OK);
     journal_close(journal);
     holds(path, 5);
 }
@@ -160,8 +157,7 @@ STORY(going_on_elsewhere_is_all_or_nothing)
             CHECK(!file_exists(other));
         }
         CHECK_TEXT(journal_path(journal), err ? path : other);
-        CHECK(append(journal, 4, NULL) == OK);
-        CHECK(journal_audit(journal));
+        CHECK(append(journal, 4, NULL) == OK && journal_audit(journal));
         journal_close(journal);
         holds(path, err ? 4 : 3);
         if (!err)
@@ -305,8 +301,7 @@ STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
     struct journal *journal = make_journal(path, 1);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     const unsigned before = threads();
-    CHECK(before > 0);
-    CHECK(journal_append(journal, "turn 15", NULL, NULL) == OK);
+    CHECK(before > 0 && journal_append(journal, "turn 15", NULL, NULL) == OK);
     CHECK_INT(threads(), before);
     journal_close(journal);
 }
@@ -327,14 +322,11 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
     CHECK_HAS(fault.text, "--read-only");
     content(&before, path);
     const struct journal_resume looking = {.semantics = 1, .only_looks = true};
-    CHECK(journal_open(&second, path, &looking, NULL, NULL) == OK);
-    CHECK(journal_only_looks(second));
+    CHECK(journal_open(&second, path, &looking, NULL, NULL) == OK && journal_only_looks(second));
     CHECK_INT(journal_count(second), 3);
     CHECK(append(second, 4, NULL) == OK); /* in memory */
-    CHECK(is_file_of(path, before.data, before.length));
-    CHECK(journal_sync(second, NULL) == OK);
-    CHECK(journal_continue(second, other, NULL) == OK);
-    CHECK(append(second, 5, NULL) == OK);
+    CHECK(is_file_of(path, before.data, before.length) && journal_sync(second, NULL) == OK);
+    CHECK(journal_continue(second, other, NULL) == OK && append(second, 5, NULL) == OK);
     journal_close(second);
     CHECK(is_file_of(path, before.data, before.length));
     holds(other, 5);
@@ -395,10 +387,8 @@ STORY(where_there_are_no_locks_a_file_stands_for_one)
     if (child == 0)
         _exit(open_again(&journal, path, NULL) == OK ? 0 : 1);
     int status = 1;
-    CHECK(waitpid(child, &status, 0) == child && status == 0);
-    CHECK(file_exists(lock));
-    CHECK(open_again(&journal, path, NULL) == OK);
-    CHECK(append(journal, 4, NULL) == OK);
+    CHECK(waitpid(child, &status, 0) == child && status == 0 && file_exists(lock));
+    CHECK(open_again(&journal, path, NULL) == OK && append(journal, 4, NULL) == OK);
     journal_close(journal);
     put(lock, "somebody\n", 9); /* what cannot be read is left */
     CHECK(open_again(&second, path, &fault) == ERR_IO);
@@ -433,8 +423,7 @@ STORY(looking_leaves_a_torn_tail_alone)
     CHECK(journal_open(&journal, path, &looking, &notice, NULL) == OK);
     CHECK_HAS(buf_text(&notice), "left where it is");
     journal_close(journal);
-    CHECK(is_file_of(path, bytes.data, bytes.length));
-    CHECK(!file_exists("looked.iftty.torn-1"));
+    CHECK(is_file_of(path, bytes.data, bytes.length) && !file_exists("looked.iftty.torn-1"));
 }
 
 /* ---- flips ---- */

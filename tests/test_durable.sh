@@ -82,7 +82,7 @@ for harm in deleted replaced shorter longer; do
     esac
     cp b.iftty b.kept 2>/dev/null
     tell 'seed 6,6,6 2'
-    errors_have "the command is undone, because it could not be recorded"
+    errors_have "the command was undone because it could not be recorded"
     errors_have "journal FILE"
     tell 'journal elsewhere.iftty'
     tell 'seed 7,7,7 2'
@@ -193,8 +193,7 @@ fi
 
 begin "journal FILE with an existing file, or without a journal to continue"
 expect 0 "$iftty" -c 'open s.nii; journal; journal d.iftty; seed 1,2,3 1; journal' --journal e.iftty
-out_has "e.iftty, 1 record"
-out_has "d.iftty, 2 records"
+out_has "e.iftty, 1 record" "d.iftty, 2 records"
 cp d.iftty d.kept
 expect_err "d.iftty exists already" 3 "$iftty" -c 'journal d.iftty' --journal e.iftty
 same_files d.iftty d.kept
@@ -231,17 +230,14 @@ cp r.iftty r.kept
 flip_byte r.iftty "$(grep -b -o 'seed 4' r.iftty | cut -d : -f 1)"
 cp r.iftty r.harmed
 expect_err "record 3" 3 "$iftty" run - --journal r.iftty </dev/null
-err_has "byte"
-err_has "iftty log --repair"
+err_has "byte" "iftty log --repair"
 expect_out "record 3" 0 "$iftty" log --repair r.iftty
-out_has "r.iftty.torn-1"
-out_has "2 records left"
+out_has "r.iftty.torn-1" "2 records left"
 cat r.iftty r.iftty.torn-1 | cmp -s - r.harmed || fail "bytes are lost"
 expect 0 "$iftty" verify r.iftty
 sed 's/semantics [0-9]*/semantics 999/' r.kept >v.iftty
 cp v.iftty v.kept
-expect 0 "$iftty" log --repair v.iftty # record 1 covers the header
-out_has "0 records left"
+expect_out "0 records left" 0 "$iftty" log --repair v.iftty # record 1 covers the header
 cat v.iftty v.iftty.torn-1 | cmp -s - v.kept || fail "bytes are lost"
 echo 'open s.nii' >script
 expect_err "a script, not a journal" 3 "$iftty" log --repair script

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A disk that fails at each step of the commands that write files.
+/* A disk that fails at each step of the commands that write files.
  *
  * A session carries out a list of commands. Each is tried again and again: step N of the file layer
  * fails alone (EIO), or nothing can be written from step N on (ENOSPC), for every N, until it is
  * carried out. A command that fails says so, and leaves every file as it was, no draft, and a
- * journal that verifies; the same command works once the disk does.
- */
+ * journal that verifies; the same command works once the disk does. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>

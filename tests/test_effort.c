@@ -111,12 +111,10 @@ STORY(the_largest_error_is_corrected_at_its_deepest_voxel)
     struct effort_gesture gesture;
     bool found = true;
     begin(&robot);
-    CHECK(effort_robot_next(&robot, label, &gesture, &found, NULL) == OK);
-    CHECK(!found);
+    CHECK(effort_robot_next(&robot, label, &gesture, &found, NULL) == OK && !found);
     fill(label, (uint32_t[]){1, 1, 1}, (uint32_t[]){5, 5, 5}, 1);
     fill(label, (uint32_t[]){24, 12, 11}, (uint32_t[]){29, 18, 17}, 0);
-    CHECK(effort_robot_next(&robot, label, &gesture, &found, NULL) == OK);
-    CHECK(found);
+    CHECK(effort_robot_next(&robot, label, &gesture, &found, NULL) == OK && found);
     CHECK_INT(gesture.label, 1); /* 294 missing voxels, against 125 superfluous ones */
     is_at(gesture.at, 26, 14, 13);
     CHECK_INT(gesture.radius, 2);
@@ -190,8 +188,7 @@ STORY(a_plain_object_is_found_at_once_and_runs_agree)
         if (!CHECK(effort_run(&run, &method[m], &object, folder, &fault) == OK))
             printf("#   %s\n", fault.text);
         CHECK(effort_run(&again, &method[m], &object, folder, NULL) == OK);
-        CHECK(memcmp(run.dice, again.dice, sizeof run.dice) == 0);
-        CHECK(run.dice[0] > 8000);
+        CHECK(memcmp(run.dice, again.dice, sizeof run.dice) == 0 && run.dice[0] > 8000);
         CHECK(run.dice[CURVE - 1] > 9900 || method[m].limits); /* they correct only locally */
     }
 }

@@ -27,8 +27,8 @@ sound() {
         same "$name $(scene_of loose "$iftty" -c "open $name")" "$name $whole"
     done
 }
-# refused WORDS NAME...: by `open` and `info`, with and without Landlock, and by the replay of a
-# stranger's journal that has been let read without; at once, and nothing is written
+# refused WORDS NAME...: by `open`, with and without Landlock, and by `info`; the first also by the
+# replay of a stranger's journal that has been let read without; at once, and nothing is written
 refused() {
     words=$1
     shift
@@ -38,13 +38,11 @@ refused() {
         same "$kernel: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
             "$kernel: $# of $#"
     done
-    for name; do
-        expect_err "$words" 3 timeout 30 "$iftty" info "$name"
-        printf 'open %s\nslice axial 0 secret.png\n' "$name" >j
-        expect_err "$words" 3 loose timeout 30 "$iftty" replay j --unconfined --out "$work/pictures"
-        same "$(ls "$work/pictures")" ""
-        expect_out "$words" 3 timeout 30 "$iftty" verify j
-    done
+    for name; do expect_err "$words" 3 timeout 30 "$iftty" info "$name"; done
+    printf 'open %s\nslice axial 0 secret.png\n' "$1" >j
+    expect_err "$words" 3 loose timeout 30 "$iftty" replay j --unconfined --out "$work/pictures"
+    same "$(ls "$work/pictures")" ""
+    expect_out "$words" 3 timeout 30 "$iftty" verify j
 }
 
 begin "voxels next to a header are read, by a name, a list or a count; also from HDF5"

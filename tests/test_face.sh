@@ -4,7 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 
 begin "the table of outlines equals its script's output for the font"
-if ! /usr/bin/python3 -c 'import fontTools' 2>/dev/null; then
+if ! "$PYTHON" -c 'import fontTools' 2>/dev/null; then
     skip "python3-fonttools is not installed"
 elif "$top/tests/face_table.py" >"$work/face_table.h" 2>"$work/err"; then
     cmp "$work/face_table.h" "$top/render/face_table.h" ||

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The finish: each step is compared with a plain model written from the description in
+/* The finish: each step is compared with a plain model written from the description in
  * engine/finish.h. The model shares no code with the engine: it loops over all voxels, fills, and
- * tests every ball.
- */
+ * tests every ball. */
 #include <stdlib.h>
 
 #include "base/mem.h"

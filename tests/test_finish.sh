@@ -45,9 +45,7 @@ has_line smooth.nii "iftty labels, finished: majority radius=1, largest label=2,
 same "$(last_word labels a.iftty)" "$labels"
 
 begin "a journal with finished labels verifies, for any number of threads, and resumes"
-for threads in 1 2 5; do
-    IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
-done
+for threads in 1 2 5; do IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty; done
 printf 'finish\nsave labels resumed.nii finished=yes\n' >more
 expect_out "finish    majority radius=1, largest label=2" 0 "$iftty" run more --journal a.iftty
 same_files eight.nii resumed.nii
@@ -69,9 +67,7 @@ save labels third.nii finished=yes
 END
 expect 0 "$iftty" run settle --journal settle.iftty
 out_has "finish    relax sweeps=9 reach=2, relax sweeps=60 reach=5 label=2"
-for threads in 1 2 3; do
-    IFTTY_THREADS=$threads expect 0 "$iftty" verify settle.iftty
-done
+for threads in 1 2 3; do IFTTY_THREADS=$threads expect 0 "$iftty" verify settle.iftty; done
 expect_err "radius: \`finish relax\` has none" 2 "$iftty" -c 'open scene.nii; finish relax radius=2'
 expect 2 "$iftty" -c 'open scene.nii; finish relax sweeps=0'
 err_has "sweeps: expected a number 1..1000, not 0"
@@ -168,9 +164,7 @@ same "$(picture 8) $(picture 6)" "$(picture 10) $(picture 11)"
 same "$(picture 16) $(picture 18)" "$(picture 8) $(picture 6)"
 [ "$(picture 13)" != "$(picture 10)" ] || fail "the seed is not seen"
 expect_out "relax sweeps=20" 0 "$iftty" info slice.exr
-for threads in 1 2 3; do
-    IFTTY_THREADS=$threads expect 0 "$iftty" verify l.iftty
-done
+for threads in 1 2 3; do IFTTY_THREADS=$threads expect 0 "$iftty" verify l.iftty; done
 printf 'finished on\nrender\n' >more
 expect 0 "$iftty" run more --journal l.iftty
 same "$(picture 20)" "$(picture 10)"
@@ -204,8 +198,7 @@ out_has "\`finish none\` removes them"
     echo "stats report=lost.json"; } >script3
 expect 0 "$iftty" run script3
 out_has "the finish deletes label 3 wall: 280 voxels in 1 piece before, 0 voxels after"
-out_has "label 3 wall: 280 seeds, 0 voxels"
-out_has "label 7 never: 0 seeds, 0 voxels"
+out_has "label 3 wall: 280 seeds, 0 voxels" "label 7 never: 0 seeds, 0 voxels"
 same "$(sed -n 's/^\([37],"[a-z]*"\),\([0-9]*\),[0-9]*,0,0,0,,.*/\1 \2/p' lost.csv)" '3,"wall" 0
 7,"never" 0'
 grep -q '"number": 7, "name": "never", "voxels": 0, .*"mean": null' lost.json ||

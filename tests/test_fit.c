@@ -27,8 +27,7 @@ static void begin_world(struct world *w, uint64_t *random)
     uint32_t size[3];
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(random, check_below(random, 3) ? 90 : 4);
-    CHECK(scene_new(&w->scene, size, NULL) == OK);
-    CHECK(border_init(&w->border, w->scene, NULL) == OK);
+    CHECK(scene_new(&w->scene, size, NULL) == OK && border_init(&w->border, w->scene, NULL) == OK);
     for (int a = 0; a < 3; a++) {
         w->scene->spacing_nm[a] =
             check_below(random, 2) ? 1000000 : 300000 + check_below(random, 2000000);
@@ -172,7 +171,7 @@ BEGUN_STORY(fit_is_recorded_as_what_it_comes_to, begin_with_object)
 {
     must(interp, "zoom fit"); /* the seed waits: no object yet */
     CHECK_TEXT(buf_text(&reply.text), "no object is shown: the scene fits\n"
-                                      "without the 257 edits that wait for `run`\n");
+                                      "not included: the 257 pending edits (`run` applies them)\n");
     const uint32_t whole = interp->session->now.outlook.view.zoom;
     must(interp, "run; clip axial 5-12; cut 20,0,0 59,49,39; zoom fit");
     const struct view fitted = interp->session->now.outlook.view;

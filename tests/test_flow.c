@@ -158,8 +158,7 @@ STORY(on_any_line_the_newest_state_arrives_in_time)
                    lines[i].round_trip_ms, lines[i].bytes_per_s, view.frames - learnt,
                    view.last_bytes, (unsigned)(view.oldest / MS));
             CHECK_INT(view.state, 20000);
-            CHECK(view.deepest <= FLOW_FRAMES);
-            CHECK(view.frames - learnt >= 150);
+            CHECK(view.deepest <= FLOW_FRAMES && view.frames - learnt >= 150);
             CHECK(view.oldest < lines[i].late_ms * MS);
         }
 }
@@ -220,8 +219,7 @@ STORY(when_the_key_is_released_nothing_comes_after_it)
     view.frames = 0;
     steer(&flow, &line, &view, 80000, 5000, 9000);
     CHECK_INT(view.state, 9000);
-    CHECK(view.frames >= 4 * 20);
-    CHECK(line.free_ns < 9070 * MS);
+    CHECK(view.frames >= 4 * 20 && line.free_ns < 9070 * MS);
 }
 
 STORY(an_answer_that_is_lost_costs_two_seconds_once)
@@ -262,9 +260,7 @@ STORY(a_failed_barrier_asks_for_recovery_once)
     struct flow flow = {0};
     CHECK(!flow.failed);
     flow_sent(&flow, 100000, 0);
-    CHECK(!flow_may_send(&flow, 1999 * MS));
-    CHECK(flow_may_send(&flow, 2000 * MS));
-    CHECK(flow.failed);
+    CHECK(!flow_may_send(&flow, 1999 * MS) && flow_may_send(&flow, 2000 * MS) && flow.failed);
     CHECK_TEXT(graphics_recovery(&sixel), "\033\\");
     CHECK_TEXT(graphics_recovery(&kitty), "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\");
     CHECK(flow_budget(&flow) <= 5000); /* 100000 bytes in 2 s at the very best */
@@ -317,8 +313,7 @@ STORY(what_was_cut_is_ended_and_what_was_not_is_left_whole)
             heed(&s, picture, cut);
             const bool begins = s.before == '\033' && !s.is_open; /* which it cannot make good */
             heed(&s, graphics_recovery(&rows[row]), strlen(graphics_recovery(&rows[row])));
-            CHECK(!s.is_open && !s.waits);
-            CHECK(s.alone == 0 || begins);
+            CHECK(!s.is_open && !s.waits && (s.alone == 0 || begins));
         }
 }
 

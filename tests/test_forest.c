@@ -105,8 +105,7 @@ static void set_arcs(struct world *w, enum arc_kind kind, int of_1, int of_2)
     rule.polarity[1] = (int8_t)of_1;
     rule.polarity[2] = (int8_t)of_2;
     forest_set_arcs(w->forest, &rule);
-    CHECK(forest_rebuild(w->forest, NULL) == OK);
-    CHECK(forest_check(w->forest, NULL));
+    CHECK(forest_rebuild(w->forest, NULL) == OK && forest_check(w->forest, NULL));
 }
 
 static void row_costs_are(struct world *w, const uint32_t *expected)
@@ -167,8 +166,7 @@ static void put_up(struct world *w, const struct roi *roi)
 {
     CHECK_INT(roi_tally(roi, w->scene).seeds_outside, 0);
     roi_apply(roi, w->scene);
-    CHECK(forest_rebuild(w->forest, NULL) == OK);
-    CHECK(forest_check(w->forest, NULL));
+    CHECK(forest_rebuild(w->forest, NULL) == OK && forest_check(w->forest, NULL));
 }
 
 STORY(no_tree_passes_a_roi)
@@ -177,8 +175,7 @@ STORY(no_tree_passes_a_roi)
     struct roi range = {NULL, 5, 9}, none = roi_none(), mask = {NULL, 0, 9};
     set_row_intensities(&w, (const uint16_t[]){5, 9, 7, 4, 10, 5, 5});
     CHECK_INT(roi_tally(&range, w.scene).inside, 5);
-    CHECK(roi_tally(&range, w.scene).digest != 0);
-    CHECK(roi_tally(&none, w.scene).digest == 0);
+    CHECK(roi_tally(&range, w.scene).digest != 0 && roi_tally(&none, w.scene).digest == 0);
     put_up(&w, &range); /* before there is a seed */
     plant_at(&w, 1, 0, 0, 1);
     CHECK_TEXT(row_labels(&w), "1110000");
@@ -252,8 +249,7 @@ STORY(a_plateau_longer_than_hops_can_count_is_refused_and_undone)
                          {grid_cell(&w.scene->grid, 0, 0, 0), 2, 0}};
     CHECK_INT(forest_edit(w.forest, far, 2, &fault), ERR_LIMIT);
     CHECK_HAS(fault.text, "plateau");
-    CHECK(forest_digest(w.forest) == before);
-    CHECK(forest_check(w.forest, NULL));
+    CHECK(forest_digest(w.forest) == before && forest_check(w.forest, NULL));
     CHECK_INT(voxel(&w, 0, 0, 0)->label, 1);
     world_free(&w);
 }
@@ -329,10 +325,8 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
         if (err)
             is_as_before(&w, before);
     }
-    CHECK(looks > 5);
-    CHECK(forest_changes(w.forest).everything);
-    CHECK(forest_check(w.forest, NULL) && equals_scratch(&w));
-    CHECK(revert(w.forest, NULL) == OK);
+    CHECK(looks > 5 && forest_changes(w.forest).everything);
+    CHECK(forest_check(w.forest, NULL) && equals_scratch(&w) && revert(w.forest, NULL) == OK);
     is_as_before(&w, before);
 }
 
@@ -361,8 +355,7 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
                 is_as_before(&w, before);
             }
         }
-        CHECK(equals_scratch(&w));
-        CHECK(revert(w.forest, NULL) == OK);
+        CHECK(equals_scratch(&w) && revert(w.forest, NULL) == OK);
         is_as_before(&w, before);
         free(batch);
     }

@@ -264,8 +264,7 @@ STORY(letters_tell_axes_and_no_place)
     for (unsigned i = 0; i < 48; i++) {
         begin();
         read_it();
-        CHECK(geometry_orient(&geometry, towards(i)));
-        CHECK(runs_towards(towards(i)));
+        CHECK(geometry_orient(&geometry, towards(i)) && runs_towards(towards(i)));
         CHECK_INT(geometry.orientation, ORIENTATION_TOLD);
         CHECK(!geometry_has_place(&geometry) && geometry_step_mm(&geometry, 1) == 1.5);
     }
@@ -313,8 +312,7 @@ STORY(a_derived_grid_has_spacing_that_can_be_told)
     geometry.spacing_nm[2] = 2500000000;
     const struct geometry before = geometry;
     CHECK(!geometry_derive(&geometry, first, two));
-    CHECK(memcmp(&before, &geometry, sizeof before) == 0);
-    CHECK(geometry_derive(&geometry, first, one));
+    CHECK(memcmp(&before, &geometry, sizeof before) == 0 && geometry_derive(&geometry, first, one));
     CHECK(geometry_derive(&geometry, first, (const double[3]){0.5, 1, 1.6}));
     CHECK_INT(geometry.spacing_nm[0], 1);
     CHECK_INT(geometry.spacing_nm[2], 4000000000);

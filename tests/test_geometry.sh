@@ -29,11 +29,8 @@ expect 0 "$iftty" run unplaced.txt
 grep -v 'if you know towards which\|^ok ' "$work/out" | sed 's/background//' >answers
 grep -E "$sides|[0-9] mm| ml" answers >named && fail "$(cat named)"
 out_has "orientation unknown: no picture or answer names a side of the patient"
-out_has "voxels of unknown size, orientation unknown"
-out_has "lengths and volumes are in voxels"
-out_has "up; orientation unknown"
-out_has "all but z slices 3-9"
-out_has "through 12,10,8: z 8, y 10, x 12; "
+out_has "voxels of unknown size, orientation unknown" "lengths and volumes are in voxels"
+out_has "up; orientation unknown" "all but z slices 3-9" "through 12,10,8: z 8, y 10, x 12; "
 expect_err "expected z slices A-B within 0-15" 2 "$iftty" -c 'open unplaced.nii.gz; clip axial'
 grep -qE "$sides" "$work/err" && fail "$(cat "$work/err")"
 
@@ -67,7 +64,7 @@ expect 0 "$iftty" info tilted.nii
 sed -n 's/^note *//p' "$work/out" >noted
 same_files said noted
 expect 0 "$iftty" info --json tilted.nii
-same "$(python3 -c 'import json, sys; print(*json.load(sys.stdin)["open_notes"], sep="\n")' \
+same "$("$PYTHON" -c 'import json, sys; print(*json.load(sys.stdin)["open_notes"], sep="\n")' \
     <"$work/out")" "$(cat said)"
 ! grep -q 'oblique\|come after' plain || fail "$(cat plain)"
 
@@ -89,16 +86,13 @@ begin "an sform and a qform that contradict each other are chosen between"
 expect 0 "$iftty" -c 'open contrary.nii.gz; info; orient sform; info; orient qform; info' \
     --journal chosen.iftty
 out_has "axes towards LAS by the sform, RAS by the qform"
-out_has "\`orient sform\` or \`orient qform\` decides"
-out_has "2 mm, orientation unknown"
-out_has "2 mm, axes towards LAS,"
-out_has "2 mm, axes towards RAS,"
+out_has "\`orient sform\` or \`orient qform\` decides" "2 mm, orientation unknown"
+out_has "2 mm, axes towards LAS," "2 mm, axes towards RAS,"
 expect 0 "$iftty" verify chosen.iftty
 refuses "the position of this scene in the world is unknown" 'open contrary.nii.gz; seed 12,4,9mm 1'
 expect 0 "$iftty" -c 'open contrary.nii.gz; orient sform; seed 12,4,9mm 1; orient qform
     seed 5,6,9mm 1'
-out_has "seed 8,8,1 1"
-out_has "seed 8,4,2 1"
+out_has "seed 8,8,1 1" "seed 8,4,2 1"
 
 begin "maps of a scene without orientation have no orientation"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii empty=yes; orient LPI

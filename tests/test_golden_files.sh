@@ -337,7 +337,7 @@ END
 cp j.golden/first.exr kept.exr
 for way in none half eye colour layer part preview shown place screen aspect camera none-of-it \
     lines text number twice again hidden less long after between within order giant; do
-    /usr/bin/python3 forge.py $way kept.exr j.golden/first.exr || fail "$way"
+    "$PYTHON" forge.py $way kept.exr j.golden/first.exr || fail "$way"
     wanted=1
     [ $way != none ] || wanted=0
     expect $wanted "$iftty" verify j.iftty || fail "$way"
@@ -348,13 +348,13 @@ out_has "the sizes differ: it is 16384x16384 pixels, and 40x30 are drawn"
 cp kept.exr j.golden/first.exr
 "$iftty" -c 'open s.nii; size 40 30; golden slice of=axial' --journal slice.iftty >/dev/null
 cp slice.golden/slice.exr side.exr
-/usr/bin/python3 forge.py context side.exr slice.golden/slice.exr
+"$PYTHON" forge.py context side.exr slice.golden/slice.exr
 expect 1 "$iftty" verify slice.iftty
 out_has "its note iftty:context is all is well, which is no note of the new picture"
 
 begin "a PNG with bytes or texts that are not compared fails"
 png() { # WAY
-    /usr/bin/python3 - "$1" <<'END'
+    "$PYTHON" - "$1" <<'END'
 import re, struct, sys, zlib
 png, way, at, part = open("kept.png", "rb").read(), sys.argv[1], 8, []
 while at < len(png):
@@ -399,7 +399,7 @@ cp q.iftty f.iftty
 mkdir kept
 cp f.golden/* kept
 chain=$(tail -n 1 f.iftty | sed 's/.*chain=//')
-/usr/bin/python3 - "$chain" <<'END' # as if it had been killed instead of `golden last`
+"$PYTHON" - "$chain" <<'END' # as if it had been killed instead of `golden last`
 import sys, re
 exr = open("kept/side.exr", "rb").read()
 exr = re.sub(rb"(iftty:chain\0string\0....)[0-9a-f]{32}", rb"\g<1>" + sys.argv[1].encode(), exr,
@@ -412,7 +412,7 @@ rm f.golden/side.png
 expect_out "last.exr was ignored" 0 "$iftty" verify --strict f.iftty
 out_has "side.exr was ignored"
 for way in none half colour layer within after text giant; do
-    /usr/bin/python3 forge.py $way kept/last.exr f.golden/last.exr || fail "$way"
+    "$PYTHON" forge.py $way kept/last.exr f.golden/last.exr || fail "$way"
     wanted=1
     [ $way != none ] || wanted=0
     expect $wanted timeout 60 "$iftty" verify --limit-memory 300M --limit-time 50 f.iftty ||
@@ -430,7 +430,7 @@ expect 1 "$iftty" verify f.iftty
 cp kept/last.exr f.golden
 
 begin "leftovers are judged within the limits"
-/usr/bin/python3 forge.py colour kept/last.exr colour.exr
+"$PYTHON" forge.py colour kept/last.exr colour.exr
 mkdir many
 cp s.nii many
 cp f.iftty many
@@ -439,7 +439,7 @@ seq -f many/f.golden/l%g.exr 1000 | xargs -n 1 ln colour.exr
 expect_out "than the 0.5 s of --limit-time" 3 "$iftty" verify --limit-time 0.5 many/f.iftty
 rm many/f.golden/l*.exr
 cp f.golden/* many/f.golden
-/usr/bin/python3 forge.py wide j.golden/first.exr wide.exr # not drawn again: of another journal
+"$PYTHON" forge.py wide j.golden/first.exr wide.exr # not drawn again: of another journal
 seq -f many/f.golden/l%g.exr 3000 | xargs -n 1 ln wide.exr
 expect_out "than the 0.2 s of --limit-time" 3 "$iftty" verify --limit-time 0.2 many/f.iftty
 rm -r many

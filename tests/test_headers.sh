@@ -60,4 +60,4 @@ begin "VTK: any order of fields; cells, bits, fields and other grids are refused
 twins %.vtk plain turned aspect two
 as_said vtk
 
-finish
+finish_opened

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What an eliminator would remove, found without visiting the whole scene: compared with a visit of
- * every voxel, and with the effect of `remove`.
- */
+/* What an eliminator would remove, found without visiting the whole scene: compared with a visit of
+ * every voxel, and with the effect of `remove`. */
 #include "engine/way.h"
 #include "session/session.h"
 #include "tests/scene_main.h"

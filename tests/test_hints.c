@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Hints: worked by hand, compared with a plain search of all pairs, and as commands.
- */
+/* Hints: worked by hand, compared with a plain search of all pairs, and as commands. */
 #include <stdlib.h>
 
 #include "engine/hints.h"
@@ -81,8 +79,7 @@ STORY(a_way_leads_back_to_the_seed)
     CHECK_INT(way.edge, first + 2); /* the other 4 costs no more */
     CHECK(way_find(&way, w.forest, first + 7, NULL) == OK);
     CHECK_INT(way.edge, first + 5);
-    CHECK(way_find(&way, w.forest, first, NULL) == OK);
-    CHECK(way.count == 1 && way.edge == CELL_NONE);
+    CHECK(way_find(&way, w.forest, first, NULL) == OK && way.count == 1 && way.edge == CELL_NONE);
     way_release(&way);
     end_world();
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The history: undo and redo restore states exactly, branches stay separate, and a resumed session
- * equals the one that was left, whether its commands are carried out or only skimmed.
- */
+/* The history: undo and redo restore states exactly, branches stay separate, and a resumed session
+ * equals the one that was left, whether its commands are carried out or only skimmed. */
 #include <pthread.h>
 
 #include "command/execute.h"
@@ -451,8 +449,7 @@ STORY(what_is_shown_on_the_way_changes_nothing)
         if (check_failures > failures)
             printf("#   %s\n", line);
     }
-    CHECK(!*at);
-    CHECK(stopping.shows > 100);
+    CHECK(!*at && stopping.shows > 100);
 }
 
 STORY(a_scene_is_opened_and_interpolated_or_is_not)
@@ -489,8 +486,7 @@ static void has_same_history(const struct history *a, const struct history *b)
     CHECK(memcmp(a->branch, b->branch, a->branches * sizeof *a->branch) == 0);
     for (size_t i = 0; i < a->points; i++) {
         CHECK_TEXT(a->point[i].command, b->point[i].command);
-        CHECK(a->point[i].parent == b->point[i].parent);
-        CHECK(a->point[i].latest == b->point[i].latest);
+        CHECK(a->point[i].parent == b->point[i].parent && a->point[i].latest == b->point[i].latest);
         CHECK(a->point[i].seeds == b->point[i].seeds);
     }
 }
@@ -628,8 +624,7 @@ STORY(what_is_put_away_comes_back)
         CHECK(packed && packed_length(packed) == length);
         packed_release(packed_hold(packed));
         memset(back, 0, sizeof back);
-        CHECK(packed_take_out(packed, back, NULL, NULL) == OK);
-        CHECK(memcmp(bytes, back, length) == 0);
+        CHECK(packed_take_out(packed, back, NULL, NULL) == OK && memcmp(bytes, back, length) == 0);
         packed_release(packed);
     }
     for (unsigned few = 0; few < 2; few++) {

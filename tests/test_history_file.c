@@ -48,10 +48,7 @@ STORY(lines_are_appended_as_they_are_entered)
     *strrchr(path, '/') = '\0';
     CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0700);
     path[strlen(path)] = '/';
-    CHECK(enter(&h, "run"));
-    CHECK(!enter(&h, "run"));
-    CHECK(!enter(&h, " secret"));
-    CHECK(!enter(&h, ""));
+    CHECK(enter(&h, "run") && !enter(&h, "run") && !enter(&h, " secret") && !enter(&h, ""));
     CHECK_TEXT(content(), "seed 1,1,1 1\nrun\n");
     line_history_release(&h);
     CHECK(line_history_load(&h, path, &fault) == OK);
@@ -98,8 +95,7 @@ STORY(the_file_and_the_memory_are_bounded)
     CHECK(truncate(path, (off_t)1 << 40) == 0); /* a hole, of which only the end is read */
     CHECK(line_history_load(&h, path, &fault) == OK);
     CHECK_INT(h.count, 0);
-    CHECK(enter(&h, "after the hole"));
-    CHECK(strstr(content(), "after the hole\n") != NULL);
+    CHECK(enter(&h, "after the hole") && strstr(content(), "after the hole\n") != NULL);
     struct stat status;
     CHECK(stat(path, &status) == 0 && status.st_size <= LINE_HISTORY_BYTES_MOST);
     line_history_release(&h);
@@ -153,8 +149,7 @@ STORY(a_lock_that_is_never_given_back_delays_a_line_and_no_more)
     if (!CHECK(holder != NULL) || !CHECK(flock(fileno(holder), LOCK_EX) == 0))
         return;
     file_lines_patience_ms = 100;
-    CHECK(line_history_add(&h, "two", 3));
-    CHECK(file_lines_append(path, "two", 3, &fault) == OK);
+    CHECK(line_history_add(&h, "two", 3) && file_lines_append(path, "two", 3, &fault) == OK);
     CHECK_TEXT(content(), "one\ntwo\n");
     CHECK(file_lines_trim(path, 1, 100, &fault) == OK);
     CHECK_TEXT(content(), "one\ntwo\n");
@@ -188,8 +183,7 @@ STORY(a_line_is_not_lost_while_another_process_is_stopped_in_its_trimming)
     CHECK(file_lines_append(path, "four", 4, &fault) == OK);
     file_lines_patience_ms = patience_ms;
     CHECK_TEXT(content(), "one\ntwo\nthree\nfour\n");
-    CHECK(kill(child, SIGCONT) == 0);
-    CHECK(waitpid(child, &status, 0) == child && status == 0);
+    CHECK(kill(child, SIGCONT) == 0 && waitpid(child, &status, 0) == child && status == 0);
     CHECK_TEXT(content(), "two\nthree\nfour\n");
 }
 
@@ -203,8 +197,7 @@ static int replace_before_write(enum file_step step, const char *at)
     replacements--;
     snprintf(other, sizeof other, "%s.new", path);
     FILE *out = fopen(other, "we");
-    CHECK(out != NULL && fputs("new\n", out) >= 0 && fclose(out) == 0);
-    CHECK(rename(other, path) == 0);
+    CHECK(out != NULL && fputs("new\n", out) >= 0 && fclose(out) == 0 && rename(other, path) == 0);
     return 0;
 }
 

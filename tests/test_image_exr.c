@@ -273,8 +273,7 @@ static const char *refusal(const void *from, const void *to, size_t length)
     fault = (struct fault){0};
     CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
     patch(from, to, length);
-    CHECK(exr_read(&q, path, &fault) != OK);
-    CHECK(q.rgba == NULL && q.attributes == 0);
+    CHECK(exr_read(&q, path, &fault) != OK && q.rgba == NULL && q.attributes == 0);
     CHECK(strchr(fault.text, '\n') == NULL);
     picture_release(&p);
     picture_release(&q);

@@ -126,8 +126,7 @@ static const char *refusal_of(const char *path)
     static struct fault fault;
     struct volume v;
     fault = (struct fault){0};
-    CHECK(volume_read(&v, path, NULL, NULL, &fault) != OK);
-    CHECK(v.intensity == NULL && v.size[0] == 0);
+    CHECK(volume_read(&v, path, NULL, NULL, &fault) != OK && v.intensity == NULL && v.size[0] == 0);
     CHECK(strpbrk(fault.text, "\n\033") == NULL);
     volume_release(&v);
     return fault.text;
@@ -695,8 +694,7 @@ static void check_whole(int datatype, bool big, int64_t low, uint64_t range, uin
     const double step = v.geometry.slope;
     CHECK(v.is_coarse == (range > 65535) && (step == 1) == (range <= 65535));
     CHECK(v.is_coarse == (strstr(v.notes, "of them are one intensity\n") != NULL));
-    CHECK(v.geometry.intercept == (fits ? 0 : (double)low));
-    CHECK(step < 2 + (double)range / 65535);
+    CHECK(v.geometry.intercept == (fits ? 0 : (double)low) && step < 2 + (double)range / 65535);
     for (unsigned i = 0; i < VOXELS; i++) {
         const double is = v.intensity[i] * step + (fits ? -(double)low : 0);
         CHECK(fabs(is - (double)above[i]) <= (step == 1 ? 0 : step / 2 + (double)range * 1e-15));
@@ -860,8 +858,7 @@ static enum err write_sample(const char *path, const uint32_t size[3], const str
         path, mode,
         &(struct volume_map){size, g, type, "iftty \xc3\xa4", give_row, &asked, NULL, NULL}, NULL,
         fault);
-    CHECK(asked.in_order);
-    CHECK(err || asked.rows == (uint64_t)size[1] * size[2]);
+    CHECK(asked.in_order && (err || asked.rows == (uint64_t)size[1] * size[2]));
     return err;
 }
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Interpolation: by hand, and compared with a plain computation. tests/test_command.c and
- * tests/test_history.c show that it can be undone.
- */
+/* Interpolation: by hand, and compared with a plain computation. tests/test_command.c and
+ * tests/test_history.c show that it can be undone. */
 #include <stdlib.h>
 
 #include "session/session_inside.h"
@@ -124,8 +122,7 @@ STORY(geom_interpolated_is_what_opening_it_so_gives)
     static const unsigned doubled[] = {1, 2, 4};
     for (int i = 0; i < 3; i++) {
         struct session *opened, *session;
-        CHECK(session_new(&opened, NULL) == OK);
-        CHECK(session_open(opened, name[i], NULL, NULL) == OK);
+        CHECK(session_new(&opened, NULL) == OK && session_open(opened, name[i], NULL, NULL) == OK);
         begin(&session);
         CHECK(session_interpolate(session, doubled[i], NULL) == OK);
         CHECK(session->scene_digest == opened->scene_digest);
@@ -172,15 +169,13 @@ STORY(once_seeds_are_there_it_is_refused)
     CHECK(session_plant(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1, 1, 0,
                         NULL) == OK);
     CHECK(session_interpolate(session, 7, &fault) == ERR_USAGE);
-    CHECK_HAS(fault.text, "this one has 0 seeds and 1 waiting edit;");
-    CHECK(session_run(session, NULL) == OK);
-    CHECK(session_interpolate(session, 7, &fault) == ERR_USAGE);
-    CHECK_HAS(fault.text, "before its first seed, and this one has 1 seed and 0 waiting edits;");
+    CHECK_HAS(fault.text, "this one has 0 seeds and 1 pending edit;");
+    CHECK(session_run(session, NULL) == OK && session_interpolate(session, 7, &fault) == ERR_USAGE);
+    CHECK_HAS(fault.text, "before its first seed, and this one has 1 seed and 0 pending edits;");
     CHECK(session->scene_digest == digest && session->inside->former_scene.scene == NULL);
     CHECK(session_erase_trees(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1,
                               NULL) == OK);
-    CHECK(session_run(session, NULL) == OK);
-    CHECK(session_interpolate(session, 1, &fault) == OK);
+    CHECK(session_run(session, NULL) == OK && session_interpolate(session, 1, &fault) == OK);
     session_free(session);
 }
 

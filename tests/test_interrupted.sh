@@ -57,11 +57,9 @@ for made in $(seq 1 "$records"); do
         same_files again/k.iftty again/whole.iftty
         same "$(sed -n 's/^ok \([0-9]*\) .*/\1/p' out | tr '\n' ' ')" "$numbers"
         if [ "$made" = "$records" ]; then
-            err_has "k.iftty has all of "
-            err_has ", $records records: nothing is left to do"
+            err_has "k.iftty has all of " ", $records records: nothing is left to do"
         else
-            err_has "k.iftty has the lines before line "
-            err_has ", $made record"
+            err_has "k.iftty has the lines before line " ", $made record"
         fi
     done
 done
@@ -95,8 +93,7 @@ beginning() {
 }
 differs() { # WORDS: this line, and this record
     expect_in again 3 "$iftty" run other --journal k.iftty
-    err_has "$1"
-    err_has "the journal has another run, or was continued; nothing was added to it"
+    err_has "$1" "the journal has another run, or was continued; nothing was added to it"
     same "$(wc -l <err | tr -d ' ')" 1
     same_files again/k.iftty again/former
 }

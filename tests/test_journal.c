@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Records and walks in memory: what FORMAT.md says, what a cut, a flip and hostile bytes do.
- */
+/* Records and walks in memory: what FORMAT.md says, what a cut, a flip and hostile bytes do. */
 #include <nettle/sha2.h>
 #include <stdlib.h>
 
@@ -93,8 +91,7 @@ JOURNAL_STORY(what_is_encoded_is_walked)
 {
     OWNED(walk_release) struct walk walk;
     struct record record;
-    CHECK(walk_begin(&walk, journal.data, journal.length, NULL) == OK);
-    CHECK(walk.is_journal);
+    CHECK(walk_begin(&walk, journal.data, journal.length, NULL) == OK && walk.is_journal);
     CHECK_INT(walk.semantics, SEMANTICS);
     const size_t line[RECORDS] = {3, 5, 10, 12, 15};
     for (size_t i = 0; i < RECORDS; i++) {
@@ -346,8 +343,7 @@ STORY(a_script_is_walked_too)
         const char *command;
         size_t line, offset;
     } expected[] = {{"open ch2.nii", 3, 0}, {"seed 1,2,3 4", 4, 25}, {"run", 7, 40}};
-    CHECK(walk_begin(&walk, text, sizeof text - 1, NULL) == OK);
-    CHECK(!walk.is_journal);
+    CHECK(walk_begin(&walk, text, sizeof text - 1, NULL) == OK && !walk.is_journal);
     for (size_t i = 0; i < 3; i++) {
         CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
         CHECK_TEXT(record.command, expected[i].command);

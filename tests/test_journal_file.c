@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The journal as a file: failing writes and syncs, short writes, power loss.
- */
+/* The journal as a file: failing writes and syncs, short writes, power loss. */
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -108,8 +106,7 @@ STORY(a_refused_command_changes_nothing)
     CHECK_HAS(fault.text, "not recorded: ");
     CHECK(strchr(fault.text, '\x1b') == NULL);
     CHECK(journal_append(journal, "run", "not words", NULL) == ERR_INPUT);
-    CHECK(journal_comment(journal, "no comment", NULL) == ERR_INPUT);
-    CHECK(journal_audit(journal));
+    CHECK(journal_comment(journal, "no comment", NULL) == ERR_INPUT && journal_audit(journal));
     CHECK(append(journal, 3, NULL) == OK);
     journal_close(journal);
     journal_close(reopen(path, 3, NULL));
@@ -186,8 +183,7 @@ STORY(damage_is_refused_and_cut_only_on_request)
     put(path, bytes.data, bytes.length);
     size_t count = 0;
     struct journal_resume resume = {.semantics = 1, .on_record = count_record, .context = &count};
-    CHECK(journal_open(&journal, path, &resume, &notice, &fault) == ERR_INPUT);
-    CHECK(journal == NULL);
+    CHECK(journal_open(&journal, path, &resume, &notice, &fault) == ERR_INPUT && journal == NULL);
     CHECK_INT(count, 0); /* nothing was carried out for a journal that cannot be continued */
     char where[64];
     snprintf(where, sizeof where, "record 3 (line 7, from byte %td)", third - bytes.data);
@@ -396,13 +392,11 @@ STORY(nothing_follows_an_append_that_could_not_be_taken_back)
     make(path, 1);
     struct journal *journal = reopen(path, 1, NULL);
     fail_after(1, true, EIO); /* the write succeeds, its sync and that of the cut fail */
-    CHECK(append(journal, 2, &fault) == ERR_IO);
-    CHECK(append(journal, 2, &fault) == ERR_IO);
+    CHECK(append(journal, 2, &fault) == ERR_IO && append(journal, 2, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "not repaired yet");
     CHECK_INT(journal_count(journal), 1);
     file_step_hook = NULL;
-    CHECK(append(journal, 2, &fault) == OK);
-    CHECK(journal_audit(journal));
+    CHECK(append(journal, 2, &fault) == OK && journal_audit(journal));
     journal_close(journal);
     journal_close(reopen(path, 2, NULL));
 }
@@ -426,8 +420,7 @@ STORY(a_short_write_is_taken_back)
               ERR_IO);
         CHECK_HAS(fault.text, strerror(EFBIG));
         setrlimit(RLIMIT_FSIZE, &former);
-        CHECK(is_file_of(path, before.data, before.length));
-        CHECK(journal_audit(journal));
+        CHECK(is_file_of(path, before.data, before.length) && journal_audit(journal));
     }
     signal(SIGXFSZ, handler);
     CHECK(append(journal, 3, NULL) == OK);
@@ -486,8 +479,7 @@ STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
             deaths += WIFEXITED(status) && WEXITSTATUS(status) == 7;
             enum walk_step over;
             const size_t records = records_in(path, &over);
-            CHECK(over == WALK_END || over == WALK_TORN);
-            CHECK(records >= 2);
+            CHECK((over == WALK_END || over == WALK_TORN) && records >= 2);
             torn += over == WALK_TORN;
             journal_close(reopen(path, records, &notice));
             CHECK(notice.length == 0 || strstr(notice.data, "torn"));

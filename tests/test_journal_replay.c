@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Replay with a host that is not a session at all, and golden images of a few pixels.
- */
+/* Replay with a host that is not a session at all, and golden images of a few pixels. */
 #include <stdlib.h>
 
 #include "base/buf.h"
@@ -377,24 +375,20 @@ GOLDEN_STORY(depths_are_compared_as_bits)
     const uint32_t bits = 0x7fc00000;
     memcpy(&nan.depth[2], &bits, sizeof bits);
     const struct golden_planes a = planes(&nan), b = planes(&nan);
-    CHECK(compare_planes(&a, &b) == OK);
-    CHECK(d.is_same);
+    CHECK(compare_planes(&a, &b) == OK && d.is_same);
 }
 
 GOLDEN_STORY(another_size_or_a_missing_plane_is_told)
 {
     struct golden_planes a = planes(&plain), b = planes(&plain);
     b.width--;
-    CHECK(compare_planes(&a, &b) == OK);
-    CHECK(d.shape_differs && !d.is_same && !d.image);
+    CHECK(compare_planes(&a, &b) == OK && d.shape_differs && !d.is_same && !d.image);
     CHECK_HAS(buf_text(&words), "sizes");
     b = planes(&plain);
     b.plane[GOLDEN_VOXEL] = NULL;
-    CHECK(compare_planes(&a, &b) == OK);
-    CHECK(d.shape_differs);
+    CHECK(compare_planes(&a, &b) == OK && d.shape_differs);
     a.plane[GOLDEN_VOXEL] = NULL; /* missing in both is fine */
-    CHECK(compare_planes(&a, &b) == OK);
-    CHECK(d.is_same);
+    CHECK(compare_planes(&a, &b) == OK && d.is_same);
     a = b = (struct golden_planes){.width = UINT32_MAX, .height = UINT32_MAX};
     CHECK(compare_planes(&a, &b) == ERR_MEMORY);
 }

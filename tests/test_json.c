@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The JSON writer, compared with texts written by hand; and arenas of buffers.
- */
+/* The JSON writer, compared with texts written by hand; and arenas of buffers. */
 #include <math.h>
 
 #include "base/file.h"

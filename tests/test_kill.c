@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * kill -9 at random moments of the real program, under load: whatever it acknowledged is in the
+/* kill -9 at random moments of the real program, under load: whatever it acknowledged is in the
  * journal, which goes on where it was.
  *
  * Commands are fed as fast as the program takes them, golden images, maps and renditions too; two
  * sessions are at work at a time, so that they are in each other's way. Each round kills one at a
  * random moment, compares what it said with what its journal holds, and goes on in the same
  * journal, now and then in a new one; the way of syncing changes from round to round.
- * IFTTY_TEST_SCALE=10 makes 500 rounds of 25.
- */
+ * IFTTY_TEST_SCALE=10 makes 500 rounds of 25. */
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -184,8 +182,7 @@ static size_t compare(const struct victim *v, size_t *acknowledged)
     size_t more = 0;
     while (walk_next_sound(&walk, &record) == WALK_RECORD)
         more++;
-    CHECK(walk.over != WALK_DAMAGED);
-    CHECK(more <= 1);
+    CHECK(walk.over != WALK_DAMAGED && more <= 1);
     walk_release(&walk);
     buf_release(&bytes);
     return records + more;

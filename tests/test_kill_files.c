@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A session that is killed at each step of the commands that write files: golden images,
+/* A session that is killed at each step of the commands that write files: golden images,
  * renditions, turntables, maps, surfaces and reports.
  *
  * A child carries out a list of commands, and is killed before step N of the file layer, for every
@@ -8,8 +7,7 @@
  * each of the writes of a file too. What it leaves has to be: a journal with every command that was
  * acknowledged, which verifies as it is; files that are whole, or not there; after the journal is
  * continued, a golden image for each record of one, no other, and no draft; and the rest of the
- * commands can be carried out, golden images from another view too.
- */
+ * commands can be carried out, golden images from another view too. */
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -131,8 +129,7 @@ static bool kill_at(unsigned step, unsigned *acknowledged)
         ++*acknowledged;
     close(ends[0]);
     waitpid(child, &status, 0);
-    CHECK(await_orphans());
-    CHECK(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
+    CHECK(await_orphans() && (WIFSIGNALED(status) || WEXITSTATUS(status) == 0));
     return WIFSIGNALED(status);
 }
 
@@ -266,8 +263,7 @@ static void continue_after(unsigned acknowledged, bool goes_on)
     if (CHECK(interpreter_resume_journal(&interp, "j.iftty", &told, &fault) == OK)) {
         const size_t records = interp.history.records,
                      before = acknowledged ? (size_t)records_after[acknowledged - 1] : 0;
-        CHECK(records == before || records == before + 1);
-        CHECK(chdir("..") == 0);
+        CHECK((records == before || records == before + 1) && chdir("..") == 0);
         CHECK_INT(look_through("") + look_through("j.golden/"), 0);
         has_goldens();
         CHECK(chdir(HERE) == 0);

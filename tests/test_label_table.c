@@ -330,8 +330,7 @@ STORY(what_is_written_is_read_again)
     CHECK_TEXT(written_for("b.nii.txt", &text, TABLE_MRICRON),
                "1 left_hemi\n2 spleen\n3 Label_3\n");
     written_for("b.lut", &text, TABLE_LUT);
-    CHECK(text.length == 768 && text.data[256 + 2] == 5);
-    CHECK(!label_table_ending("b.nii", &format));
+    CHECK(text.length == 768 && text.data[256 + 2] == 5 && !label_table_ending("b.nii", &format));
 }
 
 STORY(memory_that_runs_out_is_an_error)

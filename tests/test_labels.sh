@@ -12,8 +12,7 @@ make_scene s.nii 24 20 16
 begin "the labels are copied next to the journal, and the command names the copy"
 expect 0 "$iftty" -c 'open s.nii; labels model.nii erode=1; run; save labels one.nii' \
     --journal a.iftty
-out_has "label 1: 1 marker"
-out_has "copied to a.golden/labels-"
+out_has "label 1: 1 marker" "copied to a.golden/labels-"
 grep -qE '^labels model.nii erode=1 copy=[0-9a-f]{32}$' a.iftty || fail "$(cat a.iftty)"
 digest=$(sed -nE 's/^labels .* copy=//p' a.iftty)
 [ -f "a.golden/labels-$digest.nii.gz" ] || fail "$(ls a.golden)"
@@ -79,8 +78,7 @@ done
 "$iftty" -c "open s.nii; $seeds; run; save labels atlas.nii" >/dev/null || fail "cannot segment"
 expect 0 "$iftty" -c 'open s.nii; label 20 cortex; labels atlas.nii erode=0; run; stats' \
     --journal atlas.iftty
-out_has "atlas.nii: 19 labels and the background, 21 markers, "
-out_has "label 20 cortex: 2 markers"
+out_has "atlas.nii: 19 labels and the background, 21 markers, " "label 20 cortex: 2 markers"
 out_has "10 more labels, of as many markers or fewer; after \`run\`, \`stats\` lists all"
 same "$(grep -c '^ *label [0-9a-z ]*: [12] marker' "$work/out")" 10
 same "$(grep -c '^ *label .*seeds\?, ' "$work/out")" 20
@@ -122,9 +120,7 @@ rm model.nii
 begin "a copy that was changed is not believed, nor a digest that leads elsewhere"
 mkdir a.golden
 first=$(ls copies | head -n 1)
-for copy in $(ls copies); do
-    cp "copies/$first" "a.golden/$copy"
-done
+for copy in $(ls copies); do cp "copies/$first" "a.golden/$copy"; done
 expect_out "holds labels other than recorded" 3 "$iftty" verify a.iftty
 printf 'open s.nii\nlabels x.nii copy=../../../../../../etc/passwd00000000000\n' >script
 expect_err "expected 32 digits" 2 "$iftty" run script

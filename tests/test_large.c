@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Scenes of any size: what is refused before memory is allocated, the synthetic scene at every
+/* Scenes of any size: what is refused before memory is allocated, the synthetic scene at every
  * size, the watch over long work, and the line that shows progress. tests/test_large.sh tests the
- * program.
- */
+ * program. */
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -125,8 +123,7 @@ STORY(geom_of_another_size_shows_the_same_solids)
     CHECK_INT(scene->grid.voxels, 77 * 130 * 3);
     uint64_t digest = scene_digest(scene);
     scene_free(scene);
-    CHECK(scene_new_geom_of(&scene, odd, NULL, NULL) == OK);
-    CHECK(scene_digest(scene) == digest);
+    CHECK(scene_new_geom_of(&scene, odd, NULL, NULL) == OK && scene_digest(scene) == digest);
     scene_free(scene);
     scene_free(base);
 }
@@ -168,8 +165,7 @@ STORY(a_task_is_looked_at_now_and_then_and_stays_stopped)
     seen.stop_at = 100;
     CHECK(!task_advance(&task, 1)); /* W1 */
     struct task next = task_begin(&watch, "more work", 2 * TASK_STEP);
-    CHECK(task_advance(&next, 1));
-    CHECK(!task_advance(&next, TASK_STEP));
+    CHECK(task_advance(&next, 1) && !task_advance(&next, TASK_STEP));
     CHECK(watch_stops(&watch) && watch_fault(&watch, NULL) == ERR_CANCELLED);
     seen.looks = 0;
     seen.stop_at = 1;

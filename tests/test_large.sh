@@ -60,7 +60,7 @@ elif needs python3; then
         printf '%s\n' 'size 256 256' render info
     }
     peak() { # of the script
-        python3 -c 'import resource, subprocess, sys
+        "$PYTHON" -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], stdout=open("out", "w"), stderr=subprocess.DEVNULL, check=True)
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script
     }
@@ -83,25 +83,23 @@ fi
 begin "a turntable of large pictures needs less than 14 bytes per pixel in addition to its session"
 # 4 for the picture, 5 for the rows of samples that two threads draw; its maps would take 25 more.
 # The image helper, whose libraries hold more than that, has no part in a verification.
-if needs python3; then
-    head='open synth:geom:40x40x40
+head='open synth:geom:40x40x40
 seed 20,20,20 1 radius=4
 seed 1,1,1 0
 run
 zoom 8'
-    printf '%s\n' "$head" >without
-    printf '%s\n' "$head" 'samples 4' 'size 2048 2048' 'spin 2 held%d.png' >with
-    for each in without with; do
-        expect 0 "$iftty" run $each --journal $each.iftty
-        set -- "$iftty" verify $each.iftty
-        python3 -c 'import resource, subprocess, sys
+printf '%s\n' "$head" >without
+printf '%s\n' "$head" 'samples 4' 'size 2048 2048' 'spin 2 held%d.png' >with
+for each in without with; do
+    expect 0 "$iftty" run $each --journal $each.iftty
+    set -- "$iftty" verify $each.iftty
+    "$PYTHON" -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True, env={"IFTTY_THREADS": "2"})
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$@" >peak.$each
-    done
-    held=$(($(cat peak.with) - $(cat peak.without)))
-    [ "$held" -lt $((14 * 2048 * 2048)) ] || is_sanitised || fail "$held bytes"
-    rm -f held?.png
-fi
+done
+held=$(($(cat peak.with) - $(cat peak.without)))
+[ "$held" -lt $((14 * 2048 * 2048)) ] || is_sanitised || fail "$held bytes"
+rm -f held?.png
 
 begin "progress is shown on a terminal, and erased afterwards"
 if needs script; then

@@ -140,8 +140,7 @@ STORY(in_whatever_order_layers_are_put_they_are_the_same)
     OWNED(rendition_release) struct rendition r;
     CHECK(stage_init(&s, (uint32_t[]){2, 2, 2}, 6, NULL) == OK);
     s.border.opacity[1] = 50;
-    CHECK(rendition_init(&r, 8, 8, NULL) == OK);
-    CHECK(layers_attach(&one, &r, &s.border, NULL) == OK);
+    CHECK(rendition_init(&r, 8, 8, NULL) == OK && layers_attach(&one, &r, &s.border, NULL) == OK);
     CHECK(layers_attach(&other, &r, &s.border, NULL) == OK);
     for (int round = 0; round < 2000; round++) {
         struct layer put[PUTS];

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Levels: numbers as users write them; which scale real and wide whole numbers get, against the
- * rule read plainly off sorted numbers; ranges, against the numbers of the file.
- */
+/* Levels: numbers as users write them; which scale real and wide whole numbers get, against the
+ * rule read plainly off sorted numbers; ranges, against the numbers of the file. */
 #include "tests/check_main.h"
 
 #include <math.h>
@@ -62,8 +60,7 @@ STORY(a_number_is_taken_as_it_is_written_and_written_one_way)
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         const struct decimal d = decimal(row[i].text), again = decimal(row[i].written);
         CHECK_TEXT(written(&d), row[i].written);
-        CHECK(memcmp(&d, &again, sizeof d) == 0);
-        CHECK(decimal_value(&d) == row[i].value);
+        CHECK(memcmp(&d, &again, sizeof d) == 0 && decimal_value(&d) == row[i].value);
     }
     static const char *const wrong[] = {"",      "-",      ".5",    "+5",  "e5",
                                         "1e400", "1e-400", "1e309", "nan", "99999999999999999999"};
@@ -354,8 +351,7 @@ STORY(the_scale_of_a_map_is_from_the_least_to_the_greatest)
         const double range = s.high > s.low ? s.high - s.low : 1;
         for (size_t k = 0; k < count; k++)
             stands &= v.intensity[k] == (uint16_t)((number[k] - s.low) / range * 65535 + 0.5);
-        CHECK(are_whole || (stands && v.geometry.intercept == s.low));
-        CHECK(!v.levels);
+        CHECK((are_whole || (stands && v.geometry.intercept == s.low)) && !v.levels);
     }
 }
 
@@ -369,8 +365,7 @@ STORY(one_voxel_far_off_takes_no_levels_from_the_others)
             number[k] = k / 2000.0;
         number[77] = far[i];
         OWNED(volume_release) struct volume v = make(VOXEL_FLOAT32, 2000, 1, false);
-        CHECK(v.levels && v.levels->step < 1e-4);
-        CHECK(fabs(value_of(&v, 1574) - 0.787) < 1e-4);
+        CHECK(v.levels && v.levels->step < 1e-4 && fabs(value_of(&v, 1574) - 0.787) < 1e-4);
         CHECK_INT(v.intensity[77], far[i] < 0 ? 0 : 65535);
         CHECK_HAS(v.notes, far[i] < 0 ? "1 voxel below and 0 above are clamped to its ends\n"
                                       : "0 voxels below and 1 above are clamped to its ends\n");

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Markers compared with a plain model, which carries out in order the commands of all active
+/* Markers compared with a plain model, which carries out in order the commands of all active
  * markers. Each writes its label over the existing ones. A marker that yields does not write where
  * a later active marker of another label, with a voxel in its component, needs the voxel to be
  * free; it does write where its component continues next to such a voxel, inside the region of
- * interest of that moment.
- */
+ * interest of that moment. */
 #include <stdlib.h>
 
 #include "session/markers.h"

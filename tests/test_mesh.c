@@ -327,8 +327,7 @@ STORY(a_mesh_keeps_little_of_what_making_it_takes)
         if (s.mesh.brick[i])
             bricks += s.mesh.brick[i]->vertices * sizeof *s.mesh.brick[i]->vertex +
                       s.mesh.brick[i]->quads * sizeof *s.mesh.brick[i]->quad;
-    CHECK(bricks > MESH_SCRATCH_MOST);
-    CHECK(mesh_bytes(&s.mesh) <= bricks + MESH_SCRATCH_MOST + TABLES);
+    CHECK(bricks > MESH_SCRATCH_MOST && mesh_bytes(&s.mesh) <= bricks + MESH_SCRATCH_MOST + TABLES);
 }
 
 /* ---- updates that fail ---- */

@@ -61,9 +61,7 @@ copy_tree() {
     mkdir -p "$work/tree/build"
     cp -a Makefile .ci src journal render tui tests "$work/tree/"
     cp -a build/.packages "$work/tree/build/"
-    for part in src journal render tui; do
-        cp -a "$build/$part" "$work/tree/build/"
-    done
+    for part in src journal render tui; do cp -a "$build/$part" "$work/tree/build/"; done
 }
 
 # Verifies the examples that need no file; the paths of the copy are not those of the program.

@@ -61,9 +61,7 @@ for name in plain gzip hex dots series; do
             cmp -s - "$work/space" || fail "$file: $(cat "$work/space")"
     done
 done
-for file in las/plain.nrrd las/gzip.nrrd; do
-    expect_out "axes      LAS" 0 "$alone" info $file
-done
+for file in las/plain.nrrd las/gzip.nrrd; do expect_out "axes      LAS" 0 "$alone" info $file; done
 
 begin "a file of uncertain orientation has no named sides, and this is reported"
 for name in none nan words; do

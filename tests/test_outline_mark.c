@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Outlines drawn and outlines found: pixels of panes compared with a plain list of voxels, and the
- * outline that is found for a correction; pixels of the rendition's pane.
- */
+/* Outlines drawn and outlines found: pixels of panes compared with a plain list of voxels, and the
+ * outline that is found for a correction; pixels of the rendition's pane. */
 #include "program/programs.h"
 #include "session/paint.h"
 #include "program/panes.h"

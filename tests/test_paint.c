@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Painting, against plain models that examine every voxel. Places are random, and grids small
- * enough for their edges to matter.
- */
+/* Painting, against plain models that examine every voxel. Places are random, and grids small
+ * enough for their edges to matter. */
 #include <stdlib.h>
 
 #include "base/polyline.h"
@@ -177,8 +175,7 @@ STORY(a_way_of_small_steps_is_one_and_a_way_back_is_another)
     OWNED(polyline_release) struct polyline line = {0};
     for (uint32_t i = 0; i < 40; i++)
         CHECK(polyline_add(&line, (uint32_t[]){i + 3, (i + 1) / 3, 7}));
-    CHECK(line.count > 20);
-    CHECK(polyline_add(&line, (uint32_t[]){3, 2, 7}));
+    CHECK(line.count > 20 && polyline_add(&line, (uint32_t[]){3, 2, 7}));
     polyline_simplify(&line);
     CHECK(line.count == 3 && line.corner[1][0] == 42 && line.corner[2][0] == 3);
 }
@@ -235,8 +232,7 @@ STORY(a_shell_is_what_of_a_ball_has_a_neighbour_outside)
                    is_in_shell((const int64_t[]){x, y, z}, centre, unit, radius, &adjacency));
         CHECK(brush_init(&brush, unit, radius, BRUSH_HOLLOW_REACH_MOST, NULL) == OK);
         CHECK(brush_hollow(&brush, adjacency.count, NULL) == OK);
-        CHECK(paint_shell(&voxels, &grid, &brush, middle, NULL, NULL) == OK);
-        CHECK(are_wanted(&voxels));
+        CHECK(paint_shell(&voxels, &grid, &brush, middle, NULL, NULL) == OK && are_wanted(&voxels));
     }
 }
 
@@ -249,16 +245,14 @@ STORY(a_box_is_all_between_two_corners_and_its_faces_are_what_a_smaller_one_leav
         random_place(a);
         random_place(b);
         model_box(wanted, &grid, a, b);
-        CHECK(paint_box(&voxels, &grid, a, b, false, NULL, NULL) == OK);
-        CHECK(are_wanted(&voxels));
+        CHECK(paint_box(&voxels, &grid, a, b, false, NULL, NULL) == OK && are_wanted(&voxels));
         memset(wanted, 0, sizeof wanted);
         bool *covers = wanted;
         EACH_VOXEL(&grid, is_between(a[0], x, b[0]) && is_between(a[1], y, b[1]) &&
                               is_between(a[2], z, b[2]) &&
                               (x == a[0] || x == b[0] || y == a[1] || y == b[1] || z == a[2] ||
                                z == b[2]));
-        CHECK(paint_box(&voxels, &grid, a, b, true, NULL, NULL) == OK);
-        CHECK(are_wanted(&voxels));
+        CHECK(paint_box(&voxels, &grid, a, b, true, NULL, NULL) == OK && are_wanted(&voxels));
     }
 }
 
@@ -322,8 +316,7 @@ static unsigned paint_all(struct watch *watch, enum err expected)
         err = paint_stroke(&voxels, &grid, &brush, corner, 4, watch, NULL);
     brush_release(&brush);
     for (int i = 0; i < 4; i++) {
-        CHECK(err == OK || err == expected);
-        CHECK((err == OK) == (voxels.count > 0));
+        CHECK((err == OK || err == expected) && (err == OK) == (voxels.count > 0));
         failed += err != OK;
         voxels_release(&voxels);
         if (i == 0)

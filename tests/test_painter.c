@@ -363,8 +363,7 @@ static void begin_painter(const struct graphics *graphics, uint32_t width, uint3
 static size_t show(const struct image_view *view)
 {
     struct buf out = {0};
-    CHECK(painter_show(&painter, view, &out));
-    CHECK(screen_feed(&out));
+    CHECK(painter_show(&painter, view, &out) && screen_feed(&out));
     const size_t bytes = out.length;
     buf_release(&out);
     return bytes;
@@ -511,8 +510,7 @@ STORY(a_large_patch_for_kitty_goes_in_chunks)
         for (size_t x = 20; x < 150; x++)
             pixels[4 * (y * 320 + x)] = (uint8_t)check_random(&seed);
     screen.kitty.chunks = 0;
-    CHECK(show_right(&view) > 8192);
-    CHECK(screen.kitty.chunks > 2);
+    CHECK(show_right(&view) > 8192 && screen.kitty.chunks > 2);
     CHECK_INT(screen.kitty.picture[0].png.width, 320); /* it is the same one, changed */
 }
 
@@ -581,8 +579,7 @@ STORY(without_frame_edits_tiles_are_laid_over_tiles)
         if (i % 40 == 0)
             CHECK_INT(wrong_pixels(&view), 0);
     }
-    CHECK(most <= 8 * 4 * 320 * 320);
-    CHECK(wholes < 40);
+    CHECK(most <= 8 * 4 * 320 * 320 && wholes < 40);
 }
 
 /* ---- slices that live in the terminal ---- */
@@ -614,8 +611,7 @@ static size_t show_kept(struct image_view *view, size_t budget)
 {
     struct buf out = {0};
     painter_keep(&painter, view, budget, &out);
-    CHECK(painter_show(&painter, view, &out));
-    CHECK(screen_feed(&out));
+    CHECK(painter_show(&painter, view, &out) && screen_feed(&out));
     const size_t bytes = out.length;
     buf_release(&out);
     return bytes;
@@ -985,8 +981,7 @@ STORY(shades_of_told_hues_are_near_what_was_asked_for)
     struct image_view view = picture(300, 300);
     view.hues = 2;
     fill_all(&view, &seed);
-    CHECK(shades_choose(&s, &view));
-    CHECK(!s.is_exact);
+    CHECK(shades_choose(&s, &view) && !s.is_exact);
     CHECK_INT(shades_shown(&s, 0), 0);
     for (uint32_t light = 0; light <= 255; light++)
         for (unsigned h = 0; h < 2; h++) {
@@ -1004,8 +999,7 @@ STORY(what_is_drawn_over_slices_keeps_its_colour)
     view.hues = 0;
     for (size_t i = 0; i < 256 * 256; i++) /* no two rows of greys alike, so they are too many */
         put(i, (uint32_t)((i & 255) * 0x010100 + ((i ^ (i >> 15)) & 255)));
-    CHECK(shades_choose(&s, &view));
-    CHECK(!s.is_exact);
+    CHECK(shades_choose(&s, &view) && !s.is_exact);
     CHECK_INT(shades_shown(&s, 0xFFDC00), 0xFFDC00);
     for (uint32_t grey = 0; grey < 256; grey++)
         CHECK(channel_distance(shades_shown(&s, grey * 0x010101), grey * 0x010101) <= 3);
@@ -1068,8 +1062,7 @@ STORY(hundreds_of_hues_share_the_palette)
     view.hues = SHADES_HUES_MOST;
     for (size_t i = 0; i < 256 * 256; i++)
         put(i, lit(many[i / 256], 192 + (uint32_t)i % 64));
-    CHECK(shades_choose(&s, &view));
-    CHECK(!s.is_exact && s.count <= SHADES_MOST);
+    CHECK(shades_choose(&s, &view) && !s.is_exact && s.count <= SHADES_MOST);
     for (unsigned i = 0; i < SHADES_HUES_MOST; i++)
         CHECK(channel_distance(shades_shown(&s, many[i]), many[i]) <= 45);
 }

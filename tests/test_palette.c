@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Colours of labels: distinct, far apart, and different from grey and from the marks drawn over
+/* Colours of labels: distinct, far apart, and different from grey and from the marks drawn over
  * slices, also for people without one kind of cone. render/palette.h defines the measure of
- * distances.
- */
+ * distances. */
 #include "tests/check_main.h"
 
 #include <math.h>

@@ -52,7 +52,7 @@ done
 
 # place FILE X: its first voxel lies at X,0,0 mm
 place() {
-    python3 - "$1" "$2" <<'END'
+    "$PYTHON" - "$1" "$2" <<'END'
 import struct, sys
 with open(sys.argv[1], 'r+b') as f:
     f.seek(254)

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Picking a pixel: its voxel, label and position, and the distance from the border of its object,
- * against a search of the whole scene.
- */
+/* Picking a pixel: its voxel, label and position, and the distance from the border of its object,
+ * against a search of the whole scene. */
 #include "tests/check_main.h"
 #include "interpreting.h"
 

@@ -89,8 +89,7 @@ STORY(a_picture_is_there_when_the_news_say_so)
     char wrote[FILE_LENGTH + 8];
     CHECK(!has_news(writer, 0));
     give(writer, "a.png", FILE_KEEP, 9);
-    CHECK(has_news(writer, 60000));
-    CHECK(file_exists(file_in(folder, "a.png")));
+    CHECK(has_news(writer, 60000) && file_exists(file_in(folder, "a.png")));
     snprintf(wrote, sizeof wrote, "wrote %s\n", file_in(folder, "a.png"));
     picture_writer_news(writer, &text);
     CHECK_TEXT(buf_text(&text), wrote);

@@ -202,8 +202,7 @@ BEGUN_STORY(an_exr_has_a_camera_that_is_a_rotation, begin_with_object)
             by_matrix(ndc, world, space->to_ndc);
             by_matrix(camera, world, space->to_camera);
             CHECK(fabs(ndc[0] * p.width - x - 0.5) < 0.01);
-            CHECK(fabs(ndc[1] * p.height - y - 0.5) < 0.01);
-            CHECK(fabs(camera[2] - z) < 0.01);
+            CHECK(fabs(ndc[1] * p.height - y - 0.5) < 0.01 && fabs(camera[2] - z) < 0.01);
         }
 }
 
@@ -238,8 +237,7 @@ BEGUN_STORY(matrices_lead_from_the_world_to_the_pixel, begin_with_object)
             must(interp, view[i]);
             must(interp, "zoom 1.7 at=15,22,4; render");
             CHECK_INT(export_picture(&p, interp->session, PICTURE_BUT_NORMAL, NULL), OK);
-            CHECK(p.space.has_world);
-            CHECK(check_places(&p, interp->session) > 500);
+            CHECK(p.space.has_world && check_places(&p, interp->session) > 500);
             picture_release(&p);
         }
     }
@@ -260,8 +258,7 @@ STORY(normals_of_an_oblique_scene_are_turned_with_it)
         CHECK(fabs((double)out[0][w] - oblique[w][0]) < 1e-6);
         CHECK(fabs((double)out[1][w] + oblique[w][1]) < 1e-6);
         const double sum = (oblique[w][0] + oblique[w][1] + oblique[w][2]) / sqrt(3);
-        CHECK(fabs((double)out[2][w] - sum) < 1e-6);
-        CHECK(out[3][w] == 0);
+        CHECK(fabs((double)out[2][w] - sum) < 1e-6 && out[3][w] == 0);
     }
 }
 
@@ -521,7 +518,7 @@ BEGUN_STORY(what_is_there_is_left_alone_at_once, begin_beside)
 {
     must(interp, "render twice.png");
     is_refused(interp, "render twice.png", ERR_IO,
-               "twice.png exists already and was left alone; replace=yes writes over it");
+               "twice.png exists already and was left alone; replace=yes overwrites it");
     must(interp, "render twice.png replace=yes");
     is_refused(interp, "render none/a.png", ERR_IO, "there is no folder none");
     is_refused(interp, "render odd.xyz", ERR_INPUT, "no known format writes .xyz");

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The pilot: what keys mean, as lines of commands; pictures that get finer on a slow line.
- */
+/* The pilot: what keys mean, as lines of commands; pictures that get finer on a slow line. */
 #include <stdlib.h>
 
 #include "base/file.h"
@@ -1065,8 +1063,7 @@ STORY(while_a_key_is_held_a_rendition_may_take_less_time)
     CHECK(pace.within_ns == PACE_SINGLE_NS);
     for (int i = 0; i < 10; i++) {
         pace_key(&pace, now += repeats);
-        CHECK(pace.within_ns == PACE_BETWEEN_NS);
-        CHECK(pace.key_ns + PACE_REST_NS > now + repeats);
+        CHECK(pace.within_ns == PACE_BETWEEN_NS && pace.key_ns + PACE_REST_NS > now + repeats);
     }
     pace_key(&pace, now += 2 * repeats); /* one was late */
     CHECK(pace.within_ns == PACE_BETWEEN_NS);
@@ -1356,8 +1353,7 @@ STORY(words_stay_sharp)
             wanted[4 * i + k] |= 128;
     }
     with_words.words = words;
-    CHECK(refine_begin(&r, &with_words, true, 300, &shown));
-    CHECK(r.level >= 2);
+    CHECK(refine_begin(&r, &with_words, true, 300, &shown) && r.level >= 2);
     for (size_t i = 0; i < WIDTH * HEIGHT; i++)
         if (words[i])
             CHECK(memcmp(shown.rgba + 4 * i, wanted + 4 * i, 4) == 0);

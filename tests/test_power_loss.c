@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Power loss: a model of a disk that keeps what was synced and, of all else, whatever it likes.
+/* Power loss: a model of a disk that keeps what was synced and, of all else, whatever it likes.
  *
  * A real journal is written below a folder. Before each step of the file layer the model takes the
  * power away in many ways: every block written since the last sync of its file is there, or is what
@@ -276,8 +275,7 @@ static void open_acknowledged(void)
         return;
     }
     if (CHECK(open_left(&journal, &count, &why) == OK)) {
-        CHECK(count == acknowledged || count == acknowledged + 1);
-        CHECK(journal_audit(journal));
+        CHECK((count == acknowledged || count == acknowledged + 1) && journal_audit(journal));
         journal_close(journal);
     } else {
         printf("#   %zu acknowledged: %s\n", acknowledged, why.text);
@@ -511,9 +509,7 @@ STORY(without_syncs_what_was_synced_last_is_there)
             leave("j.iftty", now, count);
             open_or_repair(2);
         }
-        CHECK(losses_of_bytes > 100);
-        CHECK(journal_sync(journal, NULL) == OK);
-        CHECK(journal_audit(journal));
+        CHECK(losses_of_bytes > 100 && journal_sync(journal, NULL) == OK && journal_audit(journal));
         journal_close(journal);
     }
 }

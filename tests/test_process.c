@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Work in child processes: its output, its order, and processes that die, write too much, or do not
- * end.
- */
+/* Work in child processes: its output, its order, and processes that die, write too much, or do not
+ * end. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>

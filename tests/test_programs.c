@@ -23,8 +23,7 @@ STORY(every_program_has_what_its_help_needs)
         const struct program *p = program_table.row + i;
         CHECK(p->words && p->summary && *p->summary && p->run);
         CHECK(strlen(p->summary) <= SUMMARY_MOST && !strchr(p->summary, '\n'));
-        CHECK(p->least >= 0 && p->least <= p->most);
-        CHECK((p->most > 0) == (*p->words != '\0'));
+        CHECK(p->least >= 0 && p->least <= p->most && (p->most > 0) == (*p->words != '\0'));
         CHECK(p->name || p->form || !i); /* the first is the nameless program */
     }
 }
@@ -68,8 +67,7 @@ static bool is_taken(unsigned number)
 STORY(every_option_is_taken_and_explained)
 {
     for (unsigned i = 1; i < program_table.option.rows; i++) {
-        CHECK(is_taken(i));
-        CHECK(*row(i)->help || is_form(row(i)->name));
+        CHECK(is_taken(i) && (*row(i)->help || is_form(row(i)->name)));
         for (unsigned j = 1; j < i; j++)
             if (strcmp(row(i)->name, row(j)->name) == 0)
                 CHECK(!row(i)->value == !row(j)->value);
@@ -135,10 +133,8 @@ STORY(a_value_may_follow_an_equals_sign)
 {
     CHECK_TEXT(name_of("run s --journal=a.iftty --keep-going"), "iftty run");
     CHECK_TEXT(o.journal, "a.iftty");
-    CHECK(o.keep_going);
-    CHECK(take("verify a --until=3 -j 2") == OK);
-    CHECK(o.verify.last == 3 && o.verify.processes == 2);
-    CHECK(take("run s --journal=") == OK);
+    CHECK(o.keep_going && take("verify a --until=3 -j 2") == OK);
+    CHECK(o.verify.last == 3 && o.verify.processes == 2 && take("run s --journal=") == OK);
     CHECK_TEXT(o.journal, "");
     CHECK(take("run s --journal=a=b") == OK);
     CHECK_TEXT(o.journal, "a=b");
@@ -154,8 +150,7 @@ STORY(two_hyphens_end_the_options)
     CHECK_TEXT(o.word[0], "--json");
     CHECK(take("-- run s") == OK);
     CHECK_TEXT(o.program->name, "run");
-    CHECK(take("log -- --script") == OK);
-    CHECK(!o.program->form);
+    CHECK(take("log -- --script") == OK && !o.program->form);
     CHECK_TEXT(o.word[0], "--script");
     CHECK(take("log -- --") == OK);
     CHECK_TEXT(o.word[0], "--");
@@ -163,8 +158,7 @@ STORY(two_hyphens_end_the_options)
     CHECK_TEXT(o.out, "--");
     CHECK(take("run -") == OK);
     CHECK_TEXT(o.word[0], "-");
-    CHECK(take("run -- --help") == OK);
-    CHECK(!o.help);
+    CHECK(take("run -- --help") == OK && !o.help);
 }
 
 STORY(help_may_be_asked_for_anywhere)
@@ -172,8 +166,7 @@ STORY(help_may_be_asked_for_anywhere)
     static const char *const line[] = {"verify --help", "-h verify", "verify --nonsense -h a",
                                        "verify a b --json 1 --help"};
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        CHECK(take(line[i]) == OK);
-        CHECK(o.help);
+        CHECK(take(line[i]) == OK && o.help);
         CHECK_TEXT(o.program->name, "verify");
     }
 }
@@ -228,14 +221,12 @@ STORY(help_is_narrow_and_has_every_option)
             CHECK(program_add_help(&text, &program_table, program_table.row[i].name));
     for (const char *at = buf_text(&text); *at;) {
         const size_t n = strcspn(at, "\n");
-        CHECK(n <= 80);
-        CHECK(n == 0 || at[n - 1] != ' ');
+        CHECK(n <= 80 && (n == 0 || at[n - 1] != ' '));
         at += n + (at[n] == '\n');
     }
     for (unsigned i = 1; i < program_table.option.rows; i++)
         CHECK_HAS(buf_text(&text), row(i)->name);
-    CHECK(!program_add_help(&text, &program_table, "nothing"));
-    CHECK(!text.failed);
+    CHECK(!program_add_help(&text, &program_table, "nothing") && !text.failed);
 }
 
 STORY(the_keys_of_the_lesson_are_those_of_the_readme)

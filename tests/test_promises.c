@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The names that 1.0 promises (.package/PROMISES.md) equal tests/promises.txt: commands, their
+/* The names that 1.0 promises (.package/PROMISES.md) equal tests/promises.txt: commands, their
  * parameters and choices, lines in canonical form, exit statuses. A new name needs a new line
  * there. A line that is removed or changed breaks a promise, which tests/test_promises.sh detects.
  */
@@ -43,8 +42,7 @@ static void check_kind(const struct buf *now, const char *kind)
                 printf("#   %s: %s\n", i ? "promised, and gone" : "new, and no line in the file",
                        buf_text(&line));
         }
-    CHECK(count >= 10);
-    CHECK(!line.failed);
+    CHECK(count >= 10 && !line.failed);
 }
 
 /* Add a line of `before` with each of "a|b|c" after it. */

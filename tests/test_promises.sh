@@ -10,7 +10,7 @@ promises=$top/tests/promises.txt
 # words_of NAME FILE: a line for each key of a document, or of each document that is a line: "json
 # verify journals[].chain".
 words_of() {
-    python3 - "$@" <<'END'
+    "$PYTHON" - "$@" <<'END'
 import json, sys
 name, text = sys.argv[1], open(sys.argv[2]).read()
 try:
@@ -43,9 +43,8 @@ prints() {
 }
 
 begin "JSON has the promised keys"
-if needs python3; then
-    make_scene s.nii 24 20 16
-    cat >script <<'END'
+make_scene s.nii 24 20 16
+cat >script <<'END'
 open s.nii
 label 1 one
 seed 5,10,8 1 radius=2
@@ -61,29 +60,27 @@ hints report=hints.json
 golden g
 compare a.nii report=compared.json
 END
-    prints run 0 "$iftty" run script --journal a.iftty
-    echo 'seed 1,1,1' >wrong
-    prints run 2 "$iftty" run wrong
-    sed 's/radius=2/radius=3/; s/a\.nii/b.nii/; /report/d; /render/d' script >other
-    prints run 0 "$iftty" run other --journal b.iftty
-    for report in stats hints compared; do words_of "$report" $report.json >>words; done
-    prints verify 0 "$iftty" verify --no-strict a.iftty
-    sed 's/radius=2/radius=1/' a.iftty >c.iftty
-    prints verify 1 "$iftty" verify a.iftty c.iftty
-    prints diff 1 "$iftty" diff a.iftty b.iftty
-    prints compare 0 "$iftty" compare a.nii b.nii
-    for where in plain moved far; do
-        python3 "$top/tests/apply/phantom.py" make $where.nii $where
-    done
-    "$iftty" -c 'open plain.nii; seed 28,28,24 1 radius=5; seed 5,5,5 0 radius=2; run' \
-        --journal p.iftty >/dev/null || fail "no procedure"
-    prints apply 3 "$iftty" apply p.iftty moved.nii far.nii --by world --out applied
-    prints "info picture" 0 "$iftty" info p.png
-    prints "info picture" 0 "$iftty" info p.exr
-    prints "info scene" 0 "$iftty" info s.nii --histogram
-    prints "info journal" 0 "$iftty" info a.iftty
-    prints "info" 0 "$iftty" info
-    cat >lines <<'END'
+prints run 0 "$iftty" run script --journal a.iftty
+echo 'seed 1,1,1' >wrong
+prints run 2 "$iftty" run wrong
+sed 's/radius=2/radius=3/; s/a\.nii/b.nii/; /report/d; /render/d' script >other
+prints run 0 "$iftty" run other --journal b.iftty
+for report in stats hints compared; do words_of "$report" $report.json >>words; done
+prints verify 0 "$iftty" verify --no-strict a.iftty
+sed 's/radius=2/radius=1/' a.iftty >c.iftty
+prints verify 1 "$iftty" verify a.iftty c.iftty
+prints diff 1 "$iftty" diff a.iftty b.iftty
+prints compare 0 "$iftty" compare a.nii b.nii
+"$PYTHON" "$top/tests/apply/phantom.py" scenes plain moved far
+"$iftty" -c 'open plain.nii; seed 28,28,24 1 radius=5; seed 5,5,5 0 radius=2; run' \
+    --journal p.iftty >/dev/null || fail "no procedure"
+prints apply 3 "$iftty" apply p.iftty moved.nii far.nii --by world --out applied
+prints "info picture" 0 "$iftty" info p.png
+prints "info picture" 0 "$iftty" info p.exr
+prints "info scene" 0 "$iftty" info s.nii --histogram
+prints "info journal" 0 "$iftty" info a.iftty
+prints "info" 0 "$iftty" info
+cat >lines <<'END'
 {"id": 1, "do": "seed 5,10,8 1 radius=2"}
 {"id": 2, "do": "seed 20,3,3 0"}
 {"id": 3, "array": "labels", "finished": true}
@@ -95,16 +92,15 @@ END
 {"cancel": 99}
 nonsense
 END
-    expect 0 "$iftty" serve s.nii --journal served.iftty <lines
-    words_of serve "$work/out" >>words || fail "serve: $(sed 3q "$work/out")"
-    LC_ALL=C sort -u words >now
-    grep '^json ' "$promises" | LC_ALL=C sort >then
-    LC_ALL=C comm -13 now then >gone
-    [ ! -s gone ] || fail "promised, and gone:" "$(cat gone)"
-    LC_ALL=C comm -23 now then >new
-    [ ! -s new ] || fail "new, and no line in tests/promises.txt:" "$(cat new)"
-    [ "$(wc -l <then)" -gt 200 ] || fail "few words: $(wc -l <then)"
-fi
+expect 0 "$iftty" serve s.nii --journal served.iftty <lines
+words_of serve "$work/out" >>words || fail "serve: $(sed 3q "$work/out")"
+LC_ALL=C sort -u words >now
+grep '^json ' "$promises" | LC_ALL=C sort >then
+LC_ALL=C comm -13 now then >gone
+[ ! -s gone ] || fail "promised, and gone:" "$(cat gone)"
+LC_ALL=C comm -23 now then >new
+[ ! -s new ] || fail "new, and no line in tests/promises.txt:" "$(cat new)"
+[ "$(wc -l <then)" -gt 200 ] || fail "few words: $(wc -l <then)"
 
 # The former commit: HEAD if the file has changed since, otherwise its parent.
 begin "no promise was taken away"

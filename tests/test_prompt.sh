@@ -53,7 +53,7 @@ typing "half a li" '^wrote prompt\.png$' '^s> half a li$'
 press C-u
 [ -s prompt.png ] || fail "no prompt.png"
 enter "render prompt.png"
-see '^error: prompt\.png exists already and was left alone; replace=yes writes over it$' '^s>$'
+see '^error: prompt\.png exists already and was left alone; replace=yes overwrites it$' '^s>$'
 press C-l
 
 begin "slices and mosaics are shown too"

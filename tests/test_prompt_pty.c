@@ -658,8 +658,7 @@ STORY(pages_can_be_done_without)
     config = bare;
     SEE_LINE("synth>");
     SEE_BEGIN("quit ");
-    CHECK(strstr(buf_text(&t->written), MORE) == NULL);
-    CHECK(!file_exists("paged"));
+    CHECK(strstr(buf_text(&t->written), MORE) == NULL && !file_exists("paged"));
     quit();
     unlink("config");
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Publishing files, on file systems that have less than others: no renaming to a name that has to
- * be new, no hard links. And what is cleared away of those that were killed while they did so.
- */
+/* Publishing files, on file systems that have less than others: no renaming to a name that has to
+ * be new, no hard links. And what is cleared away of those that were killed while they did so. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -53,14 +51,11 @@ static void publish_all(void)
     const char *path = file_in(folder, "a.txt");
     CHECK(file_write(path, "one", 3, FILE_KEEP, &fault) == OK);
     CHECK_TEXT(fault.text, "");
-    CHECK(holds(path, "one"));
-    CHECK(file_write(path, "two", 3, FILE_KEEP, &fault) == ERR_IO);
+    CHECK(holds(path, "one") && file_write(path, "two", 3, FILE_KEEP, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "exists already");
     CHECK(file_backup(&backup, path, &fault) == OK);
-    CHECK(file_write(path, "three", 5, FILE_REPLACE, &fault) == OK);
-    CHECK(holds(path, "three"));
-    CHECK(file_restore(buf_text(&backup), path, &fault) == OK);
-    CHECK(holds(path, "one"));
+    CHECK(file_write(path, "three", 5, FILE_REPLACE, &fault) == OK && holds(path, "three"));
+    CHECK(file_restore(buf_text(&backup), path, &fault) == OK && holds(path, "one"));
     CHECK_INT(files_in_folder(), 1);
     unlink(path);
 }
@@ -124,8 +119,7 @@ static void leave_draft(struct buf *draft)
         make_draft(draft);
         _exit(write(ends[1], draft->data, draft->length + 1) < 0);
     }
-    CHECK(waitpid(child, NULL, 0) == child);
-    CHECK(read(ends[0], name, sizeof name) > 0);
+    CHECK(waitpid(child, NULL, 0) == child && read(ends[0], name, sizeof name) > 0);
     close(ends[0]);
     close(ends[1]);
     buf_clear(draft);
@@ -204,8 +198,7 @@ STORY(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else)
     int status = -1;
     CHECK(folder_held(&kept, folder, NULL) == OK);
     CHECK(file_write(file_in(buf_text(&kept), "a"), "x", 1, FILE_KEEP, NULL) == OK);
-    CHECK(folder_release(buf_text(&kept)));
-    CHECK(folder_held(&empty, folder, NULL) == OK);
+    CHECK(folder_release(buf_text(&kept)) && folder_held(&empty, folder, NULL) == OK);
     CHECK(!folder_release(buf_text(&empty)) && !file_exists(buf_text(&empty)));
     CHECK(folder_held(&live, folder, NULL) == OK);
     CHECK(mkdir(file_in(folder, "iftty-others"), 0700) == 0); /* it says nothing */
@@ -256,8 +249,7 @@ STORY(a_name_of_any_length_can_be_written)
         strcat(name, "\xC3\xA4");
     strcat(name, ".txt");
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    CHECK(file_write(path, "x", 1, FILE_KEEP, NULL) == OK);
-    CHECK(holds(path, "x"));
+    CHECK(file_write(path, "x", 1, FILE_KEEP, NULL) == OK && holds(path, "x"));
 }
 
 STORY(the_word_of_a_process_says_whether_it_lives)

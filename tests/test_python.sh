@@ -4,7 +4,6 @@
 # modules.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
-PYTHON=/usr/bin/python3
 PYTHONDONTWRITEBYTECODE=1
 IFTTY=$iftty
 TMPDIR=$work/passing

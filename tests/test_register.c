@@ -228,8 +228,7 @@ static unsigned polls;
 static bool stop_after_some(void *context, const char *what, uint64_t done, uint64_t total)
 {
     const unsigned *most = context;
-    CHECK(!what || strcmp(what, "registration") == 0);
-    CHECK(done <= total || total == 0);
+    CHECK((!what || strcmp(what, "registration") == 0) && (done <= total || total == 0));
     return ++polls >= *most;
 }
 
@@ -242,8 +241,7 @@ STORY(a_cancelled_registration_ends_its_helper)
     polls = 0;
     adopt_orphans();
     CHECK_INT(find(&found, &procedure, &watch, &fault), ERR_CANCELLED);
-    CHECK(polls < 45);
-    CHECK(await_orphans());
+    CHECK(polls < 45 && await_orphans());
 }
 
 STORY(a_helper_ends_with_its_client)
@@ -259,8 +257,7 @@ STORY(a_helper_ends_with_its_client)
             _exit(0);
         }
         usleep(1000 * after_ms[i]);
-        CHECK(kill(client, SIGKILL) == 0);
-        CHECK(await_orphans());
+        CHECK(kill(client, SIGKILL) == 0 && await_orphans());
     }
 }
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Relaxation against a plain model, which is written from the words of engine/relax.h and
+/* Relaxation against a plain model, which is written from the words of engine/relax.h and
  * shares nothing with it: fields of 64 bits, one array each, all distances by flooding, one voxel
- * after another.
- */
+ * after another. */
 #include <stdlib.h>
 
 #include "base/mem.h"

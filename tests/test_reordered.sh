@@ -6,7 +6,7 @@
 cd "$work" || exit 1
 
 begin "a scene, and three maps of it in each of the 48 orders of axes, by nibabel"
-/usr/bin/python3 -W ignore - 2>err <<'END' || fail "$(cat err)"
+"$PYTHON" -W ignore - 2>err <<'END' || fail "$(cat err)"
 import itertools, nibabel, numpy
 turn = numpy.array([[0.96, -0.28, 0.0], [0.2688, 0.9216, -0.28], [0.0784, 0.2688, 0.96]])
 place = numpy.eye(4)
@@ -94,7 +94,7 @@ expect 3 "$iftty" -c "open scene.nii reduce=2; seed-file map17.nii erode=0"
 err_has "its axes are reversed to those of the scene, where each voxel is 2 along an axis"
 # A map of the part itself, as it was opened.
 expect 0 "$iftty" -c "open scene.nii crop=2-9,1-7,3-8; labels ref.nii erode=0; save labels part.nii"
-/usr/bin/python3 - <<'END'
+"$PYTHON" - <<'END'
 import nibabel, numpy
 order = numpy.array([[0, -1], [1, 1], [2, -1]])
 nibabel.save(nibabel.load("part.nii").as_reoriented(order), "turned.nii")

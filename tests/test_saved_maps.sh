@@ -9,7 +9,7 @@ start='seed 2,3,4 0; seed 6,10,8 1; seed 20,10,8 7; label 7 "left lobe" #40c060;
 
 # place FILE: its voxels run to the left, to the front and up, turned, from 90,-126,-72 mm on
 place() {
-    python3 - "$1" <<'END'
+    "$PYTHON" - "$1" <<'END'
 import struct, sys
 with open(sys.argv[1], 'r+b') as f:
     f.seek(254)
@@ -118,9 +118,7 @@ begin "ITK reads the same voxels in the same place"
 expect 0 "$iftty" -c "open p.nii; $start; save cost q.nii; save cost q.nrrd; save cost q.mha
 save labels l.nii replace=yes"
 same "$(seen_as q.nii | wc -w | tr -d ' ')" 3
-for file in q.nrrd q.mha; do
-    same "$(seen_as $file)" "$(seen_as q.nii)"
-done
+for file in q.nrrd q.mha; do same "$(seen_as $file)" "$(seen_as q.nii)"; done
 same "$(seen_as l.seg.nrrd)" "$(seen_as l.nii)"
 expect_out '9x5x7 voxels' 0 "$iftty" -c "open q.mha crop=2-19,0-9,1-15 reduce=2; info"
 
@@ -130,7 +128,7 @@ maps='labels cost border distance margin'
 expect 0 "$iftty" -c "open p.nii; $start; $(printf "save %s f-%s.nii; save %s f-%s.mgz; " \
     $(for m in $maps; do echo $m $m $m $m; done)) save cost f.mgh"
 # shellcheck disable=SC2086
-/usr/bin/python3 - $maps 2>err <<'END' || fail "$(cat err)"
+"$PYTHON" - $maps 2>err <<'END' || fail "$(cat err)"
 import gzip, nibabel, numpy, sys
 for name in sys.argv[1:]:
     a, b = nibabel.load("f-%s.nii" % name), nibabel.load("f-%s.mgz" % name)
@@ -144,11 +142,10 @@ same "$(seen_as f-labels.mgz)" "$(seen_as f-labels.nii)"
 same "$(seen_as f-cost.mgz)" "$(seen_as f-cost.nii)"
 expect 2 "$iftty" -c "open p.nii; $start; save root r.mgz"
 err_has "FreeSurfer's files hold no numbers up to 4294967295; expected .nii.gz, .nrrd or .mha"
-expect 0 "$iftty" -c "open s.nii; $start; save labels s.mgz"
-out_has 'its position is as unknown as that of the scene'
+answers 'its position is as unknown as that of the scene' "open s.nii; $start; save labels s.mgz"
 expect 0 "$iftty" -c "open s.nii; seed-file s.mgz"
 expect 0 "$iftty" -c "open f-cost.mgz; save labels again.mgz empty=yes" # bit for bit
-/usr/bin/python3 - 2>err <<'END' || fail "$(cat err)"
+"$PYTHON" - 2>err <<'END' || fail "$(cat err)"
 import gzip
 a, b = (gzip.open(name).read()[30:90] for name in ("f-cost.mgz", "again.mgz"))
 assert a == b, (a, b)

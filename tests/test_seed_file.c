@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Seeds out of files, worked by hand: lists line by line, maps of a few voxels.
- */
+/* Seeds out of files, worked by hand: lists line by line, maps of a few voxels. */
 #include "session/seed_file.h"
 
 #include <stdlib.h>
@@ -329,12 +327,10 @@ STORY(drawing_gives_each_region_what_is_asked_and_always_the_same)
     CHECK(count[0] == 0 && count[1] == 7 && count[2] == 7 && count[3] == 7 && count[9] == 2);
     digest = seeds_digest(&seeds);
     strcpy(former, told(&grid));
-    CHECK(map_of(digits, &grid, plain, &choice) == OK);
-    CHECK(seeds_digest(&seeds) == digest);
+    CHECK(map_of(digits, &grid, plain, &choice) == OK && seeds_digest(&seeds) == digest);
     CHECK_TEXT(told(&grid), former);
     choice.generator = 2;
-    CHECK(map_of(digits, &grid, plain, &choice) == OK);
-    CHECK(seeds_digest(&seeds) != digest);
+    CHECK(map_of(digits, &grid, plain, &choice) == OK && seeds_digest(&seeds) != digest);
     CHECK(strcmp(told(&grid), former) != 0);
     choice.generator = 1; /* what is drawn of a region does not depend on the others */
     choice.first = choice.last = 2;
@@ -420,8 +416,7 @@ STORY(the_digest_sees_every_voxel_and_label)
         CHECK(other != one);
         seeds_release(&seeds);
     }
-    CHECK(list("3,3,3,4\n1,1,1,2\n1,1,1,2\n", LABEL_OWN) == OK);
-    CHECK(seeds_digest(&seeds) == one);
+    CHECK(list("3,3,3,4\n1,1,1,2\n1,1,1,2\n", LABEL_OWN) == OK && seeds_digest(&seeds) == one);
     seeds_release(&seeds);
 }
 

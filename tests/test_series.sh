@@ -16,7 +16,7 @@ twins % volume=1 times
 for options in "dwi0" "dwi1000" "dwi volume=1"; do
     saved=$work/opened-${options##*[ =]}.nii
     expect 0 "$iftty" -c "open $options; seed 64,64,24 1; run; save labels $saved"
-    printf '%s\t%s\t%s\n' "$options" "$saved" dwi0.twin.nii >>"$work/opened"
+    printf '%s\t%s\t%s\n' "$options" "$saved" "$work/v/dwi0.twin.nii" >>"$work/opened"
 done
 answers "128x128x48 voxels of 1.79688x1.79687x3 mm" "open dwi0"
 expect_out "axes      LPS" 0 "$iftty" info dwi0
@@ -192,4 +192,4 @@ expect 0 "$iftty" verify linked.iftty --scene whole
 rm -r "$work/annex"
 refuses "a link to a file that is not there, as of git-annex, is not followed: " 'open linked'
 
-finish
+finish_opened

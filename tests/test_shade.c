@@ -339,8 +339,7 @@ STORY(what_lies_far_is_darker_as_the_cue_says)
         near[i] = red_at(&s, 60, 40), far[i] = red_at(&s, 20, 40);
     }
     CHECK_INT(near[0], far[0]);
-    CHECK(near[1] > far[1] && far[1] > 0 && far[1] < far[0]);
-    CHECK(far[2] < far[1] && far[2] < 30);
+    CHECK(near[1] > far[1] && far[1] > 0 && far[1] < far[0] && far[2] < far[1] && far[2] < 30);
 }
 
 STORY(edges_are_drawn_on_the_nearer_object)

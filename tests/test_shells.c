@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Shells, as commands: an object does not leave one, other objects are not cut by it, it is one
+/* Shells, as commands: an object does not leave one, other objects are not cut by it, it is one
  * marker and one undo, and what makes no sense is refused. Which voxels they are, test_paint
- * proves.
- */
+ * proves. */
 #include "command/execute.h"
 #include "tests/scene_main.h"
 
@@ -191,7 +189,7 @@ JOURNAL_STORY(what_is_no_shell_is_refused, "refused.iftty")
     must(&interp, "auto on; seed 5,5,5 1");
     is_refused(&interp, "seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside");
     is_refused(&interp, "seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside");
-    is_refused(&interp, "seed 5,5,5 0 radius=100 shell=yes", "none of it is in the scene");
+    is_refused(&interp, "seed 5,5,5 0 radius=100 shell=yes", "no voxel of it is in the scene");
     is_refused(&interp, "seed 5,5,5 0 radius=513 shell=yes", "radius: expected a number 0..512");
     is_refused(&interp, "seed 5,5,5 0 radius=900mm shell=yes",
                "it reaches 900 voxels along x; at most 512");

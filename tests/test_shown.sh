@@ -66,8 +66,7 @@ same "$(says j.iftty 12 "$opacity")" "100 %, 30 % of label 1, 55 % of label 2"
 same "$(says j.iftty 13 "$opacity")" "40 %"
 same "$(says j.iftty 14 "$opacity")" ""
 expect 0 "$iftty" -c 'undo; undo; info; redo; info' --journal j.iftty
-out_has "opacity   100 %, 30 % of label 1, 55 % of label 2"
-out_has "opacity   40 %"
+out_has "opacity   100 %, 30 % of label 1, 55 % of label 2" "opacity   40 %"
 grep -qx 'opacity 1 30' j.iftty || fail "a name is recorded as its number: $(grep opac j.iftty)"
 
 begin "translucency changes the picture, and no label; 0 omits an object"
@@ -82,9 +81,7 @@ same "$(picture 'opacity all 0')" "$nothing"
 rm -f t.iftty
 expect 0 "$iftty" run script --journal t.iftty
 same "$(sed -n 's/.* picture=\([0-9a-f]*\).*/\1/p' t.iftty | sort -u)" "$through"
-for threads in 1 3; do
-    IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict t.iftty
-done
+for threads in 1 3; do IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict t.iftty; done
 expect 0 "$iftty" replay t.iftty --out replayed
 # One percent more gives another picture, and fails by its record.
 sed 's/^opacity 1 30$/opacity 1 31/' t.iftty >changed
@@ -106,9 +103,7 @@ rm -f c.iftty
 expect 0 "$iftty" run script --journal c.iftty
 same "$(says c.iftty 11 'look .*, \(context mip\)')" "context mip"
 same "$(says c.iftty 10 'look .*, \(context mip\)')" "context mip"
-for threads in 1 3; do
-    IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict c.iftty
-done
+for threads in 1 3; do IFTTY_THREADS=$threads expect 0 "$iftty" verify --strict c.iftty; done
 expect_out "context mip" 0 "$iftty" -c 'info; hide 2; render' --journal c.iftty
 expect 0 "$iftty" verify c.iftty
 expect_out "iftty:context: mip, intensities " 0 "$iftty" info c.golden/around.png
@@ -180,9 +175,7 @@ same "$(golden_of plain)" "$(golden_of creases)"
 same "$(golden_of dark)" "$(golden_of both)"
 
 begin "a journal with them verifies, for any number of threads, and resumes"
-for threads in 1 2 5; do
-    IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
-done
+for threads in 1 2 5; do IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty; done
 printf 'info\nshade surface ao=7\ninfo\n' >more
 expect_out "look      shade surface, light" 0 "$iftty" run more --journal a.iftty
 out_has "look      shade surface ao=7, light"

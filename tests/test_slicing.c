@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Slices and mosaics by command: real files in every orientation, real values, waiting edits, and
- * journals that show the same again.
- */
+/* Slices and mosaics by command: real files in every orientation, real values, pending edits, and
+ * journals that show the same again. */
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -576,8 +574,7 @@ STORY(a_panel_has_nothing_of_the_one_before)
     must(&interp, "seed 3,3,4 3");
     CHECK(slicing_draw_panel(&again, interp.session, &before, &fault) == OK);
     const uint8_t *memory = again.rgba;
-    CHECK(slicing_draw_panel(&again, interp.session, &after, &fault) == OK);
-    CHECK(again.rgba == memory);
+    CHECK(slicing_draw_panel(&again, interp.session, &after, &fault) == OK && again.rgba == memory);
     CHECK(slicing_draw_panel(&anew, interp.session, &after, &fault) == OK);
     CHECK(same_canvas(&again, &anew));
     memset(again.rgba, 1, (size_t)4 * 320 * 320);
@@ -588,8 +585,7 @@ STORY(a_panel_has_nothing_of_the_one_before)
     CHECK(canvas_renew(&anew, 320, 320, &fault) == OK);
     CHECK(again.rgba == memory && same_canvas(&again, &anew));
     after.screen.width = 8;
-    CHECK(slicing_draw_panel(&again, interp.session, &after, &fault) == ERR_LIMIT);
-    CHECK(!again.rgba);
+    CHECK(slicing_draw_panel(&again, interp.session, &after, &fault) == ERR_LIMIT && !again.rgba);
     canvas_release(&anew);
 }
 
@@ -662,8 +658,7 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     OWNED(canvas_release) struct canvas hasty = {0}, fine = {0}, turned = {0};
     begin_values(1, 0);
     must(&interp, "seed 3,3,4 3; run");
-    CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
-    CHECK(!is_hasty(0, &panel, &fine));
+    CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty) && !is_hasty(0, &panel, &fine));
     CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
     CHECK(differing(&hasty, &fine, &panel, true) > 1000);
     CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* it is there */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Statistics of labels equal a plain recount that walks over voxels and sorts; surface areas equal
- * those of balls and boxes.
- */
+/* Statistics of labels equal a plain recount that walks over voxels and sorts; surface areas equal
+ * those of balls and boxes. */
 #include <math.h>
 #include <stdlib.h>
 

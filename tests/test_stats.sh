@@ -65,8 +65,7 @@ grep -q "the last edit changed it by [+-][0-9.]* m" "$work/out" || fail "$(cat "
 
 begin "where the place in the world is not known, no millimetres of it are printed"
 expect 0 "$iftty" -c "open scene.nii; info; seed 7,12,10 1; run; stats report=place.csv"
-out_has "orientation unknown"
-out_has "centre "
+out_has "orientation unknown" "centre "
 ! grep -q "centre.* mm" "$work/out" || fail "$(cat "$work/out")"
 same "$(field place.csv 1 centre_x_mm)" ""
 
@@ -88,9 +87,9 @@ has_line smooth.json '"number": 2, "name": "", "voxels": '"$(field smooth.csv 2 
 expect 2 "$iftty" -c "open scene.nii; stats report=x.txt"
 err_has "report: expected a name that ends in .json or .csv"
 
-begin "commands that show, write or answer from labels apply waiting edits, as a run does"
+begin "commands that show, write or answer from labels apply pending edits, as a run does"
 expect 0 "$iftty" -c 'open scene.nii; seed 7,12,10 1; seed 2,2,2 2; run; save labels map.nii'
-applied="as by \`run\`"
+applied="as \`run\` does"
 for asks in 'stats' 'stats report=REPORT.csv' hints 'why 7,12,12' 'profile 2,2,2 9,12,10' \
     'compare map.nii' 'compare map.nii report=REPORT.csv' 'slice axial 10 REPORT.png' \
     'mosaic REPORT.png' 'golden g of=coronal' 'golden g' 'render REPORT.png' 'spin 2 REPORT.gif' \
@@ -107,7 +106,7 @@ for asks in 'stats' 'stats report=REPORT.csv' hints 'why 7,12,12' 'profile 2,2,2
         last_word labels j.iftty >$way.labels
         [ $way = run ] || expect 0 "$iftty" -c info --journal j.iftty
     done
-    out_has "2 seeds, 0 edits waiting"
+    out_has "2 seeds, 0 edits pending"
     same_files run.said wait.said
     same_files run.labels wait.labels
     for file in run.csv run.nii; do [ ! -e $file ] || same_files $file wait.${file##*.}; done
@@ -118,14 +117,14 @@ begin "edits applied by a question are recorded as a run, and undone as one"
 rm -f j.iftty
 expect 0 "$iftty" -c 'open scene.nii; seed 7,12,10 1; stats; stats; seed 2,2,2 2; why 7,12,12
     undo; info; stats; undo 2; info' --journal j.iftty
-same "$(grep -c "applied the waiting edit, $applied" "$work/out")" 3
+same "$(grep -c "applied the pending edit, $applied" "$work/out")" 3
 same "$(sed -n 's/^ok \([0-9-]*\) \(stats\|why\).*/\1/p' "$work/out" | tr '\n' ' ')" "3 - 5 7 "
 same "$(grep '^[a-z]' j.iftty | tail -n +3 | tr '\n' ';')" \
     "run for=stats;seed 2,2,2 2;run for=why;undo;run for=stats;undo 2;"
-out_has "1 seed, 1 edit waiting" # after undo
-out_has "1 seed, 0 edits waiting" # after the second
+out_has "1 seed, 1 edit pending" # after undo
+out_has "1 seed, 0 edits pending" # after the second
 expect 0 "$iftty" verify j.iftty
-expect_out "1 edit waiting" 0 "$iftty" -c 'redo; info' --journal j.iftty
+expect_out "1 edit pending" 0 "$iftty" -c 'redo; info' --journal j.iftty
 expect 0 "$iftty" -c 'finish majority; stats finished=yes' --journal j.iftty
 words_of j.iftty "$(grep -c '^= ' j.iftty)" | grep -q '^forest=[^ ]* labels=[^ ]* seeds=2$' ||
     fail "$(tail -n 1 j.iftty)" # those of a run alone
@@ -139,14 +138,14 @@ done
 rm -f j.iftty
 expect 3 "$iftty" -c 'open scene.nii; seed 7,12,10 1; compare none.nii' --journal j.iftty
 same "$(grep -c '^= ' j.iftty)" 2
-expect_out "0 seeds, 1 edit waiting" 0 "$iftty" -c info --journal j.iftty
+expect_out "0 seeds, 1 edit pending" 0 "$iftty" -c info --journal j.iftty
 
 begin "commands that use the shown picture report the edits that it does not include"
 for asks in 'pick 32 32' 'hint 1' 'zoom fit'; do
     expect 0 "$iftty" -c "open scene.nii; size 64 64; seed 7,12,10 1; seed 2,2,2 2; render
         seed 9,9,9 3; $asks; seed 9,9,8 3; $asks; render; $asks"
-    same "$(grep -c 'without the edit that waits for `run`' "$work/out")" 1
-    same "$(grep -c 'without the 2 edits that wait for `run`' "$work/out")" 1
+    same "$(grep -c 'not included: the pending edit (`run` applies it)' "$work/out")" 1
+    same "$(grep -c 'not included: the 2 pending edits (`run` applies them)' "$work/out")" 1
 done
 
 finish

@@ -194,8 +194,7 @@ STORY(axes_at_right_angles_are_unchanged)
     OWNED(volume_release)
     struct volume from = volume_of(size, &geometry), is = volume_of(size, &geometry);
     CHECK_INT(straighten(&is, NULL, &fault), OK);
-    CHECK(same_size(is.size, size));
-    CHECK(memcmp(is.intensity, from.intensity, 240) == 0);
+    CHECK(same_size(is.size, size) && memcmp(is.intensity, from.intensity, 240) == 0);
     CHECK_HAS(is.notes, "its axes are at right angles: nothing to straighten");
 }
 
@@ -220,8 +219,7 @@ STORY(too_much_shear_is_refused_and_a_stop_changes_nothing)
         is = volume_of(size, &geometry);
         finishes = straighten(&is, &watch, &fault) == OK;
         if (!finishes) {
-            CHECK(same_size(is.size, size));
-            CHECK(memcmp(is.intensity, from.intensity, 2400) == 0);
+            CHECK(same_size(is.size, size) && memcmp(is.intensity, from.intensity, 2400) == 0);
         }
         volume_release(&is);
     }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Strokes and what else a hand paints, as commands: one record, one marker, one undo; what they
+/* Strokes and what else a hand paints, as commands: one record, one marker, one undo; what they
  * say, what they refuse, and what a journal has of them. Which voxels they are, test_paint proves.
  */
 #include <stdlib.h>
@@ -389,12 +388,12 @@ JOURNAL_STORY(a_sketch_without_memory_is_taken_back_in_the_end, "memory.iftty")
 JOURNAL_STORY(what_waits_runs_with_the_next_edit_and_not_by_going_there, "waits.iftty")
 {
     must(&interp, "seed 1,1,1 1; seed 9,9,9 2; run; undo"); /* record 5: two edits wait */
-    MUST_ANSWER(&interp, "auto on", "2 edits waiting for `run` or the next edit\n");
+    MUST_ANSWER(&interp, "auto on", "2 edits pending until `run` or the next edit\n");
     CHECK_INT(session_pendings(interp.session), 2);
     must_leave_seeds(&interp, "seed 5,5,5 3", 3); /* runs all three */
     CHECK_INT(session_pendings(interp.session), 0);
     MUST_MENTION(&interp, "goto 2",
-                 "after 2 seed 1,1,1 1, 1 edit waiting for `run` or the next edit");
+                 "after 2 seed 1,1,1 1, 1 edit pending until `run` or the next edit");
     CHECK_INT(seeds(), 0);
     CHECK_INT(session_pendings(interp.session), 1);
     must(&interp, "view left"); /* no edit */

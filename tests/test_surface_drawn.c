@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Pictures of known shapes: the right size, no holes, the right depth, flat where cut.
- */
+/* Pictures of known shapes: the right size, no holes, the right depth, flat where cut. */
 #include "tests/check_main.h"
 
 #include <math.h>
@@ -482,8 +480,7 @@ STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
             continue;
         stage_point(&s, i, at);
         open++;
-        CHECK(fabs(at[2] - 12.5) < 0.001);
-        CHECK(r->normal[4 * i + 2] > 16380);
+        CHECK(fabs(at[2] - 12.5) < 0.001 && r->normal[4 * i + 2] > 16380);
         CHECK_INT(r->rgba[4 * i], (3 * 77 + s.palette.rgb[1][0] + 2) / 4);
     }
     const double shown = sqrt((double)open / M_PI) / 4;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Surprises: a command that took far more voxels than it planted reports this and the edge through
- * which it did. Commands with the expected effect, and replays, report nothing.
- */
+/* Surprises: a command that took far more voxels than it planted reports this and the edge through
+ * which it did. Commands with the expected effect, and replays, report nothing. */
 #include <stdlib.h>
 
 #include "engine/way.h"
@@ -56,15 +54,12 @@ STORY(a_seed_that_floods_an_object_says_so)
 {
     begin();
     CHECK(!is_surprised("seed 30,30,15 1")); /* the first seeds may take any number of voxels */
-    CHECK(!is_surprised("seed 2,2,2 0"));
-    CHECK(is_surprised("seed 50,10,15 1"));
+    CHECK(!is_surprised("seed 2,2,2 0") && is_surprised("seed 50,10,15 1"));
     CHECK_HAS(buf_text(&reply.text), " changed, label 1: ");
     CHECK_HAS(buf_text(&reply.text),
               "\nthis `seed` took 37.2 ml of label 0 through 50,8,15; undo ");
-    CHECK(strstr(buf_text(&reply.words), "took") == NULL);
-    CHECK(!is_surprised("undo"));
-    CHECK(!is_surprised("redo"));
-    CHECK(!is_surprised("undo"));
+    CHECK(strstr(buf_text(&reply.words), "took") == NULL && !is_surprised("undo"));
+    CHECK(!is_surprised("redo") && !is_surprised("undo"));
     CHECK(!is_surprised("seed 50,10,15 1 radius=7")); /* which is large itself */
     must(&interp, "undo");
     CHECK(!is_surprised("seed 20,20,10 1")); /* takes nothing */
@@ -81,8 +76,7 @@ STORY(so_do_boxes_eliminators_and_runs)
     CHECK(is_surprised("remove 50,10,15"));
     CHECK_HAS(buf_text(&reply.text), "\nthis `remove` took ");
     must(&interp, "auto off");
-    CHECK(!is_surprised("seed 50,10,15 1"));
-    CHECK(is_surprised("run"));
+    CHECK(!is_surprised("seed 50,10,15 1") && is_surprised("run"));
     CHECK_HAS(buf_text(&reply.text), "\nthis `run` took 37.2 ml of label 0 through 50,8,15; ");
     interpreter_release(&interp);
 }

@@ -83,8 +83,7 @@ static bool stands(struct session *session)
 {
     const bool fresh = !session->tally.stale;
     const struct labels labels = labels_of_forest(session->scene);
-    CHECK(tally_check(&session->tally, &labels));
-    CHECK(session_count_labels(session, NULL) == OK);
+    CHECK(tally_check(&session->tally, &labels) && session_count_labels(session, NULL) == OK);
     uint64_t sum = 0;
     for (unsigned label = 0; label < 256; label++)
         sum += session->tally.voxels[label];
@@ -142,8 +141,7 @@ BEGUN_STORY(counts_follow_whatever_is_done, begin_with_geom)
         CHECK_INT(session_changed_voxels(interp->session), changed);
         counted++;
     }
-    CHECK(counted > 100);
-    CHECK(fresh > 100);
+    CHECK(counted > 100 && fresh > 100);
     must(interp, "auto on; range none");
     for (int i = 0; i < 60; i++)
         do_anything(interp, false);
@@ -159,8 +157,7 @@ BEGUN_STORY(counts_follow_whatever_is_done, begin_with_geom)
     CHECK(interp->session->tally.voxels[9] >= 5);
     CHECK_INT(interp->session->former_tally.voxels[9], 0);
     session_rollback(interp->session);
-    CHECK(stands(interp->session));
-    CHECK(memcmp(&before, &interp->session->tally, sizeof before) == 0);
+    CHECK(stands(interp->session) && memcmp(&before, &interp->session->tally, sizeof before) == 0);
 }
 
 /* In some sessions asked for after each command, in others now and then, so that several edits are

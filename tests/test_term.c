@@ -211,8 +211,7 @@ static bool has_ending(void)
 
 static void check_restored(void)
 {
-    CHECK(comes_true(guardian_is_gone));
-    CHECK(job_has_modes_as_found(&s.job));
+    CHECK(comes_true(guardian_is_gone) && job_has_modes_as_found(&s.job));
     CHECK(comes_true(has_ending)); /* the output may still be on its way */
     see(NULL, 20);
     CHECK(has_ending()); /* and nothing after it */
@@ -270,8 +269,7 @@ STORY(after_an_end_of_its_own_nothing_is_left)
             check_restored();
         } else {
             CHECK_INT(process_of(s.job.shell, "iftty-guardian"), 0); /* at once */
-            CHECK(job_has_modes_as_found(&s.job));
-            CHECK(see(END, 60000));
+            CHECK(job_has_modes_as_found(&s.job) && see(END, 60000));
         }
         end();
     }
@@ -281,8 +279,7 @@ STORY(after_an_end_of_its_own_nothing_is_left)
 static void stop_and_kill(void (*then)(void))
 {
     kill(s.job.process, SIGSTOP);
-    CHECK(WIFSTOPPED(job_report(&s.job)));
-    CHECK(!job_has_modes_as_found(&s.job));
+    CHECK(WIFSTOPPED(job_report(&s.job)) && !job_has_modes_as_found(&s.job));
     then();
     buf_clear(&s.job.seen);
     kill(s.job.process, SIGKILL);
@@ -333,8 +330,7 @@ STORY(killed_while_stopped_there_is_nothing_to_give_back)
 {
     start_ready(WAITS);
     kill(s.job.process, SIGTSTP);
-    CHECK(WIFSTOPPED(job_report(&s.job)));
-    CHECK(job_has_modes_as_found(&s.job));
+    CHECK(WIFSTOPPED(job_report(&s.job)) && job_has_modes_as_found(&s.job));
     CHECK(see(END, 60000) && ends_with(END));
     const size_t before = s.job.seen.length;
     kill(s.job.process, SIGKILL);
@@ -372,8 +368,7 @@ STORY(ctrl_c_cuts_no_frame_in_two)
     CHECK(write(s.job.master, "\003", 1) == 1);
     usleep(100000);
     const int status = job_report(&s.job);
-    CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 6);
-    CHECK(see(END, 60000));
+    CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 6 && see(END, 60000));
     const char *text = buf_text(&s.job.seen), *first = strchr(text, 'p'), *last = strchr(text, '.');
     while (first && first[1] != 'p')
         first = strchr(first + 1, 'p');
@@ -388,9 +383,7 @@ STORY(stopping_waits_for_the_end_of_a_frame)
     start_frame();
     CHECK(write(s.job.master, "\032", 1) == 1);
     usleep(100000);
-    CHECK(WIFSTOPPED(job_report(&s.job)));
-    CHECK(job_has_modes_as_found(&s.job));
-    CHECK(see(END, 60000));
+    CHECK(WIFSTOPPED(job_report(&s.job)) && job_has_modes_as_found(&s.job) && see(END, 60000));
     const char *end_of_frame = strstr(buf_text(&s.job.seen), "p.");
     CHECK(end_of_frame && strstr(end_of_frame, END));
     CHECK(strstr(buf_text(&s.job.seen), END) > end_of_frame);
@@ -405,8 +398,7 @@ STORY(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell)
     usleep(50000);
     CHECK(write(s.job.master, "\033[?62;4c", 8) == 8);
     const int status = job_report(&s.job);
-    CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
-    CHECK(job_has_modes_as_found(&s.job));
+    CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM && job_has_modes_as_found(&s.job));
     CHECK_INT(job_left_to_read(&s.job), 0);
     end();
 }

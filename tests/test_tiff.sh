@@ -111,9 +111,7 @@ refused "a stack of FluoView, whose channels and frames are not read" fluoview.t
 refused "a stack of MetaMorph, whose channels and frames are not read" metamorph.tif
 refused "a stack of ScanImage, whose channels and frames are not read" scanimage.tif
 cp negative.tif copy.tif
-for page in 0 1 2 3 4; do
-    expect 0 tiffset -d $page -s 262 1 copy.tif
-done
+for page in 0 1 2 3 4; do expect 0 tiffset -d $page -s 262 1 copy.tif; done
 expect 0 "$iftty" -c "open copy.tif"
 
 begin "false sizes, strips that are missing, torn or too short: one line, and no zeros"

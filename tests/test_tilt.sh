@@ -3,7 +3,6 @@
 # Series of a scanner whose gantry leans, made by pydicom, and sheared sforms, by nibabel: a ball in
 # the world has its volume, its surface and its place, on slices as they are and straightened.
 . "$(dirname "$0")/lib.sh"
-PYTHON=/usr/bin/python3
 cd "$work" || exit 1
 
 cat >make.py <<'END'
@@ -132,7 +131,7 @@ out_has "voxels beyond them are -1000"
 answers "its axes are at right angles: nothing to straighten" "open plain straighten=yes"
 answers "its axes are sheared" "open leans straighten=no"
 expect_err "huge and straighten are for files" 2 "$iftty" -c "open synth:geom straighten=yes"
-/usr/bin/python3 - <<'END' || fail "nibabel writes no scene"
+"$PYTHON" - <<'END' || fail "nibabel writes no scene"
 import nibabel, numpy
 to_mm = numpy.diag([1.0, 1, 2, 1])
 to_mm[1, 2] = 0.5

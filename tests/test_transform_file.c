@@ -239,8 +239,7 @@ static const char *fault_of(const char *script)
     struct affine out = {{{42}}};
     const char *const usual = register_helper_program;
     register_helper_program = script ? make_script(folder, "odd", script) : "/nowhere/odd";
-    CHECK(read_file(&out, "tests/transforms/affine.tfm", &fault));
-    CHECK(out.m[0][0] == 42);
+    CHECK(read_file(&out, "tests/transforms/affine.tfm", &fault) && out.m[0][0] == 42);
     CHECK_HAS(fault.text, "tests/transforms/affine.tfm: ");
     register_helper_program = usual;
     return fault.text;

@@ -314,8 +314,7 @@ STORY(a_confined_process_reaches_only_its_places)
     const pid_t child = fork();
     if (child == 0)
         _exit(wrongs_while_confined());
-    CHECK(child > 0 && waitpid(child, &status, 0) == child);
-    CHECK(WIFEXITED(status));
+    CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status));
     CHECK_INT(WEXITSTATUS(status), 0);
     CHECK(remove_folder(top) == 0);
 }
@@ -331,8 +330,7 @@ STORY(limits_stop_commands_of_an_interpreter_that_was_there_before_them)
     snprintf(script, sizeof script, "%s/script", folder);
     CHECK(file_write(script, "auto on\n", 8, FILE_KEEP, NULL) == OK);
     begin_interpreter(&interp);
-    CHECK(limits_read(&limits, NULL, "1h", NULL, NULL) == OK);
-    CHECK(image_helper_memory_most == 0);
+    CHECK(limits_read(&limits, NULL, "1h", NULL, NULL) == OK && image_helper_memory_most == 0);
     limits_begin(&limits);
     CHECK(image_helper_memory_most >= 512000000);
     CHECK(replay_file(&interp, script, 0, 0, NULL, NULL, &report, &fault) == OK);

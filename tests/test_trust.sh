@@ -124,7 +124,7 @@ record() { # COMMANDS: in a new journal
     expect 0 "$iftty" -c "$1" --journal p.iftty
 }
 loose() { # COMMAND...: as on a kernel without Landlock
-    /usr/bin/python3 "$top/tests/volumes/without_landlock.py" "$@"
+    "$PYTHON" "$top/tests/volumes/without_landlock.py" "$@"
 }
 target=$work/annex/key.nii
 begin "a scene elsewhere, by its path or behind a link, is read for a record with its proof"
@@ -226,7 +226,7 @@ rm -f p.iftty
 
 begin "one data set of many, and a header without voxels, are not read by a proof, under any name"
 rm -f p.iftty away.nii "$target"
-/usr/bin/python3 - "$work/annex" <<'EOP' || fail "no files"
+"$PYTHON" - "$work/annex" <<'EOP' || fail "no files"
 import os, sys
 import h5py, numpy
 os.chdir(sys.argv[1])
@@ -325,15 +325,13 @@ expect 0 "$iftty" run "old.iftty" --journal anew.iftty
 same_files anew.iftty proof.iftty
 
 begin "the proof is the standard SHA-256"
-if needs python3; then
-    same "$(last_word sha256 proof.iftty)" "$(python3 - <<'EOP'
+same "$(last_word sha256 proof.iftty)" "$("$PYTHON" - <<'EOP'
 import hashlib, struct
 voxels = open("s.nii", "rb").read()[352:]
 head = struct.pack("<6I4B", 24, 20, 16, 1000000, 1000000, 1000000, 0, 2, 4, 0)
 print(hashlib.sha256(head + b"".join(struct.pack("<H", v) for v in voxels)).hexdigest())
 EOP
 )"
-fi
 
 begin "a golden image is read in the journal's folder"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 30 30; golden g' --journal g.iftty

@@ -331,8 +331,7 @@ STORY(answers_that_take_their_time_are_not_left_to_the_shell)
         start_at_prompt(&setting);
         SEE_AFTER(typed[stops], "\033P0;1q");
         const int status = job_report(&t.job);
-        CHECK(stops ? WIFSTOPPED(status) : status == 0);
-        CHECK(job_has_modes_as_found(&t.job));
+        CHECK((stops ? WIFSTOPPED(status) : status == 0) && job_has_modes_as_found(&t.job));
         CHECK_INT(left_to_read(), 0);
         end();
     }
@@ -422,8 +421,7 @@ STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
     SEE_AFTER("echo half", "echo half");
     type("\032");
     int status = job_report(&t.job);
-    CHECK(WIFSTOPPED(status));
-    CHECK(job_has_modes_as_found(&t.job));
+    CHECK(WIFSTOPPED(status) && job_has_modes_as_found(&t.job));
     SEE("\033[?2004l");
     job_order(&t.job, 0);
     SEE("\033[?2004h", "ch2> echo half");
@@ -432,8 +430,7 @@ STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
     SEE_AFTER("wait\r", "waiting");
     type("\032"); /* while a command runs it is a signal */
     status = job_report(&t.job);
-    CHECK(WIFSTOPPED(status));
-    CHECK(job_has_modes_as_found(&t.job));
+    CHECK(WIFSTOPPED(status) && job_has_modes_as_found(&t.job));
     job_order(&t.job, 0);
     job_see(&t.job, "\033[?2004h", 1000);
     kill(t.job.process, SIGTERM);
@@ -483,8 +480,7 @@ STORY(one_picture_is_shown_without_a_prompt)
     start(&setting);
     SEE("\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40", "\0338\033[2B\r\033[c");
     int status = job_report(&t.job);
-    CHECK(WIFEXITED(status) && WEXITSTATUS(status) == true);
-    CHECK(job_has_modes_as_found(&t.job));
+    CHECK(WIFEXITED(status) && WEXITSTATUS(status) == true && job_has_modes_as_found(&t.job));
     CHECK(strstr(t.job.seen.data, "2004") == NULL);
     end();
     setting.term = "dumb";

@@ -64,7 +64,7 @@ printf '%s\n' "key undo U" "brush 3 2" "start none" >config
 enter_anew "IFTTY_CONFIG=config $iftty tutorial"
 see '^step 1 of 5, in the object: there is no seed'
 press C-o
-see '^3L 30 voxels to the screen.s right, out of a ventricle into white matter; i a$'
+see '^3L move 30 voxels right, from a ventricle into white matter; i plant a ball of$'
 see '^axial.* at 90,108,90  brush 1 r6  '
 type_letters "3Li"
 see '^step 2 of 5, its neighbour: there is no seed of the background'
@@ -76,7 +76,7 @@ press C-r
 see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "q"
 see '^ch2>$'
-see '^    14H  140 voxels to the other side$'
+see '^    14H  move 140 voxels to the other side$'
 enter "quit"
 see '^journal: tutorial-2\.iftty '
 enter_anew "$iftty tutorial tutorial-2.iftty"

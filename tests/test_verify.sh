@@ -152,10 +152,8 @@ grep -q '<testsuite name="iftty verify" tests="3" failures="1" errors="0"' repor
 grep -q 'name="a&lt;b&gt;&amp;&quot;c&#39;.iftty"' report.xml || fail "$(cat report.xml)"
 grep -q '<failure type="check failed" message="record 7 (line' report.xml ||
     fail "$(cat report.xml)"
-if needs python3; then
-    python3 -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' report.xml 2>err ||
-        fail "$(cat err)"
-fi
+"$PYTHON" -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' report.xml 2>err ||
+    fail "$(cat err)"
 cp report.xml before
 expect 0 "$iftty" verify j4.iftty --junit report.xml
 grep -q 'tests="1" failures="0"' report.xml || fail "the report was not written anew"

@@ -35,9 +35,7 @@ same "$(cat out)" "1..0
 for part in 1 2 3; do # it is missed by nobody
     expect 3 "$iftty" verify --shard $part/3 nothing.iftty
 done
-for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do
-    expect 2 "$iftty" verify --shard $wrong j1.iftty
-done
+for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do expect 2 "$iftty" verify --shard $wrong j1.iftty; done
 rm -r far
 
 begin "a folder means all journals in it and below, of any name"
@@ -118,8 +116,7 @@ long=$(printf '%0250d' 0)
         mkdir "$long" && cd -P "$long" || exit 1
     done
 )
-expect 3 "$iftty" verify far # not looked at, so not passed over
-err_has "cannot enter far/0"
+expect_err "cannot enter far/0" 3 "$iftty" verify far # not looked at, so not passed over
 (cd far && rm -r 0*)
 expect 2 "$iftty" verify
 rm -r study far road
@@ -161,8 +158,7 @@ cp sound j1.iftty
 begin "the first failure ends the run, and the remaining journals are named"
 cp j2.golden/first.exr j1.golden/first.exr
 expect 1 "$iftty" verify --fail-fast j3.iftty j1.iftty j2.iftty j4.iftty --junit report.xml
-out_has "ok 1 - j3.iftty (6 commands"
-out_has "not ok 2 - j1.iftty"
+out_has "ok 1 - j3.iftty (6 commands" "not ok 2 - j1.iftty"
 out_has "ok 3 - j2.iftty # SKIP not verified: another failed before"
 same "$(tail -n 2 out)" "1..4
 # 1 verified, 1 failed, 2 skipped"
@@ -193,8 +189,7 @@ cp j4.golden/first.exr 'j4.golden/odd$(name);.exr'
 cp j4.golden/first.png j4.golden/third.png
 cp j4.golden/first.png j4.golden/lone.png
 expect_out "#   orphan   third.exr" 1 "$iftty" verify j4.iftty j5.iftty
-out_has '#   orphan   odd$(name);.exr'
-out_has "#   orphan   lone.png"
+out_has '#   orphan   odd$(name);.exr' "#   orphan   lone.png"
 expect 2 env CI=true "$iftty" verify --remove-orphans j4.iftty
 expect 1 "$iftty" verify --remove-orphans j4.iftty j5.iftty # `golden` gives no such name
 out_has "#   removed  third.exr"

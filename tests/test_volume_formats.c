@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The table of volume formats: each that is read has a fuzz target with a corpus that it reads, and
- * each that is written comes back as it was.
- */
+/* The table of volume formats: each that is read has a fuzz target with a corpus that it reads, and
+ * each that is written comes back as it was. */
 #include <dirent.h>
 #include <stdlib.h>
 

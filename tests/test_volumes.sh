@@ -171,8 +171,7 @@ expect 0 "$iftty" -c "open stack.tif"
 for name in fine fine/s1.tif; do
     expect 0 "$iftty" -c "open $name"
     out_has "its resolution says pixels of 0.1x0.1 mm, and nothing how far apart slices are"
-    out_has "with spacing=0.1,0.1,Z"
-    out_has "voxel spacing unknown"
+    out_has "with spacing=0.1,0.1,Z" "voxel spacing unknown"
 done
 expect 2 "$iftty" -c "open a.vtk spacing=0.5,0.5,2"
 err_has "the file says that its voxels are 0.9x1.1x2.5 mm apart"
@@ -395,4 +394,4 @@ for name in an-short.hdr an-double.hdr ni2.hdr an-int.hdr.gz an-short.img LPS-sh
 done
 [ $((4 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
 
-finish
+finish_opened

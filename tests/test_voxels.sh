@@ -71,8 +71,7 @@ for kind in int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64; d
             expect 0 "$iftty" run "$work/commands"
             sed -n 's/.*: intensity \([0-9]*\),.*/\1/p' "$work/out" | paste -sd ' ' - >"$work/is"
             same "$name $(cat "$work/is")" "$name 1 10 16"
-            out_has "orientation unknown"
-            out_has "5x4x3 voxels of unknown size"
+            out_has "orientation unknown" "5x4x3 voxels of unknown size"
         done
     done
 done

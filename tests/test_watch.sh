@@ -22,7 +22,7 @@ pressing Space '^step 1 of 6, record [0-9]+: label 1 head'
 press Space Space
 see '^step 2 of 6, record [0-9]+: label 2 hole'
 typing "3G" '^step 3 of 6, record [0-9]+: seed 12,10,8 1 radius=2$'
-see '^drawn, and not carried out yet: at 12,10,8, label 1 head$' '^Where it is bright\.$'
+see '^drawn, but not run yet: at 12,10,8, label 1 head$' '^Where it is bright\.$'
 pressing Space '^0 -[0-9.]+ m[lm]3?, 1 head \+[0-9.]+ m[lm]3?; 7680 voxels changed$'
 
 begin "backspace steps back, a number selects its step, and undone commands are named"
@@ -32,7 +32,7 @@ pressing BSpace '^step 3 of 6, '
 typing "5G" '^step 5 of 6, record [0-9]+: seed 20,15,12 2  \(undone later\)$'
 type_letters "2"
 pressing Space '^step 6 of 6, record [0-9]+: seed 4,15,12 2 radius=1$'
-see '^drawn, and not carried out yet' '^<b>Now</b> the "other" one\.$'
+see '^drawn, but not run yet' '^<b>Now</b> the "other" one\.$'
 
 # Print the picture in characters, with escape sequences for colours.
 picture() {
@@ -41,7 +41,7 @@ picture() {
 begin "voxels changed by a step are hatched after it, but not before it or while it is drawn"
 typing "gg" '^the beginning'
 press o # tints
-typing "3G" '^drawn, and not carried out yet'
+typing "3G" '^drawn, but not run yet'
 drawn=$(picture)
 pressing Space '7680 voxels changed$'
 [ "$(picture)" != "$drawn" ] || fail "the picture is the same"
@@ -49,7 +49,7 @@ white() { picture | grep -o '[34]8;2;255;255;255m' | wc -l; }
 is_hatched() { [ "$(white)" -gt 60 ]; }
 is_plain() { [ "$(white)" -lt 60 ]; }
 comes_true is_hatched || fail "$(white) white characters: nothing is hatched"
-pressing Space '^step 4 of 6, ' '^drawn, and not carried out yet'
+pressing Space '^step 4 of 6, ' '^drawn, but not run yet'
 comes_true is_plain || fail "$(white) white characters"
 pressing BSpace '^step 3 of 6, '
 
@@ -69,7 +69,7 @@ pressing x '^step 3 of 6, '
 
 begin "the end reports if the journal is verified"
 typing "G" '^the end: 6 steps, 1[0-9] records$'
-see '^verified: 1[0-9] commands carried out again, 1[0-9] results the same$'
+see '^verified: 1[0-9] commands replayed, 1[0-9] results the same$'
 pressing BSpace '^step 6 of 6, '
 typing "q" '^verified: '
 sane

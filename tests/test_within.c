@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Reaches of seeds, worked by hand. Random edits, with arcs of every kind, regions of interest and
+/* Reaches of seeds, worked by hand. Random edits, with arcs of every kind, regions of interest and
  * reaches, against a run from scratch and an oracle that shares no code with the engine; edits that
- * do not go through; threads.
- */
+ * do not go through; threads. */
 #include "tests/check_main.h"
 
 #include <stdlib.h>
@@ -26,8 +24,7 @@ static uint16_t add_reach(struct world *w, uint32_t x, uint32_t y, uint32_t z, i
 static void plant(struct world *w, uint32_t x, int label, uint16_t reach)
 {
     const struct edit edit = {grid_cell(&w->scene->grid, x, 0, 0), (int16_t)label, reach};
-    CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK);
-    CHECK(forest_check(w->forest, NULL));
+    CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK && forest_check(w->forest, NULL));
 }
 
 /* Labels of a row; '.' for a voxel without a tree. */

@@ -53,7 +53,7 @@ expect 0 "$iftty" verify k.iftty l.iftty m.iftty
 begin "invalid arguments are rejected, and plant nothing"
 refused() { # STATUS WORDS MESSAGE
     expect_err "$3" "$1" "$iftty" -c "$open; seed $2; info" --keep-going
-    out_has "0 seeds, 0 edits waiting"
+    out_has "0 seeds, 0 edits pending"
 }
 refused 2 '20,20,20 1 radius=3 within=2' "within: less than the radius"
 refused 2 '20,20,20 1 radius=3 within=2.9mm' "within: less than the radius"

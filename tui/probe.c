@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/mem.h"
 
 #define BARRIER       "\033[c"
 #define CSI_QUESTIONS "\033[>c\033[>q\033[16t\033[14t"
@@ -316,7 +317,7 @@ static unsigned await_replies(struct probe_replies *replies, unsigned count, int
                               struct buf *typed)
 {
     struct keys keys = {0};
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     uint64_t end = clock_ns() + (uint64_t)limit_ms * 1000000;
     unsigned seen = 0;
     while (seen < count && !memchr(buf_text(typed), 3, typed->length)) {
@@ -334,7 +335,6 @@ static unsigned await_replies(struct probe_replies *replies, unsigned count, int
             seen += probe_take(replies, &keys, bytes.data + i, 1, typed);
         buf_clear(&bytes);
     }
-    buf_release(&bytes);
     return seen;
 }
 
@@ -346,7 +346,7 @@ unsigned probe_await(unsigned count, int limit_ms, struct buf *typed)
 
 void probe_leave(const struct terminal_facts *facts, unsigned due)
 {
-    struct buf typed = {0};
+    OWNED(buf_release) struct buf typed = {0};
     if (term_write_end(NULL) == OK) {
         const bool expects = due > 0 || facts->reports;
         if (expects && facts->answers && term_write(BARRIER, sizeof BARRIER - 1, NULL) == OK)
@@ -354,14 +354,13 @@ void probe_leave(const struct terminal_facts *facts, unsigned due)
         else if (facts->answer_due)
             probe_await(1, OWED_MS, &typed);
     }
-    buf_release(&typed);
 }
 
 enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
                         struct terminal_facts *facts, struct buf *typed, struct fault *fault)
 {
     const struct probe_environment e = probe_environment_now();
-    struct buf questions = {0};
+    OWNED(buf_release) struct buf questions = {0};
     uint64_t round_trip_ns = 0;
     bool answer_due = false;
     enum err err = OK;
@@ -383,6 +382,5 @@ enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
     probe_decide(replies, &e, &size, facts);
     facts->round_trip_ns = round_trip_ns;
     facts->answer_due = answer_due;
-    buf_release(&questions);
     return err;
 }

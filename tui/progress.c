@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/mem.h"
 #include "tui/cells.h"
 #include "tui/term.h"
 
@@ -19,7 +20,7 @@ void progress_init(struct progress *progress, int fd)
 void progress_line(struct buf *out, const struct progress_step *step, bool has_blocks,
                    unsigned columns)
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     const uint64_t done = step->done < step->total ? step->done : step->total;
     buf_printf(&line, "%-21s ", step->what);
     if (step->total) {
@@ -47,13 +48,12 @@ void progress_line(struct buf *out, const struct progress_step *step, bool has_b
     if (columns > 0)
         cells_crop(out, buf_text(&line), columns);
     out->failed |= line.failed;
-    buf_release(&line);
 }
 
 /* Overwrite the line, and add blanks if it was longer. */
 static void put_line(struct progress *progress, const struct buf *line)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const unsigned width = (unsigned)cells_width(buf_text(line), line->length);
     buf_add_char(&out, '\r');
     buf_add(&out, buf_text(line), line->length);
@@ -64,14 +64,13 @@ static void put_line(struct progress *progress, const struct buf *line)
     if (!out.failed)
         term_write_to(progress->fd, out.data, out.length, NULL);
     progress->drawn = width;
-    buf_release(&out);
 }
 
 void progress_show(struct progress *progress, const char *what, uint64_t done, uint64_t total,
                    uint64_t now_ns)
 {
     const uint64_t ms = 1000000;
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     if (!progress->shows)
         return;
     if (!progress->begun_ns)
@@ -105,7 +104,6 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
     }
     progress_line(&line, &step, progress->has_blocks, progress->columns - 1);
     put_line(progress, &line);
-    buf_release(&line);
 }
 
 void progress_erase(struct progress *progress)

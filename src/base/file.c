@@ -20,6 +20,7 @@
 
 #include "base/choice.h"
 #include "base/hash.h"
+#include "base/mem.h"
 #include "base/scan.h"
 
 enum { PART_DIGITS = 5, STARTED_FIELD = 22 }; /* field of /proc/PID/stat, from 1 */
@@ -38,13 +39,8 @@ static uint64_t mix_text(uint64_t sum, const char *text)
 static uint64_t mix_file(uint64_t sum, const char *path)
 {
     char text[256];
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return sum;
-    if (fgets(text, sizeof text, file))
-        sum = mix_text(sum, text);
-    fclose(file);
-    return sum;
+    OWNED(stream_release) FILE *file = fopen(path, "re");
+    return file && fgets(text, sizeof text, file) ? mix_text(sum, text) : sum;
 }
 
 static void read_system(uint64_t part[PARTS])
@@ -66,11 +62,8 @@ static uint64_t started(long process)
 {
     char path[64], line[1024];
     snprintf(path, sizeof path, "/proc/%ld/stat", process);
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return 0;
-    const char *at = fgets(line, sizeof line, file) ? strrchr(line, ')') : NULL;
-    fclose(file);
+    OWNED(stream_release) FILE *file = fopen(path, "re");
+    const char *at = file && fgets(line, sizeof line, file) ? strrchr(line, ')') : NULL;
     if (at && strncmp(at, ") Z", 3) == 0)
         return has_ended;
     for (int field = 2; at && field < STARTED_FIELD; field++)
@@ -191,18 +184,15 @@ bool file_step_sync(int fd, const char *path)
 
 enum err file_sync_folder(const char *path, struct fault *fault)
 {
-    struct buf folder = {0};
+    OWNED(buf_release) struct buf folder = {0};
     file_folder(&folder, path);
-    int fd = -1;
+    OWNED(file_release) int fd = -1;
     if (folder.failed)
         errno = ENOMEM;
     else
         fd = file_step_open(buf_text(&folder), O_RDONLY | O_DIRECTORY);
-    bool fine = fd >= 0 && !file_step_fails(FILE_STEP_SYNC_FOLDER, path) &&
-                (fsync(fd) == 0 || errno == EINVAL);
-    if (fd >= 0)
-        close(fd);
-    buf_release(&folder);
+    const bool fine = fd >= 0 && !file_step_fails(FILE_STEP_SYNC_FOLDER, path) &&
+                      (fsync(fd) == 0 || errno == EINVAL);
     return fine ? OK : fault_errno(fault, "sync the folder of", path);
 }
 
@@ -212,6 +202,13 @@ bool file_step_cut(int fd, const char *path, uint64_t length)
 }
 
 /* ---- existing files ---- */
+
+void file_release(int *fd)
+{
+    if (*fd >= 0)
+        close(*fd);
+    *fd = -1;
+}
 
 enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct fault *fault)
 {
@@ -223,8 +220,7 @@ enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct
         *bytes = (uint64_t)status.st_size;
         return OK;
     }
-    close(*fd);
-    *fd = -1;
+    file_release(fd);
     return fault_set(fault, ERR_INPUT, "%s is not a regular file", path);
 }
 
@@ -248,27 +244,24 @@ enum err file_read(struct buf *out, const char *path, size_t limit, struct fault
 {
     const size_t piece = 65536;
     uint64_t bytes;
-    int fd;
+    OWNED(file_release) int fd = -1;
     buf_clear(out);
-    enum err err = file_open(&fd, &bytes, path, O_RDONLY, fault);
+    const enum err err = file_open(&fd, &bytes, path, O_RDONLY, fault);
     if (err)
         return err;
-    for (ssize_t n = (ssize_t)piece; !err && n == (ssize_t)piece;) {
+    for (ssize_t n = (ssize_t)piece; n == (ssize_t)piece;) {
         char *place = buf_reserve(out, piece);
-        n = place ? file_read_at(fd, place, piece, out->length) : 0;
         if (!place)
-            err = fault_memory(fault, path);
-        else if (n < 0)
-            err = fault_errno(fault, "read", path);
-        else
-            out->length += (size_t)n;
-        if (!err && out->length > limit)
-            err = fault_set(fault, ERR_LIMIT, "%s holds more than %zu bytes", path, limit);
+            return fault_memory(fault, path);
+        n = file_read_at(fd, place, piece, out->length);
+        if (n < 0)
+            return fault_errno(fault, "read", path);
+        out->length += (size_t)n;
+        if (out->length > limit)
+            return fault_set(fault, ERR_LIMIT, "%s holds more than %zu bytes", path, limit);
     }
-    if (!err)
-        buf_add(out, "", 0);
-    close(fd);
-    return err;
+    buf_add(out, "", 0);
+    return OK;
 }
 
 bool file_exists(const char *path)
@@ -293,13 +286,10 @@ bool file_begins_with(const char *path, const char *text)
     char start[64];
     const size_t length = strlen(text);
     uint64_t bytes;
-    int fd;
-    if (length > sizeof start || file_open(&fd, &bytes, path, O_RDONLY, NULL) != OK)
-        return false;
-    const bool begins =
-        file_read_at(fd, start, length, 0) == (ssize_t)length && memcmp(start, text, length) == 0;
-    close(fd);
-    return begins;
+    OWNED(file_release) int fd = -1;
+    return length <= sizeof start && file_open(&fd, &bytes, path, O_RDONLY, NULL) == OK &&
+           file_read_at(fd, start, length, 0) == (ssize_t)length &&
+           memcmp(start, text, length) == 0;
 }
 
 bool file_is_same(const char *a, const char *b)
@@ -313,18 +303,15 @@ bool file_holds_same(const char *a, const char *b)
 {
     enum { PIECE = 1 << 16 };
     char piece[2][PIECE];
-    int fd[2] = {-1, -1};
+    OWNED(file_release) int one = -1, other = -1;
     uint64_t bytes[2] = {0, 1}, at = 0;
-    bool same = file_open(&fd[0], &bytes[0], a, O_RDONLY, NULL) == OK &&
-                file_open(&fd[1], &bytes[1], b, O_RDONLY, NULL) == OK && bytes[0] == bytes[1];
+    bool same = file_open(&one, &bytes[0], a, O_RDONLY, NULL) == OK &&
+                file_open(&other, &bytes[1], b, O_RDONLY, NULL) == OK && bytes[0] == bytes[1];
     for (ssize_t n = PIECE; same && n == PIECE; at += PIECE) {
-        n = file_read_at(fd[0], piece[0], PIECE, at);
-        same = n >= 0 && file_read_at(fd[1], piece[1], PIECE, at) == n &&
+        n = file_read_at(one, piece[0], PIECE, at);
+        same = n >= 0 && file_read_at(other, piece[1], PIECE, at) == n &&
                memcmp(piece[0], piece[1], (size_t)n) == 0;
     }
-    for (int i = 0; i < 2; i++)
-        if (fd[i] >= 0)
-            close(fd[i]);
     return same;
 }
 
@@ -342,9 +329,9 @@ enum { LINKS_MOST = 40 };
 static void settle(struct buf *out, const char *path, unsigned links)
 {
     char target[PATH_MAX];
-    char *real = realpath(path, NULL);
+    OWNED(mem_release) char *real = realpath(path, NULL);
     const ssize_t n = real || !links ? -1 : readlink(path, target, sizeof target - 1);
-    struct buf next = {0};
+    OWNED(buf_release) struct buf next = {0};
     if (real) {
         buf_add_text(out, real);
     } else if (n > 0) { /* a link to a missing file */
@@ -362,8 +349,6 @@ static void settle(struct buf *out, const char *path, unsigned links)
         buf_printf(out, "/%s", file_name(path));
     }
     out->failed |= next.failed;
-    buf_release(&next);
-    free(real);
 }
 
 void file_absolute(struct buf *out, const char *path)
@@ -498,7 +483,7 @@ static bool find_holder(struct buf *path, enum owner_state *state, const char *f
 /* Remove abandoned drafts from a folder, or abandoned folders that were held. */
 static void sweep(const char *path, bool of_held)
 {
-    struct buf found = {0}, holder = {0};
+    OWNED(buf_release) struct buf found = {0}, holder = {0};
     DIR *folder = opendir(path);
     for (const struct dirent *entry; folder && (entry = readdir(folder));) {
         enum owner_state state;
@@ -516,8 +501,6 @@ static void sweep(const char *path, bool of_held)
     }
     if (folder)
         closedir(folder);
-    buf_release(&found);
-    buf_release(&holder);
 }
 
 void file_sweep(const char *path)
@@ -541,20 +524,18 @@ static void sweep_once(const char *folder)
 
 enum err file_may_write(const char *path, enum file_mode mode, struct fault *fault)
 {
-    struct buf folder = {0};
-    enum err err = OK;
+    OWNED(buf_release) struct buf folder = {0};
     file_folder(&folder, path);
     if (folder.failed)
-        err = fault_memory(fault, "a file name");
-    else if (*file_name(path) == '\0' || file_is_folder(path))
-        err = fault_set(fault, ERR_IO, "%s is a folder, not a file", path);
-    else if (!file_is_folder(buf_text(&folder)))
-        err = fault_set(fault, ERR_IO, "cannot write %s: there is no folder %s", path,
-                        buf_text(&folder));
-    else if (mode == FILE_KEEP && file_exists(path))
-        err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
-    buf_release(&folder);
-    return err;
+        return fault_memory(fault, "a file name");
+    if (*file_name(path) == '\0' || file_is_folder(path))
+        return fault_set(fault, ERR_IO, "%s is a folder, not a file", path);
+    if (!file_is_folder(buf_text(&folder)))
+        return fault_set(fault, ERR_IO, "cannot write %s: there is no folder %s", path,
+                         buf_text(&folder));
+    if (mode == FILE_KEEP && file_exists(path))
+        return fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
+    return OK;
 }
 
 enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault)
@@ -644,12 +625,10 @@ enum err file_rename_new(const char *path, const char *name, struct fault *fault
     return file_sync_folder(name, fault);
 }
 
-static bool sync_draft(int fd, const char *draft)
+static bool sync_draft(int descriptor, const char *draft)
 {
-    const bool synced = fd >= 0 && file_step_sync(fd, draft);
-    if (fd >= 0)
-        close(fd);
-    return synced;
+    OWNED(file_release) int fd = descriptor;
+    return fd >= 0 && file_step_sync(fd, draft);
 }
 
 enum err file_publish(const char *draft, const char *path, enum file_mode mode, struct fault *fault)
@@ -685,11 +664,11 @@ static enum err copy(const char *path, const char *backup, struct fault *fault)
 {
     char piece[COPY_PIECE];
     uint64_t bytes, at = 0;
-    int from;
+    OWNED(file_release) int from = -1;
     enum err err = file_open(&from, &bytes, path, O_RDONLY, fault);
     if (err)
         return err;
-    const int to = file_step_open(backup, O_WRONLY | O_CREAT | O_EXCL);
+    OWNED(file_release) int to = file_step_open(backup, O_WRONLY | O_CREAT | O_EXCL);
     bool fine = to >= 0;
     for (ssize_t n = 1; fine && n != 0; at += (uint64_t)n) {
         n = file_read_at(from, piece, sizeof piece, at);
@@ -700,9 +679,6 @@ static enum err copy(const char *path, const char *backup, struct fault *fault)
         if (to >= 0)
             file_discard(backup);
     }
-    if (to >= 0)
-        close(to);
-    close(from);
     return err;
 }
 
@@ -743,14 +719,11 @@ static enum err write_draft(const char *draft, const char *path, const void *byt
 enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
                     struct fault *fault)
 {
-    struct buf draft = {0};
+    OWNED(buf_release) struct buf draft = {0};
     enum err err = file_draft(&draft, path, mode, fault);
     if (!err)
         err = write_draft(buf_text(&draft), path, bytes, length, fault);
-    if (!err)
-        err = file_publish(buf_text(&draft), path, mode, fault);
-    buf_release(&draft);
-    return err;
+    return err ? err : file_publish(buf_text(&draft), path, mode, fault);
 }
 
 enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
@@ -781,20 +754,18 @@ enum err file_make_folder(const char *path, struct fault *fault)
 
 enum err folder_make_private(const char *path, struct fault *fault)
 {
-    struct buf part = {0};
-    enum err err = OK;
-    for (size_t at = 0; !err && path[at];) {
+    OWNED(buf_release) struct buf part = {0};
+    for (size_t at = 0; path[at];) {
         at += strspn(path + at, "/");
         at += strcspn(path + at, "/");
         buf_clear(&part);
         buf_add(&part, path, at);
         if (part.failed)
-            err = fault_memory(fault, "a path");
-        else if (mkdir(buf_text(&part), 0700) != 0 && !file_is_folder(buf_text(&part)))
-            err = fault_errno(fault, "make the folder", buf_text(&part));
+            return fault_memory(fault, "a path");
+        if (mkdir(buf_text(&part), 0700) != 0 && !file_is_folder(buf_text(&part)))
+            return fault_errno(fault, "make the folder", buf_text(&part));
     }
-    buf_release(&part);
-    return err;
+    return OK;
 }
 
 static const char *usual_place(const char *below)
@@ -858,10 +829,9 @@ enum err folder_held(struct buf *path, const char *below, struct fault *fault)
 
 bool folder_release(const char *path)
 {
-    struct buf holder = {0};
+    OWNED(buf_release) struct buf holder = {0};
     enum owner_state state;
     if (find_holder(&holder, &state, path))
         unlink(buf_text(&holder));
-    buf_release(&holder);
     return rmdir(path) != 0 && (errno == ENOTEMPTY || errno == EEXIST);
 }

@@ -41,6 +41,9 @@ enum err file_read(struct buf *out, const char *path, size_t limit, struct fault
  * alone. Does not block on a pipe. */
 enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct fault *fault);
 
+/* Close a descriptor that is not negative, and make it -1. */
+void file_release(int *fd);
+
 /* Read `length` bytes from offset `from`; return the number of bytes read, or -1 and errno. */
 ssize_t file_read_at(int fd, void *to, size_t length, uint64_t from);
 

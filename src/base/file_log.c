@@ -55,7 +55,7 @@ static enum err open_locked(int *fd, bool *is_locked, const char *path, int flag
         *is_locked = lock_until(*fd, path, deadline);
         if (is_at_path(*fd, path) || clock_ns() >= deadline)
             return OK;
-        close(*fd);
+        file_release(fd);
     }
 }
 
@@ -67,8 +67,7 @@ static uint64_t deadline_from_now(void)
 static enum err append_to(int fd, const char *path, const char *text, size_t length,
                           struct fault *fault)
 {
-    struct buf bytes = {0};
-    enum err err = OK;
+    OWNED(buf_release) struct buf bytes = {0};
     char last = '\n';
     const off_t end = lseek(fd, 0, SEEK_END);
     if (end > 0 && pread(fd, &last, 1, end - 1) == 1 && last != '\n')
@@ -76,11 +75,9 @@ static enum err append_to(int fd, const char *path, const char *text, size_t len
     buf_add(&bytes, text, length);
     buf_add_char(&bytes, '\n');
     if (bytes.failed)
-        err = fault_memory(fault, "a line");
-    else if (!file_step_write(fd, path, bytes.data, bytes.length))
-        err = fault_errno(fault, "write", path);
-    buf_release(&bytes);
-    return err;
+        return fault_memory(fault, "a line");
+    return file_step_write(fd, path, bytes.data, bytes.length) ? OK
+                                                               : fault_errno(fault, "write", path);
 }
 
 /* Without the lock, a trimming process may have read the file to its end before this write and
@@ -89,16 +86,13 @@ enum err file_lines_append(const char *path, const char *line, size_t length, st
 {
     const uint64_t deadline = deadline_from_now();
     for (int i = 0; i < REPLACED_MOST; i++) {
-        bool is_locked, is_there;
-        int fd;
+        bool is_locked;
+        OWNED(file_release) int fd = -1;
         enum err err =
             open_locked(&fd, &is_locked, path, O_RDWR | O_APPEND | O_CREAT, deadline, fault);
-        if (err)
-            return err;
-        err = append_to(fd, path, line, length, fault);
-        is_there = is_at_path(fd, path);
-        close(fd);
-        if (err || is_there)
+        if (!err)
+            err = append_to(fd, path, line, length, fault);
+        if (err || is_at_path(fd, path))
             return err;
     }
     return fault_set(fault, ERR_IO, "%s is replaced all the time", path);
@@ -141,16 +135,12 @@ static enum err read_tail(struct buf *out, int fd, off_t end, size_t bytes_most,
 enum err file_lines_read(struct buf *out, const char *path, size_t bytes_most, struct fault *fault)
 {
     uint64_t bytes;
-    int fd;
+    OWNED(file_release) int fd = -1;
     buf_clear(out);
     if (!file_exists(path))
         return OK;
-    enum err err = file_open(&fd, &bytes, path, O_RDONLY, fault);
-    if (err)
-        return err;
-    err = read_tail(out, fd, (off_t)bytes, bytes_most, path, fault);
-    close(fd);
-    return err;
+    const enum err err = file_open(&fd, &bytes, path, O_RDONLY, fault);
+    return err ? err : read_tail(out, fd, (off_t)bytes, bytes_most, path, fault);
 }
 
 const char *file_lines_last(const char *text, size_t length, size_t lines)
@@ -166,60 +156,49 @@ static enum err write_anew(const char *path, const struct buf *tail, size_t line
                            struct fault *fault)
 {
     const char *text = buf_text(tail), *last = file_lines_last(text, tail->length, lines_most);
-    char *real = realpath(path, NULL); /* keep a link */
+    OWNED(mem_release) char *real = realpath(path, NULL); /* keep a link */
     const mode_t before = umask(0077);
     const enum err err =
         real ? file_write(real, last, tail->length - (size_t)(last - text), FILE_REPLACE, fault)
              : fault_errno(fault, "find", path);
     umask(before);
-    free(real);
     return err;
 }
 
 /* Copy lines that were appended to the old file without the lock after it was read. */
 static enum err copy_late_lines(int fd, off_t from, const char *path, struct fault *fault)
 {
-    struct buf late = {0};
+    OWNED(buf_release) struct buf late = {0};
     const off_t end = lseek(fd, 0, SEEK_END);
-    enum err err = OK;
-    if (end > from)
-        err = read_from(&late, fd, from, (size_t)(end - from), path, fault);
+    const enum err err =
+        end > from ? read_from(&late, fd, from, (size_t)(end - from), path, fault) : OK;
     while (late.length > 0 && late.data[late.length - 1] == '\n')
         late.length--;
-    if (!err && late.length > 0)
-        err = file_lines_append(path, late.data, late.length, fault);
-    buf_release(&late);
-    return err;
+    return err || !late.length ? err : file_lines_append(path, late.data, late.length, fault);
 }
 
 enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
                          struct fault *fault)
 {
-    struct file_lock instead = {0};
-    struct buf tail = {0};
+    OWNED(file_lock_release) struct file_lock instead = {0};
+    OWNED(buf_release) struct buf tail = {0};
+    OWNED(file_release) int fd = -1; /* also releases the lock */
     bool is_locked;
-    int fd;
     if (!file_exists(path))
         return OK;
     enum err err = open_locked(&fd, &is_locked, path, O_RDWR, deadline_from_now(), fault);
     if (err)
         return err;
     is_locked = is_locked || file_lock_take(&instead, fd, path, NULL) == OK; /* I5 */
-    if (is_locked && is_at_path(fd, path)) {
-        const off_t end = lseek(fd, 0, SEEK_END);
-        err = read_tail(&tail, fd, end, bytes_most, path, fault);
-        const char *text = buf_text(&tail);
-        if (!err &&
-            (end > (off_t)bytes_most || file_lines_last(text, tail.length, lines_most) > text)) {
-            err = write_anew(path, &tail, lines_most, fault);
-            if (!err)
-                err = copy_late_lines(fd, end, path, fault);
-        }
-        buf_release(&tail);
-    }
-    close(fd); /* also releases the lock */
-    file_lock_release(&instead);
-    return err;
+    if (!is_locked || !is_at_path(fd, path))
+        return OK;
+    const off_t end = lseek(fd, 0, SEEK_END);
+    err = read_tail(&tail, fd, end, bytes_most, path, fault);
+    const char *text = buf_text(&tail);
+    if (err || (end <= (off_t)bytes_most && file_lines_last(text, tail.length, lines_most) == text))
+        return err;
+    err = write_anew(path, &tail, lines_most, fault);
+    return err ? err : copy_late_lines(fd, end, path, fault);
 }
 
 enum { LOCK_BYTES_MOST = 4096 };
@@ -257,15 +236,12 @@ static void add_process(struct buf *out, long process)
     char path[64], name[64];
     buf_printf(out, "process %ld", process);
     snprintf(path, sizeof path, "/proc/%ld/comm", process);
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return;
-    if (fgets(name, sizeof name, file)) {
+    OWNED(stream_release) FILE *file = fopen(path, "re");
+    if (file && fgets(name, sizeof name, file)) {
         buf_add_text(out, " (");
         buf_add_safe(out, name, strcspn(name, "\n"));
         buf_add_char(out, ')');
     }
-    fclose(file);
 }
 
 /* Append "process 4711 (iftty)" if a process of this machine holds an exclusive flock on the file,
@@ -275,7 +251,7 @@ static bool find_holder(struct buf *out, const struct stat *status)
 {
     char line[256];
     bool found = false;
-    FILE *locks = fopen("/proc/locks", "re");
+    OWNED(stream_release) FILE *locks = fopen("/proc/locks", "re");
     while (locks && !found && fgets(line, sizeof line, locks)) {
         unsigned major_number, minor_number;
         unsigned long inode;
@@ -290,8 +266,6 @@ static bool find_holder(struct buf *out, const struct stat *status)
         if (found)
             add_process(out, process);
     }
-    if (locks)
-        fclose(locks);
     return found;
 }
 
@@ -300,17 +274,15 @@ static bool find_holder(struct buf *out, const struct stat *status)
 /* "5b1f0e3c2a79d04-4d2-1a2b3c", a line feed, "process 1234 on the machine porto" */
 static enum err write_lock_file(const char *path, struct fault *fault)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     struct utsname names = {0};
     uname(&names);
     owner_write(&text);
     buf_printf(&text, "\nprocess %ld on the machine ", (long)getpid());
     buf_add_safe_text(&text, names.nodename);
     buf_add_char(&text, '\n');
-    const enum err err = text.failed ? fault_memory(fault, "a lock")
-                                     : file_write(path, text.data, text.length, FILE_KEEP, fault);
-    buf_release(&text);
-    return err;
+    return text.failed ? fault_memory(fault, "a lock")
+                       : file_write(path, text.data, text.length, FILE_KEEP, fault);
 }
 
 /* Return true if this is the text of a lock whose process has ended. */
@@ -325,20 +297,18 @@ static bool is_stale(const struct buf *text)
  * its own lock meanwhile, which is then renamed back. */
 static void remove_stale_lock(const char *path)
 {
-    struct buf aside = {0}, text = {0};
+    OWNED(buf_release) struct buf aside = {0}, text = {0};
     if (file_draft(&aside, path, FILE_REPLACE, NULL) == OK && rename(path, buf_text(&aside)) == 0) {
         if (file_read(&text, buf_text(&aside), LOCK_BYTES_MOST, NULL) == OK && is_stale(&text))
             file_discard(buf_text(&aside));
         else
             file_publish(buf_text(&aside), path, FILE_KEEP, NULL);
     }
-    buf_release(&aside);
-    buf_release(&text);
 }
 
 static enum err take_lock_file(struct file_lock *lock, const char *path, struct fault *fault)
 {
-    struct buf name = {0}, text = {0}, who = {0};
+    OWNED(buf_release) struct buf name = {0}, text = {0}, who = {0};
     enum err err = OK;
     buf_printf(&name, "%s.lock", path);
     const char *at = buf_text(&name);
@@ -365,9 +335,6 @@ static enum err take_lock_file(struct file_lock *lock, const char *path, struct 
             "journal for looking",
             path, who.length ? buf_text(&who) : "an unknown process", at);
     }
-    buf_release(&who);
-    buf_release(&name);
-    buf_release(&text);
     return err;
 }
 
@@ -382,13 +349,12 @@ enum err file_lock_take(struct file_lock *lock, int fd, const char *path, struct
         return take_lock_file(lock, path, fault);
     if (errno != EWOULDBLOCK || fstat(fd, &status) != 0)
         return fault_errno(fault, "lock", path);
-    struct buf holder = {0};
+    OWNED(buf_release) struct buf holder = {0};
     const bool known = find_holder(&holder, &status);
     fault_set(fault, ERR_IO,
               "%s is being written by another session%s%s; it is unchanged, and --read-only opens "
               "it for looking",
               path, known ? ", " : "", known ? buf_text(&holder) : "");
-    buf_release(&holder);
     return ERR_IO;
 }
 

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A file that grows, has one writer, and is synced as its owner chooses.
+ * A file that grows, has one writer, and is synced in a mode that its owner sets.
  *
- * The mode of syncing decides what an append guarantees:
- *   always  its bytes and all before them are on the disk when it returns; an append that
+ * The mode decides the guarantee of an append:
+ *   always  its bytes and all earlier ones are on the disk when it returns; an append that
  *           `may_wait` is synced as in `second`;
- *   second  a thread syncs within a second: a power loss may lose the last second;
- *   off     the system syncs when it likes, or file_log_sync, or the close of the log.
- * In all three a killed process loses nothing: the bytes already belong to the system.
+ *   second  a thread syncs within a second: a loss of power may lose the last second;
+ *   off     the operating system syncs at any time; file_log_sync and closing the log also sync.
+ * In each mode a killed process loses nothing, since the operating system has the bytes.
  *
  * Invariants
- *   G1 a failed append is cut off again, so that the file never holds half of it. Nothing is
- *      appended until that cut is on the disk: otherwise refused bytes could reappear after a power
- *      loss, or remain after a shorter append;
+ *   G1 a failed append is cut off again, so that the file never has a part of it. Nothing is
+ *      appended until this truncation is on the disk: otherwise rejected bytes could reappear after
+ *      a loss of power, or remain after a shorter append;
  *   G2 nothing is appended to a file that is no longer at its path (deleted, moved, replaced), nor
  *      to one whose length another process has changed; the owner, who knows the content, can check
  *      for writes (file_log_was_touched);
- *   G3 a failed sync is never repeated and trusted: systems forget the pages that they could not
- *      write. The bytes after `synced` are written again (file_log_rewrite) before any append;
+ *   G3 after a failed sync, a second sync proves nothing, since systems drop pages that they could
+ *      not write. The bytes after `synced` are written again (file_log_rewrite) before any append;
  *   G4 one writer at a time.
  *
  * Apart from its own thread, a log is used by one thread.

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/safe.h"
 
 #define NUMBER_MOST ((INT64_C(1) << 53) - 1)
@@ -313,14 +314,13 @@ void json_text(struct json *json, const char *key, const char *text)
 
 void json_format(struct json *json, const char *key, const char *format, ...)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     va_list words;
     va_start(words, format);
     buf_vprintf(&text, format, words);
     va_end(words);
     json_bytes(json, key, buf_text(&text), text.length);
     json->out->failed |= text.failed;
-    buf_release(&text);
 }
 
 /* Write a number, or another word of JSON. */

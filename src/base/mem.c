@@ -40,6 +40,19 @@ void *mem_new(size_t bytes)
     return is_allowed(bytes) ? calloc(1, bytes) : NULL;
 }
 
+void mem_release(void *pointer)
+{
+    void *memory;
+    memcpy(&memory, pointer, sizeof memory);
+    free(memory);
+}
+
+void stream_release(FILE **stream)
+{
+    if (*stream)
+        fclose(*stream);
+}
+
 bool size_multiply(size_t a, size_t b, size_t *out)
 {
     size_t product;
@@ -159,11 +172,9 @@ size_t mem_held_by(int process)
     char statm[40];
     unsigned long all, resident = 0;
     snprintf(statm, sizeof statm, "/proc/%d/statm", process);
-    FILE *file = fopen(statm, "re");
+    OWNED(stream_release) FILE *file = fopen(statm, "re");
     if (file && fscanf(file, "%lu %lu", &all, &resident) != 2)
         resident = 0;
-    if (file)
-        fclose(file);
     return resident * (size_t)sysconf(_SC_PAGESIZE);
 }
 
@@ -174,15 +185,13 @@ size_t mem_held(void)
 
 size_t mem_available(void)
 {
-    FILE *file = fopen("/proc/meminfo", "re");
+    OWNED(stream_release) FILE *file = fopen("/proc/meminfo", "re");
     char line[128];
     unsigned long long kib;
     size_t bytes = SIZE_MAX;
     while (file && fgets(line, sizeof line, file))
         if (sscanf(line, "MemAvailable: %llu kB", &kib) == 1 && kib < SIZE_MAX / 1024)
             bytes = (size_t)kib * 1024;
-    if (file)
-        fclose(file);
     if (limit == SIZE_MAX)
         return bytes;
     const size_t held = mem_held(), left = held < limit ? limit - held : 0;

@@ -10,12 +10,23 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* out = a * b; false (and out unchanged) if the product does not fit. */
 bool size_multiply(size_t a, size_t b, size_t *out);
 
 /* For tests: called before every allocation of this file; false makes it fail. NULL allows all. */
 extern bool (*mem_allows)(size_t bytes);
+
+/* Release a variable at the end of its scope, after the value of a return was computed. It is
+ * initialised where it is declared, or by the next statement:
+ *     OWNED(buf_release) struct buf text = {0};
+ *     OWNED(mem_release) uint8_t *voxels = mem_array(count, 1); */
+#define OWNED(release) __attribute__((cleanup(release)))
+
+/* Free the memory to which the pointer at this address points; close a stream. NULL is none. */
+void mem_release(void *pointer);
+void stream_release(FILE **stream);
 
 /* Return one zeroed object of `bytes`, or NULL. Freed by free(). */
 void *mem_new(size_t bytes);

@@ -83,4 +83,22 @@ double decimal_value(const struct decimal *decimal);
  * many zeros. */
 void decimal_write(struct buf *out, const struct decimal *decimal);
 
+/* ---- numbers in bytes ---- */
+
+/* Read and write a number of `width` bytes, 1 to 8. */
+static inline uint64_t bits_get(const void *from, unsigned width, bool big_endian)
+{
+    const uint8_t *at = from;
+    uint64_t bits = 0;
+    for (unsigned i = 0; i < width; i++)
+        bits |= (uint64_t)at[big_endian ? width - 1 - i : i] << 8 * i;
+    return bits;
+}
+
+static inline void bits_put(uint8_t *at, unsigned width, uint64_t bits, bool big_endian)
+{
+    for (unsigned i = 0; i < width; i++)
+        at[big_endian ? width - 1 - i : i] = (uint8_t)(bits >> 8 * i);
+}
+
 #endif

@@ -103,12 +103,10 @@ enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
     }
     if (count <= FEW)
         return OK;
-    uint64_t *room = mem_array(count, sizeof *room);
-    size_t *begin = mem_array(DIGITS, sizeof *begin);
+    OWNED(mem_release) uint64_t *room = mem_array(count, sizeof *room);
+    OWNED(mem_release) size_t *begin = mem_array(DIGITS, sizeof *begin);
     const bool fits = room && begin;
     if (fits && distribute(number, room, count, 32, begin, watch))
         distribute(room, number, count, 48, begin, watch);
-    free(room);
-    free(begin);
     return fits ? watch_fault(watch, fault) : fault_memory(fault, "putting seeds in order");
 }

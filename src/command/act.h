@@ -103,7 +103,7 @@ enum err act_check_report(const struct act *act);
  * the answer. */
 enum err act_write_report(const struct act *act, const struct buf *text);
 
-/* Return the labels that a command saves or counts, after `run` of the waiting edits. With
+/* Return the labels that a command saves or counts, after applying the pending edits. With
  * `finished=yes` these are the finished labels, and their digest is added to the words of the
  * record. At a prompt, without `finished=`, the labels are those of the pictures, and the record
  * contains the choice. The labels of a skimming session are undefined. */
@@ -188,7 +188,7 @@ struct drawn_file {
 enum err act_draw_file(const struct act *act, const struct drawn_file *file,
                        const struct labels *labels, uint64_t *digest);
 
-/* Run the waiting edits and make the rendition of *labels, finished if requested. */
+/* Apply the pending edits and make the rendition of *labels, finished if requested. */
 enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels);
 
 /* Add the digest of the rendition to the words of the record. */
@@ -273,7 +273,7 @@ enum err act_write_counts(const struct act *act);
 /* Add a line about a voxel: its position, intensity and label, and the seed of its tree. */
 void act_write_voxel(struct buf *out, const struct session *session, uint32_t cell);
 
-/* Add a line if edits are waiting for `run`, which the answer does not include. */
+/* Add a line if edits are pending, which the answer does not include. */
 void act_write_waiting(const struct act *act);
 
 /* Add a line if no seed is planted. */
@@ -288,7 +288,7 @@ void volumes_write(struct buf *out, const struct session *session, bool is_finis
                    uint64_t took_ns);
 
 /* Add a line about a surprise (show/label_loss.h): "this `seed` took 1.2 l of label 1 through
- * 93,40,61; undo reverts it". `command` is NULL for edits that were waiting. */
+ * 93,40,61; undo reverts it". `command` is NULL for pending edits. */
 void surprise_write(struct buf *out, struct session *session, const char *command);
 
 /* Add a line about the seed that would own the voxel if its reach (`seed within=`) were larger. */

@@ -34,7 +34,7 @@ static enum err go_to_point(const struct act *act, uint32_t to, uint32_t branch,
     write_point(&reply->text, history, to);
     const size_t waits = session_pendings(act->session);
     if (waits > 0)
-        buf_printf(&reply->text, ", %zu edit%s waiting for `run`%s", waits, plural(waits),
+        buf_printf(&reply->text, ", %zu edit%s pending until `run`%s", waits, plural(waits),
                    act->session->now.outlook.runs_by_itself ? " or the next edit" : "");
     buf_add_char(&reply->text, '\n');
     if (!history->moves_tip && on->point != to) /* the tip of the branch does not move */

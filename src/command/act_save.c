@@ -138,7 +138,7 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
 
 /* ---- the command ---- */
 
-/* Make the picture, after applying waiting edits, and its digest. */
+/* Make the picture, after applying pending edits, and its digest. */
 static enum err take_golden(const struct act *act, struct picture *picture)
 {
     struct labels labels;

@@ -503,7 +503,7 @@ static void report_setting(const struct act *act, enum setting_says what)
     else if (what == SAYS_SLICES)
         act_write_slices(out, act->session);
     else if (what == SAYS_WAITING && outlook->runs_by_itself && waits)
-        buf_printf(out, "%zu edit%s waiting for `run` or the next edit\n", waits, plural(waits));
+        buf_printf(out, "%zu edit%s pending until `run` or the next edit\n", waits, plural(waits));
     else if (what == SAYS_FINISH && !outlook->shows_finished)
         buf_add_text(out, "pictures show the labels of the forest\n");
     else if (what == SAYS_FINISH && !act->session->now.kept.finish.count)

@@ -22,9 +22,10 @@ void act_write_waiting(const struct act *act)
 {
     const size_t waits = session_pendings(act->session);
     if (waits == 1)
-        buf_add_text(&act->reply->text, "without the edit that waits for `run`\n");
+        buf_add_text(&act->reply->text, "not included: the pending edit (`run` applies it)\n");
     else if (waits > 1)
-        buf_printf(&act->reply->text, "without the %zu edits that wait for `run`\n", waits);
+        buf_printf(&act->reply->text, "not included: the %zu pending edits (`run` applies them)\n",
+                   waits);
 }
 
 void act_write_no_seeds(const struct act *act)
@@ -193,7 +194,7 @@ void surprise_write(struct buf *out, struct session *session, const char *comman
     if (command)
         buf_printf(out, "this `%s` took ", command);
     else
-        buf_add_text(out, "what waited took ");
+        buf_add_text(out, "the pending edits took  ");
     label_report_write_extent(out, session, surprise.voxels);
     buf_add_text(out, " of label ");
     label_report_write_name(out, session, surprise.label);
@@ -478,7 +479,7 @@ enum err act_info(const struct act *act)
         return err;
     write_scene(out, session);
     const size_t seeds = forest_seeds(session->forest), waits = session_pendings(session);
-    buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ", seeds,
+    buf_printf(out, "forest    %zu seed%s, %zu edit%s pending, adjacency %u, weight ", seeds,
                plural(seeds), waits, plural(waits), session->now.kept.adjacency);
     act_write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');

@@ -70,7 +70,7 @@ static void look_for_last(void *context, const struct record *record)
             resume->last = record->number;
 }
 
-/* Run a recorded command. If the session catches up, return the words of the forest after it. */
+/* Run a recorded command. If the session then catches up, return the words about the forest. */
 static enum err execute_again(void *context, const char *command, struct buf *words,
                               struct fault *fault)
 {
@@ -112,7 +112,7 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
 }
 
 /* Resume a record. When skimming, compute nothing before the last record with words about the
- * forest; `open` is always run in full. */
+ * forest, except for `open`. */
 static enum err resume_record(void *context, const struct record *record, struct fault *fault)
 {
     struct resume *resume = context;
@@ -131,8 +131,8 @@ static enum err resume_record(void *context, const struct record *record, struct
     return err;
 }
 
-static enum err carry_out_again(struct interpreter *interp, const char *path, struct buf *told,
-                                struct fault *fault)
+static enum err replay_journal(struct interpreter *interp, const char *path, struct buf *told,
+                               struct fault *fault)
 {
     struct resume resume = {.interp = interp};
     struct journal_resume how = {.semantics = SEMANTICS,
@@ -167,14 +167,14 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
     enum err err = interpreter_set_home(interp, path, fault);
     interp->mode = interp->resumes_in_full ? MODE_RESUME : MODE_SKIM;
     if (!err)
-        err = carry_out_again(interp, path, told, fault);
+        err = replay_journal(interp, path, told, fault);
     if (err == ERR_CHECK && !interp->resumes_in_full) {
         interp->mode = MODE_RESUME; /* start again */
         interp->resumes_in_full = true;
         history_release(&interp->history);
         session_reset(interp->session);
         history_init(&interp->history);
-        err = carry_out_again(interp, path, told, fault);
+        err = replay_journal(interp, path, told, fault);
     }
     if (!err)
         err = journal_set_sync(interp->journal, interp->sync, fault);
@@ -200,13 +200,12 @@ static enum err apply_edits(const struct interpreter *interp, struct session *se
                             struct reply *reply, struct fault *fault)
 {
     if (interp->applied == 1)
-        buf_add_text(&reply->text, "applied the waiting edit, as by `run`\n");
+        buf_add_text(&reply->text, "applied the pending edit, as `run` does\n");
     else
-        buf_printf(&reply->text, "applied the %zu waiting edits, as by `run`\n", interp->applied);
+        buf_printf(&reply->text, "applied the %zu pending edits, as `run` does\n", interp->applied);
     enum err err = session_run(session, fault);
-    if (!err &&
-        interp->mode ==
-            MODE_LIVE) /* count again, so that the answer excludes the edits that were waiting */
+    /* Count again, so that the answer of the command excludes these edits. */
+    if (!err && interp->mode == MODE_LIVE)
         err = session_count_labels(session, fault);
     return err;
 }
@@ -218,10 +217,11 @@ static enum err run_act(struct interpreter *interp, const struct call *call, str
     struct session *session = interp->session;
     uint64_t begin = clock_ns();
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
-        return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
-    /* A command that answers first applies the waiting edits, so that the answer includes all
-     * seeds. A recorded command also does so in a replay. A question does so only in a live
-     * session, which records a `run` for it. */
+        return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first, as in `open FILE`",
+                         command->name);
+    /* A command that answers first applies the pending edits, so that its answer includes all
+     * seeds. In a replay, only a recorded command does so, since a live session records a `run` for
+     * a question. */
     const bool applies = command->flags & COMMAND_ANSWERS &&
                          (command->flags & COMMAND_RECORDED || interp->mode == MODE_LIVE);
     interp->applied = applies ? session_pendings(session) : 0;
@@ -240,7 +240,8 @@ static enum err run_act(struct interpreter *interp, const struct call *call, str
         !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)
         err = session_run(session, fault);
-    if (!(command->flags & COMMAND_RECORDED)) /* a question: its record is a `run` without words */
+    if (!(command->flags &
+          COMMAND_RECORDED)) /* a question, whose record is a `run`, has no words */
         buf_clear(&reply->words);
     if (!err && edits)
         add_digests(&reply->words, session);
@@ -257,8 +258,8 @@ static enum err run_act(struct interpreter *interp, const struct call *call, str
     return failed ? fault_memory(fault, "a command") : err;
 }
 
-static enum err carry_out(struct interpreter *interp, const struct call *call, const char *line,
-                          struct reply *reply, struct fault *fault)
+static enum err execute_call(struct interpreter *interp, const struct call *call, const char *line,
+                             struct reply *reply, struct fault *fault)
 {
     struct watch *watch = interp->session->watch;
     enum err err = watch_fault(watch, fault);
@@ -267,7 +268,7 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
     if (!err)
         err = run_act(interp, call, reply, fault);
     if (err == ERR_IO && interp->found_existing)
-        fault_append(fault, "; replace=yes writes over it");
+        fault_append(fault, "; replace=yes overwrites it");
     if (err && fault)
         command_point_at(call, line, fault);
     if (!err || (watch && watch->stopped)) /* a stop may have caused another error */
@@ -281,8 +282,8 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
 
 /* ---- record a command ---- */
 
-/* Add the command to the history and, if it is new, to the journal. For a question that applied
- * waiting edits, add a `run`. */
+/* Add the command to the history and, in a live session, to the journal. For a question that
+ * applied pending edits, add a `run`. */
 static enum err record_command(struct interpreter *interp, const struct command *command,
                                struct reply *reply, struct fault *fault)
 {
@@ -307,14 +308,14 @@ static enum err record_command(struct interpreter *interp, const struct command 
         kept_equals(&session->now.kept, &session->former.kept);
     err = journal_append(interp->journal, line, only_looks ? NULL : buf_text(&reply->words), fault);
     return err ? fault_prefix(fault, err,
-                              "the command is undone, because it could not be recorded "
-                              "(`journal FILE` continues in another file)")
+                              "the command was undone because it could not be recorded (`journal "
+                              "FILE` continues in another file)")
                : OK;
 }
 
 /* ---- commit or roll back a command ---- */
 
-/* Commit or roll back all changes of the command. */
+/* Commit or roll back all changes that the command has made. */
 static void finish_command(struct interpreter *interp, bool stands)
 {
     interpreter_settle_files(interp, stands);
@@ -352,7 +353,7 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
         err = interpreter_drop_sketch(interp, fault);
     if (!err) {
         session_mark(interp->session);
-        err = carry_out(interp, &call, line, reply, fault);
+        err = execute_call(interp, &call, line, reply, fault);
         recorded |= interp->applied > 0;
         if (!err && recorded)
             err = record_command(interp, call.command, reply, fault);
@@ -382,7 +383,7 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
     if (!changes) {
         const struct session *session = interp->session;
         session_mark(interp->session);
-        err = carry_out(interp, &call, line, reply, fault);
+        err = execute_call(interp, &call, line, reply, fault);
         changes = interp->written.length || interp->history.goes_to != POINT_NONE ||
                   session->has_edited || session->has_regrown ||
                   !kept_equals(&session->now.kept, &session->former.kept) ||
@@ -420,7 +421,7 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
                                          .markers = session->markers.count};
     command_write(&reply.canonical, &call);
     session_mark(session);
-    err = carry_out(interp, &call, line, &reply, fault);
+    err = execute_call(interp, &call, line, &reply, fault);
     if (!err)
         err = history_note(&interp->history, session, buf_text(&reply.canonical), fault);
     finish_command(interp, err == OK);

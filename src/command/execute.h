@@ -14,7 +14,7 @@
 /* Execute one line. `reply` is cleared first. An empty line or a comment does nothing and leaves
  * reply->canonical empty. On error nothing has changed.
  * 
- * Commands that show, write or answer from labels (COMMAND_ANSWERS) first apply the waiting edits.
+ * Commands that show, write or answer from labels (COMMAND_ANSWERS) first apply the pending edits.
  * A question has no record; if it applied edits, a run is recorded: RUN_FOR and its name. */
 #define RUN_FOR "run for="
 enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,

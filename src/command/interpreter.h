@@ -91,7 +91,7 @@ struct interpreter {
     struct picture_job *job;       /* picture of the current command, queued once it is recorded */
 
     struct sketch sketch;
-    size_t applied;       /* number of waiting edits that the current command applied first */
+    size_t applied;       /* number of pending edits that the current command applied first */
     size_t acknowledged;  /* record of the last successful command; 0 if it has none */
     uint64_t losses_of;   /* the finish (session_finish_source) of the last search for losses, */
     bool names_loss[256]; /* and the labels with a loss, which the user has seen */
@@ -182,7 +182,7 @@ enum err interpreter_output_path(struct interpreter *interp, const char *name, s
 /* ---- files that go with a command ---- */
 
 /* Note whether a new command finds an existing file that its writer must not replace: its error
- * then ends with "replace=yes writes over it". */
+ * then ends with "replace=yes overwrites it". */
 void interpreter_note_existing(struct interpreter *interp, const char *path, enum file_mode mode);
 
 /* Announce that the current command is about to write `path`. If the command fails or cannot be

@@ -458,7 +458,7 @@ enum err act_find_voxels(const struct act *act, const struct value *to, struct v
     return err;
 }
 
-/* True if the previous command has planted seeds of the label as its only marker. */
+/* True if the last command has planted a marker of this label, and no other one. */
 static bool can_join(const struct act *act)
 {
     const int64_t label = act_number(act, "LABEL");
@@ -471,7 +471,7 @@ static bool can_join(const struct act *act)
 
 /* ---- shells ---- */
 
-/* Find the current label in the middle of a shell, and whether a seed reaches it. */
+/* Find the present label in the middle of a shell, and if a seed reaches it. */
 static enum err look_inside(const struct act *act, const uint32_t middle[3], uint8_t *inside,
                             bool *is_reached)
 {
@@ -551,11 +551,11 @@ static enum err plant_shell(const struct act *act, struct voxels *voxels, const 
     label_set_add(&planting.encloses, planting.inside);
     if (!err && !voxels->count)
         err = fault_set(act->fault, ERR_INPUT,
-                        "shell: none of it is in the scene; nothing was planted");
+                        "shell: no voxel of it is in the scene; nothing was planted");
     if (!err && planting.inside == label && (act_has(act, "around") || (is_reached && !encloses)))
         err = fault_set(act->fault, ERR_INPUT,
-                        "shell: label %u is also the label of the object inside; a shell has the "
-                        "label of the surroundings, and around=LABEL names the object; nothing "
+                        "shell: label %u is also the label of the object inside; expected the "
+                        "label of the surroundings, or around=LABEL for another object; nothing "
                         "was planted",
                         numbering_of(&act->session->now.kept, planting.inside));
     if (!err)

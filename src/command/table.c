@@ -22,36 +22,38 @@
 #define FINISH_NOTE(kind, name, by, takes, usual, heeds, help) help
 #define FINISH_NOTES                                           FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
 #define WEIGHT_DETAIL                                                                              \
-    "An edge of height h has the weight h under each gradient. Lengths are in voxels, whatever "   \
-    "the "                                                                                         \
-    "spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid with the weight of each voxel, "    \
-    "integers 0..65535." MAP_NOTE
+    "Under each gradient, an intensity edge of height h has the weight h. Lengths are in voxels "  \
+    "and ignore the spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid, with the weight "   \
+    "of each voxel as an integer 0..65535." MAP_NOTE
 #define OPENING_NOTE                                                                               \
-    "series: of a folder of DICOM: its number, from 1, or a part of its description, as in "       \
-    "series=t1_mprage; without it, the series are listed. The record has the number.\n"            \
+    "series: select a DICOM series of a folder by its number, from 1, or a part of its "           \
+    "description, as in series=t1_mprage. Without it, a folder with several series is rejected, "  \
+    "and they are listed. The record has the number.\n"                                            \
     "data: the name of the data set in an HDF5 file.\n"                                            \
-    "missing: blank inserts a blank slice for a missing one of a DICOM series.\n"                  \
-    "skip: files of a folder to leave out, as in skip=IM0004,IM0007.\n"                            \
-    "size, type, endian, offset: of raw:FILE, in voxels, x fastest, and bytes before voxels.\n"    \
-    "spacing: X,Y,Z in mm, if the file does not contain it.\n"                                     \
-    "private: yes leaves the names of the scene's file and of the journal out of pictures. "       \
-    "Names of folders are never in pictures.\n"                                                    \
+    "missing: blank inserts a blank slice for each missing slice of a DICOM series.\n"             \
+    "skip: do not read these files of a folder, as in skip=IM0004,IM0007.\n"                       \
+    "size, type, endian, offset: describe raw:FILE by its size in voxels, x fastest, the type "    \
+    "and byte order of a voxel, and the number of bytes before the first voxel.\n"                 \
+    "spacing: X,Y,Z in mm, for a file without spacing.\n"                                          \
+    "private: yes omits the file names of scene and journal from pictures. Pictures never "        \
+    "contain names of folders.\n"                                                                  \
     "straighten: yes shifts the sheared slices of a tilted gantry in their planes, so that axes "  \
-    "are perpendicular; after crop and reduce.\n"                                                  \
-    "weight: the initial arc weights, morph unless given, as in weight=gauss:1.5 (`help "          \
-    "weight`). New records contain it, so their meaning does not depend on the default."
-#define VOLUME_SERIES_NOTE "volume: one of a series in a 4-D file, counted from 0.\n"
+    "are perpendicular. It is applied after crop and reduce.\n"                                    \
+    "weight: the initial arc weights, as in weight=gauss:1.5 (`help weight`); the default is "     \
+    "morph. Records contain the weight even if it was not given."
+#define VOLUME_SERIES_NOTE "volume: the number of a volume in a 4-D file, from 0.\n"
 #define PART_NOTE                                                                                  \
-    "crop: only this box of voxels, the first and last along x, y and z, as in 0-99,40-159,0-79; " \
-    "memory is allocated only for the box, and positions count from its first voxel.\n"            \
-    "reduce: replace blocks of this many voxels along each axis by their mean, after crop. In "    \
-    "maps on the grid of the whole file, a block is replaced by its middle voxel.\n"               \
-    "huge: yes accepts a small file whose header declares gigabytes."
+    "crop: load only a box, from the first to the last voxel along x, y and z, as in "             \
+    "0-99,40-159,0-79. Memory is allocated only for the box, and its first voxel is 0,0,0.\n"      \
+    "reduce: replace each cube of N x N x N voxels by their mean, after crop. In maps on the "     \
+    "grid of the whole file, the cube is replaced by its middle voxel.\n"                          \
+    "huge: yes accepts a small file that declares gigabytes of voxels in its header."
 #define SYNTHETIC_NOTE                                                                             \
-    "synth:geom is a synthetic scene of 200x200x100 voxels. XYZ are three digits; a 2 "            \
-    "interpolates its axis to 2n-1 voxels, as in synth:geom:221. SIZE draws the same solids in a " \
-    "scene of that size, as in synth:geom:1024x1024x1024. For a large scene, the required memory " \
-    "is reported before loading; without enough free memory, the scene is rejected."
+    "synth:geom is a synthetic scene of 200x200x100 voxels. XYZ are three digits, 1 or 2, as in "  \
+    "synth:geom:221; a 2 interpolates the n voxels of an axis to 2n-1. SIZE is the size of a "     \
+    "scene with the same solids, as in synth:geom:1024x1024x1024. The memory for a large scene "   \
+    "is reported before it is loaded; a scene that does not fit into the free memory is "          \
+    "rejected."
 
 enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
 enum { VOLUMES_MOST = 65535 };
@@ -82,9 +84,10 @@ enum { VOLUMES_MOST = 65535 };
 #define YES_NO(name) KEYED(name, VALUE_CHOICE, .choices = "yes|no")
 
 /* Parameters shared by all commands that plant. */
-#define BRUSH       KEYED("radius", VALUE_RADIUS, .most = 32)
-#define WITHIN      KEYED("range", VALUE_INTERVAL)
-#define WITHIN_NOTE "\nrange: only voxels with intensities LOW to HIGH, as printed by `why`."
+#define BRUSH  KEYED("radius", VALUE_RADIUS, .most = 32)
+#define WITHIN KEYED("range", VALUE_INTERVAL)
+#define WITHIN_NOTE                                                                                \
+    "\nrange: plant only voxels whose intensity, as printed by `why`, is from LOW to HIGH."
 
 /* Parameters of exact gestures. */
 #define OVER  KEYED("over", VALUE_LABELS), KEYED("keep", VALUE_LABELS)
@@ -102,18 +105,18 @@ enum { VOLUMES_MOST = 65535 };
 
 /* Parameters for finished labels. */
 #define FINISHED      YES_NO("finished")
-#define LEFT_NOTE     "\nfinished=yes: use the labels after `finish`"
+#define LEFT_NOTE     "\nfinished=yes: use finished labels (`help finish`)"
 #define SHOWN_NOTE    LEFT_NOTE "; by default, the setting `finished` decides."
-#define FINISHED_NOTE LEFT_NOTE "; the default is no, at a prompt the setting `finished`."
+#define FINISHED_NOTE LEFT_NOTE "; the default is no, or at a prompt the setting `finished`."
 
 /* Parameters shared by all commands that read a map. */
 #define OF_MAP                                                                                     \
     YES_NO("resample"), KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                       \
         KEYED("data", VALUE_WORD, .form = "NAME")
 #define MAP_NOTE                                                                                   \
-    "\nresample: yes resamples a map on another grid, by nearest voxels; otherwise, a map that "   \
-    "is more than half a voxel off is rejected.\n"                                                 \
-    "volume, data: select one of several in a file, as in `open`."
+    "\nresample: yes resamples a map from another grid, by nearest neighbour. Without it, a map "  \
+    "that is displaced by more than half a voxel is rejected.\n"                                   \
+    "volume, data: select a volume or data set of the file, as in `open`."
 
 /* Parameters of weights. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
@@ -168,30 +171,33 @@ static const struct command command_table[] = {
      {NEED("X", VALUE_NUMBER, .least = 1, .most = 2),
       NEED("Y", VALUE_NUMBER, .least = 1, .most = 2),
       NEED("Z", VALUE_NUMBER, .least = 1, .most = 2)},
-     "interpolate each axis with a 2 to 2n-1 voxels",
-     "Allowed after `open` and before the first seed. A new voxel is the mean of its two "
+     "interpolate axes from n to 2n-1 voxels",
+     "X, Y and Z are 2 for an axis to interpolate, otherwise 1. A new voxel is the mean of its two "
      "neighbours, with halves rounded up. The spacing is halved, and voxel 0,0,0 keeps its place "
-     "in the world.",
+     "in the world. Not allowed after the first seed, or with a mask, a cut or weights from a "
+     "file.",
      "interpolate 2 2 1"},
     {COMMAND("orient", act_orient, GROUP_SCENE, R | S),
      {NEED("HOW", VALUE_WORD, .is_kept = true, .choices = "file|sform|qform")},
      "set the orientation of the axes",
-     "Three letters, as in LPI, name the sides that x, y and z run towards: R or L, A or P, S or "
-     "I. Use them for files without orientation, or with a contradictory one; pictures then "
-     "contain a note that the user has set it. sform and qform select one of the two orientations "
-     "of a NIfTI file. file restores the orientation of the file.\n"
-     "A wrong orientation can swap left and right in every picture and report. Saved maps have "
-     "the header geometry of the scene's file in any case.",
+     "HOW is three letters, as in LPI: the sides of the patient towards which x, y and z increase, "
+     "R or L, A or P, S or I. Use them if a file has no orientation or a contradictory one; "
+     "pictures then contain a note that the user has set the orientation. sform and qform select "
+     "one of the two orientations of a NIfTI file; file restores the orientation of the file.\n"
+     "A wrong orientation can swap left and right in every picture and report. Saved maps always "
+     "have the geometry of the scene's file.",
      "orient RAS"},
     {COMMAND("landmark", act_landmark, GROUP_SCENE, R | S),
      {NEED("NAME", VALUE_WORD, .is_kept = true), NEED("PLACE", VALUE_POSITION, .choices = "none")},
-     "name a place that exists in all subjects",
-     "For example the anterior commissure, AC. `iftty apply --by landmarks` transfers a procedure "
-     "between two scenes by the landmarks that both have. PLACE is stored as a voxel; `none` "
-     "removes the landmark. A scene has up to 64; `info` lists them.",
+     "set an anatomical landmark of the scene",
+     "A landmark is a place that exists in all subjects, such as the anterior commissure. `iftty "
+     "apply --by landmarks` transfers a procedure between two scenes by the landmarks that both "
+     "have. PLACE is a voxel; `none` removes the landmark. A scene has up to 64 landmarks; `info` "
+     "lists them.",
      "landmark AC 90,128,72"},
     {COMMAND("origin", act_origin, GROUP_SCENE, R | S),
-     {NEED("PROCEDURE", VALUE_WORD, .is_kept = true), KEYED("digest", VALUE_WORD, .is_kept = true),
+     {NEED("PROCEDURE", VALUE_WORD, .is_kept = true),
+      KEYED("digest", VALUE_WORD, .is_kept = true, .form = "SHA256"),
       KEYED("by", VALUE_CHOICE, .choices = ORIGIN_WAYS),
       KEYED("as", VALUE_CHOICE, .choices = ORIGIN_PLANTS),
       KEYED("pull", VALUE_WORD, .is_kept = true, .form = "12 NUMBERS"),
@@ -204,24 +210,24 @@ static const struct command command_table[] = {
      "record the procedure that made this journal",
      "`iftty apply` records this command; it changes no voxel. PROCEDURE is the last chain digest "
      "of the procedure's journal, or `none`; `info` shows it.\n"
-     "digest: of the procedure, as `iftty log --procedure` writes it.\n"
-     "by, as: the kind of transfer, and the kind of seeds.\n"
-     "pull: twelve numbers, the rows of a 3x4 matrix that maps world coordinates of this scene, "
-     "in millimetres to the right, front and head, to those of the procedure's scene.\n"
+     "digest: the digest of the procedure, which `iftty log --procedure` writes.\n"
+     "by, as: the options --by and --as of `iftty apply`.\n"
+     "pull: twelve numbers, the rows of a 3x4 matrix. It maps world coordinates of this scene, in "
+     "millimetres to the right, front and head, to those of the procedure's scene.\n"
      "scene, from: the digests of this scene and of the procedure's.\n"
-     "rms: the mean error of landmarks, in mm.\n"
+     "rms: the root mean square error of landmarks, in mm.\n"
      "gate: the allowed deviation of intensities, in percent of the range between percentiles 10 "
      "and 90 of the procedure's object.\n"
      "depth: the largest erosion of labels, in mm.\n"
-     "volumes: of each label in the procedure, in mm3 of this scene; `hints` begins with the "
-     "label whose volume differs most.\n"
-     "dropped: for each label, the seeds that were not planted because of their intensities, and "
-     "all its seeds.",
+     "volumes: the volume of each label in the procedure, in mm3 of this scene. `hints` begins "
+     "with the label whose volume differs most.\n"
+     "dropped: N/OF for each label: N of its OF seeds were not planted because of their "
+     "intensities.",
      "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = WEIGHT_KINDS),
       WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH), OF_MAP},
-     "set arc weights: the cost of a step",
+     "set arc weights, the costs of steps between voxels",
      WEIGHT_DETAIL,
      "weight gauss 1.5"},
     {COMMAND("polarity", act_polarity, GROUP_WEIGHT, R | S | E | C),
@@ -229,23 +235,25 @@ static const struct command command_table[] = {
       NEED("PERCENT", VALUE_NUMBER, .least = -POLARITY_MOST, .most = POLARITY_MOST)},
      "prefer edges to darker or to brighter voxels",
      "Under `weight polarity`, paths from the seeds of the label pay PERCENT more for a step to a "
-     "darker voxel and PERCENT less for one to a brighter voxel. Use values above 0 for an object "
-     "brighter than its surroundings, below 0 for a darker one. The default is 0.",
+     "darker voxel and PERCENT less for a step to a brighter voxel. Use a positive number for an "
+     "object brighter than its surroundings, and a negative one for a darker object. The default "
+     "is 0.",
      "polarity 1 50"},
     {CALLED("mask", "roi", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "none"),
       KEYED("regions", VALUE_RANGE, .most = REGION_MOST), OF_MAP},
      "restrict trees to the voxels of a map",
-     "FILE is a volume on the scene's grid. Trees grow only where its value is in `regions`, 1 and "
-     "above unless given. With a `range`, both apply. It changes no weights." MAP_NOTE,
+     "FILE is a map on the scene's grid. Trees grow only where its value is in `regions`; the "
+     "default is 1 and above. If a `range` is also set, both restrict the trees. A mask does not "
+     "change arc weights." MAP_NOTE,
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
      {NEED("LOW", VALUE_REAL, .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
      "restrict trees to a range of intensities",
-     "No tree grows where the intensity, as printed by `why`, is below LOW or above HIGH: numbers "
-     "of up to 19 digits, as in 1.5e-3. They are compared with the values of the file; if the "
-     "16-bit scene cannot distinguish these, the answer has the number of doubtful voxels. With a "
-     "`mask`, both apply.",
+     "Trees grow only where the intensity, as printed by `why`, is from LOW to HIGH. Both are "
+     "numbers of up to 19 digits, as in 1.5e-3, and are compared with the values of the file. If "
+     "one of the scene's 16-bit levels contains LOW or HIGH, the answer has the number of voxels "
+     "of this level. If a `mask` is also set, both restrict the trees.",
      "range 40 1200.5"},
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255, .makes = true),
@@ -262,12 +270,11 @@ static const struct command command_table[] = {
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = UINT32_MAX),
       KEYED("as", VALUE_LIST, .least = 1, .most = UINT32_MAX)},
      "read names and colours of labels from a table",
-     "A label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, a dseg.tsv of "
-     "BIDS, or the .nii.txt or .lut next to an atlas of mricron. The number of an entry is its "
-     "label; label 0 does not "
-     "change. `save names` writes such tables.\n"
-     "regions: read only the entries with these numbers, the values of an atlas.\n"
-     "as: their labels, one for each of `regions`.",
+     "FILE is a label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, a "
+     "dseg.tsv of BIDS, or the .nii.txt or .lut of an atlas of mricron. The number of an entry is "
+     "its label; label 0 does not change. `save names` writes such tables.\n"
+     "regions: read only the entries with these numbers.\n"
+     "as: the labels of `regions`, one for each.",
      "label-file aal.nii.txt regions=1-90"},
     {CALLED("seed", "plant|paint|foreground", act_seed, GROUP_SEEDS, R | S | E | P | K | C),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
@@ -275,51 +282,55 @@ static const struct command command_table[] = {
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
       KEYED("through", VALUE_POSITION), KEYED("within", VALUE_RADIUS, .most = REACH_MOST), OVER},
      "plant a seed, a ball of seeds, or a stroke",
-     "A voxel that has a seed gets the new label.\n"
-     "radius: in voxels, or in millimetres as in 2.5mm, for a ball in the world independent of the "
-     "spacing." WITHIN_NOTE "\n"
-     "to: the next corner of the stroke, once for each, with a ball of the radius at each step.\n"
-     "joined=yes: one marker and one undo step together with the previous command, which planted "
-     "seeds of the same label: for a stroke too long for one line of the journal.\n"
-     "shell=yes: only the voxels of the ball that have a neighbour outside, to enclose an object. "
-     "Voxels of objects other than the enclosed ones are left out. These are `around`, and each "
-     "object whose seeds are all inside: a sphere around touching objects is the same after their "
-     "balls as before.\n"
-     "around: the label of an enclosed object; by default that of its middle.\n"
-     "through: of a shell, a voxel on it, in place of its radius.\n"
-     "within: of a ball, the reach of its trees from PLACE, in the units of radius: a correction "
-     "changes nothing beyond. About three times the depth of the error is a good choice; a voxel "
-     "out of reach of all trees around it has label 0, and `info` counts these." EXACT_NOTE,
+     "Replaces the seeds that voxels already have.\n"
+     "radius: in voxels, or in millimetres as in 2.5mm. A ball in millimetres is round in the "
+     "world, for any spacing." WITHIN_NOTE "\n"
+     "to: plant a stroke, a ball at each step of the line from PLACE to this corner. Repeat to= "
+     "for further corners.\n"
+     "joined=yes: continue the stroke of the previous command, with the same label, as one marker "
+     "and one undo step. Use it for a stroke that is too long for one line of the journal.\n"
+     "shell=yes: plant only the shell of the ball, the voxels with a neighbour outside it, to "
+     "enclose objects. Voxels of other objects are left out. The enclosed objects are `around` and "
+     "each object whose seeds are all inside, so that a sphere around touching objects is the same "
+     "before and after their balls.\n"
+     "around: the label of an enclosed object; the default is the label in the middle of the "
+     "shell.\n"
+     "through: a voxel on the shell, instead of `radius`.\n"
+     "within: the reach of the ball's trees: they do not grow beyond this distance from PLACE, in "
+     "voxels or millimetres, so that a correction changes nothing farther away. A good value is "
+     "three times the depth of the error. A voxel that is beyond the reach of all trees around it "
+     "has label 0; `info` prints the number of such voxels." EXACT_NOTE,
      "seed 100,100,50 1 radius=2"},
     {COMMAND("box", act_box, GROUP_SEEDS, R | S | E | P),
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),
       NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN, HOLLOW, EXACT},
      "plant a box, or a rectangle in a slice",
-     "Between two corners, both included." WITHIN_NOTE "\n"
-     "shell=yes: only its six faces, as in `seed`.\n"
-     "around: the label of an enclosed object; by default that of its middle." EXACT_NOTE,
+     "The box has these two corners, both included." WITHIN_NOTE "\n"
+     "shell=yes: plant only the six faces of the box, as in `seed`.\n"
+     "around: the label of an enclosed object; the default is the label in the middle of the "
+     "shell." EXACT_NOTE,
      "box 80,90,50 120,110,50 2"},
     {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
       NEED("to", VALUE_LINE, .keyed = true), EXACT},
      "plant the inside of a polygon in a slice",
-     "The voxels that the outline from PLACE over the other corners and back winds around, and the "
-     "voxels whose centre it passes through. All corners are in one slice of any plane." WITHIN_NOTE
-     "\nto: the other corners, at least two." EXACT_NOTE,
+     "The corners are PLACE and each `to`, all in one slice. Plants the voxels whose centre is "
+     "inside the polygon, by the nonzero winding rule, or on its outline." WITHIN_NOTE
+     "\nto: a further corner; there are at least two." EXACT_NOTE,
      "fill 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("outline", act_outline, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
       NEED("to", VALUE_LINE, .keyed = true), KEYED("ring", VALUE_NUMBER, .most = RING_MOST),
       KEYED("instead", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N"), EXACT},
      "outline an object in a slice, with background",
-     "`fill`, and a ring of background around it in the same slice: one marker for both sides of "
-     "the border. Voxels of other objects are left out of the ring." WITHIN_NOTE
-     " The ring is of all intensities.\n"
-     "to: the other corners, at least two. A line of the journal has room for 3000.\n"
-     "ring: its width in voxels, from centre to centre; 3 unless given, 0 for no ring, as for a "
-     "polygon of background and with within=0.\n"
-     "instead: the number of a marker, `marker=` of its record, to remove in the same undo step: "
-     "an outline that was dragged." EXACT_NOTE,
+     "Fills a polygon as `fill` does, and plants a ring of background around it in the same slice. "
+     "Polygon and ring are one marker. Voxels of other objects are left out of the "
+     "ring." WITHIN_NOTE " It does not apply to the ring.\n"
+     "to: a further corner; there are at least two, and at most about 3000.\n"
+     "ring: the width of the ring in voxels, from centre to centre; the default is 3, and 0 with "
+     "within=0. 0 is for no ring, the only value for a polygon of background.\n"
+     "instead: remove this marker in the same undo step; N is the number after `marker=` in its "
+     "record. The pilot replaces an outline in this way when it is dragged." EXACT_NOTE,
      "outline 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("between", act_between, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .least = 1, .most = 255),
@@ -344,15 +355,17 @@ static const struct command command_table[] = {
       KEYED("each", VALUE_NUMBER, .least = 1, .most = 100000),
       KEYED("generator", VALUE_NUMBER, .most = 99999), OF_MAP, EXACT},
      "plant the seeds of a .csv list or a label map",
-     "A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is a "
-     "volume on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
-     "that number, or all of `label`." WITHIN_NOTE "\n"
-     "regions: the values, 1 and above unless given, as in 1-90,2001.\n"
-     "as: their labels, one for each of `regions`, as in regions=2001,2002 as=1,2: for atlases "
-     "whose values are not labels.\n"
-     "erode: rounds; each removes the voxels that have a face neighbour outside their region.\n"
-     "each: the number of seeds drawn at random from each region after erosion; all unless given.\n"
-     "generator: the number that the drawing starts from; 1 unless given." MAP_NOTE EXACT_NOTE,
+     "A list has lines x,y,z,label: the indices of a voxel, and the number or name of a label. A "
+     "label map is on the scene's grid. Each region of it, the voxels of one value, becomes seeds "
+     "of the label with this number, or of `label`." WITHIN_NOTE "\n"
+     "regions: plant only these values of the map, as in 1-90,2001; the default is 1 and above.\n"
+     "as: the labels of `regions`, one for each, as in regions=2001,2002 as=1,2. Use it for "
+     "atlases whose values are not labels.\n"
+     "erode: the number of erosions of each region; each removes the voxels with a face neighbour "
+     "outside.\n"
+     "each: plant this number of voxels of each region, drawn at random after erosion; the default "
+     "is all.\n"
+     "generator: the start value of the random generator; the default is 1." MAP_NOTE EXACT_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "here"),
@@ -364,107 +377,108 @@ static const struct command command_table[] = {
       KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000),
       KEYED("rest", VALUE_CHOICE, .choices = "background|none|keep")},
      "start from a segmentation, and correct it",
-     "FILE is a label map of any program on the scene's grid. Its labels are reproduced exactly. "
-     "Each piece of each label, and of the background, becomes a marker, all in one undo step. "
-     "The outer voxels of a piece are its seeds; the inner voxels belong to it. Seeds, strokes, "
-     "boxes and polygons of another label that are planted in a piece correct it: within three "
-     "times their radius, or their `within`, its seeds are removed and the border is recomputed; "
-     "beyond, the piece does not change.\n"
-     "here: the present labels instead of a file, as if they had been saved and read, for exact "
-     "corrections of objects that were grown. finished=yes: those after `finish`, at a prompt as "
-     "shown unless given.\n"
+     "FILE is a label map of any program, on the scene's grid. Its labels are reproduced exactly. "
+     "Each connected piece of a label or of the background becomes a marker, all in one undo step. "
+     "The outer voxels of a piece are planted as its seeds. To correct a piece, plant a seed, "
+     "stroke, box or polygon of another label in it: the seeds of the piece within three times the "
+     "radius, or within the distance `within`, are removed, and the border is recomputed there. "
+     "The rest of the piece does not change.\n"
+     "here: use the present labels instead of a file, as if they had been saved and read, for "
+     "exact "
+     "corrections of objects that were grown. finished=yes: use the labels after `finish`; the "
+     "default at a prompt is to use those that are shown.\n"
      "The names and colours in a .seg.nrrd, .nii, .nii.gz or .mgz become those of labels that have "
-     "none; the journal's copy keeps them.\n"
-     "regions: the values of the map; all unless given. Other voxels are background.\n"
-     "as: their labels, one for each of `regions`. Without it, a region is the label of its "
-     "number, "
-     "up to 4294967295; at most 255 labels exist at a time. A region is rejected if a label of its "
-     "number was planted by other commands.\n"
-     "label: one label for all regions except the background.\n"
-     "erode: rounds, 0 unless given; each removes the voxels that have a face neighbour of "
-     "another label, so that borders are recomputed. A piece that would vanish keeps its "
-     "innermost voxels.\n"
-     "copy: the digest of the journal's own copy of the labels, which makes FILE unnecessary; "
-     "added to the record.\n"
-     "numbers: the regions, if some of their numbers are above 255; added to the record.\n"
-     "least: omit pieces of fewer voxels; the surrounding trees grow into them.\n"
-     "rest: none leaves other voxels without seeds; the surrounding trees grow into them. keep "
-     "puts "
-     "the other regions out of the region of interest, and `save labels` writes them back "
-     "unchanged: to correct some of many objects.\n"
-     "resample=yes with a part of the scene, such as a corrected crop: voxels outside it keep "
-     "their "
-     "labels; without one they are background." MAP_NOTE,
+     "none; the journal's copy contains them.\n"
+     "regions: use only these values of the map; the default is all. Other voxels are background.\n"
+     "as: the labels of `regions`, one for each. Without it, a value is the number of its label, "
+     "up to 4294967295; at most 255 labels exist at a time. A value is rejected if other commands "
+     "have planted a label of this number.\n"
+     "label: use this label for all regions except the background.\n"
+     "erode: the number of erosions of each piece; the default is 0. Each removes the voxels with "
+     "a face neighbour of another label, so that borders are recomputed there. A piece that would "
+     "vanish keeps its innermost voxels.\n"
+     "copy: the digest of the copy of FILE next to the journal, which a replay reads instead of "
+     "FILE. iftty adds it to the record.\n"
+     "numbers: the values, if some of them exceed 255. iftty adds them to the record.\n"
+     "least: do not plant pieces of fewer voxels; the surrounding trees grow into them.\n"
+     "rest: background plants background outside `regions`; none leaves these voxels to the "
+     "surrounding trees; keep excludes them from the region of interest, and `save labels` writes "
+     "their values back, to correct some of many objects.\n"
+     "resample=yes with a map of a part of the scene, such as a corrected crop: voxels outside the "
+     "part keep their labels; without labels they are background." MAP_NOTE,
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
       NEED("RANGE", VALUE_INTERVAL), KEYED("from", VALUE_POSITION), EXACT},
      "plant the connected voxels within a range",
-     "One marker of all voxels whose intensity, as printed by `why`, is in the range, and that are "
-     "connected by faces to a seed of the label inside the range. Voxels with seeds of other "
-     "labels are left out and block connections: a stroke of background cuts off a leak. Each "
-     "object may have its own range. Its trees grow beyond the range, until they meet trees of "
-     "other labels.\n"
-     "from: begin with this voxel instead of the label's seeds." EXACT_NOTE,
+     "Plants as one marker all voxels whose intensity, as printed by `why`, is in the range, and "
+     "that are connected by faces, within the range, to a seed of the label. Voxels with seeds of "
+     "other labels are left out and interrupt the connection, so that a stroke of background cuts "
+     "off a leak. Each object may have its own range. Its trees grow beyond the range, until they "
+     "meet trees of other labels.\n"
+     "from: start from this voxel instead of the label's seeds." EXACT_NOTE,
      "object 2 threshold 226..3071"},
     {CALLED("remove", "delete|erase|eliminate|rm", act_remove, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
-     "remove the marker of this voxel",
-     "A marker consists of the seeds planted by one command: a ball, a stroke, a region of a file. "
-     "Its seeds are removed, and the surrounding trees grow into its voxels; the seeds of an older "
-     "marker below it are restored. Trees are those of the last run.\n"
-     "of=tree: remove only the seed of the tree that contains the voxel, and restore no older "
-     "seed.\n"
+     "remove the marker that labels a voxel",
+     "A marker is the set of seeds that one command has planted, such as a ball, a stroke or a "
+     "region of a file. Its seeds are removed, the seeds that it replaced are restored, and the "
+     "surrounding trees grow into its voxels. The voxel belongs to the marker whose trees "
+     "contained it after the last run.\n"
+     "of=tree: remove only the seed of the tree that contains the voxel, without restoring an "
+     "older one.\n"
      "radius: remove all markers, or trees, with a voxel in this ball.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E | P),
      {KEYED("for", VALUE_COMMAND, .form = "QUESTION")},
-     "apply the waiting edits as one",
-     "Edits wait while `auto` is off, the default in scripts. Commands that show, write or answer "
-     "from labels apply them first: `render`, `spin`, `slice`, `mosaic`, `golden`, `save`, "
-     "`stats`, `compare`, `hints`, `why` and `profile`. `pick`, `hint` and `zoom fit` use the "
-     "last picture, and report edits that it does not include.\n"
-     "for: the question that applied the edits; added to the record, since questions have no "
-     "record of their own.",
+     "apply all pending edits together",
+     "Edits remain pending while `auto` is off, the default in scripts. Commands that need the "
+     "labels apply them first: `render`, `spin`, `slice`, `mosaic`, `golden`, `save`, `stats`, "
+     "`compare`, `hints`, `why` and `profile`. `pick`, `hint` and `zoom fit` use the last picture, "
+     "and report pending edits.\n"
+     "for: the question that applied the edits. iftty adds it, since questions have no record of "
+     "their own.",
      "run"},
     {COMMAND("undo", act_undo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
      "undo the last change of the segmentation",
-     "Undoes the last COUNT changes, 1 unless given: seeds and their removal, runs, weights, "
-     "regions of interest, labels, `hide`, `show`, cuts and the finish, but not the view. Undo "
-     "reaches back to `open`, also into earlier sessions. It is exact, and recorded. `redo` "
-     "reverts it, `history` lists the commands.\n"
-     "A command warns if a label loses more than 500 voxels, and the label that gains them grows "
-     "by more than 1 % for each seed. The warning names the edge through which the label grew. New "
-     "voxels as bright as the old ones, up to 3/2 of the former mean of a seed, cause no warning.",
+     "Undoes the last COUNT changes, by default 1: seeds and their removal, runs, weights, regions "
+     "of interest, labels, `hide`, `show`, cuts and the finish, but not the view. Undo is exact "
+     "and reaches back to `open`, also into earlier sessions. It is recorded. `redo` reverts it, "
+     "and `history` lists the commands.\n"
+     "iftty warns after an edit by which a label loses more than 500 voxels, and another label "
+     "grows by more than 1 % for each seed of the edit. The warning names the edge through which "
+     "that label grew. There is no warning if its new voxels are as bright as the old ones, and at "
+     "most 3/2 as many per seed as before.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
-     "restore the change that was undone last",
-     "A change that was undone before another command is not lost: `goto` returns to it.",
+     "redo the change that was undone last",
+     "After another change, `redo` cannot restore it, but `goto` can.",
      "redo"},
     {COMMAND("goto", act_goto, GROUP_SEEDS, R | S | E),
      {NEED("PLACE", VALUE_POINT)},
      "restore the segmentation of a record or a branch",
      "PLACE is the number of a record, which `history` and `iftty log` print, or the name of a "
-     "branch for its last record. The first branch is main.",
+     "branch, for its last record. The first branch is called main.",
      "goto main"},
     {COMMAND("branch", act_branch, GROUP_SEEDS, R | S),
      {NEED("NAME", VALUE_WORD, .is_kept = true)},
-     "begin a branch with a name at this point",
-     "Later commands belong to it; `goto` changes to another branch.",
+     "begin a named branch at this point",
+     "Later commands belong to the new branch; `goto` changes to another branch.",
      "branch with-brainstem"},
     {COMMAND("view", act_view, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .choices = VIEW_NAMES, .least = -TURNS, .most = TURNS),
       MAY("PITCH", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
       MAY("ROLL", VALUE_DECIMAL, .least = -TURNS, .most = TURNS)},
      "set the view: a side, or angles in degrees",
-     "0 0 0 is the front: the patient faces the viewer. Yaw moves the viewer around the patient, "
-     "towards the patient's left; pitch moves the viewer upwards; roll turns the picture "
-     "counter-clockwise. In front, back, left and right the head is up, in top and bottom the "
-     "face. In the radiological convention, the patient's left is on the right of the picture "
-     "from the front, as in coronal slices, and from the bottom, as in axial slices; from the "
-     "back and the top it is on the left. `info` prints the sides of the present view.",
+     "0 0 0 is the front: the patient faces the viewer. YAW moves the viewer around the patient, "
+     "towards the patient's left, PITCH moves the viewer upwards, and ROLL turns the picture "
+     "counter-clockwise. The head is up in the views front, back, left and right, and the face is "
+     "up in top and bottom. The views follow the radiological convention: the patient's left is on "
+     "the right of the picture in the front view, as in coronal slices, and in the bottom view, as "
+     "in axial slices. It is on the left in the back and top views. `info` prints the sides of the "
+     "present view.",
      "view 30 15 0"},
     {CALLED("turn", "rotate", act_turn, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
@@ -472,18 +486,19 @@ static const struct command command_table[] = {
       MAY("ROLL", VALUE_DECIMAL, .least = -TURNS, .most = TURNS)},
      "turn the view by degrees",
 
-     "The angles are added to those of the view, which `info` prints.",
+     "Adds these angles to those of the view, which `info` prints.",
 
      "turn 15 -5"},
     {COMES_TO("zoom", "zoom", act_zoom, GROUP_VIEW, R | S),
      {NEED("FACTOR", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
            .most = VIEW_ZOOM_MOST),
       KEYED("at", VALUE_POSITION)},
-     "set pixels per voxel, or fit",
-     "FACTOR is for an axis of the smallest spacing; along other axes a voxel has more pixels.\n"
-     "fit: the shown objects fill the picture at the current angles, with their middle in the "
-     "centre; without objects, the scene does. The record contains the resulting zoom and place.\n"
-     "at: the voxel in the centre.",
+     "set the zoom in pixels per voxel, or fit objects",
+     "FACTOR is the number of pixels of a voxel along an axis of the smallest spacing; along other "
+     "axes a voxel has more pixels.\n"
+     "fit: fill the picture with the shown objects, or with the scene if there are no objects, at "
+     "the present angles. The record contains the resulting zoom and centre.\n"
+     "at: move this voxel to the centre.",
      "zoom 1.5"},
     {COMMAND("pan", act_pan, GROUP_VIEW, R | S),
      {NEED("RIGHT", VALUE_DECIMAL, .least = -PANS, .most = PANS),
@@ -495,68 +510,70 @@ static const struct command command_table[] = {
     {COMMAND("focus", act_focus, GROUP_VIEW, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "scene")},
      "set the place in the centre of the picture",
-     "A voxel, or the centre of the scene. Views rotate around it.",
+     "PLACE is a voxel, or `scene` for the centre of the scene. The view turns around this place.",
      "focus 100,100,50"},
     {COMMAND("hide", act_hide, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255)},
      "hide an object",
 
-     "In pictures and in `save border`; the labels themselves do not change.\n"
-     "all: later labels are hidden too, until `show` names them.",
+     "Hides the object in pictures and in `save border`; its label does not change.\n"
+     "all: hide all objects, and later ones until `show` names them.",
      "hide 2"},
     {COMMAND("show", act_show, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255)},
      "show an object again",
-     "all: every object. After `hide all`, `show LABEL` shows only this object.",
+     "all: show every object. After `hide all`, `show LABEL` shows only this object.",
      "show 2"},
     {COMMAND("opacity", act_opacity, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255),
       NEED("PERCENT", VALUE_NUMBER, .most = 100)},
      "set the opacity of an object in renditions",
-     "100, the default, shows only its surface. With less, surfaces inside and behind it shine "
-     "through: at most 8 before the first opaque one. `pick`, and the label, voxel and depth of a "
-     "pixel, belong to the surface with the largest share of its colour. 0 leaves the object out "
-     "of renditions; slices still show it.",
+     "The default is 100, opaque. An object with less is translucent and shows the surfaces inside "
+     "and behind it: a pixel has at most 8 translucent surfaces in front of the first opaque one. "
+     "The label, voxel and depth of a pixel, and the answer of `pick`, are those of the surface "
+     "with the largest share of its colour. With 0, renditions do not show the object; slices "
+     "still do.",
      "opacity 1 30"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
       MAY("SLICES", VALUE_RANGE, .most = 65533)},
      "show only the slices from A to B",
-     "The number of a slice is the index of its voxels along its axis, as in X,Y,Z and `slice`. A "
-     "and B are included. Each PLANE has its own range; `none` shows all slices again. Borders, "
-     "pictures and `save border` change, but no labels.",
+     "Slices are numbered by the index of their voxels along the axis, as in X,Y,Z and `slice`. A "
+     "and B are included. Each PLANE has its own range; `none` shows all slices again. Pictures "
+     "and `save border` change, but labels do not.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "none"),
       KEYED("normal", VALUE_WORD, .is_kept = true, .choices = VIEW_NAMES, .form = "A,B,C"),
       KEYED("offset", VALUE_DECIMAL, .least = -PLANE_OFFSET_MOST, .most = PLANE_OFFSET_MOST)},
      "cut away everything in front of a voxel",
-     "The plane is at right angles to the present view and contains the voxel, which is kept. The "
-     "plane moves with the patient when the view turns. Up to 8 planes; `none` removes them.\n"
-     "normal: the direction of the part that is cut away, independent of the view: a side of the "
-     "patient, or steps to the right, the front and the head (as A,B,C of the world, of any "
-     "length): normal=left and normal=-1,0,0 cut away everything left of the voxel. Oblique axes "
-     "are respected.\n"
-     "offset: the distance from the voxel in that direction, in millimetres: offset=-5 cuts 5 mm "
-     "deeper.",
+     "The plane is perpendicular to the present direction of view and contains the voxel, which is "
+     "kept. It stays fixed to the scene when the view turns. There are up to 8 planes; `none` "
+     "removes all.\n"
+     "normal: the direction of the part to cut away, instead of that of the view: a side of the "
+     "patient, or a vector A,B,C of any length to the right, front and head in the world. "
+     "normal=left and normal=-1,0,0 cut away everything left of the voxel, also if the axes of the "
+     "scene are oblique.\n"
+     "offset: move the plane by this distance in that direction, in millimetres; offset=-5 cuts 5 "
+     "mm deeper.",
      "plane 100,100,50 normal=1,1,0.5"},
     {COMMAND("cut", act_cut, GROUP_CUTS, R | S),
      {NEED("CORNER", VALUE_POSITION, .choices = "none"), PAIRED("OPPOSITE", VALUE_POSITION)},
      "cut a box out of the shown objects",
-     "Between two corners, both included. Up to 8 boxes; `none` removes them.",
+     "The box has these two corners, both included. There are up to 8 boxes; `none` removes all.",
      "cut 100,100,50 199,199,99"},
     {CALLED("render", "draw|picture|screenshot|snapshot", act_render, GROUP_RENDITION,
             R | S | E | A),
      {MAY("FILE", VALUE_FILE), KEYED("mode", VALUE_CHOICE, .choices = "sp|bp|ii|ray"),
       YES_NO("replace"), KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
      "draw the rendition, in FILE or inline",
-     ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png "
-     "and other formats of OpenImageIO hold the colours. At the prompt a file is written in the "
-     "background; a line reports when it is finished. `iftty info FILE` prints the notes of a "
-     "picture.\n"
-     "All modes draw the same pixels: sp draws the surface in the order of the scene, bp from "
-     "front to back without hidden voxels, ray along the ray of each pixel; ii updates only the "
-     "outdated pixels of the last rendition." SHOWN_NOTE,
+     "A .exr has colour, depth, label, voxel and normal of each pixel, in lines or tiles; .png and "
+     "other formats of OpenImageIO have only colours. At the prompt, files are written in the "
+     "background, and a line reports when a file is complete. `iftty info FILE` prints the notes "
+     "in a picture.\n"
+     "mode: the algorithm; all draw the same pixels. sp draws the surface in the order of the "
+     "scene, bp from front to back without hidden voxels, and ray along the ray of each pixel; ii "
+     "updates only the outdated pixels of the last rendition." SHOWN_NOTE,
      "render brain.png"},
     {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E | A),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
@@ -564,14 +581,14 @@ static const struct command command_table[] = {
       YES_NO("fit"), KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000), YES_NO("replace"),
       FINISHED},
      "write a turntable: N pictures of one full turn",
-     "The first picture shows the present view; the command does not change the view. %03d in "
-     "FILE is replaced by the number of the picture, here with three digits, from 000. Without "
-     "it, a .gif is animated, in 256 colours, with `delay` milliseconds for each picture, 100 "
-     "unless given; a .tif has one page for each picture.\n"
+     "The first picture shows the present view, which does not change. %03d in FILE is replaced by "
+     "the number of the picture, here with three digits, from 000. Without %d, FILE is an animated "
+     ".gif of 256 colours, or a .tif with one page for each picture.\n"
      "axis: yaw, the default, turns around the patient, pitch over the head, and roll turns the "
-     "picture, in the directions of `view`. Several axes give a turn of N pictures each, in this "
-     "order; each turn begins with the present view, and numbers continue.\n"
-     "fit=yes: use the largest zoom at which the shown objects fit all pictures." SHOWN_NOTE,
+     "picture, in the directions of `view`. For several axes, each has a turn of N pictures that "
+     "begins with the present view; the numbers of the pictures continue.\n"
+     "fit=yes: use the largest zoom at which the shown objects fit into all pictures.\n"
+     "delay: the time of each picture of a .gif, in milliseconds; the default is 100." SHOWN_NOTE,
      "spin 36 turn%03d.png fit=yes"},
     {COMMAND("cross", act_cross, GROUP_SLICES, R | S | K),
      {NEED("PLACE", VALUE_POSITION)},
@@ -581,24 +598,25 @@ static const struct command command_table[] = {
     {COMES_TO("cross", "hint", act_hint, GROUP_SLICES, R | S),
      {NEED("N", VALUE_NUMBER, .least = 1, .most = HINTS_MOST)},
      "move the cross-hair to a place of `hints`",
-     "N is the number in that list. The record contains the resulting `cross`.",
+     "N is a number in the list of `hints`. The record contains the resulting `cross`.",
      "hint 1"},
     {CALLED("window", "contrast|brightness|level", act_window, GROUP_SLICES, R | S),
      {NEED("LOW", VALUE_REAL, .choices = "auto"), PAIRED("HIGH", VALUE_REAL)},
      "set the intensities of black and white in slices",
-     "Intensities, as printed by `why`: a window of width W at level L is from L - W/2 to L + "
-     "W/2.\n"
-     "auto, the default: all but the darkest 1 % and the brightest 0.5 % of the scene.",
+     "LOW is black and HIGH is white, as intensities printed by `why`. A window of width W at "
+     "level L is from L - W/2 to L + W/2.\n"
+     "auto, the default: the darkest 1 % of the scene is black, and the brightest 0.5 % is white.",
      "window 20 90.5"},
     {COMMAND("magnify", act_magnify, GROUP_SLICES, R | S),
      {NEED("TIMES", VALUE_DECIMAL, .choices = "fit", .least = SLICE_TIMES_ONE,
            .most = SLICE_TIMES_MOST),
       KEYED("at", VALUE_POSITION)},
      "set the magnification of slices",
-     "TIMES multiplies the fitting size, around the cross-hair; fit shows whole slices. Applies "
-     "to slices and mosaics, until the next `magnify` or `slice zoom=`.\n"
-     "at: keep this voxel in the middle while the cross-hair is visible.\n"
-     "A voxel of four pixels or more is a square; smaller ones are smoothed.",
+     "TIMES enlarges slices around the cross-hair, relative to the size at which a whole slice "
+     "fits; fit shows whole slices. Applies to slices and mosaics until the next `magnify` or "
+     "`slice zoom=`.\n"
+     "at: the voxel in the middle, as long as the cross-hair remains visible.\n"
+     "Voxels of at least four pixels are drawn as squares; smaller ones are interpolated.",
      "magnify 2.5 at=90,108,90"},
     {COMMAND("slice", act_slice, GROUP_SLICES, R | S | A),
      {NEED("PLANE", VALUE_CHOICE, .choices = SLICE_WORDS), MAY("N", VALUE_NUMBER, .most = 65533),
@@ -607,26 +625,27 @@ static const struct command command_table[] = {
             .most = VIEW_ZOOM_MOST),
       YES_NO("replace"), FINISHED},
      "draw a slice at the cross-hair, in FILE or inline",
-     "Slices follow the radiological convention and have the size of the view. N moves the "
-     "cross-hair to that slice: the index of its voxels along its axis, from 0, as in X,Y,Z "
-     "(ITK-SNAP prints one more). If the orientation is unknown, slices are named by that axis: z "
+     "Slices follow the radiological convention and have the size set by `size`. N moves the "
+     "cross-hair to another slice: the index of its voxels along the axis, from 0, as in X,Y,Z "
+     "(ITK-SNAP counts from 1). If the orientation is unknown, slices are named after this axis: z "
      "for axial, y for coronal, x for sagittal.\n"
-     "The name of FILE must contain a dot. An .exr also has the label and voxel of each pixel.\n"
+     "The name of FILE must contain a dot. A .exr also has the label and voxel of each pixel.\n"
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
-     "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." SHOWN_NOTE,
+     "squares. It applies until zoom=fit, which shows the whole slice, interpolated." SHOWN_NOTE,
      "slice axial 90 axial.png"},
     {CALLED("mosaic", "planes|slices", act_mosaic, GROUP_SLICES, R | S | A),
      {MAY("FILE", VALUE_FILE), YES_NO("replace"), FINISHED},
      "draw three slices and the rendition",
-     "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
-     "view at half its size." SHOWN_NOTE,
+     "Draws the coronal, sagittal and axial slices through the cross-hair at one scale, and the "
+     "rendition at half its size." SHOWN_NOTE,
      "mosaic brain.png"},
     {COMMAND("golden", act_golden, GROUP_KEPT, R | S | E | A),
      {NEED("NAME", VALUE_GOLDEN), KEYED("of", VALUE_CHOICE, .choices = "rendition|" SLICE_KINDS),
       FINISHED},
      "store a picture as a golden image",
-     "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
-     "pixel for pixel. It is stored in a folder next to the journal." SHOWN_NOTE,
+     "Stores the present rendition in a folder next to the journal; `of` selects a slice or the "
+     "mosaic instead. `iftty verify` replays the journal and compares the image pixel for "
+     "pixel." SHOWN_NOTE,
      "golden front-1"},
     {CALLED("finish", "smooth|relax|clean", act_finish, GROUP_KEPT, R | S | C),
      {MAY("STEP", VALUE_CHOICE, .choices = FINISH_KINDS "|none"),
@@ -636,16 +655,15 @@ static const struct command command_table[] = {
       KEYED("reach", VALUE_NUMBER, .least = 1, .most = FINISH_BAND_MOST),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
      "smooth and clean labels in files and pictures",
-     "Adds a step to the list, which `finished=yes` applies in order; without STEP, prints the "
-     "list. The segmentation itself does not change, and seeds can be planted at any time. `save` "
-     "and `stats` with finished=yes name the labels that the finish "
-     "deletes, reduces to less than half or breaks into more pieces.\n" FINISH_NOTES
-     "none: remove all steps.\n"
-     "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which respect the spacing.\n"
-     "sweeps: of `relax`, 60 unless given.\n"
-     "reach: of `relax`, voxels from a border within which labels move, 2 unless given. Up to 16 "
-     "corrects coarser errors, and can smooth away an object of low contrast.\n"
-     "label: for one label, instead of all.",
+     "Adds a step to a list of steps, which together make the finished labels; without STEP, "
+     "prints the list. The segmentation itself does not change, and seeds can be planted at any "
+     "time. `save` and `stats` with finished=yes report labels that the steps delete, reduce to "
+     "less than half or break into more pieces.\n" FINISH_NOTES "none: remove all steps.\n"
+     "radius: in voxels, or in millimetres as in 2.5mm; the default is 1 voxel.\n"
+     "sweeps: the number of iterations of relax; the default is 60.\n"
+     "reach: the largest distance by which relax moves a border, in voxels; the default is 2. "
+     "Larger values, up to 16, correct coarser errors, but can remove an object of low contrast.\n"
+     "label: apply the step only to this label.",
      "finish majority radius=1"},
     {CALLED("save", "export|write", act_save, GROUP_KEPT, R | S | E | A),
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
@@ -654,104 +672,109 @@ static const struct command command_table[] = {
       KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX), YES_NO("empty")},
      "write a map, surfaces, seeds or names of labels",
      "Writes a map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as "
-     ".seg.nrrd, a segmentation of 3D Slicer, as .nii, .nii.gz or .mgz have the names and colours "
-     "of labels.\n"
-     "labels: uint8, or uint16 or uint32 for numbers above 255. A voxel that no seed "
-     "reaches is 0; the answer has the number of these voxels.\n"
+     ".seg.nrrd, a segmentation for 3D Slicer, as .nii, .nii.gz or .mgz include names and "
+     "colours.\n"
+     "labels: uint8, or uint16 or uint32 if labels have numbers above 255. A voxel that no seed "
+     "reaches is 0; the answer has the number of such voxels.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
      "root: uint32, the voxel index of the seed; 4294967295 where no seed reaches.\n"
      "border: uint8, 1 in border voxels of shown objects.\n"
      "distance: uint16, the plateau distance: steps along the path since its cost last rose; 65535 "
      "where no seed reaches.\n"
-     "margin: uint16, how much more the best path from a seed of another label would cost: 0 where "
-     "another label reaches the voxel as cheaply, 65535 where no other label does. Its computation "
-     "needs about the time of a run.\n"
+     "margin: uint16, the additional cost of the best path from a seed of another label: 0 if "
+     "another label reaches the voxel at the same cost, 65535 if no other label reaches it. The "
+     "computation needs about the time of a run.\n"
      "seeds: all planted seeds, as FILE.csv, which `seed-file` reads.\n"
-     "names: of labels, with their colours, in a format of `label-file`: .txt or .label for "
+     "names: the names and colours of labels, in a format of `label-file`: .txt or .label for "
      "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .tsv for BIDS, .nii.txt or .lut for "
      "mricron.\n"
-     "surface: of each label, as .stl, .ply, .obj or .vtp, in millimetres of the world: the same "
-     "surface as in pictures. It is closed, and has the volume of the voxels. A .stl has no "
-     "labels: it contains all of them as one.\n"
+     "surface: the surface of each label, as in pictures, as .stl, .ply, .obj or .vtp, in "
+     "millimetres of the world. It is closed, and encloses the volume of the voxels. A .stl "
+     "contains all labels as one object.\n"
      "label: write the surface of this label only.\n"
-     "smooth=0: the faces of voxels, as `shade cubes` shows them; other numbers have no effect.\n"
-     "triangles: the largest number of triangles, exceeded only if surfaces would not be closed. "
-     "The surfaces of touching labels then share no points.\n"
-     "empty=yes: write labels even if no voxel has one." FINISHED_NOTE,
+     "smooth=0: write the faces of voxels, as drawn by `shade cubes`; other numbers have no "
+     "effect.\n"
+     "triangles: reduce the surfaces to at most this number of triangles, as far as they remain "
+     "closed. Reduced surfaces of touching labels do not share points.\n"
+     "empty=yes: write a map of labels even if no voxel has a label." FINISHED_NOTE,
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},
-     "print the journal's file, or continue in another",
-     "The whole journal so far is written to FILE first, with its golden images and copies of "
-     "labels next to it, so that it replays alone; later commands are recorded there. The former "
-     "file is left in its last intact state. Use it if the disk is full or failing, or the "
-     "journal was deleted, replaced, or opened with --read-only. Not recorded.",
+     "print the journal's path, or continue in FILE",
+     "The whole journal is written to FILE, with its golden images and copies of labels next to "
+     "it, so that FILE can be replayed alone. Later commands are recorded in FILE; the former file "
+     "keeps its last valid state. Use this if a disk is full or failing, or if the journal was "
+     "deleted, replaced or opened with --read-only. The command is not recorded.",
      "journal"},
     {COMMAND("sync", act_sync, GROUP_KEPT, 0),
      {MAY("WHEN", VALUE_CHOICE, .choices = FILE_SYNC_WORDS)},
      "set when records are synced; sync them now",
-     "always, the default: each record before its command is acknowledged.\n"
-     "everysec: at most a second later; a loss of power may lose the commands of that second.\n"
-     "off: when the operating system decides, by `sync`, and at the end; a loss of power may lose "
-     "all commands since then, and leave a damaged end, which `iftty log --repair` cuts off.\n"
-     "Killing the program loses no record in any mode. Not recorded.",
+     "always, the default: sync each record before its command is acknowledged.\n"
+     "everysec: sync within a second; a loss of power may lose the commands of that second.\n"
+     "off: leave syncing to the operating system, except for `sync` and the end of the session. A "
+     "loss of power may lose all commands since then, and damage the end of the journal, which "
+     "`iftty log --repair` cuts off.\n"
+     "In all modes, killing the program loses no record. The command is not recorded.",
      "sync always"},
     {COMMAND("history", act_history, GROUP_QUESTIONS, S),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
      "list commands that can be undone, and branches",
-     "The last COUNT, 20 unless given, with the numbers of their records. * marks the present "
-     "state.",
+     "Lists the last COUNT commands, by default 20, with the numbers of their records. * marks the "
+     "present state.",
      "history"},
     {COMMAND("pick", act_pick, GROUP_QUESTIONS, S),
      {NEED("COLUMN", VALUE_NUMBER, .most = VIEW_SIDE_MOST),
       NEED("ROW", VALUE_NUMBER, .most = VIEW_SIDE_MOST),
       KEYED("of", VALUE_CHOICE, .choices = "rendition|" SLICE_KINDS)},
      "print the voxel under a pixel of a picture",
-     "Of the last rendition, or of a slice or mosaic as it would be shown now. Columns from the "
-     "left, rows from the top, both from 0.\n"
+     "COLUMN, from the left, and ROW, from the top, count from 0. The picture is the last "
+     "rendition; `of` selects a slice or the mosaic, as it would be drawn now, instead.\n"
      "Prints the position of the voxel, in voxels and millimetres, its intensity, its label and "
-     "seed, and the distance to the border of its object: to the nearest voxel of its label with "
-     "a face on another label or on the edge of the scene, hidden objects included. The search "
+     "seed, and its distance from the border of its object: from the nearest voxel of its label "
+     "with a face on another label, also a hidden one, or on the boundary of the scene. The search "
      "ends at 100 mm or 100 voxels.",
      "pick 256 256"},
     {CALLED("measure", "distance|ruler|length", act_measure, GROUP_QUESTIONS, S),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), MAY("THIRD", VALUE_POSITION)},
      "measure a distance, or an angle, between voxels",
-     "Between their centres, in millimetres and in voxels. With a THIRD, also the angle at OTHER.",
+     "Measures between the centres of voxels, in millimetres and in voxels. With THIRD, also "
+     "measures the angle at OTHER.",
      "measure 10,20,30 40,20,30"},
     {COMMAND("profile", act_profile, GROUP_QUESTIONS, S | A),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), YES_NO("values")},
      "plot the intensities along a straight line",
-     "A chart of the voxels of a stroke of radius 0, with their labels below it: a digit, + for a "
-     "label above 9, and . where no seed reaches. A column of several voxels shows their mean.\n"
-     "values=yes: each voxel in a line: its distance, its place, its intensity and its label.",
+     "Draws a chart of the voxels on the line, with their labels below it: a digit, + for a label "
+     "above 9, and . where no seed reaches. A column of several voxels shows their mean.\n"
+     "values=yes: print a line for each voxel, with its distance, position, intensity and label.",
      "profile 10,20,30 40,20,30"},
     {COMMAND("why", act_why, GROUP_QUESTIONS, S | A),
      {NEED("PLACE", VALUE_POSITION)},
      "explain the label of a voxel",
-     "Prints the seed at the start of the voxel's path, the cost of the path, and the edges where "
-     "the cost rose, the strongest first: a leak passes through that edge, and a seed or a shell "
-     "there stops it. Also prints the second label with the cost of its path.",
+     "Prints the seed at the start of the path to the voxel, the cost of the path, and the edges "
+     "where the cost rose, the strongest first. A leak passes through the strongest edge; a seed "
+     "or a shell there stops it. Also prints the second best label with the cost of its path.",
      "why 100,100,50"},
     {COMMAND("hints", act_hints, GROUP_QUESTIONS, S | A),
      {MAY("COUNT", VALUE_NUMBER, .choices = "slice", .least = 1, .most = HINTS_MOST),
       KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE), YES_NO("replace")},
-     "list the least certain places of borders",
-     "Prints the first COUNT places, 10 unless given, the least certain first: the size of each, "
-     "the cost of its least certain voxel, the neighbouring label with its cost there, the edge "
-     "between the two, and the strongest edge on the path to the voxel.\n"
+     "list the least certain places on borders",
+     "Prints COUNT places, by default 10, the least certain first. For each, prints its size, the "
+     "cost of its least certain voxel, the neighbouring label with its cost there, the edge "
+     "between the two labels, and the strongest edge on the path to the voxel.\n"
      "The certainty of a border voxel is the additional cost of the other label, plus the height "
-     "of the edge above the cost of its own path three steps before. The least certain tenth of "
-     "the border is weak; a connected weak part in a block of 16 voxels a side is a place, and "
-     "places with the most and the weakest voxels come first. The search needs about the time of a "
-     "run, and none if nothing has changed since.\n"
-     "slice: instead of places, the five slices of all three planes with the largest doubt: the "
-     "sum of 4u(1 - u) over their voxels, where u is the label after `finish relax`, 1 inside and "
-     "0 outside. An `outline` in the first slice removes most doubt. Slices with an outline, and "
-     "their neighbours, are left out.\n"
+     "of the edge, minus the cost of the voxel's path three steps before. The least certain tenth "
+     "of the border is weak. A place is a connected weak part within a cube of 16 voxels a side; "
+     "places with more and weaker voxels are listed first. The search needs about the time of a "
+     "run; repeating it without a change is immediate.\n"
+     "slice: list the five slices of all three planes with the largest doubt instead of places. "
+     "The doubt is the sum of 4u(1 - u) over their voxels, where u is the field of a label after "
+     "`finish relax`: 1 inside, 0 outside, and between 0 and 1 where the border is uncertain. An "
+     "`outline` in the first slice removes the most doubt. Slices with an outline, and their "
+     "neighbours, are left out.\n"
      "In a journal of `iftty apply`, places of the label whose volume differs most from the "
-     "procedure's come first.\n"
-     "label: only places at the border of this label, or slices by the doubt of this label.\n"
+     "procedure's are listed first.\n"
+     "label: list only places at the border of this label, or slices by the doubt of this label "
+     "alone.\n"
      "report: write all places as FILE.json.",
      "hints 5"},
     {CALLED("info", "status|header|histogram", act_info, GROUP_QUESTIONS, 0),
@@ -763,11 +786,13 @@ static const struct command command_table[] = {
             S | A),
      {KEYED("report", VALUE_FILE), YES_NO("replace"), FINISHED},
      "measure size, surface and intensities of labels",
-     "For each label: seeds, voxels and volume; components, connected by faces, and enclosed "
-     "holes; the area of the smooth surface, to 2 % unless the object is small or thin; the centre "
-     "and the bounding box; the intensities of its voxels, as printed by `why`; and the voxels "
-     "gained and lost by the last edit. The deviation is that of a sample.\n"
-     "Labels that have a name, or that the finish deletes, are listed even with 0 voxels.\n"
+     "For each label, prints its seeds, voxels and volume; its components, connected by faces, and "
+     "enclosed holes; the area of its smooth surface, with an error below 2 % unless the object is "
+     "small or thin; its centre and bounding box; the intensities of its voxels, as printed by "
+     "`why`; and the voxels gained and lost by the last edit. The standard deviation is that of a "
+     "sample (n - 1).\n"
+     "Labels that have a name, or that the finish deletes, are listed even if they have no "
+     "voxels.\n"
      "report: write the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S | A),
@@ -777,42 +802,45 @@ static const struct command command_table[] = {
       KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE), KEYED("surface", VALUE_FILE),
       YES_NO("replace"), FINISHED, OF_MAP},
      "compare the labels with a label map",
-     "A: the present labels. B: the map, on the scene's grid. For each label, and all labels "
-     "together:\n"
-     "Dice: twice the voxels of A and B, divided by those of A plus those of B; 1 if equal.\n"
-     "Jaccard: the voxels of A and B, divided by the voxels of A or B.\n"
-     "Hausdorff: the largest distance from a voxel of one to the nearest of the other, in mm.\n"
-     "95 %, mean: 95th percentile and mean of the distances from each surface to the other, in mm. "
-     "A surface is the voxels that have a neighbour outside the object, by a face, an edge or a "
-     "corner, but not the edge of the scene.\n"
-     "Overlaps, Hausdorff and the directed means in a report equal those of ITK's filters.\n"
-     "regions: compare these values of the map, 1 and above unless given. These values and named "
-     "labels have a row even if no voxel has them.\n"
-     "as: their labels, one for each of `regions`.\n"
-     "label: compare only this label, with all `regions` as one.\n"
+     "A is the present labels, B is the map, on the scene's grid. For each label, and for all "
+     "labels together, prints:\n"
+     "Dice: twice the voxels in both A and B, divided by the voxels in A plus the voxels in B; 1 "
+     "if equal.\n"
+     "Jaccard: the voxels in both A and B, divided by the voxels in A, B or both.\n"
+     "Hausdorff: the largest distance from a voxel of A or B to the nearest voxel of the other, in "
+     "mm.\n"
+     "95 %, mean: the 95th percentile and the mean of the distances from each surface to the "
+     "other, in mm. A surface is the set of voxels with a neighbour outside the object, by a face, "
+     "an edge or a corner; the boundary of the scene does not count.\n"
+     "The overlaps, the Hausdorff distance and the directed means in a report equal those of ITK's "
+     "filters.\n"
+     "regions: compare only these values of the map; the default is 1 and above. These values and "
+     "named labels have a row even if they have no voxels.\n"
+     "as: the labels of `regions`, one for each.\n"
+     "label: compare this label with all `regions` together.\n"
      "report: write FILE.json or FILE.csv.\n"
-     "picture: draw slices through the voxel `at`, or the place of the largest distance, with "
-     "outlines: white for A and B, orange for A alone, blue for B alone, purple for another "
-     "label.\n"
-     "surface: draw A's surface in the present view, all objects as one: red outside B, blue "
-     "inside, by the distance to B's surface." FINISHED_NOTE MAP_NOTE,
+     "picture: draw slices through the voxel `at`, by default the place of the largest distance, "
+     "with outlines: white for A and B, orange for A alone, blue for B alone, purple for different "
+     "labels.\n"
+     "surface: draw A's surface in the present view, all objects as one, coloured by its distance "
+     "from B's surface: red outside B, blue inside." FINISHED_NOTE MAP_NOTE,
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},
-     "segment by single keys, on the whole screen",
-     "Shows slices, the rendition and a cross-hair. ? lists the keys, q returns to the prompt. A "
-     "key that changes the session runs a command, which is recorded. Needs a terminal; Ctrl-O at "
-     "the prompt does the same.",
+     "segment by single keys, in full screen",
+     "Shows slices, the rendition and a cross-hair. ? lists the keys, and q returns to the prompt. "
+     "A key that changes the session runs a command, which is recorded. Needs a terminal. Ctrl-O "
+     "at the prompt also opens the pilot.",
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
      {MAY("COMMAND", VALUE_COMMAND, .choices = "keys|correct")},
-     "print this list, help of a command, or the keys",
+     "list commands or keys, or describe a command",
      "keys: list the keys of the prompt.\n"
      "correct: show how to correct a segmentation of another program.",
      "help seed"},
     {CALLED("quit", "exit|bye|q|logout", act_quit, GROUP_QUESTIONS, 0),
      {{0}},
-     "end the session; the journal is complete",
+     "end the session; all commands are recorded",
      NULL,
      "quit"},
 };

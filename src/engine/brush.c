@@ -56,7 +56,7 @@ static size_t at_row(const struct brush *brush, int y, int z)
 enum err brush_hollow(struct brush *brush, unsigned neighbours, struct fault *fault)
 {
     const size_t rows = at_row(brush, brush->reach[1] + 1, brush->reach[2] + 1) + 1;
-    int16_t *half = mem_array(rows, sizeof *half);
+    OWNED(mem_release) int16_t *half = mem_array(rows, sizeof *half);
     if (!half)
         return fault_memory(fault, "a shell");
     for (size_t i = 0; i < rows; i++)
@@ -77,7 +77,6 @@ enum err brush_hollow(struct brush *brush, unsigned neighbours, struct fault *fa
             }
         brush->row[i].hole = (int16_t)(hole < -1 ? -1 : hole);
     }
-    free(half);
     return OK;
 }
 

@@ -118,14 +118,13 @@ static enum err count(struct finding *f, struct watch *watch, struct fault *faul
 enum err components_find(struct components *components, const struct grid *grid,
                          const uint8_t *label, struct watch *watch, struct fault *fault)
 {
-    struct finding finding = {components, grid, label, NULL};
+    const size_t rows = (size_t)grid->size[1] * grid->size[2];
+    OWNED(mem_release) size_t *row = mem_array(rows + 1, sizeof *row);
+    struct finding finding = {components, grid, label, row};
     *components = (struct components){0};
-    finding.row = mem_array((size_t)grid->size[1] * grid->size[2] + 1, sizeof *finding.row);
-    enum err err =
-        finding.row ? find_runs(&finding, watch, fault) : fault_memory(fault, "components");
+    enum err err = row ? find_runs(&finding, watch, fault) : fault_memory(fault, "components");
     if (!err)
         err = count(&finding, watch, fault);
-    free(finding.row);
     if (err)
         components_release(components);
     return err;

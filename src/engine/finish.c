@@ -281,31 +281,25 @@ enum err finish_reassign(struct finish_work *work, const uint8_t *of,
                          const struct finish_step *step, struct fault *fault)
 {
     struct watch *watch = work->scene->watch;
-    struct components found;
-    enum err err = components_find(&found, &work->scene->grid, of, watch, fault);
+    OWNED(components_release) struct components found;
+    const enum err err = components_find(&found, &work->scene->grid, of, watch, fault);
     if (err)
         return err;
-    struct reassigning reassigning = {work, &found,
-                                      mem_array(found.count, sizeof *reassigning.waits),
-                                      mem_array(found.count, sizeof *reassigning.taker)};
-    if (reassigning.waits && reassigning.taker) {
-        struct task task = task_begin(watch, "pieces of labels", 0);
-        choose_pieces(reassigning.waits, &found, step);
-        finish_clear(work);
-        for (size_t i = 0; i < found.count && task_advance(&task, 16); i++)
-            if (reassigning.waits[i])
-                mark_piece(&found, &found.item[i], work->next, 1);
-        while (reassign_round(&reassigning,
-                              step->kind == FINISH_HOLES ? step->label : FINISH_ALL_LABELS, &task))
-            ;
-        err = watch_fault(watch, fault);
-    } else {
-        err = fault_memory(fault, "finished labels");
-    }
-    free(reassigning.waits);
-    free(reassigning.taker);
-    components_release(&found);
-    return err;
+    OWNED(mem_release) bool *waits = mem_array(found.count, sizeof *waits);
+    OWNED(mem_release) uint16_t *taker = mem_array(found.count, sizeof *taker);
+    if (!waits || !taker)
+        return fault_memory(fault, "finished labels");
+    struct reassigning reassigning = {work, &found, waits, taker};
+    struct task task = task_begin(watch, "pieces of labels", 0);
+    choose_pieces(waits, &found, step);
+    finish_clear(work);
+    for (size_t i = 0; i < found.count && task_advance(&task, 16); i++)
+        if (waits[i])
+            mark_piece(&found, &found.item[i], work->next, 1);
+    while (reassign_round(&reassigning,
+                          step->kind == FINISH_HOLES ? step->label : FINISH_ALL_LABELS, &task))
+        ;
+    return watch_fault(watch, fault);
 }
 
 enum err finish_pieces(struct finish_work *work, const struct finish_step *step,

@@ -83,21 +83,21 @@ enum finish_inputs { FINISH_USES_LABELS, FINISH_USES_SEEDS };
  * line of help. A row names a function of one file: finish_FUNCTION. */
 #define FINISH_LIST(FIRST, NEXT)                                                                   \
     FIRST(RELAX, relax, relax, SWEEPS, 60, SEEDS,                                                  \
-          "relax: move the borders of labels to edges of the scene.\n")                            \
+          "relax: move the borders of labels to intensity edges.\n")                               \
     NEXT(MAJORITY, majority, majority, RADIUS, 1, LABELS,                                          \
-         "majority: assign each voxel the most frequent label in a cube of the radius.\n")         \
+         "majority: assign to each voxel the most frequent label within a cube of `radius`.\n")    \
     NEXT(LARGEST, largest, pieces, NOTHING, 0, LABELS,                                             \
-         "largest: keep the largest piece of each label; assign the others to the label around "   \
-         "them.\n")                                                                                \
+         "largest: keep the largest connected piece of each label, and assign other pieces to "    \
+         "the label around them.\n")                                                               \
     NEXT(COMPONENTS, components, pieces, VOXELS, 0, LABELS,                                        \
-         "components: the same, but keep each piece of at least `voxels` voxels.\n")               \
+         "components: the same, but keep all pieces of at least `voxels` voxels.\n")               \
     NEXT(HOLES, holes, pieces, NOTHING, 0, LABELS,                                                 \
          "holes: assign enclosed background to the label around it.\n")                            \
     NEXT(OPEN, open, open, RADIUS, 1, LABELS,                                                      \
-         "open: remove parts that are thinner than a ball of the radius, and assign them to the "  \
+         "open: remove parts that are thinner than a ball of `radius`, and assign them to the "    \
          "label around them.\n")                                                                   \
     NEXT(CLOSE, close, close, RADIUS, 1, LABELS,                                                   \
-         "close: fill gaps of background that are narrower than such a ball.\n")
+         "close: fill gaps of background that are narrower than a ball of `radius`.\n")
 
 #define FINISH_FIRST_NAME(kind, name, by, takes, usual, uses, help) #name
 #define FINISH_NEXT_NAME(kind, name, by, takes, usual, uses, help)  "|" #name

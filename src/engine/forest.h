@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The forest: every voxel belongs to the tree of the seed that reaches it best.
+ * The forest: it assigns each voxel to the tree of the seed with the best path to it.
  *
  * The key of a voxel is (cost, hops, root), compared as one integer. A seed has key (0, 0, itself).
- * A voxel s offers its neighbour t
+ * A voxel s offers its neighbour t the key
  *
  *     extend(key(s), w) = (w, 0, root)            where w > cost,     w = weight of the arc
  *                         (cost, hops + 1, root)  otherwise           (engine/weight.h)
@@ -11,38 +11,38 @@
  * and the forest is the solution of key(t) = min(own seed's key, min over neighbours of their
  * offers). extend is strictly increasing, so there is exactly one solution: the forest is a
  * function of the set of seeds and does not depend on the order in which they were planted, removed
- * or processed. Cost is the textbook f_max cost; hops and root decide every tie. (Method: Audigier,
- * Lotufo, Falcao 2006; differential transform: Falcao and Bergo 2004; the canonical key is this
- * program's own.)
+ * or processed. The cost is the f_max cost of the literature; hops and root break every tie.
+ * (Method: Audigier, Lotufo, Falcao 2006; differential transform: Falcao and Bergo 2004; the
+ * canonical key is this program's own.)
  *
- * A seed may have a reach, beyond which its tree makes no offers: see struct reach in
- * engine/brush.h.
+ * A seed may have a reach, beyond which its tree makes no offers (struct reach in engine/brush.h).
  *
- * An edit changes the set of seeds and repairs the solution in time proportional to the change.
+ * An edit changes the set of seeds and updates the solution in time proportional to the change.
  *
  * Terms, and their names in the literature
  *   seed         marker voxel of the image foresting transform; a seed is the root of its tree
- *   eliminator   a deletion marker of the differential transform: its tree is cleared
- *   root         the seed at the end of the path of predecessors, P* in the papers
- *   predecessor  P(t), the neighbour whose offer became the key of t; an offer extends a path
+ *   eliminator   deletion marker of the differential transform: it clears the tree of its voxel
+ *   root         seed at the end of the chain of predecessors, P* in the literature
+ *   predecessor  P(t), neighbour of t whose offer became the key of t; an offer extends a path
  *   cost         C(t), the f_max cost of the best path: the largest weight on it
  *   hops         plateau distance: steps along the path since its cost last rose; it corresponds to
  *                the literature's FIFO order within a cost, and (cost, hops) to lexicographic costs
  *   level        (cost, hops), a bucket of the priority queue
- *   cleared, frontier   voxels that have lost their tree, and their neighbours that have not
+ *   cleared      voxels whose tree was removed
+ *   frontier     neighbours of cleared voxels that still belong to a tree
  *   region of interest (roi)   voxels outside it belong to no tree
  *   outbox       offers of one worker for cells that another worker owns
  *
  * Invariants between calls
  *   T1 every key solves the equation above; forest_check asserts it;
- *   T2 label and root of a voxel are those of its predecessor, to which cell.direction leads; a
+ *   T2 label and root of a voxel are those of its predecessor, to which cell.direction points; a
  *      seed is its own root;
- *   T3 no voxel has hops 65535: an edit that would need more steps is rejected and undone;
- *   T4 both digests equal a recount; forest_check asserts it.
- * Invariant in the middle of a pass
+ *   T3 the hops of a voxel are below 65535: an edit that would need more is rejected and undone;
+ *   T4 both digests equal a recomputation over all voxels; forest_check asserts it.
+ * Invariant during a pass
  *   T5 every key is supported by its predecessor, or that predecessor is queued; and a voxel that
  *      may still receive a better offer than its key is queued and marked CELL_RAISED. So the
- *      inverse edit undoes an edit at any moment, and no copy of the former state is needed.
+ *      inverse edit can undo an edit at any moment, without a copy of the former state.
  */
 #ifndef ENGINE_FOREST_H
 #define ENGINE_FOREST_H
@@ -60,49 +60,49 @@
 
 struct forest;
 
-/* An edit of one voxel: plant a seed of a label (replacing the voxel's seed if it has one; not
- * outside the region of interest), or remove the seed. */
+/* An edit of one voxel: plant a seed, which replaces an existing one, or remove the seed. Seeds are
+ * planted only inside the region of interest. */
 enum { EDIT_ERASE = -1 };
 struct edit {
     uint32_t cell;
     int16_t label;  /* 0..255, or EDIT_ERASE */
-    uint16_t reach; /* number of the seed's reach (forest_add_reach); 0 for no reach or no seed */
+    uint16_t reach; /* number of the seed's reach (forest_add_reach); 0 for none */
 };
 
-/* Store the labels before each later rebuild, so that forest_changes can count the voxels that it
- * relabels. Costs a scan of the scene before and after the rebuild. */
+/* Store the labels before each later rebuild, so that forest_changes can count the relabelled
+ * voxels. Costs a scan of the scene before and after the rebuild. */
 void forest_count_rebuilds(struct forest *forest);
 
-/* Create a forest without seeds over a scene with weights; the scene outlives it. `adjacency` is 6
- * or 26. */
+/* Create a forest without seeds for a scene with weights, which must outlive the forest.
+ * `adjacency` is 6 or 26. */
 enum err forest_new(struct forest **forest, struct scene *scene, unsigned adjacency,
                     struct fault *fault);
 void forest_free(struct forest *forest);
 
 /*
- * Apply `count` edits as one. The last edit of a voxel wins. Planting an existing seed again, or
- * erasing a voxel without a seed, is allowed and has no effect. The scene's watch is polled after
- * every level of the pass, also while an edit is undone. On any error the forest is unchanged and
- * forest_changes is undefined: ERR_CANCELLED (stopped by the watch), ERR_LIMIT (T3), ERR_MEMORY.
- * After ERR_MEMORY the forest may have its former seeds only, and be suspended (forest_suspend).
+ * Apply `count` edits as one. If a voxel has several edits, the last one counts. Planting an
+ * existing seed again, or erasing a voxel without a seed, is allowed and has no effect. The scene's
+ * watch is polled after every level of the pass, also while an edit is undone. On an error the
+ * forest is unchanged and forest_changes is undefined: ERR_CANCELLED (stopped by the watch),
+ * ERR_LIMIT (T3), ERR_MEMORY. One exception: after ERR_MEMORY the forest may be suspended with its
+ * former seeds (forest_suspend).
  */
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
                      struct fault *fault);
 
 /* Recompute the whole forest from its seeds: after a change of weights, adjacency or region of
- * interest, or to compare with an update. On error the former forest is restored; if it cannot be
- * recomputed either, the forest has its seeds and no keys. The message states which of the two
- * happened. */
+ * interest, or to compare with an update. On an error the former forest is restored; if this also
+ * fails, the forest has its seeds and no keys. The message states which of the two happened. */
 enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
 /*
- * True if a voxel has its final key and label while a run is shown.
+ * True if a voxel has its final key and label, while a run is shown.
  *
  * The scene's watch may show a run before it ends (watch.h). Forest and scene can then be read, by
- * one thread at a time or by the forest's own team, and must not be changed. Levels are served from
- * the lowest up, and the key and label of a served voxel are final. Other voxels have their former
- * key, a preliminary one, or none. Between runs the function is true for every voxel that a seed
- * reaches.
+ * one thread at a time or by the forest's own team, and must not be changed. Levels are processed
+ * from the lowest up, so key and label of a processed voxel are final. Other voxels have their
+ * former key, a preliminary one, or none. Between runs the function is true for every voxel that a
+ * seed reaches.
  */
 bool forest_is_final(const struct forest *forest, uint32_t cell);
 
@@ -114,10 +114,10 @@ struct seed_changes {
 };
 struct seed_changes forest_seed_changes(const struct forest *forest);
 
-/* Suspend and resume the forest. Since the forest is a function of the set of seeds, a series of
- * edits needs it only after the last. A suspended forest has seeds only: T1, T2 and T4 do not hold,
- * and edits and rebuilds compute nothing until forest_catch_up computes their common result. For
- * its errors see forest_rebuild. */
+/* Suspend and resume the forest, to compute only the result of the last of a series of edits. A
+ * suspended forest has seeds only: T1, T2 and T4 do not hold, and edits and rebuilds compute
+ * nothing. forest_catch_up computes the forest of the present seeds; its errors are those of
+ * forest_rebuild. */
 void forest_suspend(struct forest *forest);
 bool forest_is_suspended(const struct forest *forest);
 enum err forest_catch_up(struct forest *forest, struct fault *fault);
@@ -128,16 +128,16 @@ void forest_set_adjacency(struct forest *forest, unsigned count);
 /* Set the rule of arc weights, initially ARC_TARGET; forest_rebuild must follow. */
 void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs);
 
-/* Set the team whose threads rebuild the forest in parallel; NULL, the initial value, for the
- * caller's thread only. All teams compute the same bits. The team outlives the forest. On
- * ERR_MEMORY the former team stays. */
+/* Set the team whose threads rebuild the forest in parallel. NULL, the initial value, means the
+ * caller's thread only. The result does not depend on the team. The team must outlive the forest.
+ * On ERR_MEMORY the former team remains. */
 enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault);
 
 struct changes forest_changes(const struct forest *forest);
 struct forest_stats forest_stats(const struct forest *forest);
-/* Predecessor of a voxel that a seed reaches: the first neighbour that offers it its key, -z before
- * -y before -x and so on, so that the result does not depend on the order of work (cell.direction
- * does). CELL_NONE for a seed. */
+/* Predecessor of a voxel that a seed reaches: the first neighbour whose offer is the voxel's key,
+ * in the order of the offsets of the adjacency. Unlike cell.direction, it does not depend on the
+ * order of computation. CELL_NONE for a seed. */
 uint32_t forest_predecessor(const struct forest *forest, uint32_t cell);
 
 const struct scene *forest_scene(const struct forest *forest);
@@ -149,8 +149,8 @@ size_t forest_memory(const struct forest *forest); /* bytes, without the scene *
 /* ---- reaches of seeds ---- */
 
 /* Add a reach and return its number, which stays valid and is used in edits; all exact reaches have
- * the same one. ERR_MEMORY; ERR_LIMIT beyond 65535 reaches. The first one reserves two bytes of address space a cell; memory is used
- * only for pages that contain roots. */
+ * the same one. ERR_MEMORY; ERR_LIMIT beyond 65535 reaches. The first reach reserves two bytes of
+ * address space per cell, but memory is used only for pages that contain roots. */
 enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
                           struct fault *fault);
 
@@ -161,27 +161,26 @@ bool forest_is_exact(const struct forest *forest, uint16_t reach);
 const struct reach *forest_reach(const struct forest *forest, uint32_t seed);
 uint16_t forest_reach_number(const struct forest *forest, uint32_t seed);
 
-/* True if the reach of the seed `root` allows its tree to hold a voxel. */
+/* True if a voxel is within the reach of the seed `root`, or the seed has no reach. */
 bool forest_may_hold(const struct forest *forest, uint32_t root, uint32_t cell);
 
-/* The least key that neighbouring trees would offer a voxel if they were not limited by their
- * reach; KEY_NONE for no such offer. */
+/* The least key that neighbouring trees do not offer to a voxel because of their reach; KEY_NONE if
+ * there is no such offer. */
 uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell);
 
 /* Number of seeds with a reach. */
 size_t forest_limited_seeds(const struct forest *forest);
 
-/* Count the voxels that belong to no tree because all trees around them end at their reach,
- * although a path leads to them from a seed. Scans the scene if any seed has a reach. ERR_MEMORY,
- * ERR_CANCELLED. */
+/* Count the voxels that a path connects to a seed, but that are beyond the reach of all trees
+ * around them. Scans the scene if any seed has a reach. ERR_MEMORY, ERR_CANCELLED. */
 enum err forest_count_refused(const struct forest *forest, size_t *voxels, struct fault *fault);
 
-/* Sums mod 2^64 over the voxels that a seed reaches: of a mix of (cell, key), and of a mix of cell
- * times label. */
+/* Digests of keys and labels: sums mod 2^64, over the voxels that a seed reaches, of a hash of cell
+ * and key, and of a hash of cell times label. */
 uint64_t forest_digest(const struct forest *forest);
 uint64_t forest_label_digest(const struct forest *forest);
 
-/* Check T1, T2, T3 and T4 at every voxel. Return false with a message if one fails. */
+/* Check T1 to T4 at every voxel. Return false with a message if one fails. */
 bool forest_check(const struct forest *forest, struct fault *fault);
 
 #endif

@@ -184,14 +184,13 @@ static bool flood_scene(struct flood *flood)
 enum err forest_count_refused(const struct forest *forest, size_t *voxels, struct fault *fault)
 {
     struct watch *watch = forest->scene->watch;
-    struct flood flood = {.forest = forest};
     *voxels = 0;
     if (forest->reaches.seeds == 0)
         return OK;
-    flood.seen = mem_new(mask_bytes(&forest->scene->grid));
-    const bool fits = flood.seen && flood_scene(&flood);
+    OWNED(mem_release) uint64_t *seen = mem_new(mask_bytes(&forest->scene->grid));
+    struct flood flood = {.forest = forest, .seen = seen};
+    const bool fits = seen && flood_scene(&flood);
     *voxels = flood.voxels;
-    free(flood.seen);
     free(flood.cell);
     return fits ? watch_fault(watch, fault) : fault_memory(fault, "voxels out of reach");
 }

@@ -90,7 +90,7 @@ enum { CERTAINTIES = 3 * MARGIN_NONE };
 static enum err find_limits(struct finding *f, struct fault *fault)
 {
     static const size_t share[HINT_HEATS] = {HINT_SHARE, HINT_WARM};
-    size_t *voxels = mem_new(CERTAINTIES * sizeof *voxels);
+    OWNED(mem_release) size_t *voxels = mem_new(CERTAINTIES * sizeof *voxels);
     if (!voxels)
         return fault_memory(fault, "the border");
     for (size_t i = 0; i < f->count; i++)
@@ -103,7 +103,6 @@ static enum err find_limits(struct finding *f, struct fault *fault)
             limit++;
         f->limit[i] = limit;
     }
-    free(voxels);
     return OK;
 }
 

@@ -155,7 +155,7 @@ static bool gather_counts(struct label_counts *counts, struct counting *counting
 static enum err count_all(struct label_counts *counts, const struct labels *labels,
                           struct team *team, struct fault *fault)
 {
-    struct counting *counting = mem_new(sizeof *counting);
+    OWNED(mem_release) struct counting *counting = mem_new(sizeof *counting);
     if (!counting)
         return fault_memory(fault, "counts of labels");
     counting->counts = counts;
@@ -163,7 +163,7 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
     counting->team = team;
     if (!counts->length) /* intensities do not change with labels: they are scanned once */
         team_run(team, find_highest, counting);
-    enum err err = watch_fault(counts->scene->watch, fault);
+    const enum err err = watch_fault(counts->scene->watch, fault);
     if (!err && !counts->length) {
         const uint32_t *size = counts->scene->grid.size;
         size_t intensities = 1;
@@ -175,14 +175,12 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
         counts->plane[2] = counts->plane[1] + size[1];
         counts->length = counts->plane[2] + size[2];
     }
-    if (!err) {
-        const size_t fit = BYTES_OF_WORKERS / (256 * counts->length * sizeof **counts->of);
-        counting->workers = fit < 1 ? 1 : fit < team_size(team) ? (unsigned)fit : team_size(team);
-        team_run(team, count_part, counting);
-        err = gather_counts(counts, counting) ? OK : fault_memory(fault, "counts of labels");
-    }
-    free(counting);
-    return err;
+    if (err)
+        return err;
+    const size_t fit = BYTES_OF_WORKERS / (256 * counts->length * sizeof **counts->of);
+    counting->workers = fit < 1 ? 1 : fit < team_size(team) ? (unsigned)fit : team_size(team);
+    team_run(team, count_part, counting);
+    return gather_counts(counts, counting) ? OK : fault_memory(fault, "counts of labels");
 }
 
 static struct label_sums sum_counts(const struct label_counts *counts, unsigned label)
@@ -438,19 +436,17 @@ static void count_pairs_part(void *context, unsigned worker)
 static enum err count_all_pairs(struct label_pairs *pairs, const struct labels *labels,
                                 struct team *team, struct fault *fault)
 {
-    struct pair_counting counting = {pairs, team, NULL};
-    counting.part = mem_array(team_size(team), sizeof *counting.part);
-    if (!counting.part)
+    OWNED(mem_release) pair_counts *part = mem_new(team_size(team) * sizeof *part);
+    struct pair_counting counting = {pairs, team, part};
+    if (!part)
         return fault_memory(fault, "a surface");
-    memset(counting.part, 0, team_size(team) * sizeof *counting.part);
     labels_copy(labels, pairs->label, team);
     team_run(team, count_pairs_part, &counting);
     memset(pairs->count, 0, sizeof pairs->count);
     for (unsigned worker = 0; worker < team_size(team); worker++)
         for (unsigned label = 0; label < 256; label++)
             for (int kind = 0; kind < PAIR_KINDS; kind++)
-                pairs->count[label][kind] += counting.part[worker][label][kind];
-    free(counting.part);
+                pairs->count[label][kind] += part[worker][label][kind];
     return OK;
 }
 
@@ -487,7 +483,7 @@ static enum err count_holes(struct label_stats *stats, const struct scene *scene
 {
     const struct grid *grid = &scene->grid;
     const struct label_sums *sums = &stats->sums;
-    struct components found = {0};
+    OWNED(components_release) struct components found = {0};
     struct grid box;
     uint32_t corner[3], size[3];
     for (int a = 0; a < 3; a++) {
@@ -499,7 +495,7 @@ static enum err count_holes(struct label_stats *stats, const struct scene *scene
     if (err)
         return err;
     /* 1 in voxels of the label, else 0. */
-    uint8_t *selected = mem_array(box.cells, 1);
+    OWNED(mem_release) uint8_t *selected = mem_array(box.cells, 1);
     struct grid_walk w = grid_walk(&box, scene->watch, "holes", grid_slab(&box, 0, 1), 0);
     while (selected && grid_walk_next(&w)) {
         const uint8_t *from = label + grid_cell(grid, corner[0], corner[1] + w.y, corner[2] + w.z);
@@ -511,8 +507,6 @@ static enum err count_holes(struct label_stats *stats, const struct scene *scene
         err = components_find(&found, &box, selected, scene->watch, fault);
     for (size_t i = 0; i < found.count; i++)
         stats->holes += !found.item[i].label && !found.item[i].at_edge;
-    components_release(&found);
-    free(selected);
     return err;
 }
 

@@ -112,23 +112,22 @@ static bool reaches(const struct finish_box *field, const struct finish_box *box
 static bool compare(struct relax_kept *kept, const struct finish_work *work)
 {
     const unsigned workers = team_size(work->team);
-    struct relax_field *field = mem_new(256 * sizeof *field);
-    struct comparing c = {kept, work, field, mem_new(workers * sizeof *c.by)};
-    const bool has_room = field && c.by;
-    for (unsigned label = 1; has_room && label < 256; label++)
+    OWNED(mem_release) struct relax_field *field = mem_new(256 * sizeof *field);
+    OWNED(mem_release) struct compared *by = mem_new(workers * sizeof *by);
+    struct comparing c = {kept, work, field, by};
+    if (!field || !by)
+        return false;
+    for (unsigned label = 1; label < 256; label++)
         if (kept->field[label])
             relax_field_read(&field[label], work, (uint8_t)label, kept->field[label]);
-    for (unsigned worker = 0; has_room && worker < workers; worker++)
-        c.by[worker].moved = finish_box_none();
-    if (has_room)
-        team_run(work->team, compare_part, &c);
-    for (unsigned worker = 0; has_room && worker < workers; worker++)
+    for (unsigned worker = 0; worker < workers; worker++)
+        by[worker].moved = finish_box_none();
+    team_run(work->team, compare_part, &c);
+    for (unsigned worker = 0; worker < workers; worker++)
         for (unsigned label = 1; label < 256; label++)
-            if (c.by[worker].differs[label] || reaches(&field[label].box, &c.by[worker].moved))
+            if (by[worker].differs[label] || reaches(&field[label].box, &by[worker].moved))
                 forget(kept, label);
-    free(field);
-    free(c.by);
-    return has_room;
+    return true;
 }
 
 /* Forget the fields that may differ for these labels and this scene. Without memory all are
@@ -260,7 +259,7 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
                     relax_see *see, void *context, struct fault *fault)
 {
     struct watch *watch = work->scene->watch;
-    struct relaxing *r = mem_new(sizeof *r);
+    OWNED(mem_release) struct relaxing *r = mem_new(sizeof *r);
     if (!r)
         return fault_memory(fault, "relaxed labels");
     r->work = work;
@@ -286,7 +285,6 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
     }
     for (unsigned i = 0; i < TEAM_MOST; i++)
         relax_field_release(&r->field[i]);
-    free(r);
     return err ? err : watch_fault(watch, fault);
 }
 

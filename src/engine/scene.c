@@ -194,13 +194,13 @@ static void count_part(void *context, unsigned worker)
 void intensities_count(uint32_t count[UINT16_MAX + 1], const struct scene *scene, struct team *team)
 {
     const size_t workers = team_size(team);
+    OWNED(mem_release)
     uint32_t *all = workers > 1 ? mem_new(workers * INTENSITIES * sizeof *all) : NULL;
     struct counting counting = {scene, all ? team : NULL, all ? all : count};
     memset(count, 0, INTENSITIES * sizeof *count);
     team_run(counting.team, count_part, &counting);
     for (size_t i = 0; all && i < workers * INTENSITIES; i++)
         count[i % INTENSITIES] += all[i];
-    free(all);
 }
 
 void intensities_range(int32_t range[2], const uint32_t count[UINT16_MAX + 1], uint64_t low,
@@ -386,23 +386,21 @@ static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, struct cell
 enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct watch *watch,
                            struct fault *fault)
 {
-    struct geom_rows rows = {.size = {size[0], size[1], size[2]}};
     struct scene *scene;
     *out = NULL;
     enum err err = scene_new_filled(&scene, size, NULL, watch, fault);
     if (err)
         return err;
-    rows.place = mem_array(size[0], sizeof *rows.place);
-    rows.value = mem_array(size[0], sizeof *rows.value);
-    if (!rows.place || !rows.value)
+    OWNED(mem_release) int16_t *place = mem_array(size[0], sizeof *place);
+    OWNED(mem_release) uint8_t *value = mem_array(size[0], sizeof *value);
+    struct geom_rows rows = {{size[0], size[1], size[2]}, place, value};
+    if (!place || !value)
         err = fault_memory(fault, "the synthetic scene");
     for (uint32_t x = 0; !err && x < size[0]; x++)
-        rows.place[x] = (int16_t)geom_place(x, size[0], 0);
+        place[x] = (int16_t)geom_place(x, size[0], 0);
     struct grid_walk w = scene_walk(scene, "synthetic scene", NULL, 0);
     while (!err && grid_walk_next(&w))
         geom_row(&rows, w.y, w.z, scene->cell + w.row.first);
-    free(rows.place);
-    free(rows.value);
     return finish_scene(out, scene, err, fault);
 }
 

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sort.h"
 #include "base/mem.h"
+#include "base/sort.h"
 #include "engine/net_graph.h"
 
 enum {
@@ -245,7 +245,7 @@ static uint32_t add_point(struct making *m, const struct net_vertex *vertex,
 
 static bool add_net(struct making *m, const struct net *net, const struct extent *box)
 {
-    uint32_t *point = mem_array(net->vertices + (size_t)1, sizeof *point);
+    OWNED(mem_release) uint32_t *point = mem_array(net->vertices + (size_t)1, sizeof *point);
     bool fits = point && mem_grow(&m->quad, &m->quad_room, m->quads + net->quads, sizeof *m->quad);
     for (uint32_t v = 0; fits && v < net->vertices; v++) {
         point[v] = add_point(m, &net->vertex[v], box);
@@ -260,7 +260,6 @@ static bool add_net(struct making *m, const struct net *net, const struct extent
         for (int k = 0; k < 4; k++)
             to->corner[k] = point[from->corner[k]];
     }
-    free(point);
     return fits;
 }
 
@@ -322,7 +321,7 @@ static enum err add_nets(struct making *m, const struct extent *extent, bool add
              box.first[1] += side[1])
             for (box.first[0] = extent->first[0]; box.first[0] < extent->end[0];
                  box.first[0] += side[0]) {
-                struct net net;
+                OWNED(net_release) struct net net = {0};
                 uint32_t size[3];
                 size_t voxels = 1;
                 for (int a = 0; a < 3; a++) {
@@ -339,9 +338,7 @@ static enum err add_nets(struct making *m, const struct extent *extent, bool add
                 enum err err = net_make(&net, &source, box.first, size, m->fault);
                 if (err)
                     return err;
-                const bool fits = adds_spots ? add_outside(m, &net) : add_net(m, &net, &box);
-                net_release(&net);
-                if (!fits)
+                if (adds_spots ? !add_outside(m, &net) : !add_net(m, &net, &box))
                     return fault_memory(m->fault, "a surface");
                 if (m->surface->points > POINTS_MOST)
                     return fault_set(m->fault, ERR_LIMIT,

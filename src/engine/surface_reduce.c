@@ -436,7 +436,7 @@ static enum err reduction_init(struct reduction *r, struct surface *surface, str
     r->corner = mem_array(corners, sizeof *r->corner);
     r->node = mem_array(points, sizeof *r->node);
     r->heap = mem_array(points, sizeof *r->heap);
-    uint32_t *next = mem_array(corners, sizeof *next);
+    OWNED(mem_release) uint32_t *next = mem_array(corners, sizeof *next);
     const bool fits = r->corner && r->node && r->heap && next;
     for (size_t i = 0; fits && i < points; i++) {
         const uint32_t *at = surface->point[i].at;
@@ -445,7 +445,6 @@ static enum err reduction_init(struct reduction *r, struct surface *surface, str
     }
     if (fits)
         find_across(r, next);
-    free(next);
     return fits ? OK : fault_memory(fault, "a surface");
 }
 
@@ -454,7 +453,7 @@ enum err surface_reduce(struct surface *surface, size_t most, struct watch *watc
 {
     if (surface->triangles <= most)
         return OK;
-    struct reduction *r = mem_new(sizeof *r);
+    OWNED(mem_release) struct reduction *r = mem_new(sizeof *r);
     if (!r)
         return fault_memory(fault, "a surface");
     enum err err = reduction_init(r, surface, fault);
@@ -473,6 +472,5 @@ enum err surface_reduce(struct surface *surface, size_t most, struct watch *watc
     free(r->corner);
     free(r->node);
     free(r->heap);
-    free(r);
     return err;
 }

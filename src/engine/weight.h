@@ -87,15 +87,15 @@ enum weight_argument {
 #define WEIGHT_LIST(FIRST, NEXT)                                                                   \
     FIRST(MORPH, morph, RADIUS, 1,                                                                 \
           "morph, the default: dilation minus erosion, over a voxel and its neighbours, or over "  \
-          "all within `radius` steps.\n")                                                          \
+          "all voxels within `radius` steps.\n")                                                   \
     NEXT(SOBEL, sobel, NOTHING, 0, "sobel: the 3-D Sobel operator.\n")                             \
     NEXT(GAUSS, gauss, SIGMA, 0,                                                                   \
          "gauss: the gradient of the scene smoothed by a Gaussian of SIGMA 0.5..8 voxels.\n")      \
     NEXT(DIFFERENCE, difference, NOTHING, 0,                                                       \
-         "difference: the difference of intensity between both ends of the step.\n")               \
+         "difference: the absolute difference of intensity between the two voxels of a step.\n")   \
     NEXT(POLARITY, polarity, NOTHING, 0,                                                           \
-         "polarity: the same, with different weights for steps to brighter and to darker voxels "  \
-         "(`help polarity`).\n")
+         "polarity: this difference, with different factors for steps to brighter and to darker "  \
+         "voxels (`help polarity`).\n")
 
 #define WEIGHT_FIRST_NAME(kind, name, argument, usual, help) #name
 #define WEIGHT_NEXT_NAME(kind, name, argument, usual, help)  "|" #name

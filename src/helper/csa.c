@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/scan.h"
+
 enum { BEGIN = 16, NAME = 64, ELEMENT = 84, COUNT_AT = 76, ITEM = 16, LENGTH_AT = 4, DIGITS = 63 };
 
 struct rest {
@@ -24,11 +26,6 @@ static const uint8_t *take(struct rest *rest, size_t length)
     return at;
 }
 
-static uint32_t number_at(const uint8_t *at)
-{
-    return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
-}
-
 static bool is_number(double *out, const uint8_t *text, size_t length)
 {
     char digits[DIGITS + 1] = "", *end;
@@ -44,15 +41,15 @@ int csa_numbers(double *out, int most, const uint8_t *bytes, size_t length, cons
     int count = 0;
     if (!begin || memcmp(begin, "SV10", 4) != 0)
         return -1;
-    for (uint32_t elements = number_at(begin + 8); elements > 0; elements--) {
+    for (uint64_t elements = bits_get(begin + 8, 4, false); elements > 0; elements--) {
         const uint8_t *element = take(&rest, ELEMENT);
         if (!element)
             return -1;
         bool takes = strnlen((const char *)element, NAME) == strlen(name) &&
                      memcmp(element, name, strlen(name)) == 0;
-        for (uint32_t items = number_at(element + COUNT_AT); items > 0; items--) {
+        for (uint64_t items = bits_get(element + COUNT_AT, 4, false); items > 0; items--) {
             const uint8_t *item = take(&rest, ITEM);
-            const size_t bytes_in = item ? number_at(item + LENGTH_AT) : 0;
+            const size_t bytes_in = item ? bits_get(item + LENGTH_AT, 4, false) : 0;
             const uint8_t *text = item ? take(&rest, bytes_in) : NULL;
             if (!text)
                 return -1;

@@ -233,31 +233,26 @@ static enum err read_text(struct reading *r, const char *text, struct fault *fau
 
 enum { HEADER = 20, BIG_ENDIAN_TYPE = 1000, SINGLE_TYPE = 10, ROWS_TYPE = 100 };
 
-static uint32_t word_at(const char *bytes, bool is_big)
-{
-    return (uint32_t)bits_get((const uint8_t *)bytes, 4, is_big);
-}
-
 /* Parse the next matrix, a row or a column, and return its length; 0 on failure. */
 static size_t take_matrix(char name[NAME_MOST], double number[NUMBERS_MOST], unsigned *numbers,
                           const char *bytes, size_t length)
 {
     if (length < HEADER)
         return 0;
-    const bool is_big = word_at(bytes, false) > UINT16_MAX;
-    const uint32_t type = word_at(bytes, is_big), little = type % BIG_ENDIAN_TYPE;
-    const uint32_t rows = word_at(bytes + 4, is_big), columns = word_at(bytes + 8, is_big);
-    const uint32_t letters = word_at(bytes + 16, is_big);
+    const bool is_big = bits_get(bytes, 4, false) > UINT16_MAX;
+    const uint64_t type = bits_get(bytes, 4, is_big), little = type % BIG_ENDIAN_TYPE;
+    const uint64_t rows = bits_get(bytes + 4, 4, is_big), columns = bits_get(bytes + 8, 4, is_big);
+    const uint64_t letters = bits_get(bytes + 16, 4, is_big);
     const unsigned width = little % ROWS_TYPE == SINGLE_TYPE ? 4 : 8;
     const uint8_t *at = (const uint8_t *)bytes + HEADER + letters;
     if (type != little + (is_big ? BIG_ENDIAN_TYPE : 0) ||
         (little != 0 && little != SINGLE_TYPE && little != ROWS_TYPE &&
          little != ROWS_TYPE + SINGLE_TYPE) ||
-        word_at(bytes + 12, is_big) != 0 || letters < 2 || letters > NAME_MOST)
+        bits_get(bytes + 12, 4, is_big) != 0 || letters < 2 || letters > NAME_MOST)
         return 0;
     if (rows > NUMBERS_MOST || columns > NUMBERS_MOST || (rows > 1 && columns > 1))
         return 0;
-    *numbers = rows * columns;
+    *numbers = (unsigned)(rows * columns);
     if (length < HEADER + letters + width * *numbers ||
         memchr(bytes + HEADER, '\0', letters) != bytes + HEADER + letters - 1)
         return 0;

@@ -32,31 +32,27 @@ enum {
 /* PREFIX/bin/iftty has its helpers in PREFIX/libexec/iftty, wherever the PREFIX was moved to. */
 enum err coprocess_find(struct buf *out, const char *name, struct fault *fault)
 {
-    struct buf own = {0}, above = {0}, installed = {0};
+    OWNED(buf_release) struct buf own = {0}, above = {0}, installed = {0};
     const enum err err = file_program_folder(&own, fault);
-    if (!err) {
-        file_folder(&above, buf_text(&own));
-        buf_printf(&installed, "%s/libexec/iftty/%s", buf_text(&above), name);
-        buf_printf(&own, "/%s", name);
-        const bool is_installed =
-            access(buf_text(&own), X_OK) != 0 && access(buf_text(&installed), X_OK) == 0;
-        buf_add_text(out, buf_text(is_installed ? &installed : &own));
-    }
+    if (err)
+        return err;
+    file_folder(&above, buf_text(&own));
+    buf_printf(&installed, "%s/libexec/iftty/%s", buf_text(&above), name);
+    buf_printf(&own, "/%s", name);
+    const bool is_installed =
+        access(buf_text(&own), X_OK) != 0 && access(buf_text(&installed), X_OK) == 0;
+    buf_add_text(out, buf_text(is_installed ? &installed : &own));
     const bool failed = own.failed || above.failed || installed.failed || out->failed;
-    buf_release(&own);
-    buf_release(&above);
-    buf_release(&installed);
-    return !err && failed ? fault_memory(fault, "a file name") : err;
+    return failed ? fault_memory(fault, "a file name") : OK;
 }
 
 enum err coprocess_init(struct coprocess *c, const char *name, const char *program,
                         struct fault *fault)
 {
-    struct buf found = {0};
+    OWNED(buf_release) struct buf found = {0};
     const enum err err = program ? OK : coprocess_find(&found, name, fault);
     *c = (struct coprocess){.fd = -1};
     c->program = err ? NULL : strdup(program ? program : buf_text(&found));
-    buf_release(&found);
     return err || c->program ? err : fault_memory(fault, name);
 }
 
@@ -126,7 +122,7 @@ bool coprocess_limit(struct coprocess *c, uint64_t soft, uint64_t hard)
 static enum err start_fault(const struct coprocess *c, int number, struct fault *fault)
 {
     char source[160] = "";
-    struct buf library = {0}; /* next to the program in a checkout */
+    OWNED(buf_release) struct buf library = {0}; /* next to the program in a checkout */
     const enum err err = file_program_folder(&library, NULL);
     buf_add_text(&library, "/libiftty.a");
     if (number == ENOENT && !err && !library.failed && access(buf_text(&library), R_OK) == 0)
@@ -135,7 +131,6 @@ static enum err start_fault(const struct coprocess *c, int number, struct fault 
         snprintf(source, sizeof source,
                  "; the package %s has it, or `make install` of a checkout where it was built",
                  c->package);
-    buf_release(&library);
     return fault_set(fault, ERR_IO, "cannot start %s %s: %s%s%s", c->kind, c->program,
                      strerror(number), c->hint ? c->hint : "", source);
 }
@@ -198,10 +193,8 @@ static bool add_work(long process, uint64_t *busy_ms, uint64_t *pages)
     unsigned long long user, system;
     long resident;
     snprintf(path, sizeof path, "/proc/%ld/stat", process);
-    FILE *file = fopen(path, "re");
+    OWNED(stream_release) FILE *file = fopen(path, "re");
     const size_t n = file ? fread(line, 1, sizeof line - 1, file) : 0;
-    if (file)
-        fclose(file);
     line[n] = '\0';
     const char *at = strrchr(line, ')'); /* its name may hold anything */
     if (!at || sscanf(at + 1,
@@ -227,11 +220,9 @@ static bool makes_progress(struct coprocess *c, uint64_t *until)
     char path[64];
     long child;
     snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)c->process, (long)c->process);
-    FILE *file = fopen(path, "re");
+    OWNED(stream_release) FILE *file = fopen(path, "re");
     for (int i = 0; file && i < PROCESSES_MOST && fscanf(file, "%ld", &child) == 1; i++)
         add_work(child, &busy_ms, &pages);
-    if (file)
-        fclose(file);
     if (!add_work(c->process, &busy_ms, &pages))
         return true;
     const bool is_first = !c->pages || busy_ms < c->busy_ms; /* one of them has ended */
@@ -404,7 +395,7 @@ void coprocess_add_versions(struct buf *out, const char *name, const char *packa
 {
     enum { ANSWER_MS = 10000 };
     static const int64_t most = 400;
-    struct coprocess c = {.fd = -1};
+    OWNED(coprocess_release) struct coprocess c = {.fd = -1};
     char line[COPROCESS_LINE], words[400];
     const char *at = line;
     int64_t length = 0;
@@ -421,5 +412,4 @@ void coprocess_add_versions(struct buf *out, const char *name, const char *packa
         if (!answers)
             buf_add_text(out, "no answer: it is of another version, or broken");
     }
-    coprocess_release(&c);
 }

@@ -12,18 +12,13 @@
 #include "base/file.h"
 #include "base/least.h"
 #include "base/mem.h"
+#include "base/scan.h"
 #include "base/watch.h"
 #include "image/exr_write.h"
 #include "image/linear.h"
 #include "image/reader_common.h"
 
 enum { BEFORE = 8, FIRST_READ = 1 << 14, LONG_NAMES = 0x400, WINDOW = 16, ATTRIBUTES_MOST = 200 };
-
-static uint32_t number_at(const char *at)
-{
-    const uint8_t *p = (const uint8_t *)at;
-    return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-}
 
 /* ---- reading ---- */
 
@@ -37,7 +32,7 @@ bool exr_header_next(const struct buf *header, size_t *at, struct exr_attribute_
     const char *size = type ? memchr(type + 1, 0, (size_t)(end - type) - 1) : NULL;
     if (!size || end - size < 5)
         return false;
-    const size_t length = number_at(size + 1);
+    const size_t length = bits_get(size + 1, 4, false);
     if (length > (size_t)(end - size) - 5)
         return false;
     *out = (struct exr_attribute_bytes){name, type + 1, size + 5, length};
@@ -112,12 +107,10 @@ static enum err compare_attributes(const struct buf *a, const struct buf *b, con
              (find_attribute(b, one.name, &other) && strcmp(one.type, other.type) == 0 &&
               one.length == other.length && memcmp(one.value, other.value, one.length) == 0)))
             continue;
-        struct buf name = {0};
+        OWNED(buf_release) struct buf name = {0};
         buf_add_safe_excerpt(&name, one.name, strlen(one.name));
-        fault_set(fault, ERR_CHECK, what, is_twice ? "two attributes" : "an attribute",
-                  buf_text(&name));
-        buf_release(&name);
-        return ERR_CHECK;
+        return fault_set(fault, ERR_CHECK, what, is_twice ? "two attributes" : "an attribute",
+                         buf_text(&name));
     }
     return OK;
 }
@@ -128,12 +121,12 @@ static enum err check_header(const struct buf *header, const struct picture *lik
                              struct fault *fault)
 {
     struct exr_attribute_bytes window;
-    struct buf expected = {0};
+    OWNED(buf_release) struct buf expected = {0};
     int64_t side[2] = {0, 0};
     if (find_attribute(header, "dataWindow", &window) && window.length == WINDOW)
         for (size_t d = 0; d < 2; d++)
-            side[d] = (int64_t)(int32_t)number_at(window.value + 8 + 4 * d) -
-                      (int32_t)number_at(window.value + 4 * d) + 1;
+            side[d] = (int64_t)(int32_t)bits_get(window.value + 8 + 4 * d, 4, false) -
+                      (int32_t)bits_get(window.value + 4 * d, 4, false) + 1;
     if (side[0] != like->width || side[1] != like->height)
         return fault_set(fault, ERR_CHECK,
                          "the sizes differ: it is %lldx%lld pixels, and %ux%u are drawn",
@@ -141,16 +134,15 @@ static enum err check_header(const struct buf *header, const struct picture *lik
     enum err err = exr_write_header_of(&expected, like, fault);
     if (!err && !cut_header(&expected))
         err = fault_memory(fault, "a header");
-    if (!err && (number_at(header->data + 4) & ~(uint32_t)LONG_NAMES) !=
-                    (number_at(expected.data + 4) & ~(uint32_t)LONG_NAMES))
+    if (!err && ((bits_get(header->data + 4, 4, false) ^ bits_get(expected.data + 4, 4, false)) &
+                 ~(uint64_t)LONG_NAMES))
         err = fault_set(fault, ERR_CHECK, "it has several parts, or is of another kind");
     if (!err)
         err = compare_attributes(header, &expected, "it has %s %s that iftty does not write there",
                                  fault);
-    if (!err)
-        err = compare_attributes(&expected, header, "it lacks %s %s, or has it otherwise", fault);
-    buf_release(&expected);
-    return err;
+    return err ? err
+               : compare_attributes(&expected, header, "it lacks %s %s, or has it otherwise",
+                                    fault);
 }
 
 enum {
@@ -269,9 +261,8 @@ static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, siz
 static enum err get_attributes(struct picture *out, exr_context_t context, struct fault *fault)
 {
     int32_t count = 0;
-    enum err err = OK;
     exr_get_attribute_count(context, 0, &count);
-    for (int32_t i = 0; i < count && !err; i++) {
+    for (int32_t i = 0; i < count; i++) {
         const exr_attribute_t *attribute;
         if (exr_get_attribute_by_index(context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) ||
             attribute->type != EXR_ATTR_STRING || exr_is_reserved(attribute->name))
@@ -280,15 +271,16 @@ static enum err get_attributes(struct picture *out, exr_context_t context, struc
         if (string->length < 0 || string->length > NOTE_MOST)
             return fault_set(fault, ERR_LIMIT, "a note of %d bytes; expected at most %d",
                              string->length, NOTE_MOST);
-        char *value = mem_array((size_t)string->length + 1, 1);
+        OWNED(mem_release) char *value = mem_array((size_t)string->length + 1, 1);
         if (!value)
             return fault_memory(fault, "a note on a picture");
         memcpy(value, string->length ? string->str : "", (size_t)string->length);
         value[string->length] = '\0';
-        err = picture_note(out, attribute->name, value, fault);
-        free(value);
+        const enum err err = picture_note(out, attribute->name, value, fault);
+        if (err)
+            return err;
     }
-    return err;
+    return OK;
 }
 
 struct reader {
@@ -465,7 +457,7 @@ static enum err check_golden(uint64_t *header_bytes, const struct exr_stream *st
 {
     /* A file of more bytes than pixels and notes can need is another one. */
     const uint64_t most = (uint64_t)like->width * like->height * EXR_CHANNELS * 4 + FILE_MORE;
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     enum err err = exr_header_read(&header, stream->fd, fault);
     if (!err)
         err = check_header(&header, like, fault);
@@ -473,7 +465,6 @@ static enum err check_golden(uint64_t *header_bytes, const struct exr_stream *st
         err = fault_set(fault, ERR_CHECK, "it has %" PRIu64 " bytes, too many for its pixels",
                         stream->bytes);
     *header_bytes = header.length;
-    buf_release(&header);
     return err ? fault_prefix(fault, err, "%s", stream->path) : OK;
 }
 

@@ -472,7 +472,7 @@ static exr_result_t copy_pieces(exr_context_t context, const struct picture *lik
                                 struct fault *fault)
 {
     struct copying copying = {.context = context, .tiled = like->tiled};
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     uint32_t step[2];
     exr_result_t result = EXR_ERR_SUCCESS;
     step_of(step, like);
@@ -485,7 +485,6 @@ static exr_result_t copy_pieces(exr_context_t context, const struct picture *lik
             result = exr_each_block(&rows, step, copy_block, &copying);
         copying.top += rows.height;
     }
-    buf_release(&bytes);
     return result;
 }
 

@@ -158,7 +158,7 @@ enum err image_movie_add(struct image_movie *movie, const struct picture *pictur
     struct coprocess *process = &movie->helper->process;
     const size_t pixels = (size_t)picture->width * picture->height;
     const size_t channels = movie->channels;
-    uint8_t *piece = mem_array(SEND_PIECE, 1);
+    OWNED(mem_release) uint8_t *piece = mem_array(SEND_PIECE, 1);
     enum err err = piece ? OK : fault_memory(fault, movie->path);
     for (size_t done = 0, n; !err && done < pixels; done += n) {
         const uint8_t *rgba = (channels == 4 ? picture->rgba : picture_colours(picture)) + 4 * done;
@@ -169,7 +169,6 @@ enum err image_movie_add(struct image_movie *movie, const struct picture *pictur
         if (!coprocess_transmit(process, channels == 3 ? piece : rgba, channels * n))
             err = coprocess_fault(process, "write", movie->path, fault);
     }
-    free(piece);
     if (err)
         image_movie_abandon(movie);
     return err;
@@ -242,15 +241,13 @@ static enum err receive_note(struct image_helper *helper, struct picture *out, s
         (!coprocess_numbers(line, 2, most, length) && !coprocess_odd(&helper->process)))
         return ERR_IO;
     const size_t name = (size_t)length[0], value = (size_t)length[1];
-    char *text = calloc(name + value + 2, 1); /* two strings, each with its NUL */
+    OWNED(mem_release) char *text = calloc(name + value + 2, 1); /* two strings, with their NULs */
     if (!text)
         return fault_memory(fault, "a note on a picture");
-    enum err err = ERR_IO;
-    if (coprocess_receive(&helper->process, text, name) &&
-        coprocess_receive(&helper->process, text + name + 1, value))
-        err = picture_note(out, text, text + name + 1, fault);
-    free(text);
-    return err;
+    return coprocess_receive(&helper->process, text, name) &&
+                   coprocess_receive(&helper->process, text + name + 1, value)
+               ? picture_note(out, text, text + name + 1, fault)
+               : ERR_IO;
 }
 
 /* Send `request` for a path, and receive the first line of the answer. */

@@ -38,6 +38,7 @@
 #include <string.h>
 
 #include "base/buf.h"
+#include "base/scan.h"
 #include "engine/grid.h"
 #include "image/names.h"
 #include "image/volume_format.h"

@@ -29,6 +29,7 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "base/scan.h"
 #include "engine/grid.h"
 #include "image/image_inside.h"
 #include "image/names.h"
@@ -721,20 +722,17 @@ bool pair_other(struct buf *other, const char *path)
 /* Read the other file of the pair from now on; the error says its name. */
 static enum err go_to_other(struct volume_source *source, bool to_voxels, struct fault *fault)
 {
-    struct buf other = {0};
-    enum err err;
-    if (pair_other(&other, source->path)) {
-        err = source_switch(source, buf_text(&other), fault);
-        if (err)
-            fault_prefix(fault, err, "%s", file_name(buf_text(&other)));
-    } else
-        err = fault_set(fault, ERR_IO, "there is no %s next to it, with its %s" BOTH "%s",
-                        file_name(buf_text(&other)), to_voxels ? "voxels" : "header",
-                        to_voxels ? ""
-                                  : "; `open raw:FILE size=X,Y,Z type=T` reads voxels without one");
-    err = other.failed ? fault_memory(fault, "a path") : err;
-    buf_release(&other);
-    return err;
+    OWNED(buf_release) struct buf other = {0};
+    const bool has_other = pair_other(&other, source->path);
+    if (other.failed)
+        return fault_memory(fault, "a path");
+    if (!has_other)
+        return fault_set(
+            fault, ERR_IO, "there is no %s next to it, with its %s" BOTH "%s",
+            file_name(buf_text(&other)), to_voxels ? "voxels" : "header",
+            to_voxels ? "" : "; `open raw:FILE size=X,Y,Z type=T` reads voxels without one");
+    const enum err err = source_switch(source, buf_text(&other), fault);
+    return err ? fault_prefix(fault, err, "%s", file_name(buf_text(&other))) : OK;
 }
 
 /* Go to the voxels of a pair whose header was read, and fill the header of the volume. */
@@ -746,7 +744,7 @@ static enum err take_pair(struct volume_header *out, struct nifti_header *header
     if (err)
         return err;
     if (header->kind == NIFTI_ANALYZE) { /* SPM writes the place to a file of MATLAB */
-        struct buf matrix = {0};
+        OWNED(buf_release) struct buf matrix = {0};
         buf_add(&matrix, source->path,
                 (size_t)(file_ending(source->path, PAIR_HEADERS "|" PAIR_VOXELS) - source->path));
         buf_add_text(&matrix, ".mat");
@@ -754,7 +752,6 @@ static enum err take_pair(struct volume_header *out, struct nifti_header *header
             volume_note(out->notes,
                         "the .mat of SPM next to it may have its position; it is not read: "
                         "`nib-convert FILE A.nii` (nibabel) makes a NIfTI of both");
-        buf_release(&matrix);
     }
     return take_fields(out, header, source, fault);
 }

@@ -247,12 +247,14 @@ static void list_segments(struct volume_header *out, const char *bytes, size_t l
 {
     enum { LISTED_MOST = 64 };
     unsigned count;
-    struct segment *segment = read_segments(&count, bytes, length);
+    OWNED(mem_release) struct segment *segment = read_segments(&count, bytes, length);
     const bool is_chosen = out->choice.has_volume;
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     const char *between = is_chosen ? "; other layers:" : "";
+    if (count == 0)
+        return;
     buf_add_text(&text, is_chosen ? "the segments " : "layers of segments:");
-    if (is_chosen && count)
+    if (is_chosen)
         write_layer(&text, segment, count, out->choice.volume);
     for (uint32_t v = 0; v < out->volumes && v < LISTED_MOST && count; v++) {
         if (is_chosen && v == out->choice.volume)
@@ -261,10 +263,7 @@ static void list_segments(struct volume_header *out, const char *bytes, size_t l
         write_layer(&text, segment, count, v);
         between = ";";
     }
-    if (count)
-        safe_copy(out->contents, sizeof out->contents, buf_text(&text), text.length);
-    free(segment);
-    buf_release(&text);
+    safe_copy(out->contents, sizeof out->contents, buf_text(&text), text.length);
 }
 
 /* ---- reading ---- */
@@ -474,12 +473,11 @@ static enum err write_segments(struct buf *out, const struct volume_map *map, st
                                struct fault *fault)
 {
     struct extent extent[LABELS] = {0};
-    uint32_t *row = mem_array(map->size[0], sizeof *row);
+    OWNED(mem_release) uint32_t *row = mem_array(map->size[0], sizeof *row);
     unsigned number = 0;
     if (!row)
         return fault_memory(fault, "the segments");
     find_extents(extent, map, row, watch);
-    free(row);
     buf_add_text(out, "Segmentation_MasterRepresentation:=Binary labelmap\n"
                       "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n"
                       "Segmentation_ReferenceImageExtentOffset:=0 0 0\n");
@@ -493,20 +491,15 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
                           struct watch *watch, struct fault *fault)
 {
     const bool is_segmentation = file_is_named(path, ".seg.nrrd");
-    struct buf header = {0};
-    enum err err = OK;
+    OWNED(buf_release) struct buf header = {0};
     if (is_segmentation && !map->label)
         return fault_set(fault, ERR_USAGE,
                          "cannot write %s: a .seg.nrrd holds labels; expected .nrrd for this map",
                          path);
     write_header(&header, map);
-    if (is_segmentation)
-        err = write_segments(&header, map, watch, fault);
+    const enum err err = is_segmentation ? write_segments(&header, map, watch, fault) : OK;
     buf_add_char(&header, '\n');
-    if (!err)
-        return voxels_write(path, mode, &header, PACKED_VOXELS, map, watch, fault);
-    buf_release(&header);
-    return err;
+    return err ? err : voxels_write(path, mode, &header, PACKED_VOXELS, map, watch, fault);
 }
 
 extern const struct volume_format nrrd_format;

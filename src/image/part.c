@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "base/scan.h"
 #include "engine/grid.h"
 #include "image/volume_format.h"
 

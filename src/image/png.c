@@ -11,6 +11,7 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "base/scan.h"
 
 enum {
     STRIP_ROWS = 64,
@@ -33,21 +34,15 @@ struct png_coder {
 
 /* ---- chunks: length, type, data, CRC of type and data ---- */
 
-static void put_number(uint8_t *place, uint32_t n)
-{
-    for (unsigned i = 0; i < 4; i++)
-        place[i] = (uint8_t)(n >> (24 - 8 * i));
-}
-
 static void add_chunk(struct buf *png, const char type[4], const void *data, size_t length)
 {
     uint8_t number[4];
     uint32_t crc = libdeflate_crc32(libdeflate_crc32(0, type, 4), data, length);
-    put_number(number, (uint32_t)length);
+    bits_put(number, 4, length, true);
     buf_add(png, number, 4);
     buf_add(png, type, 4);
     buf_add(png, data, length);
-    put_number(number, crc);
+    bits_put(number, 4, crc, true);
     buf_add(png, number, 4);
 }
 
@@ -55,8 +50,8 @@ static void add_beginning(struct buf *png, uint32_t width, uint32_t height, unsi
                           enum png_kind kind)
 {
     uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = (uint8_t)kind};
-    put_number(header, width);
-    put_number(header + 4, height);
+    bits_put(header, 4, width, true);
+    bits_put(header + 4, 4, height, true);
     buf_add(png, signature, sizeof signature);
     add_chunk(png, "IHDR", header, HEADER);
 }
@@ -145,23 +140,21 @@ static enum err compress_strip(void *context, const struct picture *rows, uint32
 {
     const struct png_coder *coder = context;
     const size_t row_bytes = (size_t)coder->width * coder->channels, stride = row_bytes + 1;
-    uint8_t *raw = mem_array(stride, rows->height);
-    struct buf data = {0};
-    enum err err = raw ? OK : ERR_MEMORY;
-    for (uint32_t y = 0; !err && y < rows->height; y++)
+    OWNED(mem_release) uint8_t *raw = mem_array(stride, rows->height);
+    OWNED(buf_release) struct buf data = {0};
+    if (!raw)
+        return fault_memory(fault, "a picture");
+    for (uint32_t y = 0; y < rows->height; y++)
         fill_row(raw + y * stride + 1, rows->rgba + (size_t)4 * y * rows->width, rows->width,
                  coder->channels);
-    if (!err) {
-        filter_strip(raw, row_bytes, rows->height, coder->channels);
-        *check = (uint32_t)adler32(1, raw, (uInt)(stride * rows->height));
-        if (top == 0)
-            buf_add(&data, "\x78\x5e", 2); /* zlib: a window of 32 kB, made fast */
-        err = deflate_part(&data, raw, stride * rows->height, top + rows->height == coder->height);
-    }
+    filter_strip(raw, row_bytes, rows->height, coder->channels);
+    *check = (uint32_t)adler32(1, raw, (uInt)(stride * rows->height));
+    if (top == 0)
+        buf_add(&data, "\x78\x5e", 2); /* zlib: a window of 32 kB, made fast */
+    const enum err err =
+        deflate_part(&data, raw, stride * rows->height, top + rows->height == coder->height);
     if (!err)
         add_chunk(out, "IDAT", data.data, data.length);
-    buf_release(&data);
-    free(raw);
     return err || out->failed ? fault_memory(fault, "a picture") : OK;
 }
 
@@ -181,7 +174,7 @@ static enum err add_note(struct buf *png, const struct attribute *note, const ch
                          struct fault *fault)
 {
     bool is_ascii = true;
-    struct buf data = {0};
+    OWNED(buf_release) struct buf data = {0};
     if (!is_keyword(note->name))
         return fault_set(fault, ERR_INPUT, "cannot write %s: \"%.40s\" cannot name a note in PNG",
                          path, note->name);
@@ -193,7 +186,6 @@ static enum err add_note(struct buf *png, const struct attribute *note, const ch
     buf_add_text(&data, note->value);
     add_chunk(png, is_ascii ? "tEXt" : "iTXt", buf_text(&data), data.length);
     png->failed |= data.failed;
-    buf_release(&data);
     return OK;
 }
 
@@ -210,8 +202,8 @@ static enum err add_head(struct buf *png, const struct png_coder *coder, const c
                   coder->channels == 4 ? PNG_WITH_ALPHA : PNG_COLOURED);
     for (int i = 0; i < WRITTEN; i++)
         add_chunk(png, constant[i].type, constant[i].data, constant[i].length);
-    put_number(scale, a_metre);
-    put_number(scale + 4, a_metre);
+    bits_put(scale, 4, a_metre, true);
+    bits_put(scale + 4, 4, a_metre, true);
     if (a_metre)
         add_chunk(png, "pHYs", scale, SCALE);
     for (size_t i = 0; i < picture->attributes && !err; i++)
@@ -236,7 +228,7 @@ static enum err write_file(void *context, const char *draft, const struct pictur
     const char *path = pieces->path;
     uLong sum = adler32(0, NULL, 0);
     uint8_t number[4];
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     enum err err = add_head(&bytes, coder, path, like, fault);
     const int fd = err ? -1 : file_step_open(draft, O_RDWR | O_CREAT | O_EXCL);
     if (!err && fd < 0)
@@ -250,7 +242,7 @@ static enum err write_file(void *context, const char *draft, const struct pictur
         if (!err)
             err = write_buf(fd, path, &bytes, fault);
     }
-    put_number(number, (uint32_t)sum);
+    bits_put(number, 4, sum, true);
     buf_clear(&bytes);
     add_chunk(&bytes, "IDAT", number, sizeof number);
     add_chunk(&bytes, "IEND", "", 0);
@@ -258,7 +250,6 @@ static enum err write_file(void *context, const char *draft, const struct pictur
         err = bytes.failed ? fault_memory(fault, path) : write_buf(fd, path, &bytes, fault);
     if (fd >= 0 && close(fd) != 0 && !err)
         err = fault_errno(fault, "write", path);
-    buf_release(&bytes);
     return err;
 }
 
@@ -437,12 +428,11 @@ enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint
                                   .stride = (size_t)width * 4,
                                   .bytes = rgba,
                                   .has_alpha = true};
-    struct png_writer writer = {0};
+    OWNED(png_release) struct png_writer writer = {0};
     if (width == 0 || height == 0 || width > PICTURE_SIDE_MOST || height > PICTURE_SIDE_MOST)
         return fault_set(fault, ERR_LIMIT, "a picture has sides of 1 to %d pixels, not %ux%u",
                          PICTURE_SIDE_MOST, width, height);
     png_add(&writer, &raster, PNG_FILE, out);
-    png_release(&writer);
     return out->failed ? fault_memory(fault, "a picture") : OK;
 }
 
@@ -459,11 +449,6 @@ struct reading {
     struct fault *fault;
 };
 
-static uint32_t number_at(const uint8_t *p)
-{
-    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
-}
-
 static enum err refuse(const struct reading *r, const char *what)
 {
     return fault_set(r->fault, ERR_INPUT, "%s", what);
@@ -472,13 +457,13 @@ static enum err refuse(const struct reading *r, const char *what)
 static enum err next_chunk(struct reading *r)
 {
     const size_t left = (size_t)(r->end - r->at);
-    const uint32_t length = left < AROUND ? 0 : number_at(r->at);
+    const size_t length = left < AROUND ? 0 : bits_get(r->at, 4, true);
     if (left < AROUND || length > left - AROUND)
         return refuse(r, "it is cut short");
     memcpy(r->type, r->at + 4, 4);
     r->data = r->at + 8;
     r->length = length;
-    if (libdeflate_crc32(0, r->at + 4, length + 4) != number_at(r->data + length))
+    if (libdeflate_crc32(0, r->at + 4, length + 4) != bits_get(r->data + length, 4, true))
         return refuse(r, "a checksum in it is wrong");
     r->at += length + AROUND;
     return OK;
@@ -491,7 +476,7 @@ static enum err take_header(struct reading *r, uint32_t width, uint32_t height)
     if (strcmp(r->type, "IHDR") != 0 || r->length != HEADER || d[8] != 8 ||
         (d[9] != PNG_COLOURED && d[9] != PNG_WITH_ALPHA) || d[10] || d[11] || d[12])
         return refuse(r, "it is no PNG of 8 bits a channel, in colours, as iftty writes them");
-    if (width && (number_at(d) != width || number_at(d + 4) != height))
+    if (width && (bits_get(d, 4, true) != width || bits_get(d + 4, 4, true) != height))
         return fault_set(r->fault, ERR_CHECK, "it has another size");
     r->channels = d[9] == PNG_COLOURED ? 3 : 4;
     return OK;
@@ -507,7 +492,7 @@ static enum err take_other(struct reading *r)
         const uint8_t *zero = memchr(r->data, 0, r->length);
         const size_t before = zero ? (size_t)(zero - r->data) : 0;
         const size_t skipped = before + 1 + (is_utf8 ? 4 : 0);
-        struct buf value = {0};
+        OWNED(buf_release) struct buf value = {0};
         if (!before || before > KEYWORD_MOST || skipped > r->length ||
             (is_utf8 && memcmp(zero + 1, "\0\0\0", 4) != 0) ||
             memchr(r->data + skipped, 0, r->length - skipped))
@@ -516,26 +501,23 @@ static enum err take_other(struct reading *r)
         if (picture_find(r->out, name))
             return refuse(r, "two texts in it have one name");
         buf_add(&value, r->data + skipped, r->length - skipped);
-        const enum err err = value.failed ? fault_memory(r->fault, "a note on a picture")
-                                          : picture_note(r->out, name, buf_text(&value), r->fault);
-        buf_release(&value);
-        return err;
+        return value.failed ? fault_memory(r->fault, "a note on a picture")
+                            : picture_note(r->out, name, buf_text(&value), r->fault);
     }
-    if (strcmp(r->type, "pHYs") == 0 && r->length == SCALE && number_at(r->data) > 0 &&
-        number_at(r->data) == number_at(r->data + 4) && r->data[8] == 1) { /* per metre, square */
-        r->out->pixel_mm = 1000.0 / number_at(r->data);
+    if (strcmp(r->type, "pHYs") == 0 && r->length == SCALE && bits_get(r->data, 4, true) > 0 &&
+        bits_get(r->data, 4, true) == bits_get(r->data + 4, 4, true) &&
+        r->data[8] == 1) { /* per metre, square */
+        r->out->pixel_mm = 1000.0 / (double)bits_get(r->data, 4, true);
         return OK;
     }
     for (size_t i = 0; i < sizeof constant / sizeof *constant; i++)
         if (strcmp(r->type, constant[i].type) == 0 && r->length == constant[i].length &&
             memcmp(r->data, constant[i].data, r->length) == 0)
             return OK;
-    struct buf type = {0};
+    OWNED(buf_release) struct buf type = {0};
     buf_add_safe_text(&type, r->type);
-    const enum err err = fault_set(
-        r->fault, ERR_INPUT, "it has a part %s that iftty does not write there", buf_text(&type));
-    buf_release(&type);
-    return err;
+    return fault_set(r->fault, ERR_INPUT, "it has a part %s that iftty does not write there",
+                     buf_text(&type));
 }
 
 static enum err take_chunks(struct reading *r, uint32_t width, uint32_t height)
@@ -600,7 +582,7 @@ static enum err take_pixels(struct reading *r)
 {
     const size_t bytes = r->out->width * r->channels, all = (bytes + 1) * r->out->height;
     struct libdeflate_decompressor *inflater = libdeflate_alloc_decompressor();
-    uint8_t *raw = mem_array(all, 1), *zeros = mem_new(bytes);
+    OWNED(mem_release) uint8_t *raw = mem_array(all, 1), *zeros = mem_new(bytes);
     size_t used = 0, made = 0;
     enum err err = raw && zeros && inflater ? OK : fault_memory(r->fault, "a picture");
     if (!err && (libdeflate_zlib_decompress_ex(inflater, buf_text(&r->packed), r->packed.length,
@@ -610,8 +592,6 @@ static enum err take_pixels(struct reading *r)
     if (!err && used != r->packed.length)
         err = refuse(r, "bytes follow its packed pixels");
     libdeflate_free_decompressor(inflater);
-    free(raw);
-    free(zeros);
     return err;
 }
 

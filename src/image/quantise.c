@@ -358,14 +358,13 @@ static enum err make_levels(uint64_t core[2], struct fitting *f, const struct nu
 {
     if (f->volume->choice.by_extremes)
         return OK;
-    uint64_t *room = mem_array(OUTLIERS_ROOM, sizeof *room);
+    OWNED(mem_release) uint64_t *room = mem_array(OUTLIERS_ROOM, sizeof *room);
     f->levels = f->volume->levels = mem_new(sizeof *f->levels);
     const bool fits = room && f->levels;
     for (size_t i = 0; fits && i < LEVELS; i++)
         f->levels->level[i] = (struct level){INFINITY, -INFINITY};
     if (fits)
         f->levels->is_clamped = find_outliers(core, numbers, room, f->task->watch);
-    free(room);
     return fits ? OK : fault_memory(f->fault, "the scale of the scene");
 }
 

@@ -60,7 +60,7 @@ enum err strips_begin(struct strips **out, const struct strips_format *format, c
                       struct fault *fault)
 {
     struct strips *s = mem_new(sizeof *s);
-    struct buf draft = {0};
+    OWNED(buf_release) struct buf draft = {0};
     *out = NULL;
     if (!s)
         return fault_memory(fault, path);
@@ -95,7 +95,6 @@ enum err strips_begin(struct strips **out, const struct strips_format *format, c
         err = fault_errno(fault, "write", path);
     if (!err)
         file_discard(buf_text(&draft)); /* it stays open, without a name */
-    buf_release(&draft);
     if (err)
         strips_abandon(s);
     else
@@ -105,7 +104,7 @@ enum err strips_begin(struct strips **out, const struct strips_format *format, c
 
 enum err strips_end(struct strips *s, const struct picture *like, struct fault *fault)
 {
-    struct buf draft = {0};
+    OWNED(buf_release) struct buf draft = {0};
     enum err err = s->err ? fault_set(fault, s->err, "%s", s->fault.text) : OK;
     if (!err)
         err = file_draft(&draft, s->path, s->mode, fault);
@@ -116,7 +115,6 @@ enum err strips_end(struct strips *s, const struct picture *like, struct fault *
         else
             err = file_publish(buf_text(&draft), s->path, s->mode, fault);
     }
-    buf_release(&draft);
     strips_abandon(s);
     return err;
 }
@@ -159,7 +157,7 @@ void strips_give(struct strips *s, uint32_t top, uint32_t rows)
     struct strips_piece *piece = &s->pieces.piece[number];
     const int fd = s->pieces.fd;
     struct fault fault = {0};
-    struct buf packed = {0};
+    OWNED(buf_release) struct buf packed = {0};
     uint32_t check = 0;
     pthread_mutex_lock(&s->lock);
     strip->missing -= rows;
@@ -185,7 +183,6 @@ void strips_give(struct strips *s, uint32_t top, uint32_t rows)
     s->spare = strip->rows;
     strip->rows = (struct picture){0};
     pthread_mutex_unlock(&s->lock);
-    buf_release(&packed);
 }
 
 void strips_give_all(struct strips *s, const struct picture *picture)

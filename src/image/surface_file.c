@@ -11,8 +11,9 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/sort.h"
 #include "base/mem.h"
+#include "base/scan.h"
+#include "base/sort.h"
 #include "engine/weight_gradient.h"
 
 enum { FLUSH = 1 << 20 };
@@ -81,7 +82,7 @@ static enum err find_places(struct output *out, const struct geometry *geometry,
                             struct fault *fault)
 {
     const struct surface *s = out->surface;
-    struct lookup taken = {0};
+    OWNED(lookup_release) struct lookup taken = {0};
     struct world *world = &out->world;
     double finest_mm = 1e300, far = 0, most = 0;
     int exponent;
@@ -110,7 +111,6 @@ static enum err find_places(struct output *out, const struct geometry *geometry,
                          far, finest_mm);
     for (unsigned p = 0; fits && p < s->parts; p++)
         fits = move_apart(out, &s->part[p], (float)(finest_mm / SURFACE_ONE), &taken);
-    lookup_release(&taken);
     return fits ? OK : fault_memory(fault, "a surface");
 }
 
@@ -427,7 +427,7 @@ enum err surface_write(const char *path, enum file_mode mode,
                          .label = document->label,
                          .is_of_the_world =
                              is_spaced && geometry->orientation != ORIENTATION_UNKNOWN};
-    struct buf draft = {0}, says = {0};
+    OWNED(buf_release) struct buf draft = {0}, says = {0};
     buf_printf(&says, "%s%s%s",
                out.is_of_the_world ? "millimetres; SPACE=RAS" /* 3D Slicer reads SPACE */
                : is_spaced         ? "millimetres, along the axes of voxels; orientation unknown"
@@ -446,8 +446,6 @@ enum err surface_write(const char *path, enum file_mode mode,
     }
     if (!err)
         err = file_publish(out.draft, path, mode, fault);
-    buf_release(&draft);
-    buf_release(&says);
     buf_release(&out.bytes);
     free(out.mm);
     return err;

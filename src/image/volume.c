@@ -109,7 +109,7 @@ const char *volume_ending(const char *path)
  * ..". */
 static enum err refuse_format(const char *words, bool write, enum err err, struct fault *fault)
 {
-    struct buf list = {0};
+    OWNED(buf_release) struct buf list = {0};
     for (int i = 0; i < FORMATS; i++) {
         const char *endings = formats[i]->endings, *between = " (";
         struct choice ending;
@@ -124,7 +124,6 @@ static enum err refuse_format(const char *words, bool write, enum err err, struc
         buf_add_char(&list, ')');
     }
     fault_set(fault, err, "%s%s", words, buf_text(&list));
-    buf_release(&list);
     return err;
 }
 
@@ -419,13 +418,10 @@ void volume_close(struct volume_reader *reader)
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
                      struct watch *watch, struct fault *fault)
 {
-    struct volume_reader reader;
+    OWNED(volume_close) struct volume_reader reader;
     *out = (struct volume){0};
-    enum err err = volume_open(&reader, path, choice, watch, fault);
-    if (!err)
-        err = volume_take(out, &reader, fault);
-    volume_close(&reader);
-    return err;
+    const enum err err = volume_open(&reader, path, choice, watch, fault);
+    return err ? err : volume_take(out, &reader, fault);
 }
 
 enum err volume_read_names(struct buf *names, const struct volume_reader *reader,

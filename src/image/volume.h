@@ -23,14 +23,13 @@
 #include "image/volume_format.h"
 
 #define HELPED_NOTE                                                                                \
-    "DICOM (a folder, with its subfolders; mosaics of Siemens), other NRRD, MetaImage, MINC, "     \
-    "HDF5, MRC, TIFF stacks, folders of TIFF, PNG or BMP slices, VTK and GIPL are read by "        \
-    "the helper iftty-volume. "                                                                    \
-    "Orientation and spacing that a file does not state remain unknown. "
+    "The helper iftty-volume reads DICOM (a folder with its subfolders, and Siemens mosaics), "    \
+    "other NRRD, MetaImage, MINC, HDF5, MRC, TIFF stacks, folders of TIFF, PNG or BMP slices, "    \
+    "VTK and GIPL. Orientation or spacing that is not in a file remains unknown. "
 
 /* The formats, and a sentence about each for the help. */
 #define VOLUME_FORMATS(ROW)                                                                        \
-    ROW(nifti_format, "NIfTI is .nii or .nii.gz, of integers or real numbers. ")                   \
+    ROW(nifti_format, "NIfTI is .nii or .nii.gz, with integers or real numbers. ")                 \
     ROW(pair_format,                                                                               \
         "For ANALYZE and NIfTI in two files, .hdr and .img, plain or .gz, name one of them. ")     \
     ROW(mgh_format, "FreeSurfer's .mgh and .mgz are read and written. ")                           \

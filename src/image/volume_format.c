@@ -186,13 +186,13 @@ static enum err write_draft(const char *draft, const char *path, const struct bu
                             enum packing packing, const struct volume_map *map, struct watch *watch,
                             struct fault *fault)
 {
-    void *values = mem_array(map->size[0], voxel_bytes(map->type));
+    OWNED(mem_release) void *values = mem_array(map->size[0], voxel_bytes(map->type));
     const int fd = values ? file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL) : -1;
     enum err err = OK;
     if (!values)
-        err = fault_memory(fault, path);
-    else if (fd < 0 || (packing == PACKED_VOXELS && /* before the stream begins */
-                        !file_step_write(fd, path, header->data, header->length)))
+        return fault_memory(fault, path);
+    if (fd < 0 || (packing == PACKED_VOXELS && /* before the stream begins */
+                   !file_step_write(fd, path, header->data, header->length)))
         err = fault_errno(fault, "write", path);
     gzFile gz = err ? NULL : gzdopen(fd, packing == PACKED_NOT ? "wbT" : "wb1");
     if (!gz && fd >= 0) {
@@ -217,7 +217,6 @@ static enum err write_draft(const char *draft, const char *path, const struct bu
             file_discard(draft);
         }
     }
-    free(values);
     return err;
 }
 
@@ -226,7 +225,7 @@ enum err voxels_write(const char *path, enum file_mode mode, struct buf *header,
                       struct fault *fault)
 {
     struct grid grid;
-    struct buf draft = {0};
+    OWNED(buf_release) struct buf draft = {0};
     enum err err = header->failed ? fault_memory(fault, "the header of a volume")
                                   : grid_init(&grid, map->size, fault);
     if (!err)
@@ -235,7 +234,6 @@ enum err voxels_write(const char *path, enum file_mode mode, struct buf *header,
         err = write_draft(buf_text(&draft), path, header, packing, map, watch, fault);
     if (!err)
         err = file_publish(buf_text(&draft), path, mode, fault);
-    buf_release(&draft);
     buf_release(header);
     return err;
 }

@@ -44,21 +44,6 @@ size_t voxels_in(const uint32_t size[3]);
 /* Convert between the byte order of this machine and that of a file, in place. */
 void voxels_reorder(void *value, size_t count, enum voxel_type type, bool big_endian);
 
-/* Read and write a number of `width` bytes, 1 to 8. */
-static inline uint64_t bits_get(const uint8_t *at, unsigned width, bool big_endian)
-{
-    uint64_t bits = 0;
-    for (unsigned i = 0; i < width; i++)
-        bits |= (uint64_t)at[big_endian ? width - 1 - i : i] << 8 * i;
-    return bits;
-}
-
-static inline void bits_put(uint8_t *at, unsigned width, uint64_t bits, bool big_endian)
-{
-    for (unsigned i = 0; i < width; i++)
-        at[big_endian ? width - 1 - i : i] = (uint8_t)(bits >> 8 * i);
-}
-
 /* The real number of these bits, and the reverse: single precision for a width of 4, otherwise
  * double. */
 static inline double real_of_bits(uint64_t bits, unsigned width)

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/command.h"
 #include "command/execute.h"
@@ -24,7 +25,7 @@
 
 enum err begin_by_options(struct interpreter *interp, const struct options *o, struct fault *fault)
 {
-    struct buf lines = {0}, path = {0};
+    OWNED(buf_release) struct buf lines = {0}, path = {0};
     enum err err = interpreter_init(interp, fault);
     session_set_watch(interp->session, console_watch());
     interp->scene_path = o->scene;
@@ -52,8 +53,6 @@ enum err begin_by_options(struct interpreter *interp, const struct options *o, s
     console_erase_progress();
     if (lines.length)
         fprintf(stderr, "iftty: %s", buf_text(&lines));
-    buf_release(&lines);
-    buf_release(&path);
     return err;
 }
 
@@ -121,26 +120,20 @@ enum err end_journal(struct interpreter *interp, enum err err, struct fault *fau
  * otherwise the path is empty. An unreadable journal is left to the replay. */
 static enum err find_outside(struct buf *path, const char *journal, struct fault *fault)
 {
-    struct buf bytes = {0}, name = {0};
-    struct walk walk;
+    OWNED(buf_release) struct buf bytes = {0}, name = {0};
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     struct record_word word;
     if (!file_exists(journal) || file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) != OK ||
-        walk_begin(&walk, buf_text(&bytes), bytes.length, NULL) != OK) {
-        buf_release(&bytes);
+        walk_begin(&walk, buf_text(&bytes), bytes.length, NULL) != OK)
         return OK;
-    }
     bool has_opened = false;
     while (!has_opened && walk_next(&walk, &record) == WALK_RECORD)
         has_opened = command_opens(&name, record.command);
     if (!has_opened || !record_word_find(record.result, "sha256", strlen("sha256"), &word) ||
         !trust_find_outside(path, journal, interpreter_scenes(), buf_text(&name)))
         buf_clear(path);
-    const bool failed = name.failed || path->failed;
-    walk_release(&walk);
-    buf_release(&bytes);
-    buf_release(&name);
-    return failed ? fault_memory(fault, "a path") : OK;
+    return name.failed || path->failed ? fault_memory(fault, "a path") : OK;
 }
 
 enum { LINKED_MOST = 1024 };
@@ -155,8 +148,8 @@ struct linked {
  * replay. */
 static void find_linked(struct linked *linked, const char *journal)
 {
-    struct golden_files files;
-    struct buf bytes = {0}, path = {0};
+    OWNED(golden_files_close) struct golden_files files;
+    OWNED(buf_release) struct buf bytes = {0}, path = {0};
     if (golden_files_open(&files, journal, NULL) == OK && files.folder >= 0 &&
         file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) == OK &&
         golden_files_read(&files, buf_text(&bytes), bytes.length, NULL) == OK) {
@@ -172,15 +165,12 @@ static void find_linked(struct linked *linked, const char *journal)
             linked->count += linked->path[linked->count] != NULL;
         }
     }
-    golden_files_close(&files);
-    buf_release(&bytes);
-    buf_release(&path);
 }
 
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
                         struct fault *fault)
 {
-    struct buf images = {0}, volumes = {0}, goldens = {0}, outside = {0};
+    OWNED(buf_release) struct buf images = {0}, volumes = {0}, goldens = {0}, outside = {0};
     struct linked linked = {.count = 0};
     struct limits limits;
     enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
@@ -210,12 +200,8 @@ enum err begin_confined(const struct options *o, const char *journal, const char
         limits_begin(&limits);
         volume_helper_needs_landlock = !o->unconfined;
     }
-    buf_release(&images);
-    buf_release(&volumes);
-    buf_release(&goldens);
     while (linked.count)
         free(linked.path[--linked.count]);
-    buf_release(&outside);
     return err;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/choice.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/near.h"
@@ -101,7 +102,7 @@ static void take_word(const char **words, struct buf *word)
 
 static enum err take_window(struct config *config, const char *words, struct fault *fault)
 {
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     int64_t centre, width;
     enum err err = OK;
     take_word(&words, &name);
@@ -110,15 +111,12 @@ static enum err take_window(struct config *config, const char *words, struct fau
         err =
             fault_set(fault, ERR_USAGE,
                       "expected a name, a centre, and a width above 0, as in window liver 60 160");
-    if (!err)
-        err = setup_window(&config->setup, buf_text(&name), centre, width, fault);
-    buf_release(&name);
-    return err;
+    return err ? err : setup_window(&config->setup, buf_text(&name), centre, width, fault);
 }
 
 static enum err take_keys(struct config *config, const char *words, struct fault *fault)
 {
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     take_word(&words, &name);
     const struct pilot_row *row = setup_row(&config->setup, buf_text(&name));
     enum err err;
@@ -133,7 +131,6 @@ static enum err take_keys(struct config *config, const char *words, struct fault
         err = *words ? setup_keys(&config->setup, row, words, fault)
                      : fault_set(fault, ERR_USAGE, "expected keys after %s", buf_text(&name));
     }
-    buf_release(&name);
     return err;
 }
 
@@ -176,7 +173,7 @@ static enum err (*const take[])(struct config *config, const char *words, struct
 
 static enum err take_line(struct config *config, const char *line, struct fault *fault)
 {
-    struct buf word = {0};
+    OWNED(buf_release) struct buf word = {0};
     enum err err;
     take_word(&line, &word);
     const int kind = choice_find(KINDS, buf_text(&word));
@@ -188,7 +185,6 @@ static enum err take_line(struct config *config, const char *line, struct fault 
                   buf_text(&word));
         err = near_append_choices(buf_text(&word), KINDS, fault);
     }
-    buf_release(&word);
     return err;
 }
 
@@ -211,7 +207,7 @@ static enum err check_bytes(const char *text, size_t length, struct fault *fault
 static enum err take_bytes(struct config *config, const char *text, size_t length,
                            struct fault *fault)
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     enum err err = check_bytes(text, length, fault);
     /* Words are separated by blanks, without blanks at the ends. */
     while (length > 0 && strchr(" \t\r", text[length - 1]))
@@ -224,7 +220,6 @@ static enum err take_bytes(struct config *config, const char *text, size_t lengt
         err = take_line(config, buf_text(&line), fault);
     if (!err && line.failed)
         err = fault_memory(fault, "a line");
-    buf_release(&line);
     return err;
 }
 
@@ -262,7 +257,7 @@ void config_take(struct config *config, const char *text, size_t length)
 
 void config_read(struct config *config)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     struct fault fault;
     struct buf *path = &config->path;
     const char *own = getenv("IFTTY_CONFIG"), *folder = getenv("XDG_CONFIG_HOME");
@@ -283,5 +278,4 @@ void config_read(struct config *config)
         config_take(config, buf_text(&text), text.length);
     if (!config->has_start)
         buf_add_text(&config->start, CONFIG_USUAL_START);
-    buf_release(&text);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/mem.h"
 #include "command/interpreter.h"
 #include "engine/forest.h"
 #include "session/map.h"
@@ -75,27 +76,27 @@ struct step {
 
 static const struct step step[] = {
     {"in the object",
-     {{"3L", "30 voxels to the screen's right, out of a ventricle into white matter"},
-      {"i", "a ball of label 1 in the object, which has all voxels so far"}},
+     {{"3L", "move 30 voxels right, from a ventricle into white matter"},
+      {"i", "plant a ball of label 1, which now fills the whole scene"}},
      "seed 60,108,90 1 radius=6",
      .planted = OBJECT},
     {"its neighbour",
-     {{"4L", "40 voxels on, into the skull"},
-      {"s0", "a ball of the background in the skull, which touches the object"}},
+     {{"4L", "move 40 voxels further, into the skull"},
+      {"s0", "plant a ball of background in the skull, next to the brain"}},
      "seed 20,108,90 0 radius=6",
      .planted = BACKGROUND,
      .dice = 7500},
     {"the other side",
-     {{"14H", "140 voxels to the other side"},
-      {"i", "the same there: the object is now the brain, with muscles of the neck"}},
+     {{"14H", "move 140 voxels to the other side"},
+      {"i", "plant background there too: label 1 is now brain and neck muscles"}},
      "seed 160,108,90 0 radius=6",
      .planted = -1,
      .dice = 9200},
     {"the leak",
-     {{"80J", "80 slices down, next to the neck"},
-      {"I", "one end of a stroke"},
-      {"14L", "140 voxels through the leak"},
-      {"i", "a stroke of the background: 1.69 litres of brain"}},
+     {{"80J", "move 80 slices down, next to the neck"},
+      {"I", "begin a stroke"},
+      {"14L", "move 140 voxels, across the leak"},
+      {"i", "plant a stroke of background: 1.69 litres of brain are left"}},
      "seed 160,108,10 0 radius=6 to=20,108,10",
      .planted = -1,
      .dice = 9500},
@@ -152,14 +153,14 @@ void lesson_add_beginning(struct buf *out)
 {
     buf_printf(out,
                "A first organ: the brain of this head, in %d steps. Each step has instructions,\n"
-               "and is complete when its result is there, whatever you did. `undo` undoes a\n"
+               "and is complete when its result is reached, by any commands. `undo` undoes a\n"
                "command that did not help. The keys are those of the pilot (Ctrl-O); u undoes.\n",
                STEPS);
 }
 
 void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *journal)
 {
-    struct buf missing = {0};
+    OWNED(buf_release) struct buf missing = {0};
     const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS)
@@ -168,16 +169,15 @@ void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *j
         buf_printf(out, "    %-4s %s\n", step[n].key[k].keys, step[n].key[k].what);
     if (n < STEPS)
         buf_printf(out, "%s  %s\n", step[n].key[0].keys ? "or here:" : "here:   ", step[n].command);
-    buf_release(&missing);
 }
 
 void lesson_add_captions(struct buf *out, const struct lesson *lesson, const char *journal)
 {
-    struct buf missing = {0}, keys = {0};
+    OWNED(buf_release) struct buf missing = {0}, keys = {0};
     const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS) {
-        buf_add_text(&keys, "q leads back. ");
+        buf_add_text(&keys, "q returns to the prompt. ");
         add_end(&keys, journal);
     } else if (!step[n].key[0].keys) {
         buf_printf(&keys, ":%s and Enter", step[n].command);
@@ -185,8 +185,6 @@ void lesson_add_captions(struct buf *out, const struct lesson *lesson, const cha
     for (unsigned k = 0; n < STEPS && k < KEYS_MOST && step[n].key[k].keys; k++)
         buf_printf(&keys, "%s%s %s", k ? "; " : "", step[n].key[k].keys, step[n].key[k].what);
     cells_wrap(out, &keys, COLUMNS);
-    buf_release(&missing);
-    buf_release(&keys);
 }
 
 void lesson_add_keys(struct buf *out)
@@ -203,8 +201,8 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
     const struct map_place place = session_map_place(interp->session, false);
     const struct map_labels choice = {NULL, OBJECT};
     struct watch *watch = interp->session->watch;
-    struct volume map = {0};
-    struct buf path = {0};
+    OWNED(volume_release) struct volume map = {0};
+    OWNED(buf_release) struct buf path = {0};
     enum err err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
     if (!err)
         err = map_read(&map, buf_text(&path), &place, watch, fault);
@@ -213,8 +211,6 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
     if (!err)
         err = map_to_labels(&lesson->truth, &map, &choice, watch, fault);
     memcpy(lesson->size, place.grid->size, sizeof lesson->size);
-    volume_release(&map);
-    buf_release(&path);
     return err;
 }
 
@@ -272,11 +268,10 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits)
 /* ERR_IO if the scene or the truth is missing; called before the terminal changes. */
 static enum err find_files(const struct interpreter *interp, struct fault *fault)
 {
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     enum err err = interpreter_find_file(interp, LESSON_SCENE, &path, fault);
     if (!err)
         err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
-    buf_release(&path);
     return err ? fault_set(
                      fault, err,
                      "the lesson needs the head " LESSON_SCENE " and its brain " LESSON_TRUTH

@@ -14,6 +14,7 @@
 
 #include "base/buf.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/version.h"
 #include "command/command.h"
 #include "program/program.h"
@@ -70,7 +71,7 @@ static void add_escaped(struct buf *out, const char *text, size_t length)
 /* Add text in lines; each line feed of `text` ends a paragraph. */
 static void add_text(struct buf *out, const char *text, const char *between)
 {
-    struct buf word = {0};
+    OWNED(buf_release) struct buf word = {0};
     for (size_t column = 0; *text;) {
         const size_t length = strcspn(text, " \n");
         buf_clear(&word);
@@ -91,7 +92,6 @@ static void add_text(struct buf *out, const char *text, const char *between)
     }
     buf_add_char(out, '\n');
     out->failed |= word.failed;
-    buf_release(&word);
 }
 
 /* Add a line in bold, and release its text. */
@@ -444,7 +444,7 @@ int main(int count, char **word)
                   {"bash-completion/completions/iftty", add_bash},
                   {"zsh/site-functions/_iftty", add_zsh},
                   {"fish/vendor_completions.d/iftty.fish", add_fish}};
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     bool written = count == 2;
     for (size_t i = 0; written && i < sizeof single / sizeof single[0]; i++) {
         single[i].add(&text);
@@ -457,6 +457,5 @@ int main(int count, char **word)
         snprintf(file, sizeof file, "man/man1/iftty%s%s.1", *name ? "-" : "", name);
         written = write_file(word[1], file, &text);
     }
-    buf_release(&text);
     return written ? 0 : 3;
 }

@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "base/least.h"
+#include "base/mem.h"
 #include "engine/way.h"
 #include "render/notes.h"
 #include "session/markers.h"
@@ -68,7 +69,7 @@ static void draw_outline(const struct canvas *canvas, const struct scene *scene,
                          const struct pilot_wish *mark, const uint8_t rgb[3])
 {
     const struct canvas pane = canvas_part(canvas, box->left, box->top, box->width, box->height);
-    struct voxels inside = {0};
+    OWNED(voxels_release) struct voxels inside = {0};
     struct slice_plan plan;
     slice_plan_init(&plan, scene, slice, box->width, box->height);
     for (size_t i = 0; i < mark->corners; i++)
@@ -76,7 +77,6 @@ static void draw_outline(const struct canvas *canvas, const struct scene *scene,
             return;
     if (paint_polygon(&inside, &scene->grid, mark->corner, mark->corners, NULL, NULL) == OK)
         fill(&pane, &inside, rgb);
-    voxels_release(&inside);
     for (size_t i = 0; i < mark->corners; i++) {
         const uint32_t *end[2] = {mark->corner[i], mark->corner[(i + 1) % mark->corners]};
         int64_t at[2][2];

@@ -77,7 +77,7 @@ static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *ses
     const unsigned label = session_shown_label(session, at), changed = changed_most(session);
     const unsigned measured = label ? label : changed;
     const uint64_t *before, *voxels = session_shown_voxels(session, &before);
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     label_report_write_name(&name, session, label);
     const size_t number = strcspn(buf_text(&name), " ");
     if (cell->flags & CELL_OUTSIDE) {
@@ -103,7 +103,6 @@ static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *ses
         label_report_write_name(&fact[PILOT_IN_FOREST], session, cell->label);
     }
     fact->failed |= name.failed;
-    buf_release(&name);
 }
 
 static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
@@ -256,7 +255,7 @@ static bool host_seed(void *context, uint32_t number, int64_t by, uint32_t place
     const uint32_t here = cell_at(session, session->now.outlook.slices.cross);
     const int label = label_of(context, number);
     int64_t count = 0, at = by > 0 ? -1 : 0;
-    uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
+    OWNED(mem_release) uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
     for (uint32_t n = 1; cell && n <= markers->count; n++) {
         const struct marker *marker = markers->marker + n - 1;
         if (!marker->is_valid || marker->label != label || label == NUMBER_UNKNOWN)
@@ -269,7 +268,6 @@ static bool host_seed(void *context, uint32_t number, int64_t by, uint32_t place
     }
     if (count > 0)
         grid_find(&session->scene->grid, cell[((at + by) % count + count) % count], place);
-    free(cell);
     return count > 0;
 }
 

@@ -215,14 +215,13 @@ static void add_options(struct buf *out, const struct program_table *table,
 
 static void add_paragraphs(struct buf *out, const char *text)
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     for (; text && *text; text += strcspn(text, "\n"), text += *text == '\n') {
         buf_clear(&line);
         buf_add(&line, text, strcspn(text, "\n"));
         add_wrapped(out, buf_text(&line), 0, INDENT);
     }
     out->failed |= line.failed;
-    buf_release(&line);
 }
 
 bool program_add_help(struct buf *out, const struct program_table *table, const char *name)
@@ -293,7 +292,7 @@ static void add_takers(struct buf *out, const struct program_table *table, const
 static enum err refuse_option(const struct program_table *table, const struct program *program,
                               const char *option, struct fault *fault)
 {
-    struct buf takers = {0}, name = {0};
+    OWNED(buf_release) struct buf takers = {0}, name = {0};
     program_add_name(&name, table, program);
     add_takers(&takers, table, option);
     if (takers.length) {
@@ -311,8 +310,6 @@ static enum err refuse_option(const struct program_table *table, const struct pr
                   option, buf_text(&name));
         near_append(&near, "", fault);
     }
-    buf_release(&takers);
-    buf_release(&name);
     return ERR_USAGE;
 }
 
@@ -320,13 +317,12 @@ static enum err check_operands(const struct program_table *table, const struct o
                                struct fault *fault)
 {
     const struct program *p = o->program;
-    struct buf usage = {0};
+    OWNED(buf_release) struct buf usage = {0};
     if (o->words >= p->least && o->words <= p->most)
         return OK;
     program_add_usage(&usage, table, p);
     fault_set(fault, ERR_USAGE, "expected `%s`, and there %s %d operand%s", buf_text(&usage),
               o->words == 1 ? "is" : "are", o->words, plural((uint64_t)o->words));
-    buf_release(&usage);
     if (p->name || o->words == 0)
         return ERR_USAGE;
     struct near near = near_to(o->word[0]); /* it may be a misspelt program */
@@ -396,7 +392,7 @@ enum err program_read(const struct program_table *table, int count, char **word,
 int program_main(const struct program_table *table, int count, char **word, struct options *options)
 {
     struct fault fault = {0};
-    struct buf help = {0};
+    OWNED(buf_release) struct buf help = {0};
     mem_begin();
     console_init(table->called);
     enum err err = program_read(table, count - 1, word + 1, options, &fault);
@@ -408,6 +404,5 @@ int program_main(const struct program_table *table, int count, char **word, stru
     else if (!err)
         program_add_overview(&help, table);
     fputs(buf_text(&help), stdout);
-    buf_release(&help);
     return console_finish(err, &fault);
 }

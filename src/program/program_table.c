@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "apply/apply.h"
+#include "base/mem.h"
 #include "session/map.h"
 #include "verify/verify.h"
 
@@ -31,10 +32,9 @@ static enum err read_graphics(const struct option *option, const char *text, voi
     struct options *o = out;
     if (graphics_from_name(text, &o->graphics))
         return OK;
-    struct buf names = {0};
+    OWNED(buf_release) struct buf names = {0};
     option->add_choices(&names, ", ", " or ");
     fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", option->name, buf_text(&names), text);
-    buf_release(&names);
     return ERR_USAGE;
 }
 
@@ -70,7 +70,7 @@ static const struct option option[] = {
     [GRAPHICS] = {"--graphics", "HOW", "use this picture protocol instead of the detected one",
                   read_graphics, 0, 0, 0, graphics_add_names},
     [SMOOTH] = {"--smooth", NULL,
-                "show pictures in 24-bit colour if the terminal supports it; sends four times the "
+                "show pictures in 24-bit colour if the terminal supports it; needs four times the "
                 "bytes",
                 FLAG(smooth)},
     [PROCESSES] = {"-j", "N", "verify N journals in parallel, 1..64 (default: 1)",
@@ -81,9 +81,9 @@ static const struct option option[] = {
                NUMBER(verify.last, 1, RECORDS_MOST)},
     [DIFF_UNTIL] = {"--until", "N", "stop after this record", NUMBER(until, 1, RECORDS_MOST)},
     [STRICT] = {"--strict", NULL,
-                "fail on incomplete evidence: a torn tail, a record without its digest, no golden "
-                "image, a file among the golden images that no record names; the default if CI is "
-                "set",
+                "fail on incomplete evidence: an incomplete last record, a record without a "
+                "digest, a missing golden image, or an image that no record names; the default if "
+                "CI is set",
                 FLAG(verify.strict)},
     [NO_STRICT] = {"--no-strict", NULL, "accept incomplete evidence, even if CI is set",
                    FLAG(no_strict)},
@@ -98,8 +98,8 @@ static const struct option option[] = {
                  FLAG(verify.timings)},
     [REMOVE_ORPHANS] =
         {"--remove-orphans", NULL,
-         "delete golden images that no record names but that the journal's records could have "
-         "made; rejected if CI is set",
+         "delete golden images that no record names, if records of this journal could have made "
+         "them; rejected if CI is set",
          FLAG(verify.removes_orphans)},
     [JUNIT] = {"--junit", "FILE", "write a JUnit report; replaces an existing file",
                TEXT(verify.junit)},
@@ -107,18 +107,18 @@ static const struct option option[] = {
               "write a web page with the pictures of each failure; replaces an existing file",
               TEXT(verify.html)},
     [JSON] = {"--json", NULL, "print JSON", FLAG(json)},
-    [HISTOGRAM] = {"--histogram", NULL, "read the voxels of a scene too, and print their histogram",
+    [HISTOGRAM] = {"--histogram", NULL, "also print a histogram of the voxels of a scene",
                    FLAG(histogram)},
     [VOLUME] =
         {"--volume", "N[,N]",
-         "select one of several volumes in a file, from 0; a list has one number for each file, "
-         "and its last number is for all further files",
+         "select a volume of a 4-D file, from 0; in a list for several files, the last number is "
+         "for all further files",
          LIST(volume, 0, 65535)},
     [PICTURE] = {"--picture", "FILE.png",
                  "draw both renditions and their differences, side by side", TEXT(picture)},
     [CSV] = {"--csv", NULL, "print CSV, a line for each label", FLAG(csv)},
     [SLICES] = {"--picture", "FILE.png",
-                "draw slices through the place of the largest distance, with all differences",
+                "draw slices with all differences, through the place of the largest distance",
                 TEXT(picture)},
     [SLICES_SCENE] = {"--scene", "FILE", "draw these slices in this scene instead of A",
                       TEXT(scene)},
@@ -126,29 +126,29 @@ static const struct option option[] = {
                  "draw A's surface, coloured by its distance to B: red outside, blue inside",
                  TEXT(surface)},
     [REGIONS] = {"--regions", "LIST",
-                 "compare only these values of both maps, as 1-90,2001 (all above 0)",
+                 "compare only these values of both maps, as 1-90,2001 (default: all above 0)",
                  LIST(regions, 0, UINT32_MAX)},
     [AS] = {"--as", "LIST", "labels for those values, 255 at most, as 1-90,91",
             LIST(as, 0, UINT32_MAX)},
-    [BINARY] = {"--binary", NULL, "merge all of them into one object, label 1", FLAG(binary)},
+    [BINARY] = {"--binary", NULL, "merge all labels into one object, label 1", FLAG(binary)},
     [RESAMPLE] = {"--resample", NULL, "resample B to A's grid, nearest neighbour", FLAG(resample)},
     [FROM_STEP] = {"--from", "N", "begin at this step", NUMBER(from, 1, RECORDS_MOST)},
     [UNTIL_STEP] = {"--until", "N", "end after this step", NUMBER(until, 1, RECORDS_MOST)},
     [BY] =
         {"--by", "WAY",
-         "transform by world (same millimetres), landmarks, affine (registration of intensities; "
-         "the default), a FILE with a transform of ITK, or fsl:FILE",
+         "set the transform between the scenes: world (the same millimetres), landmarks, affine "
+         "(registration of intensities; the default), a FILE with a transform of ITK, or fsl:FILE",
          TEXT(by)},
     [PLANT_AS] = {"--as", "WHAT",
-                  "labels (the final labels, eroded; the default) or seeds (of gestures)",
+                  "plant labels (final labels, eroded; the default) or seeds (of the commands)",
                   TEXT(as)},
     [FIT] = {"--fit", "KIND",
-             "transform of landmarks: " CARRY_FITS " (default: the most general possible)",
+             "fit landmarks by " CARRY_FITS " (default: the most general one that fits)",
              TEXT(fit)},
     [LANDMARKS_OF] = {"--landmarks", "FILE",
-                      "read landmarks of SCENE: lines NAME X,Y,Z in mm, or a journal of SCENE",
+                      "read the landmarks of SCENE: lines NAME X,Y,Z in mm, or a journal of SCENE",
                       TEXT(landmarks)},
-    [ORIENT] = {"--orient", "HOW", "orient scenes whose files have no orientation, as RAS",
+    [ORIENT] = {"--orient", "HOW", "set the orientation of scenes without one, as RAS",
                 TEXT(orient)},
     [APPLY_OUT] = {"--out", "DIR", "write journals into this folder (default: the current one)",
                    TEXT(out)},
@@ -156,15 +156,15 @@ static const struct option option[] = {
                          "open this scene of the procedure instead of the one that `open` names",
                          TEXT(scene)},
     [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
-                      "limit of memory for a journal, as 2G (default: 3/4 of the free memory)",
+                      "limit the memory for a journal, as 2G (default: 3/4 of the free memory)",
                       TEXT(limit_memory)},
-    [LIMIT_TIME] = {"--limit-time", "TIME", "limit of time, as 90s, 20m or 1.5h (default: 1h)",
+    [LIMIT_TIME] = {"--limit-time", "TIME", "limit the time, as 90s, 20m or 1.5h (default: 1h)",
                     TEXT(limit_time)},
-    [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "limit of written bytes, as 500M (default: 4G)",
+    [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "limit the written bytes, as 500M (default: 4G)",
                       TEXT(limit_output)},
     [UNCONFINED] =
         {"--unconfined", NULL,
-         "accept a kernel without Landlock, which cannot confine libraries to the files of the "
+         "run even if the kernel has no Landlock and cannot confine libraries to the files of the "
          "journal",
          FLAG(unconfined)},
     [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
@@ -196,39 +196,38 @@ static const struct program program[] = {
      .summary = "run these commands", .run = run_commands},
     {"run", NULL, "FILE|-", 1, 1, .option = {SESSION_OPTIONS, WHOLE, KEEP_GOING, JSON},
      .summary = "run the commands of a script or a journal",
-     .detail = "A line acknowledges each command when its record is on the disk: `ok N` with the "
-               "number of the record, or `ok -` for a command without a record, followed by the "
-               "command. The first error ends the run. Repeating an interrupted run with the same "
-               "--journal continues after its last record; if script and journal differ, no "
-               "record is added.\n"
-               "For batches use --whole, and --json, which prints one object instead of these "
-               "lines. No terminal is needed. Exit status: 0 all commands succeeded; 1 a golden "
-               "image differs; 2 bad usage, including that of a command; 3 bad input or I/O, "
-               "including a full disk; 130 Ctrl-C.",
+     .detail = "When the record of a command is on the disk, prints `ok N`, with the number of the "
+               "record, and the command; `ok -` is for a command without a record. The first error "
+               "ends the run. An interrupted run that is repeated with the same --journal "
+               "continues after its last record, but adds nothing if script and journal differ.\n"
+               "For batches use --whole and --json; the latter prints one object instead of these "
+               "lines. Needs no terminal. Exit status: 0 all commands succeeded; 1 a golden image "
+               "differs; 2 bad usage, including that of a command; 3 bad input or I/O, including a "
+               "full disk; 130 Ctrl-C.",
      .run = run_script},
     {"serve", NULL, "[SCENE|JOURNAL]", 0, 1, .option = {JOURNAL, READ_ONLY, SCENE, OUT},
      .summary = "run a session for a program, by lines of JSON",
      .detail =
-         "Reads requests from standard input and writes answers to standard output, one per line: "
-         "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} is a command as at the prompt, {\"id\": 2, "
-         "\"array\": \"labels\"} writes voxels into a file, {\"cancel\": 1} cancels request 1. "
-         "The first line of the output has the version of the protocol and describes the scene "
-         "and the journal. Without --journal, begins a new journal, as the prompt does. "
-         "src/program/README.md describes the protocol, and examples/python has a client.",
+         "Reads requests from standard input and writes answers to standard output, one per line. "
+         "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} runs a command, {\"id\": 2, \"array\": "
+         "\"labels\"} writes voxels into a file, {\"cancel\": 1} cancels request 1. The first line "
+         "of the output has the version of the protocol and describes the scene and the journal. "
+         "Without --journal, creates a new journal, as the prompt does. src/program/README.md "
+         "describes the protocol, and examples/python has a client.",
      .run = run_serve},
     {"replay", NULL, "JOURNAL", 1, 1, .option = {SCENE, REPLAY_OUT, LIMIT_OPTIONS},
      .summary = "run a journal again and compare its results",
-     .detail = "An untrusted journal is safe to replay: it reads files only below its own folder "
-               "and the folders of scenes, and elsewhere a scene only if the journal has its "
-               "digest; it writes only into one folder, and is stopped at the limits.",
+     .detail = "An untrusted journal is safe to replay. It can read files below its own folder and "
+               "the folders of scenes; elsewhere, only a scene whose digest it has. It can write "
+               "into one folder only, and is stopped at the limits.",
      .run = run_replay},
     {"verify", NULL, "JOURNAL...", 1, FILES_MOST,
      .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, SHARD, FAIL_FAST, TIMINGS,
                 REMOVE_ORPHANS, JSON, JUNIT, HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
      .summary = "compare results and golden images, print TAP",
-     .detail = "In a folder, verifies all journals *.iftty, also in subfolders. Replays each "
-               "journal in its own process, under the restrictions of `replay`. Writes only the "
-               "files of these options.",
+     .detail = "If JOURNAL is a folder, verifies all journals *.iftty in it and its subfolders. "
+               "Replays each journal in its own process, under the restrictions of `replay`. "
+               "Writes only the files that options name.",
      .run = run_verify},
     {"verify", "--bisect", "A B", 2, 2, .option = {BISECT},
      .summary = "find the first record that differs", .run = run_verify_bisect},
@@ -240,72 +239,73 @@ static const struct program program[] = {
     {"tutorial", NULL, "[JOURNAL]", 0, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "segment a first organ in ten minutes",
      .detail = "Opens the head ch2 of Debian's mricron-data, with instructions for prompt and "
-               "pilot. A step is complete when its seeds are planted and the brain has the "
-               "required Dice coefficient with mricron's extraction, by any keys or commands. "
-               "JOURNAL resumes a lesson. Keeps only the journal.",
+               "pilot. A step is complete when its seeds are planted, by any keys or commands, and "
+               "the brain has the required Dice coefficient with mricron's extraction. JOURNAL "
+               "resumes a lesson. Keeps only the journal.",
      .run = run_tutorial},
     {"watch", NULL, "JOURNAL", 1, 1,
      .option = {FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
      .summary = "watch the steps that made a journal",
-     .detail = "Replays the journal under the restrictions of `replay`, and shows its steps in "
-               "the pilot: Space shows the next step, Backspace the previous one, 20G step 20, c "
-               "the comments of a step, ? all keys. Draws a gesture before its command runs, and "
-               "hatches the changed voxels. Writes no file. Prints at the end whether it is "
-               "verified.",
+     .detail = "Replays the journal under the restrictions of `replay`, and shows its steps in the "
+               "pilot: Space shows the next step, Backspace the previous one, 20G step 20, c the "
+               "comments of a step, ? all keys. Draws seeds and strokes before their command runs, "
+               "and hatches the changed voxels. Writes no file. At the end, prints whether the "
+               "journal is verified.",
      .run = run_watch},
     {"diff", NULL, "A B", 2, 2, .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},
      .summary = "compare the commands and labels of journals",
      .detail = "Prints the first command that differs and, for each label, the voxels in both and "
-               "Dice's coefficient. A and B may also be scripts.",
+               "the Dice coefficient. A and B may also be scripts.",
      .run = run_diff},
     {"apply", NULL, "PROCEDURE SCENE...", 2, FILES_MOST,
      .option = {BY, PLANT_AS, VOLUME, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
                 LIMIT_OPTIONS},
      .summary = "apply a procedure to other scenes",
-     .detail = "PROCEDURE is a journal, replayed under the restrictions of `replay`, or the "
-               "output of `iftty log --procedure`. For each SCENE, writes SCENE.iftty, "
-               "atomically: a journal that can be corrected and verified like any other. Skips a "
-               "SCENE with an identical journal. Drops and counts seeds whose intensity does not "
-               "occur in the procedure's object. Prints each label's volume, its share of the "
-               "expected one, and the volume that is far from the label that was carried over: "
-               "farther than 5 mm and than a third of the radius of a ball of that volume. Marks "
-               "every label that has two thirds of its volume, or three halves, or a fiftieth "
-               "of it far away. Exit status 1: a scene was rejected.",
+     .detail = "PROCEDURE is a journal, replayed under the restrictions of `replay`, or the output "
+               "of `iftty log --procedure`. For each SCENE, writes SCENE.iftty atomically, a "
+               "journal that can be corrected and verified like any other. Skips a SCENE that has "
+               "an identical journal. Drops and counts seeds whose intensity does not occur in the "
+               "procedure's object. Prints each label's volume, its share of the expected volume, "
+               "and its volume that is far from the carried label: farther than 5 mm and farther "
+               "than a third of the radius of a ball of the label's volume. Marks every label with "
+               "less than two thirds or more than three halves of its expected volume, or more "
+               "than a fiftieth of it far away. Exit status 1: a scene was rejected.",
      .run = run_apply},
     {"compare", NULL, "A B", 2, 2,
      .option = {VOLUME, REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},
      .summary = "compare two label maps",
-     .detail = "For each label, and all together: overlap (Dice, Jaccard), volumes, and distances "
-               "between the two objects and their surfaces, as the command `compare` prints them. "
-               "Both maps must have one grid, unless B is resampled to that of A.",
+     .detail = "For each label, and for all labels together, prints overlap (Dice, Jaccard), "
+               "volumes, and distances between the two objects and their surfaces (`help "
+               "compare`). Both maps must have the same grid, unless B is resampled to that of A.",
      .run = run_compare},
     {"log", NULL, "JOURNAL", 1, 1, .summary = "print a journal", .run = run_log},
     {"log", "--script", "JOURNAL", 1, 1, .option = {SCRIPT}, .summary = "print only its commands",
      .run = run_log_script},
     {"log", "--anonymise", "JOURNAL", 1, 1, .option = {ANONYMISE, SCRIPT},
-     .summary = "print commands, no file names or free text", .run = run_log_anonymise},
+     .summary = "print commands; omit file names and free text", .run = run_log_anonymise},
     {"log", "--check", "JOURNAL", 1, 1, .option = {CHECK},
      .summary = "check for torn, edited or damaged records",
      .detail = "Checks the chain of the records; runs no command.", .run = run_log_check},
     {"log", "--procedure", "JOURNAL", 1, 1, .option = {PROCEDURE, SCENE, LIMIT_OPTIONS},
      .summary = "write the input of `apply`, without images",
-     .detail = "Writes labels and their grid, percentiles of intensities, gestures, landmarks, "
+     .detail = "Writes labels and their grid, percentiles of intensities, seeds, landmarks, "
                "weights and finish as text to FILE, or to standard output if FILE is -. The text "
-               "has the names of labels, but no image, comment or file name. Overwrites no file.",
+               "has the names of labels, but no image, comment or file name. Does not overwrite a "
+               "file.",
      .run = run_log_procedure},
     {"log", "--repair", "JOURNAL", 1, 1, .option = {REPAIR},
      .summary = "keep valid records, move the rest to a file", .run = run_log_repair},
     {"log", "--reseal", "JOURNAL", 1, 1, .option = {RESEAL, ACCEPT, SCENE},
      .summary = "recompute the results of an edited journal",
-     .detail = "With --accept WHY, also redraws golden images, as `verify --accept`; otherwise "
-               "fails if one differs. Keeps the former journal next to the new one.",
+     .detail = "With --accept WHY, also redraws golden images, as `verify --accept` does; "
+               "otherwise fails if one differs. Keeps the former journal next to the new one.",
      .run = run_reseal},
     {"show", NULL, "PICTURE", 1, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "show a picture inline, if the terminal can",
      .detail = "Prints nothing if standard output is not a terminal.", .run = run_show},
     {"info", NULL, "[FILE]", 0, 1, .option = {JSON, HISTOGRAM, VOLUME},
      .summary = "describe a picture, scene, journal or iftty",
-     .detail = "Without FILE, prints the version and how the kernel confines `replay` and "
+     .detail = "Without FILE, prints the version, and the kernel's confinement of `replay` and "
                "`verify`.",
      .run = run_info},
     {"help", NULL, "[COMMAND|PROGRAM]", 0, 1, .summary = "describe a command or a program",
@@ -313,16 +313,16 @@ static const struct program program[] = {
                "correct a segmentation of another program.",
      .run = run_help},
     {NULL, "--version", "", 0, 0, .option = {VERSION},
-     .summary = "print versions of program and libraries", .run = run_version},
+     .summary = "print the versions of iftty and its libraries", .run = run_version},
 };
 
 const struct program_table program_table = {
     .called = "iftty",
     .about = "iftty: segment 3-D scenes by seeds, in a terminal",
     .closing = "`iftty PROGRAM --help` lists the options of a program. `--option=VALUE` means\n"
-               "`--option VALUE`; -V means --version, -h means --help.\n"
+               "`--option VALUE`, -V means --version, and -h means --help.\n"
                "Ctrl-C cancels the current command, and ends `run`, `-c` and `replay`.\n"
-               "Exit status: 0 fine, 1 a check failed, 2 bad usage, 3 bad input or I/O,\n"
+               "Exit status: 0 success, 1 a check failed, 2 bad usage, 3 bad input or I/O,\n"
                "130 Ctrl-C.\n",
     .row = program,
     .rows = sizeof program / sizeof program[0],

@@ -198,8 +198,8 @@ void pilot_host_complete(void *context, const char *line, size_t cursor, struct 
  * Watching a journal: its replay leaves a history (session/history.h), whose points are the steps.
  * Each step is shown in two phases:
  *
- *     drawn      the state before, with the cross-hair at the gesture, its seeds as waiting ones,
- *                and its eliminators
+ *     drawn the state before, with the cross-hair at the gesture, its seeds as pending ones, and
+ *                its eliminators
  *     after      the state after it, and the labels before, for a comparison
  *
  * Step N leads to point N of the history. Step 0 is the state before step 1. An interpolation
@@ -268,13 +268,13 @@ const uint8_t *watched_former(const struct watched *w);
 void watched_title(struct buf *out, const struct watched *w);
 
 /* Add place and label of a drawn gesture; after it "1 brain +12.4 ml, 0 -12.4 ml; 12 345 voxels
- * changed", and the number of waiting edits. */
+ * changed", and the number of pending edits. */
 void watched_describe(struct buf *out, const struct watched *w);
 
 /* Add the comments before the step, lines. */
 void watched_comments(struct buf *out, const struct watched *w);
 
-/* Add "verified: 494 commands carried out again, 480 results the same" or "NOT verified: ..". */
+/* Add "verified: 494 commands replayed, 480 results the same" or "NOT verified: ..". */
 void watched_verdict(struct buf *out, const struct watched *w);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "apply/apply.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "program/programs.h"
 
 static struct procedure_source source_of(const struct options *o)
@@ -38,13 +39,12 @@ enum err run_apply(const struct options *o, struct fault *fault)
 enum err run_log_procedure(const struct options *o, struct fault *fault)
 {
     const struct procedure_source source = source_of(o);
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     console_handle_interrupts();
     enum err err = procedure_text(&text, NULL, &source, fault);
     if (!err && strcmp(o->procedure, "-") == 0)
         fputs(buf_text(&text), stdout);
     else if (!err)
         err = file_write(o->procedure, text.data, text.length, FILE_KEEP, fault);
-    buf_release(&text);
     return err;
 }

@@ -57,29 +57,23 @@ static enum err read_map(struct pair *pair, int side, struct fault *fault)
         .geometry = &pair->geometry,
         .choice = begin_volume(pair->options, (size_t)side),
         .resample = pair->options->resample ? REGRID_RESAMPLE : REGRID_AS_IT_IS_FOR_PROGRAM};
-    struct volume map = {0};
-    enum err err = map_read(&map, pair->options->word[side], &place, console_watch(), fault);
+    OWNED(volume_release) struct volume map = {0};
+    const enum err err = map_read(&map, pair->options->word[side], &place, console_watch(), fault);
     if (!err && *map.notes)
         console_warn(NULL, map.notes);
-    if (!err)
-        err = take_labels(pair, side, &map, fault);
-    volume_release(&map);
-    return err;
+    return err ? err : take_labels(pair, side, &map, fault);
 }
 
 /* Read A, which defines the grid. */
 static enum err read_first(struct pair *pair, struct fault *fault)
 {
     const struct volume_choice choice = begin_volume(pair->options, 0);
-    struct volume map = {0};
+    OWNED(volume_release) struct volume map = {0};
     enum err err = volume_read(&map, pair->options->word[0], &choice, console_watch(), fault);
     if (!err)
         err = grid_init(&pair->grid, map.size, fault);
     pair->geometry = map.geometry;
-    if (!err)
-        err = take_labels(pair, 0, &map, fault);
-    volume_release(&map);
-    return err;
+    return err ? err : take_labels(pair, 0, &map, fault);
 }
 
 /* Open the scene of the picture, which defines the grid. */
@@ -113,22 +107,21 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
                               bool of_surface, struct fault *fault)
 {
     struct session *session = pair->session;
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     const uint32_t *place =
         comparison_farthest(&pair->comparison, session->now.outlook.slices.cross);
-    enum err err = of_surface ? distance_picture_draw(&picture, session, report, true, fault)
-                              : comparison_picture_draw(&picture, session, report, place, fault);
-    if (!err)
-        err = image_write_png(of_surface ? pair->options->surface : pair->options->picture,
-                              &picture, fault);
-    picture_release(&picture);
-    return err;
+    const enum err err = of_surface
+                             ? distance_picture_draw(&picture, session, report, true, fault)
+                             : comparison_picture_draw(&picture, session, report, place, fault);
+    return err ? err
+               : image_write_png(of_surface ? pair->options->surface : pair->options->picture,
+                                 &picture, fault);
 }
 
 static enum err compare_pair(struct pair *pair, struct team *team, struct fault *fault)
 {
     const struct options *o = pair->options;
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     bool listed[256] = {false};
     const struct comparison_report report = {
         &pair->comparison, {o->word[0], o->word[1]}, &pair->kept, &pair->geometry, listed};
@@ -155,7 +148,6 @@ static enum err compare_pair(struct pair *pair, struct team *team, struct fault 
     }
     if (!err)
         console_print(NULL, buf_text(&text));
-    buf_release(&text);
     return err;
 }
 
@@ -174,7 +166,7 @@ enum err run_compare(const struct options *o, struct fault *fault)
     err = image_check_png(o->surface, fault);
     if (err)
         return fault_prefix(fault, err, "--surface");
-    struct pair *pair = mem_new(sizeof *pair);
+    OWNED(mem_release) struct pair *pair = mem_new(sizeof *pair);
     if (!pair)
         return fault_memory(fault, "a comparison");
     pair->options = o;
@@ -189,6 +181,5 @@ enum err run_compare(const struct options *o, struct fault *fault)
     free(pair->compared.label[1]);
     regions_release(&pair->regions);
     team_free(team);
-    free(pair);
     return err;
 }

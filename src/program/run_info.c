@@ -24,6 +24,7 @@
 #include "command/command.h"
 #include "command/interpreter.h"
 #include "base/confine.h"
+#include "base/mem.h"
 #include "image/coprocess.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
@@ -110,7 +111,7 @@ static void add_spacing(struct facts *f, const struct geometry *g)
 /* In formats with a single text, its lines "name: value" are the notes. */
 static enum err take_lines(struct picture *notes, const char *text)
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     enum err err = OK;
     for (; *text && !err; text += strcspn(text, "\n"), text += *text == '\n') {
         buf_clear(&line);
@@ -121,9 +122,7 @@ static enum err take_lines(struct picture *notes, const char *text)
         if (colon)
             err = picture_note(notes, line.data, colon + 2, NULL);
     }
-    err = line.failed ? ERR_MEMORY : err;
-    buf_release(&line);
-    return err;
+    return line.failed ? ERR_MEMORY : err;
 }
 
 /* Collect the notes of a picture: ours, then those of its format, each name once. */
@@ -145,7 +144,7 @@ static enum err collect_notes(struct picture *notes, const struct picture *p)
 
 static void add_notes(struct facts *f, const struct picture *p)
 {
-    struct picture notes;
+    OWNED(picture_release) struct picture notes = {0};
     if (!p->attributes && !f->is_json)
         return;
     if (f->is_json)
@@ -167,7 +166,6 @@ static void add_notes(struct facts *f, const struct picture *p)
     }
     if (f->is_json)
         json_end(&f->json);
-    picture_release(&notes);
 }
 
 static void add_picture(struct facts *f, const char *format, const char *channels, unsigned frames,
@@ -185,8 +183,8 @@ static void add_picture(struct facts *f, const char *format, const char *channel
 /* Describe an OpenEXR file by our own reader, which knows every channel. */
 static enum err add_own_exr(struct facts *f, const char *path, struct fault *fault)
 {
-    struct picture p;
-    struct buf channels = {0};
+    OWNED(picture_release) struct picture p;
+    OWNED(buf_release) struct buf channels = {0};
     enum err err = exr_read(&p, path, fault);
     if (err)
         return err;
@@ -197,8 +195,6 @@ static enum err add_own_exr(struct facts *f, const char *path, struct fault *fau
     buf_add_text(&channels, p.normal ? ", N.X N.Y N.Z float" : "");
     add_picture(f, p.tiled ? "openexr, tiled" : "openexr, lines", buf_text(&channels), 1, &p);
     f->out->failed |= channels.failed;
-    buf_release(&channels);
-    picture_release(&p);
     return OK;
 }
 
@@ -207,8 +203,8 @@ static enum err add_image(struct facts *f, const char *path, bool needs_colours,
                           struct fault *fault)
 {
     struct image_helper *helper;
-    struct image_facts facts;
-    struct buf channels = {0};
+    OWNED(image_facts_release) struct image_facts facts = {0};
+    OWNED(buf_release) struct buf channels = {0};
     enum err err = image_helper_new(&helper, NULL, fault);
     if (!err)
         err = image_helper_about(helper, path, &facts, fault);
@@ -216,17 +212,13 @@ static enum err add_image(struct facts *f, const char *path, bool needs_colours,
     if (err)
         return err;
     const char *comma = strchr(facts.channels, ',');
-    if (needs_colours && !(comma && strchr(comma + 1, ','))) {
-        image_facts_release(&facts);
+    if (needs_colours && !(comma && strchr(comma + 1, ',')))
         return ERR_INPUT;
-    }
     for (const char *at = facts.channels; *at; at++)
         buf_add_char(&channels, *at == ',' ? ' ' : *at);
     buf_printf(&channels, " %s", facts.type);
     add_picture(f, facts.format, buf_text(&channels), facts.frames, &facts.picture);
     f->out->failed |= channels.failed;
-    buf_release(&channels);
-    image_facts_release(&facts);
     return OK;
 }
 
@@ -239,7 +231,7 @@ static void add_histogram(struct facts *f, const struct volume *volume)
     static uint32_t count[UINT16_MAX + 1];
     const struct levels *levels = volume->levels;
     const struct histogram *h = &f->histogram;
-    struct buf scale = {0};
+    OWNED(buf_release) struct buf scale = {0};
     const size_t voxels = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
     for (size_t i = 0; i < voxels; i++)
         count[volume->intensity[i]]++;
@@ -252,7 +244,6 @@ static void add_histogram(struct facts *f, const struct volume *volume)
     if (levels)
         add_text(f, "scale", buf_text(&scale));
     f->out->failed |= scale.failed;
-    buf_release(&scale);
     if (!f->is_json)
         return;
     json_object(&f->json, "histogram");
@@ -270,7 +261,7 @@ static void add_histogram(struct facts *f, const struct volume *volume)
 /* Add the notes of `open`, a line each. */
 static void add_open_notes(struct facts *f, const char *notes)
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     if (f->is_json)
         json_array(&f->json, "open_notes");
     for (size_t n; *notes; notes += n + 1) {
@@ -285,14 +276,13 @@ static void add_open_notes(struct facts *f, const char *notes)
     if (f->is_json)
         json_end(&f->json);
     f->out->failed |= line.failed;
-    buf_release(&line);
 }
 
 static enum err add_scene(struct facts *f, const char *path, struct fault *fault)
 {
     struct volume_reader reader;
-    struct volume volume = {0};
-    struct buf series = {0}; /* the series of a folder with several */
+    OWNED(volume_release) struct volume volume = {0};
+    OWNED(buf_release) struct buf series = {0}; /* the series of a folder with several */
     struct volume_choice choice = f->volume;
     choice.list = f->is_json ? NULL : &series;
     char towards[4];
@@ -300,7 +290,6 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     const struct volume_header facts = reader.header;
     volume_close(&reader);
     fputs(buf_text(&series), stdout);
-    buf_release(&series);
     if (!err && f->wants_histogram) {
         err = volume_read(&volume, path, &f->volume, console_watch(), fault);
         console_erase_progress();
@@ -322,18 +311,16 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
         add_text(f, "refused", facts.refusal);
     if (f->wants_histogram)
         add_histogram(f, &volume);
-    volume_release(&volume);
     return OK;
 }
 
 static enum err add_journal(struct facts *f, const char *path, struct fault *fault)
 {
     struct journal_condition condition = {0};
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);
-    buf_release(&bytes);
     if (err && err != ERR_CHECK)
         return err;
     add_text(f, "format", "iftty journal");
@@ -402,7 +389,7 @@ static void add_program(struct facts *f)
 
 enum err run_info(const struct options *o, struct fault *fault)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     struct facts facts = {.out = &text,
                           .json = {.out = &text},
                           .is_json = o->json,
@@ -425,7 +412,6 @@ enum err run_info(const struct options *o, struct fault *fault)
         err = fault_memory(fault, "the description of a file");
     if (!err || err == ERR_CHECK)
         fputs(buf_text(&text), stdout);
-    buf_release(&text);
     return err;
 }
 
@@ -435,7 +421,7 @@ enum err run_info(const struct options *o, struct fault *fault)
 enum err run_show(const struct options *o, struct fault *fault)
 {
     struct image_helper *helper;
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     enum err err = image_helper_new(&helper, NULL, fault);
     if (!err)
         err = image_helper_read(helper, o->word[0], &picture, fault);
@@ -446,7 +432,6 @@ enum err run_show(const struct options *o, struct fault *fault)
                                         .smooth = o->smooth};
         show_picture_once(o->graphics, &view);
     }
-    picture_release(&picture);
     image_helper_free(helper);
     return err;
 }
@@ -457,7 +442,7 @@ enum err run_help(const struct options *o, struct fault *fault)
 {
     const char *name = o->words ? o->word[0] : NULL;
     const struct command *command = name ? command_find(name) : NULL;
-    struct buf of_command = {0}, of_program = {0};
+    OWNED(buf_release) struct buf of_command = {0}, of_program = {0};
     if (!name || command)
         command_help(&of_command, command);
     else if (command_page(name))
@@ -474,8 +459,6 @@ enum err run_help(const struct options *o, struct fault *fault)
     }
     printf("%s%s%s", buf_text(&of_command), of_command.length && of_program.length ? "\n" : "",
            buf_text(&of_program));
-    buf_release(&of_command);
-    buf_release(&of_program);
     return OK;
 }
 
@@ -494,14 +477,12 @@ enum err run_version(const struct options *o, struct fault *fault)
            "OpenEXR %d.%d.%d, zlib %s, libdeflate %s, nettle %d.%d\n",
            SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(), LIBDEFLATE_VERSION_STRING,
            nettle_version_major(), nettle_version_minor());
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++) {
         buf_printf(&text, "%s: ", helpers[i][0]);
         coprocess_add_versions(&text, helpers[i][0], helpers[i][1]);
         buf_add_char(&text, '\n');
     }
     fputs(buf_text(&text), stdout);
-    const enum err err = text.failed ? fault_memory(fault, "versions") : OK;
-    buf_release(&text);
-    return err;
+    return text.failed ? fault_memory(fault, "versions") : OK;
 }

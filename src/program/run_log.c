@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "command/anonymise.h"
 #include "journal/journal.h"
 #include "journal/record.h"
@@ -17,8 +18,8 @@
 static enum err anonymise_script(struct buf *out, const char *bytes, size_t length,
                                  struct fault *fault)
 {
-    struct anonymiser anonymiser = {0};
-    struct walk walk;
+    OWNED(anonymiser_release) struct anonymiser anonymiser = {0};
+    OWNED(walk_release) struct walk walk;
     struct record record;
     enum err err = walk_begin(&walk, bytes, length, fault);
     while (!err && walk_next(&walk, &record) == WALK_RECORD) {
@@ -27,11 +28,7 @@ static enum err anonymise_script(struct buf *out, const char *bytes, size_t leng
     }
     if (!err)
         err = walk_judge(&walk, fault);
-    if (out->failed)
-        err = fault_memory(fault, "the commands of a journal");
-    walk_release(&walk);
-    anonymiser_release(&anonymiser);
-    return err;
+    return out->failed ? fault_memory(fault, "the commands of a journal") : err;
 }
 
 /* ---- the forms ---- */
@@ -41,7 +38,7 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
                                                 struct fault *fault),
                               const struct options *o, struct fault *fault)
 {
-    struct buf bytes = {0}, text = {0}, line = {0};
+    OWNED(buf_release) struct buf bytes = {0}, text = {0}, line = {0};
     enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = write(&text, buf_text(&bytes), bytes.length, fault);
@@ -57,18 +54,14 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
         puts(buf_text(&line));
         at += n + 1;
     }
-    buf_release(&line);
-    buf_release(&text);
-    buf_release(&bytes);
     return err;
 }
 
 /* Copy a journal unchanged, intact or not. Other files, such as scenes, are an error. */
 static enum err copy_journal(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     const enum err err = walk_begin(&walk, bytes, length, fault);
-    walk_release(&walk);
     if (err && !walk.is_journal)
         return err;
     buf_add(out, bytes, length);
@@ -107,10 +100,9 @@ enum err run_log_check(const struct options *o, struct fault *fault)
 
 enum err run_log_repair(const struct options *o, struct fault *fault)
 {
-    struct buf lines = {0};
+    OWNED(buf_release) struct buf lines = {0};
     const enum err err = journal_repair(o->word[0], SEMANTICS, &lines, fault);
     if (!err)
         puts(buf_text(&lines));
-    buf_release(&lines);
     return err;
 }

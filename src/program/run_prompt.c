@@ -8,6 +8,7 @@
 
 #include "base/buf.h"
 #include "base/choice.h"
+#include "base/mem.h"
 #include "command/command.h"
 #include "command/execute.h"
 #include "image/picture_writer.h"
@@ -229,7 +230,7 @@ static void carry_out_start(struct prompt *prompt, struct buf *output)
         return;
     prompt->has_started = true;
     for (const char *at = buf_text(&prompt->config.start); *at;) {
-        struct buf line = {0};
+        OWNED(buf_release) struct buf line = {0};
         char *command;
         const size_t n = strcspn(at, "\n");
         buf_add(&line, at, n);
@@ -243,7 +244,6 @@ static void carry_out_start(struct prompt *prompt, struct buf *output)
         }
         if (fails)
             buf_printf(output, "%s\n", fault.text);
-        buf_release(&line);
         at += n + (at[n] == '\n');
     }
 }
@@ -354,7 +354,7 @@ static enum err prompt_drop(void *context, struct fault *fault)
 static enum err begin_session(void *context, struct buf *output, struct fault *fault)
 {
     struct prompt *prompt = context;
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     enum err err = OK;
     buf_add_text(output, buf_text(&prompt->config.words));
     if (prompt->resumes) {
@@ -379,7 +379,6 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
         carry_out_start(prompt, output);
     if (!err && prompt->interp.has_pilot)
         buf_add_text(output, "Ctrl-O: the pilot, to segment by keys; `help`: the commands\n");
-    buf_release(&line);
     return err;
 }
 
@@ -413,11 +412,9 @@ static void prompt_hint(void *context, const char *line, size_t length, struct b
 static bool prompt_knows(void *context, const char *line)
 {
     const struct prompt *prompt = context;
-    struct call call = {0};
+    OWNED(call_release) struct call call = {0};
     struct fault why;
-    const bool knows = command_parse(&call, line, prompt->interp.session, &why) == OK;
-    call_release(&call);
-    return knows;
+    return command_parse(&call, line, prompt->interp.session, &why) == OK;
 }
 
 static bool prompt_picture(void *context, struct image_view *out)
@@ -479,16 +476,14 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .news_descriptor =
                                        writer ? picture_writer_descriptor(writer) : -1,
                                    .finished = prompt->host.finished};
-    struct buf history = {0};
+    OWNED(buf_release) struct buf history = {0};
     const bool has_history = !prompt->lesson && line_history_path(&history);
     const struct repl_options how = {.graphics = o->graphics,
                                      .history_path = has_history ? buf_text(&history) : NULL,
                                      .pages = !prompt->config.plain_answers,
                                      .pager = getenv("PAGER"),
                                      .theme = prompt->config.setup.theme};
-    const enum err err = repl_run(&host, &how, fault);
-    buf_release(&history);
-    return err;
+    return repl_run(&host, &how, fault);
 }
 
 /* ---- beginning and end ---- */
@@ -504,25 +499,23 @@ static void before_suspending(void *context)
 /* Wait until pictures are written; Ctrl-C drops pictures that are not begun. */
 static void finish_pictures(struct prompt *prompt)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     console_forget_interrupt();
     watch_begin(console_watch());
     picture_writer_wait(prompt->interp.writer, console_watch(), NULL);
     console_erase_progress();
     picture_writer_news(prompt->interp.writer, &text);
     fputs(buf_text(&text), stdout);
-    buf_release(&text);
 }
 
 /* Print the path of the journal. */
 static void print_journal(const struct journal *journal)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     const char *path = journal_path(journal);
     buf_add_safe_text(&text, path);
     printf("journal: %s (%zu record%s%s)\n", buf_text(&text), journal_count(journal),
            plural(journal_count(journal)), journal_only_looks(journal) ? ", not written to" : "");
-    buf_release(&text);
 }
 
 /* Set up the lesson, independent of the user's configuration. */
@@ -539,7 +532,7 @@ static void take_lesson(struct prompt *prompt, struct lesson *lesson)
 enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault *fault)
 {
     static struct prompt prompt; /* too large for the stack */
-    struct buf journal = {0};
+    OWNED(buf_release) struct buf journal = {0};
     const bool is_terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     enum err err = begin_check(o, &prompt.first, &prompt.resumes, fault);
     if (err)
@@ -597,7 +590,6 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     panes_release(&prompt.pilot.panes);
     pilot_state_release(&prompt.state);
     interpreter_release(&prompt.interp);
-    buf_release(&journal);
     return err;
 }
 

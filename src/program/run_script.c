@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/mem.h"
 #include "command/script.h"
 #include "journal/journal.h"
 #include "program/programs.h"
@@ -42,7 +43,7 @@ static void add_argument(struct buf *out, const char *word)
 static void say_how_to_go_on(const struct options *o, const struct journal *journal, FILE *input,
                              size_t line)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     bool knows;
     if (!journal || !line || journal_only_looks(journal))
         return;
@@ -63,7 +64,6 @@ static void say_how_to_go_on(const struct options *o, const struct journal *jour
     add_argument(&text, o->whole ? o->journal : journal_path(journal));
     buf_add_char(&text, '\n');
     console_warn(NULL, buf_text(&text));
-    buf_release(&text);
 }
 
 /* With --whole, rename the journal to its final name, which is still free, under its lock. An
@@ -83,7 +83,7 @@ static enum err publish(const struct options *o, const struct journal *journal, 
 
 static void print_json(const struct options *o, const struct journal *journal, bool is_done)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     struct json json = {.out = &text};
     json_object(&json, NULL);
     json_boolean(&json, "done", is_done);
@@ -94,7 +94,6 @@ static void print_json(const struct options *o, const struct journal *journal, b
     }
     json_end(&json);
     console_print(NULL, buf_text(&text));
-    buf_release(&text);
 }
 
 static void print_nothing(void *context, const char *text)
@@ -106,7 +105,7 @@ static void print_nothing(void *context, const char *text)
 static enum err run_lines(const struct options *o, FILE *input, const char *name,
                           struct fault *fault)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     const struct printer printer = {.context = (void *)(uintptr_t)o,
                                     .print = o->json ? print_nothing : console_print,
                                     .warn = console_warn,
@@ -127,7 +126,6 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
     }
     if (o->json)
         print_json(o, interp.journal, !err);
-    interpreter_release(&interp);
     return err;
 }
 
@@ -135,12 +133,8 @@ enum err run_script(const struct options *o, struct fault *fault)
 {
     if (strcmp(o->word[0], "-") == 0)
         return run_lines(o, stdin, "standard input", fault);
-    FILE *input = fopen(o->word[0], "re");
-    if (!input)
-        return fault_errno(fault, "open", o->word[0]);
-    const enum err err = run_lines(o, input, o->word[0], fault);
-    fclose(input);
-    return err;
+    OWNED(stream_release) FILE *input = fopen(o->word[0], "re");
+    return input ? run_lines(o, input, o->word[0], fault) : fault_errno(fault, "open", o->word[0]);
 }
 
 /* Write each command on a line: semicolons separate them, except in quotes and in comments, which
@@ -168,12 +162,9 @@ static void split_commands(struct buf *lines, const char *at)
 
 enum err run_commands(const struct options *o, struct fault *fault)
 {
-    struct buf lines = {0};
+    OWNED(buf_release) struct buf lines = {0};
     split_commands(&lines, o->commands);
+    OWNED(stream_release)
     FILE *input = lines.failed ? NULL : fmemopen(lines.data, lines.length, "r");
-    enum err err = input ? run_lines(o, input, "-c", fault) : fault_memory(fault, "commands");
-    if (input)
-        fclose(input);
-    buf_release(&lines);
-    return err;
+    return input ? run_lines(o, input, "-c", fault) : fault_memory(fault, "commands");
 }

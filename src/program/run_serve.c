@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/mem.h"
 #include "command/command.h"
 #include "command/execute.h"
 #include "journal/journal.h"
@@ -134,7 +135,7 @@ static void announce(void *context, const char *line)
 static void answer_do(struct server *s, const struct request *request)
 {
     const char *id = buf_text(&request->id), *line = buf_text(&request->words);
-    struct buf picture = {0};
+    OWNED(buf_release) struct buf picture = {0};
     struct fault fault = {0};
     enum err err = exchange_allows(&s->exchange, &s->interp, line, &fault);
     reply_clear(&s->reply);
@@ -155,7 +156,6 @@ static void answer_do(struct server *s, const struct request *request)
         answer_command(&s->line, id, &s->interp, &s->reply,
                        picture.length ? buf_text(&picture) : NULL);
     }
-    buf_release(&picture);
 }
 
 static void carry_out(struct server *s, const struct request *request)
@@ -218,7 +218,7 @@ static enum err begin_session(struct server *s, const struct options *o, struct 
         return err;
     const bool goes_on = o->journal && file_exists(o->journal);
     const char *journal = resumes ? first : goes_on ? o->journal : NULL;
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     struct options plain = *o;
     plain.journal = goes_on ? NULL : o->journal;
     begin_journal_name(name, first);
@@ -239,14 +239,13 @@ static enum err begin_session(struct server *s, const struct options *o, struct 
     }
     if (!err && !resumes)
         err = interpreter_execute(&s->interp, "auto on", &s->reply, fault);
-    buf_release(&line);
     return err;
 }
 
 enum err run_serve(const struct options *o, struct fault *fault)
 {
     static struct server s; /* too large for the stack */
-    struct buf name = {0}, told = {0};
+    OWNED(buf_release) struct buf name = {0}, told = {0};
     s.watch = (struct watch){.context = &s, .poll = poll_watch, .announce = announce};
     enum err err = handle_signals(fault);
     const bool has_begun = !err;
@@ -274,7 +273,5 @@ enum err run_serve(const struct options *o, struct fault *fault)
     reply_release(&s.reply);
     interpreter_release(&s.interp);
     buf_release(&s.line);
-    buf_release(&told);
-    buf_release(&name);
     return err;
 }

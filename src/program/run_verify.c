@@ -20,8 +20,7 @@
 
 enum err run_replay(const struct options *o, struct fault *fault)
 {
-    struct buf fresh = {0}, text = {0};
-    struct interpreter interp;
+    OWNED(buf_release) struct buf fresh = {0}, text = {0};
     struct options here = *o;
     enum err err = o->out ? file_make_folder(o->out, fault) : folder_held(&fresh, NULL, fault);
     if (err)
@@ -30,10 +29,10 @@ enum err run_replay(const struct options *o, struct fault *fault)
     console_handle_interrupts();
     err = begin_confined(o, o->word[0], here.out, fault);
     if (!err) {
+        OWNED(interpreter_release) struct interpreter interp;
         err = begin_by_options(&interp, &here, fault);
         if (!err)
             err = replay_aloud(&interp, o->word[0], &console_printer, fault);
-        interpreter_release(&interp);
     }
     /* Remove the temporary folder if no file was written. */
     if (!o->out && folder_release(here.out)) {
@@ -41,8 +40,6 @@ enum err run_replay(const struct options *o, struct fault *fault)
         console_erase_progress();
         fprintf(stderr, "# files are in %s\n", buf_text(&text));
     }
-    buf_release(&text);
-    buf_release(&fresh);
     return err;
 }
 
@@ -67,24 +64,21 @@ static enum err add_journal(struct journal_list *journals, const char *path, str
     if (journals->count == JOURNALS_MOST)
         return fault_set(fault, ERR_LIMIT, "there are more than %d journals; name fewer folders",
                          JOURNALS_MOST);
-    char *copy = strdup(path);
-    if (!copy || !mem_grow(&journals->path, &journals->capacity, journals->count + 1,
-                           sizeof *journals->path)) {
-        free(copy);
+    if (!mem_grow(&journals->path, &journals->capacity, journals->count + 1,
+                  sizeof *journals->path) ||
+        !(journals->path[journals->count] = strdup(path)))
         return fault_memory(fault, "names of journals");
-    }
-    journals->path[journals->count++] = copy;
+    journals->count++;
     return OK;
 }
 
 static void tell_link(const char *path, const struct printer *printer)
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     buf_add_text(&line, "# not entered: ");
     buf_add_safe_text(&line, path);
     buf_add_text(&line, " is a link to a folder; name that folder as well to verify it\n");
     printer->warn(printer->context, buf_text(&line));
-    buf_release(&line);
 }
 
 static int compare_names(const FTSENT **a, const FTSENT **b)
@@ -150,7 +144,7 @@ static enum err shard_keep(struct journal_list *journals, const char *text, stru
         !scan_integer(&at, number, SHARDS_MOST, &of) || *at)
         return fault_set(fault, ERR_USAGE, "--shard: expected K/N, as 1/4 to 4/4, not %s", text);
     for (size_t i = 0; i < journals->count; i++) {
-        struct buf bytes = {0};
+        OWNED(buf_release) struct buf bytes = {0};
         char hex[SHA256_HEX];
         uint64_t first;
         bool is_kept = true;
@@ -160,7 +154,6 @@ static enum err shard_keep(struct journal_list *journals, const char *text, stru
             hex[16] = '\0';
             is_kept = !scan_hex(&digit, 16, &first) || first % (uint64_t)of == (uint64_t)number - 1;
         }
-        buf_release(&bytes);
         if (is_kept)
             journals->path[kept++] = journals->path[i];
         else
@@ -215,7 +208,7 @@ static enum err verify_journals(const struct options *o, const struct journal_li
 
 enum err run_verify(const struct options *o, struct fault *fault)
 {
-    struct journal_list journals = {0};
+    OWNED(journals_release) struct journal_list journals = {0};
     enum err err = check_options(o, fault);
     /* In the order of the paths, those below a folder sorted by name. */
     for (int i = 0; !err && i < o->words; i++)
@@ -223,10 +216,7 @@ enum err run_verify(const struct options *o, struct fault *fault)
                                          : add_journal(&journals, o->word[i], fault);
     if (!err && o->shard)
         err = shard_keep(&journals, o->shard, fault);
-    if (!err)
-        err = verify_journals(o, &journals, fault);
-    journals_release(&journals);
-    return err;
+    return err ? err : verify_journals(o, &journals, fault);
 }
 
 /* ---- the first record that differs ---- */
@@ -256,13 +246,12 @@ enum err run_diff(const struct options *o, struct fault *fault)
 /* Reseal an edited journal by `log --reseal`, which is a form; accept pictures by `verify`. */
 enum err run_reseal(const struct options *o, struct fault *fault)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     console_handle_interrupts();
-    enum err err = begin_by_options(&interp, o, fault);
-    if (!err && o->is_form)
-        err = reseal_edited(&interp, o->word[0], o->accept, &console_printer, fault);
-    else if (!err)
-        err = reseal_accept(&interp, o->word[0], o->accept, o->only, &console_printer, fault);
-    interpreter_release(&interp);
-    return err;
+    const enum err err = begin_by_options(&interp, o, fault);
+    if (err)
+        return err;
+    return o->is_form
+               ? reseal_edited(&interp, o->word[0], o->accept, &console_printer, fault)
+               : reseal_accept(&interp, o->word[0], o->accept, o->only, &console_printer, fault);
 }

@@ -69,7 +69,7 @@ static enum err note_record(struct watched *w, const struct outlook *outlook, si
 
 static enum err carry_out_all(struct watched *w, struct replay *replay, const char *bytes)
 {
-    struct buf comments = {0};
+    OWNED(buf_release) struct buf comments = {0};
     enum err err = OK;
     while (!err && !replay->is_over) {
         const struct outlook outlook = w->interp->session->now.outlook;
@@ -85,7 +85,6 @@ static enum err carry_out_all(struct watched *w, struct replay *replay, const ch
         w->count = 0;
     if (!err && (comments.failed || w->comments.failed))
         err = fault_memory(&w->why, "the comments of a journal");
-    buf_release(&comments);
     return err;
 }
 
@@ -96,7 +95,7 @@ enum err watched_begin(struct watched *w, struct interpreter *interp, const char
     const struct replay_host host = replay_file_host(&replaying);
     const struct replay_options options = {0};
     struct replay replay;
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     *w = (struct watched){.interp = interp};
     enum err err = replay_file_begin(interp, path, &bytes, fault);
     if (!err)
@@ -117,7 +116,6 @@ enum err watched_begin(struct watched *w, struct interpreter *interp, const char
             err = OK;
     }
     interp->replayed_words = NULL;
-    buf_release(&bytes);
     limits_rest(true);
     return err;
 }
@@ -161,7 +159,7 @@ static void read_gesture(struct watched *w, size_t step)
 {
     const struct point *point = w->interp->history.point + step;
     struct kept kept = kept_settings_get(w->interp->history.point[point->parent].settings);
-    struct call call;
+    OWNED(call_release) struct call call = {.command = NULL};
     w->command = NULL;
     w->has_place = false;
     w->label = -1;
@@ -173,7 +171,6 @@ static void read_gesture(struct watched *w, size_t step)
     for (int i = 0; p[i].type && w->label < 0; i++)
         if (p[i].type == VALUE_LABEL && call.value[i].given && !p[i].keyed)
             w->label = (int)call.value[i].number;
-    call_release(&call);
 }
 
 /* List the seeds that a step has planted or queued. The caller releases. */
@@ -297,7 +294,7 @@ enum err watched_draw(struct watched *w, size_t step, struct fault *fault)
 {
     const struct history *history = &w->interp->history;
     const struct watched was = *w;
-    struct edits seeds = {0};
+    OWNED(edits_release) struct edits seeds = {0};
     read_gesture(w, step ? step : 1);
     const struct point *after = history->point + (step ? step : 1);
     struct edit_lists lists = history->point[after->parent].lists;
@@ -311,7 +308,6 @@ enum err watched_draw(struct watched *w, size_t step, struct fault *fault)
     const struct outlook outlook = outlook_of(w, step, step > 0);
     if (!err)
         err = go_to(w, after->parent, &outlook, &lists, fault);
-    edits_release(&seeds);
     if (err) {
         *w = was;
         return err;
@@ -369,7 +365,7 @@ void watched_describe(struct buf *out, const struct watched *w)
     const size_t waits = session_pendings(session);
     unsigned said = 0, more = 0;
     if (w->is_drawn) {
-        buf_add_text(out, "drawn, and not carried out yet");
+        buf_add_text(out, "drawn, but not run yet");
         if (w->has_place)
             buf_printf(out, ": at %u,%u,%u", w->place[0], w->place[1], w->place[2]);
         if (w->label >= 0) {
@@ -421,7 +417,7 @@ void watched_verdict(struct buf *out, const struct watched *w)
         buf_printf(out, "NOT verified: %s", w->why.text);
         return;
     }
-    buf_printf(out, "verified: %zu command%s carried out again, %zu result%s the same", r->executed,
+    buf_printf(out, "verified: %zu command%s replayed, %zu result%s the same", r->executed,
                plural(r->executed), r->compared, plural(r->compared));
     if (r->is_torn)
         buf_add_text(out, "; an unfinished record at the end was left alone");
@@ -517,7 +513,7 @@ static void watch_caption(void *context, struct buf *lines)
 {
     const struct watching *w = context;
     const struct watched *shown = &w->watched;
-    struct buf comments = {0};
+    OWNED(buf_release) struct buf comments = {0};
     if (w->is_over) {
         buf_printf(lines, "the end: %zu step%s, %zu record%s", shown->count, plural(shown->count),
                    shown->report.executed, plural(shown->report.executed));
@@ -535,7 +531,6 @@ static void watch_caption(void *context, struct buf *lines)
     watched_comments(&comments, shown);
     for (size_t i = 0; i + 1 < comments.length; i++)
         buf_add_char(lines, comments.data[i] == '\n' ? ' ' : comments.data[i]);
-    buf_release(&comments);
 }
 
 /* ---- the program ---- */
@@ -553,7 +548,7 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
     static struct watching w; /* too large for the stack */
     const struct repl_host host = {
         .context = &w, .screen = watch_screen, .complete = pilot_host_complete};
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     w.pilot.interp = interp;
     w.pilot.smooth = o->smooth;
     w.pilot.watches = true;
@@ -582,7 +577,6 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
         if (w.watched.ended)
             err = fault_set(fault, w.watched.ended, "%s", w.watched.why.text);
     }
-    buf_release(&words);
     watched_release(&w.watched);
     reply_release(&w.reply);
     panes_release(&w.pilot.panes);
@@ -592,8 +586,7 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
 
 enum err run_watch(const struct options *o, struct fault *fault)
 {
-    struct interpreter interp;
-    struct config config;
+    OWNED(config_release) struct config config = {0};
     if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO))
         return fault_set(fault, ERR_USAGE,
                          "`watch` needs a terminal; `iftty replay JOURNAL` needs none, and "
@@ -608,12 +601,9 @@ enum err run_watch(const struct options *o, struct fault *fault)
         setenv("NO_COLOR", "1", 1);
     console_handle_interrupts();
     enum err err = begin_confined(o, o->word[0], NULL, fault);
-    if (!err) {
-        err = begin_by_options(&interp, o, fault);
-        if (!err)
-            err = watch_at_terminal(o, &interp, &config, fault);
-        interpreter_release(&interp);
-    }
-    config_release(&config);
-    return err;
+    if (err)
+        return err;
+    OWNED(interpreter_release) struct interpreter interp;
+    err = begin_by_options(&interp, o, fault);
+    return err ? err : watch_at_terminal(o, &interp, &config, fault);
 }

@@ -32,29 +32,26 @@
 
 enum err exchange_begin(struct exchange *exchange, struct fault *fault)
 {
-    struct buf made = {0};
+    OWNED(buf_release) struct buf made = {0};
     struct stat status;
     enum err err = folder_held(&made, NULL, fault);
     *exchange = (struct exchange){0};
     if (err)
         return err;
-    char *real = realpath(buf_text(&made), NULL);
+    OWNED(mem_release) char *real = realpath(buf_text(&made), NULL);
     buf_add_text(&exchange->path, real ? real : "");
     if (!real || lstat(real, &status) != 0)
         err = fault_errno(fault, "look at", buf_text(&made));
     else if (exchange->path.failed)
         err = fault_memory(fault, "a path");
-    if (err)
+    if (err) {
         folder_remove(buf_text(&made));
-    else {
-        exchange->device = status.st_dev;
-        exchange->number = status.st_ino;
-    }
-    free(real);
-    buf_release(&made);
-    if (err)
         buf_release(&exchange->path);
-    return err;
+        return err;
+    }
+    exchange->device = status.st_dev;
+    exchange->number = status.st_ino;
+    return OK;
 }
 
 /* E1 */
@@ -93,16 +90,13 @@ static enum err place_file(struct buf *path, const struct exchange *exchange, co
 static bool holds_path(const struct exchange *exchange, const char *name)
 {
     const size_t length = exchange->path.length;
-    struct buf path = {0}, settled = {0};
+    OWNED(buf_release) struct buf path = {0}, settled = {0};
     file_from_home(&path, name);
     file_absolute(&settled, buf_text(&path));
     const char *end = buf_text(&settled) + (settled.length < length ? settled.length : length);
-    const bool is_in = path.failed || settled.failed ||
-                       (strncmp(buf_text(&settled), buf_text(&exchange->path), length) == 0 &&
-                        (*end == '/' || *end == '\0'));
-    buf_release(&path);
-    buf_release(&settled);
-    return is_in;
+    return path.failed || settled.failed ||
+           (strncmp(buf_text(&settled), buf_text(&exchange->path), length) == 0 &&
+            (*end == '/' || *end == '\0'));
 }
 
 /* True if the journal keeps a copy of the file: the command then adds a parameter `copy`. */
@@ -118,7 +112,7 @@ static bool keeps_copy(const struct command *command)
 static bool holds_file(const struct exchange *exchange, const struct interpreter *interp,
                        const struct parameter *p, const char *name)
 {
-    struct buf found = {0};
+    OWNED(buf_release) struct buf found = {0};
     if (p->is_scene)
         scan_text(&name, "raw:");
     bool is_in = holds_path(exchange, name);
@@ -126,24 +120,21 @@ static bool holds_file(const struct exchange *exchange, const struct interpreter
         is_in = holds_path(exchange, interp->out_folder);
     if (!is_in && p->is_read && interpreter_find_file(interp, name, &found, NULL) == OK)
         is_in = holds_path(exchange, buf_text(&found));
-    buf_release(&found);
     return is_in;
 }
 
 /* True if golden images and copies of labels of a journal would be in the folder. */
 static bool holds_goldens(const struct exchange *exchange, const char *journal)
 {
-    struct buf folder = {0};
-    const bool is_in = journal && (golden_folder(&folder, journal, NULL) != OK ||
-                                   holds_path(exchange, buf_text(&folder)));
-    buf_release(&folder);
-    return is_in;
+    OWNED(buf_release) struct buf folder = {0};
+    return journal &&
+           (golden_folder(&folder, journal, NULL) != OK || holds_path(exchange, buf_text(&folder)));
 }
 
 enum err exchange_allows(const struct exchange *exchange, const struct interpreter *interp,
                          const char *line, struct fault *fault)
 {
-    struct call call;
+    OWNED(call_release) struct call call = {.command = NULL};
     enum err err = OK;
     if (command_parse(&call, line, interp->session, NULL) || !call.command)
         return OK;
@@ -172,7 +163,6 @@ enum err exchange_allows(const struct exchange *exchange, const struct interpret
     }
     if (err)
         command_point_at(&call, line, fault);
-    call_release(&call);
     return err;
 }
 
@@ -197,7 +187,7 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
     struct session *session = interp->session;
     struct volume_reader reader;
     struct labels labels;
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     enum map map;
     *out = (struct array_file){.name = name};
     enum err err = find_map(&map, name, fault);
@@ -206,9 +196,8 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
     if (!err && !session->has_scene)
         err = fault_set(fault, ERR_USAGE, "no scene is open; open one first");
     if (!err && session_pendings(session)) {
-        struct reply reply = {0};
+        OWNED(reply_release) struct reply reply = {0};
         err = interpreter_execute(interp, "run", &reply, fault);
-        reply_release(&reply);
     }
     if (!err)
         err = interpreter_drop_sketch(interp, fault);
@@ -228,7 +217,6 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
         out->offset = reader.header.offset;
         volume_close(&reader);
     }
-    buf_release(&file);
     if (!err || watch_stops(session->watch))
         err = watch_fault(session->watch, fault);
     if (err)
@@ -243,14 +231,11 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
 enum err picture_write(struct buf *path, const struct exchange *exchange, uint32_t width,
                        uint32_t height, const uint8_t *rgba, struct fault *fault)
 {
-    struct buf png = {0};
+    OWNED(buf_release) struct buf png = {0};
     enum err err = place_file(path, exchange, "picture.png", fault);
     if (!err)
         err = png_encode(&png, width, height, rgba, fault);
-    if (!err)
-        err = file_write(buf_text(path), png.data, png.length, FILE_REPLACE, fault);
-    buf_release(&png);
-    return err;
+    return err ? err : file_write(buf_text(path), png.data, png.length, FILE_REPLACE, fault);
 }
 
 /* ---- state ---- */
@@ -289,9 +274,8 @@ static void add_grid(struct json *json, const struct session *session)
 /* Add the absolute path, if there is one. */
 static void add_path(struct json *json, const char *key, const char *path)
 {
-    char *whole = realpath(path, NULL);
+    OWNED(mem_release) char *whole = realpath(path, NULL);
     json_text(json, key, whole ? whole : path);
-    free(whole);
 }
 
 static void add_journal(struct json *json, const struct interpreter *interp)
@@ -309,7 +293,7 @@ static void add_journal(struct json *json, const struct interpreter *interp)
 
 static void add_fault(struct json *json, const struct fault *fault)
 {
-    struct buf offered = {0};
+    OWNED(buf_release) struct buf offered = {0};
     json_text(json, "kind", err_name(fault->code));
     json_text(json, "why", fault->text);
     near_offered(&offered, fault->text);
@@ -319,7 +303,6 @@ static void add_fault(struct json *json, const struct fault *fault)
         json_text(json, NULL, at);
     json_end(json);
     json->out->failed |= offered.failed;
-    buf_release(&offered);
 }
 
 void answer_greeting(struct buf *out, const struct interpreter *interp, const char *folder,
@@ -360,7 +343,7 @@ static void add_words(struct json *json, const struct buf *words)
     json_object(json, "words");
     while (record_word_next(&at, end, &word)) {
         const char *digit = word.value;
-        struct buf key = {0};
+        OWNED(buf_release) struct buf key = {0};
         int64_t number;
         buf_add(&key, word.key, word.key_length);
         if (word.value_length <= 15 && (*digit != '0' || word.value_length == 1) &&
@@ -369,7 +352,6 @@ static void add_words(struct json *json, const struct buf *words)
         else
             json_bytes(json, buf_text(&key), word.value, word.value_length);
         json->out->failed |= key.failed;
-        buf_release(&key);
     }
     json_end(json);
 }
@@ -542,7 +524,7 @@ static enum err check_keys(const bool given[KEYS], struct fault *fault)
 static void request_read(struct request *request, const char *line, size_t length)
 {
     struct json_reader reader = {.bytes = line, .length = length};
-    struct json_member member = {0};
+    OWNED(json_member_release) struct json_member member = {0};
     bool given[KEYS] = {false};
     *request = (struct request){0};
     struct fault *fault = &request->fault;
@@ -558,7 +540,6 @@ static void request_read(struct request *request, const char *line, size_t lengt
         buf_add_text(&request->id, "null");
     if (!err && (request->id.failed || request->words.failed))
         fault_memory(fault, "a request");
-    json_member_release(&member);
 }
 
 static void request_release(struct request *request)

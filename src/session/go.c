@@ -348,7 +348,7 @@ enum err session_complete(struct session *session, struct fault *fault)
     return err;
 }
 
-/* ---- settings that need more than a change of the state ---- */
+/* ---- settings that must be checked first ---- */
 
 /* A copy of the state borrows shared memory. New memory in it is released once the session holds
  * it. */
@@ -417,7 +417,7 @@ static enum err check_region(const struct session *session, const struct roi *ro
                          "no voxel of the scene would be inside; nothing has changed");
     if (tally.seeds_outside || waiting)
         return fault_set(fault, ERR_INPUT,
-                         "%zu planted and %zu waiting seeds would be outside; remove them and run "
+                         "%zu planted and %zu pending seeds would be outside; remove them and run "
                          "first; nothing has changed",
                          tally.seeds_outside, waiting);
     return OK;

@@ -311,8 +311,8 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
     if (forest_seeds(session->forest) || pendings)
         return fault_set(
             fault, ERR_USAGE,
-            "a scene is interpolated before its first seed, and this one has %zu seed%s "
-            "and %zu waiting edit%s; nothing has changed",
+            "a scene is interpolated before its first seed, and this one has %zu seed%s and %zu "
+            "pending edit%s; nothing has changed",
             forest_seeds(session->forest), plural(forest_seeds(session->forest)), pendings,
             plural(pendings));
     if (session->now.kept.mask || session->now.kept.weight_map)

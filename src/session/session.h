@@ -2,15 +2,15 @@
 /*
  * The session: one user's work on one scene.
  *
- * All data that a command can change is one value, the state (session/state.h). Weights, region of
- * interest, forest, border, tally and pictures are computed from it. Only session_go changes a
- * session: it sets a state and recomputes the data that differs. It edits the seeds by the
- * difference of the two sets if the forest can be updated, and recomputes the forest if arcs or the
- * region changed. A command copies the present state, changes the copy, and passes it to
- * session_go. Rollback, undo, redo, goto and the end of skimming also set a state.
+ * The state (session/state.h) is one value with all data that a command can change. Weights, region
+ * of interest, forest, border, tally and pictures are computed from it. Only session_go changes a
+ * session: it sets a state and recomputes the data that differs. If arcs or region changed, it
+ * recomputes the forest; otherwise it updates the forest by the difference of the two sets of
+ * seeds. A command copies the present state, changes the copy, and passes it to session_go.
+ * Rollback, undo, redo, goto and the end of skimming also set states in this way.
  *
- * Edits of seeds wait in a list until session_run applies them as one. Because the forest is a
- * function of the set of seeds, their distribution over runs does not matter.
+ * Edits of seeds are pending until session_run applies them as one. Since the forest depends only
+ * on the set of seeds, it does not matter which run applies an edit.
  *
  * Invariants
  *   S1 a command is atomic: session_mark precedes it, and session_rollback restores the former
@@ -21,12 +21,12 @@
  *      has_scene;
  *   S4 the scene before interpolation is kept, with its forest and border, until the command is
  *      settled;
- *   S5 `stale` has the parts that do not match the state, because a command was cancelled, memory
- *      did not suffice to roll one back, or the session skims; the next session_go or
+ *   S5 `stale` has the parts that do not match the state, because a command was cancelled, there
+ *      was not enough memory for a rollback, or the session skims; the next session_go or
  *      session_complete recomputes them;
- *   S6 the planted seeds, after the pending edits, are those of the valid markers;
- *   S7 a session that `waits` has a large plain scene (engine/scene.h), and no seed: call
- *      session_complete, which makes the cells, before any access to voxels.
+ *   S6 the planted seeds, with the pending edits applied, are the seeds of the valid markers;
+ *   S7 a session that `waits` has a large plain scene (engine/scene.h) without cells, and no seed:
+ *      before any access to voxels, call session_complete, which makes the cells.
  */
 #ifndef SESSION_SESSION_H
 #define SESSION_SESSION_H
@@ -62,11 +62,11 @@ struct volume_choice;
 struct watch;
 
 /*
- * Public members of a session. All rooms may read them, only this room writes them
+ * Public members of a session. All rooms may read them; only this room writes them
  * (tests/test_layout.sh). Pointers are borrowed: they are valid until the next command.
  */
 struct session {
-    unsigned semantics; /* version of the present journal */
+    unsigned semantics; /* semantics of the present journal */
     struct state now;
     struct markers markers; /* markers of all states; the valid ones are those of `now` */
     struct team *team;      /* threads for computations; NULL for one */
@@ -80,8 +80,8 @@ struct session {
     char open_notes[VOLUME_NOTES_BYTES]; /* doubts about the file, for the answer of `open` */
     uint32_t series;                     /* series of a folder of DICOM, from 1; 0 for none */
     struct map_part part;                /* if the scene is a part of its file; otherwise {0} */
-    struct geometry said;                /* geometry in the file, */
-    struct geometry geometry;            /* and with the corrections of `orient` */
+    struct geometry said;                /* geometry in the file, and */
+    struct geometry geometry;            /* after corrections by `orient` */
     struct levels *levels;               /* if intensities are not exact; otherwise NULL */
     struct scene *scene;
     char proof[SHA256_HEX]; /* digest of the scene as it was opened (scene_proof) */
@@ -93,8 +93,8 @@ struct session {
     struct tally tally;        /* voxels of each label, after session_count_labels */
     struct pictures *pictures; /* NULL until one is requested */
 
-    /* State before the present command. `has_edited`: it has edited the seeds (see
-     * forest_seed_changes); `has_regrown`: the forest was recomputed. */
+    /* State before the present command. `has_edited`: the command has edited seeds
+     * (forest_seed_changes); `has_regrown`: it has recomputed the forest. */
     struct state former;
     size_t former_markers;
     struct tally former_tally; /* valid if session_count_before preceded the command */
@@ -107,31 +107,31 @@ struct session {
 enum err session_new(struct session **session, struct fault *fault);
 void session_free(struct session *session);
 
-/* Reset a session to its first state, except for its watch and session_let_wait. */
+/* Reset a session to its initial state, except for its watch and session_let_wait. */
 void session_reset(struct session *session);
 
 /*
  * Semantics: the version of the meaning of commands and of their results.
  *
- * A journal has the number in line 1 (journal/FORMAT.md), a session has the number of its journal,
- * and new journals have SEMANTICS. Each change of meaning raises SEMANTICS and is described in
- * FORMAT.md. The affected code compares session->semantics, and keeps the former meaning for older
+ * A journal has its number in line 1 (journal/FORMAT.md), a session has the number of its journal,
+ * and new journals have SEMANTICS. Each change of meaning increments SEMANTICS and is described in
+ * FORMAT.md. The affected code tests session->semantics, and keeps the former meaning for older
  * journals.
  *
- * 12 is the number of version 1.0, and may change until 1.0 is frozen. Numbers below
- * SEMANTICS_LEAST belong to builds before 1.0 and are rejected.
+ * 12 is the number of version 1.0, which may change until 1.0 is frozen. Numbers below
+ * SEMANTICS_LEAST are of development versions and are rejected.
  */
 enum { SEMANTICS = 12, SEMANTICS_LEAST = 12 };
 
-/* Set the semantics of a session that has carried out no command yet. ERR_INPUT for an unknown
- * number, naming the command to use instead. */
+/* Set the semantics of a session that has not run a command yet. ERR_INPUT for an unknown number;
+ * the message names the command to use instead. */
 enum err session_set_semantics(struct session *session, unsigned semantics, struct fault *fault);
 
-/* ---- further facts ---- */
+/* ---- other properties ---- */
 
 void session_name_scene(struct session *session, const char *name, bool is_private);
 
-/* Make the camera of an outlook, with its resolution multiplied by its samples; ERR_LIMIT if no
+/* Compute the camera of an outlook, whose resolution is multiplied by the samples; ERR_LIMIT if no
  * camera is possible. */
 enum err session_aim(const struct session *session, const struct outlook *outlook,
                      struct camera *camera, struct fault *fault);
@@ -150,22 +150,22 @@ struct session_memory session_memory_parts(const struct session *session);
 /* ---- pictures ---- */
 
 /*
- * Functions of the pictures of a session (src/show), which exist from the first request until the
- * scene is closed. The session reports its changes to them. No function may fail.
+ * Callbacks of the pictures of a session (src/show), which exist from the first request until the
+ * scene is closed. The session calls them for each change. They cannot fail.
  */
 struct follower {
-    /* mark: a command begins. take_back: it was rolled back and the session is restored. settle: it
-     * is complete; memory of former pictures may be released. */
+    /* mark: a command begins. take_back: the command was rolled back. settle: the command is
+     * complete; memory of former pictures may be released. */
     void (*mark)(struct pictures *pictures);
     void (*take_back)(struct pictures *pictures);
     void (*settle)(struct pictures *pictures);
 
-    /* follow: labels of the forest and the border changed as listed. forget_labels: they changed in
-     * an unknown way. */
+    /* follow: labels of the forest and the border changed as listed. forget_labels: labels and
+     * border changed, extent unknown. */
     void (*follow)(struct pictures *pictures, const struct changes *changes);
     void (*forget_labels)(struct pictures *pictures);
 
-    /* take_camera: the view has another camera. forget: pictures are invalid for another reason. */
+    /* take_camera: the camera changed. forget: pictures are invalid for another reason. */
     void (*take_camera)(struct pictures *pictures, const struct camera *camera);
     void (*forget)(struct pictures *pictures);
 
@@ -174,81 +174,78 @@ struct follower {
     void (*leave_scene)(struct pictures *pictures);
     void (*release)(struct pictures *pictures);
 
-    /* Add the bytes in use: `pictures`, and `answers` for labels. */
+    /* Add the bytes in use to the members `pictures` and `answers`. */
     void (*count_memory)(const struct pictures *pictures, struct session_memory *memory);
 };
 
-/* Set the pictures, which the session releases. The session must have a scene and no pictures. */
+/* Set the pictures; the session then owns them. The session must have a scene and no pictures. */
 void session_set_pictures(struct session *session, struct pictures *pictures,
                           const struct follower *follower);
 
-/* Find the default intensities of black and white, the smaller first. Few voxels are as bright
- * as vessels and fat, so WINDOW_BLACK of a thousand voxels are no brighter than black, and 1000 -
- * WINDOW_WHITE are brighter than white (engine/scene.h). Computed once. */
+/* Find the default intensities of black and white, the smaller first: the quantiles WINDOW_BLACK
+ * and WINDOW_WHITE, in thousandths, of all intensities (engine/scene.h). White is below the
+ * maximum, since only the few voxels of vessels and fat are that bright. Computed once. */
 enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
 void session_find_window(struct session *session, int32_t window[2]);
 
 /* ---- atomic commands ---- */
 
-/* Mark the beginning of a command. If the watch stops it or it fails, session_rollback restores
- * the former state; the rollback is watched, but cannot be stopped. */
+/* Mark the beginning of a command. If it fails or the watch stops it, session_rollback restores the
+ * former state. The rollback reports progress to the watch, but cannot be stopped. */
 void session_mark(struct session *session);
 void session_rollback(struct session *session);
-/* Settle the command: release the large memory that only session_rollback needs. The next
- * session_mark also does this. */
+/* Settle the command: release the memory that only session_rollback needs. The next session_mark
+ * also does this. */
 void session_settle(struct session *session);
 
-/* The grid for maps that a command reads. */
+/* The grid on which a command reads maps. */
 struct map_place session_map_place(const struct session *session, bool resample);
 
 /* ---- the only way to change a session ---- */
 
-/* Set the state, which is borrowed, and apply `seeds` edits (a later edit of a voxel wins),
- * which lead from the present set of seeds to that of the state. ERR_LIMIT, without a change, for a
- * view without a camera (render/view.h). On other errors, session_rollback restores the former
- * state. */
+/* Set the state, which is borrowed, and apply `seeds` edits, which change the present set of seeds
+ * into that of the state; the last edit of a voxel counts. ERR_LIMIT, without a change, for a view
+ * without a camera (render/view.h). On other errors, session_rollback restores the former state. */
 enum err session_go(struct session *session, const struct state *state, const struct edit *seed,
                     size_t seeds, struct fault *fault);
 
-/* Skim: session_go changes only seeds and settings, without computing or drawing, until
- * session_catch_up computes the last state. Use it for a series of commands if only the last state
- * is needed. session_catch_up does nothing in a session that does not skim. */
+/* Skim a series of commands if only the last state is needed: session_go changes only seeds
+ * and settings, without computing or drawing, until session_catch_up computes the last state.
+ * session_catch_up does nothing in a session that does not skim. */
 void session_skim(struct session *session);
 enum err session_catch_up(struct session *session, struct fault *fault);
 
-/* Call from `show` of the watch (base/watch.h), while a command runs: `draw` may read the session
- * and make pictures of its present state, and must not run a command. The data of the command is
- * restored afterwards. */
+/* Call this from `show` of the watch (base/watch.h), while a command runs. `draw` may read the
+ * session and make pictures of its present state, and must not run a command. The data of the
+ * running command is restored afterwards. */
 void session_show(struct session *session, void (*draw)(void *context), void *context);
 
-/* Within `draw`: move the cross-hair. The caller restores it, so that no command uses the
- * temporary one. */
+/* Move the cross-hair within `draw`. The caller restores it, so that no command uses the temporary
+ * place. */
 void session_show_cross(struct session *session, const uint32_t place[3]);
 
 /* ---- the scene (open.c) ---- */
 
 /* Open "synth:geom", "synth:geom:XYZ" (each of X, Y, Z 1 or 2), "synth:geom:NXxNYxNZ" (a size in
- * voxels) or the part of a file selected by the choice (may be NULL). The caller has located the
- * file. Weights are those of the state, which begins with `morph` over 6 neighbours. */
+ * voxels) or the part of a file selected by `choice` (may be NULL); `path` is the final path of the
+ * file. Weights are those of the state, initially `morph` over 6 neighbours. */
 enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
                       struct fault *fault);
 
-/* Interpolate each axis a with bit a set in `doubled` to 2n - 1 voxels (engine/scene.h); an axis
- * of one voxel is unchanged. Angles and size of the view are unchanged, the zoom is that of a new
- * scene of this size. ERR_USAGE after the first seed, planted or pending, and with a mask or
- * weights from a file or a cut, since those belong to the grid. On error, session_rollback restores
- * the former scene. */
+/* Interpolate the axes a with bit a set in `doubled` from n to 2n - 1 voxels (engine/scene.h). The
+ * angles and the size of the view do not change; the zoom is that of a new scene of this size.
+ * ERR_USAGE after the first seed, planted or pending, and with a mask, a cut or weights from a
+ * file, since these belong to the grid. On error, session_rollback restores the former scene. */
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault);
 
-/* Lazy opening: a file of `least` bytes or more, in memory as below, is opened without making
- * its cells. All facts about the scene are known. session_complete makes the cells and recomputes
- * stale parts (S5); without either it does nothing. ERR_CANCELLED, ERR_MEMORY: the cells are still
- * missing. */
+/* Lazy opening: do not make the cells of a scene for which session_bytes_for returns `least` or
+ * more (S7); all facts about the scene are known nevertheless. session_complete makes missing cells
+ * and recomputes stale parts (S5). After ERR_CANCELLED or ERR_MEMORY cells are still missing. */
 void session_let_wait(struct session *session, uint64_t least);
 enum err session_complete(struct session *session, struct fault *fault);
 
-/* Bytes for a scene of this size, in total, saturated at 2^64 - 1. session_open rejects a scene
- * that does not fit the memory of the machine (ERR_LIMIT), and announces a large one to the watch
+/* Total bytes for a scene of this size, saturated at 2^64 - 1. session_open rejects a scene that
+ * does not fit into the memory of the machine (ERR_LIMIT), and announces a large one to the watch
  * before loading it. */
 uint64_t session_bytes_for(const uint32_t size[3]);
 
@@ -257,20 +254,20 @@ uint64_t session_bytes_for(const uint32_t size[3]);
 /* Number of pending edits. */
 size_t session_pendings(const struct session *session);
 
-/* Remove all markers after the first `count`, without a trace in the session. */
+/* Remove all markers after the first `count`, as if they had never existed. */
 void session_truncate_markers(struct session *session, size_t count);
 
 /* Return the number of a reach, for session_plant (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
 enum err session_add_reach(struct session *session, const struct reach *reach, uint16_t *number,
                            struct fault *fault);
 
-/* Add a marker: pending seeds of a label; for EDIT_ERASE, their removal. `reach` is the number
- * of their reach, or 0. */
+/* Add a marker of pending seeds of a label; with EDIT_ERASE, of pending removals. `reach` is the
+ * number of their reach, or 0. */
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        uint16_t reach, struct fault *fault);
 
-/* The same for a piece of a segmentation, which yields (session/markers.h), with its runs; no
- * runs if all of it is planted. */
+/* Add a marker for a piece of a segmentation, which yields (session/markers.h). The runs are its
+ * voxels; there are no runs if all voxels are planted. */
 enum err session_plant_piece(struct session *session, const uint32_t *cell, size_t count,
                              int16_t label, uint16_t reach, const struct marker_run *run,
                              size_t runs, struct fault *fault);
@@ -286,82 +283,85 @@ enum err session_grow_confined(const struct session *session, const struct label
                                const struct voxels *within, struct voxels *grown,
                                struct fault *fault);
 
-/* Make the last marker free the voxels `cell`: the seeds of older markers there are removed while
- * it is valid. */
+/* Make the last marker free the voxels `cell`: the seeds of older markers there are removed as long
+ * as it is valid. */
 enum err session_free_voxels(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault);
 
-/* Join the last marker to the one before, which is valid. */
+/* Join the last marker to the previous one, which must be valid. */
 void session_join(struct session *session);
 
-/* Remove markers by their numbers, with those joined to them: their seeds are removed, and the
- * seeds of the markers below are restored. ERR_CHECK for a number of no valid marker, of a joined
- * one or of an eraser. */
+/* Remove the markers with these numbers, and the markers joined to them: remove their seeds, and
+ * restore the seeds that they replaced. ERR_CHECK if a number is not that of a valid marker, or
+ * that of a joined one or an eraser. */
 enum err session_remove_markers(struct session *session, const uint32_t *number, size_t count,
                                 struct fault *fault);
 
-/* Find the markers, each once, whose trees hold one of the voxels (as of the last run), or that
- * have pending seeds there; a stroke is found as its first part. The caller frees *number.
+/* Find the markers, each once, whose trees held one of the voxels after the last run, or that have
+ * pending seeds there. Of joined markers, the first one is found. The caller frees *number.
  * ERR_INPUT if no marker is found. */
 enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
                               uint32_t **number, size_t *numbers, struct fault *fault);
 
-/* Add an eraser of single trees: it removes the seed whose tree holds the voxel (as of the last
- * run), or the pending seed there. ERR_INPUT if none of the voxels has either. */
+/* Add an eraser of single trees: for each voxel, it removes the seed whose tree held the voxel
+ * after the last run, or the pending seed there. ERR_INPUT if no voxel has such a seed. */
 enum err session_erase_trees(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault);
 
-/* The same for known seeds: ERR_CHECK for one that is neither planted nor pending. */
+/* Add an eraser of these seeds. ERR_CHECK for a voxel without a planted or pending seed. */
 enum err session_erase_seeds(struct session *session, const uint32_t *seed, size_t count,
                              struct fault *fault);
 
-/* The effect of an eliminator at a voxel: the marker whose trees hold it, or the single tree.
- * Trees are counted from their roots, so the time depends on their voxels, up to a bound, and not
- * on the size of the scene. */
+/* The effect of an eliminator at a voxel: it removes the marker whose trees hold the voxel, or a
+ * single tree. Voxels are counted from the roots of the trees, so that the time depends on the size
+ * of the trees, up to HELD_MOST voxels, and not on the size of the scene. */
 enum { HELD_MOST = 2000000 }; /* voxels counted, about 80 ms */
 
 struct held {
-    uint32_t marker; /* number of the marker, the first of its stroke; 0 for a single tree, */
-    uint32_t seed;   /* and then its seed */
+    uint32_t marker; /* number of the marker, the first of joined ones; 0 for a single tree */
+    uint32_t seed;   /* seed of the single tree */
     uint8_t label;
     size_t trees;  /* trees of planted seeds */
-    size_t waits;  /* its pending seeds */
-    size_t voxels; /* voxels of the trees; those of an outline's ring are not counted */
-    bool has_more; /* more than HELD_MOST: the three numbers are lower bounds */
+    size_t waits;  /* pending seeds */
+    size_t voxels; /* voxels of the trees, except those of an outline's ring */
+    bool has_more; /* more than HELD_MOST voxels: the three numbers are lower bounds */
 };
 
-/* Find the single tree if `tree`, or if the semantics have no markers. ERR_INPUT if nothing
- * holds the voxel; ERR_MEMORY. */
+/* Find the marker at a voxel, or with `tree` the single tree. ERR_INPUT if the voxel has neither;
+ * ERR_MEMORY. */
 enum err session_find_held(struct held *held, const struct session *session, uint32_t cell,
                            bool tree, struct fault *fault);
 
 /* True if the marker or tree of `held` holds a voxel. Valid until the next command. */
 bool session_is_held(const struct session *session, const struct held *held, uint32_t cell);
 
-/* Store the place of an eliminator; slices show it until the run after the next. */
+/* Store the place of an eliminator: slices mark it as pending until the next run, and as applied
+ * until the run after it. */
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault);
 
-/* Apply the pending edits, and update border and rendition (as an incremental image). Does
- * nothing without pending edits. */
+/* Apply the pending edits, and update the border and, incrementally, the rendition. Does nothing
+ * without pending edits. */
 enum err session_run(struct session *session, struct fault *fault);
 
 /* ---- answers about labels: not for a session that skims ---- */
 
-/* Update `tally`: by a scan of the scene after a rebuild, otherwise at once. ERR_CANCELLED. Not for
- * a session that skims. */
+/* Update `tally`: after a rebuild by a scan of the scene, otherwise from the changes.
+ * ERR_CANCELLED. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
-/* The same before a command whose changes will be counted: also sets `former_tally`, and makes a
- * forest that is recomputed store its former labels, by a scan of the scene. */
+/* Call this before a command whose changes will be counted. Updates `tally` and copies it to
+ * `former_tally`. If the command recomputes the forest, the former labels are then stored, by a
+ * scan of the scene. */
 enum err session_count_before(struct session *session, struct fault *fault);
 
-/* Voxels with another label after the command; CHANGES_UNKNOWN if memory did not suffice to
- * count them. Call session_count_before before the command, and session_count_labels after it. */
+/* Number of voxels whose label the command has changed; CHANGES_UNKNOWN if there was not enough
+ * memory to count them. Call session_count_before before the command, and session_count_labels
+ * after it. */
 uint64_t session_changed_voxels(const struct session *session);
 
-/* Compute the statistics of each of these labels (session_labels): stats[256]. Those of the
- * forest are kept up to date from the first call on (engine/label_stats.h), so a replay without
- * questions does not compute them. ERR_MEMORY, ERR_CANCELLED. Not for a session that skims. */
+/* Compute the statistics of these labels (session_labels), by label: stats[256]. From the first
+ * call on, the statistics of the forest are updated by each edit (engine/label_stats.h), so that a
+ * replay without questions does not compute them. ERR_MEMORY, ERR_CANCELLED. */
 enum err session_find_stats(struct session *session, const struct labels *labels,
                             struct label_stats *stats, struct fault *fault);
 
@@ -369,20 +369,23 @@ enum err session_find_stats(struct session *session, const struct labels *labels
 enum err session_sum_label(struct session *session, unsigned label, struct label_sums *sums,
                            struct fault *fault);
 
-/* Voxels of each label before the last edit; NULL if they, or the present ones, are unknown. */
+/* Number of voxels of each label before the last edit; NULL if these numbers or the present ones
+ * are unknown. */
 const uint64_t *session_voxels_before_edit(const struct session *session);
 
-/* Labels for output: the forest's, or if `finished`, after the steps of kept.finish. Borrowed,
- * valid until the next command. Pending edits are ignored: call session_run before. ERR_LIMIT if a
- * step reaches too far for the scene (finish_check), ERR_MEMORY, ERR_CANCELLED. */
+/* Find the labels for output: the forest's labels, or with `finished` the result of the steps of
+ * kept.finish. They are borrowed and valid until the next command. Pending edits are not included:
+ * call session_run first. ERR_LIMIT if a step extends too far for the scene (finish_check),
+ * ERR_MEMORY, ERR_CANCELLED. */
 enum err session_labels(struct session *session, bool finished, struct labels *labels,
                         struct fault *fault);
 
-/* Digest of the last finished labels of session_labels. */
+/* Digest of the last finished labels that session_labels has computed. */
 uint64_t session_finished_digest(const struct session *session);
 
-/* Finished labels of the present state, [grid.cells], if already computed; otherwise NULL. And a
- * digest, not 0, of their inputs: labels and steps, and seeds if a step uses them. */
+/* Finished labels of the present state, [grid.cells]; NULL if they are not computed yet. The second
+ * function returns a digest, never 0, of their inputs: labels and steps, and seeds if a step uses
+ * them. */
 const uint8_t *session_finished(const struct session *session);
 uint64_t session_finish_source(const struct session *session);
 
@@ -391,26 +394,27 @@ uint64_t session_finish_source(const struct session *session);
 enum proposal { PROPOSE_NOTHING, PROPOSE_SPHERE, PROPOSE_OUTLINE };
 enum proposal session_find_proposal(const struct session *session);
 
-/* In a session with the origin of a procedure: find the label whose volume differs most from
- * that in the procedure, and the ratio; 0 for no label. ERR_CANCELLED. */
+/* In a session that has the origin of a procedure, find the label whose volume differs most from
+ * that in the procedure, and the ratio of the two. Label 0 if there is no such label.
+ * ERR_CANCELLED. */
 enum err session_find_worst(struct session *session, unsigned *label, double *share,
                             struct fault *fault);
 
-/* Find hints (engine/hints.h), those of the worst label first, in about the time of a run; and
- * their heat if requested, a byte per voxel until the next edit. Borrowed, as above. ERR_USAGE
- * under `weight polarity`, ERR_MEMORY, ERR_CANCELLED. */
+/* Find the hints (engine/hints.h), beginning with the label of session_find_worst, and, if
+ * requested, their heat, one byte per voxel. Needs about the time of a run. Both are borrowed and
+ * valid until the next edit. ERR_USAGE under `weight polarity`, ERR_MEMORY, ERR_CANCELLED. */
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault);
 
-/* ---- settings that need more than a change of the state (go.c) ---- */
+/* ---- settings that must be checked first (go.c) ---- */
 
 /* Set weights [z][y][x] from a file called `name`. */
 enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
                                 struct fault *fault);
 
-/* Set the two parts of the region of interest; NULL for none. ERR_INPUT, without a change, if no
- * voxel would be inside, or a planted or pending seed outside. `rest`: the regions that the mask
- * excludes and that maps of labels keep, [z][y][x], or NULL. */
+/* Set the two parts of the region of interest, mask and range; NULL for none. ERR_INPUT, without a
+ * change, if no voxel would be inside or if a planted or pending seed would be outside. `rest`: the
+ * regions that the mask excludes and that maps of labels keep, [z][y][x], or NULL. */
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
                           const uint32_t regions[2], const uint16_t *rest, struct fault *fault);
 

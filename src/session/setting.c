@@ -30,15 +30,15 @@ const struct command setting_table[] = {
      {{"COUNT", VALUE_CHOICE, .choices = "6|26",
        SETS(kept.adjacency, 6, .made = MADE_WEIGHTS, .as = HELD_AS_COUNT, .says = SAYS_WEIGHTS)}},
      "connect voxels by faces, or also by corners",
-     "6, the default: voxels that share a face. 26: also voxels with a common edge or corner.",
+     "6, the default, connects voxels by faces; 26 also connects them by edges and corners.",
      "adjacency 26"},
     {SETTING("auto", GROUP_SEEDS, R),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
        SETS(outlook.runs_by_itself, 0, .made = 0, .as = HELD_AS_SWITCH, .says = SAYS_WAITING)}},
-     "run each edit at once, or when needed",
-     "off in scripts, on at the prompt. Pending edits are applied with the next command that "
-     "edits, shows labels or answers from labels, or by `run`. `auto on`, undo, redo and goto do"
-     " not apply them.",
+     "apply each edit at once, or when needed",
+     "The default is off in scripts and on at the prompt. With off, edits remain pending until "
+     "`run` or a command that needs the labels (`help run`). After `auto on`, pending edits are "
+     "applied with the next edit; undo, redo and goto do not apply them.",
      "auto on"},
     {SETTING("size", GROUP_VIEW, R | S),
      {{"WIDTH", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST,
@@ -47,7 +47,7 @@ const struct command setting_table[] = {
        SETS(outlook.view.height, 512, .made = MADE_CAMERA)}},
      "set the size of pictures, in pixels",
 
-     "For renditions, slices and mosaics; 512 512 by default.",
+     "Sets the size of renditions, slices and mosaics; the default is 512 512.",
 
      "size 512 512"},
     {SETTING("shade", GROUP_LOOK, R | S),
@@ -58,12 +58,12 @@ const struct command setting_table[] = {
       {"creases", VALUE_CHOICE, KEYED, .choices = "yes|no",
        SETS(outlook.look.creases, 0, .made = MADE_CAMERA, .as = HELD_AS_SWITCH)}},
      "draw smooth surfaces, or the faces of voxels",
-     "surface, the default: the visible objects, smoothed.\n"
-     "cubes: the faces of their voxels, with the normals of the surface.\n"
-     "ao: ambient occlusion in percent, 0 by default. It darkens sulci and other hollows by up "
-     "to this amount, except on translucent objects and on cut faces.\n"
-     "creases: yes shades each object separately, so that a crease is visible where two touch; "
-     "no draws one surface across both.",
+     "surface, the default: draw the smooth surfaces of visible objects.\n"
+     "cubes: draw voxel faces, with the normals of the surface.\n"
+     "ao: ambient occlusion: darken sulci and other concave places by up to this percentage, "
+     "except on translucent objects and on cut faces. The default is 0.\n"
+     "creases: yes shades each object separately, so that a crease is visible where two objects "
+     "touch; no, the default, draws one surface across both.",
      "shade cubes"},
     {SETTING("light", GROUP_LOOK, R | S),
      {{"YAW", VALUE_DECIMAL, .least = -VIEW_TURN / 2, .most = VIEW_TURN / 2,
@@ -71,63 +71,63 @@ const struct command setting_table[] = {
       {"PITCH", VALUE_DECIMAL, .least = -LIGHT_PITCH_MOST, .most = LIGHT_PITCH_MOST,
        SETS(outlook.look.light[1], 30000, .made = MADE_CAMERA)}},
      "set the direction of the light, in degrees",
-     "The light moves with the viewer: 0 0 comes from behind the viewer, YAW turns it to the "
-     "right, PITCH upwards. The default is -25 30, over the left shoulder.",
+     "The light moves with the viewer. At 0 0 it comes from behind the viewer; YAW moves it to the "
+     "right, and PITCH upwards. The default, -25 30, is over the viewer's left shoulder.",
      "light -25 30"},
     {SETTING("cue", GROUP_LOOK, R | S),
      {{"PERCENT", VALUE_NUMBER, .most = 100,
        SETS(outlook.look.cue_percent, 30, .made = MADE_CAMERA)}},
      "darken distant surfaces",
-     "PERCENT is the darkening at the far end of the scene; 30 by default.",
+     "PERCENT is the darkening at the far end of the scene; the default is 30.",
      "cue 50"},
     {SETTING("edges", GROUP_LOOK, R | S),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
        SETS(outlook.look.edges, 0, .made = MADE_CAMERA, .as = HELD_AS_SWITCH)}},
      "draw lines at folds and occluding edges",
 
-     "off by default. A line is drawn on the object in front, one pixel wide: dark if another "
-     "object, or another part of this one, is behind it or touches it, and at folds of the "
-     "surface; light, with a dark line inside, if only the background is behind it.",
+     "The default is off. Lines are one pixel wide, on the object in front. They are dark at "
+     "folds, "
+     "and where an object or another part of the object is behind it or touches it. In front of "
+     "the background they are light, with a dark line inside.",
 
      "edges on"},
     {SETTING("samples", GROUP_LOOK, R | S),
      {{"COUNT", VALUE_CHOICE, .choices = "1|2|4",
        SETS(outlook.look.samples, 1, .made = MADE_CAMERA, .as = HELD_AS_COUNT)}},
-     "smooth outlines: COUNT x COUNT samples a pixel",
-     "Each pixel is the mean of its samples; depth, label and voxel are those of the nearest "
-     "sample. 1 by default.",
+     "smooth outlines by COUNT x COUNT samples per pixel",
+     "The colour of a pixel is the mean of its samples; depth, label and voxel are those of the "
+     "nearest sample. The default is 1.",
      "samples 2"},
     {SETTING("background", GROUP_LOOK, R | S),
      {{"COLOUR", VALUE_COLOUR, .choices = BACKGROUNDS,
        SETS(outlook.background, BACKGROUND_GRADIENT, .made = 0, .as = HELD_AS_BACKGROUND)}},
      "set the background of renditions",
-     "Applies on the screen and in files. gradient, the default: from grey at the top to dark "
-     "grey.\n"
-     "transparent: alpha in .png and .tif; black on the screen, in mosaics and in other "
-     "formats.\n"
-     ".exr files and golden images always have only the objects, with their alpha.",
+     "Applies to the screen and to files. gradient, the default, is from grey at the top to dark "
+     "grey at the bottom.\n"
+     "transparent: write alpha to .png and .tif; the background is black on the screen, in mosaics "
+     "and in other formats.\n"
+     ".exr files and golden images never have a background, only the objects with their alpha.",
      "background white"},
     {SETTING("decorate", GROUP_LOOK, R | S),
      {{"PART", VALUE_PARTS, .choices = DECORATIONS "|all|none",
        SETS(outlook.decorations, 0, .made = 0)}},
      "draw letters, a scale or a legend over renditions",
-     "none by default. Decorations are drawn over the colours, on the screen, in files and in "
-     "golden images, and scale with the picture; `pick` ignores them.\n"
-     "letters: the patient's sides, R L A P S I, or the axes if the sides are unknown.\n"
-     "scale: a bar and its length in millimetres, or in voxels if the spacing is unknown.\n"
+     "The default is `none`. Decorations are drawn over the picture on the screen, in files and in "
+     "golden images. They scale with the picture, and `pick` ignores them.\n"
+     "letters: the sides of the patient, R L A P S I, or the axes if the orientation is unknown.\n"
+     "scale: a bar with its length in millimetres, or in voxels if the spacing is unknown.\n"
      "legend: the visible labels, with their volumes.\n"
-     "seeds: as in `overlay marks`, where their voxels are visible.\n"
-     "cross: the cross-hair, where its voxel is visible.",
+     "seeds: the seeds whose voxels are visible, as in `overlay marks`.\n"
+     "cross: the cross-hair, if its voxel is visible.",
 
      "decorate letters scale legend"},
     {SETTING("context", GROUP_LOOK, R | S),
      {{"WHAT", VALUE_CHOICE, .choices = CONTEXTS,
        SETS(outlook.context, CONTEXT_NONE, .made = MADE_COLOURS)}},
      "show the scene behind and around the objects",
-     "none is the default.\n"
-     "mip: a maximum intensity projection. A pixel without an object is as bright as the "
-     "brightest voxel on its ray, within the `window` of slices, without cut parts. Dark pixels "
-     "show the background.",
+     "The default is `none`.\n"
+     "mip: draw a maximum intensity projection, without cut parts, in pixels without an object. It "
+     "uses the `window` of slices; dark pixels show the background.",
      "context mip"},
     {SETTING("overlay", GROUP_SLICES, R | S),
      {{"LABELS", VALUE_CHOICE, .optional = true, .choices = SLICE_OVERLAYS,
@@ -139,23 +139,23 @@ const struct command setting_table[] = {
       {"words", VALUE_CHOICE, KEYED, .choices = "on|off",
        SETS(outlook.slices.words, 1, .made = 0, .as = HELD_AS_SWITCH, .stays = true)}},
      "draw labels and marks over the grey of slices",
-     "none, tint or contour of the visible labels; contour by default.\n"
+     "Draws no labels, a tint, or contours of the visible labels; the default is contour.\n"
      "cross: the cross-hair.\n"
      "marks: a dot for each seed in the slice, except for seeds inside a group and seeds of "
-     "`labels`; an x for each eliminator of the last run; in the pilot, pending ones have a white "
-     "rim.\n"
-     "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
+     "`labels`, and an x where `remove` was applied in the last run. In the pilot, pending marks "
+     "have a white rim.\n"
+     "words: the title, the letters of the patient's sides, the scale bar and the grey bar.",
      "overlay tint cross=off"},
     {SETTING("finished", GROUP_KEPT, R | S),
      {{"STATE", VALUE_CHOICE, .choices = "on|off",
        SETS(outlook.shows_finished, 0, .made = MADE_COLOURS, .as = HELD_AS_SWITCH,
             .says = SAYS_FINISH)}},
      "show finished labels in pictures",
-     "In slices, mosaics, renditions and the pilot, after each seed and eliminator. The pilot "
-     "shows the labels of the forest first, and the finished ones as soon as they are computed. "
-     "Maps, surfaces and reports are finished with `finished=yes`; at a prompt they follow this "
-     "setting unless `finished=` is given, and the record has the value. off by default; a "
-     "session at a terminal begins with on.",
+     "Finished labels are the result of the steps of `finish`. With on, slices, mosaics, "
+     "renditions and the pilot show them after each edit; the pilot first shows the labels of the "
+     "forest, until the finished ones are computed. Maps, surfaces and reports have finished "
+     "labels with `finished=yes`; at a prompt, this setting is the default of `finished=`, and the "
+     "record has the value. The default is off; a session at a terminal begins with on.",
      "finished on"},
     {.name = NULL},
 };

@@ -99,15 +99,12 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
 /* Copy the rendition, over its background, into a pane. */
 static enum err put_frame(const struct sheet *sheet, uint32_t pane, struct fault *fault)
 {
-    struct canvas frame;
+    OWNED(canvas_release) struct canvas frame = {0};
     const struct canvas canvas = pane_of(sheet, pane);
     const enum err err = session_show_frame(&frame, sheet->session, fault);
-    if (err)
-        return err;
-    for (size_t y = 0; y < frame.height; y++)
+    for (size_t y = 0; !err && y < frame.height; y++)
         memcpy(canvas_pixel(&canvas, 0, y), canvas_pixel(&frame, 0, y), (size_t)4 * frame.width);
-    canvas_release(&frame);
-    return OK;
+    return err;
 }
 
 /* Blend the differences over the grey shade of all objects, which the pane already shows with
@@ -131,7 +128,7 @@ static void put_kinds(const struct sheet *sheet, const int64_t *depth)
 static enum err draw_difference(struct sheet *sheet, struct fault *fault)
 {
     const size_t pixels = (size_t)sheet->width * sheet->height;
-    int64_t *depth = mem_array(pixels, sizeof *depth);
+    OWNED(mem_release) int64_t *depth = mem_array(pixels, sizeof *depth);
     struct kept *kept = &sheet->state.kept;
     if (!depth)
         return fault_memory(fault, "a picture");
@@ -145,14 +142,13 @@ static enum err draw_difference(struct sheet *sheet, struct fault *fault)
         memcpy(depth, session_frame(sheet->session)->depth, pixels * sizeof *depth);
         err = put_frame(sheet, 2, fault);
     }
-    if (!err) {
-        for (int kind = A_ALONE; kind < DIFFERENCES; kind++)
-            memcpy(kept->palette.rgb[kind], difference_rgb[kind], 3);
-        err = render_as(sheet, AS_KIND, fault);
-    }
+    if (err)
+        return err;
+    for (int kind = A_ALONE; kind < DIFFERENCES; kind++)
+        memcpy(kept->palette.rgb[kind], difference_rgb[kind], 3);
+    err = render_as(sheet, AS_KIND, fault);
     if (!err)
         put_kinds(sheet, depth);
-    free(depth);
     return err;
 }
 
@@ -397,7 +393,7 @@ static enum err add_picture(void *context, const struct interpreter *interp,
                             struct fault *fault)
 {
     const struct journals *j = context;
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     if (!same_size(j->side[1].facts->size, facts->size))
         return OK;
     const enum err err = draw(&picture, interp->session, j, facts, label, fault);
@@ -406,7 +402,6 @@ static enum err add_picture(void *context, const struct interpreter *interp,
         buf_add(out, &drawn, sizeof drawn);
         buf_add(out, picture.rgba, (size_t)4 * picture.width * picture.height);
     }
-    picture_release(&picture);
     return err;
 }
 
@@ -426,8 +421,8 @@ static enum err check_drawn(const struct side *a, struct fault *fault)
 static enum err write_picture(const struct journals *j, struct fault *fault)
 {
     const struct drawn *drawn = j->side[0].more;
-    struct picture picture = {0};
-    struct buf words = {0};
+    OWNED(picture_release) struct picture picture = {0};
+    OWNED(buf_release) struct buf words = {0};
     if (!j->options->picture)
         return OK;
     enum err err = check_drawn(&j->side[0], fault);
@@ -441,11 +436,7 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
                j->overlap.voxels);
     if (!err)
         err = picture_note(&picture, "iftty:differ", buf_text(&words), fault);
-    if (!err)
-        err = image_write_png(j->options->picture, &picture, fault);
-    buf_release(&words);
-    picture_release(&picture);
-    return err;
+    return err ? err : image_write_png(j->options->picture, &picture, fault);
 }
 
 /* ---- the report ---- */
@@ -487,7 +478,7 @@ static void write_labels(struct buf *out, const struct journals *j)
     const struct overlap *o = &j->overlap;
     buf_printf(out, "%-22s %7s %12s %12s %12s\n", "labels", "Dice", "in A", "in B", "in both");
     for (int label = 1; label < 256; label++) {
-        struct buf name = {0};
+        OWNED(buf_release) struct buf name = {0};
         const unsigned dice = overlap_dice(o, (uint8_t)label);
         if (!is_listed(o, label))
             continue;
@@ -496,7 +487,6 @@ static void write_labels(struct buf *out, const struct journals *j)
         buf_printf(out, "%-22s %2u.%04u %12" PRIu64 " %12" PRIu64 " %12" PRIu64 "\n",
                    buf_text(&name), dice / DICE_ONE, dice % DICE_ONE, o->a[label], o->b[label],
                    o->both[label]);
-        buf_release(&name);
     }
     buf_printf(out, "voxels    %" PRIu64 " of %" PRIu64 " differ\n", o->differing, o->voxels);
 }

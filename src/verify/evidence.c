@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/safe.h"
 #include "command/interpreter.h"
 #include "image/image_helper.h"
@@ -41,19 +42,18 @@ void evidence_release(struct evidence *evidence)
 static void write_file(const struct evidence *evidence, struct interpreter *interp,
                        const char *name, const char *ending, const struct picture *picture)
 {
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     buf_printf(&path, "%s/%s.%s.%s", evidence->folder, file_name(buf_text(&interp->home)), name,
                ending);
     if (!path.failed)
         image_write(interp->helper, buf_text(&path), FILE_REPLACE, picture, NULL);
-    buf_release(&path);
 }
 
 static void add_pictures(struct evidence *evidence, const struct golden_finding *finding)
 {
     const struct picture *actual = finding->actual, *expected = finding->expected;
     const struct golden_difference *difference = finding->difference;
-    struct buf caption = {0};
+    OWNED(buf_release) struct buf caption = {0};
     buf_printf(&caption, "expected: golden image %s", finding->name);
     if (expected)
         evidence_add(evidence, buf_text(&caption), expected->width, expected->height,
@@ -63,7 +63,6 @@ static void add_pictures(struct evidence *evidence, const struct golden_finding 
     if (expected && difference->image)
         evidence_add(evidence, "difference, in red", difference->width, difference->height,
                      difference->image);
-    buf_release(&caption);
 }
 
 static enum err collect(void *context, struct interpreter *interp,
@@ -115,12 +114,9 @@ static enum err compare_pixels(const struct picture *file, const struct picture 
 /* A PNG that was drawn again has the present name of the journal. */
 static bool names_journal(const struct attribute *text, const struct interpreter *interp)
 {
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     golden_journal_name(&name, buf_text(&interp->home));
-    const bool is_name =
-        strcmp(text->name, "iftty:journal") == 0 && strcmp(text->value, buf_text(&name)) == 0;
-    buf_release(&name);
-    return is_name;
+    return strcmp(text->name, "iftty:journal") == 0 && strcmp(text->value, buf_text(&name)) == 0;
 }
 
 static enum err compare_texts(const struct picture *file, const struct picture *golden,
@@ -134,14 +130,12 @@ static enum err compare_texts(const struct picture *file, const struct picture *
         if (is_of_its_time || names_journal(text, interp) ||
             (note && strcmp(note, text->value) == 0))
             continue;
-        struct buf words = {0};
+        OWNED(buf_release) struct buf words = {0};
         buf_add_safe_text(&words, text->name);
         buf_add_text(&words, ": ");
         buf_add_safe(&words, text->value, strnlen(text->value, 200));
-        const enum err err = fault_set(
-            fault, ERR_CHECK, "it has a text that its golden image lacks: %s", buf_text(&words));
-        buf_release(&words);
-        return err;
+        return fault_set(fault, ERR_CHECK, "it has a text that its golden image lacks: %s",
+                         buf_text(&words));
     }
     return OK;
 }
@@ -158,8 +152,8 @@ static enum err check_png(struct interpreter *interp, const char *path,
 {
     /* Reject a file with more bytes than pixels and notes can need. */
     const size_t most = (size_t)8 * golden->width * golden->height + (4 << 20);
-    struct buf bytes = {0};
-    struct picture file = {0};
+    OWNED(buf_release) struct buf bytes = {0};
+    OWNED(picture_release) struct picture file = {0};
     bool leads_out = false;
     enum err err = interpreter_may_read(interp, path, &leads_out, fault);
     if (!err)
@@ -172,8 +166,6 @@ static enum err check_png(struct interpreter *interp, const char *path,
         err = compare_texts(&file, notes, interp, fault);
     if (!err && file.pixel_mm > 0 && pixels_a_metre(&file) != pixels_a_metre(golden))
         err = fault_set(fault, ERR_CHECK, "its pixel size differs from that of its golden image");
-    picture_release(&file);
-    buf_release(&bytes);
     return err && err != ERR_MEMORY && leads_out ? golden_refuse_link(path, fault) : err;
 }
 
@@ -184,7 +176,7 @@ static enum err judge_same(void *context, struct interpreter *interp,
 {
     struct evidence *evidence = context;
     const struct picture *actual = finding->actual;
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     evidence->goldens++;
     evidence->pixels += (uint64_t)actual->width * actual->height;
     buf_add(&path, finding->path, strlen(finding->path) - strlen("exr"));
@@ -197,7 +189,6 @@ static enum err judge_same(void *context, struct interpreter *interp,
         err =
             fault_set(fault, ERR_CHECK, "%s; delete it, and `golden` draws it again", fault->text);
     }
-    buf_release(&path);
     return err;
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/command.h"
 #include "journal/journal.h"
@@ -167,7 +168,7 @@ enum err bisect_journals(const char *a, const char *b, const struct printer *pri
                          struct fault *fault)
 {
     const char *const path[2] = {a, b};
-    struct first_difference first = {0};
+    OWNED(first_difference_release) struct first_difference first = {0};
     struct buf text = {0};
     enum err err = first_difference_of_files(&first, FIRST_RECORD, path, path, 0, fault);
     if (!err) {
@@ -195,6 +196,5 @@ enum err bisect_journals(const char *a, const char *b, const struct printer *pri
     }
     if (!err && first.is_there)
         err = fault_set(fault, ERR_CHECK, "record %zu is the first that differs", first.same + 1);
-    first_difference_release(&first);
     return err;
 }

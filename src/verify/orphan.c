@@ -7,6 +7,7 @@
 
 #include "base/choice.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "command/execute.h"
 #include "command/golden_files.h"
 #include "image/exr.h"
@@ -20,13 +21,12 @@
 
 static enum err open_files(struct golden_files *files, const char *journal, struct fault *fault)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     enum err err = golden_files_open(files, journal, fault);
     if (!err && files->folder >= 0)
         err = file_read(&bytes, journal, JOURNAL_BYTES_MAX, fault);
     if (!err && files->folder >= 0)
         err = golden_files_read(files, buf_text(&bytes), bytes.length, fault);
-    buf_release(&bytes);
     return err;
 }
 
@@ -40,11 +40,10 @@ static enum err redraw(const struct orphan_search *search, const char *command, 
     const struct golden_judge *former = interp->judge;
     struct evidence unseen = {.folder = NULL};
     const struct golden_judge judge = evidence_judge(&unseen);
-    struct reply reply = {0};
+    OWNED(reply_release) struct reply reply = {0};
     interp->judge = &judge;
     const enum err err = interpreter_execute(interp, command, &reply, fault);
     interp->judge = former;
-    reply_release(&reply);
     return err;
 }
 
@@ -53,7 +52,7 @@ static enum err redraw(const struct orphan_search *search, const char *command, 
 static enum err check_leftover(const struct orphan_search *search, const char *image,
                                struct fault *fault)
 {
-    struct buf command = {0};
+    OWNED(buf_release) struct buf command = {0};
     struct choice of, finished;
     enum err err = ERR_CHECK;
     for (const char *at = "rendition|" SLICE_KINDS; err == ERR_CHECK && choice_next(&of, &at);)
@@ -65,7 +64,6 @@ static enum err check_leftover(const struct orphan_search *search, const char *i
                                  : redraw(search, buf_text(&command), fault);
             err = err == ERR_USAGE || err == ERR_INPUT ? ERR_CHECK : err;
         }
-    buf_release(&command);
     return err;
 }
 
@@ -73,7 +71,7 @@ static enum err check_leftover(const struct orphan_search *search, const char *i
 static enum err pass_over(const struct orphan_search *search, const struct golden_files *files,
                           const char *name, struct fault *fault)
 {
-    struct buf image = {0};
+    OWNED(buf_release) struct buf image = {0};
     enum err err = search->lines ? OK : ERR_CHECK;
     buf_add_text(&image, name);
     if (image.failed)
@@ -89,7 +87,6 @@ static enum err pass_over(const struct orphan_search *search, const struct golde
                    "the journal removes it\n",
                    name);
     }
-    buf_release(&image);
     return err;
 }
 
@@ -121,7 +118,7 @@ static int compare_names(const struct dirent **a, const struct dirent **b)
 static enum err list_orphans(struct buf *orphans, const struct orphan_search *search,
                              const struct golden_files *files, struct fault *fault)
 {
-    struct dirent **entry = NULL;
+    OWNED(mem_release) struct dirent **entry = NULL;
     const int entries = scandirat(files->folder, ".", &entry, NULL, compare_names);
     enum err err = entries < 0 ? fault_errno(fault, "read", buf_text(&files->path)) : OK;
     for (int i = 0; i < entries; i++) {
@@ -134,7 +131,6 @@ static enum err list_orphans(struct buf *orphans, const struct orphan_search *se
         }
         free(entry[i]);
     }
-    free(entry);
     return limits_judge(err, &(struct buf){0}, fault);
 }
 
@@ -145,7 +141,7 @@ static enum err list_orphans(struct buf *orphans, const struct orphan_search *se
 static enum err check_next_to_link(const struct orphan_search *search,
                                    const struct golden_files *files, struct fault *fault)
 {
-    struct buf next = {0}, one = {0}, other = {0};
+    OWNED(buf_release) struct buf next = {0}, one = {0}, other = {0};
     enum err err = golden_folder_next_to_link(&next, search->journal, fault);
     DIR *folder = !err && next.length ? opendir(buf_text(&next)) : NULL;
     if (!err && next.length && !folder)
@@ -171,9 +167,6 @@ static enum err check_next_to_link(const struct orphan_search *search,
     }
     if (folder)
         closedir(folder);
-    buf_release(&next);
-    buf_release(&one);
-    buf_release(&other);
     return limits_judge(err, &(struct buf){0}, fault);
 }
 
@@ -181,7 +174,7 @@ static enum err check_next_to_link(const struct orphan_search *search,
 
 enum err orphan_find(struct buf *orphans, const struct orphan_search *search, struct fault *fault)
 {
-    struct golden_files files;
+    OWNED(golden_files_close) struct golden_files files;
     enum err err = open_files(&files, search->journal, fault);
     if (err == ERR_INPUT && search->lines && !search->is_strict) {
         buf_add_text(search->lines, "# ");
@@ -207,28 +200,20 @@ enum err orphan_find(struct buf *orphans, const struct orphan_search *search, st
             first, buf_text(&files.path),
             orphans->length > strlen(first) + 1 ? ", and others" : "");
     }
-    golden_files_close(&files);
     return err;
 }
 
 enum err orphan_remove(const char *journal, const char *orphan, struct fault *fault)
 {
-    struct golden_files files;
-    struct buf real = {0};
+    OWNED(buf_release) struct buf real = {0};
     file_real(&real, journal);
-    enum err err = OK;
     if (real.failed)
-        err = fault_memory(fault, "a path");
-    else if (strcmp(buf_text(&real), journal) != 0)
-        err = fault_set(fault, ERR_CHECK,
-                        "%s is a link to %s: %s was left alone; name that journal to remove it",
-                        journal, buf_text(&real), orphan);
-    if (!err) {
-        err = open_files(&files, journal, fault);
-        if (!err)
-            err = golden_files_remove(&files, orphan, fault);
-        golden_files_close(&files);
-    }
-    buf_release(&real);
-    return err;
+        return fault_memory(fault, "a path");
+    if (strcmp(buf_text(&real), journal) != 0)
+        return fault_set(fault, ERR_CHECK,
+                         "%s is a link to %s: %s was left alone; name that journal to remove it",
+                         journal, buf_text(&real), orphan);
+    OWNED(golden_files_close) struct golden_files files;
+    const enum err err = open_files(&files, journal, fault);
+    return err ? err : golden_files_remove(&files, orphan, fault);
 }

@@ -8,6 +8,7 @@
 #include "base/confine.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/execute.h"
 #include "journal/journal.h"
@@ -52,7 +53,7 @@ void timing_release(struct timing *timing)
 static enum err execute(void *context, const char *command, struct buf *words, struct fault *fault)
 {
     struct replaying *replaying = context;
-    struct reply reply = {0};
+    OWNED(reply_release) struct reply reply = {0};
     const bool is_judged = ++replaying->number >= replaying->first;
     replaying->interp->judge = is_judged ? replaying->judge : NULL;
     const uint64_t begin = clock_ns();
@@ -65,7 +66,6 @@ static enum err execute(void *context, const char *command, struct buf *words, s
     if (!err && replaying->printer && reply.canonical.length)
         script_acknowledge(replaying->interp, &reply, replaying->printer);
     buf_add_text(words, buf_text(&reply.words));
-    reply_release(&reply);
     return err;
 }
 
@@ -90,7 +90,7 @@ struct replay_host replay_file_host(struct replaying *replaying)
  * missing, so that their content does not appear as unknown commands. */
 static enum err read_journal(struct buf *bytes, const char *path, struct fault *fault)
 {
-    struct buf folder = {0};
+    OWNED(buf_release) struct buf folder = {0};
     const enum err err = file_exists(path) ? file_read(bytes, path, JOURNAL_BYTES_MAX, fault) : OK;
     file_folder(&folder, path);
     const bool is_elsewhere =
@@ -98,7 +98,6 @@ static enum err read_journal(struct buf *bytes, const char *path, struct fault *
     const bool is_shown = !is_elsewhere || (!err && strncmp(buf_text(bytes), RECORD_HEADER,
                                                             strlen(RECORD_HEADER)) == 0);
     struct stat status;
-    buf_release(&folder);
     if (is_shown && file_exists(path))
         return err;
     return lstat(path, &status) == 0 && S_ISLNK(status.st_mode)
@@ -120,7 +119,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
                      const struct printer *printer, struct timing *timing,
                      struct replay_report *report, struct fault *fault)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     struct replaying replaying = {.interp = interp,
                                   .printer = printer,
                                   .timing = timing,
@@ -133,7 +132,6 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
         err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
     interp->replayed_words = NULL;
     interp->judge = replaying.judge;
-    buf_release(&bytes);
     return err;
 }
 
@@ -217,7 +215,7 @@ void divergence_describe(struct buf *lines, const char *expected, const char *ac
     const char *words = meaning(expected, actual);
     const char *at = expected, *end = expected + strlen(expected);
     struct record_word e, a;
-    struct buf same = {0};
+    OWNED(buf_release) struct buf same = {0};
     if (words)
         replay_add_detail(lines, "meaning", words, strlen(words));
     while (record_word_next(&at, end, &e)) {
@@ -231,7 +229,6 @@ void divergence_describe(struct buf *lines, const char *expected, const char *ac
     if (same.length)
         replay_add_detail(lines, "the same", same.data, same.length);
     lines->failed = lines->failed || same.failed;
-    buf_release(&same);
 }
 
 /* ---- the report in words ---- */
@@ -270,8 +267,8 @@ void replay_describe(struct buf *text, const struct replay_report *report,
 enum err replay_aloud(struct interpreter *interp, const char *path, const struct printer *printer,
                       struct fault *fault)
 {
-    struct replay_report report = {0};
-    struct buf text = {0};
+    OWNED(replay_report_release) struct replay_report report = {0};
+    OWNED(buf_release) struct buf text = {0};
     enum err err = replay_file(interp, path, 0, 0, printer, NULL, &report, fault);
     /* otherwise the error says everything */
     if (report.outcome != REPLAY_UNREADABLE || report.number)
@@ -283,7 +280,5 @@ enum err replay_aloud(struct interpreter *interp, const char *path, const struct
                    plural(report.executed), report.compared, plural(report.compared));
     if (!err)
         printer->print(printer->context, buf_text(&text));
-    replay_report_release(&report);
-    buf_release(&text);
     return err;
 }

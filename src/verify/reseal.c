@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/version.h"
 #include "command/execute.h"
 #include "command/golden_files.h"
@@ -77,26 +78,24 @@ static const char *compared_path(void *context, const char *path)
 static enum err write_draft(struct resealing *r, struct interpreter *interp, const char *path,
                             const struct picture *picture, struct fault *fault)
 {
-    struct buf draft = {0};
+    OWNED(buf_release) struct buf draft = {0};
     enum err err = file_draft(&draft, path, FILE_REPLACE, fault);
-    if (!err) {
-        err = image_write(interp->helper, buf_text(&draft), FILE_KEEP, picture, fault);
-        buf_add(&r->drafts, buf_text(&draft), draft.length + 1);
-        buf_add(&r->drafts, path, strlen(path) + 1);
-        if (!err && r->drafts.failed) {
-            file_discard(buf_text(&draft));
-            err = fault_memory(fault, "the names of files");
-        }
-    }
-    buf_release(&draft);
-    return err;
+    if (err)
+        return err;
+    err = image_write(interp->helper, buf_text(&draft), FILE_KEEP, picture, fault);
+    buf_add(&r->drafts, buf_text(&draft), draft.length + 1);
+    buf_add(&r->drafts, path, strlen(path) + 1);
+    if (err || !r->drafts.failed)
+        return err;
+    file_discard(buf_text(&draft));
+    return fault_memory(fault, "the names of files");
 }
 
 /* Write the image and its PNG. Their folder is removed later if nothing is published. */
 static enum err write_drafts(struct resealing *r, struct interpreter *interp,
                              const struct golden_finding *finding, struct fault *fault)
 {
-    struct golden_files files;
+    OWNED(golden_files_close) struct golden_files files;
     enum err err = golden_files_open(&files, buf_text(&interp->home), fault);
     if (!err && files.folder < 0) {
         buf_clear(&r->folder);
@@ -112,12 +111,9 @@ static enum err write_drafts(struct resealing *r, struct interpreter *interp,
     if (!err)
         err = write_draft(r, interp, finding->path, finding->actual, fault);
     buf_printf(&files.path, "/%s.png", finding->name);
-    if (!err)
-        err = files.path.failed
-                  ? fault_memory(fault, "a path")
-                  : write_draft(r, interp, buf_text(&files.path), finding->actual, fault);
-    golden_files_close(&files);
-    return err;
+    if (!err && files.path.failed)
+        err = fault_memory(fault, "a path");
+    return err ? err : write_draft(r, interp, buf_text(&files.path), finding->actual, fault);
 }
 
 /* Return the next of names separated by commas; false after the last. */
@@ -281,7 +277,7 @@ static void add_mark(const struct resealing *r, struct buf *out, const struct re
 static enum err write_record(struct resealing *r, const char *bytes, const struct record *record,
                              const struct reply *reply, struct fault *fault)
 {
-    struct buf comments = {0};
+    OWNED(buf_release) struct buf comments = {0};
     const bool is_sound = !record_judge(record, NULL);
     const bool is_left = r->why && r->is_left;
     const bool is_same =
@@ -302,14 +298,13 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
                         : record_encode(&r->out, &r->chain, r->count ? "" : buf_text(&r->header),
                                         buf_text(&comments), &anew, fault);
     r->count += err == OK;
-    buf_release(&comments);
     return err;
 }
 
 static enum err reseal_record(struct resealing *r, const char *bytes, const struct record *record,
                               struct fault *fault)
 {
-    struct reply reply = {0};
+    OWNED(reply_release) struct reply reply = {0};
     enum err err = OK;
     if (r->why) {
         err = r->takes_results ? OK : record_judge(record, fault);
@@ -333,10 +328,7 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
     if (!err && r->why && !r->is_left && !r->note.length &&
         !all_are_given(record->result, buf_text(&reply.words)))
         r->left += r->is_left = r->only != NULL;
-    if (!err)
-        err = write_record(r, bytes, record, &reply, fault);
-    reply_release(&reply);
-    return err;
+    return err ? err : write_record(r, bytes, record, &reply, fault);
 }
 
 /* ---- the journal ---- */
@@ -344,16 +336,15 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
 /* Carry out the whole journal and write the new one to r->out. */
 static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struct fault *fault)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk;
     struct record record;
     enum err err = walk_begin(&walk, buf_text(bytes), bytes->length, fault);
     if (err)
         return err;
     if (!walk.is_journal)
-        err = fault_set(fault, ERR_CHECK,
-                        "this is a script, not a journal: run it into a new one; %s", unchanged);
-    else
-        err = session_set_semantics(r->interp->session, walk.semantics, fault);
+        return fault_set(fault, ERR_CHECK,
+                         "this is a script, not a journal: run it into a new one; %s", unchanged);
+    err = session_set_semantics(r->interp->session, walk.semantics, fault);
     if (!err)
         record_header(&r->header, walk.semantics);
     buf_add(&r->out, buf_text(&r->header), r->header.length);
@@ -368,10 +359,7 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
                         r->missing_words.text, unchanged);
     if (!err && r->why)
         err = check_names(r, fault);
-    if (!err && (r->out.failed || r->header.failed))
-        err = fault_memory(fault, "a journal");
-    walk_release(&walk);
-    return err;
+    return !err && (r->out.failed || r->header.failed) ? fault_memory(fault, "a journal") : err;
 }
 
 /* R1, R2: publish everything or nothing. */
@@ -410,7 +398,7 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
 static void report(const struct resealing *r, const char *path, const struct buf *former,
                    const struct printer *printer)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     buf_add_text(&text, "# ");
     if (r->why)
         buf_printf(&text, "%zu golden image%s accepted, ", r->images, plural(r->images));
@@ -430,48 +418,43 @@ static void report(const struct resealing *r, const char *path, const struct buf
                    "verify --accept WHY FILE draws them again\n",
                    r->left);
     printer->print(printer->context, buf_text(&text));
-    buf_release(&text);
 }
 
 /* Reject a link: only the journal itself and its golden images are replaced. */
 static enum err refuse_link(const char *path, struct fault *fault)
 {
-    struct buf real = {0};
+    OWNED(buf_release) struct buf real = {0};
     file_real(&real, path);
-    const enum err err =
-        real.failed ? fault_memory(fault, "a path")
-        : strcmp(buf_text(&real), path) != 0
-            ? fault_set(fault, ERR_INPUT, "%s is a link; name the journal itself, %s; %s", path,
-                        buf_text(&real), unchanged)
-            : OK;
-    buf_release(&real);
-    return err;
+    return real.failed ? fault_memory(fault, "a path")
+           : strcmp(buf_text(&real), path) != 0
+               ? fault_set(fault, ERR_INPUT, "%s is a link; name the journal itself, %s; %s", path,
+                           buf_text(&real), unchanged)
+               : OK;
 }
 
 /* The reason must fit one comment of a record, and must come from a person. */
 static enum err check_reason(const char *why, struct fault *fault)
 {
     struct fault words;
-    struct buf comment = {0};
+    OWNED(buf_release) struct buf comment = {0};
     if (ci_is_set())
         return fault_set(fault, ERR_USAGE,
                          "--accept is a person's decision, and refused where CI is set; %s",
                          unchanged);
     buf_printf(&comment, "# %s", why);
-    const bool is_fine = why[strspn(why, " ")] && strlen(why) <= WHY_MOST && !comment.failed &&
-                         !record_comment_check(buf_text(&comment), &words);
-    buf_release(&comment);
-    return is_fine ? OK
-                   : fault_set(fault, ERR_USAGE,
-                               "--accept: expected a reason, one line of at most %d bytes; %s",
-                               WHY_MOST, unchanged);
+    if (why[strspn(why, " ")] && strlen(why) <= WHY_MOST && !comment.failed &&
+        !record_comment_check(buf_text(&comment), &words))
+        return OK;
+    return fault_set(fault, ERR_USAGE,
+                     "--accept: expected a reason, one line of at most %d bytes; %s", WHY_MOST,
+                     unchanged);
 }
 
 static enum err reseal(struct resealing *r, const char *path, const struct printer *printer,
                        struct fault *fault)
 {
     struct file_log *lock = NULL;
-    struct buf bytes = {0}, former = {0}, lines = {0}, orphans = {0};
+    OWNED(buf_release) struct buf bytes = {0}, former = {0}, lines = {0}, orphans = {0};
     struct interpreter *interp = r->interp;
     const struct golden_judge judge =
         r->why ? (struct golden_judge){.context = r,
@@ -509,10 +492,6 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     if (!err)
         report(r, path, &former, printer);
     file_log_close(lock);
-    buf_release(&orphans);
-    buf_release(&lines);
-    buf_release(&former);
-    buf_release(&bytes);
     resealing_release(r);
     interp->judge = NULL;
     return err;

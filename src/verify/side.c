@@ -32,7 +32,7 @@ static enum err carry_out(struct interpreter *interp, const struct task_at_hand 
                           struct side_facts *facts, struct fault *fault)
 {
     const struct listener listener = {task->work->context, task->work->hear};
-    struct replay_report report = {0};
+    OWNED(replay_report_release) struct replay_report report = {0};
     interp->listener = listener.hear ? &listener : NULL;
     const bool is_strict = task->options->is_strict;
     enum err err =
@@ -52,7 +52,6 @@ static enum err carry_out(struct interpreter *interp, const struct task_at_hand 
                         "it is a script; `iftty run FILE --journal NAME` makes a journal of it");
     if (!err && !interp->session->has_scene)
         err = fault_set(fault, ERR_INPUT, "it opens no scene");
-    replay_report_release(&report);
     return err;
 }
 
@@ -96,12 +95,12 @@ static void carry_out_one(void *context, size_t number, struct buf *out)
     (void)number;
     const struct task_at_hand *task = context;
     const struct side_options *o = task->options;
-    struct interpreter interp;
     struct fault fault = {0};
-    struct side_facts *facts = mem_new(sizeof *facts);
+    OWNED(mem_release) struct side_facts *facts = mem_new(sizeof *facts);
     if (!facts)
         return;
     buf_add(out, facts, sizeof *facts);
+    OWNED(interpreter_release) struct interpreter interp;
     facts->err = interpreter_init(&interp, &fault);
     interp.scene_path = o->scene_path;
     if (!facts->err && o->begin)
@@ -113,8 +112,6 @@ static void carry_out_one(void *context, size_t number, struct buf *out)
     memcpy(facts->why, fault.text, sizeof facts->why);
     if (!out->failed)
         memcpy(out->data, facts, sizeof *facts);
-    free(facts);
-    interpreter_release(&interp);
 }
 
 /* ---- in the parent ---- */

@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "command/act.h"
 #include "journal/journal.h"
 #include "show/draw.h"
@@ -29,7 +30,7 @@ enum {
 /* Add the present rendition, for a person who inspects the difference. */
 static void show_present(struct interpreter *interp, struct evidence *evidence)
 {
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     if (!interp->session->has_scene || evidence->pictures ||
         session_draw(interp->session, RENDER_AS_KEPT, NULL) ||
         export_picture(&picture, interp->session, PICTURE_BUT_NORMAL, NULL))
@@ -37,13 +38,12 @@ static void show_present(struct interpreter *interp, struct evidence *evidence)
     export_background(&picture, interp->session, NULL);
     evidence_add(evidence, "actual: the rendition after this command", picture.width,
                  picture.height, picture_colours(&picture));
-    picture_release(&picture);
 }
 
 /* Add the present voxels of each label as comment lines. */
 static void write_voxels(struct interpreter *interp, struct buf *lines)
 {
-    struct reply reply = {0};
+    OWNED(reply_release) struct reply reply = {0};
     if (interp->session->has_scene &&
         !act_write_counts(
             &(struct act){.interp = interp, .session = interp->session, .reply = &reply}))
@@ -52,7 +52,6 @@ static void write_voxels(struct interpreter *interp, struct buf *lines)
             replay_add_detail(lines, "now", at, n);
             at += n + (at[n] == '\n');
         }
-    reply_release(&reply);
 }
 
 static enum err judge_orphans(const struct verify_options *options, struct interpreter *interp,
@@ -155,35 +154,33 @@ static void place_evidence(struct buf *folder, const struct verify_options *opti
 static enum err judge_expected(const struct verify_options *options,
                                const struct verify_result *result, struct fault *fault)
 {
-    struct buf bytes = {0};
-    struct walk walk;
+    OWNED(buf_release) struct buf bytes = {0};
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     if (!options->expect)
         return OK;
     enum err err = file_read(&bytes, result->path, JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = walk_begin(&walk, buf_text(&bytes), bytes.length, fault);
-    if (err) {
-        buf_release(&bytes);
+    if (err)
         return err;
-    }
     while (walk_next(&walk, &record) == WALK_RECORD)
         continue;
     const char *chain = walk.chain.hex;
     err = walk_judge(&walk, fault);
-    if (!err && !options->last && !result->err &&
+    if (err)
+        return err;
+    if (!options->last && !result->err &&
         strncmp(chain, buf_text(&result->chain), result->chain.length) != 0)
-        err = fault_set(fault, ERR_CHECK, "it was changed while it was verified");
-    else if (!err && walk.over == WALK_TORN)
-        err = refuse_torn(walk.offset, "--expect", fault);
-    else if (!err && strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) != 0)
-        err = fault_set(fault, ERR_CHECK,
-                        "its last chain is %.*s, and %s was expected: it is another journal, or "
-                        "has more records or fewer",
-                        (int)RECORD_CHAIN_DIGITS, chain, options->expect);
-    walk_release(&walk);
-    buf_release(&bytes);
-    return err;
+        return fault_set(fault, ERR_CHECK, "it was changed while it was verified");
+    if (walk.over == WALK_TORN)
+        return refuse_torn(walk.offset, "--expect", fault);
+    if (strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) != 0)
+        return fault_set(fault, ERR_CHECK,
+                         "its last chain is %.*s, and %s was expected: it is another journal, or "
+                         "has more records or fewer",
+                         (int)RECORD_CHAIN_DIGITS, chain, options->expect);
+    return OK;
 }
 
 /* ---- in the process of a journal ---- */
@@ -191,10 +188,10 @@ static enum err judge_expected(const struct verify_options *options,
 static void replay_one(const struct verify_options *options, struct verify_result *result)
 {
     const char *path = result->path;
-    struct interpreter interp;
-    struct replay_report report = {0};
-    struct timing timing = {.rows = 0};
-    struct buf folder = {0};
+    OWNED(interpreter_release) struct interpreter interp;
+    OWNED(replay_report_release) struct replay_report report = {0};
+    OWNED(timing_release) struct timing timing = {.rows = 0};
+    OWNED(buf_release) struct buf folder = {0};
     struct fault fault = {0};
     const struct golden_judge judge = evidence_judge(&result->evidence);
     const uint64_t begin = clock_ns();
@@ -227,11 +224,7 @@ static void replay_one(const struct verify_options *options, struct verify_resul
         buf_add_text(&result->chain, report.chain.hex);
     result->took_ms = (clock_ns() - begin) / 1000000;
     timing_write(&result->slowest, &timing);
-    timing_release(&timing);
-    replay_report_release(&report);
-    interpreter_release(&interp);
     result->evidence.folder = NULL;
-    buf_release(&folder);
 }
 
 /* ---- all journals ---- */
@@ -263,7 +256,7 @@ static void work(void *context, size_t number, struct buf *out)
 static void print_result(const struct verification *v, size_t number)
 {
     const struct verify_result *r = v->result + number;
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     buf_printf(&text, "%s %zu - ", r->err ? "not ok" : "ok", number + 1);
     buf_add_safe_text(&text, r->path);
     if (r->is_skipped) {
@@ -281,7 +274,6 @@ static void print_result(const struct verification *v, size_t number)
         buf_add_char(&text, '\n');
     }
     v->printer->print(v->printer->context, buf_text(&text));
-    buf_release(&text);
 }
 
 /* Remove golden images that the journal does not name. Their names come from the process and are

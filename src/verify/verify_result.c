@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/mem.h"
 #include "base/scan.h"
 
 void verify_result_release(struct verify_result *result)
@@ -147,7 +148,7 @@ void markup_add(struct buf *out, const char *text)
 {
     static const char special[] = "&<>\"'";
     static const char *const entity[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
-    struct buf safe = {0};
+    OWNED(buf_release) struct buf safe = {0};
     for (const char *at = text; *at;) {
         const size_t line = strcspn(at, "\n");
         buf_add_safe(&safe, at, line);
@@ -163,7 +164,6 @@ void markup_add(struct buf *out, const char *text)
             buf_add_char(out, *at);
     }
     out->failed = out->failed || safe.failed;
-    buf_release(&safe);
 }
 
 /* ---- JUnit ---- */
@@ -383,11 +383,8 @@ void verify_report_text(struct buf *out, enum verify_form form, const struct ver
 enum err verify_report(const char *file, enum verify_form form, const struct verify_result *result,
                        size_t count, struct fault *fault)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     verify_report_text(&text, form, result, count);
-    const enum err err = text.failed
-                             ? fault_memory(fault, "a report")
-                             : file_write(file, buf_text(&text), text.length, FILE_REPLACE, fault);
-    buf_release(&text);
-    return err;
+    return text.failed ? fault_memory(fault, "a report")
+                       : file_write(file, buf_text(&text), text.length, FILE_REPLACE, fault);
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * For analysers alone, which read one file at a time: what base/err.h promises of the functions
- * that fill a fault, that they return an error, and which.
- */
+/* For analysers alone, which read one file at a time: what base/err.h promises of the functions
+ * that fill a fault, that they return an error, and which. */
 #ifndef ANALYSE_FAULTS_H
 #define ANALYSE_FAULTS_H
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Scenes for test_apply.sh: two balls in the world, as grids of any kind have them.
 
+    phantom.py scenes WHERE...                     writes WHERE.nii for each
     phantom.py make FILE WHERE [lesion] [leak] [grown] [silent]   writes the scene, .nii
     phantom.py check SEEDS WHERE DEPTH SMALL       whether a map of seeds is what it has to be
 
@@ -19,6 +20,8 @@ import gzip
 import math
 import struct
 import sys
+
+import numpy
 
 BALLS = ((1, (0, 0, 0), 14), (2, (20, 5, 0), 5))
 ONE = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0))
@@ -41,27 +44,29 @@ def through(matrix, at):
     return [row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3] for row in matrix]
 
 
-def value_at(at, words):
-    if "lesion" in words and math.dist(at, (2, 2, 2)) <= 4:
-        return 220
-    for label, middle, radius in BALLS:
-        is_leak = (label == 1 and "leak" in words and 0 < at[1] < 28 and
-                   math.hypot(at[0], at[2]) <= 4)
-        radius += 1.4 * (label == 2 and "grown" in words)
-        if math.dist(at, middle) <= radius or is_leak:  # a slope, so that percentiles lie apart
-            return (80 if label == 1 else 150) + int(at[0] * 0.7)
-    return 50 if math.dist(at, (-6, -19, 10)) <= 6 else 20
-
-
-def make(path, name, words):
+def places(name):
+    """The place of each voxel in the balls' world, as arrays [z][y][x]."""
     size, to_mm, pull = where[name]
-    silent = "silent" in words
-    voxels = bytearray()
-    for z in range(size[2]):
-        for y in range(size[1]):
-            for x in range(size[0]):
-                at = through(pull, through(to_mm, (x, y, z)))
-                voxels.append(value_at(at, words))
+    z, y, x = numpy.indices(size[::-1])
+    return through(pull, through(to_mm, (x, y, z)))
+
+
+def distance(at, middle):
+    return numpy.sqrt(sum((a - m) ** 2 for a, m in zip(at, middle)))
+
+
+def make(path, name, words=()):
+    size, to_mm, _ = where[name]
+    silent, at = "silent" in words, places(name)
+    voxels = numpy.where(distance(at, (-6, -19, 10)) <= 6, 50, 20)
+    for label, middle, radius in reversed(BALLS):  # a slope, so that percentiles lie apart
+        radius += 1.4 * (label == 2 and "grown" in words)
+        is_in = distance(at, middle) <= radius
+        if label == 1 and "leak" in words:
+            is_in |= (at[1] > 0) & (at[1] < 28) & (numpy.hypot(at[0], at[2]) <= 4)
+        voxels = numpy.where(is_in, (80 if label == 1 else 150) + (at[0] * 0.7).astype(int), voxels)
+    if "lesion" in words:
+        voxels = numpy.where(distance(at, (2, 2, 2)) <= 4, 220, voxels)
     steps = [math.sqrt(sum(row[a] ** 2 for row in to_mm)) for a in range(3)]
     header = struct.pack("<i36x8h14x2h", 348, 3, *size, 1, 1, 1, 1, 2, 8)
     header += struct.pack("<h8f3f", 0, 1, *steps, 0, 0, 0, 0, 352, 0, 0)
@@ -70,36 +75,31 @@ def make(path, name, words):
     header += struct.pack("<12f", *[0 if silent else v for row in to_mm for v in row])
     header = header.ljust(344, b"\0") + b"n+1\0\0\0\0\0"
     with open(path, "wb") as file:
-        file.write(header + voxels)
+        file.write(header + voxels.astype("u1").tobytes())
 
 
 def check(path, name, depth, small):
     size, to_mm, pull = where[name]
     with gzip.open(path) as file:
         data = file.read()
-    found = struct.unpack("<%dH" % (size[0] * size[1] * size[2]), data[352:])
-    wrong, seeds, i = 0, {}, 0
+    found = numpy.frombuffer(data, "<u2", math.prod(size), 352).reshape(size[::-1])
+    wrong, at = 0, places(name)
     width = max(math.sqrt(sum(row[a] ** 2 for row in to_mm)) for a in range(3)) * 1.8
     scale = math.sqrt(sum(row[0] ** 2 for row in pull))  # mm of the balls' world, of a mm here
-    for z in range(size[2]):
-        for y in range(size[1]):
-            for x in range(size[0]):
-                at, value = through(pull, through(to_mm, (x, y, z))), found[i]
-                i += 1
-                seeds[value] = seeds.get(value, 0) + 1
-                for label, middle, radius in BALLS:
-                    inside = (radius - math.dist(at, middle)) / scale
-                    deep = depth if label == 1 else small
-                    is_seed = value in (label, label + 256)
-                    if is_seed and inside < deep - width:
-                        wrong += 1
-                    if not is_seed and inside > deep + width:
-                        wrong += 1
-    print(wrong, " ".join("%d:%d" % item for item in sorted(seeds.items())))
+    for label, middle, radius in BALLS:
+        inside = (radius - distance(at, middle)) / scale
+        deep = depth if label == 1 else small
+        is_seed = (found == label) | (found == label + 256)
+        wrong += numpy.count_nonzero(is_seed & (inside < deep - width))
+        wrong += numpy.count_nonzero(~is_seed & (inside > deep + width))
+    print(wrong, *("%d:%d" % item for item in zip(*numpy.unique(found, return_counts=True))))
     sys.exit(wrong > 0)
 
 
-if sys.argv[1] == "make":
+if sys.argv[1] == "scenes":
+    for each in sys.argv[2:]:
+        make(each + ".nii", each)
+elif sys.argv[1] == "make":
     make(sys.argv[2], sys.argv[3], sys.argv[4:])
 else:
     check(sys.argv[2], sys.argv[3], float(sys.argv[4]), float(sys.argv[5]))

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * `bench brain`: the whole way on the scene ch2 of Debian's mricron-data, or on synth:geom where
+/* `bench brain`: the whole way on the scene ch2 of Debian's mricron-data, or on synth:geom where
  * that is not there: run from scratch, single edits with their picture, full pictures, and memory.
  *
  * `bench terminal`: what pictures cost on their way to a terminal, bytes and time. The
@@ -10,8 +9,7 @@
  * them to a terminal with cells of 8x16 pixels, by every means that it knows.
  *
  * Medians; no time is compared with a limit. tests/bench/chafa.py has another program beside the
- * second, `make bench-keys` the time from a key to the picture.
- */
+ * second, `make bench-keys` the time from a key to the picture. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

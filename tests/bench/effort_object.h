@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The objects that a robot segments (tests/bench/effort_robot.h): a crop of a scene, and its truth,
+/* The objects that a robot segments (tests/bench/effort_robot.h): a crop of a scene, and its truth,
  * the largest component of an atlas's regions.
  *
  * Groups: tuned, the objects that weights and steps were tuned on (regions of AAL in ch2, of
@@ -12,8 +11,7 @@
  * says; scene and truth are reduced, where the row says so, by means and by majorities of blocks of
  * 2x2x2; the largest component stays; the box around it and a margin are cut out; where that is
  * longer than 80 voxels along an axis, once more from a reduced scene, except for tuned objects;
- * intensities are stretched to 8 bits between their 0.1 and 99.9 percentiles.
- */
+ * intensities are stretched to 8 bits between their 0.1 and 99.9 percentiles. */
 #ifndef TESTS_BENCH_EFFORT_OBJECT_H
 #define TESTS_BENCH_EFFORT_OBJECT_H
 

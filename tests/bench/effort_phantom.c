@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Phantoms: what is hard for seeds, by formulas in integers.
+/* Phantoms: what is hard for seeds, by formulas in integers.
  *
  *     tube       a bent tube with a branch, 20 % brighter than what is around it, in noise of half
  *                that difference: a barrier full of gaps
@@ -14,8 +13,7 @@
  *                where it has half its brightness
  *     ct         an abdomen in Hounsfield units, so that greys of the whole scene are coarse: air,
  *                fat and muscle of the body, a spine and a rib, a screw of metal; and six objects
- *                40 to 120 HU brighter or darker than what they touch, in noise of 12 HU
- */
+ *                40 to 120 HU brighter or darker than what they touch, in noise of 12 HU */
 #include <string.h>
 
 #include "base/hash.h"

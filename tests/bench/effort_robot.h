@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A robot in the place of a user: it finds the wrong labels, and makes the gesture that corrects
+/* A robot in the place of a user: it finds the wrong labels, and makes the gesture that corrects
  * most of them, so that the gestures of a method can be counted, with the same result each time.
  *
  * Depth of a voxel is its Euclidean distance to the nearest voxel outside of the set; the edge of
@@ -23,8 +22,7 @@
  * around border voxels, in turn taken out of the object and added to it.
  *
  * Random numbers are one stream a run, seeded by the object's name, so all methods get the same
- * sphere.
- */
+ * sphere. */
 #ifndef TESTS_BENCH_EFFORT_ROBOT_H
 #define TESTS_BENCH_EFFORT_ROBOT_H
 

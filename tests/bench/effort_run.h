@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * One run: the robot segments an object in a session by one method. Its curve, and the counts of
+/* One run: the robot segments an object in a session by one method. Its curve, and the counts of
  * that curve.
  *
  * Twenty gestures follow the first two: dice[k] is the Dice coefficient after 2 + k gestures. If no
  * label is wrong any more, the rest of the curve is 1. A method that corrects loads the truth with
- * defects by `labels` instead of the first two gestures. The time of a gesture is processor time from
- * the command to the labels, with their border and digests, relaxed where the method relaxes.
+ * defects by `labels` instead of the first two gestures. The time of a gesture is processor time
+ * from the command to the labels, with their border and digests, relaxed where the method relaxes.
  */
 #ifndef TESTS_BENCH_EFFORT_RUN_H
 #define TESTS_BENCH_EFFORT_RUN_H

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * iftty in a terminal of the benchmark's own, at the far end of a line.
+/* iftty in a terminal of the benchmark's own, at the far end of a line.
  *
  *     iftty -- pty -- line -- a terminal that answers
  *
@@ -10,8 +9,7 @@
  * no time to draw, and answers as kitty does, as Ghostty (kitty's graphics without frame edits), as
  * a terminal with sixel graphics, or as a plain one.
  *
- * What the program sends ahead, pictures that are not shown yet, counts as rest.
- */
+ * What the program sends ahead, pictures that are not shown yet, counts as rest. */
 #ifndef TESTS_BENCH_FAR_END_H
 #define TESTS_BENCH_FAR_END_H
 

@@ -13,11 +13,9 @@
 #include "engine/weight.h"
 #include "session/session_inside.h"
 
-/*
- * Every scene is made of the same tile, synth:geom with a lattice of seeds, repeated; the edit, a
+/* Every scene is made of the same tile, synth:geom with a lattice of seeds, repeated; the edit, a
  * ball of seeds between those of the lattice, touches the same voxels in each. So whatever depends
- * on the size of the scene shows.
- */
+ * on the size of the scene shows. */
 enum {
     TILE_X = 200,
     TILE_Y = 200,

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * From a key to the picture: iftty in a terminal of the benchmark's own (far_end.h).
+/* From a key to the picture: iftty in a terminal of the benchmark's own (far_end.h).
  *
  * First its start: to the prompt, and to the scene ch2 loaded (synth:geom where that is not here).
  * Then the pilot, on the journal examples/brain.iftty (geom.iftty), at once and through lines of
@@ -19,8 +18,7 @@
  *
  * The figures of the first run are stored beside the program, in bench-keys.txt, and later ones
  * printed as shares of them; what has become worse has a line of its own. Remove the file to begin
- * anew. With --program another build is timed, so that two can take turns.
- */
+ * anew. With --program another build is timed, so that two can take turns. */
 #include "tests/bench/bench.h"
 
 #include <limits.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The procedure of a benchmark: seeds as an automatic user inserts them, in eight steps.
+/* The procedure of a benchmark: seeds as an automatic user inserts them, in eight steps.
  *
  * The paper's procedures insert seeds automatically and its table gives how many there are after
  * each step; the places are this program's own. They are voxels of a base scene, drawn from the
@@ -14,8 +13,7 @@
  *     geom    bands of intensity, one for each of its solids, and the background.
  *
  * Places are kept in the world, so one procedure serves every scene of the same head: interpolated
- * ones get the very same voxels at twice the index.
- */
+ * ones get the very same voxels at twice the index. */
 #ifndef TESTS_BENCH_PROCEDURE_H
 #define TESTS_BENCH_PROCEDURE_H
 

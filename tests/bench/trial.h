@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The paper's five experiments on one scene: what is timed, and that all give the same.
+/* The paper's five experiments on one scene: what is timed, and that all give the same.
  *
  *     (1) IFT + SP      the forest from scratch; scene projection
  *     (2) DIFT + SP     the differential update; scene projection
@@ -19,8 +18,7 @@
  *
  * Invariant E1: in each step and round, every experiment gives the labels, the keys, and the
  * picture (visible voxels, depths, colours) of the first one. Otherwise the trial ends with
- * ERR_CHECK, and words that name the first difference.
- */
+ * ERR_CHECK, and words that name the first difference. */
 #ifndef TESTS_BENCH_TRIAL_H
 #define TESTS_BENCH_TRIAL_H
 

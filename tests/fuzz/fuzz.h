@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Fuzz targets: each hands any bytes at all to one reader of what comes from outside, and ends the
+/* Fuzz targets: each hands any bytes at all to one reader of what comes from outside, and ends the
  * program where a promise of that reader does not hold.
  *
  * `make fuzz` has libFuzzer look for such bytes, under clang's AddressSanitizer and UBSan. The
  * same targets, with a plain driver (replay.c), read the files of tests/fuzz/corpus/NAME in every
- * `make test`, whole, cut, and with bytes changed.
- */
+ * `make test`, whole, cut, and with bytes changed. */
 #ifndef TESTS_FUZZ_FUZZ_H
 #define TESTS_FUZZ_FUZZ_H
 

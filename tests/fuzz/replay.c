@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The plain driver: replay NAME TIMES FILE... hands each file to the target NAME, every beginning
+/* The plain driver: replay NAME TIMES FILE... hands each file to the target NAME, every beginning
  * of it at up to 200 places, and TIMES as many changed copies as targets.c says, the same each time
- * and others for each file. Without a target of that name it prints the names of all.
- */
+ * and others for each file. Without a target of that name it prints the names of all. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>

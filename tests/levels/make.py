@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Scenes of real and of wide whole numbers, by nibabel; how many voxels are in a range.
 
-    make.py FOLDER             makes them
-    make.py count FILE LOW HIGH    as nibabel reads the file, in the precision that it has
+    make.py FOLDER     makes them, and prints two values of them
+    make.py count      reads lines FILE LOW HIGH, prints COUNT FILE LOW HIGH, by nibabel's reading
+                       of the file, in its precision
 """
 import sys
 
@@ -44,6 +45,14 @@ def make():
     series = numpy.stack([plain, plain * 2], axis=3)
     series[3, 4, 5, 1] = 1e9
     save("series.nii", series)
+    close = numpy.linspace(0, 1, 1680).reshape(SIZE)
+    close[6] = 0.5 + numpy.arange(120).reshape(12, 10) * 1e-9
+    save("close.nii", close)
+    far = (numpy.arange(1728) * 7919 % 1009 / 1009).reshape(12, 12, 12).astype(numpy.float32)
+    far[4, 10, 4] = 1e4
+    save("far.nii", far)
+    print("%g" % nibabel.load("far4.nii").dataobj[7, 7, 7],
+          nibabel.load("counts.nii").dataobj[0, 0, 1])
 
 
 def count(name, low, high):
@@ -55,6 +64,7 @@ def count(name, low, high):
 
 
 if sys.argv[1] == "count":
-    print(count(*sys.argv[2:]))
+    for line in sys.stdin:
+        print(count(*line.split()), line, end="")
 else:
     make()

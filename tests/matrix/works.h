@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The works: a fixed list of things that engine, render and journal do, each told as one line
+/* The works: a fixed list of things that engine, render and journal do, each told as one line
  * "name digest". The list is the same on every machine, under every compiler, at every optimisation
  * and with any number of threads: tests/matrix/run.sh builds it in all those ways and compares.
  *
  * Here is nothing but src/base, src/engine, render and journal, and no library but SHA-256, so that
- * it can be built for machines for which nothing is installed but a compiler.
- */
+ * it can be built for machines for which nothing is installed but a compiler. */
 #ifndef TESTS_MATRIX_WORKS_H
 #define TESTS_MATRIX_WORKS_H
 

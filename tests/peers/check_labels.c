@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Which labellings are optimal: check_labels FOLDER MARKERS COSTS NAME=LABELS...
+/* Which labellings are optimal: check_labels FOLDER MARKERS COSTS NAME=LABELS...
  *
  * A plain flood, level by level, that shares no code with the engine. At level w the voxels of
  * weight w enter; voxels without a marker that have entered and touch are one pool (union-find),
@@ -20,8 +19,7 @@
  *
  * voxels without a marker; those with the label that iftty gives; those with another, at the same
  * cost; those whose label cannot be had at the least cost, of either kind. Status 1 where iftty's
- * cost is not the flood's at some voxel, or one of its labels is worse_free.
- */
+ * cost is not the flood's at some voxel, or one of its labels is worse_free. */
 #include "base/mem.h"
 #include "tests/peers/worker.h"
 

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * iftty's engine as a worker. The first run after a reset plants all markers as one edit of an
+/* iftty's engine as a worker. The first run after a reset plants all markers as one edit of an
  * empty forest; each later run is the differential update from the former markers to the present
  * ones.
  *
  * Timed is forest_edit, which keeps the digests up to date too; what border_update takes is noted
  * beside it. As a peer's maps are in memory before its run, so are the scene's cells with their
- * weights, and the list of edits.
- */
+ * weights, and the list of edits. */
 #include "base/mem.h"
 #include "render/border.h"
 #include "engine/forest.h"

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The measures of a comparison as ITK has them, for tests/test_compare.sh:
+/* The measures of a comparison as ITK has them, for tests/test_compare.sh:
  *
  *     itk_compare NX NY NZ SX SY SZ A B LABELS
  *
  * A and B are files of NX * NY * NZ bytes, x fastest; SX, SY, SZ the spacing in mm. For each label
  * from 1 to LABELS, and then for all of them, a line: label, Dice, Jaccard, volume similarity,
- * Hausdorff distance, larger directed mean distance of contours. "-" where a set is empty.
- */
+ * Hausdorff distance, larger directed mean distance of contours. "-" where a set is empty. */
 #include <itkContourMeanDistanceImageFilter.h>
 #include <itkHausdorffDistanceImageFilter.h>
 #include <itkImage.h>

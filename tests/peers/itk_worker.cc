@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * ITK's MorphologicalWatershedFromMarkersImageFilter as a worker: 6 neighbours, no watershed line,
- * one thread. Timed is Update() alone, of a filter new for each run.
- */
+/* ITK's MorphologicalWatershedFromMarkersImageFilter as a worker: 6 neighbours, no watershed line,
+ * one thread. Timed is Update() alone, of a filter new for each run. */
 #include <itkImage.h>
 #include <itkMorphologicalWatershedFromMarkersImageFilter.h>
 #include <itkMultiThreaderBase.h>

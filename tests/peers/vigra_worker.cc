@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * vigra's watershedsMultiArray as a worker: region growing over 6 neighbours, which for gradients
+/* vigra's watershedsMultiArray as a worker: region growing over 6 neighbours, which for gradients
  * of 8 bits orders voxels by a queue of 256 buckets (its "turbo" algorithm). It works in place: the
- * labels hold the markers at first, and copying them there is not timed.
- */
+ * labels hold the markers at first, and copying them there is not timed. */
 #include <iostream> // which vigra uses and does not include
 
 #include <vigra/multi_array.hxx>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A worker: a program that segments one scene again and again, on request.
+/* A worker: a program that segments one scene again and again, on request.
  *
  * It is started with the folder that workload.c has filled. It reads requests from standard input,
  * one a line, and answers each by one line on standard output; an answer that is neither "ok" nor
@@ -18,8 +17,7 @@
  *     < ok
  *
  * Maps are files of a byte a voxel, x fastest. A marker is label + 1, and 0 where there is none;
- * labels are written in the same way. Written so that C17 and C++17 both understand it.
- */
+ * labels are written in the same way. Written so that C17 and C++17 both understand it. */
 #ifndef TESTS_PEERS_WORKER_H
 #define TESTS_PEERS_WORKER_H
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Writes the workload that all workers share: workload FOLDER SCENE ATLAS.
+/* Writes the workload that all workers share: workload FOLDER SCENE ATLAS.
  *
  * The gradient is what `weight morph` gives over 6 neighbours; it must fit 8 bits, which some peers
  * order fastest. The first markers are the regions of the atlas, each shrunk by three rounds, and
@@ -14,8 +13,7 @@
  *
  *     FOLDER/size             "X Y Z"
  *     FOLDER/gradient.u8      a byte a voxel, x fastest
- *     FOLDER/markers-N.u8     after N edits, 0..EDITS: label + 1, or 0 where there is no marker
- */
+ *     FOLDER/markers-N.u8     after N edits, 0..EDITS: label + 1, or 0 where there is no marker */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What a decoder that a hostile file took over would try. The probes are the helpers themselves
- * with this in place of their libraries (Makefile): what confines them is the product's.
- */
+/* What a decoder that a hostile file took over would try. The probes are the helpers themselves
+ * with this in place of their libraries (Makefile): what confines them is the product's. */
 #ifndef TESTS_PROBE_ATTEMPTS_HH
 #define TESTS_PROBE_ATTEMPTS_HH
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A picture that is known, painted by the program's own painter into the terminal that this runs
+/* A picture that is known, painted by the program's own painter into the terminal that this runs
  * in: paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS [GRAPHICS|slices]
  *
  * GRAPHICS is a word of --graphics. With `slices` greys lie below, which the terminal is to keep
@@ -13,8 +12,7 @@
  * screen to the same pixels as one whole frame.
  *
  * Left in FOLDER: expected.ppm, the picture after the last edit; facts, "NAME VALUE" lines; and at
- * last `ready`, when the terminal has answered that it has parsed everything. A key ends it.
- */
+ * last `ready`, when the terminal has answered that it has parsed everything. A key ends it. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Expected picture of the pilot: panel JOURNAL COLUMNS ROWS CELL_WIDTH CELL_HEIGHT PANE OUT
+/* Expected picture of the pilot: panel JOURNAL COLUMNS ROWS CELL_WIDTH CELL_HEIGHT PANE OUT
  *
  * Carries the journal out in a process of its own, without a terminal, and draws the state that it
- * leaves, as the pilot would with PANE marked (0 axial, 1 coronal, 2 sagittal), into OUT, a PPM.
- */
+ * leaves, as the pilot would with PANE marked (0 axial, 1 coronal, 2 sagittal), into OUT, a PPM. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Writes the transforms of this folder by ITK, and where ITK takes three places by each, in LPS:
+/* Writes the transforms of this folder by ITK, and where ITK takes three places by each, in LPS:
  *
  *     c++ -std=c++17 -isystem /usr/include/ITK-5.2 make.cc -o make -lITKIOTransformBase-5.2 \
  *         -lITKIOTransformInsightLegacy-5.2 -lITKIOTransformMatlab-5.2 -lITKTransformFactory-5.2 \
  *         -lITKTransform-5.2 -lITKCommon-5.2 -litkvnl_algo-5.2 -litkvnl-5.2 -litksys-5.2
- *     ./make FOLDER
- */
+ *     ./make FOLDER */
 #include <cstdio>
 #include <fstream>
 #include <string>

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Files that others write, and whether a volume is opened as its twin is: for test_volumes.sh,
 # test_series.sh and test_elsewhere.sh, which source this after lib.sh.
-PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
 
 # made_by SCRIPT: a story in which it makes files in $work/v, the working folder from then on;
@@ -14,8 +13,8 @@ made_by() {
     cd "$work/v" || exit 1
 }
 
-# opened_as FILE TWIN [OPTION...]: the same scene, in the same place, as $says says. One process
-# compares the places of all pairs of a story in the world, at its end.
+# opened_as FILE TWIN [OPTION...]: the same scene, in the same place, as $says says; for
+# finish_opened.
 says=file opened=0
 : >"$work/opened"
 opened_as() {
@@ -60,10 +59,10 @@ may_open() {
     [ $got = 0 ] || bad=$((bad + 1))
     [ $got = 0 ] || [ "$got $lines" = "3 1" ] || fail "$1: status $got: $(cat "$work/err")"
 }
-before_close() {
-    [ -s "$work/opened" ] || return
+# A last story, in which one process compares the places of all pairs in the world.
+finish_opened() {
+    begin "each of $opened files is in the place of its twin"
     "$PYTHON" "$top/tests/volumes/make.py" same "$work/opened" >"$work/differs" 2>&1 ||
         fail "$(tail -n 9 "$work/differs")"
-    rm -f "$work"/opened-*
-    : >"$work/opened"
+    finish
 }

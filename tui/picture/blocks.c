@@ -305,8 +305,8 @@ static void lines(const struct terminal_facts *facts, const struct image_view *v
                    &small.height);
     const size_t across = (small.width + width - 1) / width;
     const size_t down = (small.height + height - 1) / height;
-    uint8_t *rgba = image_view_shrink(view, small.width, small.height);
-    struct block *cell = mem_array(across * down, sizeof *cell);
+    OWNED(mem_release) uint8_t *rgba = image_view_shrink(view, small.width, small.height);
+    OWNED(mem_release) struct block *cell = mem_array(across * down, sizeof *cell);
     small.rgba = rgba;
     if (rgba && cell)
         blocks_fill(cell, across, &small, facts);
@@ -321,8 +321,6 @@ static void lines(const struct terminal_facts *facts, const struct image_view *v
             put_cell(&pen, &cell[y * across + x], out);
         buf_add_text(out, is_plain ? "\r\n" : "\033[m\r\n");
     }
-    free(cell);
-    free(rgba);
 }
 
 /* ---- as a way to show pictures ---- */

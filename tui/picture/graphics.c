@@ -100,7 +100,7 @@ enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts,
 void graphics_encode(const struct graphics *graphics, const struct image_view *view,
                      struct buf *out)
 {
-    struct painter p = {.facts.graphics = graphics};
+    OWNED(painter_release) struct painter p = {.facts.graphics = graphics};
     const bool needs_palette = shades_needed(view, graphics->palette_always);
     bool fine = !needs_palette || shades_choose(&p.shades, view);
     p.has_palette = needs_palette || shades_take_exact(&p.shades, view);
@@ -117,7 +117,6 @@ void graphics_encode(const struct graphics *graphics, const struct image_view *v
     if (fine)
         graphics->once(&p, &raster, out);
     out->failed |= !fine;
-    painter_release(&p);
 }
 
 static void add_framed(const struct terminal_facts *facts, const struct image_view *view,

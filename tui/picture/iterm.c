@@ -12,20 +12,20 @@
  */
 #include <stdio.h>
 
+#include "base/mem.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 
 static void add_png(struct painter *p, const struct raster *raster, enum png_effort effort,
                     const char *size, struct buf *out)
 {
-    struct buf png = {0};
+    OWNED(buf_release) struct buf png = {0};
     png_add(&p->png, raster, effort, &png);
     out->failed |= png.failed;
     buf_printf(out, "\033]1337;File=inline=1;size=%zu;%spreserveAspectRatio=0;doNotMoveCursor=1:",
                png.length, size);
     buf_add_base64(out, buf_text(&png), png.length);
     buf_add_char(out, '\a');
-    buf_release(&png);
 }
 
 static void once(struct painter *p, const struct raster *raster, struct buf *out)

@@ -86,10 +86,9 @@ static void add_chunks(const struct buf *png, const char *first, const char *nex
 static void add_png(struct painter *p, const struct raster *raster, const char *keys,
                     struct buf *out)
 {
-    struct buf png = {0};
+    OWNED(buf_release) struct buf png = {0};
     png_add(&p->png, raster, p->effort, &png);
     add_chunks(&png, keys, "", out);
-    buf_release(&png);
 }
 
 /* Add the same as PNG or as deflated pixels, whichever is smaller; `next` are the keys of later
@@ -97,7 +96,7 @@ static void add_png(struct painter *p, const struct raster *raster, const char *
 static void add_smaller(struct painter *p, const struct raster *part, const char *first,
                         const char *next, struct buf *out)
 {
-    struct buf png = {0}, pixels = {0};
+    OWNED(buf_release) struct buf png = {0}, pixels = {0};
     char keys[128];
     png_add(&p->png, part, p->effort, &png);
     if ((uint64_t)part->width * part->height <= FEW_PIXELS && !part->has_clear)
@@ -107,8 +106,6 @@ static void add_smaller(struct painter *p, const struct raster *part, const char
              part->width, part->height);
     out->failed |= png.failed || pixels.failed;
     add_chunks(is_png ? &png : &pixels, keys, next, out);
-    buf_release(&png);
-    buf_release(&pixels);
 }
 
 /* Add the command that frees a picture, wherever it is shown. */

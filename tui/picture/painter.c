@@ -590,7 +590,7 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
     const struct graphics *g = p->facts.graphics;
     struct image_view fitting = *view;
     uint32_t width, height;
-    uint8_t *copy = NULL;
+    OWNED(mem_release) uint8_t *copy = NULL;
     painter_size(p, &width, &height);
     if (view->width == 0 || view->height == 0 || width == 0 || height == 0 ||
         g->kind == GRAPHICS_NOTHING)
@@ -599,7 +599,6 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
         painter_remove(p, out);
     const bool fine = cut_view(&fitting, width, height, &copy) &&
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
-    free(copy);
     if (fine) {
         /* The next picture becomes the shown one. */
         const struct painter_picture former = p->of[0];

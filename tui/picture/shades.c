@@ -119,8 +119,8 @@ static size_t gather_samples(const struct image_view *view, uint32_t *weight,
  * without memory. */
 static unsigned cut_colours(struct box *box, unsigned most, const struct image_view *view)
 {
-    struct sample *sample = NULL;
-    uint32_t *weight = calloc(PLACES, sizeof *weight);
+    OWNED(mem_release) struct sample *sample = NULL;
+    OWNED(mem_release) uint32_t *weight = calloc(PLACES, sizeof *weight);
     unsigned count = 1, worst = 0;
     box[0] = (struct box){.count = weight ? gather_samples(view, weight, &sample) : 0};
     if (box[0].count > 0)
@@ -134,8 +134,6 @@ static unsigned cut_colours(struct box *box, unsigned most, const struct image_v
             if (box[i].error > box[worst].error)
                 worst = i;
     }
-    free(weight);
-    free(sample);
     return count;
 }
 

@@ -47,7 +47,7 @@ struct pilot_facts {
     bool counts_down[3];  /* and whether the next slice (key K) has a lower number */
     size_t waiting;       /* edits that will take effect at the next run */
     char known[PILOT_KNOWN][PILOT_KNOWN_BYTES]; /* facts of the voxel, in words; "" if unknown */
-    double intensity;                           /* of the voxel, in real values */
+    double intensity;                           /* intensity of the voxel, as a real value */
     double window[2];                           /* black and white, in real values */
     uint32_t zoom;                              /* zoom of the rendition, in thousandths */
     bool is_fitted; /* the view was fitted automatically, around this voxel: */

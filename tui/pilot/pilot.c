@@ -63,7 +63,7 @@ struct pilot {
     bool is_blank;      /* the screen is blank */
     bool stores_slices; /* the line is so slow that slices are stored in the terminal */
     struct ahead sent;  /* slices that were sent ahead */
-    struct mouse held;  /* where the mouse button was pressed, */
+    struct mouse held;  /* place where the mouse button was pressed, */
     bool is_still;      /* and whether the mouse has not moved since */
     bool is_pasting;
     struct buf pasted; /* text of the present or last paste */

@@ -110,7 +110,7 @@ static bool add_keys_after(const struct pilot_state *state, uint32_t leader, str
 
 /* ---- effects ---- */
 
-/* Do what the row says, and remember a change if it has become a command. */
+/* Run the row of a key, and store its change if it has become a command. */
 static void carry_out(struct press *p, const struct pilot_row *row)
 {
     const size_t before = p->line->length;

@@ -45,7 +45,7 @@ struct setup_window {
     int64_t centre, width;
 };
 
-/* How seeds and strokes are planted. */
+/* Brush of seeds and strokes. */
 struct pilot_brush {
     uint32_t label;  /* its number */
     unsigned radius; /* voxels, or half millimetres with in_mm; 0 for one voxel */
@@ -165,7 +165,7 @@ struct pilot_state {
     unsigned hint;                               /* the last one shown; 0: none */
     bool heat;                                   /* slices are coloured by uncertainty */
     struct polyline outline;                     /* corners of a box or an outline so far */
-    struct pilot_hold hold;                      /* where the outline is grabbed, if it is; */
+    struct pilot_hold hold;                      /* grabbed point of the outline, if any; */
     bool is_bent;                                /* it was dragged, and is not planted yet */
     uint32_t instead;                            /* marker to replace, or 0 */
     unsigned doubt;                              /* the last slice shown; 0: none */

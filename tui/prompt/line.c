@@ -259,7 +259,7 @@ static void undo(struct line *l)
  * cursor, after it otherwise. */
 static void kill_range(struct line *l, size_t from, size_t to, bool extends)
 {
-    struct buf kept = {0};
+    OWNED(buf_release) struct buf kept = {0};
     bool before = from < l->cursor;
     if (from >= to)
         return;
@@ -268,11 +268,10 @@ static void kill_range(struct line *l, size_t from, size_t to, bool extends)
     buf_add(&kept, l->text.data + from, to - from);
     if (extends && before)
         buf_add(&kept, l->killed.data, l->killed.length);
-    if (!kept.failed) {
-        buf_release(&l->killed);
+    if (!kept.failed) { /* exchange the two */
+        const struct buf former = l->killed;
         l->killed = kept;
-    } else {
-        buf_release(&kept);
+        kept = former;
     }
     change_text(l, from, to, "", 0, STEP_NEW);
 }
@@ -283,21 +282,20 @@ static void transpose(struct line *l)
     if (middle == l->text.length)
         middle = previous(l, middle);
     size_t from = previous(l, middle), to = next(l, middle);
-    struct buf swapped = {0};
+    OWNED(buf_release) struct buf swapped = {0};
     if (from == middle || middle == to)
         return;
     buf_add(&swapped, l->text.data + middle, to - middle);
     buf_add(&swapped, l->text.data + from, middle - from);
     if (!swapped.failed)
         change_text(l, from, to, swapped.data, swapped.length, STEP_NEW);
-    buf_release(&swapped);
 }
 
 /* Change the case up to the end of the word; other characters stay as they are. */
 static void change_letters(struct line *l, enum line_action action)
 {
     const size_t end = word_right(l, l->cursor);
-    struct buf changed = {0};
+    OWNED(buf_release) struct buf changed = {0};
     bool is_first = true;
     for (size_t at = l->cursor, bytes; at < end; at += bytes) {
         char letter[CHAR_BYTES_MOST];
@@ -311,7 +309,6 @@ static void change_letters(struct line *l, enum line_action action)
     }
     if (!changed.failed)
         change_text(l, l->cursor, end, buf_text(&changed), changed.length, STEP_NEW);
-    buf_release(&changed);
 }
 
 /* ---- one line after another ---- */

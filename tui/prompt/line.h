@@ -108,7 +108,7 @@ struct line {
     struct buf wanted; /* the text to search for */
     size_t found
         [LINE_FOUND_MOST]; /* the history entries that contain it, each text once, newest first, */
-    size_t found_count, chosen; /* how many, and the index of the one shown */
+    size_t found_count, chosen; /* their number, and the index of the one shown */
 };
 
 /* In this order: moves, removals, kills, letters of a word, the rest. */

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/safe.h"
 #include "tui/cells.h"
 #include "tui/probe.h"
@@ -39,7 +40,7 @@ static const char *suggestion(const struct line_editor *e)
 static void add_hint(const struct line_editor *e, struct buf *hint)
 {
     const struct line *l = &e->line;
-    struct buf whole = {0};
+    OWNED(buf_release) struct buf whole = {0};
     if (!e->hint || l->text.length == 0 || l->cursor < l->text.length || l->searching ||
         e->pasting || e->submits)
         return;
@@ -49,7 +50,6 @@ static void add_hint(const struct line_editor *e, struct buf *hint)
     buf_add_safe_text(hint, rest);
     if (!whole.failed)
         e->hint(e->context, buf_text(&whole), whole.length, hint);
-    buf_release(&whole);
 }
 
 enum { FOUND_ROWS_MOST = 10, ROWS_LEFT = 3, MARK_WIDE = 2 };
@@ -63,14 +63,13 @@ static void add_found(const struct line *l, const struct term_size *size, struct
     const bool has_chosen = l->chosen < l->found_count;
     const size_t first = has_chosen && l->chosen >= room ? l->chosen + 1 - room : 0;
     for (size_t i = first; i < l->found_count && i < first + room; i++) {
-        struct buf safe = {0};
+        OWNED(buf_release) struct buf safe = {0};
         buf_add_safe_text(&safe, l->history->line[l->found[i]]);
         buf_add_text(out, has_chosen && i == l->chosen ? "> " : "  ");
         cells_crop(out, buf_text(&safe),
                    size->columns > MARK_WIDE + 1 ? size->columns - MARK_WIDE - 1 : 1);
         buf_add_char(out, '\n');
         out->failed |= safe.failed;
-        buf_release(&safe);
     }
 }
 
@@ -78,7 +77,7 @@ static void draw_line(struct line_editor *e, const char *prompt, struct buf *out
 {
     const struct line *l = &e->line;
     const struct term_size size = term_size();
-    struct buf search = {0}, hint = {0}, found = {0};
+    OWNED(buf_release) struct buf search = {0}, hint = {0}, found = {0};
     add_hint(e, &hint);
     if (l->searching) {
         add_found(l, &size, &found);
@@ -94,9 +93,6 @@ static void draw_line(struct line_editor *e, const char *prompt, struct buf *out
                                          .grey = e->grey,
                                          .below = buf_text(&found)};
     line_draw(&e->drawing, &content, size.columns, size.rows, out);
-    buf_release(&search);
-    buf_release(&hint);
-    buf_release(&found);
 }
 
 static enum err redraw(struct line_editor *e, const char *prompt, struct fault *fault)
@@ -156,7 +152,7 @@ static void find_by_piece(struct line_editor *e, size_t *start, struct buf *word
     const char *text = buf_text(&l->text), *first = text + strspn(text, " ");
     const size_t end = (size_t)(first - text) + strcspn(first, " ");
     const struct candidates c = candidates_of(buf_text(words));
-    struct buf piece = {0};
+    OWNED(buf_release) struct buf piece = {0};
     if (!e->find || (c.count && !e->is_one_line) || end != l->cursor)
         return;
     if (c.count == 1 && c.common == l->cursor - *start) /* the word is complete */
@@ -166,12 +162,11 @@ static void find_by_piece(struct line_editor *e, size_t *start, struct buf *word
         *start = (size_t)(first - text);
         e->find(e->context, buf_text(&piece), words);
     }
-    buf_release(&piece);
 }
 
 static enum err complete_word(struct line_editor *e, const char *prompt, struct fault *fault)
 {
-    struct buf words = {0}, out = {0};
+    OWNED(buf_release) struct buf words = {0}, out = {0};
     struct line *l = &e->line;
     const struct term_size size = term_size();
     size_t start = l->cursor;
@@ -189,24 +184,20 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
         const size_t end = l->cursor;
         const char last = c.first[c.common - 1];
         const bool is_whole = c.count == 1 && last != '/' && last != '=' && last != ' ';
-        struct buf word = {0};
+        OWNED(buf_release) struct buf word = {0};
         buf_add(&word, c.first, c.common);
         if (is_whole && (end == l->text.length || l->text.data[end] != ' '))
             buf_add_char(&word, ' ');
         if (!word.failed)
             line_replace(l, start, end, buf_text(&word), word.length);
-        buf_release(&word);
     } else {
         size_t cursor = l->cursor;
         err = leave_line(e, prompt, "\r\n", fault);
         l->cursor = cursor;
         candidates_list(&c, size.columns, size.rows, &out);
     }
-    buf_release(&words);
-    if (err) {
-        buf_release(&out);
+    if (err)
         return err;
-    }
     draw_line(e, prompt, &out);
     return term_write_text(&out, "drawing the line", fault);
 }
@@ -457,7 +448,7 @@ static void make_one_line(struct buf *text)
 static enum err edit_file(struct buf *text, const char *editor, const char *path,
                           struct fault *fault)
 {
-    struct buf written = {0}, command = {0};
+    OWNED(buf_release) struct buf written = {0}, command = {0};
     int status = 0;
     buf_printf(&written, "%s\n", buf_text(text));
     buf_printf(&command, "%s \"$@\"", editor);
@@ -483,14 +474,12 @@ static enum err edit_file(struct buf *text, const char *editor, const char *path
         buf_clear(text);
         buf_add(text, buf_text(&written), written.length);
     }
-    buf_release(&written);
-    buf_release(&command);
     return err ? err : ours;
 }
 
 static enum err edit_elsewhere(struct buf *text, struct fault *fault)
 {
-    struct buf folder = {0}, path = {0};
+    OWNED(buf_release) struct buf folder = {0}, path = {0};
     const char *visual = getenv("VISUAL");
     const char *editor = visual && *visual ? visual : getenv("EDITOR");
     if (!editor || !*editor)
@@ -504,15 +493,13 @@ static enum err edit_elsewhere(struct buf *text, struct fault *fault)
     err = path.failed ? fault_memory(fault, "a path")
                       : edit_file(text, editor, buf_text(&path), fault);
     folder_remove(buf_text(&folder));
-    buf_release(&path);
-    buf_release(&folder);
     return err;
 }
 
 /* Erase the line while another editor has it, and draw it again at the same place. */
 static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, struct fault *fault)
 {
-    struct buf text = {0}, out = {0};
+    OWNED(buf_release) struct buf text = {0}, out = {0};
     struct fault why;
     line_editor_take_answers(e);
     erase_line(e, &out);
@@ -524,10 +511,7 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
     buf_clear(&text);
     if (failed)
         buf_printf(&text, "error: %s\n", why.text);
-    if (!err)
-        err = show_above(e, prompt, &text, fault);
-    buf_release(&text);
-    return err;
+    return err ? err : show_above(e, prompt, &text, fault);
 }
 
 /* ---- the end of a line ---- */
@@ -536,7 +520,7 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
 static enum err carry_out(struct line_editor *e, const char *prompt, enum line_editor_act outcome,
                           struct fault *fault)
 {
-    struct buf news = {0};
+    OWNED(buf_release) struct buf news = {0};
     enum err err;
     switch (outcome) {
     case DUTY_ABANDON:
@@ -561,9 +545,7 @@ static enum err carry_out(struct line_editor *e, const char *prompt, enum line_e
         return edit_line_elsewhere(e, prompt, fault);
     case DUTY_NEWS:
         e->news(e->context, &news);
-        err = show_above(e, prompt, &news, fault);
-        buf_release(&news);
-        return err;
+        return show_above(e, prompt, &news, fault);
     default:
         return OK;
     }

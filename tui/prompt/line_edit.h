@@ -76,7 +76,7 @@ void line_keys_page(struct buf *out);
  * start. */
 struct line_drawing {
     size_t cells; /* from the start of the first row shown to the cursor */
-    unsigned row; /* of the cursor; 0 is the first row shown */
+    unsigned row; /* row of the cursor; 0 is the first row shown */
 };
 
 struct line_content {

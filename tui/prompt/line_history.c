@@ -58,7 +58,7 @@ bool line_history_path(struct buf *path)
 
 enum err line_history_load(struct line_history *h, const char *path, struct fault *fault)
 {
-    struct buf content = {0};
+    OWNED(buf_release) struct buf content = {0};
     enum err err = file_lines_read(&content, path, LINE_HISTORY_BYTES_MOST, fault);
     const char *text = buf_text(&content), *end = text + (err ? 0 : content.length);
     const char *at = file_lines_last(text, (size_t)(end - text), LINE_HISTORY_MOST);
@@ -69,7 +69,6 @@ enum err line_history_load(struct line_history *h, const char *path, struct faul
         at += length + 1;
     }
     h->appended = TRIM_AFTER; /* its length is unknown */
-    buf_release(&content);
     return err;
 }
 
@@ -78,11 +77,10 @@ enum err line_history_append(struct line_history *h, const char *path, struct fa
     const char *line = h->line[h->count - 1];
     enum err err = OK;
     if (!file_exists(path)) {
-        struct buf folder = {0};
+        OWNED(buf_release) struct buf folder = {0};
         file_folder(&folder, path);
         err = folder.failed ? fault_memory(fault, "a path")
                             : folder_make_private(buf_text(&folder), fault);
-        buf_release(&folder);
     }
     if (!err)
         err = file_lines_append(path, line, strlen(line), fault);

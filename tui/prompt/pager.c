@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/mem.h"
 #include "tui/cells.h"
 #include "tui/prompt/shell.h"
 
@@ -39,7 +40,7 @@ bool pager_is_left_by(const struct key_event *event)
 
 bool pager_run(const char *pager, const struct buf *text)
 {
-    struct buf command = {0};
+    OWNED(buf_release) struct buf command = {0};
     int status = -1;
     if (!pager || !*pager)
         return false;
@@ -47,7 +48,6 @@ bool pager_run(const char *pager, const struct buf *text)
     if (!command.failed && term_set_mode(TERM_AS_FOUND, NULL) == OK &&
         shell_run(buf_text(&command), NULL, text, &status, NULL) != OK)
         status = -1;
-    buf_release(&command);
     return term_set_mode(TERM_RAW, NULL) == OK && status >= 0 && !shell_has_none(status);
 }
 
@@ -119,7 +119,7 @@ static enum err print_pages(struct line_editor *e, const struct buf *wrapped, st
 enum err page_text(struct line_editor *e, const struct buf *text, bool *paged, struct fault *fault)
 {
     const struct term_size size = term_size();
-    struct buf wrapped = {0};
+    OWNED(buf_release) struct buf wrapped = {0};
     enum err err = OK;
     cells_wrap(&wrapped, text, size.columns);
     *paged = !wrapped.failed && pager_page_end(&wrapped, 0, &size) < wrapped.length;
@@ -130,6 +130,5 @@ enum err page_text(struct line_editor *e, const struct buf *text, bool *paged, s
     }
     if (*paged && !pager_run(e->pager, text))
         err = print_pages(e, &wrapped, fault);
-    buf_release(&wrapped);
     return err;
 }

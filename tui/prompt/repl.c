@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/mem.h"
 #include "tui/cells.h"
 #include "tui/prompt/pager.h"
 #include "tui/term.h"
@@ -45,7 +46,7 @@ static enum err print(struct buf *text, struct fault *fault)
 
 static enum err run_line(const struct repl_host *host, const char *line, struct fault *fault)
 {
-    struct buf output = {0}, words = {0};
+    OWNED(buf_release) struct buf output = {0}, words = {0};
     struct fault of_command = {0};
     enum err err = host->execute(host->context, line, &output, &of_command);
     end_line(&output);
@@ -56,7 +57,6 @@ static enum err run_line(const struct repl_host *host, const char *line, struct 
         add_error(&words, err, &of_command, false);
         term_write_to(STDERR_FILENO, buf_text(&words), words.length, NULL);
     }
-    buf_release(&words);
     if (!written && err && fault)
         *fault = (struct fault){.code = err};
     return written ? written : err;
@@ -75,7 +75,7 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
 {
     struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
     struct buf output = {0};
-    char *line = NULL;
+    OWNED(mem_release) char *line = NULL;
     size_t capacity = 0;
     enum err first = host->begin ? host->begin(host->context, &output, fault) : OK;
     end_line(&output);
@@ -102,7 +102,6 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
         enum err err = run_line(host, line, first ? &ignored : fault);
         first = first ? first : err;
     }
-    free(line);
     return prompts ? OK : first;
 }
 
@@ -142,7 +141,7 @@ static void add_picture(struct prompt *p, struct buf *out)
 /* Show the output of a command with one write, or by pages if `may_page`; never page pictures. */
 static enum err show(struct prompt *p, struct buf *text, bool may_page, struct fault *fault)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct fault of_output;
     bool paged = false;
     enum err err = OK;
@@ -158,16 +157,13 @@ static enum err show(struct prompt *p, struct buf *text, bool may_page, struct f
                   p->facts.colours != COLOURS_NONE);
         cells_wrap(&out, text, term_size().columns);
     }
-    if (!err && !paged)
-        return term_write_text(&out, "the output", fault);
-    buf_release(&out);
-    return err;
+    return err || paged ? err : term_write_text(&out, "the output", fault);
 }
 
 /* Run a command, which was typed after `prompt`, and show its output. */
 static enum err execute(struct prompt *p, const char *prompt, const char *line, struct fault *fault)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     struct fault of_command = {0};
     enum err err = term_set_mode(TERM_QUIET, fault);
     if (err)
@@ -183,16 +179,13 @@ static enum err execute(struct prompt *p, const char *prompt, const char *line, 
             caret_add(&text, &caret, term_size().columns);
         add_error(&text, failed, &of_command, coloured);
     }
-    if (!err)
-        err = show(p, &text, may_page, fault);
-    buf_release(&text);
-    return err;
+    return err ? err : show(p, &text, may_page, fault);
 }
 
 /* The prompt is shown before the session has begun; the output of the start replaces it. */
 static enum err begin(struct prompt *p, struct fault *fault)
 {
-    struct buf text = {0}, out = {0};
+    OWNED(buf_release) struct buf text = {0}, out = {0};
     if (!p->host->begin)
         return OK;
     p->host->prompt(p->host->context, &out);
@@ -208,14 +201,13 @@ static enum err begin(struct prompt *p, struct fault *fault)
     end_line(&text);
     cells_wrap(&out, &text, term_size().columns);
     const enum err shown = term_write_text(&out, "the output", err ? NULL : fault);
-    buf_release(&text);
     return err ? err : shown;
 }
 
 /* Print an error of the full screen, or the output after it; the prompt continues. */
 static enum err run_screen(struct prompt *p, bool *ended, struct fault *fault)
 {
-    struct buf words = {0}, out = {0};
+    OWNED(buf_release) struct buf words = {0}, out = {0};
     struct fault why;
     enum err err = p->host->screen(p->host->context, &p->facts, &p->editor, ended, &why);
     if (err == ERR_IO) { /* the terminal is gone */
@@ -228,7 +220,6 @@ static enum err run_screen(struct prompt *p, bool *ended, struct fault *fault)
     else if (!*ended && p->host->after_screen)
         p->host->after_screen(p->host->context, &words);
     cells_wrap(&out, &words, term_size().columns);
-    buf_release(&words);
     return term_write_text(&out, "the output", fault);
 }
 
@@ -245,7 +236,7 @@ static void warn_of_history(struct prompt *p, enum err err, const struct fault *
 
 static enum err run_prompt(struct prompt *p, struct fault *fault)
 {
-    struct buf prompt = {0};
+    OWNED(buf_release) struct buf prompt = {0};
     struct fault of_history;
     bool ended = false;
     enum err err = begin(p, fault);
@@ -266,7 +257,6 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
         if (ended)
             break;
     }
-    buf_release(&prompt);
     return err;
 }
 
@@ -343,7 +333,7 @@ enum err run_screen_once(const struct repl_host *host, struct graphics_wish wish
 bool show_picture_once(struct graphics_wish wish, const struct image_view *view)
 {
     struct terminal_facts facts;
-    struct buf out = {0}, typed = {0};
+    OWNED(buf_release) struct buf out = {0}, typed = {0};
     bool own = !isatty(STDIN_FILENO), shown = false;
     if (!isatty(STDOUT_FILENO))
         return false;
@@ -360,7 +350,5 @@ bool show_picture_once(struct graphics_wish wish, const struct image_view *view)
     term_close();
     if (own)
         close(in);
-    buf_release(&out);
-    buf_release(&typed);
     return shown;
 }

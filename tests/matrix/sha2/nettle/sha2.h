@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * SHA-256 by the names of <nettle/sha2.h>, for machines that nettle is not installed for. On the
+/* SHA-256 by the names of <nettle/sha2.h>, for machines that nettle is not installed for. On the
  * machine that builds, nettle itself is used, so the list of works compares the two as well.
  *
- * From: FIPS 180-4, whose names are used. Integers only, bytes in the order of the standard.
- */
+ * From: FIPS 180-4, whose names are used. Integers only, bytes in the order of the standard. */
 #ifndef TESTS_MATRIX_SHA2_H
 #define TESTS_MATRIX_SHA2_H
 
