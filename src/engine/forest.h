@@ -27,7 +27,7 @@
  *   seed         marker voxel of the image foresting transform; a seed is the root of its tree
  *   eliminator   deletion marker of the differential transform: it clears the tree of its voxel
  *   root         seed at the end of the chain of predecessors, P* in the literature
- *   offer        key of a path that is extended by one arc, to a neighbour
+ *   offer        extend(key(s), w): key of the path to s, extended by the arc to a neighbour
  *   predecessor  P(t), neighbour of t whose offer became the key of t
  *   cost         C(t), the f_max cost of the best path: the largest weight on it
  *   hops         plateau distance: steps along the path since its cost last rose; it corresponds to
@@ -119,7 +119,7 @@ struct seed_changes {
 };
 struct seed_changes forest_seed_changes(const struct forest *forest);
 
-/* Suspend and resume the forest, to compute only the result of the last of a series of edits. A
+/* Suspend and resume the forest, to compute it only once, after the last of a series of edits. A
  * suspended forest has seeds only: T1, T2 and T4 do not hold, and edits and rebuilds compute
  * nothing. forest_catch_up computes the forest of the present seeds; its errors are those of
  * forest_rebuild. */
