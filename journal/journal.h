@@ -133,7 +133,7 @@ enum journal_state {
 struct journal_condition {
     enum journal_state state;
     size_t records;            /* valid records, or commands of a script */
-    struct record_chain chain; /* chain of the last one */
+    struct record_chain chain; /* chain of the last valid record */
     unsigned semantics;
     size_t number;   /* first record that is not intact */
     size_t line;     /* line of this record */
