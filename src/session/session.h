@@ -78,10 +78,10 @@ struct session {
     char scene_name[FILE_WORDS_BYTES];   /* name in pictures: without folder, cut if long; ""
                                             for none */
     char open_notes[VOLUME_NOTES_BYTES]; /* warnings about the file, for the answer of `open` */
-    uint32_t series;                     /* series of a folder of DICOM, from 1; 0 for none */
+    uint32_t series;                     /* number of the DICOM series, from 1; 0 for none */
     struct map_part part;                /* if the scene is a part of its file; otherwise {0} */
-    struct geometry said;                /* geometry in the file, and */
-    struct geometry geometry;            /* after corrections by `orient` */
+    struct geometry said;                /* geometry in the file */
+    struct geometry geometry;            /* geometry after corrections by `orient` */
     struct levels *levels;               /* levels of inexact intensities; NULL if all are exact */
     struct scene *scene;
     char proof[SHA256_HEX]; /* digest of the scene as it was opened (scene_proof) */
@@ -258,7 +258,8 @@ size_t session_pendings(const struct session *session);
 /* Remove all markers after the first `count`, as if they had never existed. */
 void session_truncate_markers(struct session *session, size_t count);
 
-/* Return the number of a reach, for session_plant (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
+/* Set *number to the number of a reach, for session_plant (forest_add_reach). ERR_MEMORY,
+ * ERR_LIMIT. */
 enum err session_add_reach(struct session *session, const struct reach *reach, uint16_t *number,
                            struct fault *fault);
 
@@ -273,8 +274,8 @@ enum err session_plant_piece(struct session *session, const uint32_t *cell, size
                              int16_t label, const struct marker_run *run, size_t runs,
                              struct fault *fault);
 
-/* Make the last marker free the voxels `cell`: the seeds of older markers there are removed as long
- * as it is valid. */
+/* Make the last marker free the voxels `cell` (session/markers.h): the seeds that yielding markers
+ * have there are removed as long as the last marker is valid. */
 enum err session_free_voxels(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault);
 
@@ -335,7 +336,7 @@ enum err session_run(struct session *session, struct fault *fault);
 
 /* ---- answers about labels: not for a session that skims ---- */
 
-/* Update `tally`: after a rebuild by a scan of the scene, otherwise from the changes.
+/* Update `tally`: by a scan of the scene after a rebuild, otherwise from the list of changes.
  * ERR_CANCELLED. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
@@ -386,7 +387,7 @@ enum err session_find_worst(struct session *session, unsigned *label, double *sh
                             struct fault *fault);
 
 /* Find the hints (engine/hints.h), beginning with the label of session_find_worst, and, if
- * requested, their heat, one byte per voxel. Needs about the time of a run. Both are borrowed and
+ * requested, a heat map, one byte per voxel. Needs about the time of a run. Both are borrowed and
  * valid until the next edit. ERR_USAGE under `weight polarity`, ERR_MEMORY, ERR_CANCELLED. */
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault);
