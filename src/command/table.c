@@ -667,11 +667,12 @@ static const struct command command_table[] = {
     {COMMAND("sync", act_sync, GROUP_KEPT, 0),
      {MAY("WHEN", VALUE_CHOICE, .choices = FILE_SYNC_WORDS)},
      "set when records are synced; sync them now",
-     "always, the default: sync each record before its command is acknowledged.\n"
+     "always, the default: sync a record before its command is acknowledged; if the command "
+     "changes only the view, within a second.\n"
      "everysec: sync within a second; a loss of power may lose the commands of that second.\n"
      "off: leave syncing to the operating system, except for `sync` and the end of the session. A "
-     "loss of power may lose all commands since then, and damage the end of the journal, which "
-     "`iftty log --repair` cuts off.\n"
+     "loss of power may lose all commands since the last sync, and damage the end of the journal, "
+     "which `iftty log --repair` cuts off.\n"
      "In all modes, killing the program loses no record. The command is not recorded.",
      "sync always"},
     {COMMAND("history", act_history, GROUP_QUESTIONS, S),
