@@ -13,8 +13,7 @@ one of the balls' world. A lesion is a brighter ball of 4 mm in the large one. A
 nothing of where it lies.
 
 A seed of a label has to lie where the pull leads into its ball, as deep as DEPTH millimetres (SMALL
-in the small one); and each voxel that does is a seed: but for a voxel's width.
-"""
+in the small one); and each voxel that does is a seed: but for a voxel's width."""
 import gzip
 import math
 import struct
