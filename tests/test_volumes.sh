@@ -84,11 +84,10 @@ opened_as gaps gaps.twin.nii missing=blank
 
 begin "a head is the same from NIfTI and from DICOM: labels, slices, letters, rendition"
 opened_as oblique ni1.twin.nii
-cp /usr/share/mricron/templates/ch2.nii.gz head.nii.gz
 for name in head.nii.gz head; do
-    expect 0 "$iftty" -c "open $name; seed 90,108,90 1 radius=6; seed 10,108,90 0; run
+    expect 0 "$iftty" -c "open $name; seed 45,54,45 1 radius=3; seed 5,54,45 0; run
         view 30 20; size 400 400; mosaic $work/$name-m.png; overlay tint
-        slice sagittal 70 $work/$name-s.png" --journal "$work/$name.iftty"
+        slice sagittal 35 $work/$name-s.png" --journal "$work/$name.iftty"
 done
 for key in scene sha256 forest labels; do
     same "$key $(last_word $key "$work/head.iftty")" \
