@@ -18,8 +18,8 @@
  *   J6 one writer at a time: the file is locked from journal_create or journal_open to
  *      journal_close. Readers (replay, journal_check) take no lock;
  *   J7 the session does not need the file: every byte is also in memory, so that the journal can
- *      continue in another file (journal_continue) if the disk is full or failing, or the file
- *      deleted.
+ *      continue in another file (journal_continue) if the disk is full or failing, or if the file
+ *      was deleted.
  *
  * journal/FORMAT.md describes the bytes; record.h encodes records and iterates over them. A journal
  * has at most JOURNAL_BYTES_MAX bytes, which limits the memory of a reader.
@@ -57,11 +57,11 @@ struct journal_resume {
                          until journal_continue writes them; a torn tail is not cut off */
 };
 
-/* Open `path` to continue it. Move a torn tail, and with cuts_damage also damage, to PATH.torn-N,
- * with the first free N; `notice` (may be NULL) then receives a line for the user, safe to print,
- * and is empty otherwise. An empty file receives a header. Other damage is rejected with its
- * record, line and offset: ERR_INPUT. On failure *journal is NULL and the records in the file are
- * unchanged. */
+/* Open `path` to continue it. Move a torn tail, and with cuts_damage also a damaged one, to
+ * PATH.torn-N, with the first free N; `notice` (may be NULL) then receives a line for the user,
+ * safe to print, and is empty otherwise. An empty file receives a header. Without cuts_damage,
+ * return ERR_INPUT for damage, and name its record, line and offset. On failure *journal is NULL
+ * and the records in the file are unchanged. */
 enum err journal_open(struct journal **journal, const char *path,
                       const struct journal_resume *resume, struct buf *notice, struct fault *fault);
 
@@ -92,10 +92,10 @@ enum err journal_comment(struct journal *journal, const char *comment, struct fa
  * unchanged, and there is no new file. */
 enum err journal_continue(struct journal *journal, const char *path, struct fault *fault);
 
-/* Set when records are synced. FILE_SYNC_EVERY_SECOND: a loss of power may remove the records of
- * the last second; FILE_SYNC_OFF: those since the last sync by the system, journal_sync or
- * journal_close. After a loss of power, records may be missing at the end, or damaged if the disk
- * wrote them in another order; synced records are always valid. */
+/* Set the times at which records are synced. FILE_SYNC_EVERY_SECOND: a loss of power may remove the
+ * records of the last second; FILE_SYNC_OFF: those since the last sync by the system, journal_sync
+ * or journal_close. After a loss of power, records may be missing at the end, or damaged if the
+ * disk wrote them in another order; synced records are always valid. */
 enum err journal_set_sync(struct journal *journal, enum file_sync sync, struct fault *fault);
 
 /* Sync every record, or return ERR_IO. Records that a failed sync may have lost are written
@@ -111,7 +111,7 @@ size_t journal_count(const struct journal *journal);            /* records */
 const struct buf *journal_bytes(const struct journal *journal); /* the valid part: J7 */
 const char *journal_chain(const struct journal *journal); /* 32 digits; zeros without a record */
 
-/* Release the lock and free the journal; NULL is fine. */
+/* Release the lock and free the journal, which may be NULL. */
 void journal_close(struct journal *journal);
 
 /* ---- without running commands ---- */
@@ -126,23 +126,23 @@ enum journal_state {
     JOURNAL_INTACT,
     JOURNAL_SCRIPT, /* without header and results: nothing to check */
     JOURNAL_TORN,
-    JOURNAL_EDITED, /* readable, but edited after writing, from record `number` on */
+    JOURNAL_EDITED, /* readable, but changed since it was written, from record `number` on */
     JOURNAL_DAMAGED /* not readable from record `number` on */
 };
 
 struct journal_condition {
     enum journal_state state;
     size_t records;            /* valid records, or commands of a script */
-    struct record_chain chain; /* chain of the last one */
+    struct record_chain chain; /* chain of the last valid record */
     unsigned semantics;
-    size_t number;   /* first record that is not intact, */
-    size_t line;     /* its line */
-    uint64_t offset; /* and byte */
-    char text[512];  /* the same in words, safe to print */
+    size_t number;   /* first record that is not intact */
+    size_t line;     /* line of this record */
+    uint64_t offset; /* offset of this record, in bytes */
+    char text[512];  /* state, number, line and offset in words, safe to print */
 };
 
 /* Find the condition of a journal. OK for an intact journal or a script, otherwise ERR_CHECK, with
- * the same text in `fault`. */
+ * condition->text in `fault`. */
 enum err journal_check(struct journal_condition *condition, const char *bytes, size_t length,
                        struct fault *fault);
 

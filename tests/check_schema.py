@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Holds JSON against a schema: check_schema.py SCHEMA [DEFINITION] < LINES
+"""Holds JSON against schemas: check_schema.py FILE SCHEMA DEFINITION...
 
-Each line of standard input is a document, or all of it is one that has several lines. The first
-that is not as the schema says is printed with what is wrong, and the status is 1.
-"""
+Each line of a FILE is a document, or all of it is one that has several lines. DEFINITION is one of
+the schema, or - for the whole schema. Of each file the first document that is not as the schema
+says is printed with what is wrong, after the file's name."""
 import json
 import sys
 
@@ -24,19 +24,24 @@ def unique(pairs):
     return dict(pairs)
 
 
-def main():
-    with open(sys.argv[1]) as file:
+def check(name, path, definition):
+    with open(path) as file:
         schema = json.load(file, object_pairs_hook=unique)
     jsonschema.Draft7Validator.check_schema(schema)
-    if len(sys.argv) > 2:
-        schema = {"$ref": "#/definitions/" + sys.argv[2], "definitions": schema["definitions"]}
+    if definition != "-":
+        schema = {"$ref": "#/definitions/" + definition, "definitions": schema["definitions"]}
     checker = jsonschema.Draft7Validator(schema)
-    found = documents(sys.stdin.read())
-    for document in found:
-        for error in checker.iter_errors(document):
-            print(f"{json.dumps(document)[:400]}\n{error.message[:400]}")
-            sys.exit(1)
-    print(f"{len(found)} documents")
+    with open(name) as file:
+        try:
+            for document in documents(file.read()):
+                checker.validate(document)
+        except (ValueError, jsonschema.ValidationError) as error:
+            print(f"{name}: {str(error)[:800]}")
+
+
+def main():
+    for i in range(1, len(sys.argv), 3):
+        check(*sys.argv[i:i + 3])
 
 
 main()

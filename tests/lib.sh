@@ -193,10 +193,8 @@ nifti_header() {
     {
         printf '\134\001\000\000'
         head -c 36 /dev/zero
-        # shellcheck disable=SC2059
         printf "$(le16 3)$(le16 "$1")$(le16 "$2")$(le16 "$3")$(le16 1)$(le16 1)$(le16 1)$(le16 1)"
         head -c 14 /dev/zero
-        # shellcheck disable=SC2059
         printf "$(le16 "${4:-2}")$(le16 "${5:-8}")"
         head -c 2 /dev/zero
         printf '\000\000\200\077\000\000\200\077\000\000\200\077\000\000\200\077'
@@ -221,13 +219,11 @@ byte_at() { # FILE OFFSET
     od -An -tu1 -j "$2" -N 1 "$1" | tr -d ' '
 }
 flip_byte() { # FILE OFFSET: the lowest bit of that byte
-    # shellcheck disable=SC2059
     printf "\\$(printf %03o $(($(byte_at "$1" "$2") ^ 1)))" |
         dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
 }
 # put FILE OFFSET BYTES-AS-PRINTF-ESCAPES
 put() {
-    # shellcheck disable=SC2059
     printf "$3" | dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
 }
 file_bytes() {

@@ -66,7 +66,6 @@ mount_places() {
 # which end with the command.
 inside() {
     set -- "$1" "$2" "$(awk -F: -v user="$1" '$1 == user { print $6 }' "$root/etc/passwd")"
-    # shellcheck disable=SC2016
     unshare --mount --pid --fork --kill-child sh -c '
             mount -t proc proc "$1/proc" && cd "$1" && shift &&
             pivot_root . mnt && umount -l /mnt && exec env -i "$@"' sh "$root" \

@@ -72,7 +72,6 @@ mkdir "$work/tree" && cp -R .package/debian "$work/tree/debian"
 dpkg-deb --fsys-tarfile "$debs"/iftty_*.deb |
     tar -xO ./usr/share/doc/iftty/changelog.Debian.gz | gunzip >"$work/tree/debian/changelog"
 mount -t proc proc "$root/proc"
-# shellcheck disable=SC2046
 expect 0 autopkgtest -B $(printf "$debs/%s_*.deb " $packages) "$work/tree/" -- chroot "$root"
 out_has "demo                 PASS"
 

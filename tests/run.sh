@@ -107,7 +107,6 @@ ordered() { # NAMES, the longest first
 IFTTY_BUILD=$1
 shift
 if [ $# = 0 ]; then
-    # shellcheck disable=SC2046
     set -- $(cd tests && ls test_*.sh && ls test_*.c | sed 's/\.c$//') \
         $(ls "$IFTTY_BUILD/tests" | grep '_racing$')
 fi

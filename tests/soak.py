@@ -24,8 +24,7 @@ In the end
 
     COMMANDS=100000  so many in all
     SECONDS=         no session begins after so many; the end takes half as long again
-    SEED=1           of the random numbers, from which all commands follow, but for the kills
-"""
+    SEED=1           of the random numbers, from which all commands follow, but for the kills"""
 import fcntl
 import hashlib
 import json

@@ -30,7 +30,6 @@ private=-mpf
 alone() {
     wanted=$1
     shift
-    # shellcheck disable=SC2016,SC2086
     expect "$wanted" unshare $private --kill-child sh -c '
             cd "$1" && shift && mount -t proc proc proc &&
             { [ ! -f dev/null ] || mount --bind /dev/null dev/null; } &&
@@ -50,9 +49,7 @@ out_has BIND_NOW
 
 begin "the examples verify"
 set -- geom.iftty sulci.iftty
-# shellcheck disable=SC2046
 [ -n "$runner" ] || set -- $(cd examples && ls *.iftty)
-# shellcheck disable=SC2046
 alone 0 verify --strict $(printf 'examples/%s ' "$@")
 out_has "# $# verified, 0 failed"
 

@@ -18,7 +18,6 @@ shift
 
 log=$(mktemp)
 busy=''
-# shellcheck disable=SC2086
 trap 'kill $busy 2>/dev/null; rm -f "$log"' EXIT
 trap 'exit 1' HUP INT TERM
 for _ in $(seq "${LOAD:-12}"); do

@@ -6,8 +6,7 @@ python3 surface_reader.py MAP LABEL FILE...
     closed, with volume and centroid of the voxels in the world, and STL normals along triangles. A
     line for each that is not.
 python3 surface_reader.py FILE...
-    what they hold, a line each.
-"""
+    what they hold, a line each."""
 import re
 import struct
 import sys

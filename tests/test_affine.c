@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Affine maps, and fits of pairs of places. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "apply/affine.h"
 #include "tests/check_main.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Backgrounds: what is behind objects, wherever a rendition is shown or written. */
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "image/exr.h"

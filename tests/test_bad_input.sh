@@ -9,7 +9,6 @@ mkdir field
 cd field || exit 1
 full=$work/full
 
-esc=$(printf '\033')
 make_scene good.nii 24 20 16
 
 # No byte that a terminal obeys, line feeds apart.
@@ -187,11 +186,9 @@ le64() { # below 2^24
 }
 {
     printf '\034\002\000\000n+2\000\r\n\032\n\002\000\010\000'
-    # shellcheck disable=SC2059
     printf "$(le64 3)$(le64 60000)$(le64 60000)$(le64 60000)$(le64 1)$(le64 1)$(le64 1)$(le64 1)"
     head -c 24 /dev/zero # intent parameters
     for _ in 1 2 3 4 5 6 7 8; do printf '\000\000\000\000\000\000\360\077'; done
-    # shellcheck disable=SC2059
     printf "$(le64 544)"
     head -c 368 /dev/zero
 } >claims.nii
@@ -320,9 +317,7 @@ refused 2 "without control characters, not \\xff\\xfe" "$iftty" run script
 head -c 100000 "$iftty" >script
 refused 2 "script:1: " "$iftty" run script
 for program in "replay script" "verify script" "run - --journal script"; do
-    # shellcheck disable=SC2086
     listing . >"$work/before"
-    # shellcheck disable=SC2086
     "$iftty" $program </dev/null >"$work/out" 2>"$work/err"
     case $? in 1 | 2 | 3) ;; *) fail "$program: $(cat "$work/err")" ;; esac
     is_plain "$work/out"
@@ -335,7 +330,6 @@ rm script
 begin "a file of another kind is named by its kind"
 neither="this is neither a journal, which begins with a header, nor a script, which is text"
 for program in log verify replay "diff good.nii" "log --anonymise"; do
-    # shellcheck disable=SC2086
     refused 3 "$neither" "$iftty" $program good.nii
 done
 refused 1 "$neither" "$iftty" log --check good.nii
@@ -466,70 +460,5 @@ if can_mount && mount -t tmpfs -o size=64k tmpfs "$full"; then
     cd "$work/field" || exit 1
     umount "$full"
 fi
-
-# ---- control sequences of terminals ----
-
-begin "escape sequences come out as text"
-bad="a${esc}[31mb${esc}]0;x$(printf '\007\233')"
-cp good.nii "$bad.nii"
-printf '%s' "$bad" | dd of="$bad.nii" bs=1 seek=148 conv=notrunc 2>/dev/null # descrip
-printf '%s' "$bad" | dd of="$bad.nii" bs=1 seek=328 conv=notrunc 2>/dev/null # intent_name
-plain() { # STATUS COMMAND...
-    expect "$@"
-    is_plain "$work/out"
-    is_plain "$work/err"
-}
-plain 2 "$iftty" -c "open \"$bad.nii\"; info; stats; seed 1,1,1 1; run; why 1,1,1
-    save labels \"$bad.out.nii\"; render \"$bad.exr\"; render \"$bad.png\""
-plain 2 "$iftty" -c "open \"$bad\""
-plain 2 "$iftty" -c "$bad"
-plain 2 "$iftty" -c "open good.nii; label 2 $bad"
-plain 2 "$iftty" -c "open good.nii; label 2 x $bad"
-plain 2 "$iftty" -c "open good.nii; seed $bad 1"
-plain 2 "$iftty" -c "open good.nii; seed 1,1,1 $bad"
-plain 2 "$iftty" -c "open good.nii; seed 1,1,1 1 $bad"
-plain 2 "$iftty" -c "open good.nii; view $bad"
-plain 2 "$iftty" -c "open good.nii; zoom $bad"
-plain 2 "$iftty" -c "open good.nii; adjacency $bad"
-plain 2 "$iftty" -c "help $bad"
-plain 2 "$iftty" -c "golden $bad"
-plain 2 "$iftty" -c "open good.nii; render \"$bad/x.png\""
-plain 2 "$iftty" help "$bad"
-plain 2 "$iftty" "--$bad"
-plain 2 "$iftty" --graphics "$bad" run x
-plain 2 "$iftty" bench "$bad"
-for program in run replay verify log "log --check"; do
-    # shellcheck disable=SC2086
-    plain 3 "$iftty" $program "$bad.missing"
-done
-plain 2 "$iftty" "$bad.missing" </dev/null
-cp "$bad.nii" named.nii # what the header holds is never printed raw either
-plain 0 "$iftty" -c "open named.nii; info; stats"
-plain 0 "$iftty" -c "open good.nii; seed 1,1,1 1; info" --journal "$bad.iftty"
-plain 0 "$iftty" replay "$bad.iftty"
-plain 0 "$iftty" verify "$bad.iftty"
-printf '# %s\nopen good.nii\n%s\n' "$bad" "$bad" >"$bad.script"
-plain 2 "$iftty" run "$bad.script"
-plain 3 "$iftty" run "$bad.script" --journal c.iftty
-plain 0 "$iftty" log --script "$bad.script"
-plain 0 "$iftty" log "$bad.script"
-for line in "seed 1,1,1 $bad" "$bad" "label 2 $bad" "open $bad"; do
-    {
-        sed -n 1,3p j.iftty
-        printf '# %s\n%s\n' "$bad" "$line"
-        printf '= 2 a=%s chain=0123456789abcdef0123456789abcdef\n' "$bad"
-    } >e.iftty
-    for program in replay verify log "log --check" "log --script" "run - --journal"; do
-        # shellcheck disable=SC2086
-        "$iftty" $program e.iftty </dev/null >"$work/out" 2>"$work/err"
-        case $? in 0 | 1 | 2 | 3) ;; *) fail "$program: $(cat "$work/err")" ;; esac
-        is_plain "$work/out"
-        is_plain "$work/err"
-    done
-    { sed -n 1,3p j.iftty; printf '%s' "$bad"; } >e.iftty # torn
-    "$iftty" run - --journal e.iftty </dev/null >"$work/out" 2>"$work/err" ||
-        fail "torn: $(cat "$work/err")"
-    is_plain "$work/err"
-done
 
 finish

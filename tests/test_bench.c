@@ -2,7 +2,6 @@
 /* Parts of the benchmarks: seeds of the procedure, the comparison of experiments, reports. No time
  * is checked. */
 #include <limits.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "show/pictures.h"

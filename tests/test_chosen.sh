@@ -115,7 +115,6 @@ expect 0 "$iftty" compare only1.nii only0.nii --csv
 grep -v nii out | cut -d, -f3- >expected
 for files in "both.nii both.seg.nrrd --volume 1,0" "only1.nii both.nii --volume 0" \
     "both.seg.nrrd only0.nii --volume 1,0"; do
-    # shellcheck disable=SC2086
     expect 0 "$iftty" compare $files --csv
     grep -v nii out | cut -d, -f3- | cmp -s - expected || fail "$files: $(cat out)"
 done

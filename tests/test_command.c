@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <dirent.h>
 #include <limits.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "session/setting.h"
@@ -1341,8 +1340,7 @@ SCENE_STORY(a_replaced_file_is_restored)
     snprintf(journal_file, sizeof journal_file, "%s", place("replaced.iftty"));
     failing_step = FILE_STEP_SYNC;
     CHECK(interpreter_create_journal(interp, journal_file, &fault) == OK);
-    must(interp, "seed 1,1,1 1");
-    must(interp, "save labels replaced.nii");
+    must(interp, "seed 1,1,1 1; save labels replaced.nii");
     CHECK(file_read(&former, "replaced.nii", 1 << 20, NULL) == OK);
     must(interp, "seed 1,1,1 2");
     for (int tries = 0; tries < 2; tries++) {
@@ -1469,8 +1467,7 @@ SCENE_STORY(weights_are_read_from_a_file)
 
 SCENE_STORY(weights_of_steps_go_by_both_ends)
 {
-    must(interp, "seed 0,0,0 1; auto on; weight difference");
-    MUST_MENTION(interp, "info", "weight difference\n");
+    MUST_MENTION(interp, "seed 0,0,0 1; auto on; weight difference; info", "weight difference\n");
     CHECK_INT(key_cost(cell_at(interp, 5, 0, 0)->key), 3); /* 3 a step along x */
     CHECK_INT(key_cost(cell_at(interp, 6, 0, 0)->key), 63);
     MUST_MENTION(interp, "why 5,0,0", "intensity 15, a step of weight 3, label 1");
@@ -1717,8 +1714,7 @@ STORY(opening_that_is_cancelled_opens_nothing)
 SCENE_STORY(weights_are_named_and_stay_without_memory)
 {
     struct snapshot before;
-    must(interp, "seed 1,1,1 1; weight sobel; run");
-    MUST_MENTION(interp, "info", "weight sobel\n");
+    MUST_MENTION(interp, "seed 1,1,1 1; weight sobel; run; info", "weight sobel\n");
     take_snapshot(&before, interp);
     allow_allocations(0);
     CHECK(execute(interp, "weight gauss 1.5") == ERR_MEMORY);
@@ -1727,8 +1723,7 @@ SCENE_STORY(weights_are_named_and_stay_without_memory)
     MUST_RECORD(interp, "weight gauss 1.5", "weights=");
     CHECK_HAS(buf_text(&reply.words), " forest=");
     MUST_MENTION(interp, "info", "weight gauss 1.5\n");
-    must(interp, "weight morph radius=3");
-    MUST_MENTION(interp, "info", "weight morph radius=3\n");
+    MUST_MENTION(interp, "weight morph radius=3; info", "weight morph radius=3\n");
 }
 
 /* ---- without memory ---- */

@@ -2,7 +2,6 @@
 /* Distances and comparisons: small cases worked by hand, and random ones beside a plain slow
  * computation, which looks from each voxel at each other one. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/mem.h"
 #include "engine/distance.h"

@@ -4,7 +4,6 @@
 #include "orphans.h"
 
 #include <signal.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "base/confine.h"

@@ -3,9 +3,6 @@
  * at a place, or otherwise the largest one, with its holes filled; only voxels within half a voxel
  * of the line may differ. Areas are random circles, rectangles and holes in slices of all three
  * planes. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "session/doubtful.h"
 #include "session/paint.h"
 #include "tests/check_main.h"

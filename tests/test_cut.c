@@ -6,7 +6,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "image/exr.h"
@@ -375,8 +374,7 @@ static unsigned shown_at(const struct interpreter *interp, uint32_t sum)
 
 BEGUN_STORY(a_plane_with_a_normal_is_the_same_from_everywhere, begin)
 {
-    must(interp, "view 33 20");
-    must(interp, "plane 20,15,10 normal=right"); /* x counts to the right */
+    must(interp, "view 33 20; plane 20,15,10 normal=right"); /* x counts to the right */
     CHECK(is_shown(interp, 20, 3, 3) && !is_shown(interp, 21, 3, 3));
     must(interp, "plane none; plane 20,15,10 normal=bottom offset=2.5");
     CHECK(is_shown(interp, 20, 3, 8) && !is_shown(interp, 20, 3, 7));

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Decorations: letters are never wrong, the bar has the length it states, hidden seeds have no
  * marks, and only colours change, in every way of drawing. */
-#include <stdlib.h>
-
 #include "render/decoration.h"
 #include "render/projection.h"
 #include "show/decorating.h"
@@ -220,8 +218,7 @@ BEGUN_STORY(what_is_below_stays_what_it_is, begin_with_object)
     CHECK(rendition_digest(session_frame(interp->session)) == before);
     CHECK(shown.cell == frame->cell && shown.depth == frame->depth && shown.rgba != frame->rgba);
     MUST_MENTION(interp, "info", ", decorate letters scale legend seeds cross, ");
-    must(interp, "decorate scale letters");
-    MUST_MENTION(interp, "info", ", decorate letters scale, ");
+    MUST_MENTION(interp, "decorate scale letters; info", ", decorate letters scale, ");
 }
 
 /* Seeds and cross-hair are inside, until the object is cut open in front of them. */

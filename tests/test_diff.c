@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The pure parts of a comparison of two journals: the first command in which they differ, how far
  * labels differ, and the picture of it. */
-#include <stdlib.h>
-
 #include "render/notes.h"
 #include "show/decorating.h"
 #include "verify/verify_inside.h"

@@ -2,8 +2,6 @@
 /* Which slices to outline next, against a plain choice from the sums of engine/doubt.h: random
  * seeds, outlines and steps of `finish`, asked again after undo, without memory, and as a command.
  */
-#include <stdlib.h>
-
 #include "session/doubtful.h"
 #include "tests/scarce_memory.h"
 #include "tests/scene_main.h"

@@ -7,7 +7,6 @@
  * journal that verifies; the same command works once the disk does. */
 #include <dirent.h>
 #include <errno.h>
-#include <stdlib.h>
 
 #include "base/file.h"
 #include "command/golden_files.h"

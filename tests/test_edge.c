@@ -3,7 +3,6 @@
 #include "tests/check_main.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "render/edge.h"
 #include "tests/stage.h"

@@ -94,10 +94,11 @@ def directory(following):
         struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in entries) + \
         struct.pack("<I", following)
 pixels = (b"II*\0" + struct.pack("<I", 300)).ljust(200, b"\0") + bytes(range(16))
-with open("circle.tif", "wb") as file:
-    file.write((pixels.ljust(300, b"\0") + directory(500)).ljust(500, b"\0") + directory(300))
+for name, after in ("circle.tif", 500), ("self.tif", 300):
+    with open(name, "wb") as file:
+        file.write((pixels.ljust(300, b"\0") + directory(after)).ljust(500, b"\0") + directory(300))
 EOP
-refuses "its pages lead back to one another" 'open circle.tif'
+for name in circle self; do refuses "its pages lead back to one another" "open $name.tif"; done
 
 begin "missing files are named, and not read as zeros"
 refused "none.raw, which is not there" none.mhd none.nhdr list-none.mhd list-none.nhdr \

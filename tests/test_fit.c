@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Fitting: the shown objects fill the picture, at the angles of one view or of a turntable. */
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "image/exr.h"
@@ -187,8 +186,7 @@ BEGUN_STORY(fit_is_recorded_as_what_it_comes_to, begin_with_object)
     CHECK(memcmp(&interp->session->now.outlook.view, &fitted, sizeof fitted) == 0);
     CHECK_INT(execute(interp, "zoom fit at=1,1,1"), ERR_USAGE);
     CHECK_HAS(fault.text, "fit finds the place");
-    must(interp, "hide 1");
-    MUST_MENTION(interp, "zoom fit", "no object is shown: the scene fits");
+    MUST_MENTION(interp, "hide 1; zoom fit", "no object is shown: the scene fits");
 }
 
 /* ---- turntables ---- */

@@ -3,8 +3,6 @@
 #include "tests/check_main.h"
 #include "stage.h"
 
-#include <stdlib.h>
-
 /* Axes, spacings and labels of any kind. */
 static void random_stage(struct stage *s, uint64_t *random)
 {

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Formats that nobody here reads (image/volume.h): each row of their table says what it is there
  * for, unless a format that is read has taken what the row is known by. */
-#include <string.h>
-
 #include "base/choice.h"
 #include "image/volume.h"
 #include "folder_main.h"

@@ -3,8 +3,6 @@
  * tests/test_within.c has random edits with arcs of every kind and regions of interest. */
 #include "tests/check_main.h"
 
-#include <stdlib.h>
-
 #include "tests/border_check.h"
 #include "engine/roi.h"
 #include "engine/forest.h"

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The place of a scene by its file, for any sform, qform and pixdim, alone and together. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/mem.h"
 #include "image/image_inside.h"

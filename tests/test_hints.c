@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Hints: worked by hand, compared with a plain search of all pairs, and as commands. */
-#include <stdlib.h>
-
 #include "engine/hints.h"
 #include "engine/margin.h"
 #include "engine/way.h"

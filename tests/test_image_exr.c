@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* OpenEXR: written pictures are read back exactly; files of other programs are read or refused. */
 #include <math.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "base/buf.h"

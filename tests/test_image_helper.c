@@ -2,7 +2,6 @@
 /* The image helper: pictures through other formats, and a helper that misbehaves. */
 #include <errno.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "base/buf.h"

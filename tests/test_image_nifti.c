@@ -2,7 +2,6 @@
 /* NIfTI: each kind of file that is read, each kind that is refused, and written files. */
 #include <math.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
 #include <zlib.h>

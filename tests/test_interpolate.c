@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Interpolation: by hand, and compared with a plain computation. tests/test_command.c and
  * tests/test_history.c show that it can be undone. */
-#include <stdlib.h>
-
 #include "session/session_inside.h"
 #include "session/session.h"
 #include "tests/border_check.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Records and walks in memory: what FORMAT.md says, what a cut, a flip and hostile bytes do. */
 #include <nettle/sha2.h>
-#include <stdlib.h>
 
 #include "base/buf.h"
 #include "base/file.h"

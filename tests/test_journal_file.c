@@ -2,7 +2,6 @@
 /* The journal as a file: failing writes and syncs, short writes, power loss. */
 #include <errno.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

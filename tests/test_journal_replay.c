@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Replay with a host that is not a session at all, and golden images of a few pixels. */
-#include <stdlib.h>
-
 #include "base/buf.h"
 #include "journal/golden.h"
 #include "journal/replay.h"

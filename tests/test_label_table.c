@@ -4,8 +4,6 @@
 #include "show/label_table.h"
 #include "session/setting.h"
 
-#include <stdlib.h>
-
 #include "session/map.h"
 #include "tests/check_main.h"
 #include "tests/scarce_memory.h"

@@ -3,8 +3,6 @@
  * size, the watch over long work, and the line that shows progress. tests/test_large.sh tests the
  * program. */
 #include <fcntl.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/mem.h"

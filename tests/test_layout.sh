@@ -50,7 +50,6 @@ code_of() { # COMMENTS FILE...
       }
       print FILENAME ":" FNR ":" code }' "$@" </dev/null
 }
-# shellcheck disable=SC2046
 code_of "$work/comments" $(sources src journal render tui) >"$work/code"
 
 # "FILE INCLUDED" for each line of such code that includes a file of ours.
@@ -61,7 +60,6 @@ includes() {
 # "NAME NUMBER" for each number that tests/layout.txt limits: code lines of each room and of all,
 # comment lines for 1000 of them, files, rows of the law, pairs of rooms of which one includes the
 # other, and lines of tests. Blank lines, includes and licence lines are neither code nor comment.
-# shellcheck disable=SC2046
 count() {
     echo "rows $(grep -cE '^[a-z]+(/[a-z]+)?: base' "$law")"
     cat $(sources tests) $(find tests -name '*.sh' -o -name '*.py') | wc -l | sed 's/^ */tests /'
@@ -177,7 +175,6 @@ fake=$work/fake
 mkdir -p "$fake/src/engine" "$fake/src/base" "$fake/journal" "$fake/render" \
     "$fake/tui" "$fake/src/odd"
 broken() { # the files of the fake tree that break the law
-    # shellcheck disable=SC2046
     (cd "$fake" && code_of "" $(sources src journal render tui)) | includes | violations -
 }
 printf '#include "base/err.h"\n/* #include "tui/term.h" */\n' >"$fake/src/engine/fine.c"
@@ -266,7 +263,6 @@ flags=$(pkg-config --cflags OpenEXR 2>/dev/null)
 awk '!seen[$1]++ { own = $1; sub(/^src\//, "", own); sub(/\.c$/, ".h", own)
     if (own == $2) { sub(/\.c$/, ".h", $1); print $1 } }' "$work/includes" >"$work/first"
 for header in $(sources src journal render tui tests | grep '\.h$' | grep -vxFf "$work/first"); do
-    # shellcheck disable=SC2086
     ${CC:-cc} -std=c17 -D_GNU_SOURCE -Wall -Wno-unused -fsyntax-only -x c \
         -Isrc -I. $flags "$header" \
         >"$work/err" 2>&1 || fail "$header:" "$(sed 3q "$work/err")"
@@ -331,7 +327,6 @@ formatter() {
 
 begin "every file is as .clang-format has it"
 if formatter; then
-    # shellcheck disable=SC2046
     $formatter --dry-run $(sources src journal render tui tests) 2>"$work/err"
     [ ! -s "$work/err" ] ||
         fail "make format: $(grep -c warning: "$work/err") places:" \
@@ -344,7 +339,6 @@ too_long() { # FILE...
         length(line) > 100 { print FILENAME ":" FNR " has " length(line) " columns" }' "$@"
 }
 begin "no line of a source or a script has more than 100 columns"
-# shellcheck disable=SC2046
 found=$(too_long Makefile $(find .ci .package src journal render tui tests examples -type f \
     \( -path '.ci/*' -o -path '.package/*' -o -name '*.[ch]' \
     -o -name '*.cc' -o -name '*.sh' -o -name '*.py' \)))
@@ -376,7 +370,6 @@ glued() {
     END { report() }' "$@"
 }
 begin "every numbered promise has a line of its own"
-# shellcheck disable=SC2046
 found=$(glued $(sources src journal render tui tests))
 [ -z "$found" ] || fail "$found"
 printf '/*\n * Q1 one; as in Q3\n * Q2 two; see\n * Q3 three\n */\n' >"$work/fine.h"

@@ -4,7 +4,6 @@
 #include "tests/check_main.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "image/image_inside.h"
 #include "image/volume.h"

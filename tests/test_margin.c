@@ -2,8 +2,6 @@
 /* Margins: by hand, and against the best path of each label in turn, by a plain slow search. */
 #include "tests/check_main.h"
 
-#include <stdlib.h>
-
 #include "engine/margin.h"
 #include "engine/roi.h"
 #include "tests/scarce_memory.h"

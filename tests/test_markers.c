@@ -4,8 +4,6 @@
  * a later active marker of another label, with a voxel in its component, needs the voxel to be
  * free; it does write where its component continues next to such a voxel, inside the region of
  * interest of that moment. */
-#include <stdlib.h>
-
 #include "session/markers.h"
 #include "tests/check_main.h"
 #include "tests/scarce_memory.h"

@@ -2,8 +2,6 @@
 /* The mesh: after any sequence of changes it equals the mesh computed from scratch. */
 #include "tests/check_main.h"
 
-#include <stdlib.h>
-
 #include "tests/scarce_memory.h"
 #include "tests/stage.h"
 #include "tests/stopping.h"

@@ -3,7 +3,6 @@
 #include "tests/check_main.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/mem.h"
 #include "render/mip.h"

@@ -3,8 +3,6 @@
 #include "tests/check_main.h"
 #include "scarce_memory.h"
 
-#include <stdlib.h>
-
 #include "render/palette.h"
 #include "render/mosaic.h"
 #include "render/rendition.h"

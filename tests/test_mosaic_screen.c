@@ -2,8 +2,6 @@
 /* The panes of a screen: nothing overlaps, nothing is cut, and most of the screen is in use. */
 #include "tests/check_main.h"
 
-#include <stdlib.h>
-
 #include "render/mosaic.h"
 #include "render/rendition.h"
 

@@ -1,45 +1,48 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Would the golden suite notice? One thing at a time is changed in a copy of the examples, or of the
-# program; verifying the examples must then fail. Programs are built from a copy of the tree and of
-# what was built there, so that one constant costs the files that see it. IFTTY_TEST_SCALE above 1,
-# as in `make test-long`, has all of them instead of two.
+# Would the golden suite notice? One thing at a time is changed in a copy of a journal, or of the
+# program; verifying it, or the examples, must then fail. Programs are built from a copy of the tree
+# and of what was built there, so that one constant costs the files that see it. IFTTY_TEST_SCALE
+# above 1, as in `make test-long`, has all of them instead of two.
 . "$(dirname "$0")/lib.sh"
 
 # ---- the data ----
 
-fresh_examples() {
-    rm -rf "$work/e"
-    mkdir "$work/e"
-    cp -r examples/geom.iftty examples/geom.golden "$work/e"
+fresh() {
+    rm -rf "$work"/e.*
+    cp "$work/whole.iftty" "$work/e.iftty"
+    cp -r "$work/whole.golden" "$work/e.golden"
 }
-red() { # WHAT: verifying the copy of the example fails, and says where
-    expect 1 "$iftty" verify "$work/e/geom.iftty" </dev/null || fail "after: $1"
+red() { # WHAT: verifying the copy of the journal fails, and says where
+    expect 1 "$iftty" verify "$work/e.iftty" </dev/null || fail "after: $1"
     out_has "not ok 1 - "
 }
 changed() { # WHAT SED-SCRIPT
-    fresh_examples
-    sed -i "$2" "$work/e/geom.iftty"
-    cmp -s "$work/e/geom.iftty" examples/geom.iftty && fail "nothing was changed: $1"
+    fresh
+    sed -i "$2" "$work/e.iftty"
+    cmp -s "$work/e.iftty" "$work/whole.iftty" && fail "nothing was changed: $1"
     red "$1"
 }
 
 begin "the least change of one sample of one golden pixel is detected"
+expect 0 "$iftty" -c 'open synth:geom:40x40x20; seed 20,8,10 1; seed 10,17,10 2; seed 24,14,9 3
+    run; size 64 64; render a.png; golden body' --out "$work" --journal "$work/whole.iftty"
+expect 0 "$iftty" verify "$work/whole.iftty"
 for plane in colour depth label voxel; do
-    fresh_examples
-    expect 0 "$build/tests/mutation/nudge" "$work/e/geom.golden/body.exr" $plane
+    fresh
+    expect 0 "$build/tests/mutation/nudge" "$work/e.golden/body.exr" $plane
     red "a golden image's $plane"
     out_has "golden image body"
 done
 
 begin "a change of one datum of a journal is detected"
-changed "a seed, by one voxel" 's/^seed 100,40,50 1/seed 101,40,50 1/'
-changed "a seed's label" 's/^seed 50,84,50 2/seed 50,84,50 3/'
-changed "a digest of the forest" '0,/ seeds=6/s/\(forest=.*\)\([0-8]\) labels=/\19 labels=/'
+changed "a seed, by one voxel" 's/^seed 20,8,10 1/seed 21,8,10 1/'
+changed "a seed's label" 's/^seed 10,17,10 2/seed 10,17,10 3/'
+changed "a digest of the forest" '/^= 5 /s/forest=\(.*\)[0-8]\(.*\) labels=/forest=\19\2 labels=/'
 changed "the scene's digest" 's/scene=\(.*\)\([0-9a-e]\) size/scene=\1f size/'
 changed "a chain" 's/\(^= 3 .*\)[0-9a-e]$/\1f/'
 changed "a picture's digest" '0,/picture=0*[0-9a-e]/s/picture=[0-9a-e]/picture=f/'
-changed "a command left out" '/^seed 120,70,45 3/,+1d'
+changed "a command left out" '/^seed 24,14,9 3/,+1d'
 
 # ---- the program ----
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Surface nets: a function of the labels around, closed, as large as their voxels, symmetric. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/hash.h"
 #include "engine/net.h"

@@ -2,8 +2,6 @@
 /* Normals and light of many surfaces at once equal those of each one. */
 #include "tests/check_main.h"
 
-#include <stdlib.h>
-
 #include "engine/weight_gradient.h"
 #include "render/light.h"
 #include "tests/stage.h"

@@ -13,11 +13,11 @@ cp "$iftty" "$work/alone/iftty" # which has no helpers
 alone=$work/alone/iftty
 
 # told PROGRAM FILE: its complete output about it, with the digest of the scene and the place of a
-# map, into $work/told
+# map, into $work/told; of every fourth file also what `info` prints
 told() {
     rm -f "$work"/map.* "$work/j.iftty"
     {
-        "$1" info "$2"
+        [ $((count % 4)) != 0 ] || "$1" info "$2"
         "$1" -c "open $2; info; save labels $work/map.nrrd empty=yes; save labels $work/map.nii \
             empty=yes" --journal "$work/j.iftty"
     } >"$work/out" 2>"$work/err" </dev/null

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Painting, against plain models that examine every voxel. Places are random, and grids small
  * enough for their edges to matter. */
-#include <stdlib.h>
-
 #include "base/polyline.h"
 #include "session/paint.h"
 #include "tests/check_main.h"

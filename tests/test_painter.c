@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The painter against a small model of each terminal: after every picture the screen must show that
  * picture, whatever was there before. */
-#include <stdlib.h>
-
 #include "tests/check_main.h"
 #include "tests/kitty_decode.h"
 #include "tests/sixel_decode.h"

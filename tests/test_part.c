@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Parts of volumes: every box and every block against the whole, read and averaged plainly. */
 #include <math.h>
-#include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
 #include <zlib.h>

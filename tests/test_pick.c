@@ -6,7 +6,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 
 #include "command/command.h"
 #include "command/interpreter.h"
@@ -166,8 +165,7 @@ STORY(a_cut_shows_how_deep_a_voxel_lies)
     CHECK(interpreter_init(&interp, NULL) == OK);
     must(&interp, "open synth:geom:41x41x41; size 41 41; zoom 1; seed 20,20,20 1");
     must(&interp, "plane 20,20,20"); /* from the front; the whole scene is label 1 */
-    must(&interp, "render");
-    MUST_MENTION(&interp, "pick 20 20", "voxel 20,20,20 ");
+    MUST_MENTION(&interp, "render; pick 20 20", "voxel 20,20,20 ");
     CHECK_HAS(buf_text(&reply.text), "20.00 mm from the border of label 1, at 20,20,0\n");
     must(&interp, "pick 17 20"); /* from the front, the right side is on the left */
     CHECK_HAS(buf_text(&reply.text), "voxel 23,20,20 ");
@@ -199,8 +197,7 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
         MUST_MENTION(&interp, "info", row[i].words);
     }
     CHECK_HAS(buf_text(&reply.text), "pixels, 19.5,14.5,9.5 in the middle\n");
-    must(&interp, "focus 3,4,5");
-    MUST_MENTION(&interp, "info", "pixels, 3,4,5 in the middle\n");
+    MUST_MENTION(&interp, "focus 3,4,5; info", "pixels, 3,4,5 in the middle\n");
     CHECK_HAS(command_find("view")->detail,
               "the patient's left is on the right of the picture from the front");
 }

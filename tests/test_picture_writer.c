@@ -3,7 +3,6 @@
  * ThreadSanitizer too.
  */
 #include <poll.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

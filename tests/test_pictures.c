@@ -3,7 +3,6 @@
 #include <dirent.h>
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "journal/journal.h"
@@ -559,8 +558,7 @@ STORY(releasing_an_interpreter_waits_for_its_pictures)
 {
     struct interpreter interp;
     begin_beside(&interp);
-    must(&interp, "render last1.png; render last2.png");
-    must(&interp, "spin 3 last.gif"); /* waits for its own */
+    must(&interp, "render last1.png; render last2.png; spin 3 last.gif"); /* waits for its own */
     CHECK(file_exists("last.gif"));
     interpreter_release(&interp);
     CHECK(file_exists("last1.png") && file_exists("last2.png"));

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The pilot: what keys mean, as lines of commands; pictures that get finer on a slow line. */
-#include <stdlib.h>
-
 #include "base/file.h"
 #include "tests/check_main.h"
 #include "tui/cells.h"

@@ -88,14 +88,12 @@ expect 0 "$iftty" help
 expect 0 "$iftty" help seed
 for wrong in "help nothing" "--nothing" "run" "run a b" "run --journal" "replay" "verify" "log" \
     "a b" "--graphics loud run script" "-c"; do
-    # shellcheck disable=SC2086
     expect 2 "$iftty" $wrong </dev/null
     same "$(wc -l <err | tr -d ' ')" 1
     [ ! -s out ] || fail "'$wrong' printed something"
 done
 for missing in "run nothing" "replay nothing" "verify nothing" "log nothing" "log --check nothing" \
     "log --script nothing" "-c open\\ nothing" "nothing"; do
-    # shellcheck disable=SC2086
     eval "expect 3 \"\$iftty\" $missing </dev/null"
     same "$(wc -l <err | tr -d ' ')" 1
 done
@@ -120,7 +118,6 @@ for program in "--help" "log q.iftty" "verify --no-strict q.iftty"; do
     { (exec 3<pipe); : >closed; } &
     exec 4>pipe
     comes_true [ -e closed ]
-    # shellcheck disable=SC2086
     "$iftty" $program >&4 2>err
     same "$?" 141
     same "$(cat err)" ""
@@ -128,7 +125,6 @@ for program in "--help" "log q.iftty" "verify --no-strict q.iftty"; do
     rm closed
 done
 for program in --help 'run plain'; do
-    # shellcheck disable=SC2086
     "$iftty" $program >/dev/full 2>err
     same "$?" 3
     same "$(sed q err)" "iftty: cannot write to standard output"
@@ -196,7 +192,6 @@ while read -r usage; do
     while read -r option; do
         grep -q "^    $option\>" own && continue
         grep -q "^${usage%% *} $option" usages && continue # another form
-        # shellcheck disable=SC2086
         expect_err "has no option" 2 "$iftty" $usage "$option" 1 </dev/null
         [ ! -s out ] || fail "$usage $option printed something"
         tried=$((tried + 1))
@@ -339,7 +334,6 @@ same_files l.nii.gz l.kept && same_files p.exr p.kept && same_files p.png q.kept
 expect 0 "$iftty" -c "$other; save labels l.nii.gz replace=yes; render p.exr replace=yes"
 ! cmp -s l.nii.gz l.kept || fail "replace=yes has replaced nothing"
 ! cmp -s p.exr p.kept || fail "replace=yes has replaced nothing"
-# shellcheck disable=SC2010
 [ -z "$(ls -A | grep '^[.]iftty-')" ] || fail "drafts are left: $(ls -A | grep '^[.]iftty-')"
 
 begin "saved maps are scenes of the same size"

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The table of programs is complete, and command lines are read by it. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/file.h"
 #include "program/programs.h"
 #include "program/program.h"

@@ -3,9 +3,6 @@
  * parameters and choices, lines in canonical form, exit statuses. A new name needs a new line
  * there. A line that is removed or changed breaks a promise, which tests/test_promises.sh detects.
  */
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/file.h"
 #include "command/command.h"
 #include "program/program.h"

@@ -2,8 +2,6 @@
 /* Relaxation against a plain model, which is written from the words of engine/relax.h and
  * shares nothing with it: fields of 64 bits, one array each, all distances by flooding, one voxel
  * after another. */
-#include <stdlib.h>
-
 #include "base/mem.h"
 #include "engine/doubt.h"
 #include "engine/relax.h"

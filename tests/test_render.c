@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The rendition: four ways to draw it, equal pixel for pixel. */
 #include "tests/check_main.h"
-#include <stdlib.h>
 
 #include "tests/stage.h"
 

@@ -39,7 +39,6 @@ has_header() { # FILE LINE
 begin "every map as NRRD and MetaImage equals the NIfTI, voxel for voxel"
 needs teem-unu && {
     maps='labels cost root border distance margin'
-    # shellcheck disable=SC2086
     expect 0 "$iftty" -c "open s.nii; $start; $(printf "save %s %s.nii; save %s %s.nrrd; save %s \
 %s.mha; " $(for m in $maps; do echo $m $m $m $m $m $m; done))"
     for map in $maps; do
@@ -124,10 +123,8 @@ expect_out '9x5x7 voxels' 0 "$iftty" -c "open q.mha crop=2-19,0-9,1-15 reduce=2;
 
 begin "FreeSurfer's files, as nibabel reads them: the voxels and the place of the same NIfTI"
 maps='labels cost border distance margin'
-# shellcheck disable=SC2086
 expect 0 "$iftty" -c "open p.nii; $start; $(printf "save %s f-%s.nii; save %s f-%s.mgz; " \
     $(for m in $maps; do echo $m $m $m $m; done)) save cost f.mgh"
-# shellcheck disable=SC2086
 "$PYTHON" - $maps 2>err <<'END' || fail "$(cat err)"
 import gzip, nibabel, numpy, sys
 for name in sys.argv[1:]:

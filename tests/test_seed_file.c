@@ -2,7 +2,6 @@
 /* Seeds out of files, worked by hand: lists line by line, maps of a few voxels. */
 #include "session/seed_file.h"
 
-#include <stdlib.h>
 #include <sys/resource.h>
 
 #include "base/buf.h"

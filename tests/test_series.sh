@@ -183,7 +183,6 @@ done <files
 rm -f linked.iftty
 expect 0 "$iftty" -c 'open linked series=1' --journal linked.iftty
 for option in '' '--scene linked'; do
-    # shellcheck disable=SC2086
     expect 3 "$iftty" verify linked.iftty $option
     out_has "links not followed); in a replay no link of a folder is followed: \`cp -rL\` makes a"
 done

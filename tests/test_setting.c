@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Settings: commands that only set something. */
-#include <stdlib.h>
-
 #include "base/choice.h"
 #include "render/decoration.h"
 #include "session/setting.h"

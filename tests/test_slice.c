@@ -3,8 +3,6 @@
 #include "tests/check_main.h"
 #include "scarce_memory.h"
 
-#include <stdlib.h>
-
 #include "render/slice.h"
 #include "render/notes.h"
 

@@ -3,7 +3,6 @@
  * journals that show the same again. */
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "command/golden_files.h"

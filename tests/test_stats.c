@@ -2,7 +2,6 @@
 /* Statistics of labels equal a plain recount that walks over voxels and sorts; surface areas equal
  * those of balls and boxes. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "engine/label_stats.h"
 #include "show/label_report.h"

@@ -5,7 +5,6 @@
 #include "stopping.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/file.h"
 #include "engine/grid.h"

@@ -30,7 +30,6 @@ copy() { # NAME: the journal and its golden images under another name
 
 begin "the line of a journal that passes lists the comparisons"
 for how in "" --strict; do
-    # shellcheck disable=SC2086
     expect 0 "$iftty" verify $how j.iftty
     same "$(head -n 1 out)" \
         "ok 1 - j.iftty (10 commands, 10 results with 19 digests, 1 golden image of 1200 pixels)"
@@ -78,7 +77,6 @@ copy seen
 cp o.golden/first.png seen.golden/first.png
 bad_png() { # WORDS [NAME]
     for how in "" --no-strict "--expect $(last_word chain seen.iftty)"; do
-        # shellcheck disable=SC2086
         expect 1 "$iftty" verify $how seen.iftty
         out_has "golden ${2:-first}: seen.golden/${2:-first}.png: $1"
         out_has "; delete it, and \`golden\` draws it again"

@@ -2,8 +2,6 @@
 /* Strokes and what else a hand paints, as commands: one record, one marker, one undo; what they
  * say, what they refuse, and what a journal has of them. Which voxels they are, test_paint proves.
  */
-#include <stdlib.h>
-
 #include "command/command.h"
 #include "command/execute.h"
 #include "session/session.h"

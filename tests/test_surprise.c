@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Surprises: a command that took far more voxels than it planted reports this and the edge through
  * which it did. Commands with the expected effect, and replays, report nothing. */
-#include <stdlib.h>
-
 #include "engine/way.h"
 #include "image/volume.h"
 #define RUN_IN_FOLDER

@@ -216,8 +216,7 @@ static const char *answer(void)
 
 SCENE_STORY(an_edit_is_answered_with_what_it_changed)
 {
-    must(interp, "auto on");
-    must(interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, sheared */
+    must(interp, "auto on; seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, sheared */
     CHECK_TEXT(answer(), "1320 voxels changed, label 1: 3.91 ml");
     must(interp, "seed 1,1,1 2");
     const uint64_t one = interp->session->tally.voxels[1];

@@ -4,7 +4,6 @@
 #include "tests/check_main.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/hash.h"
 #include "base/safe.h"

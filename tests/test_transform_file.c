@@ -2,7 +2,6 @@
 /* Transform files: files written by ITK (tests/transforms/, with places mapped by ITK itself), the
  * meaning of FLIRT's matrices, the direction of maps, and refusals. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/file.h"
 #include "apply/registration.h"

@@ -242,7 +242,6 @@ with open("nrrd", "w") as file:
 EOP
 seq 1 1000 | head -c 336 >v.raw
 for opens in 'sets nii data=small' 'sets mnc data=small' 'meta mha' 'nrrd nrrd'; do
-    # shellcheck disable=SC2086
     set -- $opens
     ln -sf "$work/annex/$1" "away.$2"
     record "open away.$2 $3"
@@ -291,7 +290,6 @@ for way in '' loose; do
     for target in ../secret/token ../secret/none "$work/secret" /dev/zero; do
         ln -sfn "$target" t.iftty
         for program in 'replay t.iftty' 'verify t.iftty'; do
-            # shellcheck disable=SC2086
             $way timeout 60 "$iftty" $program >"$work/both" 2>&1 && fail "$program: $target"
             grep -q 'token 1f\|1f2e' "$work/both" && fail "$way $program: $(cat "$work/both")"
             grep -q 't.iftty is a link, and leads to no journal' "$work/both" ||
@@ -396,7 +394,6 @@ same "$(ls counted | wc -l | tr -d ' ')" 3
 begin "invalid limits"
 for wrong in "--limit-memory 0" "--limit-memory much" "--limit-memory 5X" "--limit-memory -1" \
     "--limit-time 3d" "--limit-time 1e5" "--limit-output 99999999999T" "--limit-output 1MB"; do
-    # shellcheck disable=SC2086
     expect_err "${wrong%% *}: expected" 2 "$iftty" replay big $wrong
 done
 
@@ -445,7 +442,6 @@ mkdir doors
 cd doors || exit 1
 cp ../s.nii ../proof.iftty .
 while read -r escaped; do
-    # shellcheck disable=SC2059
     bad=$(printf "$escaped")
     : >"$work/out"
     : >"$work/err"
@@ -458,9 +454,25 @@ while read -r escaped; do
     shown "a name that is told, as JSON" "$iftty" info "$bad.nii" --json
     shown "a folder" "$iftty" replay proof.iftty --out "$bad/x"
     shown "an option" "$iftty" "--$bad"
+    shown "a value" "$iftty" --graphics "$bad" run x
+    shown "a command" "$iftty" -c "$bad"
+    shown "a request of help" "$iftty" help "$bad"
+    for program in run replay verify log "log --check"; do
+        shown "a missing file" "$iftty" $program "$bad.missing"
+    done
     printf '%s\n' 'open s.nii' "label 2 \"a$bad\"" stats "golden \"$bad\"" 'seed 1,1,1 1' \
-        "render \"$bad.png\"" >script
-    shown "a label, a golden image, a picture" "$iftty" run script --keep-going
+        "render \"$bad.png\"" "render \"$bad/x.png\"" "save labels \"$bad.nii\"" "open \"$bad\"" \
+        "$bad" "label 2 $bad" "label 2 x $bad" "seed $bad 1" "seed 1,1,1 $bad" "seed 1,1,1 1 $bad" \
+        "view $bad" "zoom $bad" "adjacency $bad" "help $bad" "golden $bad" >"$bad.script"
+    shown "a label, a golden image, a picture, a parameter" "$iftty" run "$bad.script" --keep-going
+    shown "a script as a journal" "$iftty" run "$bad.script" --journal j.iftty
+    shown "a journal's name, continued" "$iftty" -c info --journal "$bad.iftty"
+    { sed -n 1,3p proof.iftty; printf '%s' "$bad"; } >torn.iftty
+    shown "a torn record" "$iftty" run - --journal torn.iftty
+    for line in "seed 1,1,1 $bad" "$bad" "open $bad"; do
+        { sed -n 1,3p proof.iftty; printf '%s\n= 2 a=%s chain=%032d\n' "$line" "$bad" 0; } >l.iftty
+        for program in replay "log --check"; do shown "$program" "$iftty" $program l.iftty; done
+    done
     cp s.nii header.nii
     for at in 14 148 228 328; do # db_name, descrip, aux_file, intent_name
         printf '%s' "$bad" | dd of=header.nii bs=1 seek=$at conv=notrunc 2>/dev/null
@@ -473,7 +485,6 @@ while read -r escaped; do
     } >lines.iftty
     for program in "replay" "verify" "log" "log --check" "log --script" "log --anonymise" \
         info "info --json" "run - --journal" "run"; do
-        # shellcheck disable=SC2086
         shown "$program" "$iftty" $program lines.iftty
     done
     is_plain "$work/out"
@@ -483,7 +494,6 @@ done <"$work/hostile"
 if needs oiiotool; then # all pictures at once, since the helper starts slowly
     set --
     while read -r escaped; do
-        # shellcheck disable=SC2059
         set -- "$@" --attrib "deceit$#" "$(printf "$escaped")"
     done <"$work/hostile"
     : >"$work/out"
@@ -581,7 +591,6 @@ if needs_landlock; then
         else
             comes_true is_confined $process
         fi
-        # shellcheck disable=SC2046
         kill $(family "$process") 2>/dev/null
         wait "$process" 2>/dev/null
     done

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The terminal side without a terminal: encoders against decoders of our own, keys, lines, replies,
  * drawing against a small model of a screen. */
-#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 #include <zlib.h>

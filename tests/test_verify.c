@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The pure parts of a verification: what a difference means, results on their way through a pipe,
  * text in markup, and pictures as PNG. */
-#include <stdlib.h>
 #include <zlib.h>
 
 #include "verify/replay_file.h"

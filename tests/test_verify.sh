@@ -24,7 +24,6 @@ same "$(head -n 1 one)" "ok 1 - j1.iftty (10 commands, 10 results with 19 digest
 same "$(tail -n 2 one | tr '\n' ' ')" "1..5 # 5 verified, 0 failed "
 for wrong in "-j 0" "-j 65" "-j x" "--from 0" "--until x" "--from 3 --until 2" \
     "--junit" "--from"; do
-    # shellcheck disable=SC2086
     expect 2 "$iftty" verify j1.iftty $wrong
     [ ! -s out ] || fail "'$wrong' printed something"
 done

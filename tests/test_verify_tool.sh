@@ -134,7 +134,6 @@ expect 1 "$iftty" verify one/j2.iftty --expect "$chain"
 out_has "# its last chain is $(last_word chain one/j2.iftty), and $chain was expected"
 for wrong in "--expect $chain j2.iftty" "--expect 12 --expect" "--expect ${chain}0" \
     "--expect $(echo "$chain" | tr a-f A-F)x"; do
-    # shellcheck disable=SC2086
     expect 2 "$iftty" verify j1.iftty $wrong
 done
 expect_err "--expect: expected one journal, not 2" 2 "$iftty" verify one --expect "$chain"
@@ -144,11 +143,9 @@ begin "bytes after the last record, which no chain covers, are none of the expec
 cp j1.iftty sound
 for tail in '# reviewed by Dr X, all well\n' '\n' 'seed 1,1,1 1' '\0\0\0'; do
     cp sound j1.iftty
-    # shellcheck disable=SC2059
     printf "$tail" >>j1.iftty
     expect 0 "$iftty" verify j1.iftty
     for part in "" "--until 3"; do
-        # shellcheck disable=SC2086
         expect 1 "$iftty" verify j1.iftty --expect "$(last_word chain sound)" $part
         out_has "# --expect: it ends with an unfinished record, at byte $(file_bytes sound)"
     done

@@ -2,7 +2,6 @@
 /* The table of volume formats: each that is read has a fuzz target with a corpus that it reads, and
  * each that is written comes back as it was. */
 #include <dirent.h>
-#include <stdlib.h>
 
 #include "base/file.h"
 #include "image/volume.h"

@@ -2,7 +2,6 @@
 /* Arc weights: tiny scenes worked by hand, then random ones against plain slow recomputes that
  * hold whole volumes and look at every neighbour. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "engine/weight_gradient.h"
 #include "engine/weight.h"

@@ -4,8 +4,6 @@
  * do not go through; threads. */
 #include "tests/check_main.h"
 
-#include <stdlib.h>
-
 #include "base/team.h"
 #include "engine/forest.h"
 #include "engine/roi.h"

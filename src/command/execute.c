@@ -24,7 +24,7 @@
 struct resume {
     struct interpreter *interp;
     size_t last;     /* number of the last record with words about the forest; 0 for none */
-    bool catches_up; /* the current record is that one */
+    bool catches_up; /* the current record is record `last`: compute the forest */
     struct replay_report report;
 };
 
@@ -70,7 +70,8 @@ static void look_for_last(void *context, const struct record *record)
             resume->last = record->number;
 }
 
-/* Run a recorded command. If the session then catches up, return the words about the forest. */
+/* Run a recorded command and return its words. At the last record with words about the forest,
+ * compute the forest and return only these words. */
 static enum err execute_again(void *context, const char *command, struct buf *words,
                               struct fault *fault)
 {
@@ -111,8 +112,8 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
     return err;
 }
 
-/* Resume a record. When skimming, compute nothing before the last record with words about the
- * forest, except for `open`. */
+/* Run a record again. In MODE_SKIM, compute nothing between `open` and the last record with words
+ * about the forest. */
 static enum err resume_record(void *context, const struct record *record, struct fault *fault)
 {
     struct resume *resume = context;
@@ -146,7 +147,7 @@ static enum err replay_journal(struct interpreter *interp, const char *path, str
     return err;
 }
 
-/* Remove drafts and pictures of killed processes next to the journal. */
+/* Remove the temporary files and pictures that killed processes have left next to the journal. */
 static void clear_away(struct interpreter *interp, const char *path, struct buf *told)
 {
     const struct buf *bytes = journal_bytes(interp->journal);
@@ -204,7 +205,7 @@ static enum err apply_edits(const struct interpreter *interp, struct session *se
     else
         buf_printf(&reply->text, "applied the %zu pending edits, as `run` does\n", interp->applied);
     enum err err = session_run(session, fault);
-    /* Count again, so that the answer of the command excludes these edits. */
+    /* Count labels again, so that the changes that the command reports exclude these edits. */
     if (!err && interp->mode == MODE_LIVE)
         err = session_count_labels(session, fault);
     return err;
@@ -219,9 +220,9 @@ static enum err run_act(struct interpreter *interp, const struct call *call, str
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first, as in `open FILE`",
                          command->name);
-    /* A command that answers first applies the pending edits, so that its answer includes all
-     * seeds. In a replay, only a recorded command does so, since a live session records a `run` for
-     * a question. */
+    /* Before a command with COMMAND_ANSWERS, apply the pending edits, so that its answer includes
+     * all seeds. In a replay, only recorded commands need this: for a question, the live session
+     * has recorded a `run`. */
     const bool applies = command->flags & COMMAND_ANSWERS &&
                          (command->flags & COMMAND_RECORDED || interp->mode == MODE_LIVE);
     interp->applied = applies ? session_pendings(session) : 0;

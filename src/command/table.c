@@ -328,7 +328,7 @@ static const struct command command_table[] = {
      "ring." WITHIN_NOTE " It does not apply to the ring.\n"
      "to: a further corner; there are at least two, and at most about 3000.\n"
      "ring: the width of the ring in voxels, from centre to centre; the default is 3, and 0 with "
-     "within=0. 0 is for no ring, the only value for a polygon of background.\n"
+     "within=0. 0 plants no ring; a polygon of background allows only 0.\n"
      "instead: remove this marker in the same undo step; N is the number after `marker=` in its "
      "record. The pilot replaces an outline in this way when it is dragged." EXACT_NOTE,
      "outline 80,90,50 2 to=120,90,50 to=100,110,50"},
@@ -411,11 +411,11 @@ static const struct command command_table[] = {
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
       NEED("RANGE", VALUE_INTERVAL), KEYED("from", VALUE_POSITION), EXACT},
      "plant the connected voxels within a range",
-     "Plants as one marker all voxels whose intensity, as printed by `why`, is in the range, and "
-     "that are connected by faces, within the range, to a seed of the label. Voxels with seeds of "
-     "other labels are left out and interrupt the connection, so that a stroke of background cuts "
-     "off a leak. Each object may have its own range. Its trees grow beyond the range, until they "
-     "meet trees of other labels.\n"
+     "Plants, as one marker, the voxels whose intensity, as printed by `why`, is in RANGE, and "
+     "that a path of such voxels, from face to face, connects to a seed of the label. Voxels with "
+     "seeds of other labels are left out and interrupt the connection, so that a stroke of "
+     "background cuts off a leak. Each object may have its own range. Its trees grow beyond the "
+     "range, until they meet trees of other labels.\n"
      "from: start from this voxel instead of the label's seeds." EXACT_NOTE,
      "object 2 threshold 226..3071"},
     {CALLED("remove", "delete|erase|eliminate|rm", act_remove, GROUP_SEEDS, R | S | E | P),
@@ -447,9 +447,9 @@ static const struct command command_table[] = {
      "and reaches back to `open`, also into earlier sessions. It is recorded. `redo` reverts it, "
      "and `history` lists the commands.\n"
      "iftty warns after an edit by which a label loses more than 500 voxels, and another label "
-     "grows by more than 1 % for each seed of the edit. The warning names the edge through which "
-     "that label grew. There is no warning if its new voxels are as bright as the old ones, and at "
-     "most 3/2 as many per seed as before.",
+     "grows by more than 1 % of its volume for each seed of the edit. The warning names the edge "
+     "through which that label grew. There is no warning if its new voxels are as bright as the "
+     "old ones, and at most 3/2 as many per seed as before.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
@@ -671,13 +671,14 @@ static const struct command command_table[] = {
       KEYED("smooth", VALUE_NUMBER, .most = 100),
       KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX), YES_NO("empty")},
      "write a map, surfaces, seeds or names of labels",
-     "Writes a map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as "
-     ".seg.nrrd, a segmentation for 3D Slicer, as .nii, .nii.gz or .mgz include names and "
+     "Writes a map as .nii, .nii.gz, .nrrd, .mha, .mgh or .mgz, in the geometry of the scene. "
+     "Labels as .nii, .nii.gz, .mgz or .seg.nrrd, a segmentation for 3D Slicer, include names and "
      "colours.\n"
      "labels: uint8, or uint16 or uint32 if labels have numbers above 255. A voxel that no seed "
      "reaches is 0; the answer has the number of such voxels.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
-     "root: uint32, the voxel index of the seed; 4294967295 where no seed reaches.\n"
+     "root: uint32, the voxel index of the seed; 4294967295 where no seed reaches. Not as .mgh or "
+     ".mgz.\n"
      "border: uint8, 1 in border voxels of shown objects.\n"
      "distance: uint16, the plateau distance: steps along the path since its cost last rose; 65535 "
      "where no seed reaches.\n"
@@ -709,11 +710,12 @@ static const struct command command_table[] = {
     {COMMAND("sync", act_sync, GROUP_KEPT, 0),
      {MAY("WHEN", VALUE_CHOICE, .choices = FILE_SYNC_WORDS)},
      "set when records are synced; sync them now",
-     "always, the default: sync each record before its command is acknowledged.\n"
+     "always, the default: sync a record before its command is acknowledged; if the command "
+     "changes only the view, within a second.\n"
      "everysec: sync within a second; a loss of power may lose the commands of that second.\n"
      "off: leave syncing to the operating system, except for `sync` and the end of the session. A "
-     "loss of power may lose all commands since then, and damage the end of the journal, which "
-     "`iftty log --repair` cuts off.\n"
+     "loss of power may lose all commands since the last sync, and damage the end of the journal, "
+     "which `iftty log --repair` cuts off.\n"
      "In all modes, killing the program loses no record. The command is not recorded.",
      "sync always"},
     {COMMAND("history", act_history, GROUP_QUESTIONS, S),
@@ -758,19 +760,19 @@ static const struct command command_table[] = {
      {MAY("COUNT", VALUE_NUMBER, .choices = "slice", .least = 1, .most = HINTS_MOST),
       KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE), YES_NO("replace")},
      "list the least certain places on borders",
-     "Prints COUNT places, by default 10, the least certain first. For each, prints its size, the "
-     "cost of its least certain voxel, the neighbouring label with its cost there, the edge "
-     "between the two labels, and the strongest edge on the path to the voxel.\n"
+     "Prints COUNT places, by default 10. For each, prints its size, the cost of its least certain "
+     "voxel, the neighbouring label with its cost there, the edge between the two labels, and the "
+     "strongest edge on the path to the voxel.\n"
      "The certainty of a border voxel is the additional cost of the other label, plus the height "
      "of the edge, minus the cost of the voxel's path three steps before. The least certain tenth "
      "of the border is weak. A place is a connected weak part within a cube of 16 voxels a side; "
      "places with more and weaker voxels are listed first. The search needs about the time of a "
      "run; repeating it without a change is immediate.\n"
-     "slice: list the five slices of all three planes with the largest doubt instead of places. "
-     "The doubt is the sum of 4u(1 - u) over their voxels, where u is the field of a label after "
-     "`finish relax`: 1 inside, 0 outside, and between 0 and 1 where the border is uncertain. An "
-     "`outline` in the first slice removes the most doubt. Slices with an outline, and their "
-     "neighbours, are left out.\n"
+     "slice: instead of places, list the five slices with the largest doubt, in any plane. The "
+     "doubt of a slice is the sum of 4u(1 - u) over its voxels, where u is the field of a label "
+     "after `finish relax`: 1 inside, 0 outside, and between 0 and 1 where the border is "
+     "uncertain. An `outline` in the first slice removes the most doubt. Slices with an outline, "
+     "and their neighbours, are left out.\n"
      "In a journal of `iftty apply`, places of the label whose volume differs most from the "
      "procedure's are listed first.\n"
      "label: list only places at the border of this label, or slices by the doubt of this label "
@@ -827,7 +829,7 @@ static const struct command command_table[] = {
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},
-     "segment by single keys, in full screen",
+     "segment with single keys, in full screen",
      "Shows slices, the rendition and a cross-hair. ? lists the keys, and q returns to the prompt. "
      "A key that changes the session runs a command, which is recorded. Needs a terminal. Ctrl-O "
      "at the prompt also opens the pilot.",

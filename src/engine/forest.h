@@ -1,17 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The forest: it assigns each voxel to the tree of the seed with the best path to it.
+ * The forest: each voxel belongs to the tree of the seed with the best path to the voxel.
  *
- * The key of a voxel is (cost, hops, root), compared as one integer. A seed has key (0, 0, itself).
- * A voxel s offers its neighbour t the key
+ * The key of a voxel is (cost, hops, root), one integer with the cost in its highest bits; the
+ * least key is the best. A seed has the key (0, 0, itself). A voxel s offers its neighbour t the
+ * key
  *
  *     extend(key(s), w) = (w, 0, root)            where w > cost,     w = weight of the arc
  *                         (cost, hops + 1, root)  otherwise           (engine/weight.h)
  *
- * and the forest is the solution of key(t) = min(own seed's key, min over neighbours of their
- * offers). extend is strictly increasing, so there is exactly one solution: the forest is a
- * function of the set of seeds and does not depend on the order in which they were planted, removed
- * or processed. The cost is the f_max cost of the literature; hops and root break every tie.
+ * and the forest is the solution of
+ *
+ *     key(t) = min(offers of the neighbours of t; (0, 0, t) if t is a seed)
+ *
+ * Since extend(k, w) > k for all k and w, there is exactly one solution: the forest is a function
+ * of the set of seeds and does not depend on the order in which they were planted, removed or
+ * processed. The cost is the f_max cost of the literature; hops and root break every tie.
  * (Method: Audigier, Lotufo, Falcao 2006; differential transform: Falcao and Bergo 2004; the
  * canonical key is this program's own.)
  *
@@ -23,7 +27,8 @@
  *   seed         marker voxel of the image foresting transform; a seed is the root of its tree
  *   eliminator   deletion marker of the differential transform: it clears the tree of its voxel
  *   root         seed at the end of the chain of predecessors, P* in the literature
- *   predecessor  P(t), neighbour of t whose offer became the key of t; an offer extends a path
+ *   offer        extend(key(s), w): key of the path to s, extended by the arc to a neighbour
+ *   predecessor  P(t), neighbour of t whose offer became the key of t
  *   cost         C(t), the f_max cost of the best path: the largest weight on it
  *   hops         plateau distance: steps along the path since its cost last rose; it corresponds to
  *                the literature's FIFO order within a cost, and (cost, hops) to lexicographic costs
@@ -34,15 +39,15 @@
  *   outbox       offers of one worker for cells that another worker owns
  *
  * Invariants between calls
- *   T1 every key solves the equation above; forest_check asserts it;
+ *   T1 the keys solve the equation above; forest_check asserts it;
  *   T2 label and root of a voxel are those of its predecessor, to which cell.direction points; a
  *      seed is its own root;
  *   T3 the hops of a voxel are below 65535: an edit that would need more is rejected and undone;
  *   T4 both digests equal a recomputation over all voxels; forest_check asserts it.
  * Invariant during a pass
- *   T5 every key is supported by its predecessor, or that predecessor is queued; and a voxel that
- *      may still receive a better offer than its key is queued and marked CELL_RAISED. So the
- *      inverse edit can undo an edit at any moment, without a copy of the former state.
+ *   T5 every key, except a seed's, is an offer of the predecessor, or the predecessor is queued; a
+ *      voxel that may still receive a better offer than its key is queued and marked CELL_RAISED.
+ *      So the inverse edit can undo an edit at any moment, without a copy of the former state.
  */
 #ifndef ENGINE_FOREST_H
 #define ENGINE_FOREST_H
@@ -69,8 +74,8 @@ struct edit {
     uint16_t reach; /* number of the seed's reach (forest_add_reach); 0 for none */
 };
 
-/* Store the labels before each later rebuild, so that forest_changes can count the relabelled
- * voxels. Costs a scan of the scene before and after the rebuild. */
+/* From now on, store the labels before each rebuild, so that forest_changes can count the
+ * relabelled voxels. Costs a scan of the scene before and after the rebuild. */
 void forest_count_rebuilds(struct forest *forest);
 
 /* Create a forest without seeds for a scene with weights, which must outlive the forest.
@@ -96,7 +101,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
 enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
 /*
- * True if a voxel has its final key and label, while a run is shown.
+ * Return true if a voxel has its final key and label. Call this while a run is shown.
  *
  * The scene's watch may show a run before it ends (watch.h). Forest and scene can then be read, by
  * one thread at a time or by the forest's own team, and must not be changed. Levels are processed
@@ -114,7 +119,7 @@ struct seed_changes {
 };
 struct seed_changes forest_seed_changes(const struct forest *forest);
 
-/* Suspend and resume the forest, to compute only the result of the last of a series of edits. A
+/* Suspend and resume the forest, to compute it only once, after the last of a series of edits. A
  * suspended forest has seeds only: T1, T2 and T4 do not hold, and edits and rebuilds compute
  * nothing. forest_catch_up computes the forest of the present seeds; its errors are those of
  * forest_rebuild. */
@@ -135,8 +140,8 @@ enum err forest_set_team(struct forest *forest, struct team *team, struct fault 
 
 struct changes forest_changes(const struct forest *forest);
 struct forest_stats forest_stats(const struct forest *forest);
-/* Predecessor of a voxel that a seed reaches: the first neighbour whose offer is the voxel's key,
- * in the order of the offsets of the adjacency. Unlike cell.direction, it does not depend on the
+/* Predecessor of a voxel that a seed reaches: the first neighbour, in the order of the adjacency's
+ * offsets, whose offer equals the voxel's key. Unlike cell.direction, it does not depend on the
  * order of computation. CELL_NONE for a seed. */
 uint32_t forest_predecessor(const struct forest *forest, uint32_t cell);
 
@@ -148,9 +153,9 @@ size_t forest_memory(const struct forest *forest); /* bytes, without the scene *
 
 /* ---- reaches of seeds ---- */
 
-/* Add a reach and return its number, which stays valid and is used in edits; all exact reaches have
- * the same one. ERR_MEMORY; ERR_LIMIT beyond 65535 reaches. The first reach reserves two bytes of
- * address space per cell, but memory is used only for pages that contain roots. */
+/* Add a reach, and set *number to its number for edits; all exact reaches have the same one. The
+ * number remains valid. ERR_MEMORY; ERR_LIMIT for more than 65535 reaches. The first reach reserves
+ * two bytes of address space per cell, but memory is used only for pages that contain roots. */
 enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
                           struct fault *fault);
 
@@ -164,8 +169,8 @@ uint16_t forest_reach_number(const struct forest *forest, uint32_t seed);
 /* True if a voxel is within the reach of the seed `root`, or the seed has no reach. */
 bool forest_may_hold(const struct forest *forest, uint32_t root, uint32_t cell);
 
-/* The least key that neighbouring trees do not offer to a voxel because of their reach; KEY_NONE if
- * there is no such offer. */
+/* The least offer that neighbouring trees withhold from a voxel because it is beyond their reach;
+ * KEY_NONE if there is no such offer. */
 uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell);
 
 /* Number of seeds with a reach. */
@@ -175,8 +180,8 @@ size_t forest_limited_seeds(const struct forest *forest);
  * around them. Scans the scene if any seed has a reach. ERR_MEMORY, ERR_CANCELLED. */
 enum err forest_count_refused(const struct forest *forest, size_t *voxels, struct fault *fault);
 
-/* Digests of keys and labels: sums mod 2^64, over the voxels that a seed reaches, of a hash of cell
- * and key, and of a hash of cell times label. */
+/* Digests of keys and labels: sums mod 2^64, over the voxels that a seed reaches, of hash(cell,
+ * key) and of hash(cell) * label. */
 uint64_t forest_digest(const struct forest *forest);
 uint64_t forest_label_digest(const struct forest *forest);
 

@@ -59,8 +59,8 @@ static const struct option option[] = {
                     TEXT(out)},
     [EVIDENCE_OUT] =
         {"--out", "DIR",
-         "write the difference of each golden image into this folder, below N/ for the Nth "
-         "journal if several journals have the same name",
+         "write the difference of each golden image into this folder; if several journals have the "
+         "same name, into its subfolder N for the Nth journal",
          TEXT(out)},
     [WHOLE] = {"--whole", NULL,
                "write the journal as FILE.part, and rename it at the end of the run; repeating an "
@@ -126,9 +126,9 @@ static const struct option option[] = {
                  "draw A's surface, coloured by its distance to B: red outside, blue inside",
                  TEXT(surface)},
     [REGIONS] = {"--regions", "LIST",
-                 "compare only these values of both maps, as 1-90,2001 (default: all above 0)",
+                 "compare only these values of both maps, as in 1-90,2001 (default: all above 0)",
                  LIST(regions, 0, UINT32_MAX)},
-    [AS] = {"--as", "LIST", "labels for those values, 255 at most, as 1-90,91",
+    [AS] = {"--as", "LIST", "labels of these values, 255 at most, as in 1-90,91",
             LIST(as, 0, UINT32_MAX)},
     [BINARY] = {"--binary", NULL, "merge all labels into one object, label 1", FLAG(binary)},
     [RESAMPLE] = {"--resample", NULL, "resample B to A's grid, nearest neighbour", FLAG(resample)},
@@ -143,12 +143,11 @@ static const struct option option[] = {
                   "plant labels (final labels, eroded; the default) or seeds (of the commands)",
                   TEXT(as)},
     [FIT] = {"--fit", "KIND",
-             "fit landmarks by " CARRY_FITS " (default: the most general one that fits)",
-             TEXT(fit)},
+             "fit landmarks by " CARRY_FITS " (default: affine; rigid for 3 landmarks)", TEXT(fit)},
     [LANDMARKS_OF] = {"--landmarks", "FILE",
                       "read the landmarks of SCENE: lines NAME X,Y,Z in mm, or a journal of SCENE",
                       TEXT(landmarks)},
-    [ORIENT] = {"--orient", "HOW", "set the orientation of scenes without one, as RAS",
+    [ORIENT] = {"--orient", "HOW", "set the orientation of scenes without one, as in RAS",
                 TEXT(orient)},
     [APPLY_OUT] = {"--out", "DIR", "write journals into this folder (default: the current one)",
                    TEXT(out)},
@@ -156,11 +155,11 @@ static const struct option option[] = {
                          "open this scene of the procedure instead of the one that `open` names",
                          TEXT(scene)},
     [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
-                      "limit the memory for a journal, as 2G (default: 3/4 of the free memory)",
+                      "limit the memory for a journal, as in 2G (default: 3/4 of the free memory)",
                       TEXT(limit_memory)},
-    [LIMIT_TIME] = {"--limit-time", "TIME", "limit the time, as 90s, 20m or 1.5h (default: 1h)",
+    [LIMIT_TIME] = {"--limit-time", "TIME", "limit the time, as in 90s, 20m or 1.5h (default: 1h)",
                     TEXT(limit_time)},
-    [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "limit the written bytes, as 500M (default: 4G)",
+    [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "limit the written bytes, as in 500M (default: 4G)",
                       TEXT(limit_output)},
     [UNCONFINED] =
         {"--unconfined", NULL,
@@ -198,7 +197,7 @@ static const struct program program[] = {
      .summary = "run the commands of a script or a journal",
      .detail = "When the record of a command is on the disk, prints `ok N`, with the number of the "
                "record, and the command; `ok -` is for a command without a record. The first error "
-               "ends the run. An interrupted run that is repeated with the same --journal "
+               "ends the run. If an interrupted run is repeated with the same --journal, it "
                "continues after its last record, but adds nothing if script and journal differ.\n"
                "For batches use --whole and --json; the latter prints one object instead of these "
                "lines. Needs no terminal. Exit status: 0 all commands succeeded; 1 a golden image "
@@ -206,7 +205,7 @@ static const struct program program[] = {
                "full disk; 130 Ctrl-C.",
      .run = run_script},
     {"serve", NULL, "[SCENE|JOURNAL]", 0, 1, .option = {JOURNAL, READ_ONLY, SCENE, OUT},
-     .summary = "run a session for a program, by lines of JSON",
+     .summary = "run a session for a program, in lines of JSON",
      .detail =
          "Reads requests from standard input and writes answers to standard output, one per line. "
          "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} runs a command, {\"id\": 2, \"array\": "

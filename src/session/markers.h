@@ -41,9 +41,8 @@
  * Invariants
  *   M1 the seeds are a function of the set of valid markers, whatever the order in which they were
  *      removed and restored;
- *   M2 a marker never changes, and its number is never reused, unless it was dropped: so a number
- *   in
- *      a record always means the same voxels;
+ *   M2 a marker never changes, and its number is never reused, unless it was dropped: so a
+ *      number in a record always means the same voxels;
  *   M3 the parts of a stroke or an outline follow each other, and a part is valid only if those
  *      before it are;
  *   M4 whether and where a marker yields to another depends on these two only, not on the forest,

@@ -9,7 +9,7 @@
  * seeds. A command copies the present state, changes the copy, and passes it to session_go.
  * Rollback, undo, redo, goto and the end of skimming also set states in this way.
  *
- * Edits of seeds are pending until session_run applies them as one. Since the forest depends only
+ * Edits of seeds are pending until session_run applies them together. Since the forest depends only
  * on the set of seeds, it does not matter which run applies an edit.
  *
  * Invariants
@@ -62,14 +62,14 @@ struct volume_choice;
 struct watch;
 
 /*
- * Public members of a session. All rooms may read them; only this room writes them
+ * Public members of a session. All other folders may read them; only src/session writes them
  * (tests/test_layout.sh). Pointers are borrowed: they are valid until the next command.
  */
 struct session {
     unsigned semantics; /* semantics of the present journal */
     struct state now;
     struct markers markers; /* markers of all states; the valid ones are those of `now` */
-    struct team *team;      /* threads for computations; NULL for one */
+    struct team *team;      /* threads for computations; NULL for the caller's thread only */
     struct watch *watch;    /* watch of long computations, or NULL */
 
     bool has_scene;  /* the following members describe the scene */
@@ -77,12 +77,12 @@ struct session {
     bool is_private; /* pictures show neither the scene's name nor the journal's */
     char scene_name[FILE_WORDS_BYTES];   /* name in pictures: without folder, cut if long; ""
                                             for none */
-    char open_notes[VOLUME_NOTES_BYTES]; /* doubts about the file, for the answer of `open` */
-    uint32_t series;                     /* series of a folder of DICOM, from 1; 0 for none */
+    char open_notes[VOLUME_NOTES_BYTES]; /* warnings about the file, for the answer of `open` */
+    uint32_t series;                     /* number of the DICOM series, from 1; 0 for none */
     struct map_part part;                /* if the scene is a part of its file; otherwise {0} */
-    struct geometry said;                /* geometry in the file, and */
-    struct geometry geometry;            /* after corrections by `orient` */
-    struct levels *levels;               /* if intensities are not exact; otherwise NULL */
+    struct geometry said;                /* geometry in the file */
+    struct geometry geometry;            /* geometry after corrections by `orient` */
+    struct levels *levels;               /* levels of inexact intensities; NULL if all are exact */
     struct scene *scene;
     char proof[SHA256_HEX]; /* digest of the scene as it was opened (scene_proof) */
     uint64_t scene_digest, weight_digest;
@@ -100,7 +100,7 @@ struct session {
     struct tally former_tally; /* valid if session_count_before preceded the command */
     bool has_edited, has_regrown;
 
-    struct session_inside *inside; /* for this room only */
+    struct session_inside *inside; /* for src/session only */
 };
 
 /* Make a session without a scene; the caller frees the session. ERR_MEMORY. */
@@ -118,21 +118,21 @@ void session_reset(struct session *session);
  * FORMAT.md. The affected code tests session->semantics, and keeps the former meaning for older
  * journals.
  *
- * 12 is the number of version 1.0, which may change until 1.0 is frozen. Numbers below
- * SEMANTICS_LEAST are of development versions and are rejected.
+ * Number 12 is that of version 1.0; its meaning may change until 1.0 is frozen. Numbers below
+ * SEMANTICS_LEAST are those of development versions and are rejected.
  */
 enum { SEMANTICS = 12, SEMANTICS_LEAST = 12 };
 
 /* Set the semantics of a session that has not run a command yet. ERR_INPUT for an unknown number;
- * the message names the command to use instead. */
+ * the message states how to continue. */
 enum err session_set_semantics(struct session *session, unsigned semantics, struct fault *fault);
 
 /* ---- other properties ---- */
 
 void session_name_scene(struct session *session, const char *name, bool is_private);
 
-/* Compute the camera of an outlook, whose resolution is multiplied by the samples; ERR_LIMIT if no
- * camera is possible. */
+/* Compute the camera of an outlook. Width, height and zoom are multiplied by the samples along each
+ * side of a pixel. ERR_LIMIT if no camera is possible. */
 enum err session_aim(const struct session *session, const struct outlook *outlook,
                      struct camera *camera, struct fault *fault);
 
@@ -184,7 +184,7 @@ void session_set_pictures(struct session *session, struct pictures *pictures,
 
 /* Find the default intensities of black and white, the smaller first: the quantiles WINDOW_BLACK
  * and WINDOW_WHITE, in thousandths, of all intensities (engine/scene.h). White is below the
- * maximum, since only the few voxels of vessels and fat are that bright. Computed once. */
+ * maximum, since only a few voxels, of vessels and fat, are brighter. Computed once. */
 enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
 void session_find_window(struct session *session, int32_t window[2]);
 
@@ -216,8 +216,8 @@ void session_skim(struct session *session);
 enum err session_catch_up(struct session *session, struct fault *fault);
 
 /* Call this from `show` of the watch (base/watch.h), while a command runs. `draw` may read the
- * session and make pictures of its present state, and must not run a command. The data of the
- * running command is restored afterwards. */
+ * session and make pictures of its present state, and must not run a command. Data that `draw`
+ * updates, such as counts, is restored afterwards, so that the command does not depend on it. */
 void session_show(struct session *session, void (*draw)(void *context), void *context);
 
 /* Move the cross-hair within `draw`. The caller restores it, so that no command uses the temporary
@@ -232,10 +232,11 @@ void session_show_cross(struct session *session, const uint32_t place[3]);
 enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
                       struct fault *fault);
 
-/* Interpolate the axes a with bit a set in `doubled` from n to 2n - 1 voxels (engine/scene.h). The
- * angles and the size of the view do not change; the zoom is that of a new scene of this size.
- * ERR_USAGE after the first seed, planted or pending, and with a mask, a cut or weights from a
- * file, since these belong to the grid. On error, session_rollback restores the former scene. */
+/* Interpolate each axis a for which bit a of `doubled` is set, from n to 2n - 1 voxels
+ * (engine/scene.h). The angles and the size of the view do not change; the zoom is that of a new
+ * scene of this size. ERR_USAGE after the first seed, planted or pending, and with a mask, a cut or
+ * weights from a file, since these belong to the grid. On error, session_rollback restores the
+ * former scene. */
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault);
 
 /* Lazy opening: do not make the cells of a scene for which session_bytes_for returns `least` or
@@ -257,7 +258,8 @@ size_t session_pendings(const struct session *session);
 /* Remove all markers after the first `count`, as if they had never existed. */
 void session_truncate_markers(struct session *session, size_t count);
 
-/* Return the number of a reach, for session_plant (forest_add_reach). ERR_MEMORY, ERR_LIMIT. */
+/* Set *number to the number of a reach, for session_plant (forest_add_reach). ERR_MEMORY,
+ * ERR_LIMIT. */
 enum err session_add_reach(struct session *session, const struct reach *reach, uint16_t *number,
                            struct fault *fault);
 
@@ -266,8 +268,8 @@ enum err session_add_reach(struct session *session, const struct reach *reach, u
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        uint16_t reach, struct fault *fault);
 
-/* Add a marker for a piece of a segmentation, which yields (session/markers.h). The runs are its
- * voxels; there are no runs if all voxels are planted. */
+/* Add a yielding marker (session/markers.h) for a piece of a segmentation. The runs are the voxels
+ * of the piece; there are no runs if all of these are planted. */
 enum err session_plant_piece(struct session *session, const uint32_t *cell, size_t count,
                              int16_t label, uint16_t reach, const struct marker_run *run,
                              size_t runs, struct fault *fault);
@@ -283,8 +285,8 @@ enum err session_grow_confined(const struct session *session, const struct label
                                const struct voxels *within, struct voxels *grown,
                                struct fault *fault);
 
-/* Make the last marker free the voxels `cell`: the seeds of older markers there are removed as long
- * as it is valid. */
+/* Make the last marker free the voxels `cell` (session/markers.h): the seeds that yielding markers
+ * have there are removed as long as the last marker is valid. */
 enum err session_free_voxels(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault);
 
@@ -292,13 +294,13 @@ enum err session_free_voxels(struct session *session, const uint32_t *cell, size
 void session_join(struct session *session);
 
 /* Remove the markers with these numbers, and the markers joined to them: remove their seeds, and
- * restore the seeds that they replaced. ERR_CHECK if a number is not that of a valid marker, or
- * that of a joined one or an eraser. */
+ * restore the seeds that they replaced. ERR_CHECK if a number belongs to no valid marker, or to a
+ * joined marker or an eraser. */
 enum err session_remove_markers(struct session *session, const uint32_t *number, size_t count,
                                 struct fault *fault);
 
-/* Find the markers, each once, whose trees held one of the voxels after the last run, or that have
- * pending seeds there. Of joined markers, the first one is found. The caller frees *number.
+/* Find the markers whose trees contained any of the voxels after the last run, or that have pending
+ * seeds there. Each is listed once; of joined markers, only the first. The caller frees *number.
  * ERR_INPUT if no marker is found. */
 enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
                               uint32_t **number, size_t *numbers, struct fault *fault);
@@ -313,8 +315,8 @@ enum err session_erase_seeds(struct session *session, const uint32_t *seed, size
                              struct fault *fault);
 
 /* The effect of an eliminator at a voxel: it removes the marker whose trees hold the voxel, or a
- * single tree. Voxels are counted from the roots of the trees, so that the time depends on the size
- * of the trees, up to HELD_MOST voxels, and not on the size of the scene. */
+ * single tree. Voxels are counted from the roots of the trees, and at most HELD_MOST of them, so
+ * that the time depends on the size of the trees and not on that of the scene. */
 enum { HELD_MOST = 2000000 }; /* voxels counted, about 80 ms */
 
 struct held {
@@ -327,8 +329,8 @@ struct held {
     bool has_more; /* more than HELD_MOST voxels: the three numbers are lower bounds */
 };
 
-/* Find the marker at a voxel, or with `tree` the single tree. ERR_INPUT if the voxel has neither;
- * ERR_MEMORY. */
+/* Find the marker that holds a voxel, or with `tree` the single tree. ERR_INPUT if no tree and no
+ * pending seed holds the voxel; ERR_MEMORY. */
 enum err session_find_held(struct held *held, const struct session *session, uint32_t cell,
                            bool tree, struct fault *fault);
 
@@ -345,7 +347,7 @@ enum err session_run(struct session *session, struct fault *fault);
 
 /* ---- answers about labels: not for a session that skims ---- */
 
-/* Update `tally`: after a rebuild by a scan of the scene, otherwise from the changes.
+/* Update `tally`: by a scan of the scene after a rebuild, otherwise from the list of changes.
  * ERR_CANCELLED. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
@@ -365,7 +367,7 @@ uint64_t session_changed_voxels(const struct session *session);
 enum err session_find_stats(struct session *session, const struct labels *labels,
                             struct label_stats *stats, struct fault *fault);
 
-/* Compute the sums of a label of the forest, in the same way. */
+/* Compute the sums (engine/label_stats.h) of one label of the forest, from the same statistics. */
 enum err session_sum_label(struct session *session, unsigned label, struct label_sums *sums,
                            struct fault *fault);
 
@@ -394,14 +396,14 @@ uint64_t session_finish_source(const struct session *session);
 enum proposal { PROPOSE_NOTHING, PROPOSE_SPHERE, PROPOSE_OUTLINE };
 enum proposal session_find_proposal(const struct session *session);
 
-/* In a session that has the origin of a procedure, find the label whose volume differs most from
- * that in the procedure, and the ratio of the two. Label 0 if there is no such label.
+/* After `origin` (a journal of `iftty apply`), find the label whose volume differs most from its
+ * volume in the procedure, and the ratio of the two volumes. Label 0 without `origin`.
  * ERR_CANCELLED. */
 enum err session_find_worst(struct session *session, unsigned *label, double *share,
                             struct fault *fault);
 
 /* Find the hints (engine/hints.h), beginning with the label of session_find_worst, and, if
- * requested, their heat, one byte per voxel. Needs about the time of a run. Both are borrowed and
+ * requested, a heat map, one byte per voxel. Needs about the time of a run. Both are borrowed and
  * valid until the next edit. ERR_USAGE under `weight polarity`, ERR_MEMORY, ERR_CANCELLED. */
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault);

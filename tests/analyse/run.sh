@@ -21,11 +21,9 @@ cppcheck --enable=warning,performance,portability --std=c17 --quiet --max-config
     -D_GNU_SOURCE -D__x86_64__ --suppress=missingIncludeSystem --template='{file}:{line} {id}' \
     -j "$(nproc)" src journal render tui >"$said/cppcheck" 2>&1
 # gcc's is for C alone.
-# shellcheck disable=SC2046,SC2086
 sources -print | xargs -P "$(nproc)" -I{} gcc $options -O1 -fanalyzer -c -o /dev/null {} \
     >"$said/gcc" 2>&1
 # One file at a time: of a second one, it no longer knows va_start.
-# shellcheck disable=SC2086
 {
     sources ! -path src/base/err.c | xargs -P "$(nproc)" -I{} clang-tidy-14 --quiet {} -- $options \
         $promised

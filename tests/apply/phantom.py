@@ -14,8 +14,7 @@ radius along y out of it, as bright; grown, a small ball of 6.4 mm. A silent fil
 where it lies.
 
 A seed of a label has to lie where the pull leads into its ball, as deep as DEPTH millimetres (SMALL
-in the small one); and each voxel that does is a seed: but for a voxel's width.
-"""
+in the small one); and each voxel that does is a seed: but for a voxel's width."""
 import gzip
 import math
 import struct

@@ -20,8 +20,7 @@ Dice of each label, by `iftty compare`; processor time and memory of `iftty appl
 Floors, of the brain --by affine --as labels: no less than labels warped alone, on each deformed
 subject; and in the mean .93 on elastic5.
 
-Exit status: 0 fine, 1 below a floor, 3 a program could not be run.
-"""
+Exit status: 0 fine, 1 below a floor, 3 a program could not be run."""
 import argparse
 import json
 import os

@@ -10,8 +10,7 @@
 
 Elapsed, and of processors, which other work on the machine changes less.
 
-Exit status: 0 fine, 3 a program could not be run.
-"""
+Exit status: 0 fine, 3 a program could not be run."""
 import argparse
 import gzip
 import os

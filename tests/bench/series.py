@@ -3,8 +3,7 @@
 
     series.py [--slices N] BUILD
 
-Exit status: 0 fine, 3 a program could not be run.
-"""
+Exit status: 0 fine, 3 a program could not be run."""
 import argparse
 import os
 import statistics

@@ -4,8 +4,6 @@
  * and others for each file. Without a target of that name it prints the names of all. */
 #include "tests/fuzz/fuzz.h"
 
-#include <string.h>
-
 #include "base/buf.h"
 #include "base/file.h"
 #include "tests/check.h"

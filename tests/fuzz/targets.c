@@ -22,7 +22,7 @@ static const struct fuzz_target target[] = {{"command", fuzz_command, 6000},
                                             {"raw", fuzz_raw, 3000},
                                             {"request", fuzz_request, 6000},
                                             {"seeds", fuzz_seeds, 6000},
-                                            {"surface", fuzz_surface, 300},
+                                            {"surface", fuzz_surface, 100},
                                             {"transform", fuzz_transform, 6000}};
 
 const struct fuzz_target *fuzz_find(const char *name)

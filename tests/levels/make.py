@@ -3,8 +3,7 @@
 
     make.py FOLDER     makes them, and prints two values of them
     make.py count      reads lines FILE LOW HIGH, prints COUNT FILE LOW HIGH, by nibabel's reading
-                       of the file, in its precision
-"""
+                       of the file, in its precision"""
 import sys
 
 import nibabel

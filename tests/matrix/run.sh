@@ -55,7 +55,6 @@ make_list() { # LINE, for how
         { own=tests/matrix/sha2/sha2.c libraries='-static -Itests/matrix/sha2'; }
     mkdir -p "$out/$name"
     # Lists of words on purpose.
-    # shellcheck disable=SC2046,SC2086
     if ! $(field 2 "$1") $flags $(field 3 "$1") -o "$out/$name/works" \
         $(ls src/base/*.c | grep -v '/packed\.c$') src/engine/*.c render/*.c journal/*.c \
         tests/matrix/*.c $own $libraries -pthread >"$out/$name.log" 2>&1; then
@@ -66,7 +65,6 @@ make_list() { # LINE, for how
         echo "$built_alone" >"$out/$name.list"
         return
     fi
-    # shellcheck disable=SC2086
     $machine "$out/$name/works" "$out/$name" 1 >"$out/$name.list" 2>>"$out/$name.log" ||
         echo "ended with status $?" >>"$out/$name.list"
 }
@@ -131,7 +129,6 @@ run_programs() {
         if make VARIANT="matrix/$name" CC="$(field 2 "$line")" OPTIMISE="$(field 3 "$line")" \
             SANITISE="$(field 4 "$line")" "build/matrix/$name/iftty" \
                 </dev/null >"$out/$name.log" 2>&1; then
-            # shellcheck disable=SC2086
             verify "every example by $name" "build/matrix/$name/iftty" $journals </dev/null
         else
             say "every example by $name" "does not build: $(grep -m 3 error "$out/$name.log")"
@@ -158,7 +155,6 @@ all)
     export IFTTY_SCENES
     run_works
     run_programs
-    # shellcheck disable=SC2086
     verify_threads $journals
     ;;
 *)

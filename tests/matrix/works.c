@@ -4,7 +4,6 @@
 
 #include <nettle/sha2.h>
 #include <stdarg.h>
-#include <stdlib.h>
 
 #include "base/hash.h"
 #include "tests/check.h"

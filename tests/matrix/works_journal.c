@@ -2,8 +2,6 @@
 /* Records and their chain, walks over whole and broken journals, replay, golden images. */
 #include "tests/matrix/works.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/file.h"

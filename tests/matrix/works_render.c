@@ -3,9 +3,6 @@
  * slices and mosaics with their words. */
 #include "tests/matrix/works.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/hash.h"
 #include "render/palette.h"
 #include "render/cut.h"

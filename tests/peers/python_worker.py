@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """scipy.ndimage.watershed_ift or skimage.segmentation.watershed as a worker (tests/peers/worker.h
 describes the requests): python_worker.py scipy|skimage FOLDER. Each gets its maps in the types that
-it works with, so that no conversion is timed that it does not require.
-"""
+it works with, so that no conversion is timed that it does not require."""
 
 import sys
 import time

@@ -13,10 +13,6 @@
  *
  * Left in FOLDER: expected.ppm, the picture after the last edit; facts, "NAME VALUE" lines; and at
  * last `ready`, when the terminal has answered that it has parsed everything. A key ends it. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/clock.h"
 #include "tests/check.h"
 #include "tui/picture/graphics.h"

@@ -10,8 +10,7 @@ does not start has failed. `make test-terminals` installs what this needs.
 What ought to be seen is never another screenshot of the same bytes. A picture is compared with the
 pixels that went into it, and the rest of its screen, to the pixel, with what the same session shows
 under --graphics none, moved down where the picture has made room. So questions that a terminal
-prints, cut pictures, and lines in the wrong place all show.
-"""
+prints, cut pictures, and lines in the wrong place all show."""
 import cmath
 import contextlib
 import math

@@ -11,8 +11,7 @@ dies with this one, even where it is killed: each is started by `setpriv --pdeat
             terminal.screenshot()               an image, RGB
 
 A terminal may need a moment to paint what it has parsed, so pictures are polled for. Keys go by
-XTEST into the focused window, because xterm takes no others; foot gets them by wtype.
-"""
+XTEST into the focused window, because xterm takes no others; foot gets them by wtype."""
 import io
 import os
 import shutil

@@ -3,8 +3,7 @@
 
     cut.py FOLDER      makes sound ones there, and of each, in a folder of its own, copies that are
                        cut: FOLDER/cut/NAME-N/... Prints a line for each copy:
-                       OPENED WRITTEN-BY FORMAT CUT BYTES-LEFT BYTES-OF-THE-SOUND-ONE
-"""
+                       OPENED WRITTEN-BY FORMAT CUT BYTES-LEFT BYTES-OF-THE-SOUND-ONE"""
 import os
 import shutil
 import sys

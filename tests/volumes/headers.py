@@ -4,8 +4,7 @@ by hand and by h5py.
 
     headers.py FOLDER   makes there
         a file with NAME.twin.nii of nibabel's: the same voxels in the same place; or
-        a line of FOLDER/NAME.refused or .says: FILE, a tab, words of the answer
-"""
+        a line of FOLDER/NAME.refused or .says: FILE, a tab, words of the answer"""
 import gzip
 import json
 import os

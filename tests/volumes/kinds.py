@@ -2,8 +2,7 @@
 """DICOM with several images at each place, and with tags that are easily misread, by pydicom, for
 tests/test_dicom.sh.
 
-    kinds.py FOLDER     makes the files there; of a series NAME, volume N has the twin NAME-N
-"""
+    kinds.py FOLDER     makes the files there; of a series NAME, volume N has the twin NAME-N"""
 import copy
 import os
 import random

@@ -5,8 +5,7 @@ iftty may read itself, and with them in another file, which ITK reads.
     nrrd.py FOLDER     makes FOLDER/ours/N.nrrd with N.nhdr, which iftty reads itself,
                        FOLDER/left/N.nrrd with N.nhdr, which it leaves to ITK, and files in
                        left-anterior-superior, FOLDER/las/NAME.nrrd with NAME.nhdr, where NAME
-                       says how
-"""
+                       says how"""
 import gzip
 import itertools
 import os

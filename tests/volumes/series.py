@@ -3,8 +3,7 @@
 several series, and of files that are damaged.
 
     series.py FOLDER       makes them there; each mosaic with a twin, a NIfTI of what nibabel reads
-                           of it, in the order that the slices have in the patient
-"""
+                           of it, in the order that the slices have in the patient"""
 import gzip
 import os
 import shutil

@@ -2,8 +2,7 @@
 """The same 60 voxels in each type, byte order and packing of a format, for tests/test_voxels.sh.
 
     voxels.py FOLDER   makes them there, and right.nii with the same voxels. What is called times..
-                        has them as its second volume.
-"""
+                        has them as its second volume."""
 import gzip
 import os
 import shutil
