@@ -1932,6 +1932,11 @@ SCENE_STORY(exact_gestures_say_what_they_leave_out_and_refuse_what_would_not_be_
     CHECK_HAS(buf_text(&reply.canonical), "labels here finished=yes erode=0 copy=");
     must(interp, "undo; finished off; labels here");
     CHECK_HAS(buf_text(&reply.canonical), "labels here finished=no erode=0 copy=");
+    must(interp, "box 0,5,0 1,5,1 2 within=0"); /* nothing is left that has grown */
+    CHECK(!strstr(buf_text(&reply.text), "labels here"));
+    MUST_MENTION(interp, "undo 2; box 0,5,0 1,5,1 2 within=0", "`labels here` keeps them");
+    MUST_MENTION(interp, "undo; labels here; seed 9,9,9 3; box 0,5,0 1,5,1 2 within=0",
+                 "`labels here` keeps them");
 }
 
 SCENE_STORY(the_context_lies_behind_objects_and_goes_by_the_window)

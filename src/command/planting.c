@@ -110,15 +110,8 @@ static void write_left_out(struct buf *out, const char *why, size_t count)
 static void warn_of_grown(const struct act *act)
 {
     const struct session *session = act->session;
-    const struct markers *markers = &session->markers;
-    bool has_grown = false;
-    for (size_t m = 0; m < session->former_markers; m++) {
-        const struct marker *marker = &markers->marker[m];
-        if (marker->is_exact && marker->is_valid)
-            return;
-        has_grown |= marker->is_valid && !marker->yields && marker->label != EDIT_ERASE;
-    }
-    if (has_grown)
+    const struct marker_kinds kinds = markers_kinds(&session->markers, session->former_markers);
+    if (kinds.has_grown && !kinds.has_exact)
         buf_add_text(&act->reply->text,
                      "objects of this session were grown from seeds: voxels whose trees passed "
                      "through these can change too; `undo`, then `labels here` keeps them as they "

@@ -801,8 +801,8 @@ static const struct command command_table[] = {
      {{0}},
      "segment by single keys, on the whole screen",
      "Shows slices, the rendition and a cross-hair. ? lists the keys, q returns to the prompt. A "
-     "key that changes the session runs a command, which is recorded. Needs a terminal; Ctrl-O at "
-     "the prompt does the same.",
+     "key that changes the session runs a command, which is recorded. After `labels` the brush is "
+     "exact: it plants with within=0. Needs a terminal; Ctrl-O at the prompt does the same.",
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
      {MAY("COMMAND", VALUE_COMMAND, .choices = "keys|correct")},

@@ -140,6 +140,14 @@ uint32_t markers_at(const struct markers *markers, uint32_t cell);
  * is a struct markers. */
 bool markers_show(const void *markers, uint32_t cell);
 
+/* Objects of the valid markers up to number `count`. */
+struct marker_kinds {
+    bool has_pieces; /* pieces of a segmentation, of a file or the session's own, */
+    bool has_grown;  /* objects grown from seeds that no later segmentation has erased, */
+    bool has_exact;  /* and exact markers */
+};
+struct marker_kinds markers_kinds(const struct markers *markers, size_t count);
+
 /* First part of a marker's stroke; and the next valid part, or 0. */
 uint32_t markers_stroke(const struct markers *markers, uint32_t number);
 uint32_t markers_next(const struct markers *markers, uint32_t number);
