@@ -149,8 +149,8 @@ size_t forest_memory(const struct forest *forest); /* bytes, without the scene *
 /* ---- reaches of seeds ---- */
 
 /* Add a reach and return its number, which stays valid and is used in edits; all exact reaches have
- * the same one. ERR_MEMORY; ERR_LIMIT beyond 65535 reaches. The first one reserves two bytes of address space a cell; memory is used
- * only for pages that contain roots. */
+ * the same one. ERR_MEMORY; ERR_LIMIT beyond 65535 reaches. The first one reserves two bytes of
+ * address space a cell; memory is used only for pages that contain roots. */
 enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
                           struct fault *fault);
 
