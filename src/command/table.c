@@ -637,9 +637,10 @@ static const struct command command_table[] = {
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
      "smooth and clean labels in files and pictures",
      "Adds a step to the list, which `finished=yes` applies in order; without STEP, prints the "
-     "list. The segmentation itself does not change, and seeds can be planted at any time. `save` "
-     "and `stats` with finished=yes name the labels that the finish "
-     "deletes, reduces to less than half or breaks into more pieces.\n" FINISH_NOTES
+     "list. The segmentation itself does not change, and seeds can be planted at any time. `relax` "
+     "keeps voxels that have a seed; the other steps can change these too, also those of exact "
+     "gestures. `save` and `stats` with finished=yes name the labels that the finish deletes, "
+     "reduces to less than half or breaks into more pieces.\n" FINISH_NOTES
      "none: remove all steps.\n"
      "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which respect the spacing.\n"
      "sweeps: of `relax`, 60 unless given.\n"
