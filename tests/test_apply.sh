@@ -89,6 +89,22 @@ grep -qx 'seed 24,27,35 1 radius=5mm range=.*' o/mirrored.iftty || fail "$(grep 
 grep -q '^seed 24,22,15 2 radius=2mm' o/mirrored.iftty || fail "$(grep ^seed o/*.iftty)"
 expect 0 "$iftty" verify o/mirrored.iftty
 
+begin "exact gestures stay exact, and over= is evaluated in the other scene"
+expect 0 "$iftty" -c "open plain.nii; $seeds; run; seed 20,28,24 2 radius=2 within=0
+seed 28,34,24 2 radius=2 within=0 over=1; seed 30,28,28 2 radius=1 over=1" --journal e.iftty
+expect 0 "$iftty" log --procedure e.proc e.iftty
+same "$(sed -n '/^gesture/p' e.proc | tail -3)" "gesture 2 2 -1 75 -8 0 0
+gesture 2 2 -1 80 over=1 0 6 0
+gesture 2 1 0 81 over=1 2 0 4"
+for procedure in e.iftty e.proc; do
+    rm -rf o
+    expect 0 "$iftty" apply $procedure mirrored.nii --by world --as seeds --out o
+    grep -qx 'seed 24,27,43 2 radius=2mm range=[^ ]* within=0' o/mirrored.iftty || fail
+    grep -qx 'seed 24,21,35 2 radius=2mm range=[^ ]* within=0 over=1' o/mirrored.iftty || fail
+    grep -qx 'seed 28,27,33 2 radius=1mm range=[^ ]* over=1' o/mirrored.iftty || fail
+    expect 0 "$iftty" verify o/mirrored.iftty
+done
+
 begin "removed, undone and covered gestures are left out; a stroke has its corners"
 expect 0 "$iftty" -c "open plain.nii; seed 9,9,9 0 radius=1; seed 20,28,24 1; remove 20,28,24
 seed 22,28,24 1; undo; seed 30,28,24 1 radius=2; seed 30,28,24 2 radius=2
@@ -373,6 +389,9 @@ refused 's/^chain .*/chain 12/' "chain and 32 digits"
 refused 's/^iftty procedure 1/iftty procedure 2/' "version 2"
 refused 's/^landmark B/landmark A/' "each landmark once"
 refused 's/^gesture 1 5 0/gesture 1 -5 0/' "gesture LABEL RADIUS"
+refused 's/^gesture 1 5 0/gesture 1 5 -2/' "gesture LABEL RADIUS"
+refused 's/^gesture 1 5 0 [0-9.]*/& over=256/' "over=, and labels"
+refused 's/^gesture 1 5 0 [0-9.]*/& over=1-/' "over=, and labels"
 refused 's/^gesture 1 5 0 .*/& 1 2 3/; s/^gesture 1 5 0/gesture 1 5 9/' "a reach for a ball alone"
 refused 's/^label 2 .*/& "quoted"/' "label N #rrggbb"
 head -c 2000 p.proc >cut.proc

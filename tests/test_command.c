@@ -1909,6 +1909,31 @@ SCENE_STORY(exact_gestures_say_what_they_leave_out_and_refuse_what_would_not_be_
     CHECK_HAS(buf_text(&reply.canonical), "labels here finished=yes erode=0 copy=");
     must(interp, "undo; finished off; labels here");
     CHECK_HAS(buf_text(&reply.canonical), "labels here finished=no erode=0 copy=");
+    must(interp, "box 0,5,0 1,5,1 2 within=0"); /* nothing is left that has grown */
+    CHECK(!strstr(buf_text(&reply.text), "labels here"));
+    MUST_MENTION(interp, "undo 2; box 0,5,0 1,5,1 2 within=0", "`labels here` keeps them");
+    MUST_MENTION(interp, "undo; labels here; seed 9,9,9 3; box 0,5,0 1,5,1 2 within=0",
+                 "`labels here` keeps them");
+}
+
+static void finished_label_is(struct interpreter *interp, uint32_t x, uint8_t expected)
+{
+    struct labels labels;
+    CHECK(session_labels(interp->session, true, &labels, NULL) == OK);
+    CHECK_INT(labels_at(&labels, grid_cell(&interp->session->scene->grid, x, 6, 6)), expected);
+}
+
+SCENE_STORY(relaxation_keeps_exact_voxels_and_other_steps_do_not)
+{
+    make_regions("regions.nii", size[0], 0);
+    CHECK(chdir(folder) == 0);
+    must(interp, "auto on; labels regions.nii; seed 6,6,6 2 within=0; finish relax");
+    finished_label_is(interp, 6, 2);
+    must(interp, "finish largest");
+    finished_label_is(interp, 6, 0);
+    must(interp, "finish none; finish majority");
+    finished_label_is(interp, 6, 0);
+    MUST_MENTION(interp, "help finish", "also those of exact gestures");
 }
 
 SCENE_STORY(the_context_lies_behind_objects_and_goes_by_the_window)

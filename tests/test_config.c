@@ -98,6 +98,20 @@ STORY(a_brush_is_passed_to_the_pilot)
     CHECK(brush->in_mm && brush->radius == 64 && !brush->has_range);
 }
 
+STORY(a_brush_is_exact_or_grows_from_the_start)
+{
+    const struct pilot_brush *brush = &config.setup.brush;
+    take("brush 3 2\nbrush exact\nbrush 4");
+    CHECK_TEXT(buf_text(&config.words), "");
+    CHECK(brush->growth == BRUSH_EXACT && brush->label == 4 && brush->radius == 6);
+    take("brush exact\nbrush grows");
+    CHECK(brush->growth == BRUSH_GROWS);
+    take("brush 4");
+    CHECK(brush->growth == BRUSH_BY_PIECES);
+    CHECK_HAS(words_of("brush exact 4"), "range=LOW..HIGH; or exact or grows alone; left out\n");
+    CHECK_HAS(words_of("brush 4 exact"), "c:1: expected a label");
+}
+
 STORY(the_default_brush_fits_the_scene)
 {
     static const struct {
@@ -236,7 +250,13 @@ STORY(the_environment_selects_the_file)
 /* ---- keys of one's own ---- */
 
 static struct pilot_state state;
-static const struct pilot_host host = {0};
+static bool next_label(void *context, uint32_t of, int by, uint32_t *next)
+{
+    (void)context;
+    *next = of + (uint32_t)by;
+    return true;
+}
+static const struct pilot_host host = {.next_label = next_label};
 static const struct pilot_facts facts = {.place = {1, 2, 3}, .zoom = 1000};
 static struct buf line, message;
 

@@ -12,7 +12,7 @@ enum { VOXELS = 40, MARKERS_MOST = 40 };
 
 /* What the model knows of a marker: all voxels that it covers. */
 struct plain {
-    bool covers[VOXELS], piece[VOXELS], wants[VOXELS], outside[VOXELS], is_valid, yields;
+    bool covers[VOXELS], piece[VOXELS], wants[VOXELS], outside[VOXELS], is_valid, yields, is_exact;
     int16_t label;
 };
 
@@ -28,7 +28,8 @@ static bool gives_way(const struct plain *one, const struct plain *later)
     bool meet = false;
     for (size_t i = 0; i < VOXELS; i++)
         meet |= one->piece[i] && later->covers[i];
-    return one->yields && later->is_valid && one->label != later->label && meet;
+    return one->yields && later->is_valid && (later->is_exact || one->label != later->label) &&
+           meet;
 }
 
 /* Whether the component continues in v, next to a voxel that the later marker needs. */
@@ -102,8 +103,10 @@ static void want_free(struct markers *markers, struct plain *plain, uint64_t *ra
 {
     uint32_t cell[VOXELS];
     size_t count = 0;
+    plain->is_exact = plain->label != EDIT_ERASE && check_below(random, 2);
+    markers->marker[markers->count - 1].is_exact = plain->is_exact;
     for (uint32_t v = 0; v < VOXELS; v++) {
-        plain->wants[v] = check_below(random, 2);
+        plain->wants[v] = plain->is_exact ? plain->covers[v] : check_below(random, 2);
         if (plain->wants[v])
             cell[count++] = cell_of(v);
         plain->outside[v] = check_below(random, 4) == 0;
@@ -136,6 +139,29 @@ STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
         }
         compare(&markers, plain);
     }
+}
+
+STORY(an_exact_marker_frees_its_own_label_and_needs_no_covers_for_its_voxels)
+{
+    const struct adjacency around = {.count = 2, .offset = {-7, 7}};
+    const struct marker_run run[] = {{cell_of(0), cell_of(9) + 1}};
+    const uint32_t ends[] = {cell_of(0), cell_of(9)},
+                   inner[] = {cell_of(3), cell_of(4), cell_of(5), cell_of(6)};
+    OWNED(markers_release) struct markers markers = {0};
+    memset(cells, 0, sizeof cells);
+    CHECK(markers_add(&markers, 1, ends, 2, NULL, NULL) == OK);
+    CHECK(markers_yield(&markers, run, 1, NULL) == OK);
+    CHECK(markers_add(&markers, 1, inner, 4, NULL, NULL) == OK);
+    markers.marker[0].is_valid = markers.marker[1].is_valid = true;
+    CHECK(markers_free(&markers, cells, &around, inner, 4, NULL, NULL) == OK);
+    CHECK_INT(markers.covers, 6); /* one that grows frees only other labels */
+    markers.marker[1].is_exact = true;
+    CHECK(markers_free(&markers, cells, &around, inner, 4, NULL, NULL) == OK);
+    CHECK_INT(markers.covers, 8); /* 2 and 7 have seeds of the piece */
+    CHECK_INT(markers_at(&markers, cell_of(2)), 1);
+    CHECK_INT(markers_at(&markers, cell_of(5)), 2);
+    CHECK_INT(markers_at(&markers, cell_of(7)), 1);
+    CHECK_INT(markers_seed(&markers, cell_of(8)), EDIT_ERASE);
 }
 
 STORY(what_memory_cannot_hold_changes_nothing)

@@ -2,6 +2,7 @@
 /* The pilot: what keys mean, as lines of commands; pictures that get finer on a slow line. */
 #include "base/file.h"
 #include "tests/check_main.h"
+#include "tests/interpreting.h"
 #include "tui/cells.h"
 #include "tui/pilot/flow.h"
 #include "tui/pilot/pilot_keys.h"
@@ -106,9 +107,20 @@ static bool doubt(void *context, unsigned of, unsigned rank, enum pilot_pane *pa
     return rank <= doubts;
 }
 
+/* Numbers of labels, or NULL: 0 to 255. */
+static const uint32_t *numbers;
+static unsigned number_count;
+
 static bool next_label(void *context, uint32_t of, int by, uint32_t *next)
 {
     (void)context;
+    unsigned at = 0;
+    while (numbers && at < number_count && numbers[at] != of)
+        at++;
+    if (numbers) {
+        *next = numbers[at == number_count ? 1 : (at + number_count + (unsigned)by) % number_count];
+        return at < number_count;
+    }
     *next = of > 255 ? 1 : (of + 256 + (uint32_t)by) % 256;
     return of < 256;
 }
@@ -195,7 +207,8 @@ static void begin(void)
                                  .zoom = 1000,
                                  .times = PILOT_TIMES_ONE,
                                  .frame_width = 64,
-                                 .frame_height = 48};
+                                 .frame_height = 48,
+                                 .has_label = true};
     has_tree = has_seed = shows = 1;
     memset(hidden, 0, sizeof hidden);
     pilot_state_release(&state);
@@ -397,7 +410,7 @@ STORY(some_keys_wait_for_a_second)
         type(key);
         CHECK_INT(strncmp(buf_text(&message), key, 1), 0);
         CHECK_HAS(buf_text(&message), "  Escape leaves");
-        CHECK(message.length <= 80);
+        CHECK(message.length <= (*led == 'g' ? 120 : 80)); /* or both rows below the picture */
         press(KEY_ESCAPE, 0, 0);
     }
     KEYS("s3|seed 20,25,30 3", "sl||*does nothing here", "l|cross 19,25,30", /* it is over */
@@ -426,7 +439,8 @@ STORY(seeds_brushes_and_strokes)
          "s3|seed 20,25,30 3", "<Enter>|seed 20,25,30 3", "bi|seed 20,25,30 4",
          "++i|seed 20,25,30 4 radius=2", "-s0|seed 20,25,30 0 radius=1",
          "Bi|seed 20,25,30 255 radius=1", /* they go round */
-         "12bi|seed 20,25,30 12 radius=1", "256b|*|*there is no label 256; `:label 256 NAME` makes it");
+         "12bi|seed 20,25,30 12 radius=1",
+         "256b|*|*there is no label 256; `:label 256 NAME` makes it");
     for (int i = 0; i < 50; i++)
         type("+");
     KEYS("s1|seed 20,25,30 1 radius=32", "9999-6+i|seed 20,25,30 1 radius=6",
@@ -784,6 +798,189 @@ STORY(the_view_and_the_window)
          "<Ctrl-Left>|window 20 80", "<Enter>|*|*|moving", "wa|window auto",
          "ws2|seed 20,25,30 2", /* another key has its usual effect */
          " |run");
+}
+
+/* ---- exact gestures ---- */
+
+STORY(the_brush_is_exact_while_there_are_pieces_of_a_segmentation)
+{
+    begin();
+    shown_way = (struct pilot_way){
+        .label = 1, .next = 3, .root = {5, 6, 7}, .has_edge = true, .edge = {9, 10, 11}};
+    facts.has_pieces = true; /* `labels FILE` */
+    KEYS("i|seed 20,25,30 1 within=0", "++s2|seed 20,25,30 2 within=0 radius=2",
+         "I<x=15>i|seed 15,25,30 2 within=0 radius=2 to=20,25,30",
+         "a<at 20,28,30>d|box 15,25,30 20,28,30 2 within=0",
+         "a<z+5>S|seed 20,28,30 0 shell=yes around=2 through=20,28,35 within=0",
+         "a<at 25,20,25>O|box 20,28,35 25,20,25 0 shell=yes around=2 within=0",
+         "<z=30>a<x+1>a<y+1>aA|outline 25,20,30 2 within=0 to=26,20,30 to=26,21,30",
+         "s0<z=31>.|seed 26,21,31 0 within=0 radius=2",
+         "a<x+1>a<y+1>aA|fill 26,21,31 0 within=0 to=27,21,31 to=27,22,31",
+         "Pi|cross 9,10,11 / seed 9,10,11 3 within=0 radius=2",
+         "PS|cross 9,10,11 / seed 5,6,7 3 shell=yes around=1 through=9,10,11 within=0",
+         "p2|cross 32,24,9 / seed 32,24,9 2 within=0 radius=2", "<Escape><at 20,25,30>u|undo");
+    facts.has_pieces = false; /* of `labels` */
+    KEYS("i|seed 20,25,30 2 radius=2", "ge||the brush: label 2, radius 2, exact",
+         "i|seed 20,25,30 2 within=0 radius=2");
+    facts.has_pieces = true;
+    KEYS("u|undo", "ge||the brush: label 2, radius 2, grows", /* as the user says */
+         "i|seed 20,25,30 2 radius=2", "gl|labels here", "i|seed 20,25,30 2 radius=2",
+         "3ge||ge accepts no count; nothing was done",
+         "@gel<Escape>i|seed 20,25,30 2 within=0 "
+         "radius=2");
+}
+
+STORY(labels_have_the_numbers_of_their_file)
+{
+    static const uint32_t of_file[] = {0, 2, 41, 1035, 4294967295};
+    begin();
+    numbers = of_file;
+    number_count = 5;
+    facts.has_pieces = facts.has_object = true;
+    facts.label = 41;
+    pilot_fit_label(&state, &host, &facts); /* the first object is a segmentation */
+    KEYS("i|seed 20,25,30 41 within=0", "bi|seed 20,25,30 1035 within=0",
+         "bi|seed 20,25,30 4294967295 within=0", "bi|seed 20,25,30 0 within=0",
+         "Bi|seed 20,25,30 4294967295 within=0", "s2|seed 20,25,30 2 within=0",
+         "s1||there is no label 1; `:label 1 NAME` makes it", "1035bi|seed 20,25,30 1035 within=0",
+         "4294967295goi|seed 20,25,30 1035 within=0 over=4294967295", "77go||*there is no label 77",
+         "a<x+1>O|box 20,25,30 21,25,30 0 shell=yes around=1035 within=0 over=4294967295",
+         "e|hide 1035", "41e|hide 41", "3e||*there is no label 3");
+    pilot_fit_label(&state, &host, &facts); /* it is not new any more */
+    CHECK_INT(state.brush.label, 1035);
+    facts.label = 0;
+    state.had_object = false;
+    pilot_fit_label(&state, &host, &facts);
+    CHECK_INT(state.brush.label, 2); /* the smallest number */
+    state.brush.label = 7;
+    KEYS("i||there is no label 7; `:label 7 NAME` makes it");
+    pilot_fit_label(&state, &host, &facts);
+    CHECK_INT(state.brush.label, 2);
+    numbers = NULL;
+}
+
+STORY(a_stroke_is_as_exact_as_its_brush)
+{
+    begin();
+    facts.has_pieces = true;
+    WALK("v2+ll|cross 18,25,30 / seed 18,25,30 1 within=0 radius=2 to=19,25,30",
+         "ge|cross 18,25,30 / seed 20,25,30 1 within=0 radius=2 to=18,25,30",
+         "l|cross 17,25,30 / seed 17,25,30 1 radius=2 to=18,25,30",
+         "5go|cross 17,25,30 / seed 18,25,30 1 radius=2 to=17,25,30|*over 5",
+         "l|cross 16,25,30|*over needs an exact brush (ge)", /* it moves, and draws nothing */
+         "gel|cross 15,25,30 / seed 15,25,30 1 within=0 over=5 radius=2 to=16,25,30",
+         "7go|cross 15,25,30 / seed 16,25,30 1 within=0 over=5 radius=2 to=15,25,30",
+         "lu|cross 14,25,30 / seed 15,25,30 1 within=0 over=7 radius=2 to=14,25,30 / undo");
+    KEYS("v7gogev||"); /* no limit is left */
+    CHECK(state.pen.is_down && state.brush.growth == BRUSH_GROWS);
+}
+
+STORY(a_brush_changes_one_label_alone_or_all_others)
+{
+    begin();
+    facts.has_pieces = true;
+    facts.label = 0;
+    KEYS("go||the brush: label 1, radius 0, exact, over 0", "i|seed 20,25,30 1 within=0 over=0",
+         "go||the brush: label 1, radius 0, exact", /* again: off */
+         "i|seed 20,25,30 1 within=0", "gO||*exact, keep 0", "i|seed 20,25,30 1 within=0 keep=0",
+         "17go||*exact, over 17", "i|seed 20,25,30 1 within=0 over=17", "17gO||*exact, keep 17",
+         "17gO||the brush: label 1, radius 0, exact", "300go||*there is no label 300");
+    facts.label = 9;
+    KEYS("*||the brush: label 9, radius 0, exact", "go||*, over 9", "4go||*, over 4",
+         "i|seed 20,25,30 9 within=0 over=4", "go||*, over 9", "5*||* accepts no count",
+         "<x+1>@4go||*, over 4|outlining", "go||*, over 9");
+    facts.has_label = false;
+    KEYS("<Escape>*||this voxel has no label", "gO||this voxel has no label",
+         "i|seed 21,25,30 9 within=0 over=9");
+    facts.has_label = true;
+    facts.label = 0;
+    KEYS("*||the brush: label 0, radius 0, exact, over 9", "i|seed 21,25,30 0 within=0 over=9",
+         ".|seed 21,25,30 0 within=0 over=9");
+}
+
+STORY(a_brush_that_grows_limits_only_balls)
+{
+    static const char refused[] = "over needs an exact brush (ge), or a single ball of radius 1 or "
+                                  "more; nothing was planted";
+    static const char *const none[] = {"i", "s2",     "I<x+1>++i", "v", "<x+1>d",
+                                       "S", "<z+1>O", "PS",        "A", "@llkkhh<Enter>"};
+    begin();
+    shown_way = (struct pilot_way){.next = 3, .root = {5, 6, 7}, .has_edge = true};
+    KEYS("a<x+3>d|box 20,25,30 23,25,30 1", "2go");
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        char row[200];
+        state.brush.radius = 0;
+        state.stroke.is_set = false;
+        KEYS("a", i == 8 ? "<x+1>a<y+1>a" : "l");
+        snprintf(row, sizeof row, "%s||%s", none[i], refused);
+        KEYS(row, "<Escape>|", "<Escape>|");
+    }
+    KEYS(".||*over needs an exact brush");
+    CHECK_INT(state.outline.count, 0);
+    KEYS("b++i|seed 26,26,31 3 over=2 radius=2", "Pi|*", "2gOi|seed 26,26,31 3 keep=2 radius=2",
+         "ge.|seed 26,26,31 3 within=0 keep=2 radius=2");
+}
+
+STORY(the_first_exact_gesture_among_grown_objects_names_the_key_that_freezes_them)
+{
+    static const char warning[] = "*objects here were grown, and voxels beyond can change too; U, "
+                                  "then gl keeps all labels as they are";
+    struct pilot_setup own = pilot_setup_default;
+    char row[200];
+    begin();
+    state.setup = &own;
+    CHECK(setup_keys(&own, setup_row(&own, "undo"), "U", NULL) == OK);
+    facts.is_grown = true;
+    KEYS("i|seed 20,25,30 1|", "gei|seed 20,25,30 1 within=0");
+    snprintf(row, sizeof row, "i|*|%s", warning);
+    KEYS(row);
+    CHECK(state.is_silent);
+    KEYS("vl|*|"); /* a sketch */
+    facts.place[0]--;
+    snprintf(row, sizeof row, "v|*|%s", warning);
+    KEYS(row);
+    facts.is_grown = false;
+    KEYS("i|*|");
+    CHECK(!state.is_silent);
+}
+
+/* Run random keys of the brush in a session: it refuses no command because of the brush. */
+STORY(no_state_of_the_brush_makes_a_command_that_is_refused)
+{
+    static const char *const keys[] = {"ge", "go",      "gO",       "*",   "i",  "s2",    "s0",
+                                       "+",  "-",       "v",        "l",   "k",  "J",     "a",
+                                       "d",  "S",       "O",        "A",   "I",  "u",     "@",
+                                       ".",  "<Enter>", "<Escape>", "3go", "gl", "llkkhh"};
+    struct interpreter interp;
+    uint64_t seed = 7;
+    unsigned exact = 0, over = 0;
+    begin_interpreter(&interp);
+    begin();
+    state.setup = &pilot_setup_default;
+    must(&interp, "open synth:geom:40x50x60; auto on; seed 1,1,1 0; seed 20,25,30 1 radius=5");
+    for (int i = 0; i < 1500; i++) {
+        const struct session *session = interp.session;
+        const struct marker_kinds kinds = markers_kinds(&session->markers, session->markers.count);
+        const uint32_t *at = facts.place;
+        facts.has_pieces = kinds.has_pieces;
+        facts.is_grown = kinds.has_grown && !kinds.has_exact;
+        facts.label =
+            session->scene->cell[grid_cell(&session->scene->grid, at[0], at[1], at[2])].label;
+        press_all(keys[check_below(&seed, sizeof keys / sizeof *keys)], true);
+        OWNED(buf_release) struct buf lines = {0};
+        buf_add_text(&lines, state.sketches ? "" : buf_text(&line));
+        for (char *save = NULL, *next = strtok_r(lines.data, "\n", &save); next;
+             next = strtok_r(NULL, "\n", &save)) {
+            execute(&interp, next);
+            exact += strstr(next, " within=0") != NULL;
+            over += strstr(next, " over=") != NULL;
+            if (!CHECK(!strstr(fault.text, "over, keep: only") && !strstr(fault.text, "within:")))
+                printf("#   %s: %s\n", next, fault.text);
+        }
+    }
+    CHECK(exact > 50 && over > 20);
+    reply_release(&reply);
+    interpreter_release(&interp);
 }
 
 STORY(corrections_are_made_on_the_rendition)
@@ -1207,6 +1404,24 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
     CHECK_TEXT(status_in(58), "PEN DOWN  axial x1.5 at 20,25,30  brush 2 r3  here 1 brain");
     facts.shows = PILOT_ROUGH;
     CHECK_TEXT(status_in(63), "PEN DOWN  axial x1.5 at 20,25,30  brush 2 r3  finishing  here 1");
+    facts.shows = PILOT_FOREST;
+    facts.times = PILOT_TIMES_ONE;
+    facts.has_pieces = true;
+    label_name = "Hippocampus_L";
+    state.pen.is_down = false;
+    state.brush.limit = BRUSH_OVER;
+    state.brush.limit_label = 17;
+    CHECK_TEXT(status_in(80),
+               "axial at 20,25,30  brush 2 r3 exact over 17 Hippocampus_L  here 1  intensity 93");
+    CHECK_TEXT(status_in(60), "axial at 20,25,30  brush 2 r3 exact over 17  here 1 brain");
+    state.brush.limit = BRUSH_KEEP;
+    state.brush.growth = BRUSH_GROWS;
+    CHECK_TEXT(status_in(60), "axial at 20,25,30  brush 2 r3 grows keep 17  here 1 brain");
+    facts.has_pieces = false;
+    state.brush.limit = BRUSH_ALL;
+    CHECK_TEXT(status_in(60), "axial at 20,25,30  brush 2 r3  here 1 brain  intensity 93");
+    state.brush.growth = BRUSH_EXACT;
+    CHECK_TEXT(status_in(40), "axial at 20,25,30  brush 2 r3 exact");
     label_name = "";
 }
 

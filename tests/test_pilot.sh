@@ -162,7 +162,7 @@ begin "pasted text presses no key: it is inserted in the line of the colon"
 tmux_here set-buffer -b paste "$(printf 'box 10 xx u\nseed 1,1,1 2\nq ')"
 before=$(last_record)
 tmux_here paste-buffer -p -b paste -t prompt
-hint='( \[range=LOW\.\.HIGH\] \[shell=yes\] \[around=LABEL\])?' # of a command
+hint='( \[range=LOW\.\.HIGH\] \[shell=yes\] \[around=LABEL\] .*)?' # of a command, cut to the row
 see "^:box 10 xx u seed 1,1,1 2 q$hint\$"
 pressing Escape '^i seed '
 type_letters ":label 5 "
@@ -209,7 +209,7 @@ tmux_here resize-window -t prompt -x 100 -y 24 # the brush's name is left out fi
 see '^coronal at 11,13,9  brush 3 node r1  here '
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal at 11,13,9  brush 3 r1  here '
-commanding "help seed" 'plant a seed'
+commanding "help box" 'plant a box'
 see '\(any key\)'
 pressing Enter '^coronal at [0-9]*,13,[0-9]* '
 commanding "sed 1" 'error: unknown command sed'
@@ -481,6 +481,41 @@ typing "v" '^PEN DOWN'
 typing "q" '^s>$'
 entering "quit" '^journal: '
 sane
+
+begin "after labels the brush is exact, over or keeping a label, until they are undone"
+printf 'start none\nbrush 1 1\n' >config
+rm -f s-*.iftty
+is_frozen() {
+    case $(last_record) in "labels here finished=no erode=0 copy="*) ;; *) return 1 ;; esac
+}
+enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii" '^s>$'
+pressing C-o '^axial at 12,10,8  brush 1 r1  '
+commands "seed 2,2,2 0"
+types "i" "seed 12,10,8 1 radius=1"
+type_letters "gl"
+comes_true is_frozen || fail "$(last_record)"
+see '^axial at 12,10,8  brush 1 r1 exact  here 1 '
+types "2bi" "seed 12,10,8 2 radius=1 within=0"
+typing "go" '^axial .*  brush 2 r1 exact over 2  ' '^the brush: label 2, radius 1, exact, over 2$'
+types "h" "cross 13,10,8"
+types "3bi" "seed 13,10,8 3 radius=1 within=0 over=2"
+typing "gO" '^axial .*  brush 3 r1 exact keep 3  '
+types "h" "cross 14,10,8"
+types "vhv" "seed 14,10,8 3 radius=1 to=15,10,8 within=0 keep=3"
+typing "3gO" '^axial .*  brush 3 r1 exact  '
+types "9h" "cross 23,10,8"
+types "9j" "cross 23,1,8"
+typing "*" '^the brush: label [01], radius 1, exact$'
+types "4u" "undo 4"
+pressing Escape '^axial at 23,1,8  brush [01] r1  here' # it grows again
+typing "ge" '^the brush: label [01], radius 1, exact$'
+typing "4bi" '^objects here were grown, .*; u, then gl keeps'
+recorded "seed 23,1,8 4 radius=1 within=0"
+types "u" "undo"
+typing "2goge-i" '^over needs an exact brush .ge., or a single ball of radius 1 or more'
+type_letters "q"
+entering "quit" '^journal: '
+expect 0 "$iftty" verify s-1.iftty
 
 begin "keys typed while a command runs are taken after it, in their order"
 rm -f synth-*.iftty

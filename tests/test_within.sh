@@ -18,7 +18,7 @@ expect 0 "$iftty" verify j.iftty
 begin "other trees grow into the rest; it is resumed, undone and redone"
 expect 0 "$iftty" -c 'seed 2,2,2 2; run; info' --journal j.iftty
 out_has "no voxel is left without a tree by it"
-last_word() { sed -n "s/^= .* $1=\([0-9a-f]*\).*/\1/p" j.iftty | tail -1; }
+last_word() { sed -n "s/^= .* $1=\([0-9a-f]*\).*/\1/p" "${2:-j.iftty}" | tail -1; }
 before=$(last_word forest)
 expect 0 "$iftty" -c 'remove 20,20,20; run; info; undo 2' --journal j.iftty
 out_has "marker 1 removed: 33 seeds of label 1"
@@ -50,6 +50,18 @@ expect 0 "$iftty" -c "$open; seed-file mm.csv; run" --journal m.iftty
 grep -q "$before" m.iftty || fail "$(cat m.iftty)"
 expect 0 "$iftty" verify k.iftty l.iftty m.iftty
 
+begin "an exact seed has no reach: it is explained, written to a list and read again"
+expect 0 "$iftty" -c "$open; seed 2,2,2 2; seed 20,20,20 1 radius=1 within=0; run; why 20,20,21
+why 20,20,22; save seeds e.csv; info" --journal e.iftty
+out_has "label 1, of the seed at 20,20,21, within=0"
+out_has "label 2, of the seed at 2,2,2"
+grep -qx '20,20,21,1,0,0,0,0' e.csv || fail "$(cat e.csv)"
+before=$(last_word forest e.iftty)
+expect 0 "$iftty" -c "$open; seed-file e.csv; run; why 20,20,21" --journal f.iftty
+out_has "of the seed at 20,20,21, within=0"
+[ "$(last_word forest f.iftty)" = "$before" ] || fail "$(cat f.iftty)"
+expect 0 "$iftty" verify e.iftty f.iftty
+
 begin "invalid arguments are rejected, and plant nothing"
 refused() { # STATUS WORDS MESSAGE
     expect_err "$3" "$1" "$iftty" -c "$open; seed $2; info" --keep-going
@@ -57,12 +69,12 @@ refused() { # STATUS WORDS MESSAGE
 }
 refused 2 '20,20,20 1 radius=3 within=2' "within: less than the radius"
 refused 2 '20,20,20 1 radius=3 within=2.9mm' "within: less than the radius"
-refused 2 '20,20,20 1 within=0' "within: expected a number 1..512, or millimetres"
-refused 2 '20,20,20 1 within=513' "within: expected a number 1..512"
+refused 2 '20,20,20 1 within=-1' "within: expected a number 0..512, or millimetres"
+refused 2 '20,20,20 1 within=513' "within: expected a number 0..512"
 refused 2 '20,20,20 1 within=0mm' "within: expected"
 refused 2 '20,20,20 1 within=1001mm' "within: expected"
-refused 2 '20,20,20 0 radius=9 within=12 shell=yes' "within: only for one ball"
-refused 2 '20,20,20 1 within=9 to=22,20,20' "within: only for one ball"
-refused 2 '20,20,20 1 within=9 joined=yes' "within: only for one ball"
+refused 2 '20,20,20 0 radius=9 within=12 shell=yes' "within: above 0 only for one ball"
+refused 2 '20,20,20 1 within=9 to=22,20,20' "within: above 0 only for one ball"
+refused 2 '20,20,20 1 within=9 joined=yes' "within: above 0 only for one ball"
 
 finish

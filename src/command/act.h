@@ -233,8 +233,8 @@ struct planting act_begin_planting(const struct session *session, const struct v
 /* Give the planting the reach that holds no voxel if the command has within=0. */
 enum err act_find_exact(struct planting *planting, const struct act *act);
 
-/* The same; and leave out voxels by `over` and `keep`, by their labels after waiting edits. With the
- * voxels of several markers, those before end[i] stay before it, for each of `ends`. */
+/* The same; and leave out voxels by `over` and `keep`, by their labels after waiting edits. With
+ * the voxels of several markers, those before end[i] stay before it, for each of `ends`. */
 struct voxels;
 enum err act_begin_exact(struct planting *planting, const struct act *act, struct voxels *voxels,
                          size_t *end, size_t ends);

@@ -110,15 +110,8 @@ static void write_left_out(struct buf *out, const char *why, size_t count)
 static void warn_of_grown(const struct act *act)
 {
     const struct session *session = act->session;
-    const struct markers *markers = &session->markers;
-    bool has_grown = false;
-    for (size_t m = 0; m < session->former_markers; m++) {
-        const struct marker *marker = &markers->marker[m];
-        if (marker->is_exact && marker->is_valid)
-            return;
-        has_grown |= marker->is_valid && !marker->yields && marker->label != EDIT_ERASE;
-    }
-    if (has_grown)
+    const struct marker_kinds kinds = markers_kinds(&session->markers, session->former_markers);
+    if (kinds.has_grown && !kinds.has_exact)
         buf_add_text(&act->reply->text,
                      "objects of this session were grown from seeds: voxels whose trees passed "
                      "through these can change too; `undo`, then `labels here` keeps them as they "
@@ -215,9 +208,9 @@ static uint8_t label_now(const struct session *session, uint32_t cell)
     return seed == EDIT_ERASE ? session->scene->cell[cell].label : (uint8_t)seed;
 }
 
-/* Leave out voxels that do not take part, and record their runs. With `grown`, a voxel takes part
- * if it is among these; else if its label is in the set. The voxels before `end[i]` stay before
- * it, for each of `ends`. */
+/* Leave out voxels, and record their runs: voxels that are not among `grown`, or if that is NULL,
+ * voxels whose label is not in the set. The voxels before `end[i]` stay before it, for each of
+ * `ends`. */
 static enum err leave_out(const struct act *act, struct voxels *voxels,
                           const struct label_set *takes, const struct voxels *grown, size_t *end,
                           size_t ends)
@@ -663,8 +656,8 @@ static enum err find_reach(uint16_t *number, const struct act *act, const struct
     return err || !number ? err : session_add_reach(session, &reach, number, act->fault);
 }
 
-/* Plant a ball, and what its tree takes of the labels that `over` and `keep` let it change: as
- * exact markers, the second of which yields to later growth. */
+/* Plant a ball, and the voxels that its tree changes of the labels allowed by `over` and `keep`, as
+ * two exact markers; the second one yields to later growth. */
 static enum err plant_confined(const struct act *act, struct planting *planting,
                                struct voxels *seeds)
 {

@@ -657,7 +657,10 @@ static const struct command command_table[] = {
      "smooth and clean labels in files and pictures",
      "Adds a step to a list of steps, which together make the finished labels; without STEP, "
      "prints the list. The segmentation itself does not change, and seeds can be planted at any "
-     "time. `save` and `stats` with finished=yes report labels that the steps delete, reduce to "
+     "time. `relax` keeps voxels that have a seed; the other steps can change these too, also "
+     "those "
+     "of exact gestures. `save` and `stats` with finished=yes report labels that the steps delete, "
+     "reduce to "
      "less than half or break into more pieces.\n" FINISH_NOTES "none: remove all steps.\n"
      "radius: in voxels, or in millimetres as in 2.5mm; the default is 1 voxel.\n"
      "sweeps: the number of iterations of relax; the default is 60.\n"
@@ -831,8 +834,9 @@ static const struct command command_table[] = {
      {{0}},
      "segment with single keys, in full screen",
      "Shows slices, the rendition and a cross-hair. ? lists the keys, and q returns to the prompt. "
-     "A key that changes the session runs a command, which is recorded. Needs a terminal. Ctrl-O "
-     "at the prompt also opens the pilot.",
+     "A key that changes the session runs a command, which is recorded. After `labels` the brush "
+     "is exact: it plants with within=0. Needs a terminal. Ctrl-O at the prompt also opens the "
+     "pilot.",
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
      {MAY("COMMAND", VALUE_COMMAND, .choices = "keys|correct")},

@@ -70,7 +70,12 @@ static bool take_radius(const char **at, struct pilot_brush *brush)
 static enum err take_brush(struct config *config, const char *words, struct fault *fault)
 {
     struct pilot_brush brush = pilot_setup_default.brush;
+    const int growth = choice_find("exact|grows", words);
     int64_t label;
+    if (growth >= 0) {
+        config->setup.brush.growth = growth ? BRUSH_GROWS : BRUSH_EXACT;
+        return OK;
+    }
     bool fine = take_number(&words, 0, 0, LABEL_MOST, &label);
     scan_blanks(&words);
     brush.fits = !(*words >= '0' && *words <= '9');
@@ -84,9 +89,10 @@ static enum err take_brush(struct config *config, const char *words, struct faul
         return fault_set(
             fault, ERR_USAGE,
             "expected a label 0..%d, then optionally a radius 0..%d in voxels, or in mm in steps "
-            "of 0.5, and range=LOW..HIGH",
+            "of 0.5, and range=LOW..HIGH; or exact or grows alone",
             LABEL_MOST, SEED_RADIUS_MOST);
     brush.label = (unsigned)label;
+    brush.growth = config->setup.brush.growth;
     config->setup.brush = brush;
     return OK;
 }

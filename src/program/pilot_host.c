@@ -148,21 +148,28 @@ static bool host_facts(void *context, struct pilot_facts *out)
     const struct slice_settings *s = &outlook->slices;
     const struct view view = view_of_pane(pilot);
     const enum proposal proposal = session_find_proposal(session);
-    *out = (struct pilot_facts){.waiting = session_pendings(session),
-                                .intensity =
-                                    levels_value(&session->geometry, session->levels,
-                                                 scene->cell[cell_at(session, s->cross)].intensity),
-                                .times = s->times,
-                                .frame_width = view.width,
-                                .frame_height = view.height,
-                                .overlay = s->overlay,
-                                .has_object = panes_have_object(session),
-                                .has_one_object = proposal == PROPOSE_SPHERE,
-                                .wants_outline = proposal == PROPOSE_OUTLINE,
-                                .shows = !session_shows_finished(session) ? PILOT_FOREST
-                                         : session_is_rough(session)      ? PILOT_ROUGH
-                                                                          : PILOT_FINISHED,
-                                .has_finish = session->now.kept.finish.count > 0};
+    const uint32_t at = cell_at(session, s->cross);
+    const struct sketch *sketch = &pilot->interp->sketch;
+    const struct marker_kinds kinds = markers_kinds(
+        &session->markers, sketch->is_begun ? sketch->markers : session->markers.count);
+    *out = (struct pilot_facts){
+        .waiting = session_pendings(session),
+        .intensity = levels_value(&session->geometry, session->levels, scene->cell[at].intensity),
+        .times = s->times,
+        .frame_width = view.width,
+        .frame_height = view.height,
+        .overlay = s->overlay,
+        .has_object = panes_have_object(session),
+        .has_one_object = proposal == PROPOSE_SPHERE,
+        .wants_outline = proposal == PROPOSE_OUTLINE,
+        .has_pieces = kinds.has_pieces,
+        .is_grown = kinds.has_grown && !kinds.has_exact,
+        .has_label = cell_is_reached(scene->cell + at),
+        .label = numbering_of(&session->now.kept, session_shown_label(session, at)),
+        .shows = !session_shows_finished(session) ? PILOT_FOREST
+                 : session_is_rough(session)      ? PILOT_ROUGH
+                                                  : PILOT_FINISHED,
+        .has_finish = session->now.kept.finish.count > 0};
     const struct view fitting = session_fitting_view(session);
     out->zoom = fitting.zoom;
     out->is_fitted = memcmp(fitting.focus, outlook->view.focus, sizeof fitting.focus) != 0;

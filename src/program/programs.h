@@ -81,6 +81,8 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
  *     theme light
  *     # initial brush of the pilot: a label, a radius
  *     brush 3 2
+ *     # whether trees grow from its seeds; without this line only if there is no segmentation
+ *     brush exact
  *     # a window of greys by centre and width, selected by `w` and its number
  *     window liver 60 160
  *     # the keys of an action of the pilot (struct chord)

@@ -34,10 +34,11 @@
 
 enum { BETWEEN_OUTLINED = 1, BETWEEN_FILLED = 2 };
 
-/* Find the axes, bit a for axis a, at right angles to outlines of a label; and, if `map` is not NULL,
- * set map[cell] in the voxels of those along `axis` in which no later marker decides. An outline is
- * a valid exact marker with no voxels in adjacent slices along one axis, and with such voxels along
- * both others: one slice of any shape, or several of a map. ERR_MEMORY, ERR_CANCELLED. */
+/* Find the axes, bit a for axis a, at right angles to outlines of a label; and, unless `map` is
+ * NULL, set map[cell] in the voxels of outlines along `axis` where no later marker decides. An
+ * outline is a valid exact marker with no voxels in adjacent slices along one axis, and with such
+ * voxels along both others: one slice of any shape, or several of a map. ERR_MEMORY,
+ * ERR_CANCELLED. */
 enum err between_find(unsigned *axes, uint8_t *map, const struct markers *markers,
                       const struct grid *grid, int16_t label, int axis, struct watch *watch,
                       struct fault *fault);

@@ -102,7 +102,7 @@ static enum err add_seeds(struct confined *c, const struct voxels *seeds,
     return err;
 }
 
-/* Add the seeds that take part, and voxels that the tree takes from other labels. */
+/* Collect the seeds in voxels of chosen labels, and voxels whose label the tree changes. */
 static enum err collect_grown(struct confined *c, const struct voxels *seeds,
                               const struct voxels *within, struct voxels *grown,
                               struct fault *fault)

@@ -378,6 +378,25 @@ bool markers_show(const void *markers, uint32_t cell)
     return !number || !all->marker[number - 1].yields;
 }
 
+struct marker_kinds markers_kinds(const struct markers *markers, size_t count)
+{
+    struct marker_kinds kinds = {false};
+    bool was_eraser = false;
+    for (size_t m = 0; m < count; m++) {
+        const struct marker *marker = &markers->marker[m];
+        const bool is_eraser = marker->label == EDIT_ERASE;
+        if (!marker->is_valid)
+            continue;
+        if (marker->yields && was_eraser) /* `labels here` */
+            kinds.has_grown = false;
+        kinds.has_exact |= marker->is_exact;
+        kinds.has_pieces |= marker->yields && !marker->is_exact;
+        kinds.has_grown |= !marker->yields && !marker->is_exact && !is_eraser;
+        was_eraser = is_eraser;
+    }
+    return kinds;
+}
+
 uint32_t markers_stroke(const struct markers *markers, uint32_t number)
 {
     while (markers->marker[number - 1].joined)

@@ -117,9 +117,9 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
 enum err markers_yield(struct markers *markers, const struct marker_run *run, size_t runs,
                        struct fault *fault);
 
-/* The last marker, which covers its voxels in order, frees those of `cell` in which a marker
- * yields to it; an exact marker decides there anyway, and they need no covers; `around` are the neighbours of a voxel. On errors, those of markers_add, drop the
- * marker: it frees only a part. */
+/* The last marker, which covers its voxels in order, frees the voxels of `cell` in which a marker
+ * yields to it; an exact marker decides there anyway, so its voxels need no covers. `around` are the
+ * neighbours of a voxel. On errors, those of markers_add, drop the marker: it frees only a part. */
 enum err markers_free(struct markers *markers, const struct cell *cells,
                       const struct adjacency *around, const uint32_t *cell, size_t count,
                       struct watch *watch, struct fault *fault);
@@ -138,6 +138,14 @@ uint32_t markers_at(const struct markers *markers, uint32_t cell);
  * file are not: marks would hide everything. A seed without a deciding marker is marked. `markers`
  * is a struct markers. */
 bool markers_show(const void *markers, uint32_t cell);
+
+/* Objects of the valid markers up to number `count`. */
+struct marker_kinds {
+    bool has_pieces; /* pieces of a segmentation, of a file or the session's own, */
+    bool has_grown;  /* objects grown from seeds that no later segmentation has erased, */
+    bool has_exact;  /* and exact markers */
+};
+struct marker_kinds markers_kinds(const struct markers *markers, size_t count);
 
 /* First part of a marker's stroke; and the next valid part, or 0. */
 uint32_t markers_stroke(const struct markers *markers, uint32_t number);

@@ -274,10 +274,10 @@ enum err session_plant_piece(struct session *session, const uint32_t *cell, size
                              int16_t label, uint16_t reach, const struct marker_run *run,
                              size_t runs, struct fault *fault);
 
-/* Find the voxels of `within` that a tree from the seeds takes if it may enter voxels of the labels
- * `takes` alone: the seeds that have such labels, and voxels that get another label. Seeds that were
- * planted in such voxels hold it back, and so do voxels of such labels around `within`; the session
- * is unchanged. All lists are in the order of cells; the caller releases `grown`. */
+/* Grow a tree from the seeds into voxels of `within` that have a label of the set `takes`, and no
+ * others. `grown` gets the seeds that have such labels, and the voxels whose label changes. The
+ * tree ends at seeds that users planted in such voxels, and at such voxels around `within`; the
+ * session is unchanged. All lists are in the order of cells; the caller releases `grown`. */
 struct label_set;
 struct voxels;
 enum err session_grow_confined(const struct session *session, const struct label_set *takes,

@@ -148,7 +148,8 @@ static void check_procedure(const struct procedure *p)
     for (size_t i = 0; i < p->gestures; i++) {
         HOLDS(p->gesture[i].corners > 0);
         HOLDS(p->gesture[i].corner + p->gesture[i].corners <= p->corners);
-        HOLDS(p->gesture[i].radius_mm >= 0 && p->gesture[i].within_mm >= 0);
+        HOLDS(p->gesture[i].radius_mm >= 0);
+        HOLDS(p->gesture[i].within_mm >= 0 || p->gesture[i].within_mm == GESTURE_EXACT);
     }
     for (unsigned l = 0; l < 256; l++) {
         HOLDS(memchr(p->label[l].name, '\0', sizeof p->label[l].name));

@@ -58,6 +58,10 @@ struct pilot_facts {
     bool has_object;     /* a voxel has a label above 0, or a seed waits to give it one */
     bool has_one_object; /* only the seeds of one object exist so far */
     bool wants_outline;  /* the first seeds of one object and of the background exist */
+    bool has_pieces;     /* there are pieces of a segmentation */
+    bool is_grown;       /* objects were grown from seeds, and nothing exact was planted so far */
+    bool has_label;      /* the voxel has a label, */
+    uint32_t label;      /* shown there */
     uint32_t times;      /* magnification of slices, in thousandths */
     enum pilot_labels shows;
     bool has_finish; /* labels can be finished */

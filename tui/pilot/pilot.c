@@ -302,7 +302,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         p->is_over = true;
         return OK;
     }
-    p->host->next_label(p->host->context, p->state->brush.label, 0, &p->state->brush.label);
+    pilot_fit_label(p->state, p->host, &facts);
     if (p->flow.failed) { /* the state of the terminal is unknown */
         buf_add_text(&out, graphics_recovery(p->facts));
         painter_drop(&p->painter, &out);
@@ -720,6 +720,7 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
         p->is_over = true;
         return OK;
     }
+    pilot_fit_label(p->state, p->host, &facts);
     pace_key(&p->pace, clock_ns());
     if (event->key != KEY_MOUSE) {
         buf_clear(&p->message);

@@ -95,17 +95,22 @@ const struct pilot_row pilot_table[] = {
     {KEY("plant-picked", "0-9", "", PICKING, CHANGES), DO(pilot_plant, 1), .hint = "a seed there"},
     {KEY("plant-label", "s0-9", "", BOTH, CHANGES), DO(pilot_plant, 1), .help = "a seed of 0-9"},
     {KEY("next-label", "b", "", LOOKS, COUNTS), DO(pilot_choose_label, 1),
-     .help = "the label: 12b is 12", .hint = "label"},
+     .help = "label: 12b is 12; here", .hint = "label"},
     {KEY("previous-label", "B", "", LOOKS, COUNTS), DO(pilot_choose_label, -1), JOINS},
+    {KEY("label-here", "*", "", MOVING | OUTLINES, 0), DO(pilot_choose_label, 0), JOINS},
     {KEY("larger", "+", "=", BOTH, COUNTS), DO(pilot_change_radius, 1),
-     .help = "the radius; in mm"},
+     .help = "radius; mm; range"},
     {KEY("smaller", "-", "_", BOTH, COUNTS), DO(pilot_change_radius, -1), JOINS},
     {KEY("millimetres", "M", "", BOTH, 0), DO(pilot_change_unit, 0), JOINS},
+    {KEY("range", "t", "", MOVING, COUNTS), DO(pilot_take_range, 0), JOINS},
+    {KEY("type-range", "T", "", BOTH, 0), DO(pilot_begin_range, 0), .then = PILOT_RANGING, JOINS},
     {KEY("pen", "v", "", MOVING, 0), DO(pilot_lower_pen, 0),
      PAGE("v I", "pen draws; stroke's end")},
     {KEY("stroke", "I", "", MOVING, 0), DO(pilot_begin_stroke, 0), JOINS},
-    {KEY("range", "t", "", MOVING, COUNTS), DO(pilot_take_range, 0), .help = "within intensities"},
-    {KEY("type-range", "T", "", BOTH, 0), DO(pilot_begin_range, 0), .then = PILOT_RANGING, JOINS},
+    {KEY("exact", "ge", "", MOVING | OUTLINES, 0), DO(pilot_change_growth, 0),
+     .help = "exact, over, keep"},
+    {KEY("over", "go", "", MOVING | OUTLINES, COUNTS), DO(pilot_change_limit, BRUSH_OVER), JOINS},
+    {KEY("keep", "gO", "", MOVING | OUTLINES, COUNTS), DO(pilot_change_limit, BRUSH_KEEP), JOINS},
     {KEY("outline", "@", "", MOVING | OUTLINES, 0), DO(pilot_begin_outline, 0),
      PAGE("@ U } {", "outline; next in doubt")},
     {KEY("take-up", "U", "", MOVING | SHAPING, 0), DO(pilot_load_outline, 0), JOINS},
@@ -125,7 +130,9 @@ const struct pilot_row pilot_table[] = {
      .help = "hide, show; show all"},
     {KEY("show-all", "E", "", BOTH, 0), DO(pilot_show_all, 0), JOINS},
     {KEY("drop", "Escape", "", MOVING, 0), DO(pilot_drop_stroke, 0), .help = "no pen, no corners"},
-    {KEY("run", "Space", "", BOTH | OUTLINES, 0), .command = "run\n", .help = "run what waits"},
+    {KEY("run", "Space", "", BOTH | OUTLINES, 0), .command = "run\n",
+     .help = "run what waits; freeze"},
+    {KEY("freeze", "gl", "", MOVING, 0), .command = "labels here\n", JOINS},
     {KEY("undo", "u", "", BOTH | OUTLINES, COUNTS | PILOT_SAYS_ALL), DO(pilot_undo, -1),
      .help = "undo, redo, again", .hint = "undo"},
     {KEY("redo", "Ctrl-R", "", BOTH | OUTLINES, COUNTS), DO(pilot_undo, 1), JOINS},
@@ -208,6 +215,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("end-window", "Enter", "Escape w", WINDOWING, 0), .hint = "done"},
 };
 const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
+_Static_assert(sizeof pilot_table / sizeof pilot_table[0] <= SETUP_ROWS_MOST, "keys of each row");
 
 /* ---- the default setup ---- */
 

@@ -10,6 +10,21 @@ void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup
     *state = (struct pilot_state){.setup = setup, .pane = PILOT_AXIAL, .brush = setup->brush};
 }
 
+void pilot_fit_label(struct pilot_state *state, const struct pilot_host *host,
+                     const struct pilot_facts *facts)
+{
+    uint32_t place[3], label = 0;
+    if (facts->has_pieces && facts->has_object && !state->had_object) {
+        do
+            host->next_label(host->context, label, 1, &label);
+        while (label && !host->seed(host->context, label, 1, place));
+        label = facts->has_label && facts->label ? facts->label : label;
+        state->brush.label = label ? label : state->brush.label;
+    }
+    state->had_object = facts->has_object;
+    host->next_label(host->context, state->brush.label, 0, &state->brush.label);
+}
+
 void pilot_fit_brush(struct pilot_state *state, uint32_t side)
 {
     const uint32_t most = side < 20 ? 1 : side / 10;
@@ -144,8 +159,10 @@ void pilot_repeat(struct press *p)
     }
     again.event = &change.key;
     p->state->count = change.count;
-    if (!(change.row->flags & PILOT_OUTLINES) || pilot_move_shape(p))
-        carry_out(&again, change.row);
+    const bool is_shape = change.row->flags & PILOT_OUTLINES;
+    if (is_shape && !(pilot_may_plant(p, false) && pilot_move_shape(p)))
+        return;
+    carry_out(&again, change.row);
 }
 
 /* ---- counts ---- */
@@ -192,24 +209,37 @@ static bool has_same_brush(const struct pilot_state *state)
     const bool in_same = a->has_range == b->has_range &&
                          (!a->has_range || memcmp(a->range, b->range, sizeof a->range) == 0);
     return state->pen.is_down && a->label == b->label && a->radius == b->radius &&
-           a->in_mm == b->in_mm && in_same;
+           a->in_mm == b->in_mm && in_same && a->growth == b->growth && a->limit == b->limit &&
+           (!a->limit || a->limit_label == b->limit_label);
 }
 
 /* Turn the present stroke into a command before the other lines, unless they continue it. */
-static void end_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
+static void end_stroke(struct press *p)
 {
-    struct buf rest = {0};
+    struct pilot_state *state = p->state;
+    struct buf *line = p->line, rest = {0};
     if (state->sketches)
         return;
     if (state->pen.line.count > 1) {
         buf_add(&rest, buf_text(line), line->length);
         buf_clear(line);
-        pilot_add_stroke(state, facts, line);
+        pilot_add_stroke(p);
         buf_add(line, buf_text(&rest), rest.length);
         line->failed |= rest.failed;
         buf_release(&rest);
     }
     state->pen.line.count = 0;
+}
+
+/* Warn at the first exact gesture among objects that were grown, in place of its answer. */
+static void warn_of_grown(struct press *p)
+{
+    if (!p->state->has_exact || p->state->sketches || !p->facts->is_grown)
+        return;
+    buf_clear(p->message);
+    pilot_say(p, "objects here were grown, and voxels beyond can change too; {undo}, then "
+                 "{freeze} keeps all labels as they are");
+    p->state->is_silent = true;
 }
 
 /* Return true if the mode has keys that begin with this one. */
@@ -225,7 +255,7 @@ static bool is_first_key(const struct pilot_state *state, const struct key_event
 enum pilot_request pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
-    state->is_silent = state->says_all = state->sketches = state->drops = false;
+    state->is_silent = state->says_all = state->sketches = state->drops = state->has_exact = false;
     if (state->mode != state->base && !find_row(state, p->event) && !is_first_key(state, p->event))
         state->mode = state->base; /* a key of another mode has its usual effect */
     if ((state->count || state->leader) && p->event->key == KEY_ESCAPE) {
@@ -246,7 +276,8 @@ enum pilot_request pilot_press(struct press *p)
     state->count = state->leader = 0;
     if (p->request == PILOT_PROMPT || p->request == PILOT_LEAVE || p->line->length ||
         !has_same_brush(state))
-        end_stroke(state, p->facts, p->line);
+        end_stroke(p);
+    warn_of_grown(p);
     return p->request;
 }
 
@@ -324,7 +355,7 @@ static void click(struct press *p, uint32_t column, uint32_t row)
     if (state->encloses && !pulls &&
         (mouse->button != MOUSE_RIGHT || mouse->action == MOUSE_RELEASED))
         drop_ball(state);
-    state->is_silent = state->says_all = state->sketches = state->drops = false;
+    state->is_silent = state->says_all = state->sketches = state->drops = state->has_exact = false;
     if (state->mode == PILOT_PICKING && pane == PILOT_RENDITION && mouse->button == MOUSE_LEFT &&
         mouse->action != MOUSE_RELEASED) {
         p->host->frame_pixel(p->host->context, column, row, state->pixel);
@@ -358,7 +389,8 @@ void pilot_click(struct press *p, uint32_t column, uint32_t row)
 {
     click(p, column, row);
     if (p->line->length || p->event->mouse.action != MOUSE_MOVED)
-        end_stroke(p->state, p->facts, p->line);
+        end_stroke(p);
+    warn_of_grown(p);
 }
 
 /* ---- keys typed ahead ---- */

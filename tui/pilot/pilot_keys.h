@@ -34,7 +34,7 @@
 
 enum {
     SETUP_WINDOWS_MOST = 9, /* one for each digit */
-    SETUP_ROWS_MOST = 128,  /* in the table of keys */
+    SETUP_ROWS_MOST = 160,  /* in the table of keys */
     SETUP_NAME_BYTES = 12,
     SETUP_KEYS_BYTES = 48
 };
@@ -45,7 +45,21 @@ struct setup_window {
     int64_t centre, width;
 };
 
-/* Brush of seeds and strokes. */
+/* Growth of trees from the seeds of the brush. */
+enum brush_growth {
+    BRUSH_BY_PIECES, /* the brush is exact while there are pieces of a segmentation */
+    BRUSH_EXACT,     /* within=0: no tree grows from its seeds */
+    BRUSH_GROWS
+};
+
+/* Voxels that the brush may change. */
+enum brush_limit {
+    BRUSH_ALL,
+    BRUSH_OVER, /* those of one label, */
+    BRUSH_KEEP  /* or of all others */
+};
+
+/* How seeds and strokes are planted. */
 struct pilot_brush {
     uint32_t label;  /* its number */
     unsigned radius; /* voxels, or half millimetres with in_mm; 0 for one voxel */
@@ -53,6 +67,9 @@ struct pilot_brush {
     bool fits;      /* the radius was not chosen: limit it by the size of the scene */
     bool has_range; /* plant only in voxels whose intensity is within these real values */
     struct decimal range[2];
+    enum brush_growth growth;
+    enum brush_limit limit;
+    uint32_t limit_label; /* the label of BRUSH_OVER or BRUSH_KEEP */
 };
 
 struct pilot_row;
@@ -175,6 +192,7 @@ struct pilot_state {
     uint32_t leader;                             /* the first key of two, or 0 */
     uint32_t pixel[2];
     bool has_pixel;
+    bool had_object;  /* there was an object before the last command */
     bool is_alone;    /* one pane has the whole screen: the slice, or the pane being corrected */
     bool drags;       /* the mouse draws, */
     unsigned dragged; /* voxels of an outline dragged so far, */
@@ -182,6 +200,7 @@ struct pilot_state {
     bool sketches;    /* the last lines are a sketch */
     bool sends_ahead; /* slices are being sent ahead */
     bool drops;       /* the sketch is to be discarded */
+    bool has_exact;   /* a seed of the last lines is exact */
     bool is_silent;   /* the effect of the last line is visible below the picture anyway */
     bool says_all;    /* show all lines of the answer, not only the last, */
     bool has_pages;   /* by pages on the whole screen */
@@ -198,6 +217,11 @@ static inline enum pilot_mode pilot_home(const struct pilot_state *state)
 {
     return state->watches ? PILOT_WATCHING : PILOT_MOVING;
 }
+
+/* If the first object is a segmentation, choose its label under the cross-hair, or the one of the
+ * smallest number. Choose another label than one that does not exist. */
+void pilot_fit_label(struct pilot_state *state, const struct pilot_host *host,
+                     const struct pilot_facts *facts);
 
 /* If the radius was not chosen, limit it to a tenth of the scene's least side, in voxels. */
 void pilot_fit_brush(struct pilot_state *state, uint32_t side);
@@ -254,6 +278,12 @@ void pilot_add_status(struct buf *out, const struct pilot_state *state,
 
 /* Add the radius and the range of a brush, for a user: " r2.5mm 80..120". */
 void pilot_add_brush(struct buf *out, const struct pilot_brush *brush);
+
+/* Return true if no tree grows from seeds of the brush. */
+bool pilot_is_exact(const struct pilot_brush *brush, const struct pilot_facts *facts);
+
+/* " over" or " keep", by enum brush_limit. */
+extern const char *const pilot_limits[];
 
 /* Add a decimal as commands accept it: at most three places, without trailing zeros. */
 void pilot_add_decimal(struct buf *line, double value);
@@ -442,8 +472,13 @@ uint32_t pilot_shifted(uint32_t at, int64_t by, uint32_t end);
 struct decimal pilot_decimal(double value);
 /* Return true if the path that is shown has an edge; else false, with a message. */
 bool pilot_has_edge(struct press *p);
-/* Add " 2 range=80..120": the label and the range of the brush. */
-void pilot_add_label(struct buf *line, const struct pilot_brush *brush);
+/* Add " 2 range=80..120 within=0 over=1": the label and the limits of the brush; or the last ones
+ * alone. */
+void pilot_add_label(struct press *p, const struct pilot_brush *brush);
+void pilot_add_exact(struct press *p, const struct pilot_brush *brush);
+/* Return true if a command with these limits would be accepted, for a single ball or for another
+ * gesture; otherwise say what to do. */
+bool pilot_may_plant(struct press *p, bool is_ball);
 /* Add "2.5mm", or "80..120". */
 void pilot_add_radius(struct buf *out, const struct pilot_brush *brush);
 void pilot_add_range(struct buf *out, const struct pilot_brush *brush);
@@ -451,7 +486,7 @@ void pilot_add_range(struct buf *out, const struct pilot_brush *brush);
 #define PLACE      "%u,%u,%u"
 #define XYZ(place) (place)[0], (place)[1], (place)[2]
 /* Add the commands of the stroke that the pen has drawn. */
-void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line);
+void pilot_add_stroke(struct press *p);
 
 /* Functions of rows, by file. `by` of the row is 1 for an action and -1 for its counterpart, unless
  * the definition says otherwise. */
@@ -462,11 +497,11 @@ pilot_act pilot_move, pilot_change_slice, pilot_to_slice, pilot_next_pane, pilot
     pilot_turn, pilot_roll, pilot_change_zoom, pilot_change_overlay, pilot_change_labels,
     pilot_preset, pilot_magnify, pilot_recentre, pilot_pan, pilot_show_alone, pilot_begin_picking,
     pilot_end_picking, pilot_step, pilot_to_step;
-pilot_act pilot_choose_label, pilot_change_radius, pilot_change_unit, pilot_take_range,
-    pilot_begin_range, pilot_type_range, pilot_erase_typed, pilot_end_range, pilot_plant,
-    pilot_plant_at_edge, pilot_enclose_at_edge, pilot_stroke_at_edge, pilot_show_held,
-    pilot_lower_pen, pilot_begin_stroke, pilot_drop_stroke, pilot_set_corner, pilot_plant_box,
-    pilot_plant_shell;
+pilot_act pilot_choose_label, pilot_change_radius, pilot_change_unit, pilot_change_growth,
+    pilot_change_limit, pilot_take_range, pilot_begin_range, pilot_type_range, pilot_erase_typed,
+    pilot_end_range, pilot_plant, pilot_plant_at_edge, pilot_enclose_at_edge, pilot_stroke_at_edge,
+    pilot_show_held, pilot_lower_pen, pilot_begin_stroke, pilot_drop_stroke, pilot_set_corner,
+    pilot_plant_box, pilot_plant_shell;
 pilot_act pilot_begin_outline, pilot_close_outline, pilot_drop_outline, pilot_grab,
     pilot_load_outline, pilot_go_to_doubt;
 

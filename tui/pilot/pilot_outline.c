@@ -117,9 +117,11 @@ void pilot_close_outline(struct press *p)
                   is_drawn ? "{drop-outline} drops it" : "{corner} sets one");
         return;
     }
+    if (!pilot_may_plant(p, false))
+        return;
     buf_printf(p->line, "%s " PLACE, state->brush.label ? "outline" : "fill",
                XYZ(outline->corner[0]));
-    pilot_add_label(p->line, &state->brush);
+    pilot_add_label(p, &state->brush);
     for (size_t i = 1; i < outline->count; i++)
         buf_printf(p->line, " to=" PLACE, XYZ(outline->corner[i]));
     if (state->instead)

@@ -13,20 +13,20 @@ enum { LINE_MOST = 60000 }; /* bytes; the limit of a journal is 65535 */
 /* ---- lines ---- */
 
 /* Add the command of a seed, without its line feed. */
-static void begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
+static void begin_seed(struct press *p, const uint32_t place[3], const struct pilot_brush *brush)
 {
-    buf_printf(line, "seed " PLACE, XYZ(place));
-    pilot_add_label(line, brush);
+    buf_printf(p->line, "seed " PLACE, XYZ(place));
+    pilot_add_label(p, brush);
     if (!brush->radius)
         return;
-    buf_add_text(line, " radius=");
-    pilot_add_radius(line, brush);
+    buf_add_text(p->line, " radius=");
+    pilot_add_radius(p->line, brush);
 }
 
 /* Add a seed of the brush; if the other end differs, a stroke to there. */
 static void add_seed(struct press *p, const uint32_t place[3], const uint32_t *other_end)
 {
-    begin_seed(p->line, place, &p->state->brush);
+    begin_seed(p, place, &p->state->brush);
     if (other_end)
         buf_printf(p->line, " to=" PLACE, XYZ(other_end));
     buf_add_char(p->line, '\n');
@@ -42,22 +42,61 @@ static void say_brush(struct press *p)
     p->host->label(p->host->context, brush->label, p->message);
     buf_add_text(p->message, ", radius ");
     pilot_add_radius(p->message, brush);
-    if (!brush->has_range)
-        return;
-    buf_add_text(p->message, ", intensities ");
-    pilot_add_range(p->message, brush);
+    if (brush->has_range) {
+        buf_add_text(p->message, ", intensities ");
+        pilot_add_range(p->message, brush);
+    }
+    buf_add_text(p->message, pilot_is_exact(brush, p->facts) ? ", exact" : "");
+    if (brush->limit) {
+        buf_printf(p->message, ",%s ", pilot_limits[brush->limit]);
+        p->host->label(p->host->context, brush->limit_label, p->message);
+    }
 }
 
+/* Choose the label of the count, otherwise that under the cross-hair. Return false, with a message,
+ * without any. */
+static bool take_label(struct press *p, uint32_t *label)
+{
+    const uint32_t count = p->state->count;
+    if (count && !pilot_has_label(p, count))
+        return false;
+    if (!count && !p->facts->has_label)
+        buf_add_text(p->message, "this voxel has no label");
+    else
+        *label = count ? count : p->facts->label;
+    return count || p->facts->has_label;
+}
+
+/* By 0: the label under the cross-hair. */
 void pilot_choose_label(struct press *p)
 {
-    const struct pilot_host *host = p->host;
-    const uint32_t count = p->state->count;
-    uint32_t label = count;
-    if (count && !pilot_has_label(p, count))
+    uint32_t *label = &p->state->brush.label;
+    if (p->by && !p->state->count)
+        p->host->next_label(p->host->context, *label, p->by, label);
+    else if (!take_label(p, label))
         return;
-    if (!count)
-        host->next_label(host->context, p->state->brush.label, p->by, &label);
-    p->state->brush.label = label;
+    say_brush(p);
+}
+
+/* Let trees grow from seeds of the brush, or not, from now on. */
+void pilot_change_growth(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    brush->growth = pilot_is_exact(brush, p->facts) ? BRUSH_GROWS : BRUSH_EXACT;
+    say_brush(p);
+    buf_add_text(p->message, brush->growth == BRUSH_GROWS ? ", grows" : "");
+}
+
+/* `by` is BRUSH_OVER or BRUSH_KEEP. The same label again ends it. */
+void pilot_change_limit(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    const enum brush_limit limit = (enum brush_limit)p->by;
+    uint32_t label = 0;
+    if (!take_label(p, &label))
+        return;
+    brush->limit = brush->limit == limit && brush->limit_label == label ? BRUSH_ALL : limit;
+    brush->limit_label = label;
     say_brush(p);
 }
 
@@ -157,7 +196,7 @@ void pilot_plant(struct press *p)
     uint32_t place[3];
     if (p->by && !take_digit(p))
         return;
-    if (!pilot_take_voxel(p, place))
+    if (!pilot_may_plant(p, !state->stroke.is_set) || !pilot_take_voxel(p, place))
         return;
     add_seed(p, place, state->stroke.is_set ? state->stroke.place : NULL);
     state->stroke.is_set = false;
@@ -168,12 +207,12 @@ void pilot_plant(struct press *p)
 void pilot_plant_at_edge(struct press *p)
 {
     struct pilot_state *state = p->state;
-    if (!pilot_has_edge(p))
-        return;
-    if (p->by && !take_digit(p))
+    if (!pilot_has_edge(p) || (p->by && !take_digit(p)))
         return;
     if (!p->by)
         state->brush.label = state->way.next;
+    if (!pilot_may_plant(p, true))
+        return;
     pilot_jump(p, state->way.edge);
     add_seed(p, state->way.edge, NULL);
 }
@@ -182,15 +221,17 @@ void pilot_plant_at_edge(struct press *p)
 void pilot_enclose_at_edge(struct press *p)
 {
     const struct pilot_way *way = &p->state->way;
-    if (!pilot_has_edge(p))
+    if (!pilot_has_edge(p) || !pilot_may_plant(p, false))
         return;
     if (memcmp(way->root, way->edge, sizeof way->root) == 0 || way->label == way->next) {
         buf_add_text(p->message, "there is no shell between a voxel and itself");
         return;
     }
     pilot_jump(p, way->edge);
-    buf_printf(p->line, "seed " PLACE " %u shell=yes around=%u through=" PLACE "\n", XYZ(way->root),
+    buf_printf(p->line, "seed " PLACE " %u shell=yes around=%u through=" PLACE, XYZ(way->root),
                way->next, way->label, XYZ(way->edge));
+    pilot_add_exact(p, &p->state->brush);
+    buf_add_char(p->line, '\n');
     p->state->is_silent = false;
 }
 
@@ -212,7 +253,8 @@ void pilot_show_held(struct press *p)
 void pilot_go_to(struct press *p, const uint32_t place[3])
 {
     struct pilot_pen *pen = &p->state->pen;
-    if (!pilot_cross(p, place) || pilot_outline_to(p, place) || !pen->is_down)
+    if (!pilot_cross(p, place) || pilot_outline_to(p, place) || !pen->is_down ||
+        !pilot_may_plant(p, false))
         return;
     pen->brush = p->state->brush;
     p->line->failed |= (pen->line.count == 0 && !polyline_add(&pen->line, p->facts->place)) ||
@@ -222,29 +264,32 @@ void pilot_go_to(struct press *p, const uint32_t place[3])
 }
 
 /* A stroke too long for a line of the journal is split into connected parts. */
-void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
+void pilot_add_stroke(struct press *p)
 {
-    const struct pilot_pen *pen = &state->pen;
+    const struct pilot_pen *pen = &p->state->pen;
     const uint32_t(*corner)[3] = (const uint32_t(*)[3])pen->line.corner;
     const char *end = "\n";
-    buf_printf(line, "cross " PLACE "\n", XYZ(facts->place));
+    struct buf *line = p->line;
+    buf_printf(line, "cross " PLACE "\n", XYZ(p->facts->place));
     size_t begin = line->length;
-    begin_seed(line, corner[0], &pen->brush);
+    begin_seed(p, corner[0], &pen->brush);
     for (size_t i = 1; i < pen->line.count; i++) {
         if (line->length - begin > LINE_MOST) {
             buf_add_text(line, end);
             end = " joined=yes\n";
             begin = line->length;
-            begin_seed(line, corner[i - 1], &pen->brush);
+            begin_seed(p, corner[i - 1], &pen->brush);
         }
         buf_printf(line, " to=" PLACE, XYZ(corner[i]));
     }
     buf_add_text(line, end);
-    state->is_silent = false;
+    p->state->is_silent = false;
 }
 
 void pilot_lower_pen(struct press *p)
 {
+    if (!p->state->pen.is_down && !pilot_may_plant(p, false))
+        return;
     p->state->pen.is_down = !p->state->pen.is_down;
     if (!p->state->pen.is_down) /* otherwise the row below the picture shows that the pen is down */
         buf_add_text(p->message, "the pen is up");
@@ -314,10 +359,10 @@ static bool has_one_corner(struct press *p, const char *what, const char *corner
 void pilot_plant_box(struct press *p)
 {
     struct polyline *outline = &p->state->outline;
-    if (!has_one_corner(p, "a box", "corner"))
+    if (!has_one_corner(p, "a box", "corner") || !pilot_may_plant(p, false))
         return;
     buf_printf(p->line, "box " PLACE " " PLACE, XYZ(outline->corner[0]), XYZ(p->facts->place));
-    pilot_add_label(p->line, &p->state->brush);
+    pilot_add_label(p, &p->state->brush);
     buf_add_char(p->line, '\n');
     pilot_remember_shape(p);
 }
@@ -328,7 +373,8 @@ void pilot_plant_shell(struct press *p)
 {
     const struct polyline *outline = &p->state->outline;
     const unsigned inside = p->state->brush.label;
-    if (!has_one_corner(p, p->by ? "a box" : "a ball", p->by ? "corner" : "middle"))
+    if (!has_one_corner(p, p->by ? "a box" : "a ball", p->by ? "corner" : "middle") ||
+        !pilot_may_plant(p, false))
         return;
     buf_printf(p->line, "%s " PLACE, p->by ? "box" : "seed", XYZ(outline->corner[0]));
     if (p->by)
@@ -338,6 +384,7 @@ void pilot_plant_shell(struct press *p)
         buf_printf(p->line, " around=%u", inside);
     if (!p->by)
         buf_printf(p->line, " through=" PLACE, XYZ(p->facts->place));
+    pilot_add_exact(p, &p->state->brush);
     buf_add_char(p->line, '\n');
     pilot_remember_shape(p);
 }

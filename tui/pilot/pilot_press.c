@@ -188,14 +188,49 @@ void pilot_add_range(struct buf *out, const struct pilot_brush *brush)
     decimal_write(out, &brush->range[1]);
 }
 
-/* " 2 range=80..120" */
-void pilot_add_label(struct buf *line, const struct pilot_brush *brush)
+const char *const pilot_limits[] = {
+    [BRUSH_ALL] = "", [BRUSH_OVER] = " over", [BRUSH_KEEP] = " keep"};
+
+bool pilot_is_exact(const struct pilot_brush *brush, const struct pilot_facts *facts)
 {
-    buf_printf(line, " %u", brush->label);
-    if (!brush->has_range)
-        return;
-    buf_add_text(line, " range=");
-    pilot_add_range(line, brush);
+    return brush->growth == BRUSH_BY_PIECES ? facts->has_pieces : brush->growth == BRUSH_EXACT;
+}
+
+bool pilot_may_plant(struct press *p, bool is_ball)
+{
+    const struct pilot_brush *brush = &p->state->brush;
+    if (!pilot_has_label(p, brush->label) ||
+        (brush->limit && !pilot_has_label(p, brush->limit_label)))
+        return false;
+    if (!brush->limit || pilot_is_exact(brush, p->facts) || (is_ball && brush->radius))
+        return true;
+    pilot_say(p,
+              "%s needs an exact brush ({exact}), or a single ball of radius 1 or more; nothing "
+              "was planted",
+              pilot_limits[brush->limit] + 1);
+    return false;
+}
+
+/* " within=0 over=17" */
+void pilot_add_exact(struct press *p, const struct pilot_brush *brush)
+{
+    if (pilot_is_exact(brush, p->facts)) {
+        buf_add_text(p->line, " within=0");
+        p->state->has_exact = true;
+    }
+    if (brush->limit)
+        buf_printf(p->line, "%s=%u", pilot_limits[brush->limit], brush->limit_label);
+}
+
+/* " 2 range=80..120 within=0 over=17" */
+void pilot_add_label(struct press *p, const struct pilot_brush *brush)
+{
+    buf_printf(p->line, " %u", brush->label);
+    if (brush->has_range) {
+        buf_add_text(p->line, " range=");
+        pilot_add_range(p->line, brush);
+    }
+    pilot_add_exact(p, brush);
 }
 
 void pilot_add_brush(struct buf *out, const struct pilot_brush *brush)

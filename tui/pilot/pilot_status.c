@@ -63,24 +63,35 @@ static void add_place(struct status *s, const struct pilot_state *state,
     end_part(s, FIRST);
 }
 
+/* Add a label after these words: its number by one rank, its name by another. */
+static void add_label(struct status *s, const struct pilot_host *host, const char *words,
+                      uint32_t label, enum rank rank, enum rank rank_of_name)
+{
+    struct buf name = {0};
+    host->label(host->context, label, &name);
+    const size_t number = strcspn(buf_text(&name), " ");
+    buf_printf(&s->text, "%s %.*s", words, (int)number, buf_text(&name));
+    end_part(s, rank);
+    add_part(s, rank_of_name, buf_text(&name) + number);
+    s->text.failed |= name.failed;
+    buf_release(&name);
+}
+
 static void add_brush(struct status *s, const struct pilot_state *state,
-                      const struct pilot_host *host)
+                      const struct pilot_host *host, const struct pilot_facts *facts)
 {
     const size_t corners = state->outline.count;
-    struct buf label = {0};
-    host->label(host->context, state->brush.label, &label);
-    const size_t number = strcspn(buf_text(&label), " ");
-    buf_printf(&s->text, "brush %.*s", (int)number, buf_text(&label));
+    const struct pilot_brush *brush = &state->brush;
+    add_label(s, host, "brush", brush->label, CHIEF, BRUSH);
+    pilot_add_brush(&s->text, brush);
     end_part(s, CHIEF);
-    add_part(s, BRUSH, buf_text(&label) + number);
-    pilot_add_brush(&s->text, &state->brush);
-    end_part(s, CHIEF);
+    add_part(s, CHIEF, pilot_is_exact(brush, facts) ? " exact" : facts->has_pieces ? " grows" : "");
+    if (brush->limit)
+        add_label(s, host, pilot_limits[brush->limit], brush->limit_label, STATE, STATE);
     add_part(s, STATE, state->stroke.is_set ? " stroke" : "");
     if (corners)
         buf_printf(&s->text, " %zu corner%s", corners, corners == 1 ? "" : "s");
     end_part(s, STATE);
-    s->text.failed |= label.failed;
-    buf_release(&label);
 }
 
 static void add_known(struct status *s, const struct pilot_facts *facts)
@@ -128,7 +139,7 @@ void pilot_add_status(struct buf *out, const struct pilot_state *state,
 {
     struct status s = {.count = 0};
     add_place(&s, state, facts);
-    add_brush(&s, state, host);
+    add_brush(&s, state, host, facts);
     add_known(&s, facts);
     if (state->sends_ahead)
         add_part(&s, VOLUME, ">");
