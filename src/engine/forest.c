@@ -405,7 +405,7 @@ enum err forest_set_team(struct forest *forest, struct team *team, struct fault 
     for (unsigned i = 0; i < workers; i++) {
         worker[i].forest = forest;
         worker[i].number = i;
-        worker[i].queue = queue_new(cells, cells / workers);
+        worker[i].queue = queue_new(cells / workers);
         if (!worker[i].queue) {
             release_workers(worker, workers);
             return fault_memory(fault, "a forest");
