@@ -11,7 +11,7 @@
 enum {
     CHANGES_SHARE = 16,     /* above this part of the scene the list becomes "everything" */
     CLEARED_HELD = 1 << 20, /* entries of the list that are kept after an edit */
-    CLEARED_SHARE = 3,      /* if a scene loses more than this part of itself, rebuild it ... */
+    CLEARED_SHARE = 32,     /* if a scene loses this part of itself, estimate the whole loss ... */
     CLEARED_FEW = 1 << 16,  /* ... provided that it is more voxels than this */
     OWNED_PARTS = 16,       /* parts of the scene for each worker */
 };
@@ -90,12 +90,11 @@ static void set_reaches(struct forest *forest, const struct edit *edit, size_t c
 static void change_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
     forest->lost_too_much = false;
+    forest->changing = edit;
     for (size_t i = 0; forest->seeds > 0 && i < count && !forest->lost_too_much; i++) {
-        const struct cell *cell = forest->cell + edit[i].cell;
         if (!forest_advance(forest, 1))
             return;
-        if (cell->flags & CELL_SEED && (cell->label != edit[i].label ||
-                                        forest_reach_number(forest, edit[i].cell) != edit[i].reach))
+        if (removes_seed(forest, edit + i))
             remove_seed(forest, edit[i].cell);
     }
     if (forest->lost_too_much || is_stopped(forest))
@@ -436,7 +435,7 @@ enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency
     forest->change_limit = scene->grid.voxels / CHANGES_SHARE + 1;
     forest->clear_limit = scene->grid.voxels / CLEARED_SHARE;
     if (forest->clear_limit < CLEARED_FEW)
-        forest->clear_limit = scene->grid.voxels;
+        forest->clear_limit = CLEARED_FEW;
     forest->change = mem_pages(forest->change_limit * sizeof *forest->change);
     enum err err =
         forest->change ? forest_set_team(forest, NULL, fault) : fault_memory(fault, "a forest");

@@ -74,16 +74,17 @@ struct forest {
     struct former_labels former; /* labels before a rebuild, if they are counted */
     bool counts_rebuilds;        /* forest_count_rebuilds was called */
 
-    struct edit *batch;   /* the current edit, sorted by cell, each voxel once */
-    struct edit *inverse; /* the edit that undoes it, likewise */
+    struct edit *batch;          /* the current edit, sorted by cell, each voxel once */
+    struct edit *inverse;        /* the edit that undoes it, likewise */
+    const struct edit *changing; /* the one of them that is being carried out */
     size_t edits, batch_capacity, inverse_capacity;
     bool suspended; /* the forest has seeds only */
 
     struct cells cleared; /* voxels cleared in this edit; the first `offered` of them */
     size_t offered;       /* have accepted an offer, */
     size_t reoffered;     /* the first `reoffered` are not marked CELL_CLEARED any more */
-    size_t clear_limit;   /* above this number the forest is rebuilt instead: */
-    bool lost_too_much;
+    size_t clear_limit;   /* at this number, estimate how many voxels lose their tree: */
+    bool lost_too_much;   /* so many that the forest is rebuilt instead */
 
     /* The task of the current edit, which the watch may stop, except while the edit is undone. A
      * pass that is stopped while voxels lose their support leaves the forest torn: no inverse edit
@@ -203,6 +204,9 @@ static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint
 }
 
 /* ---- the work ---- */
+
+/* True if this edit removes the seed at its voxel, which may be replaced. */
+bool removes_seed(const struct forest *forest, const struct edit *edit);
 
 /* Remove a seed: clear its tree, which then waits for reoffer_cleared. */
 void remove_seed(struct forest *forest, uint32_t at);
