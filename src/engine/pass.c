@@ -297,6 +297,7 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
         settle(forest, s);
     } else {
         worker->label_digest += label_share(s, here->label);
+        worker->relabelled += here->label != here->former_label;
         here->state &= forest->settled_mask;
     }
 #pragma GCC unroll 6
@@ -602,7 +603,8 @@ enum err forest_pass(struct forest *forest)
         forest->stats.served += worker->served;
         forest->key_digest += worker->key_digest;
         forest->label_digest += worker->label_digest;
-        worker->served = worker->key_digest = worker->label_digest = 0;
+        forest->relabelled += worker->relabelled;
+        worker->served = worker->relabelled = worker->key_digest = worker->label_digest = 0;
         worker->starved = worker->too_far = false;
         for (unsigned to = 0; to < forest->workers; to++) {
             free(worker->outbox[to].item);

@@ -36,9 +36,9 @@ struct worker {
     struct queue *queue;
     struct outbox outbox[TEAM_MOST];   /* to each other worker */
     uint64_t key_digest, label_digest; /* sums that it added in this pass */
-    uint64_t served;
-    bool starved; /* memory ran out */
-    bool too_far; /* a path has as many hops as a key can hold (T3) */
+    uint64_t served, relabelled;       /* voxels; relabelled ones in a pass from scratch only */
+    bool starved;                      /* memory ran out */
+    bool too_far;                      /* a path has as many hops as a key can hold (T3) */
     struct status {
         uint64_t lowest; /* the lowest level in its queue, or QUEUE_EMPTY */
         uint64_t served;
@@ -70,9 +70,7 @@ struct forest {
     size_t changes, listed, change_limit;
     size_t unsettled; /* touched voxels without their final key */
     bool everything;
-    uint64_t relabelled;         /* voxels that the current edit has relabelled so far */
-    struct former_labels former; /* labels before a rebuild, if they are counted */
-    bool counts_rebuilds;        /* forest_count_rebuilds was called */
+    uint64_t relabelled; /* voxels that the current edit has relabelled so far */
 
     struct edit *batch;          /* the current edit, sorted by cell, each voxel once */
     struct edit *inverse;        /* the edit that undoes it, likewise */
@@ -137,14 +135,13 @@ static inline uint64_t key_share(uint32_t cell, uint64_t key)
 
 /* Call before an edit changes a voxel. The first call subtracts the voxel's share from the key
  * digest and stores its former label. settle must be called once when the voxel has its final key.
- * A pass from scratch has nothing to store. */
+ * A pass from scratch has touched all voxels. */
 static inline void touch(struct forest *forest, uint32_t at)
 {
     struct cell *cell = forest->cell + at;
     if (forest->from_scratch || cell->flags & CELL_TOUCHED)
         return;
-    cell->flags |= CELL_TOUCHED;
-    cell->former_label = cell->label;
+    cell_touch(cell);
     forest->key_digest -= key_share(at, cell->key);
     forest->unsettled++;
     forest->stats.touched++;
