@@ -138,19 +138,11 @@ bool mem_pages_resize(void *array, size_t from, size_t to)
     memcpy(&former, array, sizeof former);
     if (to > from && !is_allowed(to - from))
         return false;
-#ifdef MREMAP_MAYMOVE
     pages = mremap(former, from, to, MREMAP_MAYMOVE);
     if (pages == MAP_FAILED)
         return false;
     if (from < HUGE_FROM && to >= HUGE_FROM)
         madvise(pages, to, MADV_HUGEPAGE);
-#else
-    pages = mem_pages(to);
-    if (!pages)
-        return false;
-    memcpy(pages, former, from < to ? from : to);
-    mem_pages_free(former, from);
-#endif
     memcpy(array, &pages, sizeof pages);
     return true;
 }

@@ -61,7 +61,7 @@ void mem_pages_free(void *pages, size_t bytes);
 void mem_pages_allow(void *pages, size_t bytes, bool allowed);
 
 /* Change the size of pages in bytes (neither 0); they may move. `array` is the address of the
- * pointer. What is new is zero; what is cut off returns to the system. False, unchanged, on
+ * pointer. New bytes are zero; removed ones return to the system. False, unchanged, on
  * failure. */
 bool mem_pages_resize(void *array, size_t from, size_t to);
 

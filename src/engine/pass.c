@@ -34,9 +34,9 @@ enum {
     BATCH = 1024, /* queue entries taken at once */
     OFFERS = WINDOW * 26 + 1,
     AHEAD = 6,                /* cleared voxels between prefetching one and using it */
-    SAMPLES = 4096,           /* voxels whose trees are looked up to estimate what an edit clears */
-    REPAIR_PERCENT = 38,      /* of the voxels cleared, above which one worker rebuilds faster */
-    REPAIR_PERCENT_TEAM = 24, /* ... and a team, which shares a rebuild but no repair */
+    SAMPLES = 4096,           /* voxels sampled to estimate how many an edit clears */
+    REPAIR_PERCENT = 38,      /* if an edit clears more of the voxels, one worker rebuilds faster */
+    REPAIR_PERCENT_TEAM = 24, /* the same for a team, which shares rebuilds only */
     PATIENCE_NS = 15000000,   /* waiting time after which the first worker continues alone */
 };
 
@@ -128,7 +128,7 @@ static int compare_cells(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Estimate from samples whether the edit clears so many voxels that a rebuild is faster. */
+/* Estimate from samples whether a rebuild is faster than a repair. */
 static bool loses_too_much(const struct forest *forest)
 {
     const size_t cells = forest->scene->grid.cells, step = cells / SAMPLES + 1;

@@ -82,7 +82,7 @@ struct forest {
     size_t offered;       /* have accepted an offer, */
     size_t reoffered;     /* the first `reoffered` are not marked CELL_CLEARED any more */
     size_t clear_limit;   /* at this number, estimate how many voxels lose their tree: */
-    bool lost_too_much;   /* so many that the forest is rebuilt instead */
+    bool lost_too_much;   /* the forest is rebuilt instead */
 
     /* The task of the current edit, which the watch may stop, except while the edit is undone. A
      * pass that is stopped while voxels lose their support leaves the forest torn: no inverse edit
