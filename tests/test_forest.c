@@ -300,7 +300,7 @@ static struct world planted_world(uint64_t *random, unsigned seeds, unsigned sma
     return w;
 }
 
-/* More than a third of a scene of more than 200 000 voxels is removed, so the forest is rebuilt. */
+/* Most of a scene of more than 200 000 voxels is removed, so the forest is rebuilt. */
 STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
 {
     struct fault fault = {0};
@@ -324,8 +324,28 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
             is_as_before(&w, before);
     }
     CHECK(looks > 5 && forest_changes(w.forest).everything);
+    CHECK_INT(forest_stats(w.forest).cleared, 0);
     CHECK(forest_check(w.forest, NULL) && equals_scratch(&w) && revert(w.forest, NULL) == OK);
     is_as_before(&w, before);
+}
+
+/* Half of an even scene loses its tree, or a third: the latter is more than the number at which
+ * the loss is estimated, and is repaired all the same. */
+STORY(a_large_tree_is_repaired_or_rebuilt_by_its_share)
+{
+    for (int round = 0; round < 4; round++) {
+        const bool is_third = round % 2, is_replaced = round / 2;
+        uint64_t random = 3;
+        OWNED(world_free) struct world w = world_new(64, 60, 56, 6);
+        paint(&w, FLAT, 65536, &random);
+        plant_at(&w, 8, 30, 28, 1);
+        plant_at(&w, is_third ? 35 : 55, 30, 28, 2);
+        const struct edit edit = {grid_cell(&w.scene->grid, 8, 30, 28),
+                                  is_replaced ? 3 : EDIT_ERASE, 0};
+        CHECK_INT(forest_edit(w.forest, &edit, 1, NULL), OK);
+        CHECK_INT(forest_stats(w.forest).cleared > 0, is_third);
+        CHECK(forest_check(w.forest, NULL) && equals_scratch(&w));
+    }
 }
 
 /* After every level, and in every third round within each loop too, at more and more voxels. Most

@@ -138,7 +138,7 @@ BEGUN_STORY(counts_follow_whatever_is_done, begin_with_geom)
         const uint64_t changed = differences(interp->session);
         if (!interp->session->has_edited && !interp->session->has_regrown)
             continue;
-        CHECK_INT(session_changed_voxels(interp->session), changed);
+        CHECK_INT(forest_changes(interp->session->forest).voxels, changed);
         counted++;
     }
     CHECK(counted > 100 && fresh > 100);

@@ -209,9 +209,15 @@ static bool has_ending(void)
     return ends_with(ENDING) || ends_with(RECOVER END "\033[m\033[?25h\r\r\n");
 }
 
+static bool has_modes_as_found(void)
+{
+    return job_has_modes_as_found(&s.job);
+}
+
+/* A guardian that has just begun has no name yet, as if it were gone: wait for the modes first. */
 static void check_restored(void)
 {
-    CHECK(comes_true(guardian_is_gone) && job_has_modes_as_found(&s.job));
+    CHECK(comes_true(has_modes_as_found) && comes_true(guardian_is_gone) && has_modes_as_found());
     CHECK(comes_true(has_ending)); /* the output may still be on its way */
     see(NULL, 20);
     CHECK(has_ending()); /* and nothing after it */

@@ -138,9 +138,19 @@ void mem_pages_allow(void *pages, size_t bytes, bool allowed)
     mprotect(pages, bytes ? bytes : 1, allowed ? PROT_READ | PROT_WRITE : PROT_NONE);
 }
 
-void mem_pages_forget(void *pages, size_t bytes)
+bool mem_pages_resize(void *array, size_t from, size_t to)
 {
-    madvise(pages, bytes, MADV_DONTNEED);
+    void *former, *pages;
+    memcpy(&former, array, sizeof former);
+    if (to > from && !is_allowed(to - from))
+        return false;
+    pages = mremap(former, from, to, MREMAP_MAYMOVE);
+    if (pages == MAP_FAILED)
+        return false;
+    if (from < HUGE_FROM && to >= HUGE_FROM)
+        madvise(pages, to, MADV_HUGEPAGE);
+    memcpy(array, &pages, sizeof pages);
+    return true;
 }
 
 void mem_begin(void)

@@ -62,8 +62,10 @@ void mem_pages_free(void *pages, size_t bytes);
  * touches others. */
 void mem_pages_allow(void *pages, size_t bytes, bool allowed);
 
-/* Return the memory of the first `bytes` to the system; they are zero when touched again. */
-void mem_pages_forget(void *pages, size_t bytes);
+/* Change the size of pages in bytes (neither 0); they may move. `array` is the address of the
+ * pointer. New bytes are zero; removed ones return to the system. False, unchanged, on
+ * failure. */
+bool mem_pages_resize(void *array, size_t from, size_t to);
 
 /* Call before threads start: makes all threads share one heap, the only one whose end glibc returns
  * to the system. */

@@ -159,10 +159,8 @@ void volumes_write(struct buf *out, const struct session *session, bool is_finis
     uint8_t label[255];
     const unsigned count = changed_labels(session, label);
     const double ms = (double)took_ns / 1e6;
-    const uint64_t changed = session_changed_voxels(session);
-    if (changed == CHANGES_UNKNOWN)
-        buf_add_text(out, "recomputed");
-    else if (changed == 0)
+    const uint64_t changed = forest_changes(session->forest).voxels;
+    if (changed == 0)
         buf_add_text(out, "no label has changed");
     else
         buf_printf(out, "%llu voxel%s changed", (unsigned long long)changed, plural(changed));

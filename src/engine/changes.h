@@ -6,10 +6,6 @@
  * refreshed now and then appends the changes of each edit, about a nanosecond a change, and applies
  * them on demand. If the labels of much of the scene have changed, a recount is faster, and the log
  * is discarded: so its size is bounded, at half a byte a voxel.
- *
- * A rebuild of the forest has no list. Its changes are counted with the former labels, stored as
- * runs of equal labels along rows: 8 bytes a run, some hundred thousand runs for a head with four
- * objects.
  */
 #ifndef ENGINE_CHANGES_H
 #define ENGINE_CHANGES_H
@@ -29,11 +25,9 @@ struct changes {
     bool everything;
     size_t count;
     const struct change *item;
-    size_t listed; /* items in the list: the first ones of a list that became too long */
-    uint64_t
-        voxels; /* number of relabelled voxels; CHANGES_UNKNOWN for a rebuild that did not count */
+    size_t listed;   /* items in the list: the first ones of a list that became too long */
+    uint64_t voxels; /* number of relabelled voxels */
 };
-#define CHANGES_UNKNOWN UINT64_MAX
 
 /* Work of the last edit. */
 struct forest_stats {
@@ -61,27 +55,5 @@ void change_log_give_up(struct change_log *log);
 /* Restart the log after the reader has refreshed; on an error, discard it. Return the error. */
 enum err change_log_settle(struct change_log *log, enum err err);
 void change_log_release(struct change_log *log);
-
-/* ---- labels before a rebuild ---- */
-
-struct label_run {
-    uint32_t end; /* the cell after its last one */
-    uint8_t label;
-};
-
-/* {0} is empty. */
-struct former_labels {
-    struct label_run *run;
-    size_t count, capacity;
-    bool taken;
-};
-
-/* Store the current labels; in the middle of an edit, those before it. If memory runs out or the
- * scene's watch stops it, `taken` is false. */
-void former_labels_take(struct former_labels *former, const struct scene *scene);
-
-/* Number of voxels that have changed their label. Undefined if the scene's watch has stopped it. */
-uint64_t former_labels_differences(const struct former_labels *former, const struct scene *scene);
-void former_labels_release(struct former_labels *former);
 
 #endif

@@ -11,7 +11,7 @@
 enum {
     CHANGES_SHARE = 16,     /* above this part of the scene the list becomes "everything" */
     CLEARED_HELD = 1 << 20, /* entries of the list that are kept after an edit */
-    CLEARED_SHARE = 3,      /* if a scene loses more than this part of itself, rebuild it ... */
+    CLEARED_SHARE = 32,     /* if a scene loses this part of itself, estimate the whole loss ... */
     CLEARED_FEW = 1 << 16,  /* ... provided that it is more voxels than this */
     OWNED_PARTS = 16,       /* parts of the scene for each worker */
 };
@@ -21,6 +21,16 @@ enum {
 static void forget_cleared(struct forest *forest)
 {
     forest->cleared.count = forest->offered = forest->reoffered = 0;
+}
+
+/* Settle the voxels that a pass from scratch has not served. */
+static void settle_unreached(struct forest *forest)
+{
+    const struct cell *end = forest->cell + forest->scene->grid.cells;
+    for (struct cell *cell = forest->cell; cell < end; cell++) {
+        forest->relabelled += cell->flags & CELL_TOUCHED && cell->label != cell->former_label;
+        cell->state &= forest->settled_mask;
+    }
 }
 
 /* Settle the voxels that are still unsettled after a pass: cleared voxels that no seed reaches.
@@ -40,10 +50,8 @@ static bool finish_changes(struct forest *forest)
         forest->changes = 0;
     if (forest->from_scratch) {
         forest->stats.touched = forest->scene->grid.voxels;
-        forest->relabelled = forest->former.taken
-                                 ? former_labels_differences(&forest->former, forest->scene)
-                                 : CHANGES_UNKNOWN;
-        former_labels_release(&forest->former);
+        if (forest->stats.served < forest->stats.touched)
+            settle_unreached(forest);
     }
     forget_cleared(forest);
     if (cleared->capacity > CLEARED_HELD) {
@@ -90,12 +98,11 @@ static void set_reaches(struct forest *forest, const struct edit *edit, size_t c
 static void change_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
     forest->lost_too_much = false;
+    forest->changing = edit;
     for (size_t i = 0; forest->seeds > 0 && i < count && !forest->lost_too_much; i++) {
-        const struct cell *cell = forest->cell + edit[i].cell;
         if (!forest_advance(forest, 1))
             return;
-        if (cell->flags & CELL_SEED && (cell->label != edit[i].label ||
-                                        forest_reach_number(forest, edit[i].cell) != edit[i].reach))
+        if (removes_seed(forest, edit + i))
             remove_seed(forest, edit[i].cell);
     }
     if (forest->lost_too_much || is_stopped(forest))
@@ -179,25 +186,13 @@ static void begin_pass(struct forest *forest, bool from_scratch)
     forest->stats = (struct forest_stats){0};
 }
 
-/* Store the labels before a rebuild, once; for a suspended forest this happened when it was
- * suspended. */
-static void store_former_labels(struct forest *forest)
-{
-    if (forest->counts_rebuilds && !forest->former.taken && !forest->suspended)
-        former_labels_take(&forest->former, forest->scene);
-}
-
-void forest_count_rebuilds(struct forest *forest)
-{
-    forest->counts_rebuilds = true;
-}
-
 /* Replace the seeds at the voxels of `edit`, without computing anything. */
 static void set_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
     set_reaches(forest, edit, count);
     for (size_t i = 0; i < count; i++) {
         struct cell *cell = forest->cell + edit[i].cell;
+        cell_touch(cell);
         forest->seeds -= (cell->flags & CELL_SEED) != 0;
         cell->flags &= (uint8_t)~CELL_SEED;
         if (edit[i].label != EDIT_ERASE) {
@@ -218,8 +213,11 @@ static bool clear_cell(struct forest *forest, uint32_t at, bool planted)
     const uint8_t fixed = cell->flags & (CELL_SEED | CELL_OUTSIDE | CELL_RIM);
     if (fixed & CELL_RIM)
         return false;
+    cell_touch(cell);
     cell->key = fixed & CELL_OUTSIDE ? 0 : KEY_NONE;
-    cell->state = cell_state(fixed & CELL_SEED ? cell->label : 0, DIRECTION_NONE, fixed);
+    cell->label = fixed & CELL_SEED ? cell->label : 0;
+    cell->direction = DIRECTION_NONE;
+    cell->flags = fixed | CELL_TOUCHED;
     if (fixed & CELL_SEED && planted)
         accept(forest, at, key_make(0, 0, at), cell->label, DIRECTION_NONE);
     return fixed & CELL_SEED;
@@ -336,7 +334,6 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
     forest->may_stop = true;
     change_seeds(forest, forest->batch, forest->edits);
     if (forest->lost_too_much) {
-        store_former_labels(forest);
         set_seeds(forest, forest->batch, forest->edits);
         clear_all(forest, true);
     }
@@ -354,7 +351,6 @@ enum err forest_rebuild(struct forest *forest, struct fault *fault)
 {
     if (forest->suspended)
         return OK;
-    store_former_labels(forest);
     forest->may_stop = true;
     return rebuild(forest, fault);
 }
@@ -366,7 +362,6 @@ struct seed_changes forest_seed_changes(const struct forest *forest)
 
 void forest_suspend(struct forest *forest)
 {
-    store_former_labels(forest);
     forest->suspended = true;
 }
 
@@ -405,7 +400,7 @@ enum err forest_set_team(struct forest *forest, struct team *team, struct fault 
     for (unsigned i = 0; i < workers; i++) {
         worker[i].forest = forest;
         worker[i].number = i;
-        worker[i].queue = queue_new(cells, cells / workers);
+        worker[i].queue = queue_new(cells / workers);
         if (!worker[i].queue) {
             release_workers(worker, workers);
             return fault_memory(fault, "a forest");
@@ -436,7 +431,7 @@ enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency
     forest->change_limit = scene->grid.voxels / CHANGES_SHARE + 1;
     forest->clear_limit = scene->grid.voxels / CLEARED_SHARE;
     if (forest->clear_limit < CLEARED_FEW)
-        forest->clear_limit = scene->grid.voxels;
+        forest->clear_limit = CLEARED_FEW;
     forest->change = mem_pages(forest->change_limit * sizeof *forest->change);
     enum err err =
         forest->change ? forest_set_team(forest, NULL, fault) : fault_memory(fault, "a forest");
@@ -470,7 +465,6 @@ void forest_free(struct forest *forest)
 {
     if (!forest)
         return;
-    former_labels_release(&forest->former);
     mem_pages_free(forest->change, forest->change_limit * sizeof *forest->change);
     release_workers(forest->worker, forest->workers);
     free(forest->batch);

@@ -74,10 +74,6 @@ struct edit {
     uint16_t reach; /* number of the seed's reach (forest_add_reach); 0 for none */
 };
 
-/* From now on, store the labels before each rebuild, so that forest_changes can count the
- * relabelled voxels. Costs a scan of the scene before and after the rebuild. */
-void forest_count_rebuilds(struct forest *forest);
-
 /* Create a forest without seeds for a scene with weights, which must outlive the forest.
  * `adjacency` is 6 or 26. */
 enum err forest_new(struct forest **forest, struct scene *scene, unsigned adjacency,

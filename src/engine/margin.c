@@ -29,7 +29,7 @@ struct search {
 static struct search search_begin(const struct forest *forest)
 {
     const struct scene *scene = forest_scene(forest);
-    struct queue *queue = queue_new(scene->grid.cells, 0);
+    struct queue *queue = queue_new(0);
     return (struct search){.scene = scene,
                            .adjacency = forest_adjacency(forest),
                            .arcs = forest_arcs(forest),

@@ -27,13 +27,17 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
+#include "engine/forest.h"
 
 enum {
     WINDOW = 16,  /* voxels served together */
     BATCH = 1024, /* queue entries taken at once */
     OFFERS = WINDOW * 26 + 1,
-    AHEAD = 6,              /* cleared voxels between prefetching one and using it */
-    PATIENCE_NS = 15000000, /* waiting time after which the first worker continues alone */
+    AHEAD = 6,                /* cleared voxels between prefetching one and using it */
+    SAMPLES = 4096,           /* voxels sampled to estimate how many an edit clears */
+    REPAIR_PERCENT = 38,      /* if an edit clears more of the voxels, one worker rebuilds faster */
+    REPAIR_PERCENT_TEAM = 24, /* the same for a team, which shares rebuilds only */
+    PATIENCE_NS = 15000000,   /* waiting time after which the first worker continues alone */
 };
 
 /* Parameters for which code is compiled separately, as constants: loops unroll and tests vanish. */
@@ -111,9 +115,44 @@ static void clear_voxel(struct forest *forest, uint32_t at)
     cell->flags = (uint8_t)((cell->flags & ~(CELL_QUEUED | CELL_RAISED)) | CELL_CLEARED);
 }
 
-/* Clear a voxel and all its descendants, and append them to `cleared`. Stop if the list would
- * exceed `limit`, or if the watch stops. The remaining descendants keep their former keys, which
- * are valid again after the inverse edit. */
+bool removes_seed(const struct forest *forest, const struct edit *edit)
+{
+    const struct cell *cell = forest->cell + edit->cell;
+    return cell->flags & CELL_SEED &&
+           (cell->label != edit->label || forest_reach_number(forest, edit->cell) != edit->reach);
+}
+
+static int compare_cells(const void *a, const void *b)
+{
+    const uint32_t x = ((const struct edit *)a)->cell, y = ((const struct edit *)b)->cell;
+    return (x > y) - (x < y);
+}
+
+/* Estimate from samples whether a rebuild is faster than a repair. */
+static bool loses_too_much(const struct forest *forest)
+{
+    const size_t cells = forest->scene->grid.cells, step = cells / SAMPLES + 1;
+    size_t reached = 0, lost = 0;
+    for (size_t at = step / 2; at < cells; at += step) {
+        const struct cell *cell = forest->cell + at;
+        const bool cleared = cell->flags & CELL_CLEARED;
+        if (!cleared && !cell_is_reached(cell))
+            continue;
+        const struct edit wanted = {.cell = key_root(cell->key)};
+        const struct edit *edit = cleared ? NULL
+                                          : bsearch(&wanted, forest->changing, forest->edits,
+                                                    sizeof wanted, compare_cells);
+        reached++;
+        lost +=
+            cleared ||
+            (edit && (!(forest->cell[edit->cell].flags & CELL_SEED) || removes_seed(forest, edit)));
+    }
+    return lost * 100 > reached * (forest->workers > 1 ? REPAIR_PERCENT_TEAM : REPAIR_PERCENT);
+}
+
+/* Clear a voxel and all its descendants, and append them to `cleared`. Stop if the list reaches
+ * `limit` and the edit loses too much, or if the watch stops. The remaining descendants keep their
+ * former keys, which are valid again after the inverse edit. */
 static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
 {
     const struct adjacency *adjacency = &forest->adjacency;
@@ -125,7 +164,7 @@ static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
     }
     cleared->item[cleared->count++] = top;
     for (; next < cleared->count; next++) {
-        if (next >= limit) {
+        if (next == limit && loses_too_much(forest)) {
             forest->lost_too_much = true;
             return;
         }
@@ -258,6 +297,7 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
         settle(forest, s);
     } else {
         worker->label_digest += label_share(s, here->label);
+        worker->relabelled += here->label != here->former_label;
         here->state &= forest->settled_mask;
     }
 #pragma GCC unroll 6
@@ -563,7 +603,8 @@ enum err forest_pass(struct forest *forest)
         forest->stats.served += worker->served;
         forest->key_digest += worker->key_digest;
         forest->label_digest += worker->label_digest;
-        worker->served = worker->key_digest = worker->label_digest = 0;
+        forest->relabelled += worker->relabelled;
+        worker->served = worker->relabelled = worker->key_digest = worker->label_digest = 0;
         worker->starved = worker->too_far = false;
         for (unsigned to = 0; to < forest->workers; to++) {
             free(worker->outbox[to].item);

@@ -36,9 +36,9 @@ struct worker {
     struct queue *queue;
     struct outbox outbox[TEAM_MOST];   /* to each other worker */
     uint64_t key_digest, label_digest; /* sums that it added in this pass */
-    uint64_t served;
-    bool starved; /* memory ran out */
-    bool too_far; /* a path has as many hops as a key can hold (T3) */
+    uint64_t served, relabelled;       /* voxels; relabelled ones in a pass from scratch only */
+    bool starved;                      /* memory ran out */
+    bool too_far;                      /* a path has as many hops as a key can hold (T3) */
     struct status {
         uint64_t lowest; /* the lowest level in its queue, or QUEUE_EMPTY */
         uint64_t served;
@@ -71,20 +71,19 @@ struct forest {
     size_t changes, listed, change_limit;
     size_t unsettled; /* touched voxels without their final key */
     bool everything;
-    uint64_t relabelled;         /* voxels that the current edit has relabelled so far */
-    struct former_labels former; /* labels before a rebuild, if they are counted */
-    bool counts_rebuilds;        /* forest_count_rebuilds was called */
+    uint64_t relabelled; /* voxels that the current edit has relabelled so far */
 
-    struct edit *batch;   /* the current edit, sorted by cell, each voxel once */
-    struct edit *inverse; /* the edit that undoes it, likewise */
+    struct edit *batch;          /* the current edit, sorted by cell, each voxel once */
+    struct edit *inverse;        /* the edit that undoes it, likewise */
+    const struct edit *changing; /* the one of them that is being carried out */
     size_t edits, batch_capacity, inverse_capacity;
     bool suspended; /* the forest has seeds only */
 
     struct cells cleared; /* voxels cleared in this edit; the first `offered` of them */
     size_t offered;       /* have accepted an offer, */
     size_t reoffered;     /* the first `reoffered` are not marked CELL_CLEARED any more */
-    size_t clear_limit;   /* above this number the forest is rebuilt instead: */
-    bool lost_too_much;
+    size_t clear_limit;   /* at this number, estimate how many voxels lose their tree: */
+    bool lost_too_much;   /* the forest is rebuilt instead */
 
     /* The task of the current edit, which the watch may stop, except while the edit is undone. A
      * pass that is stopped while voxels lose their support leaves the forest torn: no inverse edit
@@ -137,14 +136,13 @@ static inline uint64_t key_share(uint32_t cell, uint64_t key)
 
 /* Call before an edit changes a voxel. The first call subtracts the voxel's share from the key
  * digest and stores its former label. settle must be called once when the voxel has its final key.
- * A pass from scratch has nothing to store. */
+ * A pass from scratch has touched all voxels. */
 static inline void touch(struct forest *forest, uint32_t at)
 {
     struct cell *cell = forest->cell + at;
     if (forest->from_scratch || cell->flags & CELL_TOUCHED)
         return;
-    cell->flags |= CELL_TOUCHED;
-    cell->former_label = cell->label;
+    cell_touch(cell);
     forest->key_digest -= key_share(at, cell->key);
     forest->unsettled++;
     forest->stats.touched++;
@@ -204,6 +202,9 @@ static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint
 }
 
 /* ---- the work ---- */
+
+/* True if this edit removes the seed at its voxel, which may be replaced. */
+bool removes_seed(const struct forest *forest, const struct edit *edit);
 
 /* Remove a seed: clear its tree, which then waits for reoffer_cleared. */
 void remove_seed(struct forest *forest, uint32_t at);

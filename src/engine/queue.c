@@ -10,7 +10,6 @@ enum {
     COSTS = 65536,
     HOPS = 65536,
     CHUNK_ENTRIES = 62, /* even; with the two words before them 256 bytes, four cache lines */
-    CELL_ENTRIES = 8,   /* reserved entries for each cell; a tenth of that is used in practice */
     PAGE_CHUNKS = 16,   /* in 4096 bytes */
 };
 
@@ -27,9 +26,10 @@ struct marks {
 };
 
 struct queue {
-    struct chunk *pool; /* [chunks]; chunk 0 is never used, so that 0 ends a list */
+    struct chunk *pool; /* [chunks]; chunk 0 is never used, so that 0 ends a list. It moves when it
+                           grows. */
     uint32_t chunks, used;
-    uint32_t kept;  /* chunks that queue_trim leaves */
+    uint32_t kept;  /* chunks at first, and after queue_trim */
     uint32_t free;  /* list of chunks that were used and are free again */
     uint32_t level; /* being served, if `open` */
     bool open;
@@ -67,16 +67,13 @@ static bool marks_lowest(const struct marks *m, uint32_t *n)
     return false;
 }
 
-struct queue *queue_new(size_t cells, size_t kept_bytes)
+struct queue *queue_new(size_t kept_bytes)
 {
     struct queue *queue = mem_new(sizeof *queue);
     if (!queue)
         return NULL;
-    /* Full chunks, plus one partly filled chunk for each list. */
-    size_t lists = cells < COSTS ? cells : COSTS;
-    size_t chunks = cells / CHUNK_ENTRIES * CELL_ENTRIES + 4 * lists + 64;
-    queue->chunks = (uint32_t)(chunks < UINT32_MAX ? chunks : UINT32_MAX);
     queue->kept = (uint32_t)((kept_bytes / sizeof *queue->pool / PAGE_CHUNKS + 1) * PAGE_CHUNKS);
+    queue->chunks = queue->kept;
     queue->used = 1;
     queue->pool = mem_pages(queue->chunks * sizeof *queue->pool);
     if (!queue->pool) {
@@ -94,13 +91,30 @@ void queue_free(struct queue *queue)
     free(queue);
 }
 
+/* Change the number of chunks, in whole pages. */
+static bool resize_pool(struct queue *queue, uint32_t chunks)
+{
+    if (!mem_pages_resize(&queue->pool, queue->chunks * sizeof *queue->pool,
+                          chunks * sizeof *queue->pool))
+        return false;
+    queue->chunks = chunks;
+    return true;
+}
+
+/* Grow the pool by an eighth. */
+static bool grow_pool(struct queue *queue)
+{
+    const uint32_t more = (queue->chunks / 8 / PAGE_CHUNKS + 1) * PAGE_CHUNKS;
+    return queue->chunks < UINT32_MAX - more && resize_pool(queue, queue->chunks + more);
+}
+
 /* Insert an empty chunk before *head. */
 static bool open_chunk(struct queue *queue, uint32_t *head)
 {
     uint32_t handle = queue->free;
     if (handle) {
         queue->free = queue->pool[handle].next;
-    } else if (queue->used < queue->chunks) {
+    } else if (queue->used < queue->chunks || grow_pool(queue)) {
         handle = queue->used++;
     } else {
         queue->failed = true;
@@ -210,9 +224,10 @@ void queue_serve(struct queue *queue, uint32_t level)
         if (queue->by_hops[0])
             marks_set(&queue->hops, 0);
         for (uint32_t handle; (handle = take_chunk(queue, &queue->later[cost]));) {
-            const struct chunk *chunk = queue->pool + handle;
-            for (uint32_t i = 0; i + 1 < chunk->count; i += 2)
-                add_at_hops(queue, chunk->cell[i], chunk->cell[i + 1]);
+            for (uint32_t i = 0; i + 1 < queue->pool[handle].count; i += 2) {
+                const uint32_t *pair = queue->pool[handle].cell + i;
+                add_at_hops(queue, pair[0], pair[1]);
+            }
             release_chunk(queue, handle);
         }
     }
@@ -245,9 +260,8 @@ void queue_rewind(struct queue *queue)
     queue->open = false;
     while (marks_lowest(&queue->hops, &hops)) {
         for (uint32_t handle; (handle = take_chunk(queue, &queue->by_hops[hops]));) {
-            const struct chunk *chunk = queue->pool + handle;
-            for (uint32_t i = 0; i < chunk->count; i++)
-                add_at_cost(queue, cost, hops, chunk->cell[i]);
+            for (uint32_t i = 0; i < queue->pool[handle].count; i++)
+                add_at_cost(queue, cost, hops, queue->pool[handle].cell[i]);
             release_chunk(queue, handle);
         }
         marks_unset(&queue->hops, hops);
@@ -256,9 +270,8 @@ void queue_rewind(struct queue *queue)
 
 void queue_trim(struct queue *queue)
 {
-    if (queue->used > queue->kept)
-        mem_pages_forget(queue->pool + queue->kept,
-                         (queue->used - queue->kept) * sizeof *queue->pool);
+    if (queue->chunks > queue->kept)
+        resize_pool(queue, queue->kept);
     queue->used = 1; /* an empty queue holds free chunks only */
     queue->free = 0;
     queue->open = false;

@@ -7,7 +7,7 @@
  * are never removed early: an entry whose cell has moved to another level is stale and is skipped
  * when the level is served (the cell's own key and CELL_QUEUED decide).
  *
- * Buckets are lists of small chunks from a pool. If the pool is exhausted, entries are dropped and
+ * Buckets are lists of small chunks from a pool. If the pool cannot grow, entries are dropped and
  * `failed` is set: the result of the pass is then invalid.
  */
 #ifndef ENGINE_QUEUE_H
@@ -19,9 +19,9 @@
 
 struct queue;
 
-/* Create a queue for a scene of `cells`. Reserves address space for eight entries a cell; memory is
- * used on demand, and an empty queue keeps `kept_bytes` of it. NULL if out of memory. */
-struct queue *queue_new(size_t cells, size_t kept_bytes);
+/* Create a queue. Its memory grows with its entries, and an empty queue keeps `kept_bytes` of it.
+ * NULL if out of memory. */
+struct queue *queue_new(size_t kept_bytes);
 void queue_free(struct queue *queue);
 
 /* A cell and the level (cost << 16 | hops) at which it waits. */
@@ -51,7 +51,7 @@ size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity);
  * next pass starts at the lowest. */
 void queue_rewind(struct queue *queue);
 
-/* Release memory of an empty queue, except `kept_bytes`. */
+/* Return the memory of an empty queue to the system, except `kept_bytes`. */
 void queue_trim(struct queue *queue);
 
 /* Drop all entries and clear `failed`. */

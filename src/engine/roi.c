@@ -36,6 +36,8 @@ void roi_apply(const struct roi *roi, struct scene *scene)
             assert(inside || !(cell->flags & CELL_SEED));
             if (inside == was_inside)
                 continue;
+            if (cell->label) /* a forest with labels is rebuilt afterwards */
+                cell_touch(cell);
             cell->flags ^= CELL_OUTSIDE;
             cell->key = inside ? KEY_NONE : 0;
             cell->label = 0;

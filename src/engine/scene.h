@@ -131,6 +131,14 @@ static inline uint8_t cell_state_direction(uint32_t state)
     return cell.direction;
 }
 
+/* Store the label of a cell that is about to change, unless it has changed in this edit already. */
+static inline void cell_touch(struct cell *cell)
+{
+    if (!(cell->flags & CELL_TOUCHED))
+        cell->former_label = cell->label;
+    cell->flags |= CELL_TOUCHED;
+}
+
 /* True if a tree holds the cell: its key is neither KEY_NONE nor the 0 of S1 and S2. */
 static inline bool cell_is_reached(const struct cell *cell)
 {

@@ -29,19 +29,9 @@ enum err session_count_labels(struct session *session, struct fault *fault)
 
 enum err session_count_before(struct session *session, struct fault *fault)
 {
-    forest_count_rebuilds(session->forest);
     enum err err = session_count_labels(session, fault);
     session->former_tally = session->tally;
     return err;
-}
-
-/* A forest that grew from nothing had label 0 everywhere before. */
-uint64_t session_changed_voxels(const struct session *session)
-{
-    const uint64_t background = session->tally.voxels[0], all = session->scene->grid.voxels;
-    const uint64_t changed = forest_changes(session->forest).voxels;
-    const bool had_none = session->former_tally.voxels[0] == all;
-    return changed == CHANGES_UNKNOWN && had_none ? all - background : changed;
 }
 
 const uint64_t *session_voxels_before_edit(const struct session *session)

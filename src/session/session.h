@@ -352,14 +352,8 @@ enum err session_run(struct session *session, struct fault *fault);
 enum err session_count_labels(struct session *session, struct fault *fault);
 
 /* Call this before a command whose changes will be counted. Updates `tally` and copies it to
- * `former_tally`. If the command recomputes the forest, the former labels are then stored, by a
- * scan of the scene. */
+ * `former_tally`. */
 enum err session_count_before(struct session *session, struct fault *fault);
-
-/* Number of voxels whose label the command has changed; CHANGES_UNKNOWN if there was not enough
- * memory to count them. Call session_count_before before the command, and session_count_labels
- * after it. */
-uint64_t session_changed_voxels(const struct session *session);
 
 /* Compute the statistics of these labels (session_labels), by label: stats[256]. From the first
  * call on, the statistics of the forest are updated by each edit (engine/label_stats.h), so that a
