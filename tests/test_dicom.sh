@@ -153,7 +153,7 @@ answers "they are in the order of their frames" "open frames-unplaced"
 refused "no SliceLocation, and no InstanceNumber that differs from file to file" "open nothing"
 says=file
 
-begin "objects that are no images are refused by name, one in every command that reads a volume"
+begin "objects that are no images are refused by name, in every command that reads a volume"
 while read -r name words; do
     file=objects/$name.dcm
     refused "$file: $words" "open $file"
