@@ -187,12 +187,13 @@ apply bad.nii --by world
 leaks="$(advice 1), $(advice 2)"
 expect 0 "$iftty" -c "save labels to.nii" --journal o/bad.iftty --read-only
 far=$(python3 - <<'END'
+from struct import unpack
 def voxels(name, x, y, z): # of label 1, of a grid that is elsewhere by whole millimetres
     with open(name, "rb") as file:
         data = file.read()
-    size = [int.from_bytes(data[at:at + 2], "little") for at in (42, 44, 46)]
+    size, begin = unpack("<3h", data[42:48]), int(*unpack("<f", data[108:112]))
     return {(i % size[0] + x, i // size[0] % size[1] + y, i // size[0] // size[1] + z)
-            for i, value in enumerate(data[352:]) if value == 1}
+            for i, value in enumerate(data[begin:]) if value == 1}
 there, here = voxels("from.nii", -28, -28, -24), voxels("to.nii", -33, -26, -27)
 near = [(x, y, z) for x in range(-5, 6) for y in range(-5, 6) for z in range(-5, 6)
         if x * x + y * y + z * z <= 25]

@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Names and colours of labels in maps: .seg.nrrd as 3D Slicer 5 writes it, NIfTI with a LabelTable,
-# .mgz with the colour table of FreeSurfer. They come in with `labels`, go out with `save labels`, as
-# teem and nibabel read them, and the journal's copy holds them. Regions that are kept, and crops.
+# .mgz with the colour table of FreeSurfer. They come in with `labels`, go out with `save labels`,
+# as teem and nibabel read them, and the journal's copy holds them. Regions that are kept, and
+# crops.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -52,6 +53,12 @@ Segmentation_ReferenceImageExtentOffset:=0 0 0
 
 """
 open("in.seg.nrrd", "wb").write(segments.encode() + gzip.compress(map.tobytes("F")))
+layers = segments.replace("dimension: 3", "dimension: 4").replace("sizes: ", "sizes: 2 ")
+layers = layers.replace("kinds: ", "kinds: list ").replace("directions: ", "directions: none ")
+layers = layers.replace("Segment1_Layer:=0", "Segment1_Layer:=1")
+layers = layers.replace("Segment1_Name:=Segment_300", "Segment1_Name:=vessel")
+both = numpy.stack((map * (map == 4), map * (map == 300)))
+open("layers.seg.nrrd", "wb").write(layers.encode() + gzip.compress(both.tobytes("F")))
 
 def image(values, xml, code):
     i = nibabel.Nifti1Image(values, numpy.eye(4))
@@ -69,8 +76,8 @@ table = '<?xml version="1.0" encoding="UTF-8"?><CaretExtension><VolumeInformatio
 nibabel.save(image(map, table, 30), "in.nii.gz")
 nibabel.save(image(map, table, 0), "code0.nii")
 # One entity of ten of the one before: the last has a billion characters.
-bomb = "<!DOCTYPE x [<!ENTITY e0 'lol'>" + "".join("<!ENTITY e%d '%s'>" % (i, "&e%d;" % (i - 1) * 10)
-    for i in range(1, 10)) + "]>"
+bomb = "<!DOCTYPE x [<!ENTITY e0 'lol'>" + "".join(
+    "<!ENTITY e%d '%s'>" % (i, "&e%d;" % (i - 1) * 10) for i in range(1, 10)) + "]>"
 nibabel.save(image(map, bomb + "<LabelTable>" + label % (4, 1, 1, 1, "&e9;") + "<Label Key='300'>x",
     30), "bomb.nii")
 nibabel.save(image(map, None, 0), "bare.nii.gz")
@@ -97,7 +104,8 @@ for version in (1, 2):
     tags = struct.pack(">iq", 3, 8) + b"mri_conv" + struct.pack(">ii", 30, 5) + b"none\0"
     tags += struct.pack(">i", 2) + struct.pack(">i", 1) + table(version)
     open("in-%d.mgz" % version, "wb").write(gzip.compress(voxels + bytes(20) + tags))
-open("cut.mgz", "wb").write(gzip.compress((voxels + bytes(20) + struct.pack(">i", 1) + table(2))[:-9]))
+whole = voxels + bytes(20) + struct.pack(">i", 1) + table(2)
+open("cut.mgz", "wb").write(gzip.compress(whole[:-9]))
 PY
 cat >names.py <<'PY' # names.py FILE: number, name and colour of each label
 import gzip, struct, sys, xml.etree.ElementTree as tree
@@ -129,7 +137,7 @@ else:
             print(number, word.decode(), *table[number][:3])
 PY
 
-begin "a .seg.nrrd of 3D Slicer goes in and out with its names, colours and numbers, as teem reads it"
+begin "a .seg.nrrd of 3D Slicer goes in and out with names, colours and numbers, as teem reads it"
 needs teem-unu && {
     expect 0 "$iftty" -c 'open s.nii; labels in.seg.nrrd; run; stats; save labels out.seg.nrrd'
     out_has '1 name and 2 colours from the file'
@@ -143,7 +151,15 @@ needs teem-unu && {
     same_files in.voxels out.voxels
 }
 
-begin "a LabelTable of NIfTI goes in and out, as nibabel reads it, and maps of labels have their intent"
+begin "volume= chooses a layer of segments, and a note names the others"
+[ ! -x "$build/iftty-volume" ] || {
+    expect 0 "$iftty" -c 'open s.nii; labels layers.seg.nrrd volume=1; run; stats'
+    out_has 'volume 1 of 2: the segments vessel (300); other layers: volume=0 3rd ventricle, "left"'
+    out_has 'label 300 vessel: '
+    ! grep -q '3rd ventricle.*: 1 marker' out || fail "$(cat out)"
+}
+
+begin "a LabelTable of NIfTI goes in and out, as nibabel reads it; maps of labels have their intent"
 for file in in.nii.gz code0.nii; do
     expect 0 "$iftty" -c "open s.nii; labels $file; run; save labels out.nii.gz replace=yes"
     out_has '2 names and colours from the file'
@@ -160,8 +176,8 @@ print(h.get_intent()[0], len(h.extensions))')" "label 0"
 expect 0 "$iftty" -c "open s.nii; labels bomb.nii; run; stats"
 out_has 'label 4 &e9;: '
 expect 0 "$iftty" -c "open s.nii; labels out.nii.gz; run; save cost cost.nii"
-same "$(/usr/bin/python3 -c 'import nibabel; print(nibabel.load("cost.nii").header.get_intent()[0])')" \
-    none
+same "$(/usr/bin/python3 -c 'import nibabel
+print(nibabel.load("cost.nii").header.get_intent()[0])')" none
 
 begin "the table of a .mgz goes in and out, in both of its versions, as nibabel reads it"
 for file in in-1.mgz in-2.mgz; do
@@ -186,6 +202,15 @@ out_has '2 names had to be changed to fit; the first is of label 4, in the file 
 expect 0 "$iftty" -c 'open s.nii; labels bare.nii.gz; label-file dseg.tsv; run; stats'
 out_has '2 names and 2 colours of labels'
 out_has 'label 4 my own: '
+
+begin "labels without voxels keep their names; those of kept regions are counted"
+expect 0 "$iftty" -c 'open s.nii; labels code0.nii regions=4,9 as=4,9; run; save labels few.nii.gz'
+out_has '2 names and colours from the file'
+/usr/bin/python3 names.py few.nii.gz >few
+has_line few '^4 spleen'
+grep -q '"9".*absent' few.nii.gz || gzip -dc few.nii.gz | grep -aq 'Key="9".*absent' || fail "no 9"
+expect 0 "$iftty" -c 'open s.nii; labels code0.nii regions=4 rest=keep'
+out_has '2 names of other regions are not kept'
 
 begin "the journal alone has the names: replayed, undone in one step, continued and verified"
 expect 0 "$iftty" -c 'open s.nii; labels in.nii.gz; run; save names one.tsv; undo 2
@@ -254,7 +279,8 @@ nibabel.save(nibabel.Nifti1Image(numpy.asarray(nibabel.load("s.nii").dataobj), p
 PY
 voxels() {
     /usr/bin/python3 -c 'import nibabel, numpy, sys
-sys.stdout.buffer.write(numpy.asarray(nibabel.load(sys.argv[1]).dataobj).astype("<u2").tobytes())' "$1"
+map = numpy.asarray(nibabel.load(sys.argv[1]).dataobj)
+sys.stdout.buffer.write(map.astype("<u2").tobytes())' "$1"
 }
 expect 0 "$iftty" -c 'open p.nii; labels bare.nii.gz; labels crop.nii.gz resample=yes; run
     save labels c.nii.gz; undo 2; save labels undone.nii.gz' --journal c.iftty
@@ -267,7 +293,8 @@ done
 mv crop.nii.gz bare.nii.gz away
 expect 0 "$iftty" verify c.iftty
 mv away/*.nii.gz .
-expect 0 "$iftty" -c 'open p.nii; labels crop.nii.gz resample=yes; run; save labels c.nii.gz replace=yes'
+expect 0 "$iftty" -c 'open p.nii; labels crop.nii.gz resample=yes; run
+    save labels c.nii.gz replace=yes'
 voxels alone.nii.gz >a
 voxels c.nii.gz >b
 same_files a b

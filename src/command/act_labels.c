@@ -330,25 +330,25 @@ static enum err read_names(struct label_table *names, const struct act *act, con
     return OK;
 }
 
-/* Replace the numbers of a table by labels, as the map was. Keep only those of labels with voxels,
- * and none for a label of several entries. An entry without a colour has the present one. */
+/* Replace the numbers of a table by labels, as the map was, also of labels without voxels. Keep
+ * none for a label of several entries. An entry without a colour has the present one. */
 static void choose_names(struct label_table *names, const struct act *act,
-                         const struct regions *regions, const struct volume *map)
+                         const struct regions *regions)
 {
-    const size_t voxels = voxels_in(map->size);
     const int64_t one = act_number_or(act, "label", LABEL_OWN);
     struct label_entry of[256];
     unsigned entries[256] = {0};
-    bool has[256] = {false};
-    for (size_t i = 0; i < voxels; i++)
-        if (map->intensity[i] < 256)
-            has[map->intensity[i]] = true;
+    unsigned left = 0;
     for (size_t i = 0; i < names->count; i++) {
         uint32_t number = names->entry[i].number;
-        if (!number || !regions_choose(regions, number, &number))
+        if (!number)
             continue;
+        if (!regions_choose(regions, number, &number)) {
+            left += keeps_rest(act);
+            continue;
+        }
         const int64_t label = one == LABEL_OWN ? numbering_find(&act->next->kept, number) : one;
-        if (label <= 0 || !has[label] || entries[label]++)
+        if (label <= 0 || entries[label]++)
             continue;
         of[label] = names->entry[i];
         of[label].number = (uint32_t)label;
@@ -357,6 +357,9 @@ static void choose_names(struct label_table *names, const struct act *act,
         of[label].has_colour = true;
     }
     names->count = 0;
+    if (left)
+        buf_printf(&act->reply->text, "%u name%s of other regions %s not kept\n", left,
+                   plural(left), left == 1 ? "is" : "are");
     for (unsigned label = 1; label < 256; label++)
         if (entries[label] == 1)
             names->entry[names->count++] = of[label];
@@ -462,7 +465,7 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     if (!err)
         err = read_names(names, act, text);
     if (!err) {
-        choose_names(names, act, &regions, map);
+        choose_names(names, act, &regions);
         buf_add_text(&act->reply->text, map->notes);
     }
     free(place.beyond);
@@ -548,6 +551,11 @@ static enum err read_recorded(struct volume *map, struct label_table *names, con
     write_names(words, names);
     if (!err)
         err = label_copy_digest(digest, map, words, act->session->watch, act->fault);
+    if (!err && !has_copy && names->count && strcmp(digest, recorded) != 0) {
+        names->count = 0; /* a record of before names were read */
+        buf_clear(words);
+        err = label_copy_digest(digest, map, words, act->session->watch, act->fault);
+    }
     if (err)
         return err;
     const bool same_numbers =

@@ -27,8 +27,8 @@ bool names_scan_part(const char **at, uint8_t *part);
  * Workbench, are left out. */
 void names_read_xml(struct buf *names, const char *xml, size_t length, uint32_t table);
 
-/* The label with the least number above *last, which becomes that number, of those that a table
- * lists: they have a name, or are used. 0 for none. */
+/* Find the label with the least number above *last that has a name or is used, for a table, and
+ * set *last to its number. 0 for none. */
 unsigned names_next(const struct volume_label label[256], uint32_t *last);
 
 /* Append such XML of these labels. */

@@ -118,8 +118,9 @@ enum err markers_yield(struct markers *markers, const struct marker_run *run, si
                        struct fault *fault);
 
 /* The last marker, which covers its voxels in order, frees the voxels of `cell` in which a marker
- * yields to it; an exact marker decides there anyway, so its voxels need no covers. `around` are the
- * neighbours of a voxel. On errors, those of markers_add, drop the marker: it frees only a part. */
+ * yields to it; an exact marker decides there anyway, so its voxels need no covers. `around` are
+ * the neighbours of a voxel. On errors, those of markers_add, drop the marker: it frees only a
+ * part. */
 enum err markers_free(struct markers *markers, const struct cell *cells,
                       const struct adjacency *around, const uint32_t *cell, size_t count,
                       struct watch *watch, struct fault *fault);

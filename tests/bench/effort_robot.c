@@ -402,6 +402,38 @@ static struct box lay_out(struct effort_robot *robot, const struct components *p
     return box;
 }
 
+/* An exact ball around a voxel of the component whose box and set are laid out. */
+static enum err exact_ball(struct effort_robot *robot, const struct box *box, const uint8_t *label,
+                           struct effort_gesture *gesture, struct fault *fault)
+{
+    const struct box all = whole(robot);
+    const uint32_t *n = robot->grid.size;
+    const uint8_t former = !gesture->label;
+    size_t best = 0;
+    for (size_t i = 0; i < robot->object->voxels; i++) {
+        const bool is_right = label[i] == robot->object->truth[i];
+        robot->squared[i] = is_right && label[i] == former ? 0 : DISTANCE_NONE;
+    }
+    const enum err err = measure(robot, &all, fault);
+    for (size_t i = 0; !err && i < box_voxels(box); i++) {
+        uint32_t at[3];
+        place_in(at, box, i);
+        const size_t v = ((size_t)at[2] * n[1] + at[1]) * n[0] + at[0];
+        const bool is_wrong =
+            robot->wrong[grid_cell(&robot->grid, at[0], at[1], at[2])] && label[v] == former;
+        if (is_wrong && (!best || robot->squared[v] > robot->squared[best - 1]))
+            best = v + 1;
+    }
+    if (err || !best)
+        return err;
+    const uint64_t squared = robot->squared[best - 1];
+    place_in(gesture->at, &all, best - 1);
+    gesture->radius = squared > (uint64_t)robot->radius_most * robot->radius_most
+                          ? robot->radius_most
+                          : root_of(squared - 1);
+    return OK;
+}
+
 enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
                            struct effort_gesture *gesture, bool *found, struct fault *fault)
 {
@@ -417,6 +449,8 @@ enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
         gesture->within = WITHIN_DEPTHS * root_of(robot->squared[deepest(robot, &box)]);
         const uint32_t *n = robot->grid.size, *at = gesture->at;
         gesture->label = robot->object->truth[((size_t)at[2] * n[1] + at[1]) * n[0] + at[0]];
+        if (!err && robot->is_exact)
+            err = exact_ball(robot, &box, label, gesture, fault);
     }
     components_release(&pieces);
     return err;

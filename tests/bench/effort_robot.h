@@ -16,7 +16,9 @@
  *
  * Each further gesture corrects the largest component (by faces) of the wrong voxels, at its
  * deepest voxel by the true label there. The radius is depth - 1, rounded down, at most 3 or
- * radius_most. Methods with limits end a refinement within three times the depth.
+ * radius_most. Methods with limits end a refinement within three times the depth. An exact ball
+ * changes one label alone: it is at the deepest voxel of the component, and as large as possible,
+ * among all voxels but those that have this label rightly.
  *
  * A robot that corrects a segmentation begins with the truth with defects: balls of radius 3 to 6
  * around border voxels, in turn taken out of the object and added to it.
@@ -45,6 +47,7 @@ struct effort_robot {
     uint64_t random;
     const struct effort_object *object;
     uint32_t radius_most; /* 3 */
+    bool is_exact;
     struct grid grid;
     uint8_t *wrong;    /* [grid.cells]: 1 where the labels are wrong */
     uint64_t *squared; /* [voxels]: depths, of a box that some set lies in */

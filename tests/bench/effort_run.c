@@ -223,6 +223,7 @@ enum err effort_run(struct effort_run *run, const struct effort_method *method,
     robot.radius_most = run->radius_most ? run->radius_most
                         : method->brush  ? brush_in(object, method->brush)
                                          : robot.radius_most;
+    robot.is_exact = method->corrects == CORRECTS_EXACTLY;
     err = err ? err : work_begin(&work, folder, fault);
     err = err ? err : segment(run, &robot, &work, folder, fault);
     work_end(&work);
