@@ -151,6 +151,19 @@ import nibabel, numpy
 values = numpy.asarray(nibabel.load('big.nii.gz').dataobj)
 assert values.dtype == numpy.uint32 and set(numpy.unique(values)) == {0, 4000000001}
 END
+expect 0 "$iftty" -c 'open s.nii; labels big.nii.gz; run; save labels back.nii.gz
+seed-file big.nii.gz; compare big.nii.gz; labels big.nii.gz regions=4000000001 as=4000000001' --journal wide.iftty
+out_has '4000000001 big   1.0000'
+expect 0 "$iftty" -c 'open s.nii; mask big.nii.gz; seed 1,1,1 1'
+grep -q '^labels big.nii.gz erode=0 numbers=4000000001 copy=' wide.iftty || fail "$(cat wide.iftty)"
+expect 0 "$iftty" compare big.nii.gz back.nii.gz --csv
+grep -q '^4000000001,"",' out || fail "$(cat out)"
+expect 0 "$iftty" verify wide.iftty
+/usr/bin/python3 - <<'END' || fail "the map is not the same"
+import nibabel, numpy
+one, two = nibabel.load('big.nii.gz'), nibabel.load('back.nii.gz')
+assert (numpy.asarray(one.dataobj) == numpy.asarray(two.dataobj)).all()
+END
 expect 0 "$iftty" -c 'open s.nii; label-file lut.txt; labels gone.nii.gz; seed 1,1,1 1001; run
 stats'
 out_has 'label 41 Right-White: 1 marker' # as the table named it before
@@ -179,7 +192,7 @@ err_has 'regions=1000-1254, or make all one label with label=1; nothing was plan
 expect 0 "$iftty" -c 'open s.nii; labels many.nii regions=1000-1254; run'
 expect 0 "$iftty" -c 'open s.nii; labels many.nii label=1; run'
 expect 3 "$iftty" -c 'open s.nii; labels negative.nii'
-err_has '1 of its voxels holds numbers below 0 or above 65533, which are no regions'
+err_has '1 of its voxels holds numbers below 0 or above 4294967295, which are no regions'
 expect_err 'numbers: only in journals' 2 "$iftty" -c 'open s.nii; labels gone.nii.gz numbers=7'
 
 begin "a replay reads the table again, and detects a changed one"

@@ -138,7 +138,7 @@ static void name_both(void)
 static void begin_both(void)
 {
     for (unsigned l = 1; l < LABELS; l++)
-        number[l] = 256 + 10000 * l + check_below(&seed, 10000);
+        number[l] = 256 + 800000000 * l + check_below(&seed, 800000000 - 256);
     for (unsigned l = LABELS - 1; l > 1; l--) {
         const unsigned other = 1 + check_below(&seed, l);
         const uint32_t is = number[l];

@@ -188,14 +188,14 @@ static enum err get_map_labels(struct compared *compared, struct kept *kept, boo
     if (!err) {
         buf_add_text(&act->reply->text, map.notes);
         err = act_prefix_file(act_text(act, "FILE"),
-                              map_to_regions(&map, 0, REGION_MOST, watch, act->fault), act->fault);
+                              map_to_regions(&map, 0, UINT32_MAX, watch, act->fault), act->fault);
     }
     if (!err && !act_has(act, "label"))
         err = act_prefix_file(
             act_text(act, "FILE"),
             numbering_admit(kept, &map, &regions, &act->session->markers, act->fault), act->fault);
     if (!err)
-        err = regions_table(&as, &regions, kept, act->fault);
+        err = regions_table(&as, &regions, &map, kept, act->fault);
     if (!err && act_has(act, "label"))
         listed[act_number(act, "label")] = true;
     else if (!err && act_has(act, "regions"))

@@ -261,7 +261,7 @@ static enum err number_regions(struct buf *numbers, const uint16_t *as, const st
     bool *has = map_regions(map);
     if (!has)
         return fault_memory(act->fault, "the regions");
-    numbering_list(numbers, as, has, &act->session->now.kept);
+    numbering_list(numbers, as, map, has, &act->session->now.kept);
     free(has);
     return numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
 }
@@ -290,11 +290,11 @@ static enum err mark_kept(struct volume *map, const uint16_t *region, struct fau
     for (size_t i = 0; i < voxels; i++) {
         if (map->intensity[i] != REGION_NONE)
             continue;
-        if (region[i] >= REGION_NONE - KEPT_FROM)
+        if (map->number || region[i] >= REGION_NONE - KEPT_FROM)
             return fault_set(fault, ERR_INPUT,
                              "region %u cannot be kept, since its number is above %d; nothing has "
                              "changed",
-                             region[i], REGION_NONE - 1 - KEPT_FROM);
+                             map_number(map, region[i]), REGION_NONE - 1 - KEPT_FROM);
         map->intensity[i] = (uint16_t)(KEPT_FROM + region[i]);
     }
     return OK;
@@ -308,13 +308,13 @@ static enum err find_regions(struct volume *map, const struct act *act)
                                 : map_count_beyond(map, act->session->watch);
     if (beyond)
         return fault_set(act->fault, ERR_INPUT,
-                         "%llu of its voxels hold%s numbers below 0 or above %d, which are no "
+                         "%llu of its voxels hold%s numbers below 0 or above %u, which are no "
                          "regions%s; nothing was planted",
-                         (unsigned long long)beyond, beyond == 1 ? "s" : "", REGION_MOST,
+                         (unsigned long long)beyond, beyond == 1 ? "s" : "", UINT32_MAX,
                          keeps_rest(act)
                              ? " and cannot be kept"
                              : "; with regions=1-255, or others, these become background");
-    return map_to_regions(map, 0, REGION_MOST, act->session->watch, act->fault);
+    return map_to_regions(map, 0, UINT32_MAX, act->session->watch, act->fault);
 }
 
 /* Read a table out of a map; one that is not a table is noted. */
@@ -443,12 +443,12 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     if (!err)
         err = act_prefix_file(name, find_regions(map, act), act->fault);
     if (!err)
-        err = regions_table(&as, &regions, kept, act->fault);
+        err = regions_table(&as, &regions, map, kept, act->fault);
     if (!err && !act_has(act, "as|label"))
         err = number_regions(numbers, as, act, map);
     if (!err && numbers->length) {
         free(as);
-        err = regions_table(&as, &regions, kept, act->fault);
+        err = regions_table(&as, &regions, map, kept, act->fault);
     }
     if (!err && (!act_has(act, "regions") || keeps_rest(act)))
         as[0] = 0; /* the background */

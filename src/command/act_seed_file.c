@@ -38,7 +38,8 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
 }
 
 /* Read the parameters about regions; the caller frees the labels `as`. */
-static enum err choose_regions(struct region_choice *choice, uint16_t **as, const struct act *act)
+static enum err choose_regions(struct region_choice *choice, uint16_t **as, const struct act *act,
+                               const struct volume *map)
 {
     const struct kept *kept = &act->session->now.kept;
     struct regions regions;
@@ -53,7 +54,7 @@ static enum err choose_regions(struct region_choice *choice, uint16_t **as, cons
     if (!err && act_has(act, "as"))
         err = regions_check(&regions, kept, act->fault);
     if (!err)
-        err = regions_table(as, &regions, kept, act->fault);
+        err = regions_table(as, &regions, map, kept, act->fault);
     for (uint32_t r = 0; !err && r <= REGION_MOST; r++)
         if ((*as)[r] != REGION_NONE) {
             choice->first = r < choice->first ? r : choice->first;
@@ -64,29 +65,34 @@ static enum err choose_regions(struct region_choice *choice, uint16_t **as, cons
     return err;
 }
 
-static enum err read_map(struct seeds *seeds, const struct act *act,
-                         const struct region_choice *choice, const char *path)
+/* The caller releases the map, whose voxels are invalid afterwards, and frees `as`. */
+static enum err read_map(struct seeds *seeds, struct volume *map, const struct act *act,
+                         struct region_choice *choice, uint16_t **as, const char *path)
 {
     const struct session *session = act->session;
     struct fault *fault = act->fault;
     struct buf *out = &act->reply->text;
-    struct volume map = {0};
     struct region_tally tally;
     const struct map_place place = act_map_place(act);
-    enum err err = map_read(&map, path, &place, session->watch, fault);
+    enum err err = map_read(map, path, &place, session->watch, fault);
     if (!err)
         err = act_prefix_file(act_text(act, "FILE"),
-                              seeds_from_map(seeds, &tally, &map, &session->scene->grid,
+                              map_to_regions(map, 0, UINT32_MAX, session->watch, fault), fault);
+    if (!err)
+        err = choose_regions(choice, as, act, map);
+    if (!err)
+        err = act_prefix_file(act_text(act, "FILE"),
+                              seeds_from_map(seeds, &tally, map, &session->scene->grid,
                                              &session->geometry, choice, session->watch, fault),
                               fault);
     if (!err)
-        buf_add_text(out, map.notes);
-    volume_release(&map);
+        buf_add_text(out, map->notes);
     if (!err)
         buf_printf(out, "%u region%s\n", tally.regions, plural(tally.regions));
     if (!err && tally.eroded_away)
         buf_printf(out, "%u more region%s with no voxel left after erosion; the first is %u\n",
-                   tally.eroded_away, plural(tally.eroded_away), tally.first_eroded_away);
+                   tally.eroded_away, plural(tally.eroded_away),
+                   map_number(map, tally.first_eroded_away));
     return err;
 }
 
@@ -108,8 +114,8 @@ static void write_region(const struct act *act, const struct label_table *table,
 }
 
 /* With `as`: report the label of each region. `end` has the end of each region. */
-static void write_regions(const struct act *act, const char *atlas, const uint16_t *as,
-                          const size_t *end)
+static void write_regions(const struct act *act, const char *atlas, const struct volume *map,
+                          const uint16_t *as, const size_t *end)
 {
     struct label_table table = atlas_table(act, atlas);
     unsigned count = 0;
@@ -118,7 +124,7 @@ static void write_regions(const struct act *act, const char *atlas, const uint16
         if (end[r] == begin)
             continue;
         if (count++ < LISTED_MOST)
-            write_region(act, &table, r, as[r], end[r] - begin);
+            write_region(act, &table, map_number(map, r), as[r], end[r] - begin);
     }
     if (count > LISTED_MOST)
         buf_printf(&act->reply->text, "%u more region%s\n", count - LISTED_MOST,
@@ -155,7 +161,8 @@ static enum err plant_region(const struct act *act, struct planting *planting,
 
 /* Plant each region as a marker. */
 static enum err plant_regions(const struct act *act, const struct seeds *seeds, const char *path,
-                              const struct region_choice *choice, struct planting *planting)
+                              const struct volume *map, const struct region_choice *choice,
+                              struct planting *planting)
 {
     uint32_t *cell = NULL;
     struct session *session = act->session;
@@ -170,7 +177,7 @@ static enum err plant_regions(const struct act *act, const struct seeds *seeds, 
         err = plant_region(act, planting, seeds, choice, r, &at);
     }
     if (!err && act_has(act, "as"))
-        write_regions(act, path, choice->as, end);
+        write_regions(act, path, map, choice->as, end);
     if (!err && !act_has(act, "label")) {
         bool has[256] = {false};
         begin = 0;
@@ -191,18 +198,16 @@ enum err act_seed_file(const struct act *act)
     struct seeds seeds = {0};
     struct region_choice choice = {.label = label_of(act)}; /* for a list, only the label is used */
     uint16_t *as = NULL;
+    struct volume map = {0};
     const char *name = act_text(act, "FILE");
     enum err err = interpreter_find_file(act->interp, name, path, act->fault);
     if (!err && file_is_named(name, ".csv"))
         err = read_list(&seeds, act, buf_text(path));
-    else if (!err) {
-        err = choose_regions(&choice, &as, act);
-        if (!err)
-            err = read_map(&seeds, act, &choice, buf_text(path));
-    }
+    else if (!err)
+        err = read_map(&seeds, &map, act, &choice, &as, buf_text(path));
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     if (!err)
-        err = plant_regions(act, &seeds, buf_text(path), &choice, &planting);
+        err = plant_regions(act, &seeds, buf_text(path), &map, &choice, &planting);
     act_add_digest(act, "file", seeds_digest(&seeds));
     buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
@@ -210,6 +215,7 @@ enum err act_seed_file(const struct act *act)
     if (!err)
         err = act_prefix_file(name, act_write_planting(act, &planting), act->fault);
     free(as);
+    volume_release(&map);
     seeds_release(&seeds);
     return err;
 }

@@ -126,9 +126,11 @@ static enum err mask_by_file(const struct act *act)
     uint64_t *mask = NULL;
     enum err err = act_read_map(act, &map);
     if (!err)
-        err = act_prefix_file(
-            name, map_to_regions(&map, regions[0], regions[1], session->watch, act->fault),
-            act->fault);
+        err = act_prefix_file(name,
+                              map_to_regions(&map, regions[0],
+                                             regions[1] < REGION_MOST ? regions[1] : UINT32_MAX,
+                                             session->watch, act->fault),
+                              act->fault);
     if (!err && !(mask = mem_new(mask_bytes(&session->scene->grid))))
         err = fault_memory(act->fault, "a mask");
     if (!err) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "base/mem.h"
 
 enum { PIECE = 1 << 16 /* values between two polls of the watch */ };
@@ -410,6 +411,87 @@ static void convert_whole(const struct fitting *f, const struct steps *s)
         }
 }
 
+/* ---- few distinct numbers ---- */
+
+enum { DISTINCT_MOST = 65534, DISTINCT_ROOM = 1 << 18 };
+
+/* Distinct orders, by open addressing, and their ranks. */
+struct distinct {
+    uint64_t order[DISTINCT_ROOM]; /* ORDER_NONE: free */
+    uint16_t rank[DISTINCT_ROOM];
+    uint64_t rising[DISTINCT_MOST];
+    size_t count;
+};
+
+/* The place of an order, or a free one. */
+static size_t find_slot(const struct distinct *d, uint64_t order)
+{
+    size_t at = hash_mix_at(order, 0) % DISTINCT_ROOM;
+    while (d->order[at] != ORDER_NONE && d->order[at] != order)
+        at = (at + 1) % DISTINCT_ROOM;
+    return at;
+}
+
+/* Find the distinct numbers, and 0. False if they are too many. */
+static bool find_distinct(struct distinct *d, const struct fitting *f)
+{
+    const unsigned width = voxel_bytes(f->type);
+    uint64_t order = order_zero(f->type), before = ORDER_NONE;
+    memset(d->order, 0xff, sizeof d->order);
+    d->count = 0;
+    for (size_t i = 0; i <= f->count; i++) {
+        if (order == ORDER_NONE)
+            return false;
+        const size_t at = order == before ? 0 : find_slot(d, order);
+        if (order != before && d->order[at] == ORDER_NONE) {
+            if (d->count == DISTINCT_MOST)
+                return false;
+            d->order[at] = d->rising[d->count++] = order;
+        }
+        before = order;
+        if (i % PIECE == 0 && !task_advance(f->task, PIECE))
+            return true;
+        order = i < f->count ? order_at(f->from + width * i, f->type) : before;
+    }
+    return true;
+}
+
+static int compare_orders(const void *a, const void *b)
+{
+    const uint64_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Convert to the ranks of few distinct numbers; *fits is false if they are too many. */
+static enum err fit_distinct(bool *fits, const struct fitting *f)
+{
+    const unsigned width = voxel_bytes(f->type);
+    struct volume *volume = f->volume;
+    struct distinct *d = mem_new(sizeof *d);
+    *fits = d && find_distinct(d, f);
+    if (*fits)
+        volume->value = mem_array(d->count, sizeof *volume->value);
+    if (!d || (*fits && !volume->value)) {
+        free(d);
+        return fault_memory(f->fault, "a map");
+    }
+    if (!*fits) {
+        free(d);
+        return OK;
+    }
+    qsort(d->rising, d->count, sizeof *d->rising, compare_orders);
+    volume->values = (uint32_t)d->count;
+    for (size_t i = 0; i < d->count; i++) {
+        d->rank[find_slot(d, d->rising[i])] = (uint16_t)i;
+        volume->value[i] = order_number(d->rising[i], f->type);
+    }
+    for (size_t i = 0, end; i < f->count && task_advance(f->task, PIECE); i = end)
+        for (end = i + PIECE < f->count ? i + PIECE : f->count; i < end; i++)
+            volume->intensity[i] = d->rank[find_slot(d, order_at(f->from + width * i, f->type))];
+    free(d);
+    return OK;
+}
+
 static enum err fit_whole(struct way_back *back, struct fitting *f)
 {
     const unsigned width = voxel_bytes(f->type);
@@ -426,6 +508,13 @@ static enum err fit_whole(struct way_back *back, struct fitting *f)
     struct steps steps = {numbers.least, numbers.greatest, 1, 0};
     if (steps.least >= zero && steps.greatest - zero <= UINT16_MAX)
         steps.least = zero;
+    if (steps.greatest - steps.least > UINT16_MAX && steps.least >= zero &&
+        f->volume->choice.by_extremes) {
+        bool fits;
+        err = fit_distinct(&fits, f);
+        if (err || fits)
+            return err;
+    }
     if (steps.greatest - steps.least > UINT16_MAX) {
         steps.step = (steps.greatest - steps.least - 1) / UINT16_MAX + 1;
         err = make_levels(core, f, &numbers);
@@ -695,6 +784,8 @@ enum err quantise(struct volume *volume, const struct volume_header *header, str
         err = fit_whole(&back, &fitting);
     volume->geometry.intercept = header->geometry.slope * back.least + header->geometry.intercept;
     volume->geometry.slope = header->geometry.slope * back.factor;
+    for (size_t i = 0; !err && i < volume->values; i++)
+        volume->value[i] = geometry_value(&header->geometry, volume->value[i]);
     if (err || !volume->levels)
         return err;
     const bool is_scaled = header->geometry.slope != 1 || header->geometry.intercept != 0;

@@ -145,6 +145,8 @@ void volume_release(struct volume *volume)
 {
     free(volume->intensity);
     free(volume->levels);
+    free(volume->value);
+    free(volume->number);
     *volume = (struct volume){0};
 }
 

@@ -120,6 +120,11 @@ struct volume {
     uint32_t series;             /* number of the DICOM series, from 1; 0: no DICOM */
     bool is_coarse;              /* several whole numbers of the file are one intensity */
     struct levels *levels;       /* set if intensities are not exact, unless by_extremes; or NULL */
+    double *value;               /* [values], the real value of each intensity, rising, if the scale
+                                    is not linear (image/image_inside.h); or NULL */
+    uint32_t values;
+    uint32_t *number; /* [65536], the number of each region (session/map.h); NULL: itself */
+    bool has_regions; /* intensities have become regions */
     char notes[VOLUME_NOTES_BYTES];
 };
 

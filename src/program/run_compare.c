@@ -38,11 +38,11 @@ static enum err take_labels(struct pair *pair, int side, struct volume *map, str
     const struct options *o = pair->options;
     struct map_labels choice = {.label = o->binary ? 1 : LABEL_OWN};
     uint16_t *as = NULL;
-    enum err err = map_to_regions(map, 0, REGION_MOST, console_watch(), fault);
+    enum err err = map_to_regions(map, 0, UINT32_MAX, console_watch(), fault);
     if (!err && !o->binary)
         err = numbering_admit(&pair->kept, map, &pair->regions, NULL, fault);
     if (!err)
-        err = regions_table(&as, &pair->regions, &pair->kept, fault);
+        err = regions_table(&as, &pair->regions, map, &pair->kept, fault);
     choice.as = as;
     if (!err)
         err = map_to_labels(&pair->compared.label[side], map, &choice, console_watch(), fault);
@@ -67,8 +67,9 @@ static enum err read_map(struct pair *pair, int side, struct fault *fault)
 /* Read A, which defines the grid. */
 static enum err read_first(struct pair *pair, struct fault *fault)
 {
-    const struct volume_choice choice = begin_volume(pair->options, 0);
+    struct volume_choice choice = begin_volume(pair->options, 0);
     OWNED(volume_release) struct volume map = {0};
+    choice.by_extremes = true; /* as a map */
     enum err err = volume_read(&map, pair->options->word[0], &choice, console_watch(), fault);
     if (!err)
         err = grid_init(&pair->grid, map.size, fault);

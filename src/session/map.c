@@ -149,21 +149,22 @@ static bool is_chosen(const uint16_t *as, const bool *has, uint32_t r)
     return has[r] && as[r] != REGION_NONE;
 }
 
-void numbering_list(struct buf *list, const uint16_t *as, const bool has[REGION_MOST + 1],
-                    const struct kept *kept)
+void numbering_list(struct buf *list, const uint16_t *as, const struct volume *map,
+                    const bool has[REGION_MOST + 1], const struct kept *kept)
 {
     bool is_needed = numbering_is_used(kept);
     for (uint32_t r = 1; r <= REGION_MOST; r++)
         is_needed |= is_chosen(as, has, r) && as[r] == REGION_UNKNOWN;
-    for (uint32_t r = 1, last; is_needed && r <= REGION_MOST; r = last + 1) {
-        last = r;
+    for (uint32_t r = 1, next; is_needed && r <= REGION_MOST; r = next) {
+        next = r + 1;
         if (!is_chosen(as, has, r))
             continue;
-        while (last < REGION_MOST && is_chosen(as, has, last + 1))
-            last++;
-        buf_printf(list, list->length ? ",%u" : "%u", r);
-        if (last > r)
-            buf_printf(list, "-%u", last);
+        while (next <= REGION_MOST && is_chosen(as, has, next) &&
+               map_number(map, next) == map_number(map, next - 1) + 1)
+            next++;
+        buf_printf(list, list->length ? ",%u" : "%u", map_number(map, r));
+        if (next > r + 1)
+            buf_printf(list, "-%u", map_number(map, next - 1));
     }
 }
 
@@ -433,6 +434,13 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
 
 enum { VALUES = 65536, ODD = VALUES };
 
+static double value_at(const struct volume *map, uint32_t intensity)
+{
+    return !map->value               ? geometry_value(&map->geometry, intensity)
+           : intensity < map->values ? map->value[intensity]
+                                     : NAN;
+}
+
 /* Replace intensities by entries of the table, unless those are ODD; `holds` is for the message.
  * */
 static enum err translate(struct volume *map, const uint32_t *table, const char *holds,
@@ -443,16 +451,65 @@ static enum err translate(struct volume *map, const uint32_t *table, const char 
     for (size_t i = 0; i < voxels && task_advance(&task, 1); i++) {
         const uint16_t is = map->intensity[i];
         if (table[is] == ODD)
-            return fault_set(
-                fault, ERR_INPUT, "voxel %zu,%zu,%zu of the map holds %g; %s; nothing has changed",
-                i % row, i % plane / row, i / plane, geometry_value(&map->geometry, is), holds);
+            return fault_set(fault, ERR_INPUT,
+                             "voxel %zu,%zu,%zu of the map holds %.10g; %s; nothing has changed",
+                             i % row, i % plane / row, i / plane, value_at(map, is), holds);
         map->intensity[i] = (uint16_t)table[is];
     }
     return watch_fault(watch, fault);
 }
 
-/* Replace intensities by the whole numbers they represent: those in first..last unchanged,
- * others by `beyond`, which may be ODD. */
+/* Get the whole number of an intensity; false for a fraction. An intensity represents a whole number
+ * to within half a step, which the conversion from float32 to 16 bits loses. */
+static bool take_whole(double *number, const struct volume *map, uint32_t intensity)
+{
+    const double value = value_at(map, intensity), step = fabs(map->geometry.slope);
+    *number = floor(value + 0.5);
+    return fabs(value - *number) <= (step < 0.2 ? step / 2 : 0.1) + 1e-6;
+}
+
+/* Replace numbers above REGION_MOST in the table of intensities by the ranks of all numbers, and 0,
+ * that the map has. */
+static enum err rank_numbers(uint32_t *table, struct volume *map, uint32_t first, uint32_t last,
+                             struct fault *fault)
+{
+    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
+    bool *has = mem_new(VALUES * sizeof *has), is_wide = false;
+    uint32_t *number = mem_new(VALUES * sizeof *number), count = 1;
+    for (size_t i = 0; has && i < voxels; i++)
+        has[map->intensity[i]] = true;
+    for (uint32_t k = 0; has && number && k < VALUES; k++) {
+        const uint32_t i = map->geometry.slope < 0 ? VALUES - 1 - k : k; /* by rising numbers */
+        double n;
+        if (!has[i] || table[i] == ODD || !take_whole(&n, map, i) || n < first || n > last)
+            continue;
+        if ((uint32_t)n > number[count - 1] && count < VALUES)
+            number[count++] = (uint32_t)n;
+        is_wide |= n > REGION_MOST;
+        has[i] = false;
+    }
+    const bool fits = has && number && count <= REGION_MOST + 1;
+    for (uint32_t k = 0, rank = 0; fits && is_wide && k < VALUES; k++) {
+        const uint32_t i = map->geometry.slope < 0 ? VALUES - 1 - k : k;
+        double n;
+        if (table[i] == ODD || !take_whole(&n, map, i) || n < first || n > last)
+            continue;
+        while (rank + 1 < count && number[rank] < (uint32_t)n)
+            rank++;
+        table[i] = number[rank] == (uint32_t)n ? rank : REGION_NONE;
+    }
+    free(has);
+    if (fits && is_wide)
+        map->number = number;
+    else
+        free(number);
+    return fits            ? OK
+           : has && number ? fault_set(fault, ERR_LIMIT, "it has more than %d regions", REGION_MOST)
+                           : fault_memory(fault, "a map");
+}
+
+/* Replace intensities by the whole numbers they represent: those in first..last unchanged, but for
+ * rank_numbers, others by `beyond`, which may be ODD. */
 static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint32_t beyond,
                         const char *holds, struct watch *watch, struct fault *fault)
 {
@@ -466,16 +523,16 @@ static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint3
     }
     if (!table)
         return fault_memory(fault, "a map");
+    bool is_wide = false;
     for (uint32_t i = 0; i < VALUES; i++) {
-        /* An intensity represents a whole number to within half a step, which the conversion
-         * from float32 to 16 bits loses. */
-        const double value = geometry_value(&map->geometry, (uint16_t)i);
-        const double step = fabs(map->geometry.slope);
-        const double n = floor(value + 0.5);
-        const bool whole = fabs(value - n) <= (step < 0.2 ? step / 2 : 0.1) + 1e-6;
-        table[i] = !whole ? (uint32_t)ODD : n >= first && n <= last ? (uint32_t)n : beyond;
+        double n;
+        const bool is_whole = take_whole(&n, map, i), is_in = is_whole && n >= first && n <= last;
+        is_wide |= is_in && n > REGION_MOST && beyond != ODD;
+        table[i] = !is_whole ? (uint32_t)ODD : is_in && n < ODD ? (uint32_t)n : beyond;
     }
-    const enum err err = translate(map, table, holds, watch, fault);
+    enum err err = is_wide ? rank_numbers(table, map, first, last, fault) : OK;
+    if (!err)
+        err = translate(map, table, holds, watch, fault);
     free(table);
     return err;
 }
@@ -483,6 +540,9 @@ static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint3
 enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
                         struct fault *fault)
 {
+    if (map->has_regions)
+        return OK;
+    map->has_regions = true;
     return convert(map, first, last, REGION_NONE, "regions are whole numbers", watch, fault);
 }
 
@@ -514,7 +574,7 @@ enum err map_label(struct volume *map, const struct map_labels *choice, struct w
     for (size_t i = 0; i < voxels && task_advance(&task, 1); i++) {
         const uint32_t label = label_of(choice, map->intensity[i]);
         if (label > 255 && label != REGION_NONE)
-            return map_refuse_region(map->intensity[i], fault);
+            return map_refuse_region(map_number(map, map->intensity[i]), fault);
         map->intensity[i] = (uint16_t)label;
     }
     return watch_fault(watch, fault);
@@ -526,8 +586,8 @@ uint64_t map_count_beyond(const struct volume *map, struct watch *watch)
     struct task task = task_begin(watch, "numbers of the map", voxels);
     uint64_t count = 0;
     for (size_t i = 0; i < voxels && task_advance(&task, 1); i++) {
-        const double value = geometry_value(&map->geometry, map->intensity[i]);
-        count += value < -0.5 || value > REGION_MOST + 0.5;
+        const double value = value_at(map, map->intensity[i]);
+        count += value < -0.5 || value > UINT32_MAX + 0.5;
     }
     return count;
 }
@@ -630,14 +690,14 @@ bool regions_choose(const struct regions *regions, uint32_t region, uint32_t *nu
     return false;
 }
 
-enum err regions_table(uint16_t **as, const struct regions *regions, const struct kept *kept,
-                       struct fault *fault)
+enum err regions_table(uint16_t **as, const struct regions *regions, const struct volume *map,
+                       const struct kept *kept, struct fault *fault)
 {
     uint16_t *made = *as = mem_array(REGION_MOST + 1, sizeof *made);
     if (!made)
         return fault_memory(fault, "the regions");
     for (uint32_t r = 0, number = 0; r <= REGION_MOST; r++) {
-        const bool is_there = regions_choose(regions, r, &number);
+        const bool is_there = regions_choose(regions, map_number(map, r), &number);
         const int label = is_there ? numbering_find(kept, number) : REGION_NONE;
         made[r] = (uint16_t)(label == NUMBER_UNKNOWN ? REGION_UNKNOWN : label);
     }
@@ -686,14 +746,14 @@ enum err numbering_admit(struct kept *kept, const struct volume *map, const stru
         return fault_memory(fault, "the regions");
     unsigned wanted = 0;
     for (uint32_t r = 0, number; r <= REGION_MOST; r++) {
-        const bool is_there = has[r] && regions_choose(regions, r, &number);
+        const bool is_there = has[r] && regions_choose(regions, map_number(map, r), &number);
         const int label = is_there ? numbering_find(kept, number) : 0;
         wanted += label == NUMBER_UNKNOWN;
         if (label > 0)
             kept->label_is_region[label] = true;
     }
     for (uint32_t r = 0, number; wanted && r <= REGION_MOST; r++) {
-        if (!has[r] || !regions_choose(regions, r, &number) ||
+        if (!has[r] || !regions_choose(regions, map_number(map, r), &number) ||
             numbering_find(kept, number) != NUMBER_UNKNOWN)
             continue;
         const int label = numbering_add(kept, number, markers);

@@ -48,10 +48,10 @@ enum err regions_read(struct regions *regions, const char *list, const char *as,
 /* Find the number of a region's label. False for a region that is not chosen. */
 bool regions_choose(const struct regions *regions, uint32_t region, uint32_t *number);
 
-/* Make a table of the label of each region, [REGION_MOST + 1], freed by free(): REGION_NONE for one
- * that is not chosen, REGION_UNKNOWN for one whose number no label has. */
-enum err regions_table(uint16_t **as, const struct regions *regions, const struct kept *kept,
-                       struct fault *fault);
+/* Make a table of the label of each region of a map, [REGION_MOST + 1], freed by free(): REGION_NONE
+ * for one that is not chosen, REGION_UNKNOWN for one whose number no label has. */
+enum err regions_table(uint16_t **as, const struct regions *regions, const struct volume *map,
+                       const struct kept *kept, struct fault *fault);
 
 /* Set listed[label] for the labels of the chosen regions, except 0. If 255 regions or fewer are
  * chosen, labels are made of those that are none. */
@@ -96,11 +96,18 @@ struct map_place {
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault);
 
-/* Replace intensities by the numbers they represent, in place: first..last, at most REGION_MOST,
- * and REGION_NONE for others. The map is invalid after errors: ERR_INPUT for a fraction,
+/* Replace intensities by regions, in place, unless it was done: the numbers first..last that they
+ * represent, and REGION_NONE for others. If a number is above REGION_MOST, regions are the ranks of
+ * the numbers, and map->number has these. The map is invalid after errors: ERR_INPUT for a fraction,
  * ERR_CANCELLED by the watch, or NULL. */
 enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
                         struct fault *fault);
+
+/* The number of a region. */
+static inline uint32_t map_number(const struct volume *map, uint32_t region)
+{
+    return map->number ? map->number[region] : region;
+}
 
 /* The labels that the regions of a map become. */
 enum { LABEL_OWN = -1 };
@@ -205,10 +212,10 @@ int numbering_add(struct kept *kept, uint32_t number, const struct markers *mark
 /* Give a label another number. False, and *kept is invalid, if another label has it. */
 bool numbering_change(struct kept *kept, int label, uint32_t number, const struct markers *markers);
 
-/* Append to `list`, as the parser reads it, the regions that a map has (`has`) and that `as`
- * chooses; nothing if the labels are not numbered and all these regions are labels. */
-void numbering_list(struct buf *list, const uint16_t *as, const bool has[REGION_MOST + 1],
-                    const struct kept *kept);
+/* Append to `list`, as the parser reads it, the numbers of the regions that a map has (`has`) and
+ * that `as` chooses; nothing if the labels are not numbered and all these regions are labels. */
+void numbering_list(struct buf *list, const uint16_t *as, const struct volume *map,
+                    const bool has[REGION_MOST + 1], const struct kept *kept);
 
 /* Result of a list. */
 struct numbering_tally {

@@ -415,7 +415,8 @@ struct stock {
 };
 
 static enum err check_stock(const struct stock *stock, const struct region_choice *choice,
-                            struct region_tally *tally, struct fault *fault)
+                            const struct volume *map, struct region_tally *tally,
+                            struct fault *fault)
 {
     *tally = (struct region_tally){0};
     for (uint32_t r = choice->first; r <= choice->last; r++) {
@@ -423,7 +424,7 @@ static enum err check_stock(const struct stock *stock, const struct region_choic
         if (!stock[r].before)
             continue;
         if (region_label(choice, r) > 255)
-            return map_refuse_region(r, fault);
+            return map_refuse_region(map_number(map, r), fault);
         if (!stock[r].left && tally->eroded_away++ == 0)
             tally->first_eroded_away = r;
     }
@@ -438,7 +439,7 @@ static enum err check_stock(const struct stock *stock, const struct region_choic
 }
 
 /* True if the next voxel of a region is drawn. */
-static bool is_drawn(struct stock *stock, uint16_t region, uint64_t generator)
+static bool is_drawn(struct stock *stock, uint32_t region, uint64_t generator)
 {
     uint64_t random = hash_mix_at(hash_mix_at(generator, region), stock->left);
     bool drawn = ((random >> 32) * stock->left >> 32) < stock->wanted;
@@ -463,7 +464,8 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
     struct grid_walk w = grid_walk(grid, watch, "drawing seeds", grid_slab(grid, 0, 1), 0);
     while (grid_walk_next(&w))
         for (uint32_t c = w.row.first; c < w.row.end; c++, at++)
-            if (*at != REGION_NONE && is_drawn(&stock[*at], *at, choice->generator))
+            if (*at != REGION_NONE &&
+                is_drawn(&stock[*at], map_number(map, *at), choice->generator))
                 add_seed(seeds, c, (int)region_label(choice, *at), *at);
     return watch_fault(watch, fault);
 }
@@ -495,7 +497,7 @@ enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct 
         stock[map->intensity[i]].left++;
     err = err ? err : watch_fault(watch, fault);
     if (!err)
-        err = check_stock(stock, choice, tally, fault);
+        err = check_stock(stock, choice, map, tally, fault);
     if (!err)
         err = draw_all(seeds, stock, map, grid, choice, watch, fault);
     if (err)
