@@ -188,9 +188,9 @@ void warp_find_gates(struct warped *warped, const struct procedure *procedure, d
 enum err warp_seeds(struct warped *warped, const struct session *session, double depth_mm,
                     struct fault *fault);
 
-/* Count voxels that the session has under a label far from the warped label: at more than 5 mm, and
- * more than a third of the radius of a ball of its volume, in whole millimetres. A leak that another
- * loss hides in the volume is there. ERR_MEMORY, ERR_CANCELLED. */
+/* Count voxels of each label of the session that are far from the warped label: farther than 5 mm
+ * and than a third of the radius of a ball of its volume, in whole millimetres. This finds a leak
+ * that a loss elsewhere hides in the volume. ERR_MEMORY, ERR_CANCELLED. */
 enum err warp_count_far(uint64_t far[256], const struct warped *warped,
                         const struct session *session, struct fault *fault);
 

@@ -881,7 +881,7 @@ static const char recipes[] =
     "    $ iftty -c 'open head.nii.gz; labels atlas.nii.gz' --journal head.iftty\n"
     "    $ iftty apply head.iftty other.nii.gz\n"
     "    $ iftty other.iftty\n"
-    "An atlas that lies on the scene already: keep the inside of its regions:\n"
+    "An atlas that fits the scene already: keep the inside of its regions:\n"
     "    labels atlas.nii.gz erode=2 resample=yes\n"
     "Touching objects without a map: a ball in each, and one sphere around all:\n"
     "    seed 40,108,90 1 radius=3\n"
