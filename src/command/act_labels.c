@@ -256,14 +256,29 @@ static enum err apply_numbers(const struct act *act, const char *list)
 
 /* Make labels of the chosen regions that are none: `numbers`. */
 static enum err number_regions(struct buf *numbers, const uint16_t *as, const struct act *act,
-                               const struct volume *map)
+                               const struct volume *map, const struct label_table *names)
 {
     bool *has = map_regions(map);
     if (!has)
         return fault_memory(act->fault, "the regions");
     numbering_list(numbers, as, map, has, &act->session->now.kept);
     free(has);
-    return numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
+    const enum err err = numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
+    if (err || !numbers->length || act_has(act, "regions") ||
+        !file_is_named(act_text(act, "FILE"), ".seg.nrrd"))
+        return err;
+    struct kept *kept = &act->next->kept;
+    for (size_t i = 0; i < names->count; i++) { /* segments without voxels */
+        const uint32_t number = names->entry[i].number;
+        if (!number || numbering_find(kept, number) != NUMBER_UNKNOWN)
+            continue;
+        const int label = numbering_add(kept, number, &act->session->markers);
+        if (label == NUMBER_UNKNOWN)
+            break;
+        kept->label_is_region[label] = true;
+        buf_printf(numbers, ",%u", number);
+    }
+    return OK;
 }
 
 /* `rest=keep`: the regions that are not chosen are written back as they were. */
@@ -443,9 +458,11 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     if (!err)
         err = act_prefix_file(name, find_regions(map, act), act->fault);
     if (!err)
+        err = read_names(names, act, text);
+    if (!err)
         err = regions_table(&as, &regions, map, kept, act->fault);
     if (!err && !act_has(act, "as|label"))
-        err = number_regions(numbers, as, act, map);
+        err = number_regions(numbers, as, act, map, names);
     if (!err && numbers->length) {
         free(as);
         err = regions_table(&as, &regions, map, kept, act->fault);
@@ -462,8 +479,6 @@ static enum err read_original(struct volume *map, struct label_table *names, con
         err = act_prefix_file(name, mark_kept(map, region, act->fault), act->fault);
     if (!err && place.beyond)
         err = fill_with_labels(map, place.beyond, act);
-    if (!err)
-        err = read_names(names, act, text);
     if (!err) {
         choose_names(names, act, &regions);
         buf_add_text(&act->reply->text, map->notes);
