@@ -77,10 +77,10 @@ static void write_head(const char *name, struct head *head, double to_mm[3][4])
     static const uint32_t size[3] = {SIDE, SIDE, SIDE};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
     CHECK(geometry_place(&geometry, (const double(*)[4])to_mm, ORIENTATION_SFORM));
-    CHECK(volume_write(
-              name, FILE_REPLACE,
-              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", head_row, head, NULL},
-              NULL, NULL) == OK);
+    CHECK(volume_write(name, FILE_REPLACE,
+                       &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", head_row, head,
+                                            NULL, NULL},
+                       NULL, NULL) == OK);
 }
 
 /* Replace bytes of a file's header. */
@@ -262,10 +262,10 @@ static void write_values(const char *name, float slope, float intercept)
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
     geometry_place_plain(&geometry, spacing);
     geometry.orientation = ORIENTATION_FILE;
-    CHECK(volume_write(
-              name, FILE_REPLACE,
-              &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", value_row, NULL, NULL},
-              NULL, NULL) == OK);
+    CHECK(volume_write(name, FILE_REPLACE,
+                       &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", value_row, NULL,
+                                            NULL, NULL},
+                       NULL, NULL) == OK);
     patch(name, 112, (const float[]){slope, intercept}, 8);
 }
 

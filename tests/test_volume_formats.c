@@ -99,10 +99,10 @@ static void comes_back(const struct volume_format *format, const char *name)
     const char *path = file_in(folder, name);
     struct volume volume;
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
-    CHECK(format->write(
-              path, FILE_REPLACE,
-              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", row_of_values, NULL, NULL},
-              NULL, &fault) == OK);
+    CHECK(format->write(path, FILE_REPLACE,
+                        &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", row_of_values,
+                                             NULL, NULL, NULL},
+                        NULL, &fault) == OK);
     if (!CHECK(volume_read(&volume, path, NULL, NULL, &fault) == OK)) {
         printf("#   %s: %s\n", name, fault.text);
         return;
