@@ -124,6 +124,10 @@ begin "a number is one label, for people and in files"
 expect 0 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; save labels two.nii
 stats' --journal number.iftty # the region of the file
 grep -qx 'seed 1,1,1 41' number.iftty || fail "$(cat number.iftty)"
+"$iftty" log --script number.iftty >number.script
+rm two.nii
+expect 0 "$iftty" run number.script
+out_has 'label 41: '
 out_has 'label 41: '
 expect 0 "$iftty" -c 'open s.nii; labels gone.nii.gz; seed 1,1,1 41; label 41 lesion number=5000
 save labels three.nii; compare three.nii; seed 2,1,1 5000; hide lesion; run'
