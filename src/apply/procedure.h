@@ -26,7 +26,8 @@
  *     0*345 1*17 0*4 ...                labels by rows, x fastest; one for each voxel
  *     digest SHA256                     of all bytes before this line
  *
- * Gestures and voxels have the indices of labels. Lines have this order; those from `setting` to `gesture` may be repeated or missing, and `left`
+ * Gestures and voxels have the indices of labels. Lines have this order; those from `setting` to
+ * `gesture` may be repeated or missing, and `left`
  * is missing if nothing is left out. Intensities are real values. Numbers have 17 digits, enough to
  * be read back exactly.
  */

@@ -38,7 +38,7 @@ struct making {
     struct warped warped;
     struct buf origin, seeds; /* a command; commands, one a line */
     struct buf made;          /* paths of written files, each with its NUL */
-    uint32_t number[256];     /* of the procedure's labels */
+    uint32_t number[256];     /* numbers of the procedure's labels */
     uint8_t here[256];        /* labels of the session by labels of the procedure, */
     uint8_t there[256];       /* and the other way around */
     struct fault *fault;

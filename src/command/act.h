@@ -139,8 +139,8 @@ void act_write_origin(struct buf *out, const struct session *session);
 
 /* Regions of an atlas: their labels and their names (act.c). */
 
-/* Read `regions` and `as` by regions_read. ERR_USAGE if a single label for all is given too; `label`
- * may be NULL. */
+/* Read `regions` and `as` by regions_read. ERR_USAGE if a single label for all is given too;
+ * `label` may be NULL. */
 struct regions;
 enum err act_choose_regions(struct regions *regions, const struct act *act,
                             const struct value *label);

@@ -174,7 +174,7 @@ static enum err get_own_labels(struct compared *compared, const struct act *act,
     return watch_fault(act->session->watch, act->fault);
 }
 
-/* Get the labels of the map; those that only it has are made in `kept`. */
+/* Get the labels of the map; labels of the map alone are made in `kept`. */
 static enum err get_map_labels(struct compared *compared, struct kept *kept, bool listed[256],
                                const struct act *act)
 {

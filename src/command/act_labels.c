@@ -254,7 +254,7 @@ static enum err apply_numbers(const struct act *act, const char *list)
     return OK;
 }
 
-/* Make labels of the chosen regions that are none: `numbers`. */
+/* Make labels of the chosen regions without one: `numbers`. */
 static enum err number_regions(struct buf *numbers, const uint16_t *as, const struct act *act,
                                const struct volume *map, const struct label_table *names)
 {

@@ -65,8 +65,8 @@ enum err part_read(void *to, const struct volume_header *header, uint64_t offset
  *     0, 65535          all numbers below, and above; NaN is 0 too, below every number
  *
  * With choice.by_extremes no scale is cut. Whole numbers of 32 and 64 bits that do not fit 16 bits,
- * of which none is negative and 65534 at most are distinct, are then the ranks of these numbers and
- * 0, with volume.value: a map of labels with large numbers.
+ * with 65534 distinct ones at most and no negative one, are then the ranks of these numbers and 0,
+ * with volume.value: a map of labels with large numbers.
  */
 
 /* Convert the numbers at volume->intensity, of header->type and in its byte order, to intensities

@@ -21,7 +21,7 @@ enum { PICTURE_SIDE = 1024 };
 /* Both maps, and their grid. */
 struct pair {
     const struct options *options;
-    struct regions regions;  /* of both maps (session/map.h) */
+    struct regions regions;  /* regions of both maps (session/map.h) */
     struct kept kept;        /* the numbers of their labels */
     struct session *session; /* for pictures */
     struct grid grid;

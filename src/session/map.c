@@ -108,7 +108,7 @@ static void find_planted(bool planted[LABELS], const struct markers *markers)
             planted[markers->marker[i].label] = true;
 }
 
-/* Begin numbered labels: those that are planted, have a name or came with a file exist. */
+/* Begin numbered labels: labels exist if they are planted, have a name or came with a file. */
 static void begin_numbers(struct kept *kept, const struct markers *markers)
 {
     bool planted[LABELS];
@@ -200,7 +200,7 @@ static bool take_number(struct numbers *numbers, uint32_t *number)
     return true;
 }
 
-/* The list holds more regions than labels were left for those that are none yet. */
+/* The list has more new regions than labels are free. */
 static enum err refuse_list(const struct kept *kept, const char *list, unsigned fits,
                             struct fault *fault)
 {
@@ -214,7 +214,7 @@ static enum err refuse_list(const struct kept *kept, const char *list, unsigned 
         }
     if (fits == 0)
         return fault_set(fault, ERR_INPUT,
-                         "it has %u regions, some of which are no labels yet, and no label is "
+                         "it has %u regions, and some are no labels yet, but no label is "
                          "free; nothing was planted",
                          count);
     return fault_set(fault, ERR_INPUT,
@@ -248,7 +248,7 @@ enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const 
         if (label > 0 && planted[label] && !kept->label_is_region[label])
             return fault_set(fault, ERR_INPUT,
                              "its region %u has the number of a label that was planted here: "
-                             "`label %u NAME number=N` gives that one another number, or choose "
+                             "`label %u NAME number=N` changes the number of that one, or choose "
                              "regions and their labels, as in regions=%u as=%u; nothing was "
                              "planted",
                              r, r, r, r);
@@ -459,8 +459,8 @@ static enum err translate(struct volume *map, const uint32_t *table, const char 
     return watch_fault(watch, fault);
 }
 
-/* Get the whole number of an intensity; false for a fraction. An intensity represents a whole number
- * to within half a step, which the conversion from float32 to 16 bits loses. */
+/* Get the whole number of an intensity; false for a fraction. An intensity represents it to within
+ * half a step, which the conversion from float32 to 16 bits loses. */
 static bool take_whole(double *number, const struct volume *map, uint32_t intensity)
 {
     const double value = value_at(map, intensity), step = fabs(map->geometry.slope);

@@ -39,8 +39,8 @@ struct regions {
 };
 void regions_release(struct regions *regions);
 
-/* Read both lists, as the parser accepts them. `list` NULL chooses all regions but 0, `as` NULL uses
- * each region's own number. ERR_USAGE if their lengths differ, or a region is chosen twice. On
+/* Read both lists, as the parser accepts them. `list` NULL chooses all regions but 0, `as` NULL
+ * uses each region's own number. ERR_USAGE if their lengths differ, or a region is chosen twice. On
  * errors *regions is empty. */
 enum err regions_read(struct regions *regions, const char *list, const char *as,
                       struct fault *fault);
@@ -48,13 +48,13 @@ enum err regions_read(struct regions *regions, const char *list, const char *as,
 /* Find the number of a region's label. False for a region that is not chosen. */
 bool regions_choose(const struct regions *regions, uint32_t region, uint32_t *number);
 
-/* Make a table of the label of each region of a map, [REGION_MOST + 1], freed by free(): REGION_NONE
- * for one that is not chosen, REGION_UNKNOWN for one whose number no label has. */
+/* Make a table of the label of each region of a map, [REGION_MOST + 1], freed by free():
+ * REGION_NONE for one that is not chosen, REGION_UNKNOWN for one whose number no label has. */
 enum err regions_table(uint16_t **as, const struct regions *regions, const struct volume *map,
                        const struct kept *kept, struct fault *fault);
 
 /* Set listed[label] for the labels of the chosen regions, except 0. If 255 regions or fewer are
- * chosen, labels are made of those that are none. */
+ * chosen, labels are made of regions without one. */
 void regions_list(bool listed[256], const struct regions *regions, struct kept *kept);
 
 /* ERR_USAGE if no label has one of the numbers that the regions become. */
@@ -98,8 +98,8 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
 
 /* Replace intensities by regions, in place, unless it was done: the numbers first..last that they
  * represent, and REGION_NONE for others. If a number is above REGION_MOST, regions are the ranks of
- * the numbers, and map->number has these. The map is invalid after errors: ERR_INPUT for a fraction,
- * ERR_CANCELLED by the watch, or NULL. */
+ * the numbers, and map->number has these. The map is invalid after errors: ERR_INPUT for a
+ * fraction, ERR_CANCELLED by the watch, or NULL. */
 enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
                         struct fault *fault);
 
@@ -130,7 +130,7 @@ uint64_t map_count_beyond(const struct volume *map, struct watch *watch);
 enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
                        struct watch *watch, struct fault *fault);
 
-/* The error of a region that should be a label and is none. */
+/* The error of a region without a label. */
 enum err map_refuse_region(uint32_t region, struct fault *fault);
 
 /* As map_to_regions; ERR_INPUT if a voxel is not a whole number 0..65535. */
@@ -165,8 +165,8 @@ enum err label_copy_write(const char *path, const struct volume *map,
  * A session begins with the labels 1..255, whose numbers are their indices. As soon as a label gets
  * another number, by `label 300 NAME`, `number=` or a file, the labels are *numbered*: those exist
  * that are planted or have a name, and each further one is made by `label N NAME` or comes from a
- * file. Its index is its number if that is free, or the lowest free one; a file's regions get theirs
- * in rising order.
+ * file. Its index is its number if that is free, or the lowest free one; regions of a file get
+ * theirs in rising order.
  *
  *     a file has 2, 41, 1001, 1035       labels 2, 41, 1001, 1035, of index 2, 41, 1, 3
  *     `seed 1,2,3 77`                    is rejected: no label has the number 77
@@ -196,7 +196,7 @@ uint32_t numbering_nearest(const struct kept *kept, uint32_t number, uint32_t le
 /* Get the numbers of all labels, as numbering_of does. */
 void numbering_fill(uint32_t number[256], const struct kept *kept);
 
-/* List all labels by rising numbers; those that do not exist are last. */
+/* List all labels by rising numbers; labels that do not exist are last. */
 void numbering_order(uint8_t order[256], const uint32_t number[256]);
 
 /* Append a set of labels as their numbers, "0,3-7". */
@@ -223,7 +223,7 @@ struct numbering_tally {
     unsigned names; /* labels that were not planted, and were replaced by some of these */
 };
 
-/* Make labels of the regions of a list that are none. ERR_INPUT, and *kept is invalid, if the list
+/* Make labels of the regions of a list that have none yet. ERR_INPUT, and *kept is invalid, if the list
  * is longer than the free labels, or a region clashes. */
 enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const char *list,
                         const struct markers *markers, struct fault *fault);
@@ -232,7 +232,7 @@ enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const 
  * without memory. */
 bool *map_regions(const struct volume *map);
 
-/* Make labels of its chosen regions that are none, for a comparison. ERR_LIMIT, ERR_MEMORY. */
+/* Make labels of its chosen regions without one, for a comparison. ERR_LIMIT, ERR_MEMORY. */
 enum err numbering_admit(struct kept *kept, const struct volume *map, const struct regions *regions,
                          const struct markers *markers, struct fault *fault);
 

@@ -62,7 +62,8 @@ enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end
 uint64_t seeds_digest(const struct seeds *seeds);
 
 /* Read a list: `length` bytes at `text`, followed by a NUL. `kept` has the names and numbers of
- * labels; `label` is that of all seeds, or LABEL_OWN. The first line that is wrong or contradicts another is an error that names it, and
+ * labels; `label` is that of all seeds, or LABEL_OWN. The first line that is wrong or contradicts
+ * another is an error that names it, and
  * *seeds stays empty: ERR_INPUT. ERR_LIMIT, ERR_MEMORY; ERR_CANCELLED by the watch, or NULL. */
 enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
                          const struct grid *grid, const struct kept *kept, int label,

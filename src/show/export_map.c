@@ -19,7 +19,7 @@ struct map_source {
     const struct labels *labels;
     enum map map;
     uint16_t *margin;     /* by cell, for MAP_MARGIN */
-    uint32_t number[256]; /* of each label */
+    uint32_t number[256]; /* numbers of labels */
     bool used[256];       /* labels of voxels */
     uint16_t *rest;       /* regions that are kept; or NULL */
     enum voxel_type wide; /* the smallest type of these numbers */
