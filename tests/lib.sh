@@ -188,6 +188,11 @@ last_word() {
 le16() { # little-endian, as printf escapes
     printf '\\%03o\\%03o' $(($1 & 255)) $(($1 >> 8 & 255))
 }
+# voxels_of FILE: the voxels of a .nii of this machine, behind its header and names of labels
+voxels_of() {
+    set -- "$1" $(od -An -tf4 -j108 -N4 "$1")
+    tail -c +$((${2%.*} + 1)) "$1"
+}
 # nifti_header NX NY NZ [TYPE BITS]: the 352 bytes before the voxels; uint8 by default
 nifti_header() {
     {

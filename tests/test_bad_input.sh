@@ -171,8 +171,8 @@ begin "eight threads share a scene of seven million voxels in this address space
 { nifti_header 200 200 175; head -c 7000000 /dev/zero; } >even.nii
 { nifti_header 200 200 175; head -c 7000000 /dev/urandom; } >noise.nii
 for scene in even noise; do
-    bounded env IFTTY_THREADS=8 "$iftty" -c "open $scene.nii; seed 9,9,9 1; seed 190,190,170 2" \
-        -c run >"$work/out" 2>"$work/err" || fail "$scene: $(cat "$work/err")"
+    bounded env IFTTY_THREADS=8 "$iftty" -c "open $scene.nii; seed 9,9,9 1; seed 190,190,170 2
+        run" >"$work/out" 2>"$work/err" || fail "$scene: $(cat "$work/err")"
     out_has 'voxels changed'
 done
 rm even.nii noise.nii

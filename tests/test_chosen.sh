@@ -60,10 +60,11 @@ for number in 0 1; do
             rm -f got.nii
             expect 0 "$iftty" -c "open s.nii; $one"
             grep ' ml \|differ' out >answer
-            mv got.nii expected.nii
+            voxels_of got.nii >expected && rm got.nii
             expect 0 "$iftty" -c "open s.nii; $two" --journal chosen.iftty
             grep ' ml \|differ' out | cmp -s - answer || fail "$two: $(cat out)"
-            same_files got.nii expected.nii
+            voxels_of got.nii >got # .seg.nrrd has names
+            same_files got expected
             grep -q "^${two%%;*}" chosen.iftty ||
                 grep -qF "volume=$number" chosen.iftty || fail "$(cat chosen.iftty)"
             expect 0 "$iftty" verify --no-strict chosen.iftty

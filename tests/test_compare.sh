@@ -15,8 +15,7 @@ record() { # NAME COMMANDS
 record a 'seed 20,10,8 2'
 record b 'seed 20,12,3 2 radius=1; seed 3,15,12 3'
 
-# The voxels of a map, and ITK's measures of two.
-voxels_of() { tail -c +353 "$1"; }
+# ITK's measures of two maps.
 itk_says() { # NX NY NZ SX SY SZ A B LABELS, for maps A and B
     voxels_of "$7" >a.raw
     voxels_of "$8" >b.raw

@@ -30,7 +30,7 @@ out_has "    B  b.iftty, command 5, line 10: seed 20,12,3 2 radius=1"
 cp out told
 for n in a b; do
     "$iftty" -c "save labels $n.nii" --journal "$n.iftty" >/dev/null || fail "no labels of $n"
-    tail -c 7680 "$n.nii" | od -An -v -tu1 -w1 >"$n.labels" # behind names of labels
+    voxels_of "$n.nii" | od -An -v -tu1 -w1 >"$n.labels"
 done
 paste a.labels b.labels | awk '
     { a[$1]++; b[$2]++; if ($1 == $2) both[$1]++; else differ++ }

@@ -199,5 +199,5 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
     CHECK_HAS(buf_text(&reply.text), "pixels, 19.5,14.5,9.5 in the middle\n");
     MUST_MENTION(&interp, "focus 3,4,5; info", "pixels, 3,4,5 in the middle\n");
     CHECK_HAS(command_find("view")->detail,
-              "the patient's left is on the right of the picture from the front");
+              "the patient's left is on the right of the picture in the front view");
 }

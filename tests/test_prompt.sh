@@ -67,7 +67,7 @@ type_letters "contour"
 pressing Tab '^s> overlay contour'
 press C-u
 type_letters "radius"
-pressing Tab '^seed  *radius=: in voxels' '^[+]  *in the pilot, larger: the radius; in mm$'
+pressing Tab '^seed  *radius=: in voxels' '^[+]  *in the pilot, larger: radius; mm; range$'
 see '^s> radius$'
 press C-u
 press C-l

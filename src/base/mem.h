@@ -24,7 +24,7 @@ extern bool (*mem_allows)(size_t bytes);
  *     OWNED(mem_release) uint8_t *voxels = mem_array(count, 1); */
 #define OWNED(release) __attribute__((cleanup(release)))
 
-/* Free the memory to which the pointer at this address points; close a stream. NULL is none. */
+/* Free the memory to which the pointer at this address points; close a stream. NULL is ignored. */
 void mem_release(void *pointer);
 void stream_release(FILE **stream);
 

@@ -14,6 +14,9 @@ enum {
     CLEARED_SHARE = 32,     /* if a scene loses this part of itself, estimate the whole loss ... */
     CLEARED_FEW = 1 << 16,  /* ... provided that it is more voxels than this */
     OWNED_PARTS = 16,       /* parts of the scene for each worker */
+    SAMPLES = 4096,         /* voxels sampled to estimate how many an edit clears */
+    REPAIR_PERCENT = 38,    /* if an edit clears more of the voxels, one worker rebuilds faster */
+    REPAIR_PERCENT_TEAM = 24, /* the same for a team, which shares rebuilds only */
 };
 
 /* ---- changes ---- */
@@ -86,6 +89,41 @@ static void set_reaches(struct forest *forest, const struct edit *edit, size_t c
         reaches->seeds -= (size_t)(*of != 0);
         *of = edit[i].reach;
     }
+}
+
+/* True if this edit removes the seed at its voxel, which may be replaced. */
+static bool removes_seed(const struct forest *forest, const struct edit *edit)
+{
+    const struct cell *cell = forest->cell + edit->cell;
+    const unsigned reach = forest->reaches.of ? forest->reaches.of[edit->cell] : 0;
+    return cell->flags & CELL_SEED && (cell->label != edit->label || reach != edit->reach);
+}
+
+static int compare_cells(const void *a, const void *b)
+{
+    const uint32_t x = ((const struct edit *)a)->cell, y = ((const struct edit *)b)->cell;
+    return (x > y) - (x < y);
+}
+
+bool loses_too_much(const struct forest *forest)
+{
+    const size_t cells = forest->scene->grid.cells, step = cells / SAMPLES + 1;
+    size_t reached = 0, lost = 0;
+    for (size_t at = step / 2; at < cells; at += step) {
+        const struct cell *cell = forest->cell + at;
+        const bool cleared = cell->flags & CELL_CLEARED;
+        if (!cleared && !cell_is_reached(cell))
+            continue;
+        const struct edit wanted = {.cell = key_root(cell->key)};
+        const struct edit *edit = cleared ? NULL
+                                          : bsearch(&wanted, forest->changing, forest->edits,
+                                                    sizeof wanted, compare_cells);
+        reached++;
+        lost +=
+            cleared ||
+            (edit && (!(forest->cell[edit->cell].flags & CELL_SEED) || removes_seed(forest, edit)));
+    }
+    return lost * 100 > reached * (forest->workers > 1 ? REPAIR_PERCENT_TEAM : REPAIR_PERCENT);
 }
 
 /*

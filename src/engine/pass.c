@@ -27,17 +27,13 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
-#include "engine/forest.h"
 
 enum {
     WINDOW = 16,  /* voxels served together */
     BATCH = 1024, /* queue entries taken at once */
     OFFERS = WINDOW * 26 + 1,
-    AHEAD = 6,                /* cleared voxels between prefetching one and using it */
-    SAMPLES = 4096,           /* voxels sampled to estimate how many an edit clears */
-    REPAIR_PERCENT = 38,      /* if an edit clears more of the voxels, one worker rebuilds faster */
-    REPAIR_PERCENT_TEAM = 24, /* the same for a team, which shares rebuilds only */
-    PATIENCE_NS = 15000000,   /* waiting time after which the first worker continues alone */
+    AHEAD = 6,              /* cleared voxels between prefetching one and using it */
+    PATIENCE_NS = 15000000, /* waiting time after which the first worker continues alone */
 };
 
 /* Parameters for which code is compiled separately, as constants: loops unroll and tests vanish. */
@@ -113,41 +109,6 @@ static void clear_voxel(struct forest *forest, uint32_t at)
     cell->label = 0;
     cell->direction = DIRECTION_NONE;
     cell->flags = (uint8_t)((cell->flags & ~(CELL_QUEUED | CELL_RAISED)) | CELL_CLEARED);
-}
-
-bool removes_seed(const struct forest *forest, const struct edit *edit)
-{
-    const struct cell *cell = forest->cell + edit->cell;
-    return cell->flags & CELL_SEED &&
-           (cell->label != edit->label || forest_reach_number(forest, edit->cell) != edit->reach);
-}
-
-static int compare_cells(const void *a, const void *b)
-{
-    const uint32_t x = ((const struct edit *)a)->cell, y = ((const struct edit *)b)->cell;
-    return (x > y) - (x < y);
-}
-
-/* Estimate from samples whether a rebuild is faster than a repair. */
-static bool loses_too_much(const struct forest *forest)
-{
-    const size_t cells = forest->scene->grid.cells, step = cells / SAMPLES + 1;
-    size_t reached = 0, lost = 0;
-    for (size_t at = step / 2; at < cells; at += step) {
-        const struct cell *cell = forest->cell + at;
-        const bool cleared = cell->flags & CELL_CLEARED;
-        if (!cleared && !cell_is_reached(cell))
-            continue;
-        const struct edit wanted = {.cell = key_root(cell->key)};
-        const struct edit *edit = cleared ? NULL
-                                          : bsearch(&wanted, forest->changing, forest->edits,
-                                                    sizeof wanted, compare_cells);
-        reached++;
-        lost +=
-            cleared ||
-            (edit && (!(forest->cell[edit->cell].flags & CELL_SEED) || removes_seed(forest, edit)));
-    }
-    return lost * 100 > reached * (forest->workers > 1 ? REPAIR_PERCENT_TEAM : REPAIR_PERCENT);
 }
 
 /* Clear a voxel and all its descendants, and append them to `cleared`. Stop if the list reaches

@@ -203,8 +203,8 @@ static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint
 
 /* ---- the work ---- */
 
-/* True if this edit removes the seed at its voxel, which may be replaced. */
-bool removes_seed(const struct forest *forest, const struct edit *edit);
+/* By forest.c: estimate from samples whether a rebuild is faster than a repair. */
+bool loses_too_much(const struct forest *forest);
 
 /* Remove a seed: clear its tree, which then waits for reoffer_cleared. */
 void remove_seed(struct forest *forest, uint32_t at);

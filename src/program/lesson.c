@@ -77,7 +77,7 @@ struct step {
 static const struct step step[] = {
     {"in the object",
      {{"3L", "move 30 voxels right, from a ventricle into white matter"},
-      {"i", "plant a ball of label 1, which now fills the whole scene"}},
+      {"i", "plant a ball of label 1; this label now fills the whole scene"}},
      "seed 60,108,90 1 radius=6",
      .planted = OBJECT},
     {"its neighbour",
@@ -96,7 +96,7 @@ static const struct step step[] = {
      {{"80J", "move 80 slices down, next to the neck"},
       {"I", "begin a stroke"},
       {"14L", "move 140 voxels, across the leak"},
-      {"i", "plant a stroke of background: 1.69 litres of brain are left"}},
+      {"i", "plant a stroke of background: 1.69 litres of brain remain"}},
      "seed 160,108,10 0 radius=6 to=20,108,10",
      .planted = -1,
      .dice = 9500},

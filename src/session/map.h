@@ -223,8 +223,8 @@ struct numbering_tally {
     unsigned names; /* labels that were not planted, and were replaced by some of these */
 };
 
-/* Make labels of the regions of a list that have none yet. ERR_INPUT, and *kept is invalid, if the list
- * is longer than the free labels, or a region clashes. */
+/* Make labels of the regions of a list that have none yet. ERR_INPUT, and *kept is invalid, if the
+ * list is longer than the free labels, or a region clashes. */
 enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const char *list,
                         const struct markers *markers, struct fault *fault);
 

@@ -293,8 +293,9 @@ static uint32_t number_of(const struct side_facts *facts, unsigned label)
     return is_used ? facts->label_number[label] : label;
 }
 
-/* Unless both journals have the same numbers: give the labels of B the indices of the labels of A
- * with the same numbers, and others free ones: in its voxels, names, colours and numbers. ERR_LIMIT for more than 255 labels of both. */
+/* Unless both journals have the same numbers, give the labels of B the indices of the labels of A
+ * with the same numbers, and free indices to others: in its voxels, names, colours and numbers.
+ * ERR_LIMIT for more than 255 labels of both. */
 static enum err align(struct side *side, const struct side_facts *a, const uint8_t *label_a,
                       struct fault *fault)
 {

@@ -59,7 +59,7 @@ enum brush_limit {
     BRUSH_KEEP  /* or of all others */
 };
 
-/* How seeds and strokes are planted. */
+/* Growth and limits of planted seeds and strokes. */
 struct pilot_brush {
     uint32_t label;  /* its number */
     unsigned radius; /* voxels, or half millimetres with in_mm; 0 for one voxel */
