@@ -258,9 +258,9 @@ static void shade_samples(struct rendition *r, struct tile_shading *t, struct ti
             const size_t first = (size_t)(tile.top + y) * r->width + tile.left + x;
             if (!is_one(r, first, samples))
                 continue;
-            const unsigned stands = (y + half) * TILE + x + half;
+            const unsigned bit = (y + half) * TILE + x + half;
             all &= ~(box << (y * TILE + x));
-            one |= (tile_mask)1 << stands;
+            one |= (tile_mask)1 << bit;
         }
     shade_mask(r, t, tile, all | one);
     for (; one; one &= one - 1) {

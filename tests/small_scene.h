@@ -179,11 +179,11 @@ static inline void roi_stands(const struct session *session)
 {
     const struct roi_tally tally = roi_tally(&session->roi, session->scene);
     const struct cell *cell = session->scene->cell;
-    bool stands = true;
+    bool fits = true;
     for (uint32_t c = 0; c < session->scene->grid.cells; c++)
-        stands &= cell[c].flags & CELL_RIM ||
-                  !(cell[c].flags & CELL_OUTSIDE) == roi_holds(&session->roi, session->scene, c);
-    CHECK(stands);
+        fits &= cell[c].flags & CELL_RIM ||
+                !(cell[c].flags & CELL_OUTSIDE) == roi_holds(&session->roi, session->scene, c);
+    CHECK(fits);
     CHECK(tally.digest == session->roi_tally.digest && tally.seeds_outside == 0);
     CHECK_INT(tally.inside, session->roi_tally.inside);
 }

@@ -122,7 +122,7 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
 
 /* ---- in a session ---- */
 
-/* Of the picture that stands after a line. */
+/* Of the picture after a line. */
 static uint64_t digest_after(struct interpreter *interp, const char *line)
 {
     must(interp, line);

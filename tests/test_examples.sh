@@ -5,8 +5,9 @@
 . "$(dirname "$0")/lib.sh"
 
 can_open() { # SCENE [OPTION...]
+    file=${1%% *}
     for folder in $(echo "$IFTTY_SCENES" | tr : ' '); do
-        case $1 in synth:*) return ;; *) [ ! -e "$folder/${1%% *}" ] || return 0 ;; esac
+        case $1 in synth:*) return ;; *) [ ! -e "$folder/${file#raw:}" ] || return 0 ;; esac
     done
     skip "there is no $1 here"
     return 1

@@ -245,22 +245,22 @@ static bool is_real(enum voxel_type type)
 static void check_scale(const struct volume *v, const struct levels *l, size_t count)
 {
     size_t below = 0, above = 0;
-    bool stands = true;
+    bool fits = true;
     for (size_t i = 0; i < count; i++) {
         const bool odd = !isfinite(number[i]);
         const bool is_below = l->is_clamped && (odd || number[i] < l->ends[0]);
         const bool is_above = l->is_clamped && !odd && number[i] > l->ends[1];
         below += is_below && !odd;
         above += is_above;
-        stands &=
+        fits &=
             is_below   ? v->intensity[i] == 0
             : is_above ? v->intensity[i] == LEVELS - 1
             : odd      ? v->intensity[i] == 0
                   : fabs(value_of(v, i) - number[i]) <= l->step * 0.5001 + fabs(number[i]) * 1e-15;
-        stands &= odd || (l->level[v->intensity[i]].least <= number[i] &&
-                          l->level[v->intensity[i]].greatest >= number[i]);
+        fits &= odd || (l->level[v->intensity[i]].least <= number[i] &&
+                        l->level[v->intensity[i]].greatest >= number[i]);
     }
-    CHECK(stands);
+    CHECK(fits);
     CHECK_INT(l->beyond[0], below);
     CHECK_INT(l->beyond[1], above);
 }
@@ -346,11 +346,11 @@ STORY(the_scale_of_a_map_is_from_the_least_to_the_greatest)
             are_whole &= number[k] == floor(number[k]);
         static struct sorted s;
         sort(&s, count);
-        bool stands = true;
+        bool fits = true;
         const double range = s.high > s.low ? s.high - s.low : 1;
         for (size_t k = 0; k < count; k++)
-            stands &= v.intensity[k] == (uint16_t)((number[k] - s.low) / range * 65535 + 0.5);
-        CHECK((are_whole || (stands && v.geometry.intercept == s.low)) && !v.levels);
+            fits &= v.intensity[k] == (uint16_t)((number[k] - s.low) / range * 65535 + 0.5);
+        CHECK((are_whole || (fits && v.geometry.intercept == s.low)) && !v.levels);
     }
 }
 
@@ -434,17 +434,17 @@ STORY(a_range_takes_the_voxels_whose_numbers_are_in_it)
         }
         const struct interval in = levels_within(&v.geometry, v.levels, range);
         size_t inside[2] = {0, 0}, outside[2] = {0, 0};
-        bool stands = true;
+        bool fits = true;
         for (size_t k = 0; k < count; k++) {
             const bool is_in = slope * number[k] >= low && slope * number[k] <= high;
             if (!interval_splits(&in, v.intensity[k]))
-                stands &= is_in == interval_holds(&in, v.intensity[k]);
+                fits &= is_in == interval_holds(&in, v.intensity[k]);
             for (int e = 0; e < 2; e++) {
                 inside[e] += v.intensity[k] == in.split[e] && is_in;
                 outside[e] += v.intensity[k] == in.split[e] && !is_in;
             }
         }
-        CHECK(stands);
+        CHECK(fits);
         for (int e = 0; e < 2; e++) {
             const bool is_within = in.split[1] < 0; /* the range, perhaps, in the level */
             CHECK(in.split[e] < 0 || (outside[e] && (inside[e] || is_within)));

@@ -94,7 +94,7 @@ static bool take(int ms)
     return true;
 }
 
-static bool stands(const char *row)
+static bool shows_row(const char *row)
 {
     for (unsigned y = 0; y < t->screen.rows; y++)
         if (strcmp(screen_row(&t->screen, y), row) == 0)
@@ -152,7 +152,7 @@ static void check_awaited(bool (*holds)(const char *), const char *text, int lin
 }
 
 /* A row is this; begins so; is this where the cursor is. */
-#define SEE(row)        check_awaited(stands, row, __LINE__)
+#define SEE(row)        check_awaited(shows_row, row, __LINE__)
 #define SEE_BEGIN(text) check_awaited(begins, text, __LINE__)
 #define SEE_LINE(row)   check_awaited(is_cursor_row, row, __LINE__)
 
@@ -796,7 +796,7 @@ static bool opens(const char *bar)
 }
 static bool is_cancelled(const char *words)
 {
-    return stands(words) || begins("420x420x340 voxels");
+    return shows_row(words) || begins("420x420x340 voxels");
 }
 
 /* Return false if the key came after the end of the command, which depends on the machine. */
@@ -808,7 +808,7 @@ static bool cancel_opening(void)
     check_awaited(opens, bar, __LINE__);
     type("\003");
     check_awaited(is_cancelled, said, __LINE__);
-    if (!stands(said))
+    if (!shows_row(said))
         return false;
     SEE_LINE("session>");
     CHECK(!begins(bar)); /* it is gone */

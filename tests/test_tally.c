@@ -79,7 +79,7 @@ STORY(voxels_of_sheared_axes_take_less_than_boxes)
 static uint64_t seed = 1;
 
 /* A tally that is not stale is used after each command; otherwise it would be counted again. */
-static bool stands(struct session *session)
+static bool tally_is_right(struct session *session)
 {
     const bool fresh = !session->tally.stale;
     const struct labels labels = labels_of_forest(session->scene);
@@ -111,7 +111,7 @@ static void begin_with_geom(struct interpreter *interp)
 {
     begin_interpreter(interp);
     must(interp, "open synth:geom:40x40x30");
-    CHECK(stands(interp->session));
+    CHECK(tally_is_right(interp->session));
     must(interp, "auto on");
 }
 
@@ -134,7 +134,7 @@ BEGUN_STORY(counts_follow_whatever_is_done, begin_with_geom)
     differences(interp->session);
     for (int i = 0; i < 400 && check_failures < 5; i++) {
         do_anything(interp, true);
-        fresh += stands(interp->session);
+        fresh += tally_is_right(interp->session);
         const uint64_t changed = differences(interp->session);
         if (!interp->session->has_edited && !interp->session->has_regrown)
             continue;
@@ -153,11 +153,12 @@ BEGUN_STORY(counts_follow_whatever_is_done, begin_with_geom)
                             (uint32_t[]){grid_cell(&interp->session->scene->grid, 3 + i, 7, 9)}, 1,
                             9, 0, NULL) == OK);
     CHECK(session_run(interp->session, NULL) == OK);
-    stands(interp->session);
+    tally_is_right(interp->session);
     CHECK(interp->session->tally.voxels[9] >= 5);
     CHECK_INT(interp->session->former_tally.voxels[9], 0);
     session_rollback(interp->session);
-    CHECK(stands(interp->session) && memcmp(&before, &interp->session->tally, sizeof before) == 0);
+    CHECK(tally_is_right(interp->session) &&
+          memcmp(&before, &interp->session->tally, sizeof before) == 0);
 }
 
 /* In some sessions asked for after each command, in others now and then, so that several edits are
@@ -195,7 +196,7 @@ STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
     interpreter_release(&interp);
     begin_interpreter(&interp);
     CHECK(interpreter_resume_journal(&interp, place("tally.iftty"), &told, NULL) == OK);
-    stands(interp.session);
+    tally_is_right(interp.session);
     CHECK_INT(interp.session->tally.voxels[3], voxels);
     interpreter_release(&interp);
 }

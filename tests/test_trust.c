@@ -153,46 +153,46 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
 {
     static const struct {
         const char *name;
-        enum beneath answer, stepwise;
+        enum path_kind answer, stepwise;
     } expected[] = {
-        {"a", BENEATH_FINE, BENEATH_FINE},
-        {"./a", BENEATH_FINE, BENEATH_FINE},
-        {"deep/b", BENEATH_FINE, BENEATH_FINE},
-        {"deep//b", BENEATH_FINE, BENEATH_FINE},
-        {"..c", BENEATH_FINE, BENEATH_FINE},
-        {"inner", BENEATH_FINE, BENEATH_OUTSIDE}, /* without openat2 no link is followed */
-        {"deep", BENEATH_FOLDER, BENEATH_FOLDER},
-        {"pipe", BENEATH_NO_FILE, BENEATH_NO_FILE},
-        {"none", BENEATH_MISSING, BENEATH_MISSING},
-        {"a/b", BENEATH_MISSING, BENEATH_MISSING},
-        {"dangling", BENEATH_MISSING, BENEATH_OUTSIDE},
-        {"", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"/etc/passwd", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"..", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"../out/secret", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"deep/../../out/secret", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"deep/..", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"up", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"folder/secret", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"zero", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"round", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
-        {"deep/c", BENEATH_OUTSIDE, BENEATH_OUTSIDE},
+        {"a", PATH_IS_FILE, PATH_IS_FILE},
+        {"./a", PATH_IS_FILE, PATH_IS_FILE},
+        {"deep/b", PATH_IS_FILE, PATH_IS_FILE},
+        {"deep//b", PATH_IS_FILE, PATH_IS_FILE},
+        {"..c", PATH_IS_FILE, PATH_IS_FILE},
+        {"inner", PATH_IS_FILE, PATH_IS_OUTSIDE}, /* without openat2 no link is followed */
+        {"deep", PATH_IS_FOLDER, PATH_IS_FOLDER},
+        {"pipe", PATH_IS_SPECIAL, PATH_IS_SPECIAL},
+        {"none", PATH_IS_MISSING, PATH_IS_MISSING},
+        {"a/b", PATH_IS_MISSING, PATH_IS_MISSING},
+        {"dangling", PATH_IS_MISSING, PATH_IS_OUTSIDE},
+        {"", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"/etc/passwd", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"..", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"../out/secret", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"deep/../../out/secret", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"deep/..", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"up", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"folder/secret", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"zero", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"round", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
+        {"deep/c", PATH_IS_OUTSIDE, PATH_IS_OUTSIDE},
     };
     CHECK(make_top());
     char folder[200];
     snprintf(folder, sizeof folder, "%s", below_top("in"));
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
-        beneath_without_openat2 = false;
-        const enum beneath answer = beneath_look(folder, expected[i].name);
-        beneath_without_openat2 = true;
-        const enum beneath stepwise = beneath_look(folder, expected[i].name);
+        path_without_openat2 = false;
+        const enum path_kind answer = path_kind_below(folder, expected[i].name);
+        path_without_openat2 = true;
+        const enum path_kind stepwise = path_kind_below(folder, expected[i].name);
         if (answer != expected[i].answer || stepwise != expected[i].stepwise)
             printf("# %s: %d and %d\n", expected[i].name, answer, stepwise);
         /* without openat2 the kernel answers like the stepwise search */
         CHECK(answer == expected[i].answer || answer == expected[i].stepwise);
         CHECK(stepwise == expected[i].stepwise);
     }
-    beneath_without_openat2 = false;
+    path_without_openat2 = false;
     CHECK(remove_folder(top) == 0);
 }
 

@@ -110,7 +110,7 @@ static void note_markers(void *context, const struct interpreter *interp, const 
 
 /* Test whether at least half of a marker's seeds are still in effect; another marker may cover it.
  */
-static bool still_stands(const struct markers *markers, const struct marker *marker)
+static bool is_still_valid(const struct markers *markers, const struct marker *marker)
 {
     uint32_t own = 0;
     for (uint32_t i = 0; i < marker->voxels; i++)
@@ -168,10 +168,10 @@ static enum err take_gestures(struct procedure *p, const struct noting *noting,
         const struct planted *planted = &noting->planted[i];
         const char *line = command_of(&interp->history, planted->record);
         struct call call = {.command = NULL};
-        bool stands = false;
-        for (size_t m = planted->first; line && !stands && m <= planted->last; m++)
-            stands = still_stands(markers, &markers->marker[m - 1]);
-        if (!stands)
+        bool is_valid = false;
+        for (size_t m = planted->first; line && !is_valid && m <= planted->last; m++)
+            is_valid = is_still_valid(markers, &markers->marker[m - 1]);
+        if (!is_valid)
             continue;
         if (!command_parse(&call, line, interp->session, NULL) && call.command &&
             call.command->flags & COMMAND_CARRIED && !call_has(&call, "shell") &&

@@ -17,9 +17,9 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-bool beneath_without_openat2;
+bool path_without_openat2;
 
-bool beneath_is_inside(const char *name)
+bool path_is_inside(const char *name)
 {
     if (*name == '/' || *name == '\0')
         return false;
@@ -59,35 +59,35 @@ static int open_stepwise(int folder, const char *name)
     return at;
 }
 
-static enum beneath judge(int fd)
+static enum path_kind judge(int fd)
 {
     struct stat status;
     if (fd < 0)
-        return errno == EXDEV || errno == ELOOP ? BENEATH_OUTSIDE : BENEATH_MISSING;
+        return errno == EXDEV || errno == ELOOP ? PATH_IS_OUTSIDE : PATH_IS_MISSING;
     if (fstat(fd, &status) != 0)
-        return BENEATH_MISSING;
+        return PATH_IS_MISSING;
     if (S_ISLNK(status.st_mode)) /* possible only if links are not followed */
-        return BENEATH_OUTSIDE;
-    return S_ISREG(status.st_mode)   ? BENEATH_FINE
-           : S_ISDIR(status.st_mode) ? BENEATH_FOLDER
-                                     : BENEATH_NO_FILE;
+        return PATH_IS_OUTSIDE;
+    return S_ISREG(status.st_mode)   ? PATH_IS_FILE
+           : S_ISDIR(status.st_mode) ? PATH_IS_FOLDER
+                                     : PATH_IS_SPECIAL;
 }
 
-enum beneath beneath_look(const char *folder, const char *name)
+enum path_kind path_kind_below(const char *folder, const char *name)
 {
-    if (!beneath_is_inside(name))
-        return BENEATH_OUTSIDE;
+    if (!path_is_inside(name))
+        return PATH_IS_OUTSIDE;
     const int at = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (at < 0)
-        return BENEATH_MISSING;
+        return PATH_IS_MISSING;
     /* Open without side effects: O_PATH touches no device and does not block on a pipe. */
     const struct open_how how = {.flags = O_PATH | O_CLOEXEC,
                                  .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
     errno = ENOSYS;
-    int fd = beneath_without_openat2 ? -1 : (int)syscall(SYS_openat2, at, name, &how, sizeof how);
+    int fd = path_without_openat2 ? -1 : (int)syscall(SYS_openat2, at, name, &how, sizeof how);
     if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EINVAL))
         fd = open_stepwise(at, name);
-    const enum beneath answer = judge(fd);
+    const enum path_kind answer = judge(fd);
     if (fd >= 0)
         close(fd);
     close(at);

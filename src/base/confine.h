@@ -56,28 +56,28 @@ bool confine_knows_calls(void);
 bool confine_calls(unsigned kinds);
 
 /*
- * Beneath: examine the file of an untrusted name, inside one folder only.
+ * Examine the file of an untrusted name, inside one folder only.
  *
  * The name is resolved by openat2 with RESOLVE_BENEATH, or, if the kernel has no openat2, step by
  * step without following links. The file itself is examined, not its name. Nothing is opened for
  * reading: no device is touched, and no pipe blocks.
  */
 
-enum beneath {
-    BENEATH_FINE,    /* a regular file */
-    BENEATH_MISSING, /* no such file, or it cannot be reached */
-    BENEATH_OUTSIDE, /* the name, or a link on its way, leads out of the folder */
-    BENEATH_FOLDER,
-    BENEATH_NO_FILE, /* a device, pipe or socket */
+enum path_kind {
+    PATH_IS_FILE,    /* a regular file */
+    PATH_IS_MISSING, /* no such file, or it cannot be reached */
+    PATH_IS_OUTSIDE, /* the name, or a link on its way, leads out of the folder */
+    PATH_IS_FOLDER,
+    PATH_IS_SPECIAL, /* a device, pipe or socket */
 };
 
 /* True for a relative name without ".." in it. */
-bool beneath_is_inside(const char *name);
+bool path_is_inside(const char *name);
 
 /* Find out the kind of `name` below `folder`. */
-enum beneath beneath_look(const char *folder, const char *name);
+enum path_kind path_kind_below(const char *folder, const char *name);
 
 /* For tests: true resolves step by step even if the kernel has openat2. */
-extern bool beneath_without_openat2;
+extern bool path_without_openat2;
 
 #endif

@@ -317,17 +317,17 @@ static enum err record_command(struct interpreter *interp, const struct command 
 /* ---- commit or roll back a command ---- */
 
 /* Commit or roll back all changes that the command has made. */
-static void finish_command(struct interpreter *interp, bool stands)
+static void finish_command(struct interpreter *interp, bool succeeded)
 {
-    interpreter_settle_files(interp, stands);
+    interpreter_settle_files(interp, succeeded);
     arena_release(&interp->arena);
-    if (stands && interp->job)
+    if (succeeded && interp->job)
         picture_writer_give(interp->writer, interp->job);
     else
         picture_job_free(interp->job);
     interp->job = NULL;
-    history_settle(&interp->history, stands);
-    if (stands) {
+    history_settle(&interp->history, succeeded);
+    if (succeeded) {
         session_settle(interp->session);
         return;
     }

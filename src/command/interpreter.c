@@ -149,7 +149,7 @@ static enum err find_file(const struct interpreter *interp, const char *name, st
         buf_add_text(path, name);
         found = true;
     }
-    for (const char *list = interpreter_scenes(); !found && beneath_is_inside(name) && *list;) {
+    for (const char *list = interpreter_scenes(); !found && path_is_inside(name) && *list;) {
         size_t length = strcspn(list, ":");
         found = length && try_folder(path, list, length, name);
         list += length + (list[length] == ':');
@@ -202,15 +202,15 @@ static bool absolute_path(struct buf *out, const char *name)
     buf_clear(out);
     if (here)
         buf_add_text(out, strcmp(here, "/") == 0 ? "" : here);
-    for (bool goes_on = here; goes_on;) {
+    for (bool continues = here; continues;) {
         const size_t n = strcspn(name, "/");
         const bool is_up = n == 2 && memcmp(name, "..", 2) == 0;
-        goes_on = is_up || n == 0 || (n == 1 && *name == '.');
+        continues = is_up || n == 0 || (n == 1 && *name == '.');
         if (is_up)
             while (out->length && out->data[--out->length] != '/')
                 ;
-        name += goes_on ? n + (name[n] == '/') : 0;
-        goes_on = goes_on && *name;
+        name += continues ? n + (name[n] == '/') : 0;
+        continues = continues && *name;
     }
     if (here)
         buf_add_char(out, '/');
@@ -340,12 +340,12 @@ enum err interpreter_may_read(const struct interpreter *interp, const char *path
                               struct fault *fault)
 {
     *leads_out = false;
-    const enum beneath answer =
-        interpreter_is_wary(interp) ? trust_look_at_golden(path, leads_out) : BENEATH_FINE;
-    if (answer == BENEATH_FINE || answer == BENEATH_MISSING)
+    const enum path_kind answer =
+        interpreter_is_wary(interp) ? trust_look_at_golden(path, leads_out) : PATH_IS_FILE;
+    if (answer == PATH_IS_FILE || answer == PATH_IS_MISSING)
         return OK; /* the reader reports that it is missing */
     return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,
-                     answer == BENEATH_OUTSIDE ? "leads out of its folder"
+                     answer == PATH_IS_OUTSIDE ? "leads out of its folder"
                                                : "is not a regular file");
 }
 
@@ -467,17 +467,17 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
 }
 
 /* Remove the backups of a successful command; else restore the files. */
-void interpreter_settle_files(struct interpreter *interp, bool stands)
+void interpreter_settle_files(struct interpreter *interp, bool succeeded)
 {
     const char *at = buf_text(&interp->written), *end = at + interp->written.length;
     while (at < end) {
         const char *path = at, *backup = path + strlen(path) + 1;
         at = backup + strlen(backup) + 1;
-        if (stands && *backup)
+        if (succeeded && *backup)
             file_discard(backup);
-        else if (!stands && *backup)
+        else if (!succeeded && *backup)
             file_restore(backup, path, NULL);
-        else if (!stands)
+        else if (!succeeded)
             file_discard(path);
     }
     buf_clear(&interp->written);

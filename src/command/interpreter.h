@@ -192,6 +192,6 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
 
 /* Keep these files, or restore the previous ones. The interpreter calls it at the end of each
  * command. */
-void interpreter_settle_files(struct interpreter *interp, bool stands);
+void interpreter_settle_files(struct interpreter *interp, bool succeeded);
 
 #endif

@@ -205,24 +205,25 @@ static const char HEADERS_ALONE[] = ".mhd|.nhdr|.h5|.hdf5|.hdf|.ims";
 
 /* ---- names in a journal ---- */
 
-static enum beneath look_in(struct buf *path, const char *folder, size_t length, const char *name)
+static enum path_kind look_in(struct buf *path, const char *folder, size_t length, const char *name)
 {
     buf_clear(path);
     buf_add(path, folder, length);
-    const enum beneath answer = path->failed ? BENEATH_MISSING : beneath_look(buf_text(path), name);
+    const enum path_kind answer =
+        path->failed ? PATH_IS_MISSING : path_kind_below(buf_text(path), name);
     buf_printf(path, "/%s", name);
     return answer;
 }
 
 /* The first place with this name decides: a link that leads out is an error, and the folders of
  * scenes are not searched. */
-static enum beneath look_everywhere(struct buf *path, const char *home, const char *scenes,
-                                    const char *name)
+static enum path_kind look_everywhere(struct buf *path, const char *home, const char *scenes,
+                                      const char *name)
 {
     struct buf folder = {0};
     file_folder(&folder, home);
-    enum beneath answer = look_in(path, buf_text(&folder), folder.length, name);
-    while (answer == BENEATH_MISSING && *scenes) {
+    enum path_kind answer = look_in(path, buf_text(&folder), folder.length, name);
+    while (answer == PATH_IS_MISSING && *scenes) {
         const size_t length = strcspn(scenes, ":");
         if (length)
             answer = look_in(path, scenes, length, name);
@@ -234,26 +235,26 @@ static enum beneath look_everywhere(struct buf *path, const char *home, const ch
 }
 
 /* OK for a file that may be read, or a folder if allowed; else the error. */
-static enum err check_answer(enum beneath answer, const char *name,
+static enum err check_answer(enum path_kind answer, const char *name,
                              const struct trust_sought *sought, struct fault *fault)
 {
     const char *hint = sought->is_scene ? "; expected --scene FILE" : "";
     const char *where = sought->is_scene ? "" : " ($IFTTY_SCENES names their folders)";
-    switch (sought->by_proof && answer == BENEATH_OUTSIDE ? BENEATH_MISSING : answer) {
-    case BENEATH_FINE:
+    switch (sought->by_proof && answer == PATH_IS_OUTSIDE ? PATH_IS_MISSING : answer) {
+    case PATH_IS_FILE:
         return OK;
-    case BENEATH_OUTSIDE:
+    case PATH_IS_OUTSIDE:
         return fault_set(fault, ERR_INPUT,
                          "the journal may not read %s, which leads out of its folder%s; nothing %s",
                          name, hint, sought->undone);
-    case BENEATH_FOLDER:
+    case PATH_IS_FOLDER:
         if (sought->is_scene)
             return OK;
         __attribute__((fallthrough));
-    case BENEATH_NO_FILE:
+    case PATH_IS_SPECIAL:
         return fault_set(fault, ERR_INPUT, "%s is not a regular file; nothing %s", name,
                          sought->undone);
-    case BENEATH_MISSING:
+    case PATH_IS_MISSING:
         break;
     }
     return fault_set(fault, ERR_IO,
@@ -262,14 +263,14 @@ static enum err check_answer(enum beneath answer, const char *name,
 }
 
 /* Check the other file of a pair, with `name` found as `path`; FINE without one. */
-static enum beneath look_at_other(struct buf *other, const struct buf *path, const char *name)
+static enum path_kind look_at_other(struct buf *other, const struct buf *path, const char *name)
 {
     const size_t length = path->length - strlen(name) - 1;
     struct buf folder = {0};
-    enum beneath answer = BENEATH_FINE;
+    enum path_kind answer = PATH_IS_FILE;
     buf_add(&folder, path->data, length);
     if (pair_other(other, buf_text(path)) && !folder.failed)
-        answer = beneath_look(buf_text(&folder), buf_text(other) + length + 1);
+        answer = path_kind_below(buf_text(&folder), buf_text(other) + length + 1);
     other->failed |= folder.failed;
     buf_release(&folder);
     return answer;
@@ -279,14 +280,14 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
                     const struct trust_sought *sought, struct fault *fault)
 {
     struct buf other = {0};
-    enum beneath answer = look_everywhere(path, home, scenes, name);
+    enum path_kind answer = look_everywhere(path, home, scenes, name);
     const char *last = name;
-    if (!path->failed && answer == BENEATH_FINE) {
+    if (!path->failed && answer == PATH_IS_FILE) {
         const size_t length = path->length - strlen(name);
         answer = look_at_other(&other, path, name);
-        if (answer == BENEATH_FOLDER)
-            answer = BENEATH_NO_FILE;
-        last = answer == BENEATH_FINE || sought->by_proof ? name : buf_text(&other) + length;
+        if (answer == PATH_IS_FOLDER)
+            answer = PATH_IS_SPECIAL;
+        last = answer == PATH_IS_FILE || sought->by_proof ? name : buf_text(&other) + length;
     }
     const enum err err = path->failed || other.failed ? fault_memory(fault, "a path")
                                                       : check_answer(answer, last, sought, fault);
@@ -298,7 +299,7 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
 
 bool trust_leads_out(const char *name)
 {
-    return !beneath_is_inside(name) || file_is_from_home(name);
+    return !path_is_inside(name) || file_is_from_home(name);
 }
 
 static bool is_regular(const char *path)
@@ -332,10 +333,10 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
     struct buf other = {0};
     bool leads_out = trust_leads_out(name);
     if (!leads_out) {
-        enum beneath answer = look_everywhere(path, home, scenes, name);
-        if (answer == BENEATH_FINE)
+        enum path_kind answer = look_everywhere(path, home, scenes, name);
+        if (answer == PATH_IS_FILE)
             answer = look_at_other(&other, path, name);
-        leads_out = answer == BENEATH_OUTSIDE;
+        leads_out = answer == PATH_IS_OUTSIDE;
     } else if (*name == '/' || file_is_from_home(name)) {
         file_from_home(path, name);
     } else {
@@ -350,7 +351,7 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
 
 /* ---- golden images ---- */
 
-enum beneath trust_look_at_golden(const char *path, bool *leads_out)
+enum path_kind trust_look_at_golden(const char *path, bool *leads_out)
 {
     struct buf goldens = {0}, folder = {0};
     struct stat status;
@@ -358,12 +359,12 @@ enum beneath trust_look_at_golden(const char *path, bool *leads_out)
     file_folder(&folder, buf_text(&goldens));
     const char *name = path + (file_name(buf_text(&goldens)) - buf_text(&goldens));
     const bool failed = goldens.failed || folder.failed;
-    enum beneath answer = failed ? BENEATH_OUTSIDE : beneath_look(buf_text(&folder), name);
+    enum path_kind answer = failed ? PATH_IS_OUTSIDE : path_kind_below(buf_text(&folder), name);
     *leads_out = /* its last part is a link to a regular file */
-        answer == BENEATH_OUTSIDE && !failed &&
-        beneath_look(buf_text(&folder), file_name(buf_text(&goldens))) == BENEATH_FOLDER &&
+        answer == PATH_IS_OUTSIDE && !failed &&
+        path_kind_below(buf_text(&folder), file_name(buf_text(&goldens))) == PATH_IS_FOLDER &&
         lstat(path, &status) == 0 && S_ISLNK(status.st_mode) && is_regular(path);
-    answer = *leads_out ? BENEATH_FINE : answer;
+    answer = *leads_out ? PATH_IS_FILE : answer;
     buf_release(&goldens);
     buf_release(&folder);
     return answer;

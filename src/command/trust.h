@@ -70,7 +70,7 @@ bool trust_leads_out(const char *name);
  * folder. *leads_out: the file is a link to a regular file elsewhere, as created by git-annex and
  * workflow engines. The caller may read it, and report only whether it is the recorded picture or
  * labels. */
-enum beneath trust_look_at_golden(const char *path, bool *leads_out);
+enum path_kind trust_look_at_golden(const char *path, bool *leads_out);
 
 /* Files needed by a replay; NULL if absent. */
 struct trust_places {

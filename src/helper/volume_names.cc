@@ -74,11 +74,11 @@ std::string last_name(const std::string &path)
 
 std::string wrong_with(const std::string &header, const std::string &name)
 {
-    const enum beneath look = beneath_look(folder_of(header).c_str(), name.c_str());
-    if (look == BENEATH_FINE)
+    const enum path_kind look = path_kind_below(folder_of(header).c_str(), name.c_str());
+    if (look == PATH_IS_FILE)
         return "";
-    const char *is = look == BENEATH_MISSING   ? "which is not there"
-                     : look == BENEATH_OUTSIDE ? "which is not below the folder of the header"
+    const char *is = look == PATH_IS_MISSING   ? "which is not there"
+                     : look == PATH_IS_OUTSIDE ? "which is not below the folder of the header"
                                                : "which is not a regular file";
     return words_of("voxels of it are in %s, %s; nothing else is read in its place",
                     shown(name).c_str(), is);
@@ -311,7 +311,7 @@ std::vector<std::string> names_in_meta(const Text &text, const std::string &path
         return names;
     }
     for (const char *ending : {"", ".gz"}) /* both are tried by MetaIO */
-        if (beneath_look(folder_of(path).c_str(), (value + ending).c_str()) != BENEATH_MISSING)
+        if (path_kind_below(folder_of(path).c_str(), (value + ending).c_str()) != PATH_IS_MISSING)
             return {value + ending};
     return {value};
 }

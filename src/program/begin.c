@@ -158,7 +158,7 @@ static void find_linked(struct linked *linked, const char *journal)
             bool leads_out = false;
             buf_clear(&path);
             buf_printf(&path, "%s/%s", buf_text(&files.path), name);
-            if (path.failed || trust_look_at_golden(buf_text(&path), &leads_out) != BENEATH_FINE ||
+            if (path.failed || trust_look_at_golden(buf_text(&path), &leads_out) != PATH_IS_FILE ||
                 !leads_out)
                 continue;
             linked->path[linked->count] = realpath(buf_text(&path), NULL);

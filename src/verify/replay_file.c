@@ -94,7 +94,7 @@ static enum err read_journal(struct buf *bytes, const char *path, struct fault *
     const enum err err = file_exists(path) ? file_read(bytes, path, JOURNAL_BYTES_MAX, fault) : OK;
     file_folder(&folder, path);
     const bool is_elsewhere =
-        folder.failed || beneath_look(buf_text(&folder), file_name(path)) == BENEATH_OUTSIDE;
+        folder.failed || path_kind_below(buf_text(&folder), file_name(path)) == PATH_IS_OUTSIDE;
     const bool is_shown = !is_elsewhere || (!err && strncmp(buf_text(bytes), RECORD_HEADER,
                                                             strlen(RECORD_HEADER)) == 0);
     struct stat status;
