@@ -57,6 +57,12 @@ print('voxels', d['differing'], 'of', d['voxels'], 'differ')
 EOS
 same_files figures expected
 
+begin "a label has its own name, whatever name the other journal has at its index"
+printf 'open s.nii\nlabel 300 ghost\nlabel 400 solid\nseed 2,3,4 400\nrun\n' >ghost.txt
+printf 'open s.nii\nlabel 500 other\nseed 2,3,4 500\nrun\n' >other.txt
+expect 1 "$iftty" diff ghost.txt other.txt
+grep -qE '^500 other ' out || fail "$(cat out)"
+
 begin "comments, results and questions are no commands"
 "$iftty" log --script a.iftty | grep -v '^save' | sed 's/^run$/# why\ninfo\nrun/' >a.txt
 expect_out "commands  8, all equal" 0 "$iftty" diff a.txt plain.iftty

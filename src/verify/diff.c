@@ -284,15 +284,6 @@ static void find_used(bool used[256], const uint8_t *label, size_t voxels)
         used[label[i]] = true;
 }
 
-/* Number of a label; 0 for none. */
-static uint32_t number_of(const struct side_facts *facts, unsigned label)
-{
-    bool is_used = false;
-    for (unsigned l = 0; l < 256; l++)
-        is_used |= facts->label_number[l] > 0;
-    return is_used ? facts->label_number[label] : label;
-}
-
 /* Unless both journals have the same numbers, give the labels of B the indices of the labels of A
  * with the same numbers, and free indices to others: in its voxels, names, colours and numbers.
  * ERR_LIMIT for more than 255 labels of both. */
@@ -300,54 +291,49 @@ static enum err align(struct side *side, const struct side_facts *a, const uint8
                       struct fault *fault)
 {
     struct side_facts *b = (struct side_facts *)(void *)side->bytes.data;
-    struct side_facts *former = mem_new(sizeof *former);
+    OWNED(mem_release) struct side_facts *former = mem_new(sizeof *former);
     uint8_t *voxel = (uint8_t *)(b + 1), to[256] = {0};
-    bool used[256], is_a[256], taken[256] = {true};
-    if (memcmp(b->label_number, a->label_number, sizeof a->label_number) == 0) {
-        free(former);
+    bool used[256], taken[256];
+    if (memcmp(b->label_number, a->label_number, sizeof a->label_number) == 0)
         return OK;
-    }
     if (!former)
         return fault_memory(fault, "labels");
     *former = *b;
     find_used(used, voxel, b->voxels);
-    find_used(is_a, label_a, a->voxels);
+    find_used(taken, label_a, a->voxels);
     for (unsigned l = 1; l < 256; l++)
-        taken[l] = is_a[l] && number_of(a, l);
+        for (unsigned i = 1; i < 256; i++)
+            if (used[l] && former->label_number[l] &&
+                a->label_number[i] == former->label_number[l]) {
+                to[l] = (uint8_t)i;
+                taken[i] = true;
+            }
+    memset(b->label_number, 0, sizeof b->label_number);
+    memset(b->label_name[1], 0, 255 * sizeof b->label_name[1]);
     for (unsigned l = 1; l < 256; l++) {
-        unsigned at = 0;
         if (!used[l])
             continue;
-        for (unsigned i = 1; i < 256 && !at; i++) /* the label of A */
-            at = taken[i] && is_a[i] && number_of(a, i) == number_of(former, l) ? i : 0;
-        if (!at && !taken[l])
-            at = l;
-        for (unsigned i = 1; i < 256 && !at; i++)
-            at = taken[i] ? 0 : i;
+        unsigned at = to[l] ? to[l] : l;
+        if (!to[l] && taken[l])
+            for (at = 1; at < 256 && taken[at];)
+                at++;
+        if (at == 256)
+            return fault_set(fault, ERR_LIMIT, "the journals have more than 255 labels");
         to[l] = (uint8_t)at;
         taken[at] = true;
-    }
-    for (unsigned l = 1; l < 256; l++) {
-        if (used[l] && !to[l]) {
-            free(former);
-            return fault_set(fault, ERR_LIMIT, "the journals have more than 255 labels");
-        }
-        if (!used[l])
-            continue;
-        b->label_number[to[l]] = number_of(former, l);
-        memcpy(b->palette.rgb[to[l]], former->palette.rgb[l], 3);
-        memcpy(b->label_name[to[l]], former->label_name[l], LABEL_NAME_BYTES);
+        b->label_number[at] = former->label_number[l];
+        memcpy(b->palette.rgb[at], former->palette.rgb[l], 3);
+        memcpy(b->label_name[at], former->label_name[l], LABEL_NAME_BYTES);
     }
     for (size_t i = 0; i < b->voxels; i++)
         voxel[i] = to[voxel[i]];
-    free(former);
     return OK;
 }
 
 /* The number of a label of either journal, after align(). */
-static uint32_t number_in(const struct journals *j, unsigned label)
+static uint32_t number_in(const struct journals *j, int label)
 {
-    return number_of(j->side[j->overlap.a[label] ? 0 : 1].facts, label);
+    return j->side[j->overlap.a[label] ? 0 : 1].facts->label_number[label];
 }
 
 /* Header before the pixels. */
@@ -373,15 +359,15 @@ static enum err draw(struct picture *picture, struct session *session, const str
         .label = {label, label_b},
         .overlap = &overlap};
     struct state next = session->now;
-    if (memcmp(facts->label_number, other->label_number, sizeof facts->label_number) != 0)
-        numbering_fill(next.kept.label_number, &session->now.kept);
+    memcpy(next.kept.label_number, facts->label_number, sizeof facts->label_number);
     for (int l = 1; l < 256; l++) { /* use the names and colours of B where A has no such label */
         if (overlap.a[l])
             continue;
-        if (overlap.b[l] && number_of(other, (unsigned)l) != number_of(facts, (unsigned)l))
-            next.kept.label_number[l] = number_of(other, (unsigned)l);
+        const bool is_other = overlap.b[l] && other->label_number[l] != facts->label_number[l];
+        if (is_other)
+            next.kept.label_number[l] = other->label_number[l];
         memcpy(next.kept.palette.rgb[l], other->palette.rgb[l], 3);
-        if (!next.kept.label_name[l][0])
+        if (is_other || !next.kept.label_name[l][0])
             memcpy(next.kept.label_name[l], other->label_name[l], LABEL_NAME_BYTES);
     }
     err = session_go(session, &next, NULL, 0, fault);
@@ -444,8 +430,9 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
 
 static const char *name_of(const struct journals *j, int label)
 {
-    const char *name = j->side[0].facts->label_name[label];
-    return *name ? name : j->side[1].facts->label_name[label];
+    const struct side_facts *a = j->side[0].facts, *b = j->side[1].facts;
+    const bool is_a = j->overlap.a[label] || a->label_number[label] == b->label_number[label];
+    return is_a && *a->label_name[label] ? a->label_name[label] : b->label_name[label];
 }
 
 static bool is_listed(const struct overlap *overlap, int label)
@@ -483,7 +470,7 @@ static void write_labels(struct buf *out, const struct journals *j)
         const unsigned dice = overlap_dice(o, (uint8_t)label);
         if (!is_listed(o, label))
             continue;
-        buf_printf(&name, "%u ", number_in(j, (unsigned)label));
+        buf_printf(&name, "%u ", number_in(j, label));
         buf_add_safe_text(&name, name_of(j, label));
         buf_printf(out, "%-22s %2u.%04u %12" PRIu64 " %12" PRIu64 " %12" PRIu64 "\n",
                    buf_text(&name), dice / DICE_ONE, dice % DICE_ONE, o->a[label], o->b[label],
@@ -552,7 +539,7 @@ static void write_json(struct buf *out, const struct journals *j)
         if (!is_listed(o, label))
             continue;
         json_object(&json, NULL);
-        json_count(&json, "label", number_in(j, (unsigned)label));
+        json_count(&json, "label", number_in(j, label));
         json_text(&json, "name", name_of(j, label));
         json_count(&json, "dice_ten_thousandths", overlap_dice(o, (uint8_t)label));
         json_count(&json, "a", o->a[label]);

@@ -8,6 +8,7 @@
 #include "base/mem.h"
 #include "command/interpreter.h"
 #include "engine/scene.h"
+#include "session/map.h"
 #include "session/session.h"
 #include "verify/process.h"
 #include "verify/replay_file.h"
@@ -78,7 +79,7 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     facts->is_private = session->is_private;
     memcpy(facts->proof, session->proof, sizeof facts->proof);
     memcpy(facts->label_name, kept->label_name, sizeof facts->label_name);
-    memcpy(facts->label_number, kept->label_number, sizeof facts->label_number);
+    numbering_fill(facts->label_number, kept);
     facts->palette = kept->palette;
     facts->scene_digest = session->scene_digest;
     facts->voxels = voxels;

@@ -28,7 +28,7 @@ struct side_facts { /* sent between processes of this program as they are */
     size_t voxels, pending, more;
     uint8_t is_edited, is_torn, is_private; /* booleans */
     char label_name[256][LABEL_NAME_BYTES];
-    uint32_t label_number[256]; /* (session/map.h) */
+    uint32_t label_number[256]; /* (numbering_fill) */
     struct palette palette;
 };
 
