@@ -211,7 +211,7 @@ static uint8_t label_now(const struct session *session, uint32_t cell)
 /* Leave out voxels, and record their runs: voxels that are not among `grown`, or if that is NULL,
  * voxels whose label is not in the set. The voxels before `end[i]` stay before it, for each of
  * `ends`. */
-static enum err leave_out(const struct act *act, struct voxels *voxels,
+static enum err leave_out(const struct act *act, struct planting *planting, struct voxels *voxels,
                           const struct label_set *takes, const struct voxels *grown, size_t *end,
                           size_t ends)
 {
@@ -244,6 +244,7 @@ static enum err leave_out(const struct act *act, struct voxels *voxels,
             voxels->cell[kept++] = voxels->cell[i];
     }
     voxels->count = kept;
+    planting->spared = all - kept;
     if (!err && is_recorded && (!runs.fits || runs.at != runs.end))
         err = fault_set(act->fault, ERR_CHECK, "spared: expected N,N-N");
     if (!err && count <= SPARED_MOST) {
@@ -256,7 +257,6 @@ static enum err leave_out(const struct act *act, struct voxels *voxels,
 enum err act_begin_exact(struct planting *planting, const struct act *act, struct voxels *voxels,
                          size_t *end, size_t ends)
 {
-    const size_t all = voxels->count;
     const struct label_set takes = call_takes(act->call);
     enum err err = act_find_exact(planting, act);
     if (err || !act_has(act, "over|keep"))
@@ -266,21 +266,23 @@ enum err act_begin_exact(struct planting *planting, const struct act *act, struc
                          "over, keep: only with within=0, or for one ball of radius 1 or more or "
                          "with `within`; nothing was planted");
     err = session_run(act->session, act->fault);
-    if (!err)
-        err = leave_out(act, voxels, &takes, NULL, end, ends);
-    planting->spared = all - voxels->count;
-    return err;
+    return err ? err : leave_out(act, planting, voxels, &takes, NULL, end, ends);
 }
 
-/* Plant one marker on the voxels and release them. */
+/* Record the new markers, and report the voxels left out. */
+static enum err end_planting(const struct act *act, const struct planting *planting)
+{
+    act_add_markers(act);
+    return act_write_planting(act, planting);
+}
+
+/* Plant one marker on the voxels, and release them, before others are found around them. */
 static enum err plant_all(const struct act *act, struct planting *planting, struct voxels *voxels,
                           int16_t label)
 {
-    enum err err = act_plant(act, planting, voxels->cell, voxels->count, label);
+    const enum err err = act_plant(act, planting, voxels->cell, voxels->count, label);
     voxels_release(voxels);
-    if (!err)
-        act_add_markers(act);
-    return err ? err : act_write_planting(act, planting);
+    return err ? err : end_planting(act, planting);
 }
 
 /* ---- voxels freed by a gesture ---- */
@@ -294,14 +296,13 @@ static enum err plant_all(const struct act *act, struct planting *planting, stru
  */
 enum { FREES_TIMES = 3, FREES_LEAST = 2, FREES_MORE = 10, FREES_MOST = 160 };
 
-/* Free voxels for the marker that the command has planted, and release them. */
-static enum err free_voxels(const struct act *act, struct voxels *voxels, enum err err)
+/* Free voxels for the marker that the command has planted. */
+static enum err free_voxels(const struct act *act, const struct voxels *voxels)
 {
-    const struct session *session = act->session;
-    if (!err && session->markers.count > session->former_markers)
-        err = session_free_voxels(act->session, voxels->cell, voxels->count, act->fault);
-    voxels_release(voxels);
-    return err;
+    struct session *session = act->session;
+    return session->markers.count > session->former_markers
+               ? session_free_voxels(session, voxels->cell, voxels->count, act->fault)
+               : OK;
 }
 
 static int64_t shortest(const uint32_t unit[3])
@@ -319,35 +320,41 @@ static int64_t freed_radius(int64_t radius, int64_t voxel)
 
 static const uint32_t ones[3] = {1, 1, 1};
 
+/* Find the voxels of a ball at PLACE, or with `to`, of one at each step of the line. */
+static enum err paint_way(struct voxels *voxels, const struct act *act, const struct value *to,
+                          const uint32_t unit[3], int64_t radius, int most)
+{
+    const struct session *session = act->session;
+    const bool goes_on = to && to->given;
+    const uint32_t(*corner)[3] =
+        (const uint32_t(*)[3])(goes_on ? to->line->corner[0] : act_place(act, "PLACE"));
+    OWNED(brush_release) struct brush brush = {0};
+    const enum err err = brush_init(&brush, unit, radius, most, act->fault);
+    return err ? err
+               : paint_stroke(voxels, &session->scene->grid, &brush, corner,
+                              goes_on ? to->line->count : 1, session->watch, act->fault);
+}
+
 /* Find the balls at each step of a way in which a gesture frees voxels. */
 static enum err find_around_way(struct voxels *voxels, const struct act *act)
 {
-    const struct session *session = act->session;
-    const struct value *radius = act_value(act, "radius"), *to = act_value(act, "to"),
-                       *within = act_value(act, "within");
-    const uint32_t(*corner)[3] = to->given ? (const uint32_t(*)[3])to->line->corner
-                                           : (const uint32_t(*)[3])act_place(act, "PLACE");
+    const struct value *radius = act_value(act, "radius"), *within = act_value(act, "within");
     const bool in_mm = within->given ? within->in_mm : radius->in_mm;
-    const uint32_t *unit = in_mm ? session->scene->spacing_nm : ones;
+    const uint32_t *unit = in_mm ? act->session->scene->spacing_nm : ones;
     const int64_t freed =
         within->given ? within->number : freed_radius(radius->number, shortest(unit));
     const int64_t most = FREES_MOST * shortest(unit);
-    struct brush brush = {0};
-    enum err err = brush_init(&brush, unit, freed < most ? freed : most, FREES_MOST, act->fault);
-    if (!err)
-        err = paint_stroke(voxels, &session->scene->grid, &brush, corner,
-                           to->given ? to->line->count : 1, session->watch, act->fault);
-    brush_release(&brush);
-    return err;
+    return paint_way(voxels, act, act_value(act, "to"), unit, freed < most ? freed : most,
+                     FREES_MOST);
 }
 
 static enum err free_around_way(const struct act *act)
 {
-    struct voxels voxels = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
     if (!act->session->markers.yields)
         return OK;
     const enum err err = find_around_way(&voxels, act);
-    return free_voxels(act, &voxels, err);
+    return err ? err : free_voxels(act, &voxels);
 }
 
 static enum err free_around_box(const struct act *act)
@@ -356,7 +363,7 @@ static enum err free_around_box(const struct act *act)
     const struct session *session = act->session;
     const struct grid *grid = &session->scene->grid;
     uint32_t first[3], last[3], thin = UINT32_MAX;
-    struct voxels voxels = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
     if (!session->markers.yields)
         return OK;
     for (int a = 0; a < 3; a++) {
@@ -369,8 +376,8 @@ static enum err free_around_box(const struct act *act)
         first[a] = first[a] > more ? first[a] - more : 0;
         last[a] = last[a] + more < grid->size[a] ? last[a] + more : grid->size[a] - 1;
     }
-    return free_voxels(act, &voxels,
-                       paint_box(&voxels, grid, first, last, false, session->watch, act->fault));
+    const enum err err = paint_box(&voxels, grid, first, last, false, session->watch, act->fault);
+    return err ? err : free_voxels(act, &voxels);
 }
 
 /* Add the balls around the voxels first..last of a row. */
@@ -380,22 +387,21 @@ static enum err add_around(struct voxels *out, const struct act *act, const stru
     const struct grid *grid = &act->session->scene->grid;
     const struct place a = grid_place(grid, first), b = grid_place(grid, last);
     const uint32_t corner[2][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}};
-    struct voxels around = {0};
+    OWNED(voxels_release) struct voxels around = {0};
     enum err err = paint_stroke(&around, grid, brush, corner, 2, act->session->watch, act->fault);
     if (!err && !mem_grow(&out->cell, &out->capacity, out->count + around.count, sizeof *out->cell))
         err = fault_memory(act->fault, "seeds");
     for (size_t i = 0; !err && i < around.count; i++)
         out->cell[out->count++] = around.cell[i];
-    voxels_release(&around);
     return err;
 }
 
-/* Plant one marker on voxels in a slice, free their neighbourhood, and release them. */
+/* Plant one marker on voxels in a slice, and free their neighbourhood. */
 static enum err plant_in_slice(const struct act *act, struct planting *planting,
-                               struct voxels *voxels, int16_t label)
+                               const struct voxels *voxels, int16_t label)
 {
-    struct brush brush = {0};
-    struct voxels around = {0};
+    OWNED(brush_release) struct brush brush = {0};
+    OWNED(voxels_release) struct voxels around = {0};
     enum err err = OK;
     if (act->session->markers.yields && !is_exact(act, planting))
         err = brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault);
@@ -405,13 +411,10 @@ static enum err plant_in_slice(const struct act *act, struct planting *planting,
             next++;
         err = add_around(&around, act, &brush, voxels->cell[i], voxels->cell[next - 1]);
     }
-    brush_release(&brush);
     if (!err)
         err = act_plant(act, planting, voxels->cell, voxels->count, label);
     if (!err && planting->planted && around.count)
         err = session_free_voxels(act->session, around.cell, around.count, act->fault);
-    voxels_release(&around);
-    voxels_release(voxels);
     return err;
 }
 
@@ -434,21 +437,9 @@ static enum err find_unit(const uint32_t **unit, const struct act *act, const ch
 enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels)
 {
     const struct value *radius = act_value(act, "radius");
-    const struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
-    const bool goes_on = to && to->given;
-    const uint32_t(*corner)[3] =
-        (const uint32_t(*)[3])(goes_on ? to->line->corner[0] : act_place(act, "PLACE"));
-    const size_t corners = goes_on ? to->line->count : 1;
-    struct brush brush = {0};
     const uint32_t *unit;
-    enum err err = find_unit(&unit, act, "radius", radius);
-    if (!err)
-        err = brush_init(&brush, unit, radius->number, BRUSH_REACH_MOST, act->fault);
-    if (!err)
-        err = paint_stroke(voxels, grid, &brush, corner, corners, session->watch, act->fault);
-    brush_release(&brush);
-    return err;
+    const enum err err = find_unit(&unit, act, "radius", radius);
+    return err ? err : paint_way(voxels, act, to, unit, radius->number, BRUSH_REACH_MOST);
 }
 
 /* True if the last command has planted a marker of this label, and no other one. */
@@ -551,10 +542,7 @@ static enum err plant_shell(const struct act *act, struct voxels *voxels, const 
                         "label of the surroundings, or around=LABEL for another object; nothing "
                         "was planted",
                         numbering_of(&act->session->now.kept, planting.inside));
-    if (!err)
-        err = plant_all(act, &planting, voxels, label);
-    voxels_release(voxels);
-    return err;
+    return err ? err : plant_all(act, &planting, voxels, label);
 }
 
 static enum err refuse_shell(const struct act *act, const char *why)
@@ -590,8 +578,8 @@ static enum err plant_hollow_ball(const struct act *act)
     const bool is_through = act_has(act, "through");
     struct value radius = *act_value(act, "radius");
     struct body body = {.corner = NULL};
-    struct voxels voxels = {0};
-    struct brush brush = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
+    OWNED(brush_release) struct brush brush = {0};
     const uint32_t *unit;
     if (radius.given && is_through)
         return refuse_shell(act, "`radius` or `through`, not both");
@@ -607,7 +595,6 @@ static enum err plant_hollow_ball(const struct act *act)
     if (!err)
         err =
             paint_shell(&voxels, &session->scene->grid, &brush, middle, session->watch, act->fault);
-    brush_release(&brush);
     if (err)
         return err;
     body.ball.radius = radius.number;
@@ -619,7 +606,7 @@ static enum err plant_hollow_ball(const struct act *act)
 static enum err plant_hollow_box(const struct act *act)
 {
     const uint32_t *corner = act_place(act, "CORNER"), *opposite = act_place(act, "OPPOSITE");
-    struct voxels voxels = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
     struct body body = {.corner = corner, .opposite = opposite};
     uint32_t *middle = body.ball.centre;
     for (int a = 0; a < 3; a++) {
@@ -664,7 +651,7 @@ static enum err plant_confined(const struct act *act, struct planting *planting,
     const int16_t label = (int16_t)act_number(act, "LABEL");
     const struct label_set takes = call_takes(act->call);
     struct session *session = act->session;
-    struct voxels around = {0}, grown = {0};
+    OWNED(voxels_release) struct voxels around = {0}, grown = {0};
     struct record_word word;
     size_t taken = 0, others = 0;
     enum err err = session_run(session, act->fault);
@@ -677,7 +664,7 @@ static enum err plant_confined(const struct act *act, struct planting *planting,
             err = session_grow_confined(session, &takes, label, seeds, &around, &grown, act->fault);
     }
     if (!err)
-        err = leave_out(act, &around, NULL, &grown, NULL, 0);
+        err = leave_out(act, planting, &around, NULL, &grown, NULL, 0);
     if (!err)
         err = make_exact(planting, act);
     for (size_t i = 0, next = 0; !err && i < around.count; i++) {
@@ -697,19 +684,15 @@ static enum err plant_confined(const struct act *act, struct planting *planting,
         session_join(session);
         buf_printf(&act->reply->text, "grown: %zu voxel%s\n", others, plural(others));
     }
-    voxels_release(&around);
-    voxels_release(&grown);
-    if (!err)
-        act_add_markers(act);
-    return err ? err : act_write_planting(act, planting);
+    return err ? err : end_planting(act, planting);
 }
 
 enum err act_seed(const struct act *act)
 {
     const bool is_shell = act_is_yes(act, "shell");
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
-    struct voxels voxels = {0};
-    const bool is_confined = act_has(act, "within") && act_value(act, "within")->number > 0;
+    OWNED(voxels_release) struct voxels voxels = {0};
+    const bool is_confined = act_number(act, "within") > 0;
     if (is_confined && (is_shell || act_has(act, "to|joined")))
         return fault_set(act->fault, ERR_USAGE,
                          "within: above 0 only for one ball, not for strokes and shells; nothing "
@@ -718,7 +701,7 @@ enum err act_seed(const struct act *act)
         return refuse_shell(act, "only for one ball, not for strokes");
     if (act_has(act, "around|through") && !is_shell)
         return fault_set(act->fault, ERR_USAGE, "%s: only with shell=yes; nothing was planted",
-                         act_has(act, "around") ? "around" : "through");
+                         call_given(act->call, "around|through"));
     if (is_shell)
         return plant_hollow_ball(act);
     if (act_has(act, "joined") && !can_join(act))
@@ -726,7 +709,7 @@ enum err act_seed(const struct act *act)
                          "joined: the previous command did not plant seeds of label %u; nothing "
                          "was planted",
                          act_place(act, "LABEL")[0]);
-    const bool is_ball = !act_has(act, "to|joined") && act_value(act, "radius")->number > 0;
+    const bool is_ball = !act_has(act, "to|joined") && act_number(act, "radius") > 0;
     const bool grows =
         act_has(act, "over|keep") && (is_confined || (is_ball && !act_has(act, "within")));
     enum err err = act_find_voxels(act, act_value(act, "to"), &voxels);
@@ -738,7 +721,6 @@ enum err act_seed(const struct act *act)
         err = plant_confined(act, &planting, &voxels);
     else if (!err)
         err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
-    voxels_release(&voxels);
     if (!err && act_has(act, "joined"))
         session_join(act->session);
     return err || is_exact(act, &planting) ? err : free_around_way(act);
@@ -749,7 +731,7 @@ enum err act_seed(const struct act *act)
 enum err act_box(const struct act *act)
 {
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
-    struct voxels voxels = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
     if (act_has(act, "around") && !act_is_yes(act, "shell"))
         return fault_set(act->fault, ERR_USAGE, "around: only with shell=yes; nothing was planted");
     if (act_is_yes(act, "shell"))
@@ -760,7 +742,6 @@ enum err act_box(const struct act *act)
         err = act_begin_exact(&planting, act, &voxels, NULL, 0);
     if (!err)
         err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
-    voxels_release(&voxels);
     return err || is_exact(act, &planting) ? err : free_around_box(act);
 }
 
@@ -776,14 +757,13 @@ static enum err plant_ring(const struct act *act, struct voxels *ring, int16_t l
 {
     struct planting planting = act_begin_planting(act->session, NULL);
     const struct markers *markers = &act->session->markers;
-    const size_t all = ring->count;
     struct label_set takes = {{1}};
     bool has_another = false;
     for (size_t m = 0; m < markers->count; m++)
         has_another |= markers->marker[m].label > 0 && markers->marker[m].label != label;
     label_set_add(&takes, (uint8_t)label);
-    enum err err = has_another ? leave_out(act, ring, &takes, NULL, NULL, 0) : OK;
-    *others = all - ring->count;
+    enum err err = has_another ? leave_out(act, &planting, ring, &takes, NULL, NULL, 0) : OK;
+    *others = planting.spared;
     if (!err)
         err = act_find_exact(&planting, act);
     if (!err)
@@ -800,7 +780,7 @@ static enum err plant_polygon(const struct act *act, int ring)
     const int16_t label = (int16_t)act_number(act, "LABEL");
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     struct watch *watch = act->session->watch;
-    struct voxels inside = {0}, around = {0};
+    OWNED(voxels_release) struct voxels inside = {0}, around = {0};
     if (!line || line->count < 3)
         return fault_set(act->fault, ERR_USAGE,
                          "a polygon has three corners or more, not all on one line (`box` "
@@ -815,11 +795,7 @@ static enum err plant_polygon(const struct act *act, int ring)
         err = plant_in_slice(act, &planting, &inside, label);
     if (!err && planting.planted && ring)
         err = plant_ring(act, &around, label, &planting.others);
-    voxels_release(&inside);
-    voxels_release(&around);
-    if (!err)
-        act_add_markers(act);
-    return err ? err : act_write_planting(act, &planting);
+    return err ? err : end_planting(act, &planting);
 }
 
 enum err act_fill(const struct act *act)
@@ -931,7 +907,7 @@ static enum err find_between(struct voxels *out, struct between_tally *tally, co
 {
     struct session *session = act->session;
     const struct scene *scene = session->scene;
-    uint8_t *map = mem_array(scene->grid.cells, 1);
+    OWNED(mem_release) uint8_t *map = mem_array(scene->grid.cells, 1);
     unsigned axes;
     if (!map)
         return fault_memory(act->fault, "outlines");
@@ -944,7 +920,6 @@ static enum err find_between(struct voxels *out, struct between_tally *tally, co
                            session->watch, act->fault);
     if (!err)
         err = collect_filled(out, act, map, tally->voxels);
-    free(map);
     if (!err && tally->sections < 2)
         return refuse_between(act, "has exact outlines in one slice alone",
                               "; outline it in another slice too");
@@ -958,7 +933,7 @@ enum err act_between(const struct act *act)
     struct planting planting = act_begin_planting(act->session, NULL);
     struct label_set takes = {{1}}; /* over=0 */
     struct between_tally tally;
-    struct voxels voxels = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
     uint32_t from[3] = {0}, to[3] = {0};
     int axis;
     if (act_has(act, "over|keep"))
@@ -972,13 +947,10 @@ enum err act_between(const struct act *act)
         err = session_run(act->session, act->fault);
     if (!err)
         err = make_exact(&planting, act);
-    const size_t all = voxels.count;
     if (!err)
-        err = leave_out(act, &voxels, &takes, NULL, NULL, 0);
-    planting.spared = all - voxels.count;
+        err = leave_out(act, &planting, &voxels, &takes, NULL, NULL, 0);
     if (!err)
         err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
-    voxels_release(&voxels);
     if (err)
         return err;
     const enum slice_plane plane = plane_of(scene, axis);
