@@ -228,6 +228,13 @@ expect 3 "$iftty" verify n.iftty
 out_has 'holds labels other than recorded'
 mv away/in.nii.gz .
 
+begin "a copy that names a label above 255 is rejected, though its digest is that of the record"
+digest=42f7ca7e803072d041b362b4a62ca78d
+mkdir x.golden
+gzip -dc changed | sed 's/Key="4"/Key="70000"/; s/spleeN/sp/' | gzip >x.golden/labels-$digest.nii.gz
+expect 3 "$iftty" -c "open s.nii; labels in.nii.gz copy=$digest" --journal x.iftty
+err_has "labels-$digest.nii.gz names a label 70000, above 255; nothing was planted"
+
 begin "the other regions of a map are kept, whatever is planted, and are written back"
 start='open s.nii; labels many.nii.gz regions=5 rest=keep; seed 20,1,2 5 radius=4 within=0; run'
 expect 0 "$iftty" -c "$start; info; stats; save labels out.nii.gz replace=yes; undo 3; redo 3

@@ -537,6 +537,11 @@ static enum err read_copy(struct volume *map, struct label_table *names, const s
                              act->fault);
     if (!err)
         err = read_names(names, act, text);
+    for (size_t i = 0; !err && i < names->count; i++)
+        if (names->entry[i].number > 255) /* they are labels, not numbers of regions */
+            err = fault_set(act->fault, ERR_INPUT,
+                            "%s names a label %u, above 255; nothing was planted", path,
+                            names->entry[i].number);
     return err && err != ERR_MEMORY && err != ERR_CANCELLED && leads_out
                ? golden_refuse_link(path, act->fault)
                : err;
