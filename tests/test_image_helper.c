@@ -150,12 +150,15 @@ STORY(an_existing_file_is_kept_unless_told)
 STORY(what_is_no_image_is_told_in_a_line)
 {
     struct picture q;
+    struct image_facts facts;
     struct fault fault = {0};
-    CHECK_INT(file_write(file_in(folder, "bad.png"), "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL),
-              OK);
-    CHECK_INT(image_helper_read(helper, file_in(folder, "bad.png"), &q, &fault), ERR_INPUT);
+    const char *bad = file_in(folder, "bad.png");
+    CHECK_INT(file_write(bad, "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL), OK);
+    CHECK_INT(image_helper_read(helper, bad, &q, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "cannot read");
     CHECK(strpbrk(fault.text, "\n\033") == NULL && q.rgba == NULL);
+    CHECK_INT(image_helper_about(helper, bad, &facts, &fault), ERR_INPUT);
+    CHECK(strpbrk(fault.text, "\n\033") == NULL && facts.format == NULL);
     CHECK(image_helper_read(helper, file_in(folder, "none.png"), &q, &fault) != OK);
     CHECK_HAS(fault.text, "none.png");
 }
@@ -245,16 +248,6 @@ STORY(linear_formats_get_linear_light)
     CHECK_INT(file_read(&file, file_in(folder, "a.hdr"), 1 << 20, NULL), OK);
     const uint8_t *last = (const uint8_t *)file.data + file.length - 4;
     CHECK(file.length > 4 && last[3] == 128 && last[0] >= 127 && last[0] <= 129);
-}
-
-STORY(about_what_is_no_image_is_told_in_a_line)
-{
-    struct image_facts facts;
-    struct fault fault = {0};
-    CHECK_INT(file_write(file_in(folder, "bad.png"), "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL),
-              OK);
-    CHECK_INT(image_helper_about(helper, file_in(folder, "bad.png"), &facts, &fault), ERR_INPUT);
-    CHECK(strpbrk(fault.text, "\n\033") == NULL && facts.format == NULL);
 }
 
 /* A helper that is a small shell script. */

@@ -187,32 +187,28 @@ JOURNAL_STORY(the_middle_of_a_shell_may_lie_outside_the_region, "outside.iftty")
 JOURNAL_STORY(what_is_no_shell_is_refused, "refused.iftty")
 {
     must(&interp, "auto on; seed 5,5,5 1");
-    is_refused(&interp, "seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside");
-    is_refused(&interp, "seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside");
-    is_refused(&interp, "seed 5,5,5 0 radius=100 shell=yes", "no voxel of it is in the scene");
-    is_refused(&interp, "seed 5,5,5 0 radius=513 shell=yes", "radius: expected a number 0..512");
-    is_refused(&interp, "seed 5,5,5 0 radius=900mm shell=yes",
-               "it reaches 900 voxels along x; at most 512");
-    is_refused(&interp, "seed 5,5,5 0 radius=129", "it reaches 129 voxels along x; at most 128");
-    is_refused(&interp, "seed 15,5,5 0 radius=3 shell=yes", "15");
-    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes",
-               "label 1 is also the label of the object inside");
-    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes around=1",
-               "also the label of the object inside");
-    is_refused(&interp, "seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "not for strokes");
-    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes joined=yes", "not for strokes");
-    is_refused(&interp, "seed 5,5,5 0 through=6,6,6", "through: only with shell=yes");
-    is_refused(&interp, "seed 5,5,5 0 radius=3 through=6,6,6 shell=yes",
-               "`radius` or `through`, not both");
-    is_refused(&interp, "seed 5,5,5 0 through=5,5,5 shell=yes",
-               "a ball of radius 0 has nothing inside");
-    is_refused(&interp, "seed 5,5,5 0 radius=3 around=1", "around: only with shell=yes");
-    is_refused(&interp, "box 1,1,1 5,5,5 0 around=1", "around: only with shell=yes");
-    is_refused(&interp, "box 1,1,1 5,2,5 0 shell=yes",
-               "less than 3 voxels thick has nothing inside");
-    is_refused(&interp, "box 5,5,5 5,5,5 0 shell=yes",
-               "less than 3 voxels thick has nothing inside");
-    is_refused(&interp, "seed 9,5,5 0 radius=2 shell=yes around=2",
-               "is in objects other than the one");
+    static const char *const refused[][2] = {
+        {"seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside"},
+        {"seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside"},
+        {"seed 5,5,5 0 radius=100 shell=yes", "no voxel of it is in the scene"},
+        {"seed 5,5,5 0 radius=513 shell=yes", "radius: expected a number 0..512"},
+        {"seed 5,5,5 0 radius=900mm shell=yes", "it reaches 900 voxels along x; at most 512"},
+        {"seed 5,5,5 0 radius=129", "it reaches 129 voxels along x; at most 128"},
+        {"seed 15,5,5 0 radius=3 shell=yes", "15"},
+        {"seed 5,5,5 1 radius=3 shell=yes", "label 1 is also the label of the object inside"},
+        {"seed 5,5,5 1 radius=3 shell=yes around=1", "also the label of the object inside"},
+        {"seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "not for strokes"},
+        {"seed 5,5,5 1 radius=3 shell=yes joined=yes", "not for strokes"},
+        {"seed 5,5,5 0 through=6,6,6", "through: only with shell=yes"},
+        {"seed 5,5,5 0 radius=3 through=6,6,6 shell=yes", "`radius` or `through`, not both"},
+        {"seed 5,5,5 0 through=5,5,5 shell=yes", "a ball of radius 0 has nothing inside"},
+        {"seed 5,5,5 0 radius=3 around=1", "around: only with shell=yes"},
+        {"box 1,1,1 5,5,5 0 around=1", "around: only with shell=yes"},
+        {"box 1,1,1 5,2,5 0 shell=yes", "less than 3 voxels thick has nothing inside"},
+        {"box 5,5,5 5,5,5 0 shell=yes", "less than 3 voxels thick has nothing inside"},
+        {"seed 9,5,5 0 radius=2 shell=yes around=2", "is in objects other than the one"},
+    };
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
+        is_refused(&interp, refused[i][0], refused[i][1]);
     must(&interp, "seed 0,0,0 2 radius=2 shell=yes");
 }
