@@ -101,20 +101,15 @@ static bool resize_pool(struct queue *queue, uint32_t chunks)
     return true;
 }
 
-/* Grow the pool by an eighth. */
-static bool grow_pool(struct queue *queue)
-{
-    const uint32_t more = (queue->chunks / 8 / PAGE_CHUNKS + 1) * PAGE_CHUNKS;
-    return queue->chunks < UINT32_MAX - more && resize_pool(queue, queue->chunks + more);
-}
-
-/* Insert an empty chunk before *head. */
+/* Insert an empty chunk before *head. The pool grows by an eighth. */
 static bool open_chunk(struct queue *queue, uint32_t *head)
 {
+    const uint32_t more = (queue->chunks / 8 / PAGE_CHUNKS + 1) * PAGE_CHUNKS;
     uint32_t handle = queue->free;
     if (handle) {
         queue->free = queue->pool[handle].next;
-    } else if (queue->used < queue->chunks || grow_pool(queue)) {
+    } else if (queue->used < queue->chunks ||
+               (queue->chunks < UINT32_MAX - more && resize_pool(queue, queue->chunks + more))) {
         handle = queue->used++;
     } else {
         queue->failed = true;
