@@ -188,7 +188,7 @@ static enum err map_of(const char *digits, const struct grid *grid, struct geome
             map.intensity[n++] = (uint16_t)(*digits - '0');
     CHECK_INT(n, grid->voxels);
     fault = (struct fault){.text = ""};
-    enum err err = seeds_from_map(&seeds, &tally, &map, grid, &plain, choice, NULL, &fault);
+    enum err err = seeds_from_map(&seeds, &tally, &map, grid, choice, NULL, &fault);
     CHECK(err == OK || (seeds.count == 0 && !seeds.edit && strstr(fault.text, "; nothing ")));
     return err;
 }
@@ -266,7 +266,7 @@ STORY(values_are_what_the_header_makes_of_them)
         const struct grid one = grid_of(1, 1, 1);
         map.intensity[0] = (uint16_t)(value * 65535.0 / 116 + 0.5);
         choice.label = LABEL_OWN;
-        if (CHECK(seeds_from_map(&seeds, &tally, &map, &one, &plain, &choice, NULL, &fault) == OK))
+        if (CHECK(seeds_from_map(&seeds, &tally, &map, &one, &choice, NULL, &fault) == OK))
             CHECK_INT(seeds.edit[0].label, value);
         seeds_release(&seeds);
     }
@@ -383,19 +383,18 @@ STORY(a_map_of_another_grid_is_refused)
     const struct grid grid = grid_of(3, 2, 2);
     uint16_t value[12] = {1, 2};
     struct volume map = {.size = {3, 2, 1}, .intensity = value, .geometry = plain};
-    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &plain, &everything, NULL, &fault) ==
-          ERR_INPUT);
+    CHECK_INT(map_check_size(map.size, &grid, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "the map has 3x2x1 voxels and the scene 3x2x2");
     struct geometry place = plain;
     map.size[2] = 2;
     map.geometry.orientation = place.orientation = ORIENTATION_SFORM;
     map.geometry.world_sign[0] = -1;
-    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &place, &everything, NULL, &fault) ==
-          ERR_INPUT);
+    CHECK_INT(map_check_axes(&map, &place, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "along other axes of the world");
     map.geometry.orientation =
         ORIENTATION_UNKNOWN; /* a map that says nothing of the world is taken as it is */
-    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &place, &everything, NULL, &fault) == OK);
+    CHECK_INT(map_check_axes(&map, &place, &fault), OK);
+    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &everything, NULL, &fault) == OK);
     CHECK_TEXT(told(&grid), "0,0,0:1 1,0,0:2");
 }
 
@@ -430,7 +429,7 @@ STORY(out_of_memory_gives_no_seeds)
             value[i] = 1;
         struct volume map = {.size = {3, 3, 3}, .intensity = value, .geometry = plain};
         allow_allocations(n);
-        enum err err = seeds_from_map(&seeds, &tally, &map, &grid, &plain, &choice, NULL, &fault);
+        enum err err = seeds_from_map(&seeds, &tally, &map, &grid, &choice, NULL, &fault);
         mem_allows = NULL;
         CHECK_INT(err, n < 5 ? ERR_MEMORY : OK);
         CHECK_INT(seeds.count, n < 5 ? 0 : 1);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/safe.h"
 #include "session/map.h"
 #include "show/label_loss.h"
@@ -67,7 +68,6 @@ enum err act_label(const struct act *act)
 enum err act_choose_regions(struct regions *regions, const struct act *act,
                             const struct value *label)
 {
-    *regions = (struct regions){0};
     if (label && label->given && act_has(act, "as"))
         return fault_set(act->fault, ERR_USAGE,
                          "as and label are mutually exclusive; expected one of them");
@@ -78,8 +78,7 @@ enum { BESIDE_BYTES_MOST = 1 << 20, TABLE_BYTES_MOST = 16 << 20 };
 
 static void name_table(struct buf *out, const char *atlas)
 {
-    buf_add(out, atlas, strlen(atlas) - (file_is_named(atlas, ".gz") ? 3 : 0));
-    buf_add_text(out, ".txt");
+    buf_printf(out, "%.*s.txt", (int)strlen(atlas) - (file_is_named(atlas, ".gz") ? 3 : 0), atlas);
 }
 
 struct label_table atlas_table(const struct act *act, const char *path)
@@ -96,7 +95,7 @@ struct label_table atlas_table(const struct act *act, const char *path)
 void atlas_advise_names(const struct act *act, const bool has[256])
 {
     struct buf *out = &act->reply->text, *path = act_buf(act), *name = act_buf(act);
-    struct label_table table = {0};
+    OWNED(label_table_release) struct label_table table = {0};
     bool is_nameless = false;
     for (unsigned label = 1; label < 256; label++)
         is_nameless |= has[label] && !*act->session->now.kept.label_name[label];
@@ -112,7 +111,6 @@ void atlas_advise_names(const struct act *act, const bool has[256])
             buf_printf(out, " as=%s", act_text(act, "as"));
         buf_add_text(out, "`\n");
     }
-    label_table_release(&table);
 }
 
 /* ---- out of a table ---- */
@@ -132,9 +130,9 @@ void act_write_changed_names(const struct act *act, const struct label_tally *ta
 enum err act_label_file(const struct act *act)
 {
     const char *name = act_text(act, "FILE");
-    struct label_table table = {0};
+    OWNED(label_table_release) struct label_table table = {0};
+    OWNED(regions_release) struct regions regions = {0};
     struct label_tally tally;
-    struct regions regions;
     struct buf *out = &act->reply->text, *path = act_buf(act), *text = act_buf(act);
     enum err err = act_choose_regions(&regions, act, NULL);
     if (err)
@@ -151,10 +149,8 @@ enum err act_label_file(const struct act *act)
         err = label_table_read(&table, buf_text(text), text->length, act->fault);
     if (!err)
         err = label_table_apply(&act->next->kept, &tally, &table, &regions, act->fault);
-    regions_release(&regions);
-    label_table_release(&table);
     if (err)
-        return act_prefix_file(name, err, act->fault);
+        return act_prefix_file(act, err);
     buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),
                tally.colours, plural(tally.colours));
     if (tally.beyond && !act_has(act, "regions"))
@@ -165,9 +161,9 @@ enum err act_label_file(const struct act *act)
     return act_go(act);
 }
 
-enum err act_prefix_file(const char *file, enum err err, struct fault *fault)
+enum err act_prefix_file(const struct act *act, enum err err)
 {
-    return err ? fault_prefix(fault, err, "%s", file) : OK;
+    return err ? fault_prefix(act->fault, err, "%s", act_text(act, "FILE")) : OK;
 }
 
 enum err act_go(const struct act *act)
@@ -244,14 +240,18 @@ struct map_place act_map_place(const struct act *act)
     return place;
 }
 
-enum err act_read_map(const struct act *act, struct volume *map)
+enum err act_read_map(const struct act *act, struct volume *map, uint32_t first, uint32_t last)
 {
-    const struct session *session = act->session;
+    struct watch *watch = act->session->watch;
     const struct map_place place = act_map_place(act);
     struct buf *path = act_buf(act);
-    const enum err err =
-        interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
-    return err ? err : map_read(map, buf_text(path), &place, session->watch, act->fault);
+    enum err err = interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
+    if (!err)
+        err = map_read(map, buf_text(path), &place, watch, act->fault);
+    if (err)
+        return err;
+    buf_add_text(&act->reply->text, map->notes);
+    return act_prefix_file(act, map_to_regions(map, first, last, watch, act->fault));
 }
 
 /* ---- labels ---- */

@@ -81,8 +81,8 @@ static inline bool act_is_yes(const struct act *act, const char *name)
 /* Apply act->next, the new state, to the session. */
 enum err act_go(const struct act *act);
 
-/* Put the name of a file before the words of an error; return `err`. */
-enum err act_prefix_file(const char *file, enum err err, struct fault *fault);
+/* Put the name of the command's FILE before the words of an error; return `err`. */
+enum err act_prefix_file(const struct act *act, enum err err);
 
 /* Check a name: a word of less than `room` bytes that cannot be mistaken for a number, a colour or
  * an option. ERR_USAGE. */
@@ -125,9 +125,9 @@ void act_add_weights(const struct act *act);
 /* Return the position required of a map (`resample`), and the volume chosen in its file. */
 struct map_place act_map_place(const struct act *act);
 
-/* Read the map FILE. It must fit the scene's grid unless `resample=yes`. The caller releases the
- * map, also on error. */
-enum err act_read_map(const struct act *act, struct volume *map);
+/* Read the map FILE, add its notes to the answer, and convert it by map_to_regions. It must fit the
+ * scene's grid unless `resample=yes`. The caller releases the map, also on error. */
+enum err act_read_map(const struct act *act, struct volume *map, uint32_t first, uint32_t last);
 
 /* Origin of a journal: landmarks, which match scenes, and the procedure that made the journal
  * (act_ask.c). */
@@ -140,7 +140,7 @@ void act_write_origin(struct buf *out, const struct session *session);
 /* Regions of an atlas: their labels and their names (act.c). */
 
 /* Read `regions` and `as` by regions_read. ERR_USAGE if a single label for all is given too;
- * `label` may be NULL. */
+ * `label` may be NULL. The caller releases the regions, also on error. */
 struct regions;
 enum err act_choose_regions(struct regions *regions, const struct act *act,
                             const struct value *label);

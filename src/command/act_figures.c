@@ -140,28 +140,23 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
 enum err act_stats(const struct act *act)
 {
     struct labels labels;
-    enum err err = act_check_report(act);
-    if (err)
-        return err;
-    struct label_stats *stats = mem_array(256, sizeof *stats);
-    err = stats ? act_take_labels(act, &labels) : fault_memory(act->fault, "counts of labels");
+    OWNED(mem_release) struct label_stats *stats = mem_array(256, sizeof *stats);
+    enum err err = stats ? act_check_report(act) : fault_memory(act->fault, "counts of labels");
+    if (!err)
+        err = act_take_labels(act, &labels);
     if (!err)
         err = session_find_stats(act->session, &labels, stats, act->fault);
-    if (!err)
-        err = answer_stats(act, stats, &labels);
-    free(stats);
-    return err;
+    return err ? err : answer_stats(act, stats, &labels);
 }
 
 /* ---- `compare` ---- */
 
 /* Get the session's labels; with `label`, only that one. */
-static enum err get_own_labels(struct compared *compared, const struct act *act,
-                               struct labels *labels)
+static enum err get_own_labels(uint8_t **own, const struct act *act, struct labels *labels)
 {
     const struct grid *grid = &act->session->scene->grid;
     const struct value *only = act_value(act, "label");
-    uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
+    uint8_t *label = *own = mem_array(grid->voxels, 1);
     struct grid_walk walk = scene_walk(act->session->scene, "present labels", NULL, 0);
     enum err err = label ? act_take_labels(act, labels) : fault_memory(act->fault, "the labels");
     if (err)
@@ -175,41 +170,29 @@ static enum err get_own_labels(struct compared *compared, const struct act *act,
 }
 
 /* Get the labels of the map; labels of the map alone are made in `kept`. */
-static enum err get_map_labels(struct compared *compared, struct kept *kept, bool listed[256],
+static enum err get_map_labels(uint8_t **labels, struct kept *kept, bool listed[256],
                                const struct act *act)
 {
-    struct watch *watch = act->session->watch;
-    struct volume map = {0};
-    struct regions regions;
-    uint16_t *as = NULL;
+    const struct session *session = act->session;
+    OWNED(volume_release) struct volume map = {0};
+    OWNED(regions_release) struct regions regions = {0};
+    OWNED(mem_release) uint16_t *as = NULL;
     enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
     if (!err)
-        err = act_read_map(act, &map);
-    if (!err) {
-        buf_add_text(&act->reply->text, map.notes);
-        err = act_prefix_file(act_text(act, "FILE"),
-                              map_to_regions(&map, 0, UINT32_MAX, watch, act->fault), act->fault);
-    }
+        err = act_read_map(act, &map, 0, UINT32_MAX);
     if (!err && !act_has(act, "label"))
-        err = act_prefix_file(
-            act_text(act, "FILE"),
-            numbering_admit(kept, &map, &regions, &act->session->markers, act->fault), act->fault);
+        err = act_prefix_file(act,
+                              numbering_admit(kept, &map, &regions, &session->markers, act->fault));
     if (!err)
         err = regions_table(&as, &regions, &map, kept, act->fault);
-    if (!err && act_has(act, "label"))
+    if (err)
+        return err;
+    if (act_has(act, "label"))
         listed[act_number(act, "label")] = true;
-    else if (!err && act_has(act, "regions"))
+    else if (act_has(act, "regions"))
         regions_list(listed, &regions, kept);
-    if (!err) {
-        const struct map_labels choice = {as, (int)act_number_or(act, "label", LABEL_OWN)};
-        err = act_prefix_file(act_text(act, "FILE"),
-                              map_to_labels(&compared->label[1], &map, &choice, watch, act->fault),
-                              act->fault);
-    }
-    volume_release(&map);
-    free(as);
-    regions_release(&regions);
-    return err;
+    const struct map_labels choice = {as, (int)act_number_or(act, "label", LABEL_OWN)};
+    return act_prefix_file(act, map_to_labels(labels, &map, &choice, session->watch, act->fault));
 }
 
 /* Write "picture", slices through the given place, or the voxel with the largest distance, or the
@@ -220,7 +203,7 @@ static enum err write_picture(const struct act *act, const char *which, const st
     const uint32_t *cross = act->session->now.outlook.slices.cross;
     const uint32_t *place =
         act_has(act, "at") ? act_place(act, "at") : comparison_farthest(report->comparison, cross);
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     struct buf *path = act_buf(act);
     if (!act_has(act, which))
         return OK;
@@ -232,10 +215,7 @@ static enum err write_picture(const struct act *act, const char *which, const st
               : distance_picture_draw(&picture, act->session, report, false, act->fault);
     if (!err)
         err = act_note_picture(act, labels, &picture);
-    if (!err)
-        err = act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
-    picture_release(&picture);
-    return err;
+    return err ? err : act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
 }
 
 static enum err answer_comparison(const struct act *act, const struct labels *labels,
@@ -257,41 +237,35 @@ static enum err answer_comparison(const struct act *act, const struct labels *la
         err = write_picture(act, "picture", labels, &report);
     if (!err)
         err = write_picture(act, "surface", labels, &report);
-    if (!err)
-        comparison_write_text(&act->reply->text, &report);
-    if (!err)
-        act_write_no_seeds(act);
-    return err;
+    if (err)
+        return err;
+    comparison_write_text(&act->reply->text, &report);
+    act_write_no_seeds(act);
+    return OK;
 }
 
 enum err act_compare(const struct act *act)
 {
     struct session *session = act->session;
-    struct compared compared = {0};
     struct labels labels = {0};
     bool listed[256] = {false};           /* labels with a name or requested */
     struct kept *kept = &act->next->kept; /* and the labels of the map, which are not applied */
-    struct comparison *comparison = mem_new(sizeof *comparison);
+    OWNED(mem_release) struct comparison *comparison = mem_new(sizeof *comparison);
+    OWNED(mem_release) uint8_t *own = NULL, *other = NULL;
     enum err err = comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison");
     if (!err && act_has(act, "at") && !act_has(act, "picture"))
         err = fault_set(act->fault, ERR_USAGE,
                         "at: the place of the picture's slices; expected picture=FILE too");
     for (unsigned label = 1; label < 256 && !act_has(act, "label"); label++)
         listed[label] = *session->now.kept.label_name[label];
-    for (int a = 0; a < 3; a++) {
-        compared.size[a] = session->scene->grid.size[a];
-        compared.spacing_nm[a] = session->scene->spacing_nm[a];
-    }
     if (!err)
-        err = get_map_labels(&compared, kept, listed, act);
+        err = get_map_labels(&other, kept, listed, act);
     if (!err)
-        err = get_own_labels(&compared, act, &labels);
+        err = get_own_labels(&own, act, &labels);
+    struct compared compared = {.label = {own, other}};
+    memcpy(compared.size, session->scene->grid.size, sizeof compared.size);
+    memcpy(compared.spacing_nm, session->scene->spacing_nm, sizeof compared.spacing_nm);
     if (!err)
         err = comparison_make(comparison, &compared, session->team, session->watch, act->fault);
-    if (!err)
-        err = answer_comparison(act, &labels, comparison, kept, listed);
-    free(compared.label[0]);
-    free(compared.label[1]);
-    free(comparison);
-    return err;
+    return err ? err : answer_comparison(act, &labels, comparison, kept, listed);
 }

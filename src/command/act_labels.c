@@ -57,7 +57,7 @@ static enum err remove_trees(const struct act *act)
     struct session *session = act->session;
     uint32_t taken[TAKEN_MOST];
     struct record_word word;
-    struct voxels v = {0};
+    OWNED(voxels_release) struct voxels v = {0};
     size_t count;
     enum err err;
     if (act_find_recorded(act, "took", &word)) {
@@ -67,7 +67,6 @@ static enum err remove_trees(const struct act *act)
         err = find_removed(act, &v);
         err = err ? err : session_erase_trees(session, v.cell, v.count, act->fault);
     }
-    voxels_release(&v);
     /* Record the removed seeds: "took=X,Y,Z;X,Y,Z"; nothing if there are too many for a line. */
     const struct edit *edit = edits_first(&session->now.lists.pending);
     const size_t before = edits_count(&session->former.lists.pending),
@@ -101,61 +100,50 @@ static enum err read_removed(const struct markers *markers, const struct record_
     return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "removed: expected N,N-N");
 }
 
-/* Count the seeds of a whole stroke, or of an outline without its ring. */
-static size_t seeds_of(const struct markers *markers, uint32_t number)
-{
-    const int16_t label = markers->marker[number - 1].label;
-    size_t seeds = 0;
-    for (; number; number = markers_next(markers, number))
-        seeds +=
-            markers->marker[number - 1].label == label ? markers->marker[number - 1].voxels : 0;
-    return seeds;
-}
-
 static enum err remove_markers(const struct act *act)
 {
     struct session *session = act->session;
+    const struct markers *markers = &session->markers;
     struct record_word word;
-    struct voxels v = {0};
-    uint32_t *number = NULL;
-    size_t count;
+    OWNED(voxels_release) struct voxels v = {0};
+    OWNED(mem_release) uint32_t *number = NULL;
+    size_t count, seeds = 0;
     enum err err;
     if (act_find_recorded(act, "removed", &word)) {
-        err = read_removed(&session->markers, &word, &number, &count, act->fault);
+        err = read_removed(markers, &word, &number, &count, act->fault);
     } else {
         err = find_removed(act, &v);
         if (!err)
             err = session_find_markers(session, v.cell, v.count, &number, &count, act->fault);
     }
-    const size_t seeds = !err && count == 1 ? seeds_of(&session->markers, number[0]) : 0;
+    /* Count the seeds of a whole stroke, or of an outline without its ring. */
+    const uint32_t first = !err && count == 1 ? number[0] : 0;
+    for (uint32_t n = first; n; n = markers_next(markers, n))
+        if (markers->marker[n - 1].label == markers->marker[first - 1].label)
+            seeds += markers->marker[n - 1].voxels;
     if (!err)
         err = session_remove_markers(session, number, count, act->fault);
-    if (!err) {
-        /* Record the removed markers: "removed=3,7-9", in order. */
-        struct buf *words = &act->reply->words;
-        buf_add_blank(words);
-        buf_add_text(words, "removed=");
-        for (size_t i = 0, last; i < count; i = last + 1) {
-            for (last = i; last + 1 < count && number[last + 1] == number[last] + 1;)
-                last++;
-            buf_printf(words, i ? ",%u" : "%u", number[i]);
-            if (last > i)
-                buf_printf(words, "-%u", number[last]);
-        }
-        struct buf *out = &act->reply->text;
-        if (count > 1) {
-            buf_printf(out, "%zu markers removed\n", count);
-        } else {
-            buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], seeds,
-                       plural(seeds));
-            label_report_write_name(out, session,
-                                    (unsigned)session->markers.marker[number[0] - 1].label);
-            buf_add_char(out, '\n');
-        }
+    if (err)
+        return err;
+    /* Record the removed markers: "removed=3,7-9", in order. */
+    struct buf *words = &act->reply->words, *out = &act->reply->text;
+    buf_add_blank(words);
+    buf_add_text(words, "removed=");
+    for (size_t i = 0, last; i < count; i = last + 1) {
+        for (last = i; last + 1 < count && number[last + 1] == number[last] + 1;)
+            last++;
+        buf_printf(words, i ? ",%u" : "%u", number[i]);
+        if (last > i)
+            buf_printf(words, "-%u", number[last]);
     }
-    free(number);
-    voxels_release(&v);
-    return err;
+    if (count > 1) {
+        buf_printf(out, "%zu markers removed\n", count);
+    } else {
+        buf_printf(out, "marker %u removed: %zu seed%s of label ", first, seeds, plural(seeds));
+        label_report_write_name(out, session, (unsigned)markers->marker[first - 1].label);
+        buf_add_char(out, '\n');
+    }
+    return OK;
 }
 
 /* Voxels without a tree are ignored, unless the ball has no others. */
@@ -243,7 +231,7 @@ static enum err apply_numbers(const struct act *act, const char *list)
     const enum err err =
         numbering_take(&act->next->kept, &tally, list, &act->session->markers, act->fault);
     if (err)
-        return act_prefix_file(act_text(act, "FILE"), err, act->fault);
+        return act_prefix_file(act, err);
     if (tally.added)
         buf_printf(out, "%u region%s of it %s label%s with the file's number%s\n", tally.added,
                    plural(tally.added), tally.added == 1 ? "is a" : "are", plural(tally.added),
@@ -258,11 +246,10 @@ static enum err apply_numbers(const struct act *act, const char *list)
 static enum err number_regions(struct buf *numbers, const uint16_t *as, const struct act *act,
                                const struct volume *map, const struct label_table *names)
 {
-    bool *has = map_regions(map);
+    OWNED(mem_release) bool *has = map_regions(map);
     if (!has)
         return fault_memory(act->fault, "the regions");
     numbering_list(numbers, as, map, has, &act->session->now.kept);
-    free(has);
     const enum err err = numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
     if (err || !numbers->length || act_has(act, "regions") ||
         !file_is_named(act_text(act, "FILE"), ".seg.nrrd"))
@@ -438,10 +425,10 @@ static enum err read_original(struct volume *map, struct label_table *names, con
 {
     const struct session *session = act->session;
     const struct kept *kept = &act->next->kept;
-    const char *name = act_text(act, "FILE");
     struct map_labels choice = {.label = (int)act_number_or(act, "label", LABEL_OWN)};
-    struct regions regions;
-    uint16_t *as = NULL, *region = NULL;
+    OWNED(regions_release) struct regions regions = {0};
+    OWNED(mem_release) uint16_t *as = NULL, *region = NULL;
+    OWNED(mem_release) uint8_t *beyond = NULL;
     struct buf *text = act_buf(act), *path = act_buf(act);
     struct map_place place = act_map_place(act);
     enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
@@ -449,14 +436,14 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     if (!err && act_has(act, "as"))
         err = regions_check(&regions, kept, act->fault);
     if (!err && place.resample == REGRID_RESAMPLE &&
-        !(place.beyond = mem_new(session->scene->grid.voxels)))
+        !(place.beyond = beyond = mem_new(session->scene->grid.voxels)))
         err = fault_memory(act->fault, "a map");
     if (!err)
-        err = interpreter_find_file(act->interp, name, path, act->fault);
+        err = interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
     if (!err)
         err = map_read(map, buf_text(path), &place, session->watch, act->fault);
     if (!err)
-        err = act_prefix_file(name, find_regions(map, act), act->fault);
+        err = act_prefix_file(act, find_regions(map, act));
     if (!err)
         err = read_names(names, act, text);
     if (!err)
@@ -467,27 +454,25 @@ static enum err read_original(struct volume *map, struct label_table *names, con
         free(as);
         err = regions_table(&as, &regions, map, kept, act->fault);
     }
-    if (!err && (!act_has(act, "regions") || keeps_rest(act)))
+    if (err)
+        return err;
+    if (!act_has(act, "regions") || keeps_rest(act))
         as[0] = 0; /* the background */
     choice.as = as;
-    if (!err && keeps_rest(act) && !(region = copy_regions(map)))
-        err = fault_memory(act->fault, "the regions that are kept");
-    if (!err)
-        err =
-            act_prefix_file(name, map_label(map, &choice, session->watch, act->fault), act->fault);
+    if (keeps_rest(act) && !(region = copy_regions(map)))
+        return fault_memory(act->fault, "the regions that are kept");
+    err = map_label(map, &choice, session->watch, act->fault);
     if (!err && region)
-        err = act_prefix_file(name, mark_kept(map, region, act->fault), act->fault);
-    if (!err && place.beyond)
-        err = fill_with_labels(map, place.beyond, act);
-    if (!err) {
-        choose_names(names, act, &regions);
-        buf_add_text(&act->reply->text, map->notes);
-    }
-    free(place.beyond);
-    free(region);
-    free(as);
-    regions_release(&regions);
-    return err;
+        err = mark_kept(map, region, act->fault);
+    if (err)
+        return act_prefix_file(act, err);
+    if (beyond)
+        err = fill_with_labels(map, beyond, act);
+    if (err)
+        return err;
+    choose_names(names, act, &regions);
+    buf_add_text(&act->reply->text, map->notes);
+    return OK;
 }
 
 static bool is_here(const struct act *act)
@@ -499,23 +484,19 @@ static bool is_here(const struct act *act)
 static enum err erase_seeds(const struct act *act)
 {
     struct session *session = act->session;
-    struct voxels seeds = {0};
-    enum err err = OK;
-    for (struct grid_walk w = scene_walk(session->scene, "seeds", NULL, 0);
-         !err && grid_walk_next(&w);)
-        for (uint32_t c = w.row.first; !err && c < w.row.end; c++) {
+    OWNED(voxels_release) struct voxels seeds = {0};
+    for (struct grid_walk w = scene_walk(session->scene, "seeds", NULL, 0); grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
             if (!(session->scene->cell[c].flags & CELL_SEED) || !markers_show(&session->markers, c))
                 continue;
             if (!mem_grow(&seeds.cell, &seeds.capacity, seeds.count + 1, sizeof *seeds.cell))
-                err = fault_memory(act->fault, "seeds");
-            else
-                seeds.cell[seeds.count++] = c;
+                return fault_memory(act->fault, "seeds");
+            seeds.cell[seeds.count++] = c;
         }
-    err = err ? err : watch_fault(session->watch, act->fault);
-    if (!err && seeds.count)
-        err = session_plant(session, seeds.cell, seeds.count, EDIT_ERASE, 0, act->fault);
-    voxels_release(&seeds);
-    return err;
+    const enum err err = watch_fault(session->watch, act->fault);
+    return err || !seeds.count
+               ? err
+               : session_plant(session, seeds.cell, seeds.count, EDIT_ERASE, 0, act->fault);
 }
 
 /* Read a copy on the scene's grid; its digest is checked by the caller. */
@@ -711,7 +692,7 @@ static enum err plant_pieces(const struct act *act, const struct piece_seeds *se
                              const struct volume *map)
 {
     struct planting planting = act_begin_planting(act->session, NULL);
-    struct voxels voxels = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
     uint64_t digest = 0;
     enum err err = OK;
     planting.yields = true;
@@ -726,7 +707,6 @@ static enum err plant_pieces(const struct act *act, const struct piece_seeds *se
         if (!err)
             err = act_plant(act, &planting, voxels.cell, voxels.count, piece->label);
     }
-    voxels_release(&voxels);
     act->next->lists = act->session->now.lists;
     for (unsigned label = 1; label < 256 && !is_here(act) && !act_has(act, "as|label"); label++)
         act->next->kept.label_is_region[label] |= seeds->labels[label] > 0;
@@ -743,7 +723,13 @@ static enum err plant_pieces(const struct act *act, const struct piece_seeds *se
     act_add_digest(act, "file", digest);
     buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
-    return act_prefix_file(act_text(act, "FILE"), act_write_planting(act, &planting), act->fault);
+    return act_prefix_file(act, act_write_planting(act, &planting));
+}
+
+static enum err refuse_empty(const struct act *act)
+{
+    return fault_set(act->fault, ERR_INPUT, "%s has no voxel of these regions; nothing was planted",
+                     act_text(act, "FILE"));
 }
 
 /* Put the regions that are kept out of the region of interest, and out of the map. */
@@ -752,11 +738,12 @@ static enum err keep_rest(const struct act *act, struct volume *map)
     struct session *session = act->session;
     const struct roi *roi = &session->roi;
     const size_t voxels = voxels_in(map->size);
-    uint64_t *mask = mem_new(mask_bytes(&session->scene->grid));
-    uint16_t *rest = mem_array(voxels, sizeof *rest);
+    OWNED(mem_release) uint64_t *mask = mem_new(mask_bytes(&session->scene->grid));
+    OWNED(mem_release) uint16_t *rest = mem_array(voxels, sizeof *rest);
     size_t kept = 0, chosen = 0;
-    enum err err = mask && rest ? OK : fault_memory(act->fault, "the regions that are kept");
-    for (size_t i = 0; !err && i < voxels; i++) {
+    if (!mask || !rest)
+        return fault_memory(act->fault, "the regions that are kept");
+    for (size_t i = 0; i < voxels; i++) {
         const uint16_t value = map->intensity[i];
         const bool is_kept = value >= KEPT_FROM && value != REGION_NONE;
         rest[i] = is_kept ? (uint16_t)(value - KEPT_FROM) : 0;
@@ -764,34 +751,29 @@ static enum err keep_rest(const struct act *act, struct volume *map)
         kept += is_kept;
         chosen += value > 0 && value < KEPT_FROM;
     }
-    if (!err && !chosen)
-        err = fault_set(act->fault, ERR_INPUT,
-                        "%s has no voxel of these regions; nothing was planted",
-                        act_text(act, "FILE"));
+    if (!chosen)
+        return refuse_empty(act);
     const uint16_t *at = rest;
     for (struct grid_walk w = scene_walk(session->scene, "regions that are kept", NULL, 0);
-         !err && grid_walk_next(&w);)
+         grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++)
             if (!*at++ && (!roi->mask || roi->mask[c >> 6] >> (c & 63) & 1))
                 mask[c >> 6] |= UINT64_C(1) << (c & 63);
-    if (!err)
-        err = session_set_mask(session, mask, act_text(act, "FILE"), (const uint32_t[]){0, 0}, rest,
-                               act->fault);
-    if (!err) {
-        struct kept *next = &act->next->kept;
-        const struct kept *now = &session->now.kept;
-        next->mask = now->mask;
-        next->rest = now->rest;
-        memcpy(next->mask_file, now->mask_file, sizeof next->mask_file);
-        memcpy(next->mask_regions, now->mask_regions, sizeof next->mask_regions);
-        buf_printf(&act->reply->text,
-                   "%zu voxel%s of other regions %s outside the region of interest; `save labels` "
-                   "writes them back\n",
-                   kept, plural(kept), kept == 1 ? "is" : "are");
-    }
-    free(mask);
-    free(rest);
-    return err;
+    const enum err err = session_set_mask(session, mask, act_text(act, "FILE"),
+                                          (const uint32_t[]){0, 0}, rest, act->fault);
+    if (err)
+        return err;
+    struct kept *next = &act->next->kept;
+    const struct kept *now = &session->now.kept;
+    next->mask = now->mask;
+    next->rest = now->rest;
+    memcpy(next->mask_file, now->mask_file, sizeof next->mask_file);
+    memcpy(next->mask_regions, now->mask_regions, sizeof next->mask_regions);
+    buf_printf(&act->reply->text,
+               "%zu voxel%s of other regions %s outside the region of interest; `save labels` "
+               "writes them back\n",
+               kept, plural(kept), kept == 1 ? "is" : "are");
+    return OK;
 }
 
 /* Warn before planting if most voxels would be seeds: the file is probably no segmentation. */
@@ -816,9 +798,9 @@ static enum err plant_labels(const struct act *act)
     const unsigned rounds = (unsigned)act_number(act, "erode");
     const struct piece_choice choice = {rounds, (uint32_t)act_number(act, "least"),
                                         act_number(act, "rest") >= REST_NONE ? REGION_NONE : 0};
-    struct volume map = {0};
-    struct label_table names = {0};
-    struct piece_seeds seeds = {0};
+    OWNED(volume_release) struct volume map = {0};
+    OWNED(label_table_release) struct label_table names = {0};
+    OWNED(piece_seeds_release) struct piece_seeds seeds = {0};
     if (!act_has(act, "erode"))
         buf_printf(&act->reply->canonical, " erode=%u", rounds);
     const char *copy = act_text(act, "copy");
@@ -829,32 +811,27 @@ static enum err plant_labels(const struct act *act)
         err = keep_copy(act, &map, &names, copy ? copy : digest);
     if (!err && keeps_rest(act))
         err = keep_rest(act, &map);
-    const size_t voxels = err ? 0 : (size_t)map.size[0] * map.size[1] * map.size[2];
+    if (err)
+        return err;
+    const size_t voxels = voxels_in(map.size);
     size_t empty = 0;
     while (empty < voxels && map.intensity[empty] == REGION_NONE)
         empty++;
-    if (!err && empty == voxels)
-        err = fault_set(act->fault, ERR_INPUT,
-                        "%s has no voxel of these regions; nothing was planted",
-                        act_text(act, "FILE"));
-    if (!err)
-        err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid, &choice,
-                               session->watch, act->fault);
-    if (!err && !seeds.pieces)
-        err = fault_set(act->fault, ERR_INPUT, "no piece of it has %u voxels; nothing was planted",
-                        choice.least);
-    if (!err)
-        warn_of_noise(act, &seeds);
-    if (!err && is_here(act))
-        err = erase_seeds(act);
-    if (!err) {
-        apply_names(act, &names);
-        err = plant_pieces(act, &seeds, &map);
-    }
-    piece_seeds_release(&seeds);
-    label_table_release(&names);
-    volume_release(&map);
-    return err;
+    if (empty == voxels)
+        return refuse_empty(act);
+    err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid, &choice, session->watch,
+                           act->fault);
+    if (err)
+        return err;
+    if (!seeds.pieces)
+        return fault_set(act->fault, ERR_INPUT, "no piece of it has %u voxels; nothing was planted",
+                         choice.least);
+    warn_of_noise(act, &seeds);
+    err = is_here(act) ? erase_seeds(act) : OK;
+    if (err)
+        return err;
+    apply_names(act, &names);
+    return plant_pieces(act, &seeds, &map);
 }
 
 /* The record of `labels here` says whether the labels are finished. */
@@ -871,22 +848,18 @@ enum err act_labels(const struct act *act)
     if (!is_here(act) && act_has(act, "finished"))
         return fault_set(act->fault, ERR_USAGE,
                          "finished: only with `labels here`; nothing was planted");
-    if (!is_here(act) && !act_is_yes(act, "resample"))
-        return plant_labels(act);
-    if (!is_here(act)) { /* the present labels may belong to the map */
-        const enum err err = session_run(act->session, act->fault);
-        return err ? err : plant_labels(act);
-    }
-    if (act_has(act, "regions|as|label|rest|resample|volume|data|numbers"))
+    if (is_here(act) && act_has(act, "regions|as|label|rest|resample|volume|data|numbers"))
         return fault_set(act->fault, ERR_USAGE,
                          "here: only with finished, erode and least; nothing was planted");
-    if (!act_has(act, "finished")) {
+    if (is_here(act) && !act_has(act, "finished")) {
         const bool finished = act->interp->has_pilot && session_shows_finished(act->session);
         call_set(&said, "finished", !finished, finished ? "yes" : "no");
         buf_clear(&act->reply->canonical);
         command_write(&act->reply->canonical, &said);
         with.call = &said;
     }
-    const enum err err = session_run(act->session, act->fault);
+    /* the present labels may belong to the map */
+    const bool runs = is_here(act) || act_is_yes(act, "resample");
+    const enum err err = runs ? session_run(act->session, act->fault) : OK;
     return err ? err : plant_labels(&with);
 }

@@ -30,11 +30,9 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
             act_text(act, "FILE"));
     const enum err err = file_read(text, path, LIST_BYTES_MOST, fault);
     return err ? err
-               : act_prefix_file(act_text(act, "FILE"),
-                                 seeds_from_list(seeds, buf_text(text), text->length,
-                                                 &session->scene->grid, &session->now.kept,
-                                                 label_of(act), session->watch, fault),
-                                 fault);
+               : act_prefix_file(act, seeds_from_list(seeds, buf_text(text), text->length,
+                                                      &session->scene->grid, &session->now.kept,
+                                                      label_of(act), session->watch, fault));
 }
 
 /* Read the parameters about regions; the caller frees the labels `as`. */
@@ -42,7 +40,7 @@ static enum err choose_regions(struct region_choice *choice, uint16_t **as, cons
                                const struct volume *map)
 {
     const struct kept *kept = &act->session->now.kept;
-    struct regions regions;
+    OWNED(regions_release) struct regions regions = {0};
     *choice = (struct region_choice){
         .first = REGION_MOST,
         .label = label_of(act),
@@ -61,39 +59,30 @@ static enum err choose_regions(struct region_choice *choice, uint16_t **as, cons
             choice->last = r;
         }
     choice->as = *as;
-    regions_release(&regions);
     return err;
 }
 
 /* The caller releases the map, whose voxels are invalid afterwards, and frees `as`. */
 static enum err read_map(struct seeds *seeds, struct volume *map, const struct act *act,
-                         struct region_choice *choice, uint16_t **as, const char *path)
+                         struct region_choice *choice, uint16_t **as)
 {
     const struct session *session = act->session;
-    struct fault *fault = act->fault;
     struct buf *out = &act->reply->text;
     struct region_tally tally;
-    const struct map_place place = act_map_place(act);
-    enum err err = map_read(map, path, &place, session->watch, fault);
-    if (!err)
-        err = act_prefix_file(act_text(act, "FILE"),
-                              map_to_regions(map, 0, UINT32_MAX, session->watch, fault), fault);
+    enum err err = act_read_map(act, map, 0, UINT32_MAX);
     if (!err)
         err = choose_regions(choice, as, act, map);
     if (!err)
-        err = act_prefix_file(act_text(act, "FILE"),
-                              seeds_from_map(seeds, &tally, map, &session->scene->grid,
-                                             &session->geometry, choice, session->watch, fault),
-                              fault);
-    if (!err)
-        buf_add_text(out, map->notes);
-    if (!err)
-        buf_printf(out, "%u region%s\n", tally.regions, plural(tally.regions));
-    if (!err && tally.eroded_away)
+        err = act_prefix_file(act, seeds_from_map(seeds, &tally, map, &session->scene->grid, choice,
+                                                  session->watch, act->fault));
+    if (err)
+        return err;
+    buf_printf(out, "%u region%s\n", tally.regions, plural(tally.regions));
+    if (tally.eroded_away)
         buf_printf(out, "%u more region%s with no voxel left after erosion; the first is %u\n",
                    tally.eroded_away, plural(tally.eroded_away),
                    map_number(map, tally.first_eroded_away));
-    return err;
+    return OK;
 }
 
 /* Add "region 2001 Precentral_L is label 1, 13 seeds". */
@@ -117,7 +106,7 @@ static void write_region(const struct act *act, const struct label_table *table,
 static void write_regions(const struct act *act, const char *atlas, const struct volume *map,
                           const uint16_t *as, const size_t *end)
 {
-    struct label_table table = atlas_table(act, atlas);
+    OWNED(label_table_release) struct label_table table = atlas_table(act, atlas);
     unsigned count = 0;
     size_t begin = 0;
     for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++]) {
@@ -129,7 +118,6 @@ static void write_regions(const struct act *act, const char *atlas, const struct
     if (count > LISTED_MOST)
         buf_printf(&act->reply->text, "%u more region%s\n", count - LISTED_MOST,
                    plural(count - LISTED_MOST));
-    label_table_release(&table);
 }
 
 /* Plant a region; a group of a list may have a reach, which `within` replaces. */
@@ -164,9 +152,10 @@ static enum err plant_regions(const struct act *act, const struct seeds *seeds, 
                               const struct volume *map, const struct region_choice *choice,
                               struct planting *planting)
 {
-    uint32_t *cell = NULL;
+    OWNED(mem_release) uint32_t *cell = NULL;
+    OWNED(mem_release) size_t *end = mem_array(REGION_MOST + 1, sizeof *end);
     struct session *session = act->session;
-    size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
+    size_t begin = 0;
     enum err err = end ? seeds_by_region(seeds, &cell, end, session->watch, act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
     struct voxels all = {.cell = cell, .count = seeds->count};
@@ -187,24 +176,22 @@ static enum err plant_regions(const struct act *act, const struct seeds *seeds, 
                 has[region_label(choice, r)] = true;
         atlas_advise_names(act, has);
     }
-    free(end);
-    free(cell);
     return err;
 }
 
 enum err act_seed_file(const struct act *act)
 {
     struct buf *path = act_buf(act);
-    struct seeds seeds = {0};
+    OWNED(seeds_release) struct seeds seeds = {0};
+    OWNED(volume_release) struct volume map = {0};
+    OWNED(mem_release) uint16_t *as = NULL;
     struct region_choice choice = {.label = label_of(act)}; /* for a list, only the label is used */
-    uint16_t *as = NULL;
-    struct volume map = {0};
     const char *name = act_text(act, "FILE");
     enum err err = interpreter_find_file(act->interp, name, path, act->fault);
     if (!err && file_is_named(name, ".csv"))
         err = read_list(&seeds, act, buf_text(path));
     else if (!err)
-        err = read_map(&seeds, &map, act, &choice, &as, buf_text(path));
+        err = read_map(&seeds, &map, act, &choice, &as);
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
     if (!err)
         err = plant_regions(act, &seeds, buf_text(path), &map, &choice, &planting);
@@ -212,10 +199,5 @@ enum err act_seed_file(const struct act *act)
     buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
     buf_printf(&act->reply->text, "%zu seed%s\n", planting.planted, plural(planting.planted));
-    if (!err)
-        err = act_prefix_file(name, act_write_planting(act, &planting), act->fault);
-    free(as);
-    volume_release(&map);
-    seeds_release(&seeds);
-    return err;
+    return err ? err : act_prefix_file(act, act_write_planting(act, &planting));
 }

@@ -34,7 +34,7 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     struct session *session = act->session;
     struct fault *fault = act->fault;
     const struct map_place place = act_map_place(act);
-    struct volume map = {0};
+    OWNED(volume_release) struct volume map = {0};
     struct buf *path = act_buf(act);
     enum err err = interpreter_find_file(act->interp, name, path, fault);
     if (err) {
@@ -44,12 +44,11 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     if (!err)
         err = map_read(&map, buf_text(path), &place, session->watch, fault);
     if (!err)
-        err = act_prefix_file(name, map_to_weights(&map, session->watch, fault), fault);
+        err = act_prefix_file(act, map_to_weights(&map, session->watch, fault));
     if (!err)
         err = session_set_weight_map(session, name, map.intensity, fault);
     if (!err)
         buf_add_text(&act->reply->text, map.notes);
-    volume_release(&map);
     return err;
 }
 
@@ -122,32 +121,22 @@ static enum err mask_by_file(const struct act *act)
     const char *name = act_text(act, "FILE");
     static const uint32_t all[2] = {1, REGION_MOST};
     const uint32_t *regions = act_has(act, "regions") ? act_place(act, "regions") : all;
-    struct volume map = {0};
-    uint64_t *mask = NULL;
-    enum err err = act_read_map(act, &map);
-    if (!err)
-        err = act_prefix_file(name,
-                              map_to_regions(&map, regions[0],
-                                             regions[1] < REGION_MOST ? regions[1] : UINT32_MAX,
-                                             session->watch, act->fault),
-                              act->fault);
-    if (!err && !(mask = mem_new(mask_bytes(&session->scene->grid))))
+    OWNED(volume_release) struct volume map = {0};
+    OWNED(mem_release) uint64_t *mask = mem_new(mask_bytes(&session->scene->grid));
+    enum err err =
+        act_read_map(act, &map, regions[0], regions[1] < REGION_MOST ? regions[1] : UINT32_MAX);
+    if (!err && !mask)
         err = fault_memory(act->fault, "a mask");
-    if (!err) {
-        struct grid_walk walk = scene_walk(session->scene, "voxels of the mask", NULL, 0);
-        const uint16_t *region = map.intensity;
-        while (grid_walk_next(&walk))
-            for (uint32_t c = walk.row.first; c < walk.row.end; c++)
-                mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
-        buf_add_text(&act->reply->text, map.notes);
-        const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
-        act_add_digest(act, "file", roi_tally(&alone, session->scene).digest);
-        err = act_prefix_file(
-            name, session_set_mask(session, mask, name, regions, NULL, act->fault), act->fault);
-    }
-    volume_release(&map);
-    free(mask);
-    return err;
+    if (err)
+        return err;
+    struct grid_walk walk = scene_walk(session->scene, "voxels of the mask", NULL, 0);
+    const uint16_t *region = map.intensity;
+    while (grid_walk_next(&walk))
+        for (uint32_t c = walk.row.first; c < walk.row.end; c++)
+            mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
+    const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
+    act_add_digest(act, "file", roi_tally(&alone, session->scene).digest);
+    return act_prefix_file(act, session_set_mask(session, mask, name, regions, NULL, act->fault));
 }
 
 enum err act_mask(const struct act *act)
@@ -231,7 +220,7 @@ enum err act_turn(const struct act *act)
 static enum err fit_shown(const struct act *act)
 {
     struct view *view = &act->next->outlook.view;
-    struct fit fit;
+    OWNED(fit_release) struct fit fit = {0};
     uint32_t place[3];
     enum err err = fit_init(&fit, &act->session->border, act->fault);
     if (err)
@@ -242,28 +231,24 @@ static enum err fit_shown(const struct act *act)
     if (fit.is_scene)
         buf_add_text(&act->reply->text, "no object is shown: the scene fits\n");
     act_write_waiting(act);
-    fit_release(&fit);
     buf_clear(&act->reply->canonical);
     buf_printf(&act->reply->canonical, "zoom %g at=%u,%u,%u", view->zoom / 1000.0, place[0],
                place[1], place[2]);
-    return OK;
+    return act_go(act);
 }
 
 enum err act_zoom(const struct act *act)
 {
     struct view *view = &act->next->outlook.view;
     const struct value *zoom = act_value(act, "FACTOR"), *at = act_value(act, "at");
-    enum err err = OK;
     if (zoom->text && at->given)
         return fault_set(act->fault, ERR_USAGE, "fit finds the place in the centre: without at=");
-    if (!zoom->text) {
-        view->zoom = (uint32_t)zoom->number;
-    } else {
-        err = fit_shown(act);
-    }
+    if (zoom->text)
+        return fit_shown(act);
+    view->zoom = (uint32_t)zoom->number;
     if (at->given)
         view_focus_on(view, act->session->scene, at->place);
-    return err ? err : act_go(act);
+    return act_go(act);
 }
 
 enum err act_pan(const struct act *act)

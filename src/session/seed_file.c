@@ -259,29 +259,27 @@ static enum err group_rows(struct seeds *seeds, struct list *list, struct fault 
         limited += list->row[i].reach.radius != 0;
     if (limited == 0)
         return OK;
-    struct row **row = mem_array(limited, sizeof(struct row *));
-    enum err err = row ? OK : fault_memory(fault, "a list of seeds");
-    for (size_t i = 0, n = 0; !err && i < list->rows; i++)
+    OWNED(mem_release) struct row **row = mem_array(limited, sizeof(struct row *));
+    if (!row)
+        return fault_memory(fault, "a list of seeds");
+    for (size_t i = 0, n = 0; i < list->rows; i++)
         if (list->row[i].reach.radius != 0)
             row[n++] = &list->row[i];
-    if (!err)
-        qsort(row, limited, sizeof *row, compare_groups);
-    for (size_t i = 0; !err && i < limited; i++) {
+    qsort(row, limited, sizeof *row, compare_groups);
+    for (size_t i = 0; i < limited; i++) {
         const bool begins = i == 0 || compare_groups(&row[i - 1], &row[i]) != 0;
         if (begins && seeds->groups == REGION_MOST + 1 - SEED_GROUPS_FROM)
-            err = fault_set(fault, ERR_LIMIT,
-                            "line %u: more than %d markers end within a distance; nothing was "
-                            "planted",
-                            row[i]->line, REGION_MOST + 1 - SEED_GROUPS_FROM);
-        else if (begins &&
-                 !mem_grow(&seeds->group, &capacity, seeds->groups + 1, sizeof *seeds->group))
-            err = fault_memory(fault, "a list of seeds");
-        else if (begins)
+            return fault_set(fault, ERR_LIMIT,
+                             "line %u: more than %d markers end within a distance; nothing was "
+                             "planted",
+                             row[i]->line, REGION_MOST + 1 - SEED_GROUPS_FROM);
+        if (begins && !mem_grow(&seeds->group, &capacity, seeds->groups + 1, sizeof *seeds->group))
+            return fault_memory(fault, "a list of seeds");
+        if (begins)
             seeds->group[seeds->groups++] = (struct seed_group){row[i]->label, row[i]->reach};
         row[i]->region = (uint16_t)(SEED_GROUPS_FROM + seeds->groups - 1);
     }
-    free(row);
-    return err;
+    return OK;
 }
 
 /* Add the rows in order of cells, each cell once. Two lines with different labels for one voxel
@@ -318,19 +316,15 @@ static enum err settle_rows(struct seeds *seeds, struct list *list, struct fault
         return fault_set(fault, ERR_INPUT,
                          "there is no seed in it; expected lines x,y,z,label; nothing was planted");
     enum err err = group_rows(seeds, list, fault);
-    uint64_t *order = err ? NULL : mem_array(list->rows, sizeof *order);
-    if (!err && !order)
-        err = fault_memory(fault, "a list of seeds");
-    for (size_t i = 0; !err && i < list->rows; i++)
+    if (err)
+        return err;
+    OWNED(mem_release) uint64_t *order = mem_array(list->rows, sizeof *order);
+    if (!order || !reserve_seeds(seeds, list->rows))
+        return fault_memory(fault, "a list of seeds");
+    for (size_t i = 0; i < list->rows; i++)
         order[i] = (uint64_t)list->row[i].cell << 32 | i;
-    if (!err)
-        err = sort_by_upper_half(order, list->rows, list->watch, fault);
-    if (!err && !reserve_seeds(seeds, list->rows))
-        err = fault_memory(fault, "a list of seeds");
-    if (!err)
-        err = add_rows(seeds, list, order, fault);
-    free(order);
-    return err;
+    err = sort_by_upper_half(order, list->rows, list->watch, fault);
+    return err ? err : add_rows(seeds, list, order, fault);
 }
 
 enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
@@ -391,12 +385,12 @@ static enum err erode_map(struct volume *map, unsigned rounds, struct watch *wat
 {
     if (rounds == 0)
         return OK;
+    OWNED(mem_release)
     bool *goes = mem_array(2 * (size_t)map->size[0] * map->size[1], sizeof *goes);
     if (!goes)
         return fault_memory(fault, "the erosion of a label map");
     for (unsigned i = 0; i < rounds; i++)
         erode_once(map->intensity, goes, map->size, watch);
-    free(goes);
     return watch_fault(watch, fault);
 }
 
@@ -471,19 +465,13 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
 }
 
 enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct volume *map,
-                        const struct grid *grid, const struct geometry *place,
-                        const struct region_choice *choice, struct watch *watch,
-                        struct fault *fault)
+                        const struct grid *grid, const struct region_choice *choice,
+                        struct watch *watch, struct fault *fault)
 {
     *seeds = (struct seeds){0};
-    struct stock *stock = mem_new(VALUES * sizeof *stock);
-    enum err err = stock ? OK : fault_memory(fault, "the regions of a label map");
-    if (!err)
-        err = map_check_size(map->size, grid, fault);
-    if (!err)
-        err = map_check_axes(map, place, fault);
-    if (!err)
-        err = map_to_regions(map, choice->first, choice->last, watch, fault);
+    OWNED(mem_release) struct stock *stock = mem_new(VALUES * sizeof *stock);
+    enum err err = stock ? map_to_regions(map, choice->first, choice->last, watch, fault)
+                         : fault_memory(fault, "the regions of a label map");
     struct task task = task_begin(watch, "counting regions", 2 * (uint64_t)grid->voxels);
     for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++) {
         uint16_t *region = &map->intensity[i];
@@ -502,7 +490,6 @@ enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct 
         err = draw_all(seeds, stock, map, grid, choice, watch, fault);
     if (err)
         seeds_release(seeds);
-    free(stock);
     return err;
 }
 
@@ -552,20 +539,18 @@ static unsigned find_spare(const uint16_t *region, size_t voxels, struct watch *
 static enum err take_labels(struct work *w, const uint16_t *region, struct fault *fault)
 {
     const struct grid *grid = w->grid;
-    const unsigned spare =
-        w->choice->rest == REGION_NONE ? find_spare(region, grid->voxels, w->watch) : 256;
+    w->spare = w->choice->rest == REGION_NONE ? find_spare(region, grid->voxels, w->watch) : 256;
     memset(w->label, 0, grid->cells);
-    w->spare = spare;
     struct grid_walk rows =
         grid_walk(grid, w->watch, "labels of the map", grid_slab(grid, 0, 1), 0);
     while (grid_walk_next(&rows))
         for (uint32_t c = rows.row.first; c < rows.row.end; c++, region++) {
             const uint16_t label = *region == REGION_NONE ? w->choice->rest : *region;
-            if (label == REGION_NONE && spare > 255)
+            if (label == REGION_NONE && w->spare > 255)
                 return fault_set(fault, ERR_INPUT,
                                  "the map has all labels 0..255 and further regions; "
                                  "choose fewer with regions=; nothing was planted");
-            w->label[c] = (uint8_t)(label == REGION_NONE ? spare : label);
+            w->label[c] = (uint8_t)(label == REGION_NONE ? w->spare : label);
         }
     return OK;
 }

@@ -88,13 +88,12 @@ struct region_tally {
     uint32_t first_eroded_away;
 };
 
-/* Read a label map; its intensities are overwritten. `place` is the scene's. ERR_INPUT, with
- * *seeds empty, if the map has another size or other axes, holds a number that is not a label, or
- * no seed remains; also if the watch (or NULL) stops it. */
+/* Read a label map on the grid (map_read); its intensities are overwritten. ERR_INPUT, with *seeds
+ * empty, if it holds a number that is not a label, or no seed remains; also if the watch (or NULL)
+ * stops it. */
 enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct volume *map,
-                        const struct grid *grid, const struct geometry *place,
-                        const struct region_choice *choice, struct watch *watch,
-                        struct fault *fault);
+                        const struct grid *grid, const struct region_choice *choice,
+                        struct watch *watch, struct fault *fault);
 
 /*
  * Markers out of a segmentation: one for each piece of each label.

@@ -98,8 +98,7 @@ static enum err draw_kind(struct procedure *procedure, unsigned k, const struct 
     struct seeds seeds = {0};
     struct region_tally tally;
     memcpy(work->intensity, region, grid->voxels * sizeof *region);
-    enum err err =
-        seeds_from_map(&seeds, &tally, work, grid, &base->geometry, &choice, NULL, fault);
+    enum err err = seeds_from_map(&seeds, &tally, work, grid, &choice, NULL, fault);
     if (!err && !mem_grow(&procedure->place, &procedure->capacity, procedure->places + seeds.count,
                           sizeof *procedure->place))
         err = fault_memory(fault, "a procedure");

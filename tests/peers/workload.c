@@ -99,8 +99,7 @@ static enum err mark(struct workload *work, struct volume *map, const char *what
     const struct region_choice choice = {1, 254, NULL, label, ROUNDS, 0, 0};
     struct region_tally tally;
     struct seeds seeds;
-    enum err err =
-        seeds_from_map(&seeds, &tally, map, grid, &work->image.geometry, &choice, NULL, fault);
+    enum err err = seeds_from_map(&seeds, &tally, map, grid, &choice, NULL, fault);
     if (err)
         return err;
     for (size_t i = 0; i < seeds.count; i++)
