@@ -305,6 +305,7 @@ static void press_all(const char *keys, bool walks)
 {
     for (; *keys; keys++) {
         char word[24] = "";
+        const char *at = word;
         struct chord chord;
         const size_t length = *keys == '<' ? strcspn(keys, ">") : 0;
         snprintf(word, sizeof word, "%.*s", length ? (int)length - 1 : 1, keys + (length > 0));
@@ -312,7 +313,7 @@ static void press_all(const char *keys, bool walks)
         const bool is_key = length && strcmp(word, "lt") != 0;
         if (is_key && strpbrk(word, "=+,"))
             set_stage(word);
-        else if (is_key && CHECK(chord_read(word, strlen(word), &chord)))
+        else if (is_key && CHECK(chord_next(&at, &chord) && chord.key != KEY_OTHER))
             press(chord.key, chord.modifiers, (char)chord.first);
         else
             press(KEY_CHARACTER, 0, length ? '<' : *word);
@@ -1154,11 +1155,11 @@ STORY(what_a_click_says_takes_the_place_of_what_was_said)
 /* All keys of a row, one after the other, each read. */
 static size_t chords_of(const struct pilot_row *row, struct chord chords[8])
 {
-    const char *words[2] = {row->keys, row->also ? row->also : ""}, *word;
-    size_t count = 0, length;
+    const char *words[2] = {row->keys, row->also ? row->also : ""};
+    size_t count = 0;
     for (int i = 0; i < 2; i++)
-        while (row->name && chord_next(&words[i], &word, &length))
-            CHECK(count < 8 && chord_read(word, length, &chords[count++]));
+        while (row->name && chord_next(&words[i], &chords[count]) && CHECK(count + 1 < 8))
+            CHECK(chords[count++].key != KEY_OTHER);
     return count;
 }
 

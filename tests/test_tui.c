@@ -712,7 +712,7 @@ static void begin_line(const char *const *entries, size_t count)
     line_release(&line);
     for (size_t i = 0; i < count; i++)
         line_history_add(&old_lines, entries[i], strlen(entries[i]));
-    line_init(&line, &old_lines);
+    line = (struct line){.history = &old_lines, .place = old_lines.count};
 }
 
 static void type(const char *text)
@@ -995,7 +995,7 @@ STORY(a_hundred_lines_that_are_no_more_known_are_not_all_tried)
         snprintf(entry, sizeof entry, "seed %d b", i);
         line_history_add(&old_lines, entry, strlen(entry));
     }
-    line_init(&line, &old_lines);
+    line = (struct line){.history = &old_lines, .place = old_lines.count};
     type("s");
     CHECK_TEXT(line_suggestion(&line, knows, &asked), "");
     CHECK(asked < 100);

@@ -220,9 +220,7 @@ static bool end_csi(struct keys *k, uint8_t final, struct key_event *event)
         k->state = KEYS_CSI_MOUSE;
         return false;
     }
-    if (strchr("?><=", *text) && *text)
-        return emit(k, KEY_REPLY, 0, event);
-    if (strchr("tcnRSy", final) && k->length > 2)
+    if ((strchr("?><=", *text) && *text) || (strchr("tcnRSy", final) && k->length > 2))
         return emit(k, KEY_REPLY, 0, event);
     if (final == '[' && k->length == 2) {
         k->state = KEYS_CSI_LINUX;
@@ -272,11 +270,9 @@ static bool feed(struct keys *k, uint8_t byte, struct key_event *event)
         return feed_ss3(k, byte, event);
     case KEYS_STRING:
     case KEYS_STRING_ESC:
-        if (byte == BEL)
+        if (byte == BEL || (k->state == KEYS_STRING_ESC && byte == '\\'))
             return emit(k, KEY_REPLY, 0, event);
         if (k->state == KEYS_STRING_ESC) {
-            if (byte == '\\')
-                return emit(k, KEY_REPLY, 0, event);
             k->state = KEYS_ESC; /* another sequence begins before this one ended */
             return feed_escape(k, byte, event);
         }

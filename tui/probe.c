@@ -327,10 +327,8 @@ static unsigned await_replies(struct probe_replies *replies, unsigned count, int
         enum term_input input = term_read(&bytes, (int)((end - now) / 1000000) + 1, -1);
         if (input == TERM_CLOSED)
             break;
-        if (input == TERM_SIGNAL) { /* nothing is drawn yet that would have to be redrawn */
-            term_was_resized();
+        if (input == TERM_SIGNAL) /* nothing is drawn yet that would have to be redrawn */
             term_was_continued();
-        }
         for (size_t i = 0; i < bytes.length; i++)
             seen += probe_take(replies, &keys, bytes.data + i, 1, typed);
         buf_clear(&bytes);

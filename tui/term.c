@@ -566,15 +566,15 @@ enum term_input term_read(struct buf *out, int timeout_ms, int other)
 
 bool term_was_resized(void)
 {
-    bool was = term.resized;
+    const bool was = term.resized;
     term.resized = 0;
     return was;
 }
 
 bool term_was_continued(void)
 {
-    bool was = term.continued;
-    term.continued = 0;
+    const bool was = term.continued;
+    term.continued = term.resized = 0;
     return was;
 }
 

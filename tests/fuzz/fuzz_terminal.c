@@ -216,12 +216,11 @@ static void check_screen(const struct line_drawing *drawing, const struct line *
 
 static void edit(const uint8_t *bytes, size_t length)
 {
-    struct line l;
+    struct line l = {.history = &history, .place = history.count};
     struct line_drawing drawing = {0};
     struct keys keys = {0};
     struct key_event event;
     char before[LINE_KEYS_MOST] = "";
-    line_init(&l, &history);
     for (size_t i = 0; i < length; i++) {
         if (!keys_feed(&keys, bytes[i], &event))
             continue;

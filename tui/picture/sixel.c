@@ -138,16 +138,13 @@ static void write_band(const struct band *band, const uint8_t *number, struct bu
             *end++ = '$';
         *end++ = '#';
         end = put_number(end, number[band->used[i]]);
-        char *place = end;
-        const uint8_t colour = band->used[i];
         uint32_t x = 0;
-        for (uint32_t j = band->first[colour]; j != NONE; j = band->run[j].next) {
+        for (uint32_t j = band->first[band->used[i]]; j != NONE; j = band->run[j].next) {
             const struct sixel_run *run = &band->run[j];
-            place = put_run(place, 0, run->from - x);
-            place = put_run(place, run->bits, run->to - run->from);
+            end = put_run(end, 0, run->from - x);
+            end = put_run(end, run->bits, run->to - run->from);
             x = run->to;
         }
-        end = place;
     }
     *end = '\0';
     out->length += (size_t)(end - begin);

@@ -5,12 +5,22 @@
 
 #include "tui/cells.h"
 
-static const char *const named[] = {
-    [KEY_PENDING] = "any",         [KEY_ENTER] = "Enter",     [KEY_TAB] = "Tab",
-    [KEY_BACKSPACE] = "Backspace", [KEY_ESCAPE] = "Escape",   [KEY_UP] = "Up",
-    [KEY_DOWN] = "Down",           [KEY_RIGHT] = "Right",     [KEY_LEFT] = "Left",
-    [KEY_HOME] = "Home",           [KEY_END] = "End",         [KEY_INSERT] = "Insert",
-    [KEY_DELETE] = "Delete",       [KEY_PAGE_UP] = "Page-up", [KEY_PAGE_DOWN] = "Page-down"};
+static const char *const named[] = {[KEY_PENDING] = "any",
+                                    [KEY_CHARACTER] = "Space",
+                                    [KEY_ENTER] = "Enter",
+                                    [KEY_TAB] = "Tab",
+                                    [KEY_BACKSPACE] = "Backspace",
+                                    [KEY_ESCAPE] = "Escape",
+                                    [KEY_UP] = "Up",
+                                    [KEY_DOWN] = "Down",
+                                    [KEY_RIGHT] = "Right",
+                                    [KEY_LEFT] = "Left",
+                                    [KEY_HOME] = "Home",
+                                    [KEY_END] = "End",
+                                    [KEY_INSERT] = "Insert",
+                                    [KEY_DELETE] = "Delete",
+                                    [KEY_PAGE_UP] = "Page-up",
+                                    [KEY_PAGE_DOWN] = "Page-down"};
 
 static const struct {
     const char *name;
@@ -57,13 +67,9 @@ static bool read_key(const char *word, size_t length, struct chord *chord)
     for (enum key key = KEY_PENDING; key < sizeof named / sizeof named[0]; key++)
         if (named[key] && is_word(word, length, named[key])) {
             chord->key = key;
+            chord->first = chord->last = key == KEY_CHARACTER ? ' ' : 0;
             return true;
         }
-    if (is_word(word, length, "Space")) {
-        chord->key = KEY_CHARACTER;
-        chord->first = chord->last = ' ';
-        return true;
-    }
     if (!read_characters(word, length, chord) || chord->modifiers & KEY_SHIFT)
         return false;
     if (chord->modifiers & KEY_CONTROL) /* in lower case, as in keys.h */
@@ -71,19 +77,28 @@ static bool read_key(const char *word, size_t length, struct chord *chord)
     return true;
 }
 
-bool chord_read(const char *word, size_t length, struct chord *chord)
+/* A key, or a character after another. */
+static bool read_chord(const char *word, size_t length, struct chord *chord)
 {
     uint32_t leader;
     if (read_key(word, length, chord))
         return true;
-    const size_t n = length ? char_read(word, length, &leader) : 0;
-    if (n == 0 || n == length || leader == CHAR_BROKEN || leader <= ' ')
-        return false;
-    if (!read_characters(word + n, length - n, chord))
-        return false;
-    chord->modifiers = 0;
-    chord->leader = leader;
-    return true;
+    const size_t n = char_read(word, length, &leader);
+    *chord = (struct chord){.leader = leader};
+    return n < length && leader != CHAR_BROKEN && leader > ' ' &&
+           read_characters(word + n, length - n, chord);
+}
+
+bool chord_next(const char **at, struct chord *chord)
+{
+    const char *word = *at + strspn(*at, " ");
+    const size_t length = strcspn(word, " ");
+    *at = word + length;
+    if (length > 0 && !read_chord(word, length, chord))
+        *chord = (struct chord){.key = KEY_OTHER};
+    chord->word = word;
+    chord->length = length;
+    return length > 0;
 }
 
 bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_event *event)
@@ -116,13 +131,4 @@ bool chord_clashes(const struct chord *a, const struct chord *b)
         return true;
     return a->leader == b->leader && a->key == b->key && a->modifiers == b->modifiers &&
            a->first <= b->last && b->first <= a->last;
-}
-
-bool chord_next(const char **at, const char **word, size_t *length)
-{
-    *at += strspn(*at, " ");
-    *word = *at;
-    *length = strcspn(*at, " ");
-    *at += *length;
-    return *length > 0;
 }

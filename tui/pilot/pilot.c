@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/mem.h"
 #include "tui/cells.h"
 #include "tui/keys.h"
 #include "tui/picture/graphics.h"
@@ -92,13 +93,12 @@ static void say_error(struct pilot *p, const struct fault *why)
 static void add_row(struct buf *out, unsigned row, unsigned columns, const char *text,
                     const char *colours)
 {
-    struct buf cut = {0};
+    OWNED(buf_release) struct buf cut = {0};
     cells_crop(&cut, text, columns);
     buf_printf(out, "\033[%u;1H\033[m%s\033[K", row + 1, colours);
     buf_add(out, buf_text(&cut), strcspn(buf_text(&cut), "\r\n"));
     buf_add_text(out, *colours ? "\033[m" : "");
     out->failed |= cut.failed;
-    buf_release(&cut);
 }
 
 static bool has_status(const struct pilot *p)
@@ -114,7 +114,7 @@ static unsigned rows_of_text(const struct pilot *p)
 /* Add the captions: rows above the last one, from a host that shows steps. */
 static void add_captions(struct buf *out, const struct pilot *p, const struct term_size *size)
 {
-    struct buf lines = {0};
+    OWNED(buf_release) struct buf lines = {0};
     p->host->caption(p->host->context, &lines);
     const char *at = buf_text(&lines);
     for (unsigned i = 0; i < PILOT_CAPTIONS; i++) {
@@ -123,7 +123,6 @@ static void add_captions(struct buf *out, const struct pilot *p, const struct te
         at += *at == '\n';
     }
     out->failed |= lines.failed;
-    buf_release(&lines);
 }
 
 /* Return true if the words about one key end before this byte. */
@@ -137,7 +136,7 @@ static bool ends_item(const char *text, size_t at)
 static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      unsigned columns)
 {
-    struct buf hint = {0};
+    OWNED(buf_release) struct buf hint = {0};
     pilot_keys_hint(p->state, facts, &hint);
     const char *text = buf_text(&hint);
     size_t last = hint.length, fits = 0;
@@ -153,7 +152,6 @@ static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_
     buf_add(out, text, fits);
     buf_printf(out, "%s%s", fits ? "  " : "", text + last);
     out->failed |= hint.failed;
-    buf_release(&hint);
 }
 
 /* The last two rows of the screen: pilot_add_status, and the last message or the hints. A message
@@ -163,7 +161,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
 {
     const char *const alarm =
         p->facts->colours == COLOURS_NONE ? "\033[7m" : p->state->setup->theme->alarm;
-    struct buf upper = {0}, lower = {0};
+    OWNED(buf_release) struct buf upper = {0}, lower = {0};
     if (p->is_pasting)
         buf_add_text(&lower,
                      "pasted text goes to the line of : when it is complete; Ctrl-C drops it");
@@ -189,8 +187,6 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
                 p->state->pen.is_down || p->state->base == PILOT_OUTLINING ? alarm : "");
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
-    buf_release(&upper);
-    buf_release(&lower);
 }
 
 /* The sequence that clears the screen, except pictures. ESC[2J would make a terminal drop stored
@@ -478,7 +474,7 @@ static enum err show_pages(struct pilot *p, const struct buf *text, struct fault
 /* Carry out the lines of a key, until one fails. */
 static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *fault)
 {
-    struct buf line = {0}, output = {0};
+    OWNED(buf_release) struct buf line = {0}, output = {0};
     enum err err = OK, of_command = OK;
     while (!err && !of_command && *lines) {
         const size_t n = strcspn(lines, "\n");
@@ -497,8 +493,6 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
             buf_add_text(&p->message, *at == '\n' ? at[1] ? "; " : "" : (char[]){*at, '\0'});
     }
     p->state->has_pages = false;
-    buf_release(&line);
-    buf_release(&output);
     return err;
 }
 
@@ -523,7 +517,7 @@ static bool edit_filter(struct buf *wanted, const struct key_event *event)
 /* Show a text by pages on the whole screen; NULL for the keys, filtered by the text after `/`. */
 static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fault *fault)
 {
-    struct buf keys = {0}, wanted = {0};
+    OWNED(buf_release) struct buf keys = {0}, wanted = {0};
     struct key_event event = {0};
     bool stays = true, asks = false;
     size_t at = 0;
@@ -532,7 +526,7 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
         const struct term_size size = term_size();
         const struct pilot_keys_wish wish = {p->state->setup, p->state->watches, size.columns,
                                              p->facts->colours != COLOURS_NONE, buf_text(&wanted)};
-        struct buf wrapped = {0}, page = {0};
+        OWNED(buf_release) struct buf wrapped = {0}, page = {0};
         buf_clear(&keys);
         if (!text)
             pilot_keys_page(&keys, &wish);
@@ -547,8 +541,6 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
                                           : "/ finds keys by a word; any other key leaves",
                    asks ? buf_text(&wanted) : "");
         page.failed |= wrapped.failed || keys.failed;
-        const bool is_last = end >= wrapped.length;
-        buf_release(&wrapped);
         err = term_write_text(&page, "a page", fault);
         p->is_resized = false;
         if (!err)
@@ -561,12 +553,10 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
             asks = true;
             at = 0;
         } else {
-            stays = !is_last && !pager_is_left_by(&event);
+            stays = end < wrapped.length && !pager_is_left_by(&event);
             at = end;
         }
     }
-    buf_release(&keys);
-    buf_release(&wanted);
     return err;
 }
 
@@ -584,11 +574,9 @@ static enum err leave_screen(struct pilot *p, struct fault *fault)
 static enum err show_pages(struct pilot *p, const struct buf *text, struct fault *fault)
 {
     const struct term_size size = term_size();
-    struct buf wrapped = {0};
+    OWNED(buf_release) struct buf wrapped = {0};
     cells_wrap(&wrapped, text, size.columns);
-    const bool fits = pager_page_end(&wrapped, 0, &size) == wrapped.length;
-    buf_release(&wrapped);
-    if (fits || !p->editor->pager)
+    if (pager_page_end(&wrapped, 0, &size) == wrapped.length || !p->editor->pager)
         return show_by_pages(p, text, fault);
     const enum err err = leave_screen(p, fault);
     const bool is_shown = !err && pager_run(p->editor->pager, text);
@@ -605,7 +593,7 @@ static void frame_answered(void *asker)
 
 static enum err ask_for_command(struct pilot *p, struct fault *fault)
 {
-    struct buf output = {0};
+    OWNED(buf_release) struct buf output = {0};
     enum err of_command = OK;
     bool ended = false;
     enum err err = go_to_last_row("\033[K\033[?25h", fault);
@@ -628,7 +616,6 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
         else if (!err && !of_command)
             keep_last_line(&p->message, buf_text(&output));
     }
-    buf_release(&output);
     return err;
 }
 
@@ -678,11 +665,6 @@ static enum err do_request(struct pilot *p, enum pilot_request request, struct f
     return err;
 }
 
-static unsigned difference(unsigned a, unsigned b)
-{
-    return a > b ? a - b : b - a;
-}
-
 /* Find the pixel of the picture under the mouse, or under its cell. Return false outside the
  * picture. */
 static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *column, uint32_t *row)
@@ -696,9 +678,10 @@ static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *colum
     } else { /* cells of blocks have few pixels */
         if (mouse->action == MOUSE_PRESSED)
             p->held = *mouse;
-        p->is_still = mouse->action == MOUSE_PRESSED ||
-                      (p->is_still && difference(mouse->column, p->held.column) <= SHAKES_MOST &&
-                       difference(mouse->row, p->held.row) <= SHAKES_MOST);
+        p->is_still =
+            mouse->action == MOUSE_PRESSED ||
+            (p->is_still && abs((int)mouse->column - (int)p->held.column) <= SHAKES_MOST &&
+             abs((int)mouse->row - (int)p->held.row) <= SHAKES_MOST);
         const struct mouse *at = p->is_still ? &p->held : mouse;
         *column = at->column * across / p->facts->cell_width;
         *row = at->row * down / p->facts->cell_height;
@@ -709,7 +692,7 @@ static bool pixel_of(struct pilot *p, const struct mouse *mouse, uint32_t *colum
 static enum err take_key(struct pilot *p, const struct key_event *event, struct fault *fault)
 {
     struct pilot_facts facts;
-    struct buf lines = {0};
+    OWNED(buf_release) struct buf lines = {0};
     struct press press = {p->state, event, p->host, &facts, &lines, &p->message, 0, PILOT_NOTHING};
     uint32_t column, row;
     if (event->key == KEY_PASTE_END && p->pasted.length)
@@ -735,7 +718,6 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     if (!err)
         err = lines.failed ? fault_memory(fault, "a command")
                            : carry_out_all(p, buf_text(&lines), fault);
-    buf_release(&lines);
     p->state->sketches = false;
     return err ? err : do_request(p, press.request, fault);
 }
@@ -804,7 +786,7 @@ static bool split_alt(struct pilot *p, struct key_event *event)
 {
     struct key_event rest = *event;
     if (!(event->modifiers & KEY_ALT) || event->key == KEY_MOUSE || event->key == KEY_OTHER ||
-        (!p->is_paging && pilot_has_key(p->state, event)))
+        (!p->is_paging && pilot_row_of(p->state, event)))
         return true;
     rest.modifiers &= ~(unsigned)KEY_ALT;
     typed_ahead_put_back(&p->ahead, &rest);
@@ -856,17 +838,14 @@ static bool wait_once(struct pilot *p, struct key_event *event)
     if (input == TERM_CLOSED) {
         p->is_over = p->has_ended = true;
     } else if (input == TERM_OTHER && e->news) {
-        struct buf news = {0};
+        OWNED(buf_release) struct buf news = {0};
         e->news(e->context, &news);
         if (news.length)
             keep_last_line(&p->message, buf_text(&news));
-        buf_release(&news);
         p->is_stale = true;
     } else if (input == TERM_TIMEOUT) {
-        if (!has_partial_key(p) || !keys_time_out(&e->keys, event))
-            return false;
-        e->lone_escape = event->key == KEY_ESCAPE;
-        return is_for_pilot(p, event) && split_alt(p, event);
+        return !p->is_pasting && line_editor_time_out(e, event) && is_for_pilot(p, event) &&
+               split_alt(p, event);
     }
     if (term_was_resized() || term_was_continued()) {
         p->is_resized = true;
@@ -900,14 +879,13 @@ static bool stops_for_keys(void *context)
 static void finish_labels(struct pilot *p)
 {
     const struct pilot_onlooker onlooker = {p, stops_for_keys, wants_moves, show_so_far};
+    OWNED(buf_release) struct buf news = {0};
     struct fault why = {0};
     p->reads_ns = 0;
     p->ahead_shown = 0;
-    struct buf news = {0};
     const enum err err = p->host->finish(p->host->context, &onlooker, &news, &why);
     if (!err && news.length)
         keep_last_line(&p->message, buf_text(&news));
-    buf_release(&news);
     p->is_stale = err != ERR_CANCELLED || p->ahead_shown > 0;
     p->finish_failed = err != OK && err != ERR_CANCELLED;
     if (p->finish_failed)

@@ -154,9 +154,9 @@ void pilot_go_to_mark(struct press *p)
 void pilot_measure(struct press *p)
 {
     const struct pilot_mark *mark = mark_pressed(p);
-    if (!mark)
-        return;
-    buf_printf(p->line, "measure " PLACE " " PLACE "\n", XYZ(mark->place), XYZ(p->facts->place));
+    if (mark)
+        buf_printf(p->line, "measure " PLACE " " PLACE "\n", XYZ(mark->place),
+                   XYZ(p->facts->place));
 }
 
 void pilot_go_back(struct press *p)
@@ -190,9 +190,8 @@ void pilot_explain(struct press *p)
 {
     struct pilot_way *way = &p->state->way;
     uint32_t place[3];
-    if (!pilot_take_voxel(p, place) || !p->host->why(p->host->context, place, way, p->message))
-        return;
-    p->state->mode = PILOT_EXPLAINING;
+    if (pilot_take_voxel(p, place) && p->host->why(p->host->context, place, way, p->message))
+        p->state->mode = PILOT_EXPLAINING;
 }
 
 void pilot_go_to_edge(struct press *p)
@@ -429,9 +428,8 @@ void pilot_begin_picking(struct press *p)
 void pilot_end_picking(struct press *p)
 {
     uint32_t place[3];
-    if (p->by && !pilot_take_voxel(p, place))
-        return;
-    p->state->mode = p->state->base = pilot_home(p->state);
+    if (!p->by || pilot_take_voxel(p, place))
+        p->state->mode = p->state->base = pilot_home(p->state);
 }
 
 /* ---- watched steps ---- */

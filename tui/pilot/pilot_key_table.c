@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "tui/pilot/pilot_keys.h"
 
 #define MOVING          PILOT_IN(PILOT_MOVING)
@@ -232,11 +233,9 @@ const struct pilot_setup pilot_setup_default = {.table = pilot_table,
 /* Return true if a row has exactly the keys of the table. */
 static bool is_plain_row(const struct pilot_setup *setup, const struct pilot_row *row)
 {
-    struct buf keys = {0};
+    OWNED(buf_release) struct buf keys = {0};
     setup_add_keys(&keys, setup, row, SIZE_MAX);
-    const bool is_plain = strcmp(buf_text(&keys), row->keys) == 0;
-    buf_release(&keys);
-    return is_plain;
+    return strcmp(buf_text(&keys), row->keys) == 0;
 }
 
 /* ---- hints ---- */
@@ -374,7 +373,7 @@ static void add_column(struct buf *out, const struct pilot_keys_wish *wish, cons
 static void add_entry(struct buf *out, const struct pilot_keys_wish *wish,
                       const struct pilot_row *row, const struct pilot_row *left)
 {
-    struct buf keys = {0};
+    OWNED(buf_release) struct buf keys = {0};
     add_keys(&keys, row, wish->setup);
     buf_printf(out, "%*s",
                wish->columns < NARROW ? 0
@@ -387,7 +386,6 @@ static void add_entry(struct buf *out, const struct pilot_keys_wish *wish,
                                       : KEYS_WIDE);
     buf_printf(out, "%s%s", wish->columns < NARROW ? "\n  " : " ", row->help);
     out->failed |= keys.failed;
-    buf_release(&keys);
 }
 
 static bool has_piece(const char *text, const char *piece)
@@ -401,7 +399,7 @@ static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
     const char *heading = NULL, *help = NULL;
     const size_t before = out->length;
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
-        struct buf keys = {0};
+        OWNED(buf_release) struct buf keys = {0};
         const bool is_heading = !row->name && !row->help;
         const char *name = row->name ? row->name : "";
         heading = is_heading ? row->shown : heading;
@@ -418,7 +416,6 @@ static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
             buf_printf(out, " %-*s  %s\n", NAME_WIDE, name, help ? help : "");
         }
         out->failed |= keys.failed;
-        buf_release(&keys);
     }
     if (out->length == before)
         buf_printf(out, "no key matches %s\n", wish->wanted);

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/scan.h"
 
 void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup)
@@ -55,11 +56,8 @@ void pilot_state_release(struct pilot_state *state)
 static bool fits_any(const char *words, uint32_t leader, const struct key_event *event)
 {
     struct chord chord;
-    const char *word;
-    size_t length;
-    while (words && chord_next(&words, &word, &length))
-        if (chord_read(word, length, &chord) &&
-            (event ? chord_fits(&chord, leader, event) : chord.leader == leader))
+    while (words && chord_next(&words, &chord))
+        if (event ? chord_fits(&chord, leader, event) : chord.leader == leader)
             return true;
     return false;
 }
@@ -82,21 +80,15 @@ static const struct pilot_row *find_among(const struct pilot_state *state,
     return NULL;
 }
 
-static const struct pilot_row *find_row(const struct pilot_state *state,
-                                        const struct key_event *event)
+const struct pilot_row *pilot_row_of(const struct pilot_state *state, const struct key_event *event)
 {
     const struct pilot_row *row = find_among(state, event, true);
     return row ? row : find_among(state, event, false);
 }
 
-bool pilot_has_key(const struct pilot_state *state, const struct key_event *event)
-{
-    return find_row(state, event) != NULL;
-}
-
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event)
 {
-    const struct pilot_row *row = find_row(state, event);
+    const struct pilot_row *row = pilot_row_of(state, event);
     return !state->pen.is_down && !pilot_outlines(state->base) &&
            (row ? row->flags & PILOT_ONLY_MOVES : !(event->modifiers & KEY_ALT));
 }
@@ -107,7 +99,7 @@ bool pilot_only_moves(const struct pilot_state *state, const struct key_event *e
 static bool add_keys_after(const struct pilot_state *state, uint32_t leader, struct buf *message)
 {
     const char *gap = "";
-    struct buf keys = {0};
+    OWNED(buf_release) struct buf keys = {0};
     const struct pilot_setup *setup = state->setup;
     for (const struct pilot_row *row = setup->table; row < setup->table + setup->rows; row++) {
         buf_clear(&keys);
@@ -119,7 +111,6 @@ static bool add_keys_after(const struct pilot_state *state, uint32_t leader, str
         gap = "  ";
     }
     message->failed |= keys.failed;
-    buf_release(&keys);
     return *gap;
 }
 
@@ -217,16 +208,16 @@ static bool has_same_brush(const struct pilot_state *state)
 static void end_stroke(struct press *p)
 {
     struct pilot_state *state = p->state;
-    struct buf *line = p->line, rest = {0};
+    struct buf *line = p->line;
     if (state->sketches)
         return;
     if (state->pen.line.count > 1) {
+        OWNED(buf_release) struct buf rest = {0};
         buf_add(&rest, buf_text(line), line->length);
         buf_clear(line);
         pilot_add_stroke(p);
         buf_add(line, buf_text(&rest), rest.length);
         line->failed |= rest.failed;
-        buf_release(&rest);
     }
     state->pen.line.count = 0;
 }
@@ -245,18 +236,17 @@ static void warn_of_grown(struct press *p)
 /* Return true if the mode has keys that begin with this one. */
 static bool is_first_key(const struct pilot_state *state, const struct key_event *event)
 {
-    struct buf keys = {0};
-    const bool may = event->key == KEY_CHARACTER && !event->modifiers &&
-                     add_keys_after(state, event->point, &keys);
-    buf_release(&keys);
-    return may;
+    OWNED(buf_release) struct buf keys = {0};
+    return event->key == KEY_CHARACTER && !event->modifiers &&
+           add_keys_after(state, event->point, &keys);
 }
 
 enum pilot_request pilot_press(struct press *p)
 {
     struct pilot_state *state = p->state;
     state->is_silent = state->says_all = state->sketches = state->drops = state->has_exact = false;
-    if (state->mode != state->base && !find_row(state, p->event) && !is_first_key(state, p->event))
+    if (state->mode != state->base && !pilot_row_of(state, p->event) &&
+        !is_first_key(state, p->event))
         state->mode = state->base; /* a key of another mode has its usual effect */
     if ((state->count || state->leader) && p->event->key == KEY_ESCAPE) {
         state->count = state->leader = 0;
@@ -264,7 +254,7 @@ enum pilot_request pilot_press(struct press *p)
     }
     if (take_count_digit(p) || take_first_key(p))
         return PILOT_NOTHING;
-    const struct pilot_row *row = find_row(state, p->event);
+    const struct pilot_row *row = pilot_row_of(state, p->event);
     if (row && state->count && !(row->flags & PILOT_COUNTS)) {
         setup_add_keys(p->message, state->setup, row, 1);
         buf_add_text(p->message, " accepts no count; nothing was done");
@@ -442,7 +432,7 @@ static bool only_moves(const struct buf *line, uint32_t place[3], bool *moves)
 void typed_ahead_show(const struct typed_ahead *ahead, struct pilot_state *state,
                       const struct pilot_host *host)
 {
-    struct buf line = {0}, message = {0};
+    OWNED(buf_release) struct buf line = {0}, message = {0};
     for (size_t i = ahead->taken; i < ahead->count; i++) {
         const struct key_event *event = ahead->event + i;
         struct pilot_state next = *state;
@@ -459,6 +449,4 @@ void typed_ahead_show(const struct typed_ahead *ahead, struct pilot_state *state
         if (moves)
             host->preview_cross(host->context, place);
     }
-    buf_release(&line);
-    buf_release(&message);
 }

@@ -302,8 +302,9 @@ struct pilot_keys_wish {
  * of its own, with its name. */
 void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish);
 
-/* Return true if the key has an effect in the present mode. */
-bool pilot_has_key(const struct pilot_state *state, const struct key_event *event);
+/* Return the row of a key in the present mode; NULL if it has no effect. */
+const struct pilot_row *pilot_row_of(const struct pilot_state *state,
+                                     const struct key_event *event);
 
 /* ---- keys typed ahead ---- */
 
@@ -411,13 +412,12 @@ void setup_say(struct buf *out, const struct pilot_setup *setup, const char *for
  */
 struct chord {
     uint32_t leader; /* the first key of two; 0: none */
-    enum key key;    /* KEY_PENDING: any */
+    enum key key;    /* KEY_PENDING: any; KEY_OTHER: the word names no key */
     unsigned modifiers;
     uint32_t first, last; /* for KEY_CHARACTER */
+    const char *word;     /* in the text read */
+    size_t length;        /* bytes of the word */
 };
-
-/* Read the word of `length` bytes. Return false if it names no key. */
-bool chord_read(const char *word, size_t length, struct chord *chord);
 
 /* Return true if the event, after that first key, is the chord. */
 bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_event *event);
@@ -425,9 +425,8 @@ bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_eve
 /* Return true if an event matches both, or matches one and begins the other. */
 bool chord_clashes(const struct chord *a, const struct chord *b);
 
-/* Iterate over words: set *word and *length to the next one and move *at past it. Return false at
- * the end. */
-bool chord_next(const char **at, const char **word, size_t *length);
+/* Iterate over words: read the next one and move *at past it. Return false at the end. */
+bool chord_next(const char **at, struct chord *chord);
 
 /* ---- functions of rows ---- */
 

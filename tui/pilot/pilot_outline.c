@@ -173,7 +173,6 @@ static void way_to(int64_t by[3], const uint32_t from[3], const uint32_t to[3])
 /* List the voxels of a closed line, each as a corner. */
 static bool ring_make(struct polyline *ring, const struct polyline *line)
 {
-    *ring = (struct polyline){0};
     for (size_t i = 0; i < line->count; i++) {
         const uint32_t *from = line->corner[i], *to = line->corner[(i + 1) % line->count];
         int64_t by[3];
@@ -212,13 +211,12 @@ static bool grab_at(struct press *p, const uint32_t place[3])
 {
     struct pilot_state *state = p->state;
     struct pilot_hold *hold = &state->hold;
-    struct polyline ring = {0};
+    OWNED(polyline_release) struct polyline ring = {0};
     hold->line.count = 0;
     hold->is_set = is_flat(&state->outline, place) && ring_make(&ring, &state->outline) &&
                    nearest_of(&ring, place) < ring.count;
     for (size_t i = 0; hold->is_set && i < state->outline.count; i++)
         hold->is_set = polyline_add(&hold->line, state->outline.corner[i]);
-    polyline_release(&ring);
     memcpy(hold->place, place, sizeof hold->place);
     if (!hold->is_set)
         buf_printf(p->message, "the outline is more than %d voxels from here", HOLD_MOST);
@@ -238,7 +236,7 @@ void pilot_grab(struct press *p)
 static bool bend_outline(struct polyline *out, const struct pilot_hold *hold,
                          const uint32_t place[3], const uint32_t size[3])
 {
-    struct polyline ring;
+    OWNED(polyline_release) struct polyline ring = {0};
     int64_t by[3];
     bool fits = ring_make(&ring, &hold->line);
     const int64_t count = (int64_t)ring.count, at = (int64_t)nearest_of(&ring, hold->place);
@@ -257,7 +255,6 @@ static bool bend_outline(struct polyline *out, const struct pilot_hold *hold,
                           size[a]);
         fits = polyline_add(out, to);
     }
-    polyline_release(&ring);
     polyline_simplify(out);
     return fits;
 }
@@ -315,7 +312,7 @@ void pilot_go_to_doubt(struct press *p)
 {
     struct pilot_state *state = p->state;
     const unsigned label = state->brush.label, count = state->count;
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     uint32_t place[3];
     if (is_unfinished(p))
         return;
@@ -331,7 +328,6 @@ void pilot_go_to_doubt(struct press *p)
     }
     buf_add_text(p->message, buf_text(&words));
     p->message->failed |= words.failed;
-    buf_release(&words);
     if (!found)
         return;
     state->doubt = rank;

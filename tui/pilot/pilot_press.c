@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "tui/pilot/pilot_keys.h"
 
 /* ---- windows ---- */
@@ -48,14 +49,12 @@ static const struct pilot_row *taken_by(const struct pilot_setup *setup,
                                         const struct pilot_row *row, const struct chord *chord)
 {
     struct chord other;
-    const char *word;
-    size_t length;
     for (const struct pilot_row *r = setup->table; r < setup->table + setup->rows; r++) {
         const char *words = setup_own(setup, r);
         if (r == row || !(r->in & row->in))
             continue;
-        while (words && chord_next(&words, &word, &length))
-            if (chord_read(word, length, &other) && chord_clashes(&other, chord))
+        while (words && chord_next(&words, &other))
+            if (chord_clashes(&other, chord))
                 return r;
     }
     return NULL;
@@ -64,20 +63,21 @@ static const struct pilot_row *taken_by(const struct pilot_setup *setup,
 enum err setup_keys(struct pilot_setup *setup, const struct pilot_row *row, const char *words,
                     struct fault *fault)
 {
-    const char *at = words, *word;
+    const char *at = words;
     struct chord chord;
-    size_t length;
     if (strlen(words) >= SETUP_KEYS_BYTES)
         return fault_set(fault, ERR_LIMIT, "expected keys of at most %d bytes in all",
                          SETUP_KEYS_BYTES - 1);
-    while (chord_next(&at, &word, &length)) {
-        if (!chord_read(word, length, &chord) || chord.key == KEY_PENDING)
-            return fault_set(fault, ERR_USAGE, "there is no key %.*s", (int)length, word);
+    while (chord_next(&at, &chord)) {
+        const int length = (int)chord.length;
+        if (chord.key == KEY_OTHER || chord.key == KEY_PENDING)
+            return fault_set(fault, ERR_USAGE, "there is no key %.*s", length, chord.word);
         if (chord.first != chord.last && !chord.leader)
-            return fault_set(fault, ERR_USAGE, "%.*s: expected one key", (int)length, word);
+            return fault_set(fault, ERR_USAGE, "%.*s: expected one key", length, chord.word);
         const struct pilot_row *by = taken_by(setup, row, &chord);
         if (by)
-            return fault_set(fault, ERR_USAGE, "%.*s was given to %s", (int)length, word, by->name);
+            return fault_set(fault, ERR_USAGE, "%.*s was given to %s", length, chord.word,
+                             by->name);
     }
     snprintf(setup->keys[row - setup->table], SETUP_KEYS_BYTES, "%s", words);
     return OK;
@@ -87,13 +87,12 @@ void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const stru
                     size_t most)
 {
     const char *own = row->name ? setup_own(setup, row) : NULL, *words = own ? own : row->keys;
-    const char *word, *gap = "";
+    const char *gap = "";
     struct chord chord;
-    size_t length;
-    while (most > 0 && chord_next(&words, &word, &length)) {
-        if (row->name && !own && chord_read(word, length, &chord) && taken_by(setup, row, &chord))
+    while (most > 0 && chord_next(&words, &chord)) {
+        if (row->name && !own && taken_by(setup, row, &chord))
             continue;
-        buf_printf(out, "%s%.*s", gap, (int)length, word);
+        buf_printf(out, "%s%.*s", gap, (int)chord.length, chord.word);
         gap = " ";
         most--;
     }
@@ -101,7 +100,7 @@ void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const stru
 
 void setup_say(struct buf *out, const struct pilot_setup *setup, const char *format, ...)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     va_list values;
     va_start(values, format);
     buf_vprintf(&words, format, values);
@@ -110,14 +109,10 @@ void setup_say(struct buf *out, const struct pilot_setup *setup, const char *for
         const size_t before = out->length;
         char name[32], character = '\0';
         int bytes = 0;
-        if (*at != '{') {
-            buf_add_char(out, *at);
-            continue;
-        }
         sscanf(at, "{%31[a-z-]:%c}%n", name, &character, &bytes);
         if (!character)
             sscanf(at, "{%31[a-z-]}%n", name, &bytes);
-        if (bytes == 0) { /* a brace of a value */
+        if (bytes == 0) { /* a brace of a value too */
             buf_add_char(out, *at);
             continue;
         }
@@ -130,7 +125,6 @@ void setup_say(struct buf *out, const struct pilot_setup *setup, const char *for
         at += bytes - 1;
     }
     out->failed |= words.failed;
-    buf_release(&words);
 }
 
 bool pilot_has_label(const struct press *p, uint32_t label)

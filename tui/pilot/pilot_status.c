@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/mem.h"
 #include "tui/cells.h"
 
 /* Ranks of parts; the last one is left out first. */
@@ -67,14 +68,13 @@ static void add_place(struct status *s, const struct pilot_state *state,
 static void add_label(struct status *s, const struct pilot_host *host, const char *words,
                       uint32_t label, enum rank rank, enum rank rank_of_name)
 {
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     host->label(host->context, label, &name);
     const size_t number = strcspn(buf_text(&name), " ");
     buf_printf(&s->text, "%s %.*s", words, (int)number, buf_text(&name));
     end_part(s, rank);
     add_part(s, rank_of_name, buf_text(&name) + number);
     s->text.failed |= name.failed;
-    buf_release(&name);
 }
 
 static void add_brush(struct status *s, const struct pilot_state *state,

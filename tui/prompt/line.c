@@ -84,11 +84,6 @@ static void line_undo_note(struct line_undo *u, const struct line_change *change
 
 /* ---- the line ---- */
 
-void line_init(struct line *l, const struct line_history *history)
-{
-    *l = (struct line){.history = history, .place = history->count};
-}
-
 void line_release(struct line *l)
 {
     buf_release(&l->text);

@@ -140,8 +140,8 @@ enum line_action {
     LINE_ACTIONS
 };
 
-/* `history` may be empty; it must outlive the line. */
-void line_init(struct line *l, const struct line_history *history);
+/* A line begins as {.history = h, .place = h->count}; the history may be empty, and must outlive
+ * the line. */
 void line_release(struct line *l);
 
 /* Empty the line and leave the history; the kill buffer stays. */

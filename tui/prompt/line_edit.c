@@ -15,12 +15,6 @@
 
 enum { PASTE_PATIENCE_MS = 200 };
 
-void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context)
-{
-    *e = (struct line_editor){.complete = complete, .context = context};
-    line_init(&e->line, &e->history);
-}
-
 void line_editor_release(struct line_editor *e)
 {
     line_release(&e->line);
@@ -391,9 +385,8 @@ static enum line_editor_act wait_for_input(struct line_editor *e, enum screen *s
         *screen = STALE;
         return line_editor_time_out(e, &event) ? take_key(e, &event) : DUTY_NONE;
     case TERM_SIGNAL:
-        if (term_was_continued())
+        if (term_was_continued()) /* every drawing reads the size anyway */
             e->drawing = (struct line_drawing){0};
-        term_was_resized(); /* clear the flag: every drawing reads the size anyway */
         *screen = STALE;
         return DUTY_NONE;
     case TERM_CLOSED:

@@ -191,7 +191,7 @@ struct line_editor {
     void *context;
 };
 
-void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context);
+/* Begins as {.line.history = &e.history}, with the members above as wanted. */
 void line_editor_release(struct line_editor *e);
 
 /* Call for each byte before keys_feed. On a slow line an answer of the terminal may be cut right

@@ -87,7 +87,6 @@ static bool await_key(struct line_editor *e)
             break;
         case TERM_SIGNAL:
             term_was_continued();
-            term_was_resized();
             break;
         default:
             stays = false;

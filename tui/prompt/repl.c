@@ -277,20 +277,23 @@ static enum err open_terminal(int in, struct graphics_wish wish, bool prompts,
 static enum err run_interactive(const struct repl_host *host, const struct repl_options *options,
                                 bool is_screen, struct fault *fault)
 {
-    struct prompt p = {
-        .host = host, .history_path = options->history_path, .pages = options->pages};
-    struct line_editor *e = &p.editor;
     const struct theme *theme = options->theme ? options->theme : &theme_dark;
+    struct prompt p = {.host = host,
+                       .history_path = options->history_path,
+                       .pages = options->pages,
+                       .editor = {.line.history = &p.editor.history,
+                                  .complete = host->complete,
+                                  .knows = host->knows,
+                                  .find = host->find,
+                                  .news = host->news,
+                                  .news_descriptor = host->news ? host->news_descriptor : -1,
+                                  .pager = options->pages ? options->pager : NULL,
+                                  .line_of_ctrl_o = host->screen_line,
+                                  .context = host->context}};
+    struct line_editor *e = &p.editor;
     struct fault of_history = {0};
     enum err loaded = OK;
     bool ended;
-    line_editor_init(e, host->complete, host->context);
-    e->news = host->news;
-    e->news_descriptor = host->news ? host->news_descriptor : -1;
-    e->line_of_ctrl_o = host->screen_line;
-    e->pager = options->pages ? options->pager : NULL;
-    e->knows = host->knows;
-    e->find = host->find;
     if (options->history_path)
         loaded = line_history_load(&e->history, options->history_path, &of_history);
     enum err err = open_terminal(STDIN_FILENO, options->graphics, true, &p.facts, &e->input, fault);
