@@ -38,17 +38,22 @@ void journal_close(struct journal *journal)
 static enum err journal_new(struct journal **journal, const char *path, unsigned semantics,
                             struct fault *fault)
 {
-    *journal = calloc(1, sizeof **journal);
-    if (!*journal)
+    struct journal *j = *journal = calloc(1, sizeof *j);
+    if (!j)
         return fault_memory(fault, "a journal");
-    buf_add_text(&(*journal)->path, path);
-    record_header(&(*journal)->header, semantics);
-    (*journal)->chain = record_chain_zero;
-    if (!(*journal)->header.failed && !(*journal)->path.failed)
-        return OK;
-    journal_close(*journal);
-    *journal = NULL;
-    return fault_memory(fault, "a journal");
+    buf_add_text(&j->path, path);
+    record_header(&j->header, semantics);
+    j->chain = record_chain_zero;
+    return j->header.failed || j->path.failed ? fault_memory(fault, "a journal") : OK;
+}
+
+/* Pass on a journal that was made without an error. */
+static enum err finish(struct journal **out, struct journal *journal, enum err err)
+{
+    *out = err ? NULL : journal;
+    if (err)
+        journal_close(journal);
+    return err;
 }
 
 /* Repair the file after earlier failures: cut rejected bytes off, write bytes whose sync failed
@@ -115,21 +120,15 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
                         struct fault *fault)
 {
     struct journal *journal;
-    *out = NULL;
     enum err err = journal_new(&journal, path, semantics, fault);
-    if (err)
-        return err;
-    err = file_log_open(&journal->log, path, true, fault);
+    if (!err)
+        err = file_log_open(&journal->log, path, true, fault);
     if (!err) {
         err = append_bytes(journal, &journal->header, false, fault);
         if (err)
             file_discard(path); /* created by this call */
     }
-    if (err)
-        journal_close(journal);
-    else
-        *out = journal;
-    return err;
+    return finish(out, journal, err);
 }
 
 /* ---- opening an existing journal -------------------------------------------------------------
@@ -212,13 +211,10 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
     OWNED(walk_release) struct walk sound = {0}, walk = {0};
     struct record record;
     OWNED(buf_release) struct buf bytes = {0};
-    *out = NULL;
     if (notice)
         buf_clear(notice);
     enum err err = journal_new(&journal, path, resume->semantics, fault);
-    if (err)
-        return err;
-    if (!resume->only_looks)
+    if (!err && !resume->only_looks)
         err = file_log_open(&journal->log, path, false, fault); /* J6 */
     if (!err)
         err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
@@ -237,11 +233,7 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
         else
             err = take_over(journal, &bytes, &sound, notice, fault);
     }
-    if (err)
-        journal_close(journal);
-    else
-        *out = journal;
-    return err;
+    return finish(out, journal, err);
 }
 
 enum err journal_repair(const char *path, unsigned semantics, struct buf *notice,

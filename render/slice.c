@@ -304,8 +304,8 @@ static bool draw_rims(const struct work *work, const struct mark_runs *runs)
     const struct slice_side *row = &work->plan.side[1];
     const int64_t margin = slice_unit(work->plan.size), rows = row->end - row->first + 2 * margin;
     const size_t columns = work->columns + 2 * (size_t)margin;
-    struct run_map map = {work, NULL, (ptrdiff_t)columns, margin};
-    map.run = mem_new(columns * (size_t)rows * sizeof *map.run);
+    OWNED(mem_release) uint16_t *run_of = mem_new(columns * (size_t)rows * sizeof *run_of);
+    const struct run_map map = {work, run_of, (ptrdiff_t)columns, margin};
     OWNED(mem_release) uint8_t *is_used = mem_new((size_t)rows); /* rows with runs within reach */
     const bool fine = map.run && is_used;
     for (int64_t y = row->first; y < row->end && fine; y++) {
@@ -319,7 +319,6 @@ static bool draw_rims(const struct work *work, const struct mark_runs *runs)
     for (int64_t y = row->first; y < row->end && fine; y++)
         for (size_t x = 0; x < work->columns && is_used[y - row->first + margin]; x++)
             draw_rim(&map, x, y);
-    free(map.run);
     return fine;
 }
 
@@ -350,18 +349,17 @@ static bool draw_marks(const struct work *work)
     }
     if (marks.count) {
         /* Adjacent dots would hide the object. */
-        struct mark_runs runs = {.columns = (size_t)work->plan.side[0].voxels,
-                                 .rows = (size_t)work->plan.side[1].voxels,
-                                 .step = 1};
-        runs.run = mem_new(runs.columns * runs.rows * sizeof *runs.run);
-        marks.failed = marks.failed || !runs.run;
+        const size_t columns = (size_t)work->plan.side[0].voxels;
+        const size_t rows = (size_t)work->plan.side[1].voxels;
+        OWNED(mem_release) uint16_t *run = mem_new(columns * rows * sizeof *run);
+        const struct mark_runs runs = {.run = run, .columns = columns, .rows = rows, .step = 1};
+        marks.failed = marks.failed || !run;
         for (size_t i = 0; i < marks.count && !marks.failed; i++)
-            runs.run[marks.mark[i].at] = mark_run(&marks.mark[i]);
+            run[marks.mark[i].at] = mark_run(&marks.mark[i]);
         if (!marks.failed && work->style->thin)
             marks.failed = !draw_rims(work, &runs);
-        if (runs.run)
+        if (run)
             marks_keep(&marks, &runs, work->style->thin ? MARKS_ALONE : MARKS_OF_RIMS);
-        free(runs.run);
     }
     marks_draw(work->canvas, &marks, slice_unit(work->plan.size),
                work->style->thin ? 0 : marks_more(work->canvas), work->style->palette);

@@ -13,7 +13,7 @@ static struct config config;
 static void take(const char *text)
 {
     config_release(&config);
-    config_init(&config);
+    config = (struct config){.setup = pilot_setup_default};
     buf_add_text(&config.path, "c");
     config_take(&config, text, strlen(text));
 }
@@ -27,7 +27,7 @@ static const char *words_of(const char *text)
 static void read_file(void)
 {
     config_release(&config);
-    config_init(&config);
+    config = (struct config){.setup = pilot_setup_default};
     config_read(&config);
 }
 

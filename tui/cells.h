@@ -23,10 +23,6 @@ unsigned char_width(uint32_t point);
 #define CHAR_BROKEN UINT32_MAX
 size_t char_read(const char *text, size_t length, uint32_t *point);
 
-/* Write a character as UTF-8, without a NUL, and return its bytes. */
-enum { CHAR_BYTES_MOST = 4 };
-size_t char_write(char out[CHAR_BYTES_MOST], uint32_t point);
-
 /* Remove the last character of a text, which is not empty. */
 void char_erase(struct buf *text);
 

@@ -318,10 +318,10 @@ bool file_holds_same(const char *a, const char *b)
 void file_real(struct buf *out, const char *path)
 {
     struct stat status;
-    char *real = lstat(path, &status) == 0 && S_ISLNK(status.st_mode) ? realpath(path, NULL) : NULL;
+    const bool is_link = lstat(path, &status) == 0 && S_ISLNK(status.st_mode);
+    OWNED(mem_release) char *real = is_link ? realpath(path, NULL) : NULL;
     buf_clear(out);
     buf_add_text(out, real ? real : path);
-    free(real);
 }
 
 enum { LINKS_MOST = 40 };
@@ -783,9 +783,8 @@ enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
         return fault_memory(fault, "a path");
     if (mkdtemp(path->data))
         return OK;
-    const enum err err = fault_errno(fault, "make a folder below", below);
     buf_clear(path);
-    return err;
+    return fault_errno(fault, "make a folder below", below);
 }
 
 enum err folder_temporary(struct buf *path, const char *below, struct fault *fault)
@@ -805,25 +804,21 @@ enum err folder_temporary(struct buf *path, const char *below, struct fault *fau
 
 enum err folder_held(struct buf *path, const char *below, struct fault *fault)
 {
-    struct buf holder = {0};
+    OWNED(buf_release) struct buf holder = {0};
     sweep(usual_place(below), true);
     enum err err = folder_fresh(path, below, fault);
     if (err)
         return err;
     buf_printf(&holder, "%s/", buf_text(path));
     write_name(&holder, HOLDER_TAIL);
-    const int fd = holder.failed ? -1 : open(buf_text(&holder), O_WRONLY | O_CREAT | O_EXCL, 0600);
-    if (holder.failed)
-        err = fault_memory(fault, "a path");
-    else if (fd < 0)
-        err = fault_errno(fault, "make", buf_text(&holder));
-    else
-        close(fd);
-    buf_release(&holder);
-    if (err) {
-        rmdir(buf_text(path));
-        buf_clear(path);
-    }
+    OWNED(file_release)
+    int fd = holder.failed ? -1 : open(buf_text(&holder), O_WRONLY | O_CREAT | O_EXCL, 0600);
+    if (fd >= 0)
+        return OK;
+    err = holder.failed ? fault_memory(fault, "a path")
+                        : fault_errno(fault, "make", buf_text(&holder));
+    rmdir(buf_text(path));
+    buf_clear(path);
     return err;
 }
 

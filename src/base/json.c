@@ -61,24 +61,12 @@ static bool take_hex(struct json_reader *r, uint32_t *out)
     return true;
 }
 
-static void add_utf8(struct buf *out, uint32_t point)
-{
-    if (point < 0x80) {
-        buf_add_char(out, (char)point);
-        return;
-    }
-    const unsigned more = point < 0x800 ? 1 : point < 0x10000 ? 2 : 3;
-    static const unsigned lead[] = {0, 0xC0, 0xE0, 0xF0};
-    buf_add_char(out, (char)(lead[more] | point >> (6 * more)));
-    for (unsigned i = more; i-- > 0;)
-        buf_add_char(out, (char)(0x80 | (point >> (6 * i) & 0x3F)));
-}
-
 /* Read the rest of an escape after its backslash. */
 static enum err take_escape(struct json_reader *r, struct buf *out, struct fault *fault)
 {
     static const char escape[] = "\"\\/bfnrt", means[] = "\"\\/\b\f\n\r\t";
     const char *found = here(r) ? strchr(escape, here(r)) : NULL;
+    char bytes[UTF8_BYTES_MOST];
     uint32_t point, low;
     if (found) {
         buf_add_char(out, means[found - escape]);
@@ -96,7 +84,8 @@ static enum err take_escape(struct json_reader *r, struct buf *out, struct fault
     if (is_low ||
         (is_high && !(take(r, "\\u") && take_hex(r, &low) && low >= 0xDC00 && low <= 0xDFFF)))
         return expect(r, "surrogates in a pair, the high one first", fault);
-    add_utf8(out, is_high ? 0x10000 + ((point - 0xD800) << 10) + (low - 0xDC00) : point);
+    point = is_high ? 0x10000 + ((point - 0xD800) << 10) + (low - 0xDC00) : point;
+    buf_add(out, bytes, utf8_write(bytes, point));
     return OK;
 }
 

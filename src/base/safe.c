@@ -28,6 +28,15 @@ size_t utf8_read(const char *text, size_t length, uint32_t *point)
     return n;
 }
 
+size_t utf8_write(char out[UTF8_BYTES_MOST], uint32_t point)
+{
+    const size_t n = point < 0x80 ? 1 : point < 0x800 ? 2 : point < 0x10000 ? 3 : 4;
+    for (size_t i = n; i-- > 1; point >>= 6)
+        out[i] = (char)(0x80 | (point & 0x3F));
+    out[0] = (char)(n == 1 ? point : (0xF00u >> n & 0xFF) | point);
+    return n;
+}
+
 /* Code points that print nothing themselves but change the appearance of other text. */
 static bool is_formatting(uint32_t point)
 {

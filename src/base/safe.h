@@ -31,4 +31,8 @@ const char *safe_end(const char *text);
  * `length` > 0. */
 size_t utf8_read(const char *text, size_t length, uint32_t *point);
 
+/* Write a character as UTF-8, without a NUL, and return its bytes. */
+enum { UTF8_BYTES_MOST = 4 };
+size_t utf8_write(char out[UTF8_BYTES_MOST], uint32_t point);
+
 #endif

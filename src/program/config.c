@@ -18,11 +18,6 @@ enum {
 };
 #define REAL_MOST INT64_C(1000000000) /* thousandths */
 
-void config_init(struct config *config)
-{
-    *config = (struct config){.setup = pilot_setup_default};
-}
-
 void config_release(struct config *config)
 {
     buf_release(&config->path);
@@ -110,14 +105,13 @@ static enum err take_window(struct config *config, const char *words, struct fau
 {
     OWNED(buf_release) struct buf name = {0};
     int64_t centre, width;
-    enum err err = OK;
     take_word(&words, &name);
     if (!take_number(&words, 3, -REAL_MOST, REAL_MOST, &centre) ||
         !take_number(&words, 3, 2, REAL_MOST, &width) || !is_end(words))
-        err =
-            fault_set(fault, ERR_USAGE,
-                      "expected a name, a centre, and a width above 0, as in window liver 60 160");
-    return err ? err : setup_window(&config->setup, buf_text(&name), centre, width, fault);
+        return fault_set(
+            fault, ERR_USAGE,
+            "expected a name, a centre, and a width above 0, as in window liver 60 160");
+    return setup_window(&config->setup, buf_text(&name), centre, width, fault);
 }
 
 static enum err take_keys(struct config *config, const char *words, struct fault *fault)
@@ -125,19 +119,16 @@ static enum err take_keys(struct config *config, const char *words, struct fault
     OWNED(buf_release) struct buf name = {0};
     take_word(&words, &name);
     const struct pilot_row *row = setup_row(&config->setup, buf_text(&name));
-    enum err err;
     if (!row) {
         struct near near = near_to(buf_text(&name));
         for (size_t i = 0; i < pilot_rows; i++)
             if (pilot_table[i].name)
                 near_try(&near, pilot_table[i].name, strlen(pilot_table[i].name));
         fault_set(fault, ERR_USAGE, "there is no action %s", buf_text(&name));
-        err = near_append(&near, "", fault);
-    } else {
-        err = *words ? setup_keys(&config->setup, row, words, fault)
-                     : fault_set(fault, ERR_USAGE, "expected keys after %s", buf_text(&name));
+        return near_append(&near, "", fault);
     }
-    return err;
+    return *words ? setup_keys(&config->setup, row, words, fault)
+                  : fault_set(fault, ERR_USAGE, "expected keys after %s", buf_text(&name));
 }
 
 static enum err take_state(bool *is_off, const char *words, struct fault *fault)
@@ -180,18 +171,13 @@ static enum err (*const take[])(struct config *config, const char *words, struct
 static enum err take_line(struct config *config, const char *line, struct fault *fault)
 {
     OWNED(buf_release) struct buf word = {0};
-    enum err err;
     take_word(&line, &word);
     const int kind = choice_find(KINDS, buf_text(&word));
-    if (kind >= 0) {
-        err = take[kind](config, line, fault);
-    } else {
-        fault_set(fault, ERR_USAGE,
-                  "expected theme, brush, window, key, pager, ahead or start, not %s",
-                  buf_text(&word));
-        err = near_append_choices(buf_text(&word), KINDS, fault);
-    }
-    return err;
+    if (kind >= 0)
+        return take[kind](config, line, fault);
+    fault_set(fault, ERR_USAGE, "expected theme, brush, window, key, pager, ahead or start, not %s",
+              buf_text(&word));
+    return near_append_choices(buf_text(&word), KINDS, fault);
 }
 
 /* Accept printable UTF-8 alone. */

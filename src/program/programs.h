@@ -117,8 +117,7 @@ struct config {
     size_t wrong;     /* lines */
 };
 
-/* Set the defaults. */
-void config_init(struct config *config);
+/* Begins as {.setup = pilot_setup_default}. */
 void config_release(struct config *config);
 
 /* Find and read the file, if there is one. Errors are in `words`. Without a line `start` the

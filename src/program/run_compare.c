@@ -37,7 +37,7 @@ static enum err take_labels(struct pair *pair, int side, struct volume *map, str
 {
     const struct options *o = pair->options;
     struct map_labels choice = {.label = o->binary ? 1 : LABEL_OWN};
-    uint16_t *as = NULL;
+    OWNED(mem_release) uint16_t *as = NULL;
     enum err err = map_to_regions(map, 0, UINT32_MAX, console_watch(), fault);
     if (!err && !o->binary)
         err = numbering_admit(&pair->kept, map, &pair->regions, NULL, fault);
@@ -46,7 +46,6 @@ static enum err take_labels(struct pair *pair, int side, struct volume *map, str
     choice.as = as;
     if (!err)
         err = map_to_labels(&pair->compared.label[side], map, &choice, console_watch(), fault);
-    free(as);
     return err ? fault_prefix(fault, err, "%s", o->word[side]) : OK;
 }
 

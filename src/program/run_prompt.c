@@ -135,11 +135,6 @@ static const struct pilot_row *row_of(const char *words, size_t length)
     return NULL;
 }
 
-static bool has_piece(const char *text, const char *piece)
-{
-    return text && strcasestr(text, piece);
-}
-
 /* Add keys without a command as notes, which cannot be selected; keys in the list are left out. */
 static void add_keys(struct buf *out, const char *piece, const struct pilot_setup *setup,
                      const bool *is_there)
@@ -148,7 +143,7 @@ static void add_keys(struct buf *out, const char *piece, const struct pilot_setu
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
         const char *help = row->help && *row->help ? row->help : row->hint ? row->hint : "";
         if (!row->name || is_there[row - pilot_table] ||
-            !(has_piece(row->name, piece) || has_piece(help, piece)) || count++ == KEYS_MOST)
+            !(strcasestr(row->name, piece) || strcasestr(help, piece)) || count++ == KEYS_MOST)
             continue;
         buf_add_char(out, '\t');
         setup_add_keys(out, setup, row, 1);
@@ -273,8 +268,9 @@ static const char *journal_name(const struct prompt *prompt)
 }
 
 /* Add the current step of the lesson below an answer. */
-static void add_lesson(struct prompt *prompt, struct buf *output)
+static void add_lesson(void *context, struct buf *output)
 {
+    struct prompt *prompt = context;
     if (!prompt->lesson || !prompt->interp.session->has_scene)
         return;
     lesson_look(prompt->lesson, prompt->interp.session, true);
@@ -320,11 +316,6 @@ static enum err repl_execute(void *context, const char *line, struct buf *output
     else if (!err)
         add_proposal(prompt, output);
     return err;
-}
-
-static void after_screen(void *context, struct buf *output)
-{
-    add_lesson(context, output);
 }
 
 static void pilot_caption(void *context, struct buf *lines)
@@ -463,7 +454,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .wants_screen = prompt_wants_screen,
                                    .screen = prompt_screen,
                                    .screen_line = "pilot",
-                                   .after_screen = after_screen,
+                                   .after_screen = add_lesson,
                                    .begin = prompt_begin,
                                    .prompt = prompt_text,
                                    .execute = repl_execute,
@@ -564,7 +555,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
                                       .sketch = prompt_sketch,
                                       .drop = prompt_drop};
     pilot_host_fill(&prompt.host);
-    config_init(&prompt.config);
+    prompt.config.setup = pilot_setup_default;
     if (is_terminal)
         config_read(&prompt.config);
     if (lesson)

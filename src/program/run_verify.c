@@ -72,22 +72,12 @@ static enum err add_journal(struct journal_list *journals, const char *path, str
     return OK;
 }
 
-static void tell_link(const char *path, const struct printer *printer)
-{
-    OWNED(buf_release) struct buf line = {0};
-    buf_add_text(&line, "# not entered: ");
-    buf_add_safe_text(&line, path);
-    buf_add_text(&line, " is a link to a folder; name that folder as well to verify it\n");
-    printer->warn(printer->context, buf_text(&line));
-}
-
 static int compare_names(const FTSENT **a, const FTSENT **b)
 {
     return strcmp((*a)->fts_name, (*b)->fts_name);
 }
 
-static enum err add_below(struct journal_list *journals, const char *folder,
-                          const struct printer *printer, struct fault *fault)
+static enum err add_below(struct journal_list *journals, const char *folder, struct fault *fault)
 {
     char *const top[] = {(char *)(uintptr_t)folder, NULL};
     const size_t before = journals->count;
@@ -104,7 +94,11 @@ static enum err add_below(struct journal_list *journals, const char *folder,
         } else if (!is_folder && file_is_named(entry->fts_path, ".iftty")) {
             err = add_journal(journals, entry->fts_path, fault);
         } else if (entry->fts_info == FTS_SL && file_is_folder(entry->fts_path)) {
-            tell_link(entry->fts_path, printer);
+            OWNED(buf_release) struct buf line = {0};
+            buf_add_text(&line, "# not entered: ");
+            buf_add_safe_text(&line, entry->fts_path);
+            buf_add_text(&line, " is a link to a folder; name that folder as well to verify it\n");
+            console_warn(NULL, buf_text(&line));
         }
     }
     if (!err && !entry && errno)
@@ -212,8 +206,7 @@ enum err run_verify(const struct options *o, struct fault *fault)
     enum err err = check_options(o, fault);
     /* In the order of the paths, those below a folder sorted by name. */
     for (int i = 0; !err && i < o->words; i++)
-        err = file_is_folder(o->word[i]) ? add_below(&journals, o->word[i], &console_printer, fault)
-                                         : add_journal(&journals, o->word[i], fault);
+        err = (file_is_folder(o->word[i]) ? add_below : add_journal)(&journals, o->word[i], fault);
     if (!err && o->shard)
         err = shard_keep(&journals, o->shard, fault);
     return err ? err : verify_journals(o, &journals, fault);

@@ -586,7 +586,7 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
 
 enum err run_watch(const struct options *o, struct fault *fault)
 {
-    OWNED(config_release) struct config config = {0};
+    OWNED(config_release) struct config config = {.setup = pilot_setup_default};
     if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO))
         return fault_set(fault, ERR_USAGE,
                          "`watch` needs a terminal; `iftty replay JOURNAL` needs none, and "
@@ -595,7 +595,6 @@ enum err run_watch(const struct options *o, struct fault *fault)
         return fault_set(fault, ERR_USAGE,
                          "--from %zu --until %zu: expected the first step before the last", o->from,
                          o->until);
-    config_init(&config);
     config_read(&config); /* before the process is confined */
     if (!config.setup.theme->has_colours)
         setenv("NO_COLOR", "1", 1);

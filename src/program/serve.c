@@ -47,11 +47,11 @@ enum err exchange_begin(struct exchange *exchange, struct fault *fault)
     if (err) {
         folder_remove(buf_text(&made));
         buf_release(&exchange->path);
-        return err;
+    } else {
+        exchange->device = status.st_dev;
+        exchange->number = status.st_ino;
     }
-    exchange->device = status.st_dev;
-    exchange->number = status.st_ino;
-    return OK;
+    return err;
 }
 
 /* E1 */
@@ -170,16 +170,6 @@ enum err exchange_allows(const struct exchange *exchange, const struct interpret
 
 #define ARRAYS MAPS "|intensity"
 
-static enum err find_map(enum map *map, const char *name, struct fault *fault)
-{
-    const int found = choice_find(ARRAYS, name);
-    *map = (enum map)found;
-    if (found >= 0)
-        return OK;
-    fault_set(fault, ERR_USAGE, "array: expected " ARRAYS ", not %s", name);
-    return near_append_choices(name, ARRAYS, fault);
-}
-
 enum err array_write(struct array_file *out, const struct exchange *exchange,
                      struct interpreter *interp, const char *name, bool finished,
                      struct fault *fault)
@@ -188,9 +178,13 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
     struct volume_reader reader;
     struct labels labels;
     OWNED(buf_release) struct buf file = {0};
-    enum map map;
+    const int map = choice_find(ARRAYS, name);
+    enum err err = OK;
     *out = (struct array_file){.name = name};
-    enum err err = find_map(&map, name, fault);
+    if (map < 0) {
+        fault_set(fault, ERR_USAGE, "array: expected " ARRAYS ", not %s", name);
+        err = near_append_choices(name, ARRAYS, fault);
+    }
     if (!err && finished && map != MAP_LABELS)
         err = fault_set(fault, ERR_USAGE, "finished: of labels alone");
     if (!err && !session->has_scene)
@@ -210,7 +204,8 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
     if (!err)
         err = place_file(&out->path, exchange, buf_text(&file), fault);
     if (!err)
-        err = export_map(session, map, &labels, buf_text(&out->path), FILE_REPLACE, fault);
+        err =
+            export_map(session, (enum map)map, &labels, buf_text(&out->path), FILE_REPLACE, fault);
     if (!err) { /* voxels are all that follows the header of the file */
         err = volume_begin(&reader, buf_text(&out->path), NULL, NULL, fault);
         out->type = reader.header.type;
@@ -568,35 +563,30 @@ static void cancel_request(struct inbox *inbox, const struct request *cancel)
 /* Finish the current line. */
 static enum err end_line(struct inbox *inbox, struct fault *fault)
 {
-    struct request request = {0};
-    enum err err = inbox->line.failed ? fault_memory(fault, "a request") : OK;
+    OWNED(request_release) struct request request = {0};
     const bool is_blank = strspn(buf_text(&inbox->line), " \t\r") == inbox->line.length;
-    if (!err && !inbox->is_too_long && is_blank)
+    if (!inbox->is_too_long && is_blank)
         return OK;
-    if (!err && inbox->is_too_long) {
+    if (inbox->is_too_long) {
         fault_set(&request.fault, ERR_USAGE, "the line is longer than %d bytes; it is skipped",
                   REQUEST_BYTES_MOST);
         buf_add_text(&request.id, "null");
-    } else if (!err) {
+    } else {
         request_read(&request, buf_text(&inbox->line), inbox->line.length);
     }
     buf_clear(&inbox->line);
     inbox->is_too_long = false;
-    if (!err && request.kind == REQUEST_CANCEL && !request.fault.code) {
+    if (request.kind == REQUEST_CANCEL && !request.fault.code) {
         cancel_request(inbox, &request);
-        request_release(&request);
         return OK;
     }
     const size_t end = inbox->first + inbox->count;
-    if (!err && !mem_grow(&inbox->waiting, &inbox->capacity, end + 1, sizeof *inbox->waiting))
-        err = fault_memory(fault, "a request");
-    if (err) {
-        request_release(&request);
-        return err;
-    }
+    if (!mem_grow(&inbox->waiting, &inbox->capacity, end + 1, sizeof *inbox->waiting))
+        return fault_memory(fault, "a request");
     inbox->bytes += request.words.length;
     inbox->waiting[end] = request;
     inbox->count++;
+    request = (struct request){0}; /* the inbox owns it */
     return OK;
 }
 

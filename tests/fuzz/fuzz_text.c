@@ -37,11 +37,10 @@ static void check_lines(const struct buf *text)
 
 void fuzz_config(const uint8_t *bytes, size_t length)
 {
-    struct config config;
+    struct config config = {.setup = pilot_setup_default};
     struct pilot_state state;
     const struct pilot_facts facts = {.zoom = 1000};
     struct buf page = {0};
-    config_init(&config);
     buf_add_text(&config.path, "config");
     config_take(&config, (const char *)bytes, length);
     check_lines(&config.words);

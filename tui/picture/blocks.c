@@ -22,6 +22,7 @@
 
 #include "base/least.h"
 #include "base/mem.h"
+#include "base/safe.h"
 #include "tui/cells.h"
 #include "tui/picture/graphics.h"
 
@@ -264,8 +265,8 @@ static uint32_t character_of(enum block_shape shape, unsigned parts)
 
 static void add_parts(enum block_shape shape, unsigned parts, struct buf *out)
 {
-    char character[CHAR_BYTES_MOST];
-    buf_add(out, character, char_write(character, character_of(shape, parts)));
+    char character[UTF8_BYTES_MOST];
+    buf_add(out, character, utf8_write(character, character_of(shape, parts)));
 }
 
 /* Add a cell, which moves the cursor by one. */

@@ -222,14 +222,6 @@ static struct pilot_wish wish_of(const struct pilot *p)
     return wish;
 }
 
-/* A slow line counts as slow until it is much faster. */
-static bool is_slow(struct pilot *p)
-{
-    const uint64_t takes_ns = flow_carries_ns(&p->flow, SLOW_BYTES);
-    p->stores_slices = takes_ns > (p->stores_slices ? STILL_SLOW_NS : SLOW_NS);
-    return p->stores_slices;
-}
-
 /* Return true if keys rest and a hasty picture is to be replaced by the full one. */
 static bool is_due(const struct pilot *p)
 {
@@ -257,7 +249,10 @@ static void add_picture(struct pilot *p, struct buf *out)
     }
     struct image_view view = p->view;
     const size_t budget = flow_budget(&p->flow), before = out->length;
-    view.is_slow = is_slow(p);
+    const uint64_t takes_ns = flow_carries_ns(&p->flow, SLOW_BYTES);
+    /* A slow line counts as slow until it is much faster. */
+    p->stores_slices = takes_ns > (p->stores_slices ? STILL_SLOW_NS : SLOW_NS);
+    view.is_slow = p->stores_slices;
     if (p->stores_slices)
         painter_keep(&p->painter, &view, p->is_stale ? 0 : budget, out);
     const size_t kept = out->length - before; /* bytes */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "base/safe.h"
 #include "tui/cells.h"
 
 /* ---- undo ---- */
@@ -293,13 +294,13 @@ static void change_letters(struct line *l, enum line_action action)
     OWNED(buf_release) struct buf changed = {0};
     bool is_first = true;
     for (size_t at = l->cursor, bytes; at < end; at += bytes) {
-        char letter[CHAR_BYTES_MOST];
+        char letter[UTF8_BYTES_MOST];
         const uint32_t point = point_at(l, at, &bytes);
         const bool upper = action == LINE_UPPER || (action == LINE_CAPITAL && is_first);
         if (point == CHAR_BROKEN)
             buf_add(&changed, l->text.data + at, bytes);
         else
-            buf_add(&changed, letter, char_write(letter, char_letter(point, upper)));
+            buf_add(&changed, letter, utf8_write(letter, char_letter(point, upper)));
         is_first &= !is_word(l, at);
     }
     if (!changed.failed)
