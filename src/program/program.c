@@ -85,8 +85,9 @@ static bool option_next(struct option_words *w)
         /* Split "--name=value". A name that is too long is cut, and matches no option. */
         const size_t whole = strlen(w->text);
         const size_t length = strncmp(w->text, "--", 2) == 0 ? strcspn(w->text, "=") : whole;
-        const char *name = strcmp(w->text, "-V") == 0 ? "--version" : w->text;
-        snprintf(w->name, sizeof w->name, "%.*s", name == w->text ? (int)length : 9, name);
+        const bool is_short = strcmp(w->text, "-V") == 0;
+        snprintf(w->name, sizeof w->name, "%.*s", is_short ? 9 : (int)length,
+                 is_short ? "--version" : w->text);
         w->value = length < whole ? w->text + length + 1 : NULL;
         unsigned row = w->table->rows - 1;
         while (row && strcmp(w->table->row[row].name, w->name) != 0)
